@@ -1,34 +1,37 @@
-//! The first returns above the recorded depth: how many, why they may be there, and in which
-//! stretches, so that an analyst who sees the bottom there can accept one.
+//! Finds the first returns above the recorded depth, counts them, and groups them into stretches,
+//! so that an analyst who sees the bottom there can accept a stretch.
 
 use bathyscope_bottom::cloud::{CloudPoint, PointSource};
 use bathyscope_log::support::statistics::median;
 use bathyscope_log::survey::{Side, Survey};
 use bathyscope_products::pipeline::Products;
 
-/// Pings without such a return that part two stretches.
+/// Number of pings without a return above the recorded depth that separate two stretches.
 const GAP_PINGS: u32 = 12;
-/// Stretches that are listed, those with most returns.
+/// Greatest number of stretches that are listed: those with most returns.
 const MOST_LISTED: usize = 40;
-/// Fewer returns are no stretch: a fish, a bubble.
+/// Least number of returns of a stretch: fewer are a fish or a bubble.
 const LEAST_RETURNS: usize = 4;
-/// Share of the returns above which they count as one-sided, as where the bottom slopes across the
-/// track.
+/// Share of the returns on one side above which they count as one-sided, as where the bottom slopes
+/// across the track.
 const ONE_SIDED: f64 = 0.75;
 
 /// First returns that lie above the recorded depth by more than the margin: dashed in the
 /// waterfall.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct AboveBottom {
-    /// Their number on both sides.
+    /// Number of these first returns on both sides.
     pub count: usize,
-    /// Those that stand out from the bed, which the recorder follows less closely elsewhere nearby.
+    /// Number of those that stand out from the bed, which the recorder follows less closely
+    /// elsewhere nearby.
     pub standing: usize,
-    /// Those of them that count as bottom all the same, because they go on for long.
+    /// Number of those that stand out but count as bottom all the same, because they go on for
+    /// long.
     pub counted: usize,
-    /// Median height of those that stand out above the recorded depth, metres; NaN without any.
+    /// Median height above the recorded depth of those that stand out, metres; NaN without any.
     pub height_m: f64,
-    /// The side on which most of these lie, where nearly all do.
+    /// The side with nearly all of those that stand out; `None` if both sides have many, or there
+    /// are none.
     pub one_side: Option<Side>,
     /// Stretches of consecutive such first returns; those with most returns that do not count come
     /// first.
@@ -42,15 +45,15 @@ pub struct AboveStretch {
     pub side: Side,
     /// First and last ping.
     pub pings: [usize; 2],
-    /// First returns above the recorded depth in it.
+    /// Number of first returns above the recorded depth in the stretch.
     pub count: usize,
-    /// Number of them that do not count for the map.
+    /// Number of these returns that do not count for the map.
     pub uncounted: usize,
-    /// Their median height above the recorded depth, metres.
+    /// Median height of these returns above the recorded depth, metres.
     pub height_m: f64,
 }
 
-/// A return of a stretch.
+/// A first return above the recorded depth.
 struct Above {
     ping: u32,
     height_m: f64,
@@ -87,7 +90,7 @@ impl AboveBottom {
         }
     }
 
-    /// The stretch that a ping of a side lies in.
+    /// Returns the stretch of a side that contains a ping; `None` if no listed stretch does.
     pub(crate) fn stretch_at(&self, side: Side, ping: usize) -> Option<&AboveStretch> {
         let holds =
             |one: &&AboveStretch| one.side == side && (one.pings[0]..=one.pings[1]).contains(&ping);
@@ -112,7 +115,7 @@ fn heights_m<'a>(all: impl Iterator<Item = &'a Above>) -> impl Iterator<Item = f
     all.map(|above| above.height_m).filter(|height_m| height_m.is_finite())
 }
 
-/// Those of a side, in ping order.
+/// Returns the first returns of a side that lie above the recorded depth, in ping order.
 fn of_side(survey: &Survey, products: &Products, side: Side) -> Vec<Above> {
     let source = match side {
         Side::Port => PointSource::Port,
@@ -137,7 +140,7 @@ fn of_side(survey: &Survey, products: &Products, side: Side) -> Vec<Above> {
         .collect()
 }
 
-/// Returns the height of a point above the recorded depth of its ping, metres; NaN without one.
+/// Returns the height of a point above the recorded depth of its ping, metres; NaN without a depth.
 fn height_m(survey: &Survey, products: &Products, point: &CloudPoint) -> f64 {
     let ping = survey.side_scan.get(point.ping as usize);
     ping.map_or(f64::NAN, |ping| {

@@ -1,4 +1,5 @@
-//! The table of commands: names, hints and keys; menus, palette, key handling and manual read it.
+//! Defines the table of commands, with names, hints and keys, from which menus, palette, key
+//! handling and manual are made.
 
 mod rows;
 
@@ -12,7 +13,7 @@ use std::sync::LazyLock;
 /// `F11`.
 pub type Keys = &'static str;
 
-/// What the window does for a command that the state does not carry out.
+/// An effect on the window of a command that does not change the state of the app.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum WindowAction {
     /// Asks for logs to open.
@@ -37,7 +38,7 @@ pub(crate) enum WindowAction {
     OpenTruth,
     /// Asks for the reference that points are compared with.
     OpenReference,
-    /// Asks for a detector.
+    /// Asks for a detector model.
     OpenModel,
     /// Asks which products to write.
     Export,
@@ -45,7 +46,7 @@ pub(crate) enum WindowAction {
     ExportLog,
     /// Asks where to write the visible pings.
     ExportPings,
-    /// Opens the folder that was written last.
+    /// Opens the folder into which files were last written.
     OpenExported,
     /// Asks how to print a view.
     PrintView,
@@ -57,7 +58,7 @@ pub(crate) enum WindowAction {
     SaveProjectAs,
     /// Saves the review.
     SaveReview,
-    /// Asks for the folder that reviewed boxes go into.
+    /// Asks for the folder into which reviewed boxes are written.
     ExportBoxes,
     /// Shows or hides the list of changes.
     History,
@@ -69,7 +70,7 @@ pub(crate) enum WindowAction {
     Manual,
     /// Moves the keyboard to a view.
     Focus(View),
-    /// Shows the window on the whole screen, or ends that.
+    /// Turns full screen on or off.
     FullScreen,
     /// Shows the focused view alone, or all views.
     Maximise,
@@ -91,9 +92,9 @@ pub(crate) enum WindowAction {
     TopView,
     /// Looks at the 3D view from the side.
     SideView,
-    /// Gives the waterfall equal scales.
+    /// Draws the waterfall with equal scales along and across, or ends that.
     OneToOne,
-    /// Plays, or pauses.
+    /// Starts or pauses playing along the survey.
     Play,
     /// Plays faster.
     PlayFaster,
@@ -119,8 +120,8 @@ struct ActionRow {
     group: ActionGroup,
     label: &'static str,
     hint: &'static str,
-    /// The key that menus show, and a second one where other programs have another key for the
-    /// same, or the key is another one on many keyboards.
+    /// The key that menus show, and a second key where other programs use another one for this
+    /// command, or where the first differs on many keyboards.
     keys: [Option<Keys>; 2],
     key_scope: Option<KeyScope>,
     repeats: bool,
@@ -218,7 +219,7 @@ impl Action {
         &ROWS[self as usize]
     }
 
-    /// Name in menus and the palette.
+    /// Returns the name of the command in menus and the palette.
     pub fn label(self) -> &'static str {
         self.row().label
     }
@@ -235,17 +236,17 @@ impl Action {
         }
     }
 
-    /// Its key, if it has one.
+    /// Returns the key of the command that menus show; `None` if it has no key.
     pub fn keys(self) -> Option<Keys> {
         self.row().keys[0]
     }
 
-    /// The key that texts name; empty where it has none.
+    /// Returns the key of the command for use in texts; empty if it has no key.
     pub fn key(self) -> Keys {
         self.keys().unwrap_or_default()
     }
 
-    /// All its keys, the one that menus show first.
+    /// Returns all keys of the command, beginning with the key that menus show.
     pub fn all_keys(self) -> impl Iterator<Item = Keys> {
         self.row().keys.into_iter().flatten()
     }
@@ -255,20 +256,21 @@ impl Action {
         self.row().key_scope
     }
 
-    /// Returns `true` where a held key repeats the command: stepping, undo and redo. All others act
-    /// once a press; a held A would otherwise accept box after box before any was looked at.
+    /// Returns true if a held key repeats the command: stepping, undo and redo. All other commands
+    /// act once a press; a held A would otherwise accept box after box before the analyst has
+    /// looked at them.
     pub(crate) fn repeats(self) -> bool {
         self.row().repeats
     }
 
-    /// Returns true if its bare key only offers it, with a button that does it: it changes depths
-    /// or places of the whole log, and a slip of the hand must not.
+    /// Returns true if the bare key of the command only offers it, with a button that carries it
+    /// out: the command changes depths or places of the whole log, and a slip of the hand must not.
     pub(crate) fn asks_by_key(self) -> bool {
         self.row().asks_by_key
     }
 
-    /// Returns true if it decides about the selected box or changes it, so that the box must be in
-    /// sight.
+    /// Returns true if the command decides about the selected box or changes it, so that the box
+    /// must be visible.
     pub(crate) fn is_about_selected_box(self) -> bool {
         self.row().is_about_selected_box
     }

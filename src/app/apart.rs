@@ -1,12 +1,13 @@
-//! Logs that make no survey with the others: they are opened, but not shown on the map until the
-//! analyst asks for them.
+//! Hides logs that do not form a survey with the others: they are opened, but not shown on the map
+//! until the analyst asks for them.
 
 use super::{Action, App, LogId};
 use bathyscope_log::support::printable::quoted;
 use bathyscope_log::survey::{Apart, Survey, apart};
 
 impl App {
-    /// Takes logs off the map that were opened together with others and make no survey with them.
+    /// Hides the newly opened logs that do not form a survey with the others, and offers to show
+    /// them.
     pub(super) fn set_apart(&mut self) {
         let arrived = std::mem::take(&mut self.logs.arrived);
         let logs: Vec<(LogId, bool, &Survey)> = self
@@ -38,7 +39,7 @@ impl App {
         if let (false, Some(first)) = (self.log.is_visible, first) {
             self.show_log(first);
         }
-        // The plane of a log that is far away would bend the others.
+        // The plane of a distant log would distort the positions of the other logs.
         self.document.is_plane_moved = true;
         self.settle_plane();
         let text = format!("Open, but not part of this survey: {}", names.join(", "));
@@ -47,7 +48,7 @@ impl App {
         self.schedule();
     }
 
-    /// Shows all logs on one map, whatever is between them, as an undo step.
+    /// Shows all logs on one map, whatever the distance between them, as an undo step.
     pub(super) fn show_together(&mut self) {
         let before = self.step_now();
         for log in self.logs_mut().filter(|log| log.apart.is_some()) {

@@ -14,7 +14,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 impl App {
-    /// Carries out a command. Those that only the window can do are left to it.
+    /// Carries out a command; commands of the window have no effect here.
     pub fn apply(&mut self, command: Command) {
         match command {
             Command::Do(action) => self.act(action),
@@ -82,7 +82,7 @@ impl App {
             Command::SortMistakes(sort) => self.sort_mistakes(sort),
             Command::Write(file) => self.write_file(file),
             Command::OpenFile(file) => self.open_file(file),
-            // Views, their arrangement and the keyboard belong to the shell.
+            // Views, their arrangement and the keyboard are handled by the window.
             Command::ByKey { .. }
             | Command::ShowSetting(_)
             | Command::Focus(_)
@@ -124,7 +124,7 @@ impl App {
         }
     }
 
-    /// Opens a project, or logs, in the place of what is open.
+    /// Opens a project or logs, and replaces what is open.
     fn open_paths(&mut self, paths: Vec<PathBuf>) {
         match paths.iter().find(|path| is_project(path)) {
             Some(project) => self.open_project(project.clone()),
@@ -142,7 +142,7 @@ impl App {
         self.change_of(self.log.id, settings, label, live);
     }
 
-    /// Changes the settings of a log, and of all others what they share with it.
+    /// Changes the settings of a log, and the shared settings of all other logs with them.
     pub(super) fn change_of(
         &mut self,
         id: LogId,
@@ -163,7 +163,7 @@ impl App {
             Ok(parts) => parts,
             Err(error) => {
                 let text = error.to_string();
-                // A drag would say it over and over.
+                // A drag would repeat the notice over and over.
                 if self.notices.last().is_none_or(|last| last.text != text) {
                     self.warn(text);
                 }
@@ -187,7 +187,7 @@ impl App {
         self.settle_plane();
     }
 
-    /// Gives a log its own settings over the shared ones.
+    /// Sets the own settings of a log, and its settings, composed of these and the shared ones.
     pub(super) fn set_own(&mut self, id: LogId, own: Arc<LogSettings>, live: bool) {
         let settings = own.compose(&self.document.shared);
         if let Some(log) = self.log_mut(id) {
@@ -199,7 +199,7 @@ impl App {
         }
     }
 
-    /// Has all logs but one follow the shared settings.
+    /// Applies the shared settings to all logs but `but`.
     fn share_settings(&mut self, but: LogId) {
         let others = self.logs().filter(|log| log.id != but);
         let others: Vec<_> = others.map(|log| (log.id, log.own.clone())).collect();
@@ -237,8 +237,8 @@ impl App {
         if !same_returns && changed {
             self.preview_returns();
         }
-        // The search over the whole log waits until the slider is let go; all later stages follow
-        // the drag.
+        // The search for first returns over the whole log waits until the slider is released; all
+        // later stages follow the drag.
         if same_returns && changed || !live && self.stale().is_some() {
             self.process();
         } else if live && changed {
@@ -257,7 +257,8 @@ impl App {
         self.view.reveal = Some(Reveal { mark, serial, close_up: None });
     }
 
-    /// Ends the innermost of what is under way.
+    /// Leaves the innermost activity: measuring, a tool or selected box, a proposed stretch, or
+    /// else the finished measurement.
     fn leave_current_tool(&mut self) {
         if self.leave_measuring() {
             return;
@@ -300,7 +301,7 @@ impl App {
     fn nudge_threshold(&mut self, by: f32) {
         let mut settings = Settings::clone(&self.log.settings);
         let threshold = settings.first_return.threshold + by;
-        // Steps of a hundredth stay hundredths.
+        // Rounding keeps the steps of a hundredth exact.
         settings.first_return.threshold = ((threshold * 100.0).round() / 100.0).clamp(0.0, 1.0);
         self.change(settings, "threshold", false);
     }

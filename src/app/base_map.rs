@@ -1,5 +1,5 @@
-//! The analyst's own picture under the map: opened in a background thread, kept from survey to
-//! survey.
+//! Opens the analyst's own picture under the map in a background thread, and keeps it from survey
+//! to survey.
 
 use super::error::AppError;
 use super::{App, MapLayer, Task, TaskOutcome};
@@ -10,18 +10,19 @@ use std::sync::Arc;
 /// A base map that is being opened.
 pub(super) struct OpeningBaseMap {
     task: Task<Result<BaseMap, AppError>>,
-    /// It lay there when the window was closed: nobody asked for it now.
+    /// True if the map was open when the window was last closed, so that the analyst did not ask
+    /// for it now.
     is_of_last_time: bool,
 }
 
 impl App {
-    /// Starts opening a base map; one that is still being opened is dropped.
+    /// Starts opening a base map; the opening of an earlier one is dropped.
     pub(super) fn open_base_map(&mut self, path: PathBuf) {
         self.start_base_map(path, false);
     }
 
-    /// Opens the base map that lay there when the window was closed; one that is gone is left, and
-    /// that is said.
+    /// Opens the base map that was open when the window was last closed; notifies the analyst if
+    /// its file is missing.
     pub(crate) fn reopen_base_map(&mut self, path: PathBuf) {
         if path.is_file() {
             self.start_base_map(path, true);
@@ -32,7 +33,7 @@ impl App {
     }
 
     fn start_base_map(&mut self, path: PathBuf, is_of_last_time: bool) {
-        // It has to be found again from whatever folder the next run starts in.
+        // The file must be found again in whatever folder the next run starts.
         let path = std::path::absolute(&path).unwrap_or(path);
         let open = move |progress: &bathyscope_log::support::progress::Progress| {
             Ok(base_map::open(&path, progress)?)
@@ -41,18 +42,18 @@ impl App {
             Some(OpeningBaseMap { task: Task::start(&self.jobs, open), is_of_last_time });
     }
 
-    /// Takes the base map off the map.
+    /// Removes the base map.
     pub(super) fn close_base_map(&mut self) {
         self.map.base_map = None;
         self.files.opening_base_map = None;
     }
 
-    /// Done share of the base map that is being opened, 0 to 1.
+    /// Returns the done share of opening a base map, 0 to 1; `None` if none is being opened.
     pub(crate) fn base_map_fraction(&self) -> Option<f32> {
         self.files.opening_base_map.as_ref().map(|opening| opening.task.fraction())
     }
 
-    /// Collects a base map that was opened.
+    /// Shows a base map when opening has ended, or notifies the analyst of the error.
     pub(super) fn poll_base_map(&mut self) {
         let Some(opening) = &self.files.opening_base_map else {
             return;
@@ -65,7 +66,7 @@ impl App {
         };
         self.files.opening_base_map = None;
         match opened {
-            // As it was left: shown or not, and without a word.
+            // A base map of the last session stays shown or hidden, without a notice.
             Ok(map) if is_of_last_time => self.map.base_map = Some(Arc::new(map)),
             Ok(map) => {
                 self.notify(self.words_about(&map));

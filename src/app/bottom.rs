@@ -1,5 +1,5 @@
-//! Bottom edits: strokes of the pen and steps of the keys become settings, which undo takes back,
-//! and are kept in the sidecar file `LOG.bottom.toml` as they are made.
+//! Turns bottom edits, made by strokes of the pen and steps of the keys, into settings that can be
+//! undone, and saves them in the sidecar file `LOG.bottom.toml` as they are made.
 
 use super::error::AppError;
 use super::loader::ReadBottom;
@@ -15,7 +15,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Undo's name for all of it.
+/// Name of undo steps that edit the bottom.
 const LABEL: &str = "bottom";
 
 /// Effect of a stroke of the pen on its pings.
@@ -32,15 +32,16 @@ pub enum Ink {
 /// A stroke of the pen over the waterfall.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BottomStroke {
-    /// The side it began on.
+    /// The side on which the stroke began.
     pub side: Side,
-    /// Pings with their fractions, and slant ranges, metres by the recorder's scale.
+    /// Points of the stroke: fractional ping, and slant range in metres by the recorder's scale.
     pub path: Vec<[f64; 2]>,
     /// Effect of the stroke on its pings.
     pub ink: Ink,
 }
 
-/// The file: settings, so that `bathyscope process --settings` takes it as it is.
+/// Contents of the sidecar file: settings, so that `bathyscope process --settings` accepts the file
+/// unchanged.
 #[derive(Serialize)]
 struct Kept {
     bottom: BottomSettings,
@@ -49,16 +50,16 @@ struct Kept {
 /// Sidecar file of the bottom that is drawn on the open log, and the contents of that file.
 #[derive(Default)]
 pub(super) struct BottomSidecar {
-    /// `None` where nothing may be written: the demo.
+    /// `None` where nothing may be written, as for the demo.
     path: Option<PathBuf>,
-    /// The file that is there cannot be read. It may be somebody's work, and is renamed before
-    /// anything is written.
+    /// True if the existing file cannot be read. The file may be somebody's work, and is renamed
+    /// before anything is written.
     refused: bool,
     written: BottomSettings,
 }
 
 impl App {
-    /// Takes a stroke over; with both sides asked for, on the other side at the same ranges too.
+    /// Edits the bottom along a stroke; on both sides at the same ranges if that option is on.
     pub(super) fn draw_bottom(&mut self, stroke: &BottomStroke) {
         let Some(survey) = &self.log.survey else {
             return;
@@ -79,8 +80,8 @@ impl App {
         self.set_bottom(bottom);
     }
 
-    /// Accepts the first returns of some pings as bottom where they were found, or takes that back,
-    /// as an undo step; with both sides asked for, on the other side too.
+    /// Accepts the first returns of some pings as bottom where they were found, or undoes the
+    /// acceptance, as an undo step; on both sides if that option is on.
     pub(super) fn accept_bottom(&mut self, side: Side, pings: [usize; 2], accept: bool) {
         let Some(survey) = &self.log.survey else {
             return;
@@ -115,8 +116,8 @@ impl App {
         (Side::BOTH.into_iter()).filter(move |&one| both || one == side)
     }
 
-    /// Moves the bottom at the selected ping outward by samples; where none is detected, it begins
-    /// at the recorded depth.
+    /// Moves the bottom at the selected ping outward by samples, beginning at the recorded depth
+    /// where no bottom is detected.
     pub(super) fn nudge_bottom(&mut self, samples: i32) {
         let (Some(survey), Some(mark)) = (self.log.survey.clone(), self.view.selection) else {
             let text = "select a ping first, with the arrow keys or a click";
@@ -130,7 +131,7 @@ impl App {
             let from_m = self.bottom_at(&survey, mark, side);
             let range_m = from_m.unwrap_or_else(|| span.range_m(0.0))
                 + f64::from(samples) * span.metres_per_sample();
-            // Not `clamp`, which panics on the limits that a damaged header may state.
+            // `clamp` would panic on the limits that a damaged header may contain.
             let range_m = range_m.max(f64::from(span.near_m)).min(f64::from(span.far_m));
             let line = BottomEdit {
                 side,
@@ -152,8 +153,8 @@ impl App {
         }
     }
 
-    /// Returns the present slant range of the bottom, metres: as drawn, else as found, else the
-    /// recorded depth; `None` where none is known.
+    /// Returns the present slant range of the bottom, metres: the drawn one, else the found one,
+    /// else the recorded depth; `None` where none of them is known.
     fn bottom_at(&self, survey: &Survey, mark: LogPlace, side: Side) -> Option<f64> {
         let line = self.log.settings.bottom.line_at(side, mark.ping);
         let drawn_m = line.and_then(|line| line.range_m(mark.ping));
@@ -165,7 +166,8 @@ impl App {
         drawn_m.or(found_m).or(recorded_m.filter(|depth_m| depth_m.is_finite()))
     }
 
-    /// Goes back to what the search found, everywhere.
+    /// Removes all bottom edits of the shown log, so that the first returns of the search count
+    /// again.
     pub(super) fn forget_bottom(&mut self) {
         self.set_bottom(BottomSettings::default());
     }
@@ -176,7 +178,7 @@ impl App {
         self.change(settings, LABEL, false);
     }
 
-    /// Takes up what was drawn on a log that is opened, `read` in a background thread.
+    /// Restores the bottom edits of a log that is being opened, `read` in a background thread.
     pub(super) fn take_bottom(&mut self, id: LogId, read: Option<ReadBottom>, is_file: bool) {
         let taken = self.log_mut(id).map(|log| log.take_bottom(read, is_file));
         match taken {
@@ -186,7 +188,7 @@ impl App {
         }
     }
 
-    /// Writes what was drawn on a log, when it is not what the file holds.
+    /// Saves the bottom edits of a log if they differ from the sidecar file.
     pub(super) fn keep_bottom(&mut self, id: LogId) {
         let Some(log) = self.log_mut(id) else {
             return;
@@ -203,7 +205,8 @@ impl App {
 }
 
 impl OpenLog {
-    /// Takes up what was drawn on it when it was last open; gives what to say of that.
+    /// Restores the bottom edits that were made when the log was last open; returns the text of a
+    /// notice about them, or `None` if there are none.
     fn take_bottom(
         &mut self,
         read: Option<ReadBottom>,
@@ -236,9 +239,9 @@ impl OpenLog {
 }
 
 impl BottomSidecar {
-    /// Writes the bottom, when it is not what the file holds. An empty drawing takes the file away.
-    /// Gives where what could not be used is kept, where there was something, and why nothing is
-    /// written any more.
+    /// Writes the bottom edits if they differ from the file; without edits, the file is removed.
+    /// Returns the path to which an unreadable file was renamed, if there was one, and the error
+    /// after which nothing more is written.
     fn keep(&mut self, bottom: &BottomSettings) -> (Option<PathBuf>, Result<(), AppError>) {
         let Some(path) = self.path.clone().filter(|_| *bottom != self.written) else {
             return (None, Ok(()));
@@ -263,7 +266,8 @@ impl BottomSidecar {
     }
 }
 
-/// Half of a sample's slant range where a stroke begins, metres: finer corners say nothing.
+/// Returns half of the slant range of a sample where a stroke begins, metres: finer corners have no
+/// meaning.
 fn half_a_sample_m(survey: &Survey, side: Side, path: &[[f64; 2]]) -> f64 {
     let ping = path.first().map_or(0, |[ping, _]| ping.max(0.0) as usize);
     let span = survey.span(ping, side);

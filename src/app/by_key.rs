@@ -1,5 +1,5 @@
-//! Notices of changes that a bare key made, with undo: a slip of the hand, or text that is typed
-//! into no field, is seen at once.
+//! Notifies the analyst of changes that a bare key made, with undo, so that a slip of the hand, or
+//! text that is typed outside a field, is noticed at once.
 
 use super::step::{LogStep, UndoStep};
 use super::{Action, App, Command, KeyFocus, LogBox, MapLayer, View};
@@ -7,20 +7,20 @@ use bathyscope_objects::review::BoxId;
 use bathyscope_products::pipeline::{SettingValues, setting_values};
 use std::sync::Arc;
 
-/// Keys of settings that change how the waterfall looks, and no result.
+/// Prefix of the keys of settings that change how the waterfall looks, but no result.
 const PICTURE: &str = "picture.";
 
 /// State that a bare key may change, as it was before the key acted.
 pub(crate) struct BeforeKey(UndoStep);
 
 impl App {
-    /// Notes what a bare key may change.
+    /// Returns the state that a bare key may change.
     pub(crate) fn before_key(&self) -> BeforeKey {
         BeforeKey(self.step_now())
     }
 
-    /// Says what a bare key has changed of depths and decisions since `before`, with undo. The next
-    /// key takes the place of its notice.
+    /// Notifies the analyst of depths and decisions that a bare key has changed since `before`, and
+    /// offers undo. The next key replaces the notice.
     pub(crate) fn say_changed_by_key(&mut self, keys: &str, before: &BeforeKey) {
         if !changes_results(&before.0, &self.step_now()) {
             return;
@@ -30,7 +30,7 @@ impl App {
     }
 
     /// Returns true if a bare key must not act, and notifies the analyst of the reason: the action
-    /// needs confirmation, or the thing that it acts on is not selected or not in sight.
+    /// needs confirmation, or the object that it acts on is not selected or not visible.
     pub(crate) fn holds_key_back(
         &mut self,
         keys: &str,
@@ -53,13 +53,13 @@ impl App {
         }
     }
 
-    /// Offers an action whose key alone must not carry it out.
+    /// Offers an action whose key alone must not carry it out; returns true if it was offered.
     fn ask_by_key(&mut self, keys: &str, action: Action) -> bool {
         let consequence = match action {
             Action::SwapSides if self.log.survey.is_some() => {
                 "exchange port and starboard of this log in every view and product"
             }
-            // It says what it lacks.
+            // The other actions notify the analyst themselves of what is missing.
             _ => return false,
         };
         self.withdraw(action);
@@ -67,8 +67,8 @@ impl App {
         true
     }
 
-    /// Returns true if no box is selected, or the selected one is not to be seen where the key was
-    /// pressed; then it comes into view.
+    /// Returns true if no box is selected, or the selected box is not visible where the key was
+    /// pressed; a box outside the visible pings is brought into view.
     fn misses_box(&mut self, keys: &str, focus: KeyFocus) -> bool {
         let Some(one) = self.log.reviewing.selected_box() else {
             self.ask_for_box();
@@ -117,7 +117,7 @@ fn changes_log(before: &LogStep, after: &LogStep) -> bool {
         || before.is_visible != after.is_visible
 }
 
-/// The settings that results depend on.
+/// Returns the settings that affect results.
 fn results_of(values: &SettingValues) -> SettingValues {
     let mut values = values.clone();
     values.retain(|key, _| !key.starts_with(PICTURE));

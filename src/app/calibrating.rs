@@ -1,6 +1,6 @@
-//! The scale of a log: a stretch is proposed, what it would change is worked out, and the analyst
-//! takes it or keeps the recorded range. Nothing changes before that; afterwards it is said by how
-//! much the depths changed.
+//! Sets the scale of a log: a stretch is proposed, its effect is computed, and the analyst uses it
+//! or keeps the recorded range. Nothing changes before that; afterwards a notice states by how much
+//! the depths changed.
 
 use super::{Action, App, LogId, OpenLog, Tool};
 use bathyscope_bottom::calibration::{self, CalibrationSettings, PingRange, ScaleMode};
@@ -12,18 +12,18 @@ use bathyscope_products::pipeline::{
 };
 use std::sync::Arc;
 
-/// Setting of the scale in use.
+/// Key of the setting of the scale in use.
 const MODE: &str = "calibration.mode";
-/// Pings to either side of one that are proposed before it is known where the pings lie.
+/// Pings to either side of a ping that are proposed before the positions of the pings are known.
 const PINGS_ASIDE: usize = 50;
 
 /// Inputs of a trial; equal keys give the same trial.
 type TrialKey = (Same<Survey>, Same<Settings>, PingRange);
 
-/// Proposal, trial and change of the scale of a log that are under way.
+/// State of the proposal, trial and change of the scale of a log.
 #[derive(Default)]
 pub(super) struct Calibrating {
-    /// The stretch that waits for the analyst.
+    /// The stretch that is proposed to the analyst; `None` if none is.
     proposal: Option<PingRange>,
     trial: Background<TrialKey, Arc<ScaleTrial>>,
     change: Option<ScaleChange>,
@@ -31,7 +31,7 @@ pub(super) struct Calibrating {
     pub(super) offered: Option<PingRange>,
 }
 
-/// A change of scale whose results are on their way.
+/// A change of scale whose results are still being computed.
 struct ScaleChange {
     /// Description of the change, as the beginning of a sentence.
     what: String,
@@ -60,8 +60,8 @@ impl Calibrating {
         self.trial.is_running()
     }
 
-    /// Returns a sentence about the effect of the last change of scale on the depths, once, if
-    /// `products` are the results of that change.
+    /// Returns a sentence about the effect of the last change of scale on the depths, if `products`
+    /// are the results of that change; `None` when called again.
     pub(super) fn said_of_change(&mut self, products: &Products) -> Option<String> {
         let change = self.change.take();
         let change = change.filter(|change| change.calibration == products.settings.calibration)?;
@@ -79,7 +79,8 @@ impl Calibrating {
 }
 
 impl OpenLog {
-    /// The stretch that is proposed for the scale; nothing depends on it before it is taken.
+    /// Returns the stretch that is proposed for the scale; no result depends on it until it is
+    /// used.
     pub fn proposed_stretch(&self) -> Option<PingRange> {
         self.calibrating.proposal
     }
@@ -91,14 +92,15 @@ impl OpenLog {
         trial.filter(|trial| trial.spot.range() == proposal)
     }
 
-    /// Has the trial of the proposed stretch follow the results.
+    /// Starts the trial of the proposed stretch again when the results have changed.
     pub(super) fn poll_calibrating(&mut self, jobs: &Jobs) {
         if let Some((pings, log)) = self.calibrating.proposal.zip(self.settled()) {
             self.calibrating.follow(log, pings, jobs);
         }
     }
 
-    /// Has it said what a change of scale did to the depths, once the results are there.
+    /// Remembers the depths before a change of scale, so that its effect on them is reported once
+    /// its results exist.
     fn expect_change(&mut self, what: String, calibration: CalibrationSettings) {
         let products = self.products.as_ref();
         self.calibrating.change = products.map(|products| ScaleChange {
@@ -120,8 +122,8 @@ impl App {
         }
     }
 
-    /// Toggles the tool that proposes stretches. Where nothing is proposed yet, the stretch at the
-    /// selected ping is, or the best one.
+    /// Toggles the tool that proposes stretches. Without a proposal, the stretch at the selected
+    /// ping is proposed, or else the best one.
     pub(super) fn take_calibration_tool(&mut self) {
         self.take_tool(Tool::Calibrate);
         let is_in_hand = self.log.reviewing.tool == Tool::Calibrate;
@@ -136,7 +138,8 @@ impl App {
         }
     }
 
-    /// The stretch about a ping, as long as those that are ranked.
+    /// Returns the stretch around a ping, as long as the ranked stretches; `None` if it has no
+    /// pings.
     pub(crate) fn stretch_around(&self, ping: usize) -> Option<PingRange> {
         let survey = self.log.survey.as_ref()?;
         let pings = match &self.log.products {
@@ -150,12 +153,12 @@ impl App {
         (start < end).then_some(PingRange { start, end })
     }
 
-    /// Drops the proposal for the shown log.
+    /// Drops the proposed stretch of the shown log.
     pub(super) fn drop_proposal(&mut self) {
         self.log.calibrating.drop_proposal();
     }
 
-    /// Takes the scale of the stretch that is proposed for the shown log, as an undo step.
+    /// Scales the shown log by the proposed stretch, as an undo step.
     pub(super) fn use_scale(&mut self) {
         let Some(pings) = self.log.calibrating.proposal else {
             let text = "no stretch is proposed; drag one with Calibrate on a stretch";
@@ -174,15 +177,14 @@ impl App {
         self.use_stretch(self.log.id, pings);
     }
 
-    /// Takes the scale of a stretch of a log, as an undo step.
+    /// Scales a log by one of its stretches, as an undo step.
     fn use_stretch(&mut self, id: LogId, pings: PingRange) {
         let (first, last) = (pings.start, pings.end.saturating_sub(1));
         let what = format!("Scale from pings {first} to {last}");
         self.set_scale(id, ScaleMode::FlatSpot, Some(pings), what);
     }
 
-    /// Takes the recorder's own range as the scale of the shown log, as an undo step, and drops the
-    /// proposal.
+    /// Scales the shown log by the recorder's own range, as an undo step, and drops the proposal.
     pub(super) fn keep_recorded_range(&mut self) {
         self.drop_proposal();
         if self.log.settings.calibration.mode != ScaleMode::Header {
@@ -191,7 +193,7 @@ impl App {
         }
     }
 
-    /// Takes the flatter stretch that was offered for the log that is followed.
+    /// Scales the followed log by the flatter stretch that was offered for it.
     pub(super) fn use_offered_stretch(&mut self) {
         self.withdraw(Action::UseFlatterStretch);
         let offered = |log: &OpenLog| Some((log.id, log.calibrating.offered?));
@@ -201,8 +203,8 @@ impl App {
         }
     }
 
-    /// Changes the scale of a log, as a setting of its own: a scale that is measured on its pings
-    /// says nothing about another log.
+    /// Changes the scale of a log, as one of its own settings: a scale that is measured on its
+    /// pings is not valid for another log.
     fn set_scale(&mut self, id: LogId, mode: ScaleMode, pings: Option<PingRange>, what: String) {
         let before = self.step_now();
         let (shared, count) = (self.document.shared.clone(), self.log_count());

@@ -1,9 +1,9 @@
-//! Logs on cards and drives, looked for while nothing is open: what a person most likely came to
-//! open.
+//! Searches cards and drives for logs while nothing is open, because a person most likely came to
+//! open these.
 //!
-//! The drives are listed every few seconds, so that a card that is put in is offered and one that
-//! is taken out is not. Each is searched once, in a thread of its own: a slow card keeps no other
-//! waiting.
+//! The drives are listed every few seconds, so that an inserted card is offered and a removed one
+//! is not. Each drive is searched once, in its own thread, so that a slow card does not delay the
+//! others.
 
 use super::{App, Task, TaskOutcome};
 use bathyscope_log::formats::{LogFolder, log_folders};
@@ -16,17 +16,17 @@ pub(crate) const LISTED_EVERY: Duration = Duration::from_secs(3);
 /// Function that lists the top folders of the drives.
 type Drives = fn() -> Vec<PathBuf>;
 
-/// The drives, and what was found on them.
+/// State of the search: the drives, and the folders that were found on them.
 #[derive(Default)]
 pub(super) struct CardSearch {
-    /// Lists the drives; without it there is no search.
+    /// Function that lists the drives; `None` if they are not searched.
     drives: Option<Drives>,
     listing: Option<Task<Vec<PathBuf>>>,
     listed: Option<Instant>,
     cards: Vec<Card>,
 }
 
-/// A drive.
+/// A drive, and the folders with logs that were found on it.
 struct Card {
     top: PathBuf,
     searching: Option<Task<Vec<LogFolder>>>,
@@ -34,13 +34,13 @@ struct Card {
 }
 
 impl App {
-    /// Looks for logs on these drives from now on, whenever nothing is open.
+    /// Searches these drives for logs from now on, whenever nothing is open.
     pub fn look_for_cards(&mut self, drives: Drives) {
         self.card_search.drives = Some(drives);
     }
 
-    /// The folders with logs on cards and drives, as far as they were found; that with the newest
-    /// log first.
+    /// Returns the folders with logs that were found so far on cards and drives, beginning with the
+    /// folder of the newest log.
     pub fn card_folders(&self) -> Vec<&LogFolder> {
         let cards = self.card_search.cards.iter();
         let mut folders: Vec<&LogFolder> = cards.flat_map(|card| &card.folders).collect();
@@ -48,7 +48,7 @@ impl App {
         folders
     }
 
-    /// Collects what was found, and lists the drives when it is time.
+    /// Collects the found folders, and lists the drives when the time has come.
     pub(super) fn poll_cards(&mut self) {
         let search = &mut self.card_search;
         let Some(drives) = search.drives else {
@@ -115,7 +115,7 @@ mod tests {
         CARDS.lock().expect("a list").clone()
     }
 
-    /// Polls as often as a list and a search take.
+    /// Polls as often as one listing and one search need, and returns the found folders.
     fn look(app: &mut App) -> Vec<PathBuf> {
         app.card_search.listed = None;
         for _ in 0..3 {

@@ -1,14 +1,14 @@
-//! The part of the 3D view that is drawn.
+//! Defines the box to which the 3D view is clipped.
 
-/// A box along the axes of the survey's plane: what lies outside of it is not drawn.
+/// A box along the axes of the survey's plane: the 3D view draws nothing outside it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClipBox {
-    /// Ends east, north and in elevation, metres in the plane of the survey; infinite where it goes
-    /// on as far as there is anything.
+    /// Ends in east, north and elevation, metres in the plane of the survey; infinite where the box
+    /// has no end.
     pub ends_m: [[f64; 2]; 3],
 }
 
 impl ClipBox {
-    /// Everything.
+    /// The box without ends, which clips nothing.
     pub const WHOLE: Self = Self { ends_m: [[f64::NEG_INFINITY, f64::INFINITY]; 3] };
 }

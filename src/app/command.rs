@@ -1,4 +1,4 @@
-//! Everything the window can ask for.
+//! Defines the commands that the window can send to the app.
 
 use super::planning::PlanRequest;
 use super::{
@@ -14,13 +14,13 @@ use bathyscope_products::pipeline::{Preset, Settings};
 use std::ops::Range;
 use std::path::PathBuf;
 
-/// A request of the analyst. Applied by [`super::App::apply`]; those of the window alone (layout,
-/// dialogs) pass through it and are carried out by the shell.
+/// A request of the analyst, carried out by [`super::App::apply`]; commands of the window alone
+/// (layout, dialogs) have no effect there and are carried out by the window.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Command {
-    /// One of the commands of the table: menu, palette or key.
+    /// Carry out a command of the table, from a menu, the palette or a key.
     Do(Action),
-    /// A command given by a bare key: its change is reported, with undo.
+    /// Carry out the command of a bare key, and report its change, with undo.
     ByKey {
         /// The key, as the table of commands writes it.
         keys: Keys,
@@ -31,21 +31,22 @@ pub enum Command {
     },
     /// Open a log.
     Open(PathBuf),
-    /// Open several logs in the place of those that are open; the first of them is shown.
+    /// Open several logs and close those that are open; the first of the new ones is shown.
     OpenAll(Vec<PathBuf>),
-    /// Open these beside the logs that are open; the first of them is shown.
+    /// Open these logs beside those that are open; the first of the new ones is shown.
     Add(Vec<PathBuf>),
     /// Show another of the open logs in waterfall, profile and panels.
     ShowLog(LogId),
-    /// Write the project into its file.
+    /// Save the project in its file.
     SaveProject,
     /// Close a log.
     CloseLog(LogId),
-    /// Move a log down the list by a number of places, or up where it is negative.
+    /// Move a log down the list by a number of places, or up if the number is negative.
     MoveLog(LogId, isize),
     /// Include a log in maps, clouds and products, or exclude it.
     SetLogVisible(LogId, bool),
-    /// Hold the height of a log when heights are applied; of none the mean of all.
+    /// Keep the height of this log when heights are applied; `None` keeps the mean height of all
+    /// logs.
     HoldHeight(Option<LogId>),
     /// Show a log, and a place of it in all views.
     RevealIn(LogId, LogPlace),
@@ -59,33 +60,33 @@ pub enum Command {
         settings: Box<Settings>,
         /// Name of the change in the undo menu: `threshold`, `preset`.
         label: &'static str,
-        /// The analyst is still dragging.
+        /// True while the analyst is still dragging.
         live: bool,
     },
-    /// Take all settings of a preset.
+    /// Use all settings of a preset.
     UsePreset(Preset),
     /// Propose these side-scan pings for the scale; nothing changes yet.
     ProposeStretch(PingRange),
-    /// Change how things are shown.
+    /// Change the display options.
     Show(Box<ViewOptions>),
-    /// Set the place under the pointer; `None` when the pointer left.
+    /// Set the place under the pointer; `None` when the pointer has left.
     Hover(Option<LogPlace>),
-    /// Select, without moving any view.
+    /// Select a place without moving any view.
     Select(Option<LogPlace>),
-    /// Select, and bring the place into all other views.
+    /// Select a place and bring it into all other views.
     Reveal(LogPlace),
-    /// Look for the passes that saw a position, for the menu of the map.
+    /// Find the passes that saw a position, for the menu of the map.
     FindPasses(LonLat),
     /// Show a place in the first pass that saw it.
     ShowPlace(LonLat),
-    /// The waterfall shows these pings now.
+    /// Report the pings that the waterfall shows now.
     Visible(Range<usize>),
-    /// Residuals are in view: compare the points, if that is not done.
+    /// Compare the points with the reference, because residuals are visible, unless that is done.
     CompareWithReference,
-    /// Compare the points with a file of points (with its columns, perhaps: `FILE:x,y,z`) or
-    /// against another log.
+    /// Compare the points with a file of points (optionally with its columns: `FILE:x,y,z`) or with
+    /// another log.
     CompareWith(PathBuf),
-    /// Take the reference of a point from elsewhere.
+    /// Change the method that finds the reference of a point.
     MatchBy {
         /// Method that finds the reference of a point.
         by: ReferenceBy,
@@ -96,33 +97,33 @@ pub enum Command {
     ShowSetting(&'static str),
     /// Move the keyboard focus to a view.
     Focus(View),
-    /// Take this folder in the dialog of the products.
+    /// Choose this folder in the dialog of the products.
     ChooseExportFolder(PathBuf),
     /// Decide about a box or correct it. One undo step ends with the first edit that is not `live`.
     Edit {
         /// The decision or correction.
         edit: Edit,
-        /// The analyst is still dragging.
+        /// True while the analyst is still dragging.
         live: bool,
     },
-    /// Mark a point where a sample lies.
+    /// Mark a target at the place of a sample.
     MarkTarget(LogPlace),
-    /// Decide about a box of any log, or write about it.
+    /// Apply a decision, a correction or a remark to a box of any log.
     EditIn(LogId, Edit),
-    /// The classes that boxes are given became these.
+    /// Set the classes that boxes can have.
     SetClasses(Vec<String>),
-    /// A class has another name, in the list and for all boxes of all logs.
+    /// Rename a class, in the list and for all boxes of all logs.
     RenameClass {
-        /// Its name.
+        /// Present name of the class.
         from: String,
-        /// Its new name.
+        /// New name of the class.
         to: String,
     },
     /// Select a box and bring it into all views, or select none.
     SelectBox(Option<BoxId>),
     /// Show the log of a box, if it is another one, and bring the box into all views.
     SelectLogBox(LogBox),
-    /// Select a box, in whichever log, and enlarge it in all views.
+    /// Select a box of any log, and enlarge it in all views.
     FlyTo(LogBox),
     /// Move the selected box by keys.
     Nudge(Nudge),
@@ -139,14 +140,13 @@ pub enum Command {
         /// The change of its exclusion.
         edit: ExclusionEdit,
     },
-    /// Accept the first returns of these pings, the first and the last, as bottom where they were
-    /// found, or take that back.
+    /// Accept the first returns of these pings as bottom where they were found, or undo that.
     AcceptBottom {
         /// The side.
         side: Side,
-        /// First and last ping.
+        /// First and last ping, both included.
         pings: [usize; 2],
-        /// True if they are accepted.
+        /// True to accept them, false to undo that.
         accept: bool,
     },
     /// Draw the bottom over the waterfall.
@@ -161,15 +161,15 @@ pub enum Command {
     Write(FileToWrite),
     /// Read a file for the open survey.
     OpenFile(FileToOpen),
-    /// Change the planned lines, or what they are planned for.
+    /// Change the planned lines, or the settings that they are planned with.
     Plan(PlanRequest),
-    /// Draw on the map, or take the depths along what is drawn.
+    /// Draw on the map, or compute the depths along the drawn line.
     Measure(Measure),
-    /// Draw the view that was chosen to be printed into a file.
+    /// Draw the view that was chosen for printing into a file.
     PrintInto(PathBuf),
-    /// Notify the analyst in a sentence.
+    /// Notify the analyst with a sentence.
     Notify(String),
-    /// Forget a notice.
+    /// Remove a notice.
     Dismiss(usize),
 }
 
@@ -180,13 +180,13 @@ pub enum FileToWrite {
     Products(PathBuf),
     /// Reviewed boxes and objects, into a folder.
     Boxes(PathBuf),
-    /// The shown log, in the format of the ending.
+    /// The shown log, in the format of the file name's ending.
     Log(PathBuf),
-    /// The visible pings of the shown log, in the format of the ending.
+    /// The visible pings of the shown log, in the format of the file name's ending.
     Pings(PathBuf),
-    /// The planned lines: GPX, KML, QGroundControl or Mission Planner by the ending.
+    /// The planned lines: GPX, KML, QGroundControl or Mission Planner by the file name's ending.
     Plan(PathBuf),
-    /// The measured figure: GeoJSON, or CSV by the ending.
+    /// The measured figure: GeoJSON or CSV by the file name's ending.
     Figure(PathBuf),
     /// The depth profile.
     Profile(PathBuf),
@@ -194,22 +194,22 @@ pub enum FileToWrite {
     Review(PathBuf),
     /// The reviews of all logs that differ from their files.
     Reviews,
-    /// The open logs as a project, which is kept in this file from now on.
+    /// The open logs as a project, which is saved in this file from now on.
     Project(PathBuf),
 }
 
 /// Kind and path of a file to read for the open survey.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FileToOpen {
-    /// A picture of the analyst's own to lie under the map.
+    /// The analyst's own picture, shown under the map.
     BaseMap(PathBuf),
-    /// Polygons that isobaths end at.
+    /// Polygons at which isobaths end.
     IsobathArea(PathBuf),
-    /// Readings of the water's height, to be taken off the depths.
+    /// Readings of the water's height, which are subtracted from the depths.
     WaterLevels(PathBuf),
-    /// A track to lie over the recorder's.
+    /// A track that replaces the track of the recorder.
     Track(PathBuf),
-    /// A table that was dropped: water levels or a track, as its columns say.
+    /// A dropped table of water levels or of a track; its columns determine which.
     Table(PathBuf),
     /// The review of the open survey's boxes.
     Review(PathBuf),

@@ -20,21 +20,21 @@ pub enum ReferenceBy {
     Nearest,
 }
 
-/// Largest distance of a nearest point at first, metres.
+/// Initial largest distance of a nearest point, metres.
 const RADIUS_M: f64 = 1.0;
 
-/// The reference, and how points find it.
+/// The reference, and the method that finds the reference of a point.
 pub struct Comparing {
-    /// Reference that the survey is compared with; without it, the survey's own soundings.
+    /// Reference that the survey is compared with; `None` compares with the survey's own soundings.
     pub reference: Option<Arc<Reference>>,
     /// Method that finds the reference of a point.
     pub by: ReferenceBy,
-    /// Farthest point for [`ReferenceBy::Nearest`], metres.
+    /// Largest distance of the nearest point for [`ReferenceBy::Nearest`], metres.
     pub radius_m: f64,
     opening: Option<ReferenceOpening>,
 }
 
-/// A reference, and how the survey agrees with it.
+/// A reference, and the agreement of the survey with it.
 struct Opened {
     of: Of,
     agreement: Agreement,
@@ -54,7 +54,7 @@ impl Comparing {
         self.opening.is_some()
     }
 
-    /// Returns a copy that holds only what is drawn.
+    /// Returns a copy that holds only the drawn parts.
     pub(super) fn for_picture(&self) -> Self {
         Self {
             reference: self.reference.clone(),
@@ -64,12 +64,12 @@ impl Comparing {
         }
     }
 
-    /// Stops opening.
+    /// Stops opening a reference.
     pub(super) fn stop(&mut self) {
         self.opening = None;
     }
 
-    /// Leaves the reference, and whatever is being opened.
+    /// Removes the reference, and stops opening another.
     pub(super) fn leave(&mut self) {
         self.reference = None;
         self.opening = None;
@@ -82,7 +82,8 @@ impl Comparing {
         }
     }
 
-    /// The reference, and how points find it by the settings of the first log.
+    /// Returns the reference and the method that finds the reference of a point, with the gap by
+    /// the settings of the first log; `None` without a reference.
     pub(super) fn against(&self, settings: &Settings) -> Option<(Arc<Reference>, Matching)> {
         let reference = self.reference.clone()?;
         Some((reference, self.matching(settings)))
@@ -90,7 +91,7 @@ impl Comparing {
 }
 
 impl App {
-    /// Starts opening a reference; one that is still being opened is dropped.
+    /// Starts opening a reference; the opening of an earlier one is dropped.
     pub(super) fn compare_with(&mut self, path: PathBuf) {
         let logs = self.processed_logs();
         let Some(first) = logs.first() else {
@@ -104,13 +105,13 @@ impl App {
         }));
     }
 
-    /// Compares side-scan with soundings again.
+    /// Closes the reference, so that side-scan is compared with soundings again.
     pub(super) fn leave_reference(&mut self) {
         self.map.comparing.leave();
         self.findings.reference_comparison = ReferenceComparison::default();
     }
 
-    /// Takes the reference of a point from elsewhere.
+    /// Sets the method that finds the reference of a point, and its radius.
     pub(super) fn match_by(&mut self, by: ReferenceBy, radius_m: f64) {
         self.map.comparing.by = by;
         if radius_m > 0.0 && radius_m.is_finite() {
@@ -118,7 +119,8 @@ impl App {
         }
     }
 
-    /// Done share of a comparison with a reference under way, 0 to 1.
+    /// Returns the done share of the running comparison with a reference, 0 to 1; `None` without
+    /// one.
     pub fn comparing_fraction(&self) -> Option<f32> {
         let opening = self.map.comparing.opening.as_ref().map(Task::fraction);
         let has_reference = self.map.comparing.reference.is_some();
@@ -127,7 +129,7 @@ impl App {
         opening.or_else(reference_comparison)
     }
 
-    /// Collects a reference that was opened.
+    /// Shows a reference when opening has ended, or notifies the analyst of the error.
     pub(super) fn poll_comparing(&mut self) {
         let opened = match self.map.comparing.opening.as_ref().map(Task::poll) {
             None | Some(TaskOutcome::Pending) => return,

@@ -1,7 +1,8 @@
-//! Reports of a window that panicked, for the person who mends it. A report stays on this computer:
-//! it is a text file beside the window's options, and the next window says where.
+//! Writes reports of a window that panicked, for the person who fixes the fault. A report stays on
+//! this computer: it is a text file beside the window's options, and the next window shows its
+//! path.
 //!
-//! A report holds versions, the system, the panic and what kinds of logs were open: no positions,
+//! A report contains versions, the system, the panic and the kinds of the open logs: no positions,
 //! and no names of logs.
 
 use bathyscope_log::support::calendar::whole_seconds;
@@ -14,9 +15,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-/// Ending of a report that no window has told of.
+/// Ending of a report that no window has shown to the analyst yet.
 const NEW: &str = "new.txt";
-/// Reports that are kept.
+/// Number of reports that are kept.
 const KEPT: usize = 10;
 
 /// Folder of the reports of this process, and the descriptions of the open logs in them.
@@ -27,8 +28,8 @@ struct Keeper {
 
 static KEEPER: Mutex<Option<Keeper>> = Mutex::new(None);
 
-/// Keeps reports of this process in a folder, which need not exist. The newest report there that no
-/// window has told of; the oldest of many are removed.
+/// Writes reports of this process into a folder, which need not exist. Returns the newest report
+/// there that no window has shown yet, and removes the oldest of many.
 pub(crate) fn keep_in(folder: PathBuf) -> Option<PathBuf> {
     let newest = tell(&folder);
     let keeper = Keeper { folder, open: Vec::new() };
@@ -36,7 +37,7 @@ pub(crate) fn keep_in(folder: PathBuf) -> Option<PathBuf> {
     newest
 }
 
-/// Sets what kinds of logs are open, a line each.
+/// Sets the descriptions of the open logs, one line each.
 pub(crate) fn set_open(logs: Vec<String>) {
     if let Ok(mut keeper) = KEEPER.lock()
         && let Some(keeper) = keeper.as_mut()
@@ -45,13 +46,13 @@ pub(crate) fn set_open(logs: Vec<String>) {
     }
 }
 
-/// Writes a report of a panic, asked by the hook of a program: where a window keeps reports, and
-/// nothing catches the panic as an error of its own kind.
+/// Writes a report of a panic; the program's panic hook calls this. Writes nothing if no window
+/// keeps reports, or if the panic is caught as an error of its own kind.
 pub fn write_crash_report(fault: &PanicHookInfo<'_>) {
     if is_caught() {
         return;
     }
-    // A panic while the list of logs changes waits for nothing.
+    // A panic while the list of logs is being changed must not wait for the lock.
     if let Ok(keeper) = KEEPER.try_lock()
         && let Some(keeper) = keeper.as_ref()
     {
@@ -61,7 +62,7 @@ pub fn write_crash_report(fault: &PanicHookInfo<'_>) {
             cause(fault.payload()),
             place.unwrap_or_else(|| "an unknown place".to_owned())
         );
-        // What cannot be written is lost: there is nobody left to tell.
+        // An error of writing is ignored: no window is left to show it.
         write(keeper, &what, &Backtrace::force_capture().to_string()).ok();
     }
 }
@@ -89,7 +90,7 @@ fn write(keeper: &Keeper, what: &str, backtrace: &str) -> std::io::Result<()> {
     writeln!(file, "{backtrace}")
 }
 
-/// Takes the mark of a new report off all reports; where the newest of them lies then.
+/// Removes the mark of a new report from all reports; returns the path of the newest of them.
 fn tell(folder: &Path) -> Option<PathBuf> {
     let names = |folder: &Path| {
         let files = fs::read_dir(folder).into_iter().flatten().flatten();

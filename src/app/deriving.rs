@@ -1,5 +1,5 @@
-//! Depth map, isobaths and mosaic of all visible logs: asked for while a layer or a profile needs
-//! them, computed in a background thread; and what the waterfall of the shown log is drawn with.
+//! Computes depth map, isobaths and mosaic of all visible logs in background threads while a layer
+//! or a profile needs them, and the picture with which the waterfall of the shown log is drawn.
 
 use super::{App, LogId, MapLayer};
 use bathyscope_bottom::bathymetry::isobaths::{IsobathSettings, NoIsobaths, evenly_apart_m};
@@ -15,26 +15,27 @@ use std::sync::Arc;
 /// Layers that are drawn from the depth map.
 const FROM_DEPTH_MAP: [MapLayer; 3] = [MapLayer::DepthMap, MapLayer::HillShade, MapLayer::Isobaths];
 
-/// Most corners of the bottom in 3D: more than a screen has pixels, and some 110 MB on the GPU.
+/// Greatest number of corners of the bottom in 3D: more than a screen has pixels, and some 110 MB
+/// on the GPU.
 const BOTTOM_CORNERS: usize = 4_000_000;
 
-/// Isobaths as they are drawn.
+/// Isobaths as they are drawn on the map.
 pub struct DrawnIsobaths {
     /// Depth map that the isobaths are drawn from.
     pub depth_map: Arc<DepthMap>,
-    /// Settings of the isobaths' depths: an interval that is chosen from the depths is round in the
-    /// unit in use.
+    /// Settings with the depths of the isobaths: an interval that is chosen from the depths is
+    /// round in the displayed unit.
     pub settings: IsobathSettings,
-    /// Lines and depths; why there are none.
+    /// Lines and depths, or the reason that there are none.
     pub isobaths: Result<Arc<Isobaths>, NoIsobaths>,
-    /// Every line as it is drawn, as places in the plane of the survey, metres.
+    /// Each line as it is drawn, as positions in the plane of the survey, metres.
     pub on_ground: Vec<Vec<[f64; 2]>>,
 }
 
 /// Requests for depth map, isobaths, mosaic, bottom and picture, and the last results.
 #[derive(Default)]
 pub(super) struct Deriving {
-    /// Shared with what writes files, so that nothing is made twice.
+    /// Results shared with the writers of files, so that nothing is computed twice.
     pub results: Arc<Derived>,
     depth_map: Background<DepthMapKey, Option<Arc<DepthMap>>>,
     isobaths: Background<(IsobathKey, LengthUnit), Arc<DrawnIsobaths>>,
@@ -44,7 +45,7 @@ pub(super) struct Deriving {
     histogram: Option<CountedLevels>,
 }
 
-/// A histogram with what it was counted of.
+/// A histogram and the inputs that it was counted from.
 struct CountedLevels {
     of: (Same<LogPicture>, Tone),
     log: LogId,
@@ -60,15 +61,15 @@ impl Deriving {
             || self.picture.is_running()
     }
 
-    /// The same results for a picture.
+    /// Returns a copy that holds only the results, for a picture.
     pub(super) fn for_picture(&self) -> Self {
         Self { results: self.results.clone(), ..Self::default() }
     }
 }
 
 impl App {
-    /// Has made what is shown, and collects what is there. Costs next to nothing when nothing
-    /// changed.
+    /// Starts computing the shown results, and collects the finished ones. Costs next to nothing if
+    /// nothing changed.
     pub(super) fn derive(&mut self) {
         let layers = &self.view.options.map.layers;
         let [isobaths, mosaic] =
@@ -77,7 +78,7 @@ impl App {
         if !(depths || mosaic) {
             return;
         }
-        // What is made of all pings would be made anew with each that a followed log gets.
+        // Results of all pings would be computed again with each ping of a followed log.
         let logs: Vec<ProcessedLog> = self.settled_logs().collect();
         if mosaic {
             self.derive_mosaic(&logs);
@@ -93,8 +94,8 @@ impl App {
         }
     }
 
-    /// Has made what the waterfall of the shown log is drawn with, and counts its levels anew where
-    /// they changed.
+    /// Starts computing the picture for the waterfall of the shown log, and counts its levels again
+    /// if they changed.
     pub(super) fn derive_picture(&mut self) {
         let (Some(survey), Some(products)) = (&self.log.survey, &self.log.products) else {
             return;
@@ -108,7 +109,7 @@ impl App {
         let whole = self.log.whole.clone();
         ask.ask(PictureKey::of(&log), &self.jobs, move |progress| {
             let picture = match &whole {
-                // The gain is that of the log as a whole.
+                // The gain is that of the whole log.
                 Some(whole) => results.growing_picture(&log, whole, progress),
                 None => results.picture(&log, progress),
             };
@@ -129,15 +130,16 @@ impl App {
         }
     }
 
-    /// Returns the picture that the waterfall of the shown log is drawn with, as it was made last;
-    /// `None` before its first results.
+    /// Returns the latest picture for the waterfall of the shown log; `None` before its first
+    /// results.
     pub fn picture(&self) -> Option<&Arc<LogPicture>> {
         let made = self.pipeline.deriving.picture.result();
         let of_shown = made.filter(|(log, _)| *log == self.log.id);
         of_shown.map(|(_, picture)| picture)
     }
 
-    /// The levels of the shown log's picture, with the gain that is set.
+    /// Returns the histogram of the levels of the shown log's picture, with the gain that is set;
+    /// `None` until it is counted.
     pub fn histogram(&self) -> Option<&Arc<LevelHistogram>> {
         let picture = self.picture()?;
         let counted = self.pipeline.deriving.histogram.as_ref();
@@ -154,7 +156,7 @@ impl App {
         self.pipeline.deriving.depth_map.ask(key, &self.jobs, move |progress| {
             let made = results.depth_map(&of, progress).ok()?;
             if let Some(made) = &made {
-                // Tiles are painted from it.
+                // Tiles are painted from the shading.
                 made.shade(progress).ok()?;
             }
             Some(made)
@@ -173,7 +175,7 @@ impl App {
         let key = (IsobathKey::of(&depth_map, &settings), unit);
         self.pipeline.deriving.isobaths.ask(key, &self.jobs, move |progress| {
             let settings = match unit {
-                // As in the files, which have them already then.
+                // These settings are those of the files, which then share the result.
                 LengthUnit::Metres => settings,
                 _ => settings.round_in(unit.metres(), depth_map.extent()),
             };
@@ -207,28 +209,28 @@ impl App {
         });
     }
 
-    /// The depth map of all visible logs as it was made last; outer `None` before that, inner where
-    /// the depths span no surface, and no other map is being made.
+    /// Returns the latest depth map of all visible logs: the outer `None` before it is made, the
+    /// inner `None` if the depths span no surface and no other map is being made.
     pub fn depth_map(&self) -> Option<Option<&Arc<DepthMap>>> {
         let made = &self.pipeline.deriving.depth_map;
         let last = made.result().map(Option::as_ref);
         last.filter(|map| map.is_some() || !made.is_running())
     }
 
-    /// Ends of the one colour scale of depth over all visible logs, metres: the same on the map and
-    /// in the cloud.
+    /// Returns the ends of the colour scale of depth over all visible logs, metres: the same scale
+    /// on the map and in the cloud.
     pub fn depth_range_m(&self) -> Option<[f32; 2]> {
         colour_range_m(self.visible_logs().filter_map(|log| log.products.as_ref()))
     }
 
-    /// Ends of the colour scales of points over all visible logs.
+    /// Returns the ends of the colour scales of points over all visible logs.
     pub(crate) fn point_scales(&self) -> PointScales {
         let logs = self.visible_logs().filter_map(|log| log.products.as_ref());
         logs.fold(PointScales::default(), |all, one| all.with(one.scales))
     }
 
-    /// Returns true if something on the map is drawn or measured from the depth map; otherwise it
-    /// may be older than its settings.
+    /// Returns true if something on the map is drawn or measured from the depth map; otherwise the
+    /// depth map may be older than its settings.
     pub(crate) fn needs_depth_map(&self) -> bool {
         let layers = &self.view.options.map.layers;
         let shows = |layer: &MapLayer| layers.is_visible(*layer);
@@ -237,25 +239,26 @@ impl App {
             || self.view.options.cloud.bottom
     }
 
-    /// The isobaths as they were made last.
+    /// Returns the latest isobaths; `None` before they are made.
     pub fn isobaths(&self) -> Option<&Arc<DrawnIsobaths>> {
         self.pipeline.deriving.isobaths.result()
     }
 
-    /// The mosaic as it was made last; inner `None` where nothing is shown.
+    /// Returns the latest mosaic: the outer `None` before it is made, the inner `None` where
+    /// nothing is shown.
     pub fn mosaic(&self) -> Option<Option<&Arc<Mosaic>>> {
         self.pipeline.deriving.mosaic.result().map(Option::as_ref)
     }
 
-    /// The bottom as a body, as it was made last; `None` where there is none, or it is not shown.
+    /// Returns the latest bottom as a body; `None` if there is none, or if it is not shown.
     pub fn bottom(&self) -> Option<&Arc<Bottom>> {
         let is_shown = self.view.options.cloud.bottom;
         self.pipeline.deriving.bottom.result().filter(|_| is_shown)?.as_ref()
     }
 
-    /// Metres from one isobath on the bottom in 3D to the next, and the depth of one of them;
-    /// `None` where none are shown, and where the settings name depths that are not equally far
-    /// apart.
+    /// Returns the distance from one isobath on the bottom in 3D to the next, and the depth of one
+    /// of them, metres; `None` if none are shown, or if the depths in the settings are not equally
+    /// spaced.
     pub fn bottom_isobaths_m(&self) -> Option<[f32; 2]> {
         let bottom = self.bottom().filter(|_| self.view.options.cloud.isobaths)?;
         let settings = &self.log.settings.isobaths;
@@ -273,7 +276,7 @@ impl App {
             (self.pipeline.deriving.mosaic.is_running(), "normalising the mosaic's gain"),
             (self.pipeline.deriving.bottom.is_running(), "making the bottom in 3D"),
             (
-                // While a log is followed, that is done with every few pings.
+                // While a log is followed, the gain is normalised with every few pings.
                 self.pipeline.deriving.picture.is_running() && self.log.whole.is_none(),
                 "normalising the waterfall's gain",
             ),

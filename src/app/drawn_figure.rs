@@ -1,12 +1,12 @@
-//! A figure that the analyst draws to measure.
+//! Defines the figure that the analyst draws to measure.
 
 use bathyscope_products::project::Measurement;
 
-/// Figure that is drawn to measure.
+/// A figure that the analyst draws to measure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
     /// Kind of the measurement, and its corners.
     pub measurement: Measurement,
-    /// The next corner begins another figure.
+    /// True if the figure is ended, so that the next corner begins another one.
     pub done: bool,
 }

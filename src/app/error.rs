@@ -13,7 +13,7 @@ use std::error::Error;
 use std::io;
 use std::path::PathBuf;
 
-/// Reason that a requested operation failed, in one sentence for the analyst.
+/// Reason for the failure of a requested operation, as one sentence for the analyst.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum AppError {
     /// The work ended in a panic.
@@ -28,7 +28,7 @@ pub(super) enum AppError {
     /// A log cannot be read.
     #[error(transparent)]
     Open(#[from] OpenError),
-    /// A log cannot be taken as its settings have it.
+    /// The corrections of a log's source by its settings cannot be applied.
     #[error(transparent)]
     Source(#[from] SourceError),
     /// The settings cannot be used.
@@ -52,7 +52,7 @@ pub(super) enum AppError {
     /// A model cannot be used.
     #[error(transparent)]
     Model(#[from] ModelError),
-    /// The search for objects ended.
+    /// The search for objects was cancelled or failed.
     #[error(transparent)]
     Search(#[from] DetectError),
     /// A review cannot be used.
@@ -67,10 +67,10 @@ pub(super) enum AppError {
     /// A project cannot be opened.
     #[error(transparent)]
     Project(#[from] StoreError),
-    /// A plan's name tells no format.
+    /// The file name of a plan has no known format.
     #[error(transparent)]
     PlanFormat(#[from] PlanFormatError),
-    /// A measurement's name tells no format.
+    /// The file name of a measurement has no known format.
     #[error("a measurement's name ends in .geojson or .csv: {}", .0.display())]
     FigureFormat(PathBuf),
     /// A file cannot be written.
@@ -87,8 +87,8 @@ pub(super) enum AppError {
     /// Bottom edits cannot be written as text.
     #[error(transparent)]
     Bottom(#[from] toml::ser::Error),
-    /// An export cannot be made. It may have any error type: the window draws pictures, and has
-    /// errors of its own.
+    /// An export cannot be written. The error may have any type: the window draws pictures, and has
+    /// its own errors.
     #[error(transparent)]
     Exporting(Box<dyn Error + Send + Sync>),
 }

@@ -1,5 +1,5 @@
-//! Excludes parts of a log that the analyst draws, includes them again, and counts them before the
-//! results follow.
+//! Excludes parts of a log that the analyst draws, or includes them again, and counts the excluded
+//! pings before the results are updated.
 
 use super::{App, LogId, OpenLog};
 use bathyscope_log::survey::{
@@ -11,18 +11,19 @@ use std::sync::Arc;
 /// A change of the exclusion of a part of a log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ExclusionEdit {
-    /// It is excluded.
+    /// Excludes the part.
     Exclude,
-    /// It counts, whatever is found there.
+    /// Includes the part, even where a turn or a stop is found in it.
     Include,
-    /// It counts, and so do its soundings, whatever they were taken for.
+    /// Includes the part and its soundings, even those that were judged false.
     Trust,
-    /// It has no edit any more: turns and stops found there are excluded, all else counts.
+    /// Removes the edit of the part: turns and stops found there are excluded, everything else
+    /// counts.
     Reset,
 }
 
 impl ExclusionEdit {
-    /// Undo's name for it: `exclude pings 120..240`.
+    /// Returns the name of the change as an undo step: `exclude pings 120..240`.
     fn label(self, part: LogPart) -> String {
         let what = match self {
             Self::Exclude => "exclude",
@@ -46,16 +47,16 @@ pub struct FoundExclusions {
     pub lengths_m: Vec<f64>,
 }
 
-/// Amount that is excluded.
+/// Amount of excluded data.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ExcludedExtent {
-    /// Stretches.
+    /// Number of stretches.
     pub stretches: usize,
-    /// Side-scan pings.
+    /// Number of side-scan pings.
     pub pings: usize,
     /// Length along the track, metres.
     pub length_m: f64,
-    /// Seconds.
+    /// Duration, seconds.
     pub duration_s: f64,
 }
 
@@ -69,7 +70,7 @@ impl FoundExclusions {
         Self { exclusions, lengths_m }
     }
 
-    /// Each stretch with its length along the track, metres.
+    /// Returns each stretch with its length along the track, metres.
     pub fn stretches(&self) -> impl Iterator<Item = (&ExcludedStretch, f64)> {
         self.exclusions.stretches.iter().zip(self.lengths_m.iter().copied())
     }
@@ -92,7 +93,8 @@ impl FoundExclusions {
 /// Inputs of the exclusions; equal keys give the same exclusions.
 type ExclusionKey = (Same<Survey>, Same<Navigation>, ExclusionSettings);
 
-/// Exclusions by the settings in force: found before the results that leave them out.
+/// The search for exclusions by the settings in force, which ends before the results that leave
+/// them out.
 #[derive(Default)]
 pub(super) struct ExclusionSearch {
     found: Background<ExclusionKey, Arc<FoundExclusions>>,
@@ -116,13 +118,13 @@ impl ExclusionSearch {
 }
 
 impl OpenLog {
-    /// Returns the exclusions of the log by the settings in force; `None` until the places of its
-    /// pings are known.
+    /// Returns the exclusions of the log by the settings in force; `None` until the positions of
+    /// its pings are known.
     pub fn exclusions(&self) -> Option<&Arc<FoundExclusions>> {
         self.exclusion_search.found.result()
     }
 
-    /// Has what is excluded follow the settings.
+    /// Starts the search for exclusions again when the settings have changed.
     pub(super) fn poll_exclusions(&mut self, jobs: &Jobs) {
         if let (Some(survey), Some(products)) = (&self.survey, &self.products) {
             let found_in = (survey, &products.navigation, self.settings.as_ref());
@@ -144,7 +146,8 @@ impl App {
         let exclusions = &settings.excluded;
         settings.excluded = match edit {
             ExclusionEdit::Exclude => exclusions.excluding(survey, part),
-            // Until it is known where the boat was nothing is found, and nothing has to be kept in.
+            // Before the positions of the boat are known, no turn or stop is found, and no part
+            // needs to be included against it.
             ExclusionEdit::Include => match &log.products {
                 Some(products) => exclusions.including(survey, &products.navigation, part),
                 None => exclusions.reset(survey, part),
@@ -155,14 +158,15 @@ impl App {
         self.change_of(id, settings, edit.label(part), false);
     }
 
-    /// The excluded stretch that a ping of a log lies in.
+    /// Returns the excluded stretch of a log that contains a ping; `None` if the ping is not
+    /// excluded.
     pub(crate) fn excluded_at(&self, log: LogId, ping: usize) -> Option<ExcludedStretch> {
         let exclusions = &self.open_log(log)?.exclusions()?.exclusions;
         let stretch = exclusions.stretch_at(ping)?;
         exclusions.stretches.get(stretch).copied()
     }
 
-    /// Includes the excluded stretch again that the selected ping lies in.
+    /// Includes the excluded stretch that contains the selected ping again.
     pub(super) fn include_again(&mut self) {
         let at = self.view.selection.map(|mark| mark.ping);
         match at.and_then(|ping| self.excluded_at(self.log.id, ping)) {
@@ -175,7 +179,7 @@ impl App {
         }
     }
 
-    /// Trusts the soundings around the selected ping that were taken for those of a lost bottom, or
+    /// Trusts the soundings around the selected ping that were taken for those of a lost bottom or
     /// for a fault of the sounder.
     pub(super) fn trust_soundings(&mut self) {
         let judged = self.log.judged();

@@ -1,4 +1,4 @@
-//! Products and reviewed boxes on their way into a folder.
+//! Writes products and reviewed boxes into a folder in a background thread.
 
 use super::error::AppError;
 use super::{Action, App, Jobs, LogId, Task, TaskOutcome};
@@ -13,15 +13,15 @@ use std::path::{Path, PathBuf};
 
 /// Products or boxes being written.
 pub(super) struct Exporting {
-    /// The work; its result is a sentence about the files that were written.
+    /// The running work; its result is a sentence about the written files.
     task: Task<Result<String, AppError>>,
-    /// The folder it is written into, where it is one.
+    /// The folder that is written into; `None` if the work writes no folder.
     into: Option<PathBuf>,
-    /// Log of a run, and folder of its files.
+    /// Log and folder of a run of the processing; `None` if no run is written.
     run: Option<(LogId, PathBuf)>,
 }
 
-/// The files of a run that this window wrote.
+/// The files of a run that this window has written.
 pub(super) struct Exported {
     log: LogId,
     folder: PathBuf,
@@ -46,8 +46,8 @@ impl Exporting {
 }
 
 impl App {
-    /// Sentences for those who get the products: the level that depths count from, corrections that
-    /// are missing, and the system of the coordinates.
+    /// Returns sentences for the readers of the products: the level that depths count from, missing
+    /// corrections, and the coordinate system.
     pub(crate) fn export_statement(&self) -> Vec<String> {
         let logs = self.processed_logs();
         let Some(first) = logs.first() else {
@@ -71,7 +71,7 @@ impl App {
         sentences
     }
 
-    /// Writes something in a background thread, and notifies of the outcome.
+    /// Writes something in a background thread; the analyst is notified of the outcome.
     pub fn write<E: Error + Send + Sync + 'static>(
         &mut self,
         write: impl FnOnce(&Progress) -> Result<String, E> + Send + 'static,
@@ -79,9 +79,9 @@ impl App {
         self.files.exporting = Some(Exporting::start(&self.jobs, write));
     }
 
-    /// Writes one set of products of the visible logs into a folder, as `process` does: what is
-    /// requested, the comparison with the reference among it, and the report with the boxes as they
-    /// are decided.
+    /// Writes one set of products of the visible logs into a folder, as `process` does: the
+    /// requested products, including the comparison with the reference, and the report with the
+    /// present decisions about boxes.
     pub(super) fn export(&mut self, folder: PathBuf) {
         let logs = self.processed_logs();
         let Some(first) = logs.first() else {
@@ -137,15 +137,15 @@ impl App {
         });
     }
 
-    /// The products that are ticked.
+    /// Returns the products that are ticked.
     fn requested(&self) -> Vec<Product> {
         let excluded_products = &self.view.options.excluded_products;
         let all = Product::ALL.into_iter();
         all.filter(|one| !excluded_products.contains(one)).collect()
     }
 
-    /// The folder that products go into unless another is named: the one that was written last,
-    /// else one beside the project or the log.
+    /// Returns the folder for products unless the analyst names another: the one that was written
+    /// last, else one beside the project or the log.
     pub(crate) fn export_folder(&self) -> PathBuf {
         if let Some(folder) = &self.written_into {
             return folder.clone();
@@ -164,15 +164,15 @@ impl App {
         Amounts::of(&self.processed_logs(), depth_map.map(|map| &**map))
     }
 
-    /// Files that were written last of the log at hand and would be others with its settings of
-    /// now, and their folder.
+    /// Returns the last written files of the shown log that its present settings would change, and
+    /// their folder; `None` if there are none.
     pub fn out_of_date(&self) -> Option<(&Path, Vec<&'static OutputFile>)> {
         let Exported { log, folder, run } = self.files.exported.as_ref()?;
         let files = run.out_of_date(&self.log.settings);
         (*log == self.log.id && !files.is_empty()).then_some((folder, files))
     }
 
-    /// Notifies of what was written.
+    /// Notifies the analyst of the written files, or of the error.
     pub(super) fn poll_export(&mut self) {
         let Some(exporting) = &self.files.exporting else {
             return;

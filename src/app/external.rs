@@ -1,8 +1,8 @@
-//! Recordings of other instruments for the open survey: readings of a gauge, and the track of
+//! Adds recordings of other instruments to the open survey: readings of a gauge, and the track of
 //! another receiver.
 //!
-//! Files are read in a background thread. A file becomes part of the settings only once it is known
-//! to fit the log: a bad one leaves everything as it was.
+//! Files are read in a background thread. A file becomes part of the settings only if it fits the
+//! log; another file leaves everything as it was.
 
 use super::error::AppError;
 use super::outdated::LogsChange;
@@ -19,10 +19,10 @@ use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Pairs of places that two tracks are compared at.
+/// Number of pairs of positions at which two tracks are compared.
 const PAIRS: usize = 400;
 
-/// Undo's name for the track of another receiver.
+/// Name of undo steps that change the track of another receiver.
 const TRACK: &str = "external track";
 
 /// Kind of instrument that recorded a file.
@@ -37,18 +37,18 @@ pub(super) enum Instrument {
 enum ExternalContent {
     Levels(Gauge),
     Track(TrackFile),
-    /// Neither: points to compare with.
+    /// A table of neither kind: points to compare the survey with.
     Points(PathBuf),
 }
 
 /// Recordings of other instruments, and their effect on the survey.
 #[derive(Default)]
 pub struct External {
-    /// The survey with the recorder's own track, while another lies over it.
+    /// The survey with the recorder's own track, while another track replaces it; otherwise `None`.
     pub recorded: Option<Arc<Survey>>,
     /// Distance between the two tracks.
     pub apart: Arc<TracksApart>,
-    /// The tracks read for the open survey: undo goes back to them.
+    /// The tracks that were read for the open survey, so that undo can restore them.
     tracks: Vec<Arc<TrackFile>>,
     reading: Option<Task<Result<ExternalContent, AppError>>>,
 }
@@ -59,7 +59,7 @@ impl External {
         self.reading.is_some()
     }
 
-    /// Returns a copy that holds only what is drawn.
+    /// Returns a copy that holds only the drawn parts.
     pub(super) fn for_picture(&self) -> Self {
         Self { recorded: self.recorded.clone(), apart: self.apart.clone(), ..Self::default() }
     }
@@ -68,7 +68,7 @@ impl External {
         self.reading = None;
     }
 
-    /// The track of a file, read before or now.
+    /// Returns the track of a file, which is read unless it was read before.
     fn track(&mut self, path: &Path) -> Result<Arc<TrackFile>, TrackError> {
         if let Some(known) = self.tracks.iter().find(|track| track.path() == path) {
             return Ok(known.clone());
@@ -78,7 +78,7 @@ impl External {
         Ok(read)
     }
 
-    /// A file that was read, once.
+    /// Returns a file once, when reading has ended; `None` otherwise.
     fn collect(&mut self) -> Option<Result<ExternalContent, AppError>> {
         let read = match self.reading.as_ref()?.poll() {
             TaskOutcome::Pending => return None,
@@ -96,7 +96,7 @@ impl External {
 }
 
 impl App {
-    /// Starts reading a file of an instrument, or of the one that its columns identify, for a log.
+    /// Starts reading a file for a log; without an instrument, the columns of the file identify it.
     pub(super) fn read_external(
         &mut self,
         id: LogId,
@@ -118,7 +118,7 @@ impl App {
         }
     }
 
-    /// Collects a file that was read for a log, and takes it into its settings.
+    /// Collects a file that was read for a log, and adds it to the settings of the log.
     pub(super) fn poll_external(&mut self, id: LogId) {
         let read = self.log_mut(id).and_then(|log| log.external.collect());
         match read {
@@ -152,7 +152,7 @@ impl App {
         };
         let mut settings = Settings::clone(&log.settings);
         settings.track.file = Some(track.path().to_owned());
-        // The same file may have been written anew meanwhile.
+        // The same file may have been written again meanwhile.
         if settings.track == log.settings.track {
             let mut without = settings.clone();
             without.track = TrackSettings::default();
@@ -164,24 +164,24 @@ impl App {
         self.change_of(id, settings, TRACK, false);
     }
 
-    /// Leaves for the shown log the readings of the water's height.
+    /// Removes the readings of the water's height from the settings of the shown log.
     pub(super) fn remove_water_levels(&mut self) {
         let mut settings = Settings::clone(&self.log.settings);
         settings.water_level = WaterLevelSettings::default();
         self.change(settings, "water levels", false);
     }
 
-    /// Takes the boat's places of the shown log from the recorder again.
+    /// Uses the recorder's own positions for the shown log again.
     pub(super) fn remove_track(&mut self) {
         let mut settings = Settings::clone(&self.log.settings);
         settings.track = TrackSettings::default();
         self.change(settings, TRACK, false);
     }
 
-    /// Makes a log what the settings say of its source, and has all that depends on its plane and
-    /// its sides follow. After an error the log is as it was.
+    /// Applies the settings of a log's source to its survey, and updates everything that depends on
+    /// its plane and its sides. After an error the log is unchanged.
     pub(super) fn follow_source(&mut self, id: LogId, settings: &Settings) -> Result<(), AppError> {
-        // Several logs lie in one plane.
+        // Several logs share one plane.
         let plane = (self.log_count() > 1).then(|| self.document.plane.clone());
         let Some(log) = self.log_mut(id) else {
             return Ok(());
@@ -199,8 +199,9 @@ impl App {
         Ok(())
     }
 
-    /// Puts all logs into the plane of the first that is on the Earth, after the metres of one
-    /// became those of another system: a plane thousands of kilometres away would bend them.
+    /// Moves all logs into the plane of the first log with a position on the Earth, after the
+    /// coordinate system of a log's metres has changed: a plane thousands of kilometres away would
+    /// distort their positions.
     pub(super) fn settle_plane(&mut self) {
         if !std::mem::take(&mut self.document.is_plane_moved) || self.log_count() < 2 {
             return;
@@ -224,7 +225,7 @@ impl App {
                 *survey =
                     survey.take().map(|survey| Arc::new(Survey::clone(&survey).in_frame(&frame)));
             }
-            // They lie in the plane that was.
+            // Their positions are in the earlier plane.
             log.products = None;
             log.preview = None;
         }
@@ -233,9 +234,9 @@ impl App {
 }
 
 impl OpenLog {
-    /// Makes the survey what the settings say of its source: its sides, its clock, the system of
-    /// its metres, and the track of another receiver; in a plane, where it shares one with others.
-    /// Gives the survey as it was and as it is, where it is another one now.
+    /// Applies the settings of the log's source to its survey: the sides, the clock, the coordinate
+    /// system of its metres, and the track of another receiver; in `plane`, if the log shares it
+    /// with others. Returns the survey before and after, or `None` if it has not changed.
     fn follow_source(
         &mut self,
         settings: &Settings,
@@ -268,15 +269,16 @@ impl OpenLog {
     }
 }
 
-/// The system of a log's metres, where it is known.
+/// Returns the coordinate system of a log's metres; `None` if it is not known.
 fn system_of(survey: &Survey) -> Option<&Crs> {
     survey.track.projected.as_ref()?.system.as_ref()
 }
 
-/// Compares the places of the boat by the recorder's track and by the track in use, at times of the
-/// log.
+/// Compares the positions of the boat by the recorder's track with those by the track in use, at
+/// times of the log.
 fn apart(recorded: &Survey, now: &Survey) -> TracksApart {
-    // As many as are drawn, whatever the length of the log: this runs while the clock is dragged.
+    // As many times are compared as are drawn, whatever the length of the log: this runs while the
+    // clock setting is dragged.
     let evenly = |count: usize| count.div_ceil(PAIRS).max(1);
     let pings = recorded.side_scan.iter().map(|ping| ping.time_s);
     let mut times_s: Vec<f64> = pings.step_by(evenly(recorded.side_scan.len())).collect();
@@ -287,8 +289,8 @@ fn apart(recorded: &Survey, now: &Survey) -> TracksApart {
     TracksApart::new(&recorded.track, &now.track, &times_s, PAIRS)
 }
 
-/// The instrument that the columns of a table identify: levels are a gauge's; times and places
-/// without a depth are a track, as is all GPX.
+/// Returns the instrument that the columns of a table identify: levels are from a gauge; times and
+/// positions without a depth are a track, as is all GPX.
 fn instrument_of(path: &Path) -> Option<Instrument> {
     let mut beginning = Vec::new();
     let opened = regular_file::open(path);

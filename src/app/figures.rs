@@ -1,4 +1,5 @@
-//! Counts of a result, taken once on a worker so that no panel counts points in a frame.
+//! Counts the first returns, faults and points of a result once on a worker thread, so that no
+//! panel counts points while it is drawn.
 
 use super::above_bottom::AboveBottom;
 use bathyscope_bottom::cloud::{ClassCounts, Residuals, residuals};
@@ -14,7 +15,7 @@ pub struct Figures {
     pub port_picks: usize,
     /// First returns found to starboard.
     pub starboard_picks: usize,
-    /// The first returns above the recorded depth.
+    /// The counts of first returns above the recorded depth.
     pub above_bottom: AboveBottom,
     /// Soundings with a fault, whether or not a first return confirms them.
     pub faults: FaultCounts,
@@ -25,7 +26,7 @@ pub struct Figures {
 }
 
 impl Figures {
-    /// Counts.
+    /// Counts the figures of the results of a log.
     pub fn of(
         survey: &Survey,
         products: &Products,

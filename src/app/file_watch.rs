@@ -1,9 +1,9 @@
 //! Checks the files of the open logs every second: a log that was cut, overwritten, or cannot be
-//! read to its end any more is reported once. A log that grows stays what it is as far as it was
-//! read, and one that is followed is read from a copy.
+//! read to its end any more is reported once. A log that grows keeps its contents as far as they
+//! were read, and a followed log is read from a copy.
 //!
-//! A thread of its own looks, for a disk may not answer; it wakes the window only where there is
-//! something to say.
+//! The check has its own thread, because a disk may not respond; the thread wakes the window only
+//! if there is a fault to report.
 
 use super::{App, Jobs, LogId, Task, TaskOutcome};
 use crate::app::crash_report;
@@ -23,31 +23,32 @@ const NAP: Duration = Duration::from_millis(250);
 /// Logs whose files are checked, and faults that were reported.
 #[derive(Default)]
 pub(super) struct FileWatch {
-    /// Logs that are checked, as they were read. They are not kept open for it.
+    /// Weak references to the checked surveys, so that the check does not keep them open.
     logs: Vec<(LogId, Weak<Survey>)>,
     looking: Option<Task<Vec<(LogId, String)>>>,
     /// Logs whose fault was reported.
     said: Vec<LogId>,
 }
 
-/// A log's files.
+/// The files of a log that are checked.
 struct WatchedLog {
     id: LogId,
     files: Vec<(PathBuf, Bytes)>,
 }
 
 impl App {
-    /// Checks that the open logs still hold what they were opened with; see
+    /// Checks that the files of the open logs still hold the bytes that were opened; see
     /// [`Survey::check_files`].
     ///
     /// # Errors
-    /// Names the first that does not.
+    /// Returns the fault of the first file that does not.
     pub(crate) fn check_logs(&self) -> Result<(), FileError<FileFault>> {
         let mut surveys = self.logs().filter_map(|log| log.survey.as_ref());
         surveys.try_for_each(|survey| survey.check_files())
     }
 
-    /// Notifies of faults found in the files of the logs, and starts the check of the open logs.
+    /// Notifies of faults found in the files of the logs, and starts the next check of the open
+    /// logs.
     pub(super) fn poll_file_watch(&mut self) {
         match self.file_watch.looking.as_ref().map(Task::poll) {
             Some(TaskOutcome::Done(found)) => {
@@ -63,7 +64,7 @@ impl App {
         let said = &self.file_watch.said;
         let open = self.logs().filter(|log| !said.contains(&log.id));
         let open = open.filter_map(|log| Some((log.id, log.survey.as_ref()?)));
-        // A log that is followed, which has another state all the time, is read from a copy.
+        // A followed log, which changes all the time, is read from a copy.
         let is_shared = |survey: &Survey| survey.bytes.iter().any(Bytes::is_shared);
         let open = open.filter(|(_, survey)| is_shared(survey));
         let open: Vec<(LogId, &Arc<Survey>)> = open.collect();
@@ -82,7 +83,8 @@ impl App {
             .then(|| Task::start(&self.jobs, move |progress| look(&watched, repeats, progress)));
     }
 
-    /// Says once more which logs lost bytes: something was written that may be made of them.
+    /// Notifies the analyst again of the logs that lost bytes, because a file was written that may
+    /// be made from them.
     pub(super) fn say_lost_logs(&mut self) {
         let surveys = self.logs().filter_map(|log| log.survey.as_ref());
         let files = surveys.flat_map(|survey| survey.source.files.iter().zip(&survey.bytes));
@@ -101,7 +103,7 @@ impl WatchedLog {
         Self { id, files: files.collect() }
     }
 
-    /// Returns the fault of one of its files, as a sentence.
+    /// Returns the fault of the first file that has one, as a sentence; `None` if there is none.
     fn fault(&self) -> Option<(LogId, String)> {
         let fault =
             |(path, bytes): &(PathBuf, Bytes)| Some(FileError::new(bytes.fault(path)?, path));
@@ -121,7 +123,7 @@ fn kind(survey: &Survey) -> String {
     )
 }
 
-/// Looks at files until something is wrong with one, or once; what is wrong then with each log.
+/// Checks the files until one has a fault, or once; returns the fault of each log that has one.
 fn look(logs: &[WatchedLog], repeats: bool, progress: &Progress) -> Vec<(LogId, String)> {
     loop {
         let found: Vec<(LogId, String)> = logs.iter().filter_map(WatchedLog::fault).collect();
@@ -189,7 +191,7 @@ mod tests {
             app.poll();
             std::thread::sleep(Duration::from_millis(50));
         }
-        // Once by the look, once by what was to be written.
+        // The check of the files reports the fault once, and the attempt to write may repeat it.
         assert!((1..=2).contains(&said(&app, &sentence)));
         let survey = app.log.survey.clone().expect("the log is still open");
         assert!(survey.bytes[0][20_000..].iter().all(|byte| *byte == 0));
@@ -207,7 +209,7 @@ mod tests {
         std::thread::sleep(2 * NAP * NAPS);
         app.poll();
         assert_eq!(said(&app, "while it was open"), 0);
-        // Others are still looked at when one was removed.
+        // The check of the files still runs after one of them was removed.
         assert!(app.file_watch.looking.is_some());
     }
 }

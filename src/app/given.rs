@@ -1,8 +1,8 @@
-//! The settings that a log was last given, when it is kept in no project: they belong to the log,
-//! and to no other.
+//! Remembers the last settings of each log that is in no project: they belong to that log, and to
+//! no other.
 //!
-//! A new survey starts from the preset. When a log is opened again, its own settings are taken up
-//! as one step that undo takes back.
+//! A new survey starts from the preset. When a log is opened again, its own settings are restored
+//! as one undo step.
 
 use super::{Action, App, LogId, OpenLog};
 use bathyscope_log::support::printable::quoted;
@@ -14,14 +14,14 @@ use bathyscope_products::pipeline::{
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// Logs whose settings are remembered.
+/// Number of logs whose settings are remembered.
 const KEPT: usize = 300;
-/// Names of settings in a sentence; what is more is counted.
+/// Number of settings that a sentence names; further ones are counted.
 const NAMED: usize = 3;
-/// The track of another receiver is a file that is read by itself.
+/// Key of the file of another receiver's track, which is read separately.
 const TRACK_FILE: &str = "track.file";
 
-/// A log, and those of its settings that are not the preset's.
+/// A log, and those of its settings that differ from the preset.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Given {
     log: Identity,
@@ -29,13 +29,13 @@ struct Given {
     values: SettingValues,
 }
 
-/// The settings that logs were last given, by log, the newest first.
+/// The last settings of each log, beginning with the log that was used last.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct GivenSettings(Vec<Given>);
 
 impl GivenSettings {
-    /// Remembers the settings of a log; of one that has the settings of the preset, that there are
-    /// none.
+    /// Remembers the settings of a log; a log with the settings of the preset is removed from the
+    /// list.
     fn remember(&mut self, survey: &Survey, settings: &Settings) {
         self.0.retain(|given| !is_of(given, survey));
         let usual = setting_values(&Settings::default());
@@ -48,7 +48,7 @@ impl GivenSettings {
         }
     }
 
-    /// Those of a log.
+    /// Returns the remembered settings of a log.
     fn of(&self, survey: &Survey) -> Option<&SettingValues> {
         let given = self.0.iter().find(|given| is_of(given, survey))?;
         Some(&given.values)
@@ -60,8 +60,7 @@ fn is_of(given: &Given, survey: &Survey) -> bool {
 }
 
 impl App {
-    /// The settings that logs were last given, with those of the open ones: what is kept between
-    /// runs.
+    /// Returns the last settings of each log, including the open logs, to be kept between runs.
     pub fn given_settings(&self) -> GivenSettings {
         let mut given = self.document.given.clone();
         if self.project_path().is_none() {
@@ -74,7 +73,7 @@ impl App {
         given
     }
 
-    /// Begins with these settings by log.
+    /// Sets the remembered settings of logs at the start of the program.
     pub fn use_given_settings(&mut self, given: GivenSettings) {
         self.document.given = given;
     }
@@ -88,9 +87,8 @@ impl App {
         }
     }
 
-    /// Takes up the settings that a log was last given, which was just opened: all of them where it
-    /// is the only one, its own where it joins others. Settings that the program was started with
-    /// stay.
+    /// Restores the last settings of a log that was just opened: all of them if it is the only log,
+    /// its own ones if it joins others. Settings that the program was started with stay.
     pub(super) fn take_up_settings(&mut self, id: LogId) {
         let Some(log) = self.open_log(id) else {
             return;
@@ -134,15 +132,15 @@ impl App {
     }
 }
 
-/// Returns the recording and settings to remember of a log; `None` for the demo survey, which is no
-/// file.
+/// Returns the recording and the settings of a log to remember; `None` for the demo survey, which
+/// has no file.
 fn to_remember(log: &OpenLog) -> Option<(Arc<Survey>, Arc<Settings>)> {
     let survey = log.as_read.as_ref().or(log.survey.as_ref());
     let survey = survey.filter(|survey| !survey.source.files.is_empty())?;
     Some((survey.clone(), log.settings.clone()))
 }
 
-/// The names of some settings in a sentence.
+/// Returns the names of some settings for a sentence.
 fn named(values: &SettingValues) -> String {
     let name = |key: &String| row(key).map_or(key.clone(), |row| row.name.to_owned());
     let mut names: Vec<String> = values.keys().take(NAMED).map(name).collect();

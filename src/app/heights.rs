@@ -1,6 +1,6 @@
-//! Height differences between logs, and soundings that other logs show to be false: found where
-//! their tracks meet whenever several logs have results, and taken off or left out when the analyst
-//! asks for it.
+//! Finds height differences between logs, and soundings that other logs show to be false, where
+//! tracks meet, whenever several logs have results; the analyst can then level the logs or leave
+//! the soundings out.
 
 use super::{Action, App, LogId, OpenLog};
 use bathyscope_bottom::bathymetry::height_offsets::{Datum, HeightDifference, LogOffset};
@@ -13,10 +13,10 @@ use bathyscope_products::pipeline::{Background, LogSettings, ProcessedLog, Same,
 use std::sync::Arc;
 use toml::Value;
 
-/// The setting that carries the offset of a log.
+/// Key of the setting that holds the height offset of a log.
 const KEY: &str = "height_offset_m";
 
-/// The offsets of some logs.
+/// The height offsets that were found for some logs.
 #[derive(Clone, Debug)]
 pub struct FoundHeights {
     ids: Vec<LogId>,
@@ -24,12 +24,12 @@ pub struct FoundHeights {
 }
 
 impl FoundHeights {
-    /// Every log with its offset, in the order of the list when they were found.
+    /// Returns each log with its offset, in the order of the list at the time of the comparison.
     pub fn logs(&self) -> impl Iterator<Item = (LogId, &LogOffset)> {
         self.ids.iter().copied().zip(&self.compared.offsets.logs)
     }
 
-    /// Returns true where other logs show soundings to be false.
+    /// Returns true if other logs show soundings to be false.
     pub(super) fn is_contradicted(&self) -> bool {
         !self.compared.contradicted.is_empty()
     }
@@ -40,16 +40,17 @@ impl FoundHeights {
     }
 }
 
-/// The depths that offsets are found of, and the log that is held.
+/// Inputs of a comparison: the depths of each log, and the log whose height is held.
 type HeightsKey = (Vec<(LogId, Same<Vec<PingDepth>>)>, Option<LogId>);
 
-/// Offsets, and the work on them.
+/// State of the comparison of heights.
 #[derive(Default)]
 pub(super) struct Heights {
     found: Background<HeightsKey, FoundHeights>,
-    /// The log whose height stays; of none the mean of all stays.
+    /// The log whose height stays when offsets are applied; with `None` the mean height of all logs
+    /// stays.
     held: Option<LogId>,
-    /// The last sentence about logs that differ, and about soundings that are false.
+    /// The last sentence in a notice that logs differ.
     said: Option<String>,
     said_false: Option<String>,
 }
@@ -71,23 +72,25 @@ impl App {
     /// fewer than two logs.
     pub fn height_offsets(&self) -> Option<&FoundHeights> {
         let found = self.findings.heights.found.result()?;
-        // Those of logs that are closed or not visible any more are being replaced.
+        // Results of logs that are closed or not visible any more are being replaced.
         let is_visible = |id: &LogId| self.visible_logs().any(|log| log.id == *id);
         found.ids.iter().all(is_visible).then_some(found)
     }
 
-    /// The log whose height stays when offsets are applied; of none the mean of all stays.
+    /// Returns the log whose height stays when offsets are applied; with `None` the mean height of
+    /// all logs stays.
     pub(crate) fn held_height(&self) -> Option<LogId> {
         self.findings.heights.held
     }
 
-    /// Has the height of a log stay, or the mean of all.
+    /// Sets the log whose height stays when offsets are applied; with `None` the mean height of all
+    /// logs stays.
     pub(super) fn hold_height(&mut self, held: Option<LogId>) {
         self.findings.heights.held = held;
     }
 
-    /// A warning for every two logs that no height offsets bring together, and for every two whose
-    /// depths differ by a share of the depth.
+    /// Returns a warning for each two logs that no height offsets bring into agreement, and for
+    /// each two whose depths differ by a share of the depth.
     pub(crate) fn height_contradictions(&self) -> Vec<String> {
         let Some(found) = self.height_offsets() else {
             return Vec::new();
@@ -98,8 +101,8 @@ impl App {
         scales.chain(contradictions(&offsets.pairs, &names)).collect()
     }
 
-    /// The sentence about the two logs whose depths differ the most with the offsets in force, and
-    /// by more than chance; `None` where they agree.
+    /// Returns a sentence about the two logs whose depths differ most with the offsets in force, by
+    /// more than chance; `None` if all logs agree.
     pub(crate) fn unlevelled(&self) -> Option<String> {
         let found = self.height_offsets()?;
         let in_force_m = |id: &LogId| {
@@ -111,7 +114,7 @@ impl App {
         Some(format!("{}.", heights_differ(&difference, &self.names_of(&found.ids))))
     }
 
-    /// A sentence about each stretch of soundings that other logs show to be false.
+    /// Returns a sentence about each stretch of soundings that other logs show to be false.
     pub(crate) fn contradicted_soundings(&self) -> Vec<String> {
         let Some(found) = self.height_offsets() else {
             return Vec::new();
@@ -125,15 +128,15 @@ impl App {
         ids.iter().map(name).collect()
     }
 
-    /// Compares the heights of the visible logs anew where their depths are others, and says where
-    /// they differ.
+    /// Starts comparing the heights of the visible logs again if their depths changed, and notifies
+    /// the analyst of differences.
     pub(super) fn follow_heights(&mut self) {
         let recordings = self.visible_logs().filter(|log| log.survey.is_some()).count();
         if recordings < 2 {
             self.findings.heights.found = Background::default();
             return;
         }
-        // Those that have results before the others would be compared again and again.
+        // Without this wait, the logs that have results first would be compared again and again.
         if self.load_status().is_some() || self.visible_logs().any(OpenLog::is_behind) {
             return;
         }
@@ -159,8 +162,8 @@ impl App {
         }
     }
 
-    /// Says once that soundings are false and that heights differ, with the commands that leave
-    /// out the ones and level the others.
+    /// Notifies the analyst once of false soundings and of height differences, with the commands
+    /// that leave the soundings out and level the logs.
     fn say_heights(&mut self) {
         let found = self.contradicted_soundings();
         let is_said = self.findings.heights.said_false.as_ref() == found.first();

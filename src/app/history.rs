@@ -1,4 +1,5 @@
-//! The history of what an analyst changes: what each step is called, and going to any of them.
+//! Records and names the changes that the analyst makes as undo steps, and goes back and forward
+//! through them.
 
 use super::project::{keep_figure, kept_figure};
 use super::step::{LogStep, UndoStep};
@@ -25,8 +26,8 @@ impl App {
         }
     }
 
-    /// Notes a change as a step that undo takes back, and keeps it in the project. Its full name
-    /// says what became of what: `threshold 0.41`, `bottom of pond`.
+    /// Records a change as an undo step, and saves it in the project. The full name of the step
+    /// states what changed, and to which value or in which log: `threshold 0.41`, `bottom of pond`.
     pub(super) fn record_step(
         &mut self,
         before: &UndoStep,
@@ -34,7 +35,7 @@ impl App {
         label: impl Into<Cow<'static, str>>,
         live: bool,
     ) {
-        // What was offered to be taken back is not the last step any more.
+        // An undo that was offered for an earlier change would now revert another one.
         self.withdraw(Action::Undo);
         let label = label.into();
         let start = self.document.history.start_of(&label, before).clone();
@@ -49,29 +50,29 @@ impl App {
         self.keep_project(&title);
     }
 
-    /// Notes a change whose name says all.
+    /// Records a change with a complete name as an undo step.
     pub(super) fn record_named(&mut self, before: &UndoStep, after: &UndoStep, title: String) {
         self.withdraw(Action::Undo);
         self.document.history.record(before, after, title.clone(), false);
         self.keep_project(&title);
     }
 
-    /// Steps in the order in which they were done, and after them those that were taken back.
+    /// Returns the steps in the order in which they were done, followed by those that were undone.
     pub fn history(&self) -> impl Iterator<Item = project::HistoryStep<'_>> {
         self.document.history.steps()
     }
 
-    /// Name of the change that undo would take back.
+    /// Returns the name of the change that undo would revert; `None` if there is none.
     pub fn undo_label(&self) -> Option<&str> {
         self.document.history.undo_label()
     }
 
-    /// Name of the change that redo would do again.
+    /// Returns the name of the change that redo would apply again; `None` if there is none.
     pub fn redo_label(&self) -> Option<&str> {
         self.document.history.redo_label()
     }
 
-    /// Takes the last step back.
+    /// Reverts the last step.
     pub(super) fn undo(&mut self) {
         self.withdraw(Action::Undo);
         if let Some(step) = self.document.history.undo(&self.step_now()) {
@@ -79,7 +80,7 @@ impl App {
         }
     }
 
-    /// Does again what was taken back last.
+    /// Applies the step again that was undone last.
     pub(super) fn redo(&mut self) {
         self.withdraw(Action::Undo);
         if let Some(step) = self.document.history.redo(&self.step_now()) {
@@ -102,7 +103,7 @@ impl App {
         self.undo_label().unwrap_or_default().to_owned()
     }
 
-    /// The steps that led to a project, as far back as its logs are those that are open.
+    /// Sets the undo steps from the past of a project, as far back as its logs are the open ones.
     pub(super) fn take_past(&mut self, past: Vec<PastStep>) {
         let mut after = self.step_now();
         let mut steps = Vec::new();
@@ -119,8 +120,8 @@ impl App {
         self.document.history = History::of_past(steps);
     }
 
-    /// The changes that led to a project that is kept for the first time, as far back as its logs
-    /// are those that are open.
+    /// Returns the changes that led to a project that is saved for the first time, as far back as
+    /// its logs are the open ones.
     pub(super) fn past_of(&self, project: &Project) -> Vec<PastStep> {
         let versions = self.document.history.past().rev().map_while(|(step, label)| {
             Some(PastStep { label: label.to_owned(), before: self.project_of(step, project)? })
@@ -130,7 +131,7 @@ impl App {
         steps
     }
 
-    /// The version of a project that a step is, the reverse of [`App::step_of`]. `None` where other
+    /// Returns the version of a project at a step, the reverse of [`App::step_of`]; `None` if other
     /// logs were open.
     fn project_of(&self, step: &UndoStep, project: &Project) -> Option<Project> {
         if step.logs.len() != project.logs().len() {
@@ -152,8 +153,8 @@ impl App {
         Some(version)
     }
 
-    /// The step that a version of the open project is; what it has in common with the one `after`
-    /// it is the same in memory. `None` where it holds other logs.
+    /// Returns the step of a version of the open project; parts that it has in common with the step
+    /// `after` it share memory. `None` if the version has other logs.
     fn step_of(&self, project: &Project, after: &UndoStep) -> Option<UndoStep> {
         let mut step = after.clone();
         if project.settings != *after.shared {
@@ -217,9 +218,9 @@ fn changed_logs<'a>(
     pairs.filter(|(was, log)| was != log)
 }
 
-/// A value in metres, whatever it was typed in: the list of the history writes it in the units of
-/// the day it is read. A round number of feet is then still round, for it is written to a digit
-/// more.
+/// Returns a value in metres, whatever the unit that it was typed in: the list of the history
+/// writes it in the unit of the day on which it is read. One more decimal keeps a round number of
+/// feet round.
 fn in_metres(number: &Number, value: f64, units: Units) -> String {
     let metric = number.shown_in(Units::default());
     if number.shown_in(units).suffix == metric.suffix {
@@ -230,7 +231,7 @@ fn in_metres(number: &Number, value: f64, units: Units) -> String {
 }
 
 /// Returns the new value of the only setting that differs, as its control writes it, or the name of
-/// the preset that the settings became; `None` where no setting or several differ.
+/// the preset that the settings now match; `None` if no setting or several differ.
 fn value_of_change(before: &UndoStep, after: &UndoStep, units: Units) -> Option<String> {
     let (was, is) = if !Arc::ptr_eq(&before.shared, &after.shared) {
         (setting_values(&before.shared), setting_values(&after.shared))
@@ -245,7 +246,7 @@ fn value_of_change(before: &UndoStep, after: &UndoStep, units: Units) -> Option<
     let keys = was.keys().chain(is.keys());
     let mut keys = keys.filter(|key| was.get(*key) != is.get(*key));
     let key = keys.next()?;
-    // A key that both have stands in the list twice.
+    // A key of both lists occurs twice in the chain.
     if keys.any(|other| other != key) {
         return None;
     }
@@ -263,7 +264,8 @@ fn value_of_change(before: &UndoStep, after: &UndoStep, units: Units) -> Option<
     }
 }
 
-/// The preset that the settings became.
+/// Returns the name of the preset that the settings now match; `None` if none, or if it matched
+/// before.
 fn preset_of(before: &Settings, after: &Settings) -> Option<String> {
     let preset = after.matching_preset()?;
     (before.matching_preset() != Some(preset)).then(|| preset.name().to_owned())

@@ -1,5 +1,5 @@
-//! The area that isobaths end at: its file is read in a background thread, and becomes part of the
-//! settings once it is known to be one.
+//! Opens the area at which isobaths end: its file is read in a background thread, and becomes part
+//! of the settings only if it holds an area.
 
 use super::error::AppError;
 use super::{App, Task, TaskOutcome};
@@ -9,35 +9,35 @@ use bathyscope_products::pipeline::Settings;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Name of a change of the area in the undo menu.
+/// Name of undo steps that change the area.
 const LABEL: &str = "isobath area";
 
-/// The file that is being read.
+/// The reading of an area, if one is running.
 #[derive(Default)]
 pub(super) struct ReadingArea(Option<Task<Result<WaterArea, AppError>>>);
 
 impl ReadingArea {
-    /// Returns true if one is.
+    /// Returns true if an area is being read.
     pub(super) fn is_busy(&self) -> bool {
         self.0.is_some()
     }
 
-    /// Stops reading.
+    /// Stops reading an area.
     pub(super) fn stop(&mut self) {
         self.0 = None;
     }
 }
 
 impl App {
-    /// Starts reading an area; one that is still being read is dropped.
+    /// Starts reading an area; the reading of an earlier one is dropped.
     pub(super) fn open_isobath_area(&mut self, path: PathBuf) {
-        // The settings must hold its path wherever the next run starts.
+        // The settings must hold a path that is valid in whatever folder the next run starts.
         let path = std::path::absolute(&path).unwrap_or(path);
         let work = move |_: &_| Ok(read_area(&path)?);
         self.files.reading_area.0 = Some(Task::start(&self.jobs, work));
     }
 
-    /// Collects an area that was read, and takes it into the settings.
+    /// Collects an area when reading has ended, and adds it to the settings.
     pub(super) fn poll_isobath_area(&mut self) {
         let read = match self.files.reading_area.0.as_ref().map(Task::poll) {
             None | Some(TaskOutcome::Pending) => return,
@@ -51,7 +51,7 @@ impl App {
         }
     }
 
-    /// Shows isobaths wherever there are depths again.
+    /// Removes the area, so that isobaths are shown wherever there are depths.
     pub(super) fn remove_isobath_area(&mut self) {
         self.files.reading_area.stop();
         self.set_isobath_area(None);

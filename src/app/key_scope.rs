@@ -1,5 +1,5 @@
-//! Views in which the bare key of an action acts: a key without Ctrl and Alt that is no function
-//! key, and could be part of a text.
+//! Defines the views in which the bare key of an action acts. A bare key has no Ctrl and no Alt and
+//! is no function key, so that it could be part of a text.
 
 use super::View;
 
@@ -32,7 +32,7 @@ pub enum KeyScope {
 }
 
 impl KeyScope {
-    /// All of them.
+    /// All scopes.
     #[cfg(test)]
     pub const ALL: [KeyScope; 7] = [
         KeyScope::Views,
@@ -44,7 +44,7 @@ impl KeyScope {
         KeyScope::Cloud,
     ];
 
-    /// Returns true if the key acts while this has the keyboard.
+    /// Returns true if a key of this scope acts while `focus` has the keyboard.
     pub fn holds(self, focus: KeyFocus) -> bool {
         use KeyFocus::{Review, View as In};
         use View::{Cloud, Map, Waterfall};

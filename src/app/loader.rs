@@ -1,4 +1,4 @@
-//! Opening a log in a background thread.
+//! Opens logs in background threads.
 
 use super::Jobs;
 use super::error::AppError;
@@ -11,7 +11,7 @@ use bathyscope_products::project::{BottomFileError, LogFile, read_bottom};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// The bundled demo survey.
+/// Bytes of the bundled demo survey.
 const DEMO: &[u8] = include_bytes!("../../assets/demo.sl2");
 
 /// Source of a log that is opened.
@@ -24,7 +24,7 @@ pub(crate) enum LogOrigin {
 }
 
 impl LogOrigin {
-    /// Returns the name to show for it.
+    /// Returns the name that is shown for the log.
     pub(crate) fn name(&self) -> String {
         match self {
             LogOrigin::Path(path) => path.file_name().map_or_else(
@@ -35,7 +35,7 @@ impl LogOrigin {
         }
     }
 
-    /// Opens it.
+    /// Opens the log.
     pub(crate) fn open(&self, progress: &Progress) -> Result<Survey, formats::OpenError> {
         match self {
             LogOrigin::Path(path) => formats::open(path, progress),
@@ -47,7 +47,7 @@ impl LogOrigin {
 /// Name and progress of the log that is being opened, for the status line.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct LoadStatus {
-    /// Its name.
+    /// Name of the log.
     pub name: String,
     /// Done share, 0 to 1.
     pub fraction: f32,
@@ -56,11 +56,11 @@ pub(crate) struct LoadStatus {
 /// Treatment of the open logs when another log has been read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum OpenMode {
-    /// They are closed.
+    /// The open logs are closed.
     Instead,
-    /// They stay, and the log joins them.
+    /// The open logs stay, and the new log joins them.
     Added {
-        /// It is the one that is shown then.
+        /// True if the new log is shown then.
         shown: bool,
     },
 }
@@ -72,21 +72,21 @@ pub(super) struct OpenRequest {
     pub place: OpenMode,
 }
 
-/// The bottom edits of a sidecar file, or why they cannot be used.
+/// The bottom edits of a sidecar file, or the error if they cannot be used.
 pub(super) type ReadBottom = Result<BottomSettings, BottomFileError>;
 
 /// Contents of a path that was opened.
 pub(super) enum OpenedPath {
-    /// A log, what was drawn on it when it was last open, and its file where it is to be kept in a
-    /// project.
+    /// A log, the bottom edits that were made when it was last open, and its file if it is to be
+    /// kept in a project.
     Log(Box<Survey>, Option<ReadBottom>, Option<LogFile>),
     /// A folder of several logs.
     Folder(Vec<PathBuf>),
-    /// A recording that is open already, by its name.
+    /// The name of a recording that is already open.
     Known(String),
 }
 
-/// A log being opened. Dropping it cancels it.
+/// The opening of a log, which is cancelled when this is dropped.
 pub(super) struct Loading {
     pub request: OpenRequest,
     task: Task<Result<OpenedPath, AppError>>,
@@ -120,14 +120,14 @@ impl Loading {
             let is_file = matches!(requested, LogOrigin::Path(_));
             let file = (in_project && is_file).then(|| LogFile::of(&survey, progress));
             let file = file.transpose()?;
-            // The hash is that of the log only if all of it could be read.
+            // The hash belongs to the log only if the whole log could be read.
             survey.check_files().map_err(formats::OpenError::from)?;
             Ok(OpenedPath::Log(Box::new(survey), drawn, file))
         });
         Self { request, task }
     }
 
-    /// The outcome, once.
+    /// Returns the result once, when opening has ended; `None` while it is running.
     pub(super) fn poll(&self) -> Option<Result<OpenedPath, AppError>> {
         match self.task.poll() {
             TaskOutcome::Done(opened) => Some(opened),
@@ -145,6 +145,6 @@ impl Loading {
 fn is_same_recording(one: &Survey, other: &Survey) -> bool {
     let is_same = Identity::of(one).is_same_log(&Identity::of(other));
     let [one, other] = [one, other].map(|survey| survey.bytes.iter());
-    // A clone of the demo, or a log without bytes, is identified by its size alone.
+    // A clone of the demo, and a log without bytes, are identified by their size alone.
     is_same && one.zip(other).all(|(one, other)| **one == **other)
 }

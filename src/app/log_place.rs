@@ -1,4 +1,4 @@
-//! A place in the survey, and the request to show one.
+//! Defines a place in the survey, and the request to show a place.
 
 use bathyscope_log::survey::Side;
 
@@ -7,16 +7,16 @@ use bathyscope_log::survey::Side;
 pub struct LogPlace {
     /// Side-scan ping.
     pub ping: usize,
-    /// Side, when the place is off the track.
+    /// Side of the boat; `None` for a place on the track.
     pub side: Option<Side>,
-    /// Distance outward in u8 samples.
+    /// Distance outward in u8 samples; `None` without a sample.
     pub sample: Option<f32>,
-    /// Point of the cloud.
+    /// Index of a point of the cloud; `None` without a point.
     pub point: Option<usize>,
 }
 
 impl LogPlace {
-    /// A place on the track.
+    /// Creates a place on the track.
     pub fn ping(ping: usize) -> Self {
         Self { ping, side: None, sample: None, point: None }
     }
@@ -27,36 +27,39 @@ impl LogPlace {
 pub struct Reveal {
     /// The place.
     pub mark: LogPlace,
-    /// Grows with each request.
+    /// Number that grows with each request.
     pub serial: u64,
-    /// Object that the views enlarge; without it they only bring the place into view.
+    /// Object that the views enlarge; with `None` they only bring the place into view.
     pub close_up: Option<CloseUp>,
 }
 
 /// Scale at which an object is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Enlarged {
-    /// It fills about a third of the view.
+    /// The object fills about a third of the view.
     Third,
-    /// A sample of the picture is a point of the screen; what does not fit in so, with what lies
-    /// around it, is smaller. For the waterfall alone: the other views only bring it into view.
+    /// A sample of the picture is a point of the screen; an object that does not fit with its
+    /// surroundings is drawn smaller. For the waterfall alone: the other views only bring the
+    /// object into view.
     OneToOne,
-    /// The scale stays; the box comes into the middle where it is not well in view. For the
-    /// waterfall alone as well.
+    /// The scale stays; the waterfall moves the box to the middle if it is not well in view. For
+    /// the waterfall alone, too.
     AsItIs,
 }
 
 /// An object that the views enlarge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CloseUp {
-    /// Scale at which it is shown.
+    /// Scale at which the object is shown.
     pub enlarged: Enlarged,
-    /// First ping of its box, and the first one after it.
+    /// First ping of the object's box, and the first ping after it.
     pub pings: [usize; 2],
-    /// Slant ranges of the edges of its box by the recorder's scale, port negative, metres.
+    /// Slant ranges of the edges of the object's box by the recorder's scale, port negative,
+    /// metres.
     pub across_m: [f64; 2],
-    /// Its place, metres east, north and up in the plane of the survey; `None` where it has none.
+    /// Position of the object, metres east, north and up in the plane of the survey; `None` if it
+    /// has none.
     pub place_m: Option<[f64; 3]>,
-    /// Its longer side on the ground, metres.
+    /// Longer side of the object on the ground, metres.
     pub size_m: f64,
 }

@@ -1,8 +1,7 @@
-//! The open logs: which there are, in which order, which of them is shown, and what is processed
-//! next.
+//! Holds the open logs and their order, shows one of them, and decides which is processed next.
 //!
-//! [`App::log`] is the one that waterfall, profile and panels show; the others wait beside it with
-//! their results, and maps, clouds and products are made of all that are visible.
+//! [`App::log`] is the log that waterfall, profile and panels show; the other logs keep their
+//! results beside it, and maps, clouds and products are made from all visible logs.
 
 use super::open_log::log_colour;
 use super::outdated::LogsChange;
@@ -15,9 +14,9 @@ use bathyscope_products::pipeline::Products;
 use bathyscope_products::pipeline::{EngineStatus, ProcessedLog, Settings};
 use std::sync::Arc;
 
-/// Reviews of closed logs kept at hand while the window is open.
+/// Number of reviews of closed logs that are kept while the window is open.
 const PARKED: usize = 10;
-/// Closed logs that undo can open again.
+/// Number of closed logs that undo can open again.
 const CLOSED: usize = 10;
 
 /// A log that takes part in maps and clouds, with its results.
@@ -25,26 +24,26 @@ const CLOSED: usize = 10;
 pub struct ShownLog {
     /// Identifier of the log.
     pub id: LogId,
-    /// Its name: [`OpenLog::name`].
+    /// Name of the log: [`OpenLog::name`].
     pub name: String,
-    /// Its colour where logs are told apart.
+    /// Colour of the log where colours distinguish logs, red, green and blue.
     pub colour: [u8; 3],
-    /// The recording and what was made of it.
+    /// The recording with its results.
     pub log: ProcessedLog,
 }
 
-/// The logs that are open beside the one that is shown.
+/// The logs that are open beside the shown one.
 #[derive(Default)]
 pub(super) struct OpenLogs {
     pub others: Vec<OpenLog>,
-    /// All of them, in the order of the list.
+    /// All open logs, in the order of the list.
     pub order: Vec<LogId>,
     last: u64,
-    /// Those that were opened since nothing was being opened.
+    /// Newly opened logs, which `App::set_apart` has not checked yet.
     pub arrived: Vec<LogId>,
-    /// Logs that were closed, the last one at the end: undo opens them again.
+    /// Closed logs that undo can open again, the last one at the end.
     pub closed: Vec<OpenLog>,
-    /// Reviews of the boxes of closed logs that no project keeps.
+    /// Reviews of the boxes of closed logs that no project saves.
     pub parked: Vec<Parked>,
 }
 
@@ -54,7 +53,7 @@ impl OpenLogs {
         LogId(self.last)
     }
 
-    /// Returns a copy that holds only what is drawn.
+    /// Returns a copy that holds only the drawn parts.
     pub(super) fn for_picture(&self) -> Self {
         Self {
             others: self.others.iter().map(OpenLog::for_picture).collect(),
@@ -63,7 +62,7 @@ impl OpenLogs {
         }
     }
 
-    /// Keeps a log that is being closed for undo.
+    /// Closes a log, and keeps it for undo.
     fn close(&mut self, mut log: OpenLog) {
         self.park(&mut log);
         self.order.retain(|id| *id != log.id);
@@ -72,7 +71,7 @@ impl OpenLogs {
         self.closed.drain(..surplus);
     }
 
-    /// Keeps what was decided about the boxes of a log that is being closed.
+    /// Keeps the decisions about the boxes of a log that is being closed.
     fn park(&mut self, log: &mut OpenLog) {
         self.parked.extend(log.reviewing.park());
         let surplus = self.parked.len().saturating_sub(PARKED);
@@ -81,24 +80,24 @@ impl OpenLogs {
 }
 
 impl App {
-    /// The open logs in the order of the list.
+    /// Returns the open logs in the order of the list.
     pub fn logs(&self) -> impl Iterator<Item = &OpenLog> {
         self.logs.order.iter().filter_map(|id| self.open_log(*id))
     }
 
-    /// The logs that take part in maps, clouds and products, in the order of the list.
+    /// Returns the logs that take part in maps, clouds and products, in the order of the list.
     pub fn visible_logs(&self) -> impl Iterator<Item = &OpenLog> {
         self.logs().filter(|log| log.is_visible)
     }
 
-    /// Returns true if one of them has depths across the track.
+    /// Returns true if a visible log has depths across the track.
     pub fn has_swath(&self) -> bool {
         let mut surveys = self.visible_logs().filter_map(|log| log.survey.as_ref());
         surveys.any(|survey| !survey.swath.is_empty())
     }
 
-    /// The visible logs that have results, in the order of the list: what maps and clouds are made
-    /// of.
+    /// Returns the visible logs that have results, in the order of the list, from which maps and
+    /// clouds are made.
     pub fn shown_logs(&self) -> Vec<ShownLog> {
         let shown = |log: &OpenLog| {
             Some(ShownLog {
@@ -111,19 +110,19 @@ impl App {
         self.visible_logs().filter_map(shown).collect()
     }
 
-    /// The recordings and results of the visible logs, in the order of the list, for the system
-    /// that the maps are in now: what is compared and written.
+    /// Returns the recordings and results of the visible logs, in the order of the list, with the
+    /// present coordinate system of the maps, for comparisons and exports.
     pub(super) fn processed_logs(&self) -> Vec<ProcessedLog> {
         let with_system = |mut log: ProcessedLog| {
-            // No stage depends on it: the results are as good for any system.
+            // No stage depends on the coordinate system: the results are valid for any.
             Arc::make_mut(&mut log.products.settings).crs = self.log.settings.crs;
             log
         };
         self.settled_logs().map(with_system).collect()
     }
 
-    /// The recordings and results of the visible logs as wholes ([`OpenLog::settled`]), in the
-    /// order of the list.
+    /// Returns the recordings and results of the visible logs as wholes ([`OpenLog::settled`]), in
+    /// the order of the list.
     pub(super) fn settled_logs(&self) -> impl Iterator<Item = ProcessedLog> {
         self.visible_logs().filter_map(OpenLog::settled)
     }
@@ -133,53 +132,52 @@ impl App {
         self.logs.order.len()
     }
 
-    /// An open log.
+    /// Returns the open log with an id; `None` if there is no such log.
     pub fn open_log(&self, id: LogId) -> Option<&OpenLog> {
         let mut all = [&self.log].into_iter().chain(&self.logs.others);
         all.find(|log| log.id == id && log.survey.is_some())
     }
 
-    /// The shown log, or the one beside it with this id.
+    /// Returns the shown log, or the log beside it, with an id.
     pub(super) fn log_mut(&mut self, id: LogId) -> Option<&mut OpenLog> {
         self.logs_mut().find(|log| log.id == id)
     }
 
-    /// The shown log, and then those beside it.
+    /// Returns the shown log, followed by the logs beside it.
     pub(super) fn logs_mut(&mut self) -> impl Iterator<Item = &mut OpenLog> {
         [&mut self.log].into_iter().chain(&mut self.logs.others)
     }
 
-    /// The ids of the shown log, and then of those beside it.
+    /// Returns the ids of the shown log and of the logs beside it.
     pub(super) fn log_ids(&self) -> Vec<LogId> {
         let all = [&self.log].into_iter().chain(&self.logs.others);
         all.map(|log| log.id).collect()
     }
 
-    /// The settings that all logs share.
+    /// Returns the settings that all logs share.
     pub fn shared_settings(&self) -> &Settings {
         &self.document.shared
     }
 
-    /// Has new surveys start from these settings, but for those that belong to one survey.
+    /// Sets the settings from which new surveys start, apart from those that belong to one survey.
     pub fn use_settings(&mut self, settings: &Settings) {
         self.document.start = Arc::new(settings.with_survey_of(&Settings::default()));
         self.document.shared = self.document.start.clone();
         self.log.settings = self.document.shared.clone();
     }
 
-    /// Shows a log that is at hand already, with what was made of it, in the place of those that
-    /// are open.
+    /// Replaces the open logs by a log that is already read, with its results if there are any.
     pub fn show_survey(&mut self, survey: Arc<Survey>, products: Option<Products>) {
         self.pipeline.is_waiting = true;
         self.replace_logs(survey);
         self.log.products = products;
     }
 
-    /// Makes a log that was read the only one that is open.
+    /// Replaces all open logs by a log that was read.
     pub(super) fn replace_logs(&mut self, survey: Arc<Survey>) {
         self.leave_project();
         self.close_all();
-        // Those of before belong to the survey that was open.
+        // The earlier shared settings belong to the survey that was open.
         self.document.shared = self.document.start.clone();
         self.open_first(survey);
     }
@@ -204,7 +202,7 @@ impl App {
         self.meet_log();
     }
 
-    /// Has the logs lie in another plane.
+    /// Sets the plane of the logs.
     pub(super) fn enter_plane(&mut self, plane: LocalFrame) {
         self.document.plane = plane;
         self.follow_change(LogsChange::OtherPlane);
@@ -221,14 +219,14 @@ impl App {
         self.meet_log();
     }
 
-    /// Takes over the order and filter of boxes, and a requested truth, from the log that was shown
-    /// before.
+    /// Applies the order and filter of boxes, and a requested truth, of the log that was shown
+    /// before to the shown log.
     fn take_over(&mut self, last: &mut OpenLog) {
         self.log.reviewing.take_tools(&mut last.reviewing);
         self.log.reviewing.judging.take_request(&mut last.reviewing);
     }
 
-    /// Adds a log that was read to those that are open, in their plane.
+    /// Adds a log that was read to the open logs, in their plane; returns its id.
     pub(super) fn add_log(&mut self, survey: Survey) -> LogId {
         if self.log.survey.is_none() {
             self.open_first(Arc::new(survey));
@@ -236,7 +234,7 @@ impl App {
         }
         let is_placed = |log: &OpenLog| log.survey.as_ref().is_some_and(|one| one.has_place());
         if !self.logs().any(is_placed) {
-            // A plane through no place of the survey would bend this log's track.
+            // A plane around another place would distort this log's track.
             self.enter_plane(survey.track.frame.clone());
         }
         let log = self.opened(Arc::new(survey.in_frame(&self.document.plane)));
@@ -249,7 +247,7 @@ impl App {
     fn opened(&mut self, survey: Arc<Survey>) -> OpenLog {
         let id = self.logs.next_id();
         self.logs.order.push(id);
-        // Opened again by its file, it is not opened once more by undo.
+        // A closed log that is opened again by its file must not be opened a second time by undo.
         let own = Identity::of(&survey);
         let is_other = |log: &OpenLog| {
             let closed = log.survey.as_ref().map(|survey| Identity::of(survey));
@@ -264,7 +262,7 @@ impl App {
         log
     }
 
-    /// Shows another of the open logs: in waterfall, profile and panels.
+    /// Shows another of the open logs in waterfall, profile and panels.
     pub(super) fn show_log(&mut self, id: LogId) {
         let place = self.logs.others.iter().position(|log| log.id == id);
         let Some(place) = place else {
@@ -277,20 +275,20 @@ impl App {
         self.meet_log();
     }
 
-    /// Puts everything at rest that was of the log shown before.
+    /// Stops the work for the log that was shown before, and starts that for the shown log.
     fn meet_log(&mut self) {
         self.follow_change(LogsChange::OtherShown);
         self.schedule();
     }
 
-    /// Writes what is not in a file yet: the window closes.
+    /// Saves everything that is not saved yet, because the window closes.
     pub fn keep_all(&mut self) {
         self.keep_decisions();
         self.keep_project("close");
         self.finish_keeping();
     }
 
-    /// Closes a log, as an undo step; what was decided about it stays in its files.
+    /// Closes a log, as an undo step; the decisions about it stay in its files.
     pub(super) fn close_log(&mut self, id: LogId) {
         if self.open_log(id).is_none() {
             return;
@@ -303,7 +301,7 @@ impl App {
         self.schedule();
     }
 
-    /// Takes a log out of the open ones; another one is shown where it was.
+    /// Removes a log from the open ones; if it was shown, a neighbour in the list is shown.
     fn put_away(&mut self, id: LogId) {
         self.keep_decisions_of(id);
         self.remember_settings(id);
@@ -334,7 +332,7 @@ impl App {
         self.name_logs();
     }
 
-    /// Gives the open logs names that tell them apart.
+    /// Gives the open logs distinct names.
     fn name_logs(&mut self) {
         let read = |log: &OpenLog| Some((log.id, log.survey.clone()?));
         let logs: Vec<(LogId, Arc<Survey>)> = self.logs().filter_map(read).collect();
@@ -346,12 +344,12 @@ impl App {
         }
     }
 
-    /// The logs that were closed and can be opened again.
+    /// Returns the ids of the closed logs that can be opened again.
     pub(super) fn closed_logs(&self) -> impl Iterator<Item = LogId> {
         self.logs.closed.iter().map(|log| log.id)
     }
 
-    /// Closes the logs that were closed at another moment, and opens again those that were not.
+    /// Opens and closes logs so that exactly the logs `closed` are closed.
     pub(super) fn open_and_close(&mut self, closed: &[LogId]) {
         let wakes: Vec<LogId> = self.closed_logs().filter(|id| !closed.contains(id)).collect();
         for id in wakes {
@@ -411,7 +409,7 @@ impl App {
         quoted(&name)
     }
 
-    /// Puts the logs into the order of an earlier moment; those opened since stay at the end.
+    /// Restores an earlier order of the logs; logs opened since then stay at the end.
     pub(super) fn reorder(&mut self, order: impl Iterator<Item = LogId>) {
         let open = std::mem::take(&mut self.logs.order);
         let mut order: Vec<LogId> = order.filter(|id| open.contains(id)).collect();
@@ -421,7 +419,7 @@ impl App {
         self.logs.order = order;
     }
 
-    /// The log before or after the one that is shown; around the ends of the list.
+    /// Shows the log `by` places after the shown one in the list, around its ends.
     pub(super) fn step_log(&mut self, by: isize) {
         let order = &self.logs.order;
         if let Some(here) = order.iter().position(|id| *id == self.log.id) {
@@ -430,7 +428,7 @@ impl App {
         }
     }
 
-    /// Shows the log of a place, if it is another one, and the place in all views.
+    /// Shows a log, if it is not shown yet, and a place of it in all views.
     pub(super) fn reveal_in(&mut self, id: LogId, mark: LogPlace) {
         self.show_log(id);
         self.reveal(mark);
@@ -442,8 +440,8 @@ impl App {
         processed == Some(id) && self.engine_status() != EngineStatus::Idle
     }
 
-    /// Has the log processed next whose results are missing or older than its settings: first the
-    /// one that is shown.
+    /// Starts processing a log whose results are missing or older than its settings: the shown log
+    /// first.
     pub(super) fn schedule(&mut self) {
         if self.pipeline.is_waiting {
             return;

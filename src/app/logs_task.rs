@@ -1,22 +1,22 @@
-//! Work on several logs in the background, and what it found last.
+//! Runs work on several logs in a background thread, and keeps its last result.
 
 use super::{Jobs, Task, TaskOutcome};
 use bathyscope_log::support::progress::Progress;
 
-/// The work and its result.
+/// Work on several logs, and its last result.
 pub(super) struct LogsTask<T> {
     task: Option<Task<Option<T>>>,
     found: Option<T>,
 }
 
-/// State of the work.
+/// State of the work when it was polled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Stands {
-    /// There is none, or it goes on.
+    /// There is no work, it goes on, or it ended without a result.
     Still,
-    /// It found something now.
+    /// The work has just ended with a result.
     Found,
-    /// It ended unexpectedly.
+    /// The work ended in a panic.
     Failed,
 }
 
@@ -27,7 +27,7 @@ impl<T> Default for LogsTask<T> {
 }
 
 impl<T: Send + 'static> LogsTask<T> {
-    /// Returns true if it is at work.
+    /// Returns true while the work is running.
     pub(super) fn is_busy(&self) -> bool {
         self.task.is_some()
     }
@@ -37,7 +37,7 @@ impl<T: Send + 'static> LogsTask<T> {
         self.found.as_ref()
     }
 
-    /// Begins to look; a search under way is given up.
+    /// Starts the work; a running one is cancelled.
     pub(super) fn start(
         &mut self,
         jobs: &Jobs,
@@ -46,7 +46,7 @@ impl<T: Send + 'static> LogsTask<T> {
         self.task = Some(Task::start(jobs, search));
     }
 
-    /// Takes over what was found.
+    /// Collects the result of the work if it has ended.
     pub(super) fn poll(&mut self) -> Stands {
         let stands = match self.task.as_ref().map(Task::poll) {
             None | Some(TaskOutcome::Pending) => return Stands::Still,

@@ -1,4 +1,4 @@
-//! Layers of the map: which ones are shown, in which order, and how strongly.
+//! Defines the layers of the map: their visibility, order and opacity.
 
 use serde::{Deserialize, Serialize};
 
@@ -27,7 +27,7 @@ pub enum MapLayer {
 }
 
 impl MapLayer {
-    /// All layers in their order at first, bottom first.
+    /// All layers in their initial order, bottom first.
     pub const ALL: [MapLayer; 9] = [
         MapLayer::BaseMap,
         MapLayer::DepthMap,
@@ -40,7 +40,7 @@ impl MapLayer {
         MapLayer::Boxes,
     ];
 
-    /// Name in menus.
+    /// Returns the name in menus.
     pub fn name(self) -> &'static str {
         match self {
             MapLayer::BaseMap => "Base map",
@@ -78,9 +78,9 @@ impl MapLayer {
 pub struct LayerShown {
     /// The layer.
     pub layer: MapLayer,
-    /// True if it is drawn.
+    /// True if the layer is drawn.
     pub visible: bool,
-    /// 0 (not seen) to 1 (as it is).
+    /// Opacity, 0 (invisible) to 1 (opaque).
     pub opacity: f32,
 }
 
@@ -88,8 +88,7 @@ impl LayerShown {
     fn at_first(layer: MapLayer) -> Self {
         Self {
             layer,
-            // A mosaic hides the depths that it lies on; points and what they are worth are for a
-            // closer look.
+            // A mosaic hides the depths below it; points and residuals are for a closer look.
             visible: !matches!(layer, MapLayer::Mosaic | MapLayer::Points | MapLayer::Residuals),
             opacity: 1.0,
         }
@@ -116,8 +115,8 @@ impl From<LayerStack> for Vec<LayerShown> {
 }
 
 impl From<Vec<LayerShown>> for LayerStack {
-    /// Repeated layers are dropped; those that are missing lie where they lie at first: on what
-    /// they lie on there.
+    /// Drops repeated layers, and inserts missing layers above the layers that are below them in
+    /// the initial order.
     fn from(saved: Vec<LayerShown>) -> Self {
         let mut layers: Vec<LayerShown> = Vec::with_capacity(MapLayer::ALL.len());
         for shown in saved {
@@ -142,7 +141,7 @@ impl From<Vec<LayerShown>> for LayerStack {
 }
 
 impl LayerStack {
-    /// The layers, bottom first.
+    /// Returns the layers, bottom first.
     pub fn bottom_up(&self) -> impl DoubleEndedIterator<Item = &LayerShown> {
         self.layers.iter()
     }
@@ -153,7 +152,7 @@ impl LayerStack {
         found.copied().unwrap_or(LayerShown::at_first(layer))
     }
 
-    /// Returns true if a layer is drawn and can be seen.
+    /// Returns true if a layer is drawn and not fully transparent.
     pub fn is_visible(&self, layer: MapLayer) -> bool {
         let shown = self.of(layer);
         shown.visible && shown.opacity > 0.0
@@ -174,7 +173,7 @@ impl LayerStack {
         self.change(layer, |shown| shown.opacity = opacity.clamp(0.0, 1.0));
     }
 
-    /// Lays a layer over the one above it.
+    /// Moves a layer above the layer that covers it.
     pub fn raise(&mut self, layer: MapLayer) {
         if let Some(place) = self.place(layer)
             && place + 1 < self.layers.len()
@@ -183,7 +182,7 @@ impl LayerStack {
         }
     }
 
-    /// Lays a layer under the one below it.
+    /// Moves a layer below the layer under it.
     pub fn lower(&mut self, layer: MapLayer) {
         if let Some(place) = self.place(layer)
             && place > 0

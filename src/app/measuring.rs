@@ -1,5 +1,5 @@
-//! Figures that the analyst draws to measure: a line, an area or the line of a depth profile on the
-//! map and in the waterfall, and the height of what casts a shadow in the waterfall.
+//! Draws figures to measure: a line, an area or the line of a depth profile on the map and in the
+//! waterfall, and the height of an object from its shadow in the waterfall.
 
 use super::drawn_figure::Figure;
 use super::reviewing::Tool;
@@ -24,46 +24,48 @@ const NO_PLACE: &str =
 /// A request about the figure.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Measure {
-    /// One more corner here on the map.
+    /// Add a corner at this position on the map.
     Corner(LonLat),
-    /// One more corner at this place of the waterfall.
+    /// Add a corner at this place of the waterfall.
     Pick(Pick),
-    /// Place under the pointer, where the next corner would be.
+    /// Set the position under the pointer, where the next corner would be; `None` without one.
     Next(Option<LonLat>),
 }
 
 /// The figure and the tool that draws it.
 #[derive(Default)]
 pub struct Measuring {
-    /// Kind of figure that a click on the map or the waterfall draws.
+    /// Kind of figure that a click on the map or the waterfall draws; `None` without a measuring
+    /// tool.
     pub tool: Option<MeasurementKind>,
-    /// Figure that was drawn last.
+    /// Figure that was drawn last; `None` if it was removed.
     pub figure: Option<Arc<Figure>>,
-    /// Place of the next corner, under the pointer.
+    /// Position of the next corner, under the pointer.
     pub(super) next: Option<LonLat>,
-    /// Depths along the figure, if it is the line of a profile,
+    /// Depths along the figure, if it is the line of a profile.
     pub(super) set: Option<Arc<ProfileLine>>,
-    /// and on to the next corner while it is drawn.
+    /// Depths along the line of a profile and on to the next corner, while it is drawn.
     pub(super) drawn: Option<Arc<ProfileLine>>,
 }
 
 impl Measuring {
-    /// Returns a copy that holds only what is drawn.
+    /// Returns a copy that holds only the drawn parts.
     pub(super) fn for_picture(&self) -> Self {
         Self { tool: None, figure: self.figure.clone(), ..Self::default() }
     }
 
-    /// Depths along the figure; none where it is not the line of a profile.
+    /// Returns the depths along the figure; none if it is not the line of a profile.
     pub fn stations(&self) -> &[TransectStation] {
         self.set.as_ref().map_or(&[], |set| &set.stations)
     }
 
-    /// The line of the profile with its depths, on to the next corner while it is drawn.
+    /// Returns the line of the profile with its depths, including the next corner while it is
+    /// drawn.
     pub fn profile(&self) -> Option<&ProfileLine> {
         self.drawn.as_deref()
     }
 
-    /// Returns true if the plot of a depth profile is requested.
+    /// Returns true if the plot of a depth profile is shown.
     pub fn shows_profile(&self) -> bool {
         let drawn = self.figure.as_ref().map(|figure| figure.measurement.kind);
         self.tool.or(drawn) == Some(MeasurementKind::Profile)
@@ -76,7 +78,7 @@ impl Measuring {
         figure.map_or(&NONE, |figure| &figure.measurement.picks)
     }
 
-    /// Returns true if a corner would go on with the figure there is.
+    /// Returns true if another corner would continue the present figure.
     pub(crate) fn is_drawing(&self) -> bool {
         let open = self.figure.as_ref().filter(|figure| !figure.done);
         open.is_some_and(|figure| Some(figure.measurement.kind) == self.tool)
@@ -84,7 +86,7 @@ impl Measuring {
 }
 
 impl Measuring {
-    /// Has the picks of a figure name a longer state of their log.
+    /// Assigns the picks of the figure to a longer state of their log.
     pub(super) fn carry(&mut self, survey: &Survey, identity: &Identity) {
         let Some(figure) = &mut self.figure else {
             return;
@@ -130,7 +132,7 @@ impl App {
     pub(super) fn measure(&mut self, request: Measure) {
         match request {
             Measure::Corner(at) => {
-                // A shadow is seen in the waterfall only.
+                // A shadow can be measured in the waterfall only.
                 if self.map.measuring.tool != Some(MeasurementKind::Height) {
                     self.add_corner(at, None);
                 }
@@ -146,7 +148,7 @@ impl App {
         }
     }
 
-    /// Adds a corner to the figure, or begins one with it.
+    /// Adds a corner to the figure, or begins a figure with it.
     fn add_corner(&mut self, at: LonLat, pick: Option<Pick>) {
         let Some(kind) = self.map.measuring.tool else {
             return;
@@ -157,13 +159,13 @@ impl App {
             open.map_or_else(|| Measurement::new(kind), |figure| figure.measurement.clone());
         let measurement = begun.with(at, pick);
         self.draw(Some(Figure { measurement, done: false }));
-        // Both ends of a shadow are all there is.
+        // The height is complete with both ends of the shadow.
         if kind == MeasurementKind::Height && self.map.measuring.picks().len() == 2 {
             self.end_figure();
         }
     }
 
-    /// A pick of a shadow's end lies on the ping and side of its top.
+    /// Returns a pick; one of a shadow's end is moved to the ping and side of the shadow's top.
     pub(crate) fn on_one_ping(&self, pick: Pick) -> Pick {
         let measuring = &self.map.measuring;
         let is_shadow = measuring.tool == Some(MeasurementKind::Height) && measuring.is_drawing();
@@ -174,8 +176,8 @@ impl App {
         }
     }
 
-    /// The height of what casts the shadow between two slant ranges of a pick's ping, on the
-    /// recorder's scale; `None` while its log is closed or not processed.
+    /// Returns the height of the object that casts the shadow between two slant ranges of a pick's
+    /// ping, by the recorder's scale; `None` if the log of the pick is closed or not processed.
     pub(crate) fn shadow_height(
         &self,
         on: &Pick,
@@ -187,16 +189,16 @@ impl App {
         })
     }
 
-    /// The height that is measured, once both ends of its shadow are set.
+    /// Returns the measured height; `None` until both ends of the shadow are set.
     pub fn measured_height(&self) -> Option<Result<ShadowHeight, ShadowError>> {
         let figure = self.map.measuring.figure.as_deref()?;
         let (top, recorded_m) = figure.measurement.shadow()?;
         self.shadow_height(top, recorded_m)
     }
 
-    /// Has the measured shadow tell the height of a box: of the selected one, or of the one that it
-    /// was measured in. Of a box with such a height, where no other shadow is measured, the height
-    /// is that of its own shadow again.
+    /// Gives the height of the measured shadow to the selected box, or to the box in which it was
+    /// measured. If no other shadow is measured, the height of a box that has one is again that of
+    /// the box's own shadow.
     pub(super) fn use_shadow(&mut self) {
         let figure = self.map.measuring.figure.as_deref();
         let shadow = figure.and_then(|figure| figure.measurement.shadow());
@@ -216,8 +218,8 @@ impl App {
         }
     }
 
-    /// The box whose height a measured shadow is to tell, and that shadow; `None` for it where the
-    /// box has it already.
+    /// Returns the box that should get the height of a measured shadow, and that shadow, or `None`
+    /// for the shadow if the box has it already.
     fn box_of_shadow(
         &self,
         shadow: Option<(Side, MeasuredShadow)>,
@@ -262,7 +264,7 @@ impl App {
         Some(with(&ObjectLocator::new(survey, products), log))
     }
 
-    /// Takes the last corner back; a finished figure is drawn on.
+    /// Removes the last corner; a finished figure can be continued.
     pub(super) fn take_corner_back(&mut self) {
         if let Some(figure) = &self.map.measuring.figure {
             let mut figure = (**figure).clone();
@@ -273,7 +275,8 @@ impl App {
         }
     }
 
-    /// Ends the figure: the next corner begins another one. What cannot be measured goes.
+    /// Ends the figure, so that the next corner begins another one. A figure that cannot be
+    /// measured is removed.
     pub(super) fn end_figure(&mut self) {
         match &self.map.measuring.figure {
             Some(figure) if !figure.measurement.is_measurable() => self.draw(None),
@@ -286,7 +289,7 @@ impl App {
         }
     }
 
-    /// Makes `figure` the one on the map, as an undo step.
+    /// Replaces the figure on the map by `figure`, as an undo step.
     fn draw(&mut self, figure: Option<Figure>) {
         let before = self.step_now();
         let after = UndoStep { figure: figure.map(Arc::new), ..before.clone() };
@@ -298,7 +301,7 @@ impl App {
         self.record_step(&before, &after, label, false);
     }
 
-    /// The depth profile as a table; `None` while there is none.
+    /// Returns the depth profile as a table; `None` if there is none.
     pub fn profile_csv(&self) -> Option<String> {
         let (survey, products) = self.log.survey.as_ref().zip(self.log.products.as_ref())?;
         let stations = self.map.measuring.stations();

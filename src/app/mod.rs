@@ -1,7 +1,7 @@
-//! State, commands and undo of Bathyscope, without widgets and without drawing.
+//! Holds the state, commands and undo of Bathyscope, without widgets and without drawing.
 //!
-//! The window reads [`App`] and pushes [`Command`]s; [`App::apply`] is the only place that changes
-//! state, and [`App::poll`] collects what the workers finished.
+//! The window reads [`App`] and sends [`Command`]s; [`App::apply`] is the only place that changes
+//! state, and [`App::poll`] collects the results of the workers.
 
 mod above_bottom;
 mod action;

@@ -1,4 +1,4 @@
-//! Mounting of recorders: exchanging sides, and the default that a recorder has for its logs.
+//! Sets the mounting of recorders: exchanged sides, and the default for the logs of a recorder.
 
 use super::error::AppError;
 use super::{App, LogId, OpenLog};
@@ -11,8 +11,8 @@ use std::sync::Arc;
 /// Mountings by recorder ([`bathyscope_log::survey::Source::recorder`]).
 pub type Mountings = BTreeMap<String, MountingSettings>;
 
-/// Settings whose bottom edits lie on the echoes that they were drawn on, when the sides are
-/// exchanged by them.
+/// Returns the settings with their bottom edits on the side of the echoes that they were drawn on,
+/// if the settings exchange the sides.
 pub(super) fn with_sides(mut settings: Settings, before: &Settings) -> Settings {
     let swapped = settings.mounting.swap_sides;
     if swapped != before.mounting.swap_sides {
@@ -22,22 +22,22 @@ pub(super) fn with_sides(mut settings: Settings, before: &Settings) -> Settings 
 }
 
 impl App {
-    /// Returns the recorder of the shown log, as far as the log states it; empty without a log.
+    /// Returns the recorder of the shown log, as far as the log names it; empty without a log.
     pub fn recorder(&self) -> String {
         self.log.recorder()
     }
 
-    /// Returns the usual mounting of the shown log's recorder, where it is known.
+    /// Returns the default mounting of the shown log's recorder; `None` if it has none.
     pub(crate) fn usual_mounting(&self) -> Option<MountingSettings> {
         self.document.mountings.get(&self.recorder()).copied()
     }
 
-    /// The mountings by recorder: what is kept between runs.
+    /// Returns the mountings by recorder, to be kept between runs.
     pub fn mountings(&self) -> &Mountings {
         &self.document.mountings
     }
 
-    /// Begins with these mountings by recorder.
+    /// Sets the mountings by recorder at the start of the program.
     pub fn use_mountings(&mut self, mountings: Mountings) {
         self.document.mountings = Arc::new(mountings);
     }
@@ -49,8 +49,8 @@ impl App {
         self.change(settings, "sides of the recorder", false);
     }
 
-    /// Takes the soundings of the shown log as much earlier as its first returns show them to be
-    /// late.
+    /// Shifts the soundings of the shown log to earlier times by the lag that its first returns
+    /// show.
     pub(super) fn apply_sounding_lag(&mut self) {
         let Some((lag, in_force_s)) = self.log.sounding_lag() else {
             return self.warn("first returns show no lag of the soundings".to_owned());
@@ -60,8 +60,8 @@ impl App {
         self.change(settings, "lag of the soundings", false);
     }
 
-    /// Mounts a log that was just opened as its recorder is as a rule. The first look at a log is
-    /// no step that could be taken back.
+    /// Applies the default mounting of its recorder to a log that was just opened. This is not an
+    /// undo step.
     pub(super) fn mount_as_usual(&mut self, id: LogId) {
         let Some(log) = self.open_log(id) else {
             return;
@@ -79,8 +79,8 @@ impl App {
         }
     }
 
-    /// Keeps the mounting of the shown log as the default of its recorder, and mounts all open logs
-    /// of it so, as an undo step.
+    /// Makes the mounting of the shown log the default of its recorder, and applies it to all open
+    /// logs of that recorder, as an undo step.
     pub(super) fn use_mounting(&mut self) {
         let recorder = self.recorder();
         if recorder.is_empty() {
@@ -109,7 +109,7 @@ impl App {
         self.schedule();
     }
 
-    /// Leaves the default of the shown log's recorder, as an undo step.
+    /// Removes the default mounting of the shown log's recorder, as an undo step.
     pub(super) fn forget_mounting(&mut self) {
         let recorder = self.recorder();
         let before = self.step_now();
@@ -121,7 +121,8 @@ impl App {
         self.record_named(&before, &after, format!("no default mounting of {recorder}"));
     }
 
-    /// Mounts a log, with its boxes and its bottom edits. After an error the log is as it was.
+    /// Sets the mounting of a log, with its boxes and its bottom edits. After an error the log is
+    /// unchanged.
     fn mount(&mut self, id: LogId, mounting: MountingSettings) -> Result<(), AppError> {
         let Some(log) = self.open_log(id) else {
             return Ok(());
@@ -143,20 +144,20 @@ impl App {
 }
 
 impl OpenLog {
-    /// The lag of the soundings that first returns show, and what was in force when they did,
-    /// seconds.
+    /// Returns the lag of the soundings that first returns show, and the lag in force when they
+    /// were found, seconds; `None` if they show none.
     pub fn sounding_lag(&self) -> Option<(SoundingLag, f64)> {
         let products = self.products.as_ref()?;
         Some((products.calibration.sounding_lag?, products.settings.mounting.sounding_lag_s))
     }
 
-    /// Returns its recorder, as far as the log states it; empty in an empty window.
+    /// Returns the recorder of the log, as far as the log names it; empty in an empty window.
     fn recorder(&self) -> String {
         let survey = self.survey.as_ref();
         survey.map_or_else(String::new, |survey| survey.source.recorder())
     }
 
-    /// Boxes follow their echoes to the other side.
+    /// Moves the boxes with their echoes to the other side if the sides are exchanged.
     pub(super) fn exchange_boxes(&mut self) {
         let swapped = (self.survey.as_ref()).is_some_and(|survey| survey.swapped_sides);
         self.reviewing.exchange(swapped);

@@ -1,4 +1,4 @@
-//! Notices of the program to the analyst: those on screen, and all since the program was started.
+//! Keeps the notices to the analyst: those on screen, and all since the program was started.
 
 use super::{Action, App};
 use crate::app::system_words::in_plain_words;
@@ -7,17 +7,17 @@ use std::collections::VecDeque;
 use std::path::Path;
 use std::time::SystemTime;
 
-/// Notices kept of one run of the program.
+/// Number of notices that are kept in one run of the program.
 const KEPT: usize = 500;
 
 /// A sentence for the analyst.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Notice {
-    /// Sentence that says what happened and what to do.
+    /// Sentence that states what happened and what to do.
     pub text: String,
-    /// Something could not be done (otherwise: something was).
+    /// True if something could not be done; false if something was done.
     pub is_error: bool,
-    /// Action that is offered with it.
+    /// Action that the notice offers; `None` if it offers none.
     pub offer: Option<Action>,
     /// Time of the notice.
     pub at: SystemTime,
@@ -27,13 +27,13 @@ pub struct Notice {
 #[derive(Default)]
 pub(super) struct NoticeHistory {
     all: VecDeque<Notice>,
-    /// The newest one offers undo: the next of its kind takes its place.
+    /// True if the newest notice offers undo, so that the next such notice replaces it.
     ends_with_undo: bool,
 }
 
 impl App {
-    /// All that was said since the program was started, the newest first; the oldest of very many
-    /// are forgotten.
+    /// Returns all notices since the program was started, beginning with the newest; the oldest of
+    /// very many are dropped.
     pub fn said(&self) -> impl ExactSizeIterator<Item = &Notice> {
         self.said.all.iter().rev()
     }
@@ -48,7 +48,7 @@ impl App {
         self.say(in_plain_words(&text).as_ref(), true, None);
     }
 
-    /// Says where the report lies of a fault of the program itself, the last time that it ran.
+    /// Notifies the analyst of the path of a report about a fault of the program in its last run.
     pub(crate) fn tell_of_crash(&mut self, report: &Path) {
         let text = format!(
             "A fault of Bathyscope stopped it, or part of its work, the last time it ran. What happened is in {}, and was sent to nobody; attach the file when you report the fault",
@@ -57,13 +57,13 @@ impl App {
         self.warn(text);
     }
 
-    /// Notifies the analyst, with what can be done about it.
+    /// Notifies the analyst, and offers an action that can be taken.
     pub(super) fn offer(&mut self, text: String, action: Action) {
         self.say(&text, false, Some(action));
     }
 
-    /// Notifies the analyst of a change that undo takes back, in the place of the last notice of
-    /// this kind: a row of keys leaves one.
+    /// Notifies the analyst of a change, and offers undo. The notice replaces the last one of this
+    /// kind, so that a row of keys leaves one notice.
     pub(super) fn offer_undo(&mut self, text: String) {
         self.withdraw(Action::Undo);
         if self.said.ends_with_undo {
@@ -76,7 +76,7 @@ impl App {
     fn say(&mut self, text: &str, is_error: bool, offer: Option<Action>) {
         let notice = Notice { text: one_line(text), is_error, offer, at: SystemTime::now() };
         self.said.ends_with_undo = false;
-        // Said once more, it takes the place of itself on the screen.
+        // A repeated notice replaces its earlier copy on the screen.
         self.notices.retain(|shown| shown.text != notice.text || shown.offer != notice.offer);
         self.said.all.push_back(notice.clone());
         if self.said.all.len() > KEPT {
@@ -85,7 +85,7 @@ impl App {
         self.notices.push(notice);
     }
 
-    /// Takes an offer back that was accepted or makes no sense any more.
+    /// Withdraws an offer that was accepted or makes no sense any more.
     pub(super) fn withdraw(&mut self, action: Action) {
         self.notices.retain(|notice| notice.offer != Some(action));
         for notice in &mut self.said.all {
@@ -93,7 +93,7 @@ impl App {
         }
     }
 
-    /// Takes a notice off the screen; the list keeps it.
+    /// Removes a notice from the screen; the list keeps it.
     pub(super) fn dismiss(&mut self, index: usize) {
         if index < self.notices.len() {
             self.notices.remove(index);
@@ -116,7 +116,7 @@ mod tests {
         assert_eq!(said(&app), ["three", "one"]);
         assert_eq!(app.notices.len(), 2);
         assert_eq!(app.notices[1].offer, Some(Action::Undo));
-        // The next step makes the offer void, but what was said is still listed.
+        // The next step makes the offer void, but the notice is still listed.
         app.withdraw(Action::Undo);
         app.notify("four".to_owned());
         app.offer_undo("five".to_owned());

@@ -1,4 +1,4 @@
-//! The table of objects: which rows it shows, in which order.
+//! Sorts and filters the table of objects.
 
 use bathyscope_objects::objects::{
     ColumnValue, ColumnValues, ListedObject, Object, ObjectColumn, ObjectState,
@@ -6,26 +6,28 @@ use bathyscope_objects::objects::{
 use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
 
-/// The column that objects are sorted by from the start.
+/// Name of the column that objects are sorted by initially.
 const NUMBER: &str = "number";
 
 /// Order and filter of the table.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct ObjectTable {
-    /// The name of the column that it is sorted by; by number where there is no such column.
+    /// Name of the column that the table is sorted by; the number is used if there is no such
+    /// column.
     pub sort: String,
-    /// True if it is sorted from the largest down.
+    /// True if the table is sorted in descending order.
     pub falling: bool,
-    /// Only objects in this state.
+    /// State of the listed objects; `None` lists all.
     pub state: Option<ObjectState>,
-    /// Only objects with this in number, name, class or remarks, in capitals or not.
+    /// Text that the number equals, or that name, class or remarks of the listed objects contain,
+    /// in capitals or not; empty lists all.
     #[serde(skip)]
     pub text: String,
 }
 
 impl ObjectTable {
-    /// Sorts by a column, or, where it is the one already, the other way around.
+    /// Sorts by a column, or reverses the order if the table is sorted by it already.
     pub fn sort_by(&mut self, column: &ObjectColumn) {
         self.falling =
             if self.is_sorted_by(column) { !self.falling } else { begins_with_largest(column) };
@@ -40,8 +42,8 @@ impl ObjectTable {
         }
     }
 
-    /// Numbers of the objects that are shown, in order. Objects come by number, and stay so where
-    /// they are alike; what is not known comes last.
+    /// Returns the numbers of the listed objects, in order. Objects with equal values are ordered
+    /// by number; objects without a value come last.
     pub fn list(&self, objects: &[Object], log_names: &[String]) -> Vec<u32> {
         let text = self.text.trim().to_lowercase();
         let passes = |object: &&Object| {
@@ -64,7 +66,7 @@ impl ObjectTable {
     }
 }
 
-/// Returns true for a column that a first click sorts from the largest down: objects that are large
+/// Returns true for a column that a first click sorts in descending order: objects that are large
 /// or seen often come first.
 fn begins_with_largest(column: &ObjectColumn) -> bool {
     let is_text = matches!(column.values, ColumnValues::Text(_) | ColumnValues::State(_));
@@ -80,7 +82,7 @@ enum SortKey {
 impl SortKey {
     fn of(column: &ObjectColumn, of: &ListedObject<'_>) -> Option<Self> {
         if let ColumnValues::State(state) = column.values {
-            // In the order of the work.
+            // States are sorted in the order of the work.
             return Some(Self::Number(f64::from(state(of) as u8)));
         }
         Some(match column.value(of)? {
@@ -94,7 +96,7 @@ impl SortKey {
         match (self, other) {
             (Self::Text(one), Self::Text(other)) => one.cmp(other),
             (Self::Number(one), Self::Number(other)) => one.total_cmp(other),
-            // A column holds either.
+            // A column holds only texts or only numbers.
             (Self::Text(_), Self::Number(_)) => Ordering::Less,
             (Self::Number(_), Self::Text(_)) => Ordering::Greater,
         }
@@ -156,7 +158,7 @@ mod tests {
             key: LogBox { log: LogId(1), id: BoxId(index as u32) },
             one: Arc::new(one.clone()),
             class: class.to_owned(),
-            // Each of a line of its own.
+            // Each box belongs to its own line.
             target: Some(Target { sailed_m: 50.0 * index as f64, ..target.clone() }),
             object: None,
             is_hidden: false,

@@ -1,7 +1,7 @@
-//! The list of objects of the visible logs ([`ObjectList`]), and the work on it.
+//! Keeps the list of objects of the visible logs ([`ObjectList`]) up to date.
 //!
-//! A background job makes the list again when a box, a place, the confidence or the logs are
-//! others. An object keeps its number while its boxes are decided, moved or hidden.
+//! A background job makes the list again when a box, a position, the confidence or the logs change.
+//! An object keeps its number while its boxes are decided, moved or hidden.
 
 use super::reviewing::{Entries, LocatedObject};
 use super::{App, ObjectTable, OpenLog};
@@ -15,7 +15,7 @@ use bathyscope_products::pipeline::object_shape;
 use bathyscope_products::pipeline::{Background, ProcessedLog, Same};
 use std::sync::Arc;
 
-/// A log as objects are made of it.
+/// The parts of a log from which objects are made.
 #[derive(Clone)]
 struct LogBoxes {
     review: LogReview,
@@ -36,8 +36,8 @@ impl PartialEq for LogBoxes {
 }
 
 impl LogBoxes {
-    /// The boxes that count and are placed. One that was moved since is placed again in a moment;
-    /// until then it counts where it was.
+    /// Returns the boxes that count and have a position. A box that was moved gets its new position
+    /// a moment later; until then its earlier position counts.
     fn boxes(&self, log: usize) -> impl Iterator<Item = ObjectBox> {
         let boxes = self.review.boxes(&self.exclusions);
         boxes.filter_map(move |one| {
@@ -58,7 +58,7 @@ fn list_of(logs: &[LogBoxes], before: &ObjectNumbers) -> ObjectList {
     ObjectList::join(boxes.collect(), &pass_logs, before)
 }
 
-/// The object whose passes are counted, and the logs that they are of.
+/// The object whose passes are counted, and the logs of these passes.
 #[derive(Clone, PartialEq)]
 struct PassesOf {
     number: u32,
@@ -67,15 +67,15 @@ struct PassesOf {
     logs: Vec<(LogId, Same<Navigation>)>,
 }
 
-/// Boxes of an object in their places: what its shape is fitted to.
+/// The boxes of an object with their positions, to which its shape is fitted.
 type ShapeOf = Vec<(LogBox, Same<LocatedObject>)>;
-/// Its shape, and the boxes that it is of.
+/// The shape of an object, and the boxes that it was fitted to.
 type ShapeFound = (Vec<LogBox>, Result<FittedShape, ShapeError>);
 
-/// The objects, the order of the table, and the names of the logs: what its rows are made of.
+/// Inputs of the rows of the table: objects, order and filter, and names of the logs.
 type Listed = (Same<ObjectList>, ObjectTable, Same<Vec<String>>);
 
-/// The objects, and the work on them.
+/// State of the list of objects.
 #[derive(Default)]
 pub(super) struct Objects {
     /// The numbers that objects had when the project was opened.
@@ -84,12 +84,12 @@ pub(super) struct Objects {
     passes: Background<PassesOf, (u32, PassCount)>,
     shape: Background<ShapeOf, ShapeFound>,
     listing: Background<Listed, Vec<u32>>,
-    /// Names of the logs that the objects are of; empty where it is one.
+    /// Names of the logs of the objects; empty if there is only one log.
     log_names: Arc<Vec<String>>,
 }
 
 impl Objects {
-    /// Has objects keep numbers from a project.
+    /// Drops all objects, and sets the numbers of a project, which the objects keep.
     pub(super) fn number_from(&mut self, first: ObjectNumbers) {
         *self = Self { first: Arc::new(first), ..Self::default() };
     }
@@ -99,7 +99,7 @@ impl Objects {
         list.map_or(&*self.first, |list| list.numbers())
     }
 
-    /// Returns true if objects are being put together.
+    /// Returns true while objects are being joined, listed, fitted or their passes counted.
     pub(super) fn is_busy(&self) -> bool {
         self.list.is_running()
             || self.passes.is_running()
@@ -109,14 +109,14 @@ impl Objects {
 }
 
 impl App {
-    /// The objects that the boxes of all visible logs show, by number.
+    /// Returns the objects that the boxes of all visible logs show, by number.
     pub fn objects(&self) -> &[Object] {
         let list = self.findings.objects.list.result();
         list.map_or(&[], |list| list.objects())
     }
 
-    /// Returns the decisions about the boxes of each of [`App::processed_logs`], and the numbers
-    /// that the objects have here.
+    /// Returns the decisions about the boxes of each of [`App::processed_logs`], and the present
+    /// numbers of the objects.
     pub(super) fn survey_review(&self) -> SurveyReview {
         let shown = self.visible_logs();
         let shown = shown.filter(|log| log.survey.is_some() && log.products.is_some());
@@ -126,33 +126,35 @@ impl App {
         }
     }
 
-    /// The numbers of the objects that the boxes of a log show.
+    /// Returns the numbers of the objects that the boxes of a log show.
     pub(super) fn object_numbers(&self, log: LogId) -> LogNumbers {
         self.findings.objects.numbers().of_log(log)
     }
 
-    /// Numbers of the objects that the table shows, in its order.
+    /// Returns the numbers of the objects that the table lists, in its order.
     pub fn listed_objects(&self) -> &[u32] {
         self.findings.objects.listing.result().map_or(&[], Vec::as_slice)
     }
 
-    /// An object as a row of tables, without its shape.
+    /// Returns an object as a row of tables, without its shape.
     pub fn listed_object<'a>(&'a self, object: &'a Object) -> ListedObject<'a> {
         let log_names = &self.findings.objects.log_names;
         ListedObject { object, shape: None, outline: None, log_names }
     }
 
-    /// An object by its number.
+    /// Returns the object with a number; `None` if there is none.
     pub fn object(&self, number: u32) -> Option<&Object> {
         self.findings.objects.list.result()?.object(number)
     }
 
-    /// The object that a box shows; `None` where it has no place, and of logs that are not visible.
+    /// Returns the object that a box shows; `None` for a box without a position, or of a log that
+    /// is not visible.
     pub fn object_of(&self, id: LogBox) -> Option<&Object> {
         self.findings.objects.list.result()?.object_of(id)
     }
 
-    /// The box that shows an object first: one of the log that is shown, and of several the surest.
+    /// Returns the box that is shown for an object: preferably one of the shown log, then the box
+    /// with the highest score.
     pub(crate) fn best_box(&self, object: &Object) -> Option<LogBox> {
         let rank = |id: &LogBox| {
             let score = self.log_box(*id).and_then(|one| one.score);
@@ -165,12 +167,13 @@ impl App {
         best.copied()
     }
 
-    /// The object of the selected box.
+    /// Returns the object of the selected box.
     pub fn selected_object(&self) -> Option<&Object> {
         self.object_of(self.selected_log_box()?)
     }
 
-    /// The shape of the selected object, or why it has none, once it is fitted.
+    /// Returns the shape of the selected object, or the reason that it has none; `None` until it is
+    /// fitted.
     pub fn selected_object_shape(&self) -> Option<&Result<FittedShape, ShapeError>> {
         let (boxes, shape) = self.findings.objects.shape.result()?;
         let object = self.selected_object()?;
@@ -178,15 +181,15 @@ impl App {
     }
 
     /// Returns the number of passes of the boat, over all visible logs, that saw the selected
-    /// object, and the number that covered its place, once they are counted.
+    /// object, and the number that covered its position; `None` until they are counted.
     pub fn selected_object_passes(&self) -> Option<PassCount> {
         let (number, passes) = self.findings.objects.passes.result()?;
         let object = self.selected_object()?;
-        // Those of a moment ago are of other boxes.
+        // An earlier count may belong to other boxes.
         (*number == object.number && passes.seen == object.sightings).then_some(*passes)
     }
 
-    /// Has the objects put together again where what they are made of has changed.
+    /// Starts making the list of objects again if its inputs have changed.
     pub(super) fn poll_objects(&mut self) {
         let boxes = |log: &OpenLog| {
             let products = log.products.as_ref()?;
@@ -216,7 +219,8 @@ impl App {
         self.fit_shape();
     }
 
-    /// Sorts and filters the table where the objects, the order or the filter are others.
+    /// Starts sorting and filtering the table again if the objects, the order or the filter have
+    /// changed.
     fn list_objects(&mut self) {
         let Objects { list, listing, log_names, .. } = &mut self.findings.objects;
         let Some(list) = list.result().cloned() else {
@@ -228,7 +232,8 @@ impl App {
         listing.ask(key, &self.jobs, move |_| Some(table.list(list.objects(), &names)));
     }
 
-    /// Fits a shape to the selected object where its boxes, or their places, are others.
+    /// Starts fitting a shape to the selected object again if its boxes or their positions have
+    /// changed.
     fn fit_shape(&mut self) {
         let boxes = self.selected_object().map(|object| object.boxes.clone());
         let placed = boxes.into_iter().flatten().filter_map(|id| {
@@ -238,7 +243,7 @@ impl App {
         });
         let placed: Vec<(LogBox, ProcessedLog, Arc<LocatedObject>)> = placed.collect();
         if placed.is_empty() {
-            // Nobody would collect it, and the window would never rest.
+            // A result that is never collected would keep the window from resting.
             if self.findings.objects.shape.is_running() {
                 self.findings.objects.shape = Background::default();
             }
@@ -255,7 +260,7 @@ impl App {
 
     fn count_passes(&mut self, logs: Vec<LogBoxes>) {
         let Some(object) = self.selected_object() else {
-            // Nobody would collect what is being counted, and the window would never rest.
+            // A result that is never collected would keep the window from resting.
             if self.findings.objects.passes.is_running() {
                 self.findings.objects.passes = Background::default();
             }

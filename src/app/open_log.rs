@@ -1,4 +1,5 @@
-//! A log that is open: what belongs to it alone, beside what all logs of the window share.
+//! Holds an open log: everything that belongs to it alone, beside what all logs of the window
+//! share.
 
 use super::bottom::BottomSidecar;
 use super::calibrating::Calibrating;
@@ -15,8 +16,8 @@ use bathyscope_products::pipeline::{
 use bathyscope_products::project::LogFile;
 use std::sync::Arc;
 
-/// Colours that logs are told apart by: the eight of Okabe and Ito, which the colour-blind can tell
-/// apart, without black.
+/// Colours that distinguish logs: the eight of Okabe and Ito, which colour-blind people can
+/// distinguish, without black.
 const COLOURS: [[u8; 3]; 7] = [
     [86, 180, 233],
     [230, 159, 0],
@@ -27,50 +28,53 @@ const COLOURS: [[u8; 3]; 7] = [
     [0, 114, 178],
 ];
 
-/// The colour of a log by its number; they come again where there are more logs than colours.
+/// Returns the colour of a log by its number; the colours repeat if there are more logs than
+/// colours.
 pub(super) fn log_colour(number: usize) -> [u8; 3] {
     COLOURS[number % COLOURS.len()]
 }
 
-/// A log with its settings, its results and its boxes. The default one is that of an empty window.
+/// A log with its settings, its results and its boxes. The default value is used in an empty
+/// window.
 pub struct OpenLog {
     /// Identifier of the log.
     pub id: LogId,
     pub(super) name: String,
-    /// The recording as its settings have it; `None` in an empty window.
+    /// The recording with its source settings applied; `None` in an empty window.
     pub survey: Option<Arc<Survey>>,
-    /// The recording as it was read, while something of its source is put right.
+    /// The recording as it was read, while settings correct something of its source; otherwise
+    /// `None`.
     pub(super) as_read: Option<Arc<Survey>>,
     /// Source settings that are applied in [`OpenLog::survey`].
     pub(super) source: SourceKey,
-    /// Its colour where logs are told apart, red, green and blue.
+    /// Colour of the log where colours distinguish logs, red, green and blue.
     pub colour: [u8; 3],
-    /// True if it takes part in maps, clouds and products.
+    /// True if the log takes part in maps, clouds and products.
     pub is_visible: bool,
-    /// Reason that it was kept off the map when it was opened, until the analyst decides.
+    /// Reason that the log was hidden from the map when it was opened, until the analyst decides.
     pub apart: Option<Apart>,
-    /// Shallowest and deepest sounding without a fault, metres.
+    /// Shallowest and deepest sounding without a fault, metres; `None` if there is none.
     pub depth_span_m: Option<[f32; 2]>,
-    /// The file of the recording, while it is kept in a project.
+    /// The file of the recording, while the log is part of a project.
     pub(super) file: Option<LogFile>,
     /// Settings of this log only.
     pub own: Arc<LogSettings>,
-    /// The settings that the analyst wants: those that all logs share with its own over them.
+    /// The settings in force: the shared ones, replaced by the log's own where it has any.
     pub settings: Arc<Settings>,
-    /// The last results; those of other settings while the engine works.
+    /// The last results, which may be those of other settings while the engine works; `None` before
+    /// the first.
     pub products: Option<Products>,
-    /// The last results of the whole log, while those in [`OpenLog::products`] are provisional: it
-    /// is followed, and grew since. What is made of a log as a whole, maps and files, is made of
-    /// these.
+    /// The last results of the whole log, while those in [`OpenLog::products`] are provisional,
+    /// because the log is followed and has grown since. Maps and files, which need the whole log,
+    /// use these.
     pub whole: Option<ProcessedLog>,
-    /// First returns of the settings under the slider, ahead of `products`.
+    /// First returns by the settings under the slider, computed ahead of `products`.
     pub preview: Option<Arc<FirstReturns>>,
-    /// Counts and residuals of `products`; those of the last products until the new ones are
-    /// counted.
+    /// Counts and residuals of `products`, or of the last products until the new ones are counted.
     pub figures: Option<Figures>,
     /// Water levels and tracks that other instruments recorded.
     pub external: External,
-    /// The boxes and what is decided about them.
+    /// The boxes and the decisions about them.
     pub reviewing: Reviewing,
     pub(super) counting: Option<Task<Option<Figures>>>,
     pub(super) bottom_file: BottomSidecar,
@@ -108,14 +112,14 @@ impl Default for OpenLog {
 }
 
 impl OpenLog {
-    /// A log as it was read, with nothing done to it yet.
+    /// Creates a log from a recording, without results.
     pub(super) fn new(id: LogId, survey: Arc<Survey>, settings: Arc<Settings>) -> Self {
         let mut log = Self { id, name: survey.name(), settings, ..Self::default() };
         log.replace_survey(survey);
         log
     }
 
-    /// Takes a later state of the recording.
+    /// Replaces the recording by a later state of it.
     pub(super) fn replace_survey(&mut self, survey: Arc<Survey>) {
         let good = survey.soundings.iter().filter(|sounding| sounding.is_good());
         let depths_m = good.map(|sounding| [sounding.depth_m, sounding.depth_m]);
@@ -123,25 +127,26 @@ impl OpenLog {
         self.survey = Some(survey);
     }
 
-    /// The recording and its results as a whole: while it is followed, those of the last run over
-    /// all of it.
+    /// Returns the recording with the results of the whole log: while it is followed, those of the
+    /// last run over all of it. `None` without results.
     pub(crate) fn settled(&self) -> Option<ProcessedLog> {
         let now = || Some(ProcessedLog::new(self.survey.clone()?, self.products.clone()?));
         self.whole.clone().or_else(now)
     }
 
-    /// The recording with its soundings as the results judge them.
+    /// Returns the recording with its soundings as the results judge them, or as recorded without
+    /// results.
     pub fn judged(&self) -> Option<&Arc<Survey>> {
         let judged = self.products.as_ref().and_then(|products| products.judged.as_ref());
         judged.or(self.survey.as_ref())
     }
 
-    /// Its name for people, which no other open log has; empty in an empty window.
+    /// Returns the name to show, which no other open log has; empty in an empty window.
     pub fn name(&self) -> String {
         self.name.clone()
     }
 
-    /// Its boxes with what is decided about them, as they count here.
+    /// Returns the boxes of the log with the decisions about them and the present threshold.
     pub(super) fn review(&self) -> LogReview {
         LogReview {
             log: self.id,
@@ -150,8 +155,8 @@ impl OpenLog {
         }
     }
 
-    /// The first returns to draw: those under the slider if there are any, else those of the last
-    /// result, but for those of the other sides.
+    /// Returns the first returns to draw: those by the settings under the slider if there are any,
+    /// else those of the last results, unless the sides were exchanged since.
     pub fn returns(&self) -> Option<&Arc<FirstReturns>> {
         let swapped = self.settings.mounting.swap_sides;
         let products = self.products.as_ref();
@@ -160,8 +165,8 @@ impl OpenLog {
         self.preview.as_ref().or(found)
     }
 
-    /// The bottom line to draw: the first returns under the slider if there are any, else that of
-    /// the last result.
+    /// Returns the bottom line to draw: the first returns by the settings under the slider if there
+    /// are any, else the line of the last results.
     pub fn bottom_line(&self) -> Option<&Arc<FirstReturns>> {
         let is_of_result = self.preview.is_none() && self.returns().is_some();
         let products = self.products.as_ref().filter(|_| is_of_result);
@@ -169,7 +174,7 @@ impl OpenLog {
         line.or_else(|| self.returns())
     }
 
-    /// The first stage whose result is older than its settings.
+    /// Returns the first stage whose result is older than its settings; `None` if there is none.
     pub fn stale(&self) -> Option<Stage> {
         let products = self.products.as_ref()?;
         Stage::first_stale(&products.settings, &self.settings)
@@ -181,8 +186,8 @@ impl OpenLog {
         self.survey.is_some() && !self.products.as_ref().is_some_and(is_current)
     }
 
-    /// Has the results say that they were made with the picture settings and the classes in force:
-    /// none depends on these. Returns whether the results are those of all settings then.
+    /// Copies the present picture settings and classes, on which no result depends, into the
+    /// settings of the results. Returns true if the results are then those of all settings.
     pub(super) fn take_settings_of_no_result(&mut self) -> bool {
         let Some(products) = &mut self.products else {
             return false;
@@ -197,7 +202,7 @@ impl OpenLog {
         products.settings == self.settings
     }
 
-    /// Returns true if something of it is being read, counted or searched.
+    /// Returns true if a part of the log is being read, counted or searched.
     pub(super) fn is_busy(&self) -> bool {
         self.counting.is_some()
             || self.external.is_reading()
@@ -206,7 +211,7 @@ impl OpenLog {
             || self.calibrating.is_busy()
     }
 
-    /// The same log without its results and what is under way: what is kept of one that is closed.
+    /// Returns the log without its results and running work, to be kept after closing.
     pub(super) fn at_rest(self) -> Self {
         Self {
             id: self.id,
@@ -228,7 +233,7 @@ impl OpenLog {
         }
     }
 
-    /// Returns a copy that holds only what is drawn.
+    /// Returns a copy that holds only the drawn parts.
     pub(super) fn for_picture(&self) -> Self {
         Self {
             id: self.id,

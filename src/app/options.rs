@@ -1,4 +1,4 @@
-//! Display options: saved between runs, never part of a result.
+//! Defines the display options, which are saved between runs and never affect a result.
 
 use super::{ClipBox, LayerStack, MapLayer, ObjectTable, PrintOptions, Swipe};
 use bathyscope_bottom::picture::PictureGeometry;
@@ -28,7 +28,7 @@ impl View {
     /// The views that are pictures, and can be printed.
     pub(crate) const PICTURES: [View; 3] = [View::Waterfall, View::Map, View::Cloud];
 
-    /// Title on the tab.
+    /// Returns the title on the tab.
     pub fn title(self) -> &'static str {
         match self {
             View::Waterfall => "Waterfall",
@@ -39,7 +39,7 @@ impl View {
     }
 }
 
-/// An arrangement of the views to start from.
+/// An initial arrangement of the views.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum LayoutPreset {
     /// Waterfall above, map and cloud below.
@@ -50,10 +50,10 @@ pub(crate) enum LayoutPreset {
     Only(View),
 }
 
-/// Dark or light.
+/// Theme of the window.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ThemeChoice {
-    /// Dark, as waterfalls are.
+    /// Dark, as waterfalls usually are.
     #[default]
     Dark,
     /// Light.
@@ -63,7 +63,7 @@ pub enum ThemeChoice {
 /// Colours of echo strength.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ColourMap {
-    /// Black to copper: what fish-finders and their users are used to.
+    /// Black to copper, as fish-finders show it.
     #[default]
     Copper,
     /// Black to white.
@@ -86,7 +86,7 @@ impl ColourMap {
         ColourMap::Viridis,
     ];
 
-    /// Name in the menu.
+    /// Returns the name in the menu.
     pub fn name(self) -> &'static str {
         match self {
             ColourMap::Copper => "copper",
@@ -121,7 +121,7 @@ pub enum SideColours {
 /// A channel that looks down.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum EchogramChannel {
-    /// None of them.
+    /// No down-looking channel.
     #[default]
     None,
     /// Down-imaging sonar.
@@ -133,7 +133,7 @@ pub enum EchogramChannel {
 }
 
 impl EchogramChannel {
-    /// All in the order of the menu.
+    /// All channels in the order of the menu.
     pub const ALL: [EchogramChannel; 4] = [
         EchogramChannel::None,
         EchogramChannel::DownScan,
@@ -141,7 +141,7 @@ impl EchogramChannel {
         EchogramChannel::Secondary,
     ];
 
-    /// The channel of a log; `None` without one.
+    /// Returns the channel of a log; `None` for no down-looking channel.
     pub fn kind(self) -> Option<ChannelKind> {
         match self {
             EchogramChannel::None => None,
@@ -151,7 +151,7 @@ impl EchogramChannel {
         }
     }
 
-    /// Name in the menu.
+    /// Returns the name in the menu.
     pub fn name(self) -> &'static str {
         match self {
             EchogramChannel::None => "side-scan alone",
@@ -162,7 +162,7 @@ impl EchogramChannel {
     }
 }
 
-/// Waterfall display.
+/// Options of the waterfall.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct WaterfallOptions {
@@ -170,27 +170,27 @@ pub struct WaterfallOptions {
     pub colour_map: ColourMap,
     /// Direction of time.
     pub orientation: Orientation,
-    /// Show distances on level ground instead of slant ranges.
+    /// True to show distances on level ground instead of slant ranges.
     pub ground_range: bool,
-    /// The channel that looks down and is shown with the side-scan, where the log has it.
+    /// The down-looking channel that is shown with the side-scan, if the log has it.
     pub echogram: EchogramChannel,
-    /// Show that channel in the place of the side-scan instead of beside it.
+    /// True to show that channel instead of the side-scan, false to show it beside the side-scan.
     pub echogram_alone: bool,
-    /// Show what lies before the first return. On the ground there is none.
+    /// True to show echoes before the first return. In the ground range there are none.
     pub water_column: bool,
-    /// Draw the first return.
+    /// True to draw the first return.
     pub first_return: bool,
-    /// Draw range lines.
+    /// True to draw range lines.
     pub range_lines: bool,
-    /// Draw the recorded depth.
+    /// True to draw the recorded depth.
     pub depth_line: bool,
-    /// Draw the ranked flat stretches along the nadir.
+    /// True to draw the ranked flat stretches along the nadir.
     pub flat_stretches: bool,
-    /// Draw the boxes of objects.
+    /// True to draw the boxes of objects.
     pub boxes: bool,
-    /// A bottom edit on one side is made on the other too.
+    /// True if a bottom edit on one side is made on the other side, too.
     pub bottom_both_sides: bool,
-    /// The next box of the queue is shown one to one, with what lies around it.
+    /// True if the next box of the queue is shown one to one, with its surroundings.
     pub zooms_to_boxes: bool,
 }
 
@@ -226,17 +226,17 @@ impl Default for WaterfallOptions {
     }
 }
 
-/// Map display.
+/// Options of the map.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct MapOptions {
     /// Layers, in drawing order.
     pub layers: LayerStack,
-    /// Colour the tracks by the log that they are of, instead of by depth.
+    /// True to colour the tracks by log instead of by depth.
     pub track_by_log: bool,
-    /// Draw the ranked flat stretches.
+    /// True to draw the ranked flat stretches.
     pub flat_spots: bool,
-    /// Draw lines of round coordinates.
+    /// True to draw lines of round coordinates.
     pub graticule: bool,
     /// Division of the map, and the side of it on which each layer is drawn.
     pub swipe: Swipe,
@@ -272,7 +272,7 @@ pub enum CloudColour {
 }
 
 impl CloudColour {
-    /// All of them in the order of the menu.
+    /// All properties in the order of the menu.
     pub const ALL: [CloudColour; 5] = [
         CloudColour::Source,
         CloudColour::Depth,
@@ -281,7 +281,7 @@ impl CloudColour {
         CloudColour::Log,
     ];
 
-    /// Name in the menu.
+    /// Returns the name in the menu.
     pub fn name(self) -> &'static str {
         match self {
             CloudColour::Source => "side",
@@ -292,7 +292,7 @@ impl CloudColour {
         }
     }
 
-    /// The next one in the menu; logs are told apart only where there are several.
+    /// Returns the next property in the menu; the log is included only if there are several logs.
     #[must_use]
     pub fn next(self, has_several_logs: bool) -> Self {
         let all = if has_several_logs { &Self::ALL[..] } else { &Self::ALL[..4] };
@@ -301,44 +301,45 @@ impl CloudColour {
     }
 }
 
-/// Cloud display.
+/// Options of the cloud.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct CloudOptions {
     /// Property that the colour of a point shows.
     pub colour: CloudColour,
-    /// Factor on z.
+    /// Factor on elevations.
     pub vertical_exaggeration: f32,
     /// Diameter of a point, screen points.
     pub point_size: f32,
-    /// Draw the points that do not count for the map, in a third colour; otherwise they are left
-    /// out.
+    /// True to draw the points that do not count for the map, in a third colour; otherwise they are
+    /// not drawn.
     pub outlier_preview: bool,
-    /// Draw the boxes of objects.
+    /// True to draw the boxes of objects.
     pub boxes: bool,
-    /// Draw the points.
+    /// True to draw the points.
     pub points: bool,
-    /// Draw the bottom: the depth map as a body.
+    /// True to draw the bottom: the depth map as a body.
     pub bottom: bool,
     /// Property that the colours of the bottom show.
     pub bottom_colour: BottomColour,
-    /// Draw lines of equal depth on the bottom.
+    /// True to draw lines of equal depth on the bottom.
     pub isobaths: bool,
     /// Direction of the light on the bottom: degrees clockwise from north, and above the horizon.
     pub light_deg: [f32; 2],
-    /// Draw where the water's surface is, with the boat's track on it.
+    /// True to draw the water surface, with the boat's track on it.
     pub water: bool,
-    /// Draw what lies behind the line of the depth profile alone, where there is one. It belongs to
-    /// a survey, and is not kept for the next one.
+    /// True to draw only what lies behind the line of the depth profile, if there is one. The cut
+    /// belongs to a survey, and is not kept for the next one.
     #[serde(skip)]
     pub cut: bool,
-    /// Draw what lies in this box alone. It belongs to a survey, and is not kept for the next one.
+    /// Box outside which nothing is drawn; `None` draws everything. It belongs to a survey, and is
+    /// not kept for the next one.
     #[serde(skip)]
     pub clip: Option<ClipBox>,
 }
 
 impl CloudOptions {
-    /// Turns the clip box on, around everything, or off.
+    /// Turns the clip box on, without ends, or off.
     pub(crate) fn toggle_clip(&mut self) {
         self.clip = match self.clip {
             Some(_) => None,
@@ -346,7 +347,7 @@ impl CloudOptions {
         };
     }
 
-    /// The light comes from an eighth of a turn farther clockwise.
+    /// Turns the direction of the light clockwise by an eighth of a turn.
     pub(crate) fn turn_light(&mut self) {
         self.light_deg[0] = (self.light_deg[0] + 45.0).rem_euclid(360.0);
     }
@@ -364,7 +365,8 @@ impl Default for CloudOptions {
             bottom: true,
             bottom_colour: BottomColour::default(),
             isobaths: true,
-            // As the hill-shade of the map: from below, hills would be taken for hollows.
+            // The light is that of the map's hill-shade: with light from below, hills would look
+            // like hollows.
             light_deg: [315.0, 45.0],
             water: false,
             cut: false,
@@ -376,22 +378,22 @@ impl Default for CloudOptions {
 /// Visibility of a panel beside the views.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum PanelShown {
-    /// Shown where the window is wide enough for it and the views.
+    /// Shown if the window is wide enough for the panel and the views.
     #[default]
     WithRoom,
-    /// Always.
+    /// Always shown.
     Always,
-    /// Never.
+    /// Never shown.
     Never,
 }
 
-/// The panels beside the views.
+/// Visibility of the panels beside the views.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct PanelOptions {
-    /// The paper's steps, left.
+    /// Panel of the processing steps, on the left.
     pub steps: PanelShown,
-    /// The selection, right.
+    /// Panel of the selection, on the right.
     pub details: PanelShown,
 }
 
@@ -410,9 +412,9 @@ impl Default for SwathShown {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct ViewOptions {
-    /// Dark or light.
+    /// Theme of the window.
     pub theme: ThemeChoice,
-    /// The panels beside the views.
+    /// Visibility of the panels beside the views.
     pub panels: PanelOptions,
     /// Colours of the two sides.
     pub side_colours: SideColours,
@@ -420,15 +422,15 @@ pub struct ViewOptions {
     pub coordinates: CoordinateFormat,
     /// Units of lengths, depths, areas and speeds.
     pub units: Units,
-    /// Waterfall.
+    /// Options of the waterfall.
     pub waterfall: WaterfallOptions,
-    /// Map.
+    /// Options of the map.
     pub map: MapOptions,
-    /// Cloud.
+    /// Options of the cloud.
     pub cloud: CloudOptions,
     /// Visibility of the points of a swath, on the map and in 3D.
     pub swath: SwathShown,
-    /// Products that an export leaves out. Earlier versions called them `left_out`.
+    /// Products that an export does not write. Earlier versions called this option `left_out`.
     #[serde(alias = "left_out")]
     pub excluded_products: Vec<Product>,
     /// Print options of a view.
@@ -438,8 +440,8 @@ pub struct ViewOptions {
 }
 
 impl ViewOptions {
-    /// Returns the options for a survey that is opened anew: those that hide or transform a part of
-    /// the previous survey take their defaults, the others stay.
+    /// Returns the options for a new survey: those that hide or transform a part of the previous
+    /// survey get their defaults, the others stay.
     #[must_use]
     pub(crate) fn for_new_survey(&self) -> Self {
         let usual = WaterfallOptions::default();
@@ -464,7 +466,7 @@ impl ViewOptions {
         self.waterfall.boxes || self.cloud.boxes || self.map.layers.is_visible(MapLayer::Boxes)
     }
 
-    /// Draws the boxes in all views, or in none.
+    /// Sets whether boxes are drawn, in all views.
     pub fn show_boxes(&mut self, shown: bool) {
         self.waterfall.boxes = shown;
         self.cloud.boxes = shown;

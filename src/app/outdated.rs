@@ -1,9 +1,10 @@
-//! Drops or corrects what is out of date after a change of the open logs, for each kind of change.
+//! Drops or corrects state that is out of date after a change of the open logs, for each kind of
+//! change.
 //!
-//! Most of what is made of logs follows them by itself: results are asked for where they are older
-//! than the settings ([`App::schedule`]), and what is made of results where these are others
-//! ([`bathyscope_products::pipeline::Background`]). Here is what nothing replaces: it is dropped,
-//! or put right.
+//! Most state that is derived from logs is updated elsewhere: results are computed again if they
+//! are older than the settings ([`App::schedule`]), and state derived from results if these changed
+//! ([`bathyscope_products::pipeline::Background`]). This module drops or corrects the state that
+//! nothing else replaces.
 
 use super::{App, LogId};
 use bathyscope_log::survey::Side;
@@ -11,24 +12,24 @@ use bathyscope_log::survey::Side;
 /// A change of the open logs.
 #[derive(Clone, Copy)]
 pub(super) enum LogsChange {
-    /// All were closed: another survey is opened.
+    /// All logs were closed, because another survey is opened.
     AllClosed,
-    /// The last one was closed; undo opens it again.
+    /// The last log was closed; undo opens it again.
     LastClosed,
-    /// One was opened in an empty window.
+    /// A log was opened in an empty window.
     FirstOpened,
-    /// Another one is shown, or none.
+    /// Another log is shown, or none.
     OtherShown,
-    /// They lie in another plane.
+    /// The logs have moved to another plane.
     OtherPlane,
-    /// The sides of this one were exchanged.
+    /// The sides of this log were exchanged.
     SidesExchanged(LogId),
-    /// This one has more pings.
+    /// This log has got more pings.
     Grown(LogId),
 }
 
 impl App {
-    /// Drops what a change puts out of date, or puts it right.
+    /// Drops or corrects the state that is out of date after a change.
     pub(super) fn follow_change(&mut self, change: LogsChange) {
         match change {
             LogsChange::AllClosed => {
@@ -39,7 +40,7 @@ impl App {
                 self.findings.objects = Default::default();
             }
             LogsChange::LastClosed => self.map.comparing.leave(),
-            // What was closed and measured before lay in another plane.
+            // Logs that were closed before, and their measurements, are in another plane.
             LogsChange::FirstOpened => self.forget_steps(),
             LogsChange::OtherShown => {
                 self.view.survey_serial += 1;
@@ -51,13 +52,13 @@ impl App {
             }
             LogsChange::OtherPlane => {
                 self.view.plane_serial += 1;
-                // It was counted in the plane of before.
+                // The ends of the clip box were in the earlier plane.
                 self.view.options.cloud.clip = None;
                 self.view.options.cloud.cut = false;
             }
             LogsChange::SidesExchanged(id) => {
                 self.forget_preview(id);
-                // What is found in the log as it was would come to the other side.
+                // The results of a search of the log as it was would be put on the wrong side.
                 self.findings.search.leave(id);
                 if id == self.log.id {
                     self.exchange_marks();
@@ -67,15 +68,15 @@ impl App {
         }
     }
 
-    /// Forgets what undo goes back to, and what is measured on the map.
+    /// Drops the undo steps, the closed logs and the measurement on the map.
     fn forget_steps(&mut self) {
         self.logs.closed.clear();
         self.document.history = Default::default();
         self.map.measuring = Default::default();
     }
 
-    /// Forgets what was found ahead of the results of a log, and what was measured of it for the
-    /// next time.
+    /// Drops the first returns that were computed ahead of the results of a log, and the
+    /// measurements that are kept for the next ones.
     fn forget_preview(&mut self, id: LogId) {
         if let Some(log) = self.log_mut(id) {
             log.preview = None;
@@ -85,7 +86,8 @@ impl App {
         }
     }
 
-    /// Has marks point to the same echo of the shown log once its sides are exchanged.
+    /// Moves the selection and the hovered place to the other side, so that they stay on the same
+    /// echo of the shown log after its sides were exchanged.
     fn exchange_marks(&mut self) {
         let marks = [&mut self.view.selection, &mut self.view.hover];
         for mark in marks.into_iter().flatten() {

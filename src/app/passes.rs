@@ -1,5 +1,6 @@
-//! Finds the passes that saw a place: for the menu of the map, and to go from a selected place to
-//! the next pass over it. Logs are laid out for it, in a background thread; a search that nobody
+//! Finds the passes that saw a place, for the menu of the map and to go from a selected place to
+//! the next pass over it. The search lays out the logs in a background thread; it is dropped when
+//! its result is not needed any more.
 //! waits for any more is dropped.
 
 use super::{App, LogId, LogPlace, ShownLog, Task, TaskOutcome};
@@ -11,69 +12,70 @@ const NO_PLACE: &str = "select a place to port or starboard first, with a click 
 const NO_OTHER: &str = "no other pass of the visible logs saw this place";
 const NO_PASS: &str = "no pass of the visible logs saw this place";
 
-/// A pass, and the log that it is of.
+/// A pass, and the id of its log.
 pub type LogPass = (LogId, Pass);
 
 /// State and result of a search for the passes over a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PassesFound<'a> {
-    /// They are being looked for.
+    /// The search is running.
     Searching,
     /// The last search for the menu was for another place, or there was none.
     Unasked,
     /// The search was stopped.
     Stopped,
-    /// All of them.
+    /// All passes that were found.
     Found(&'a [LogPass]),
 }
 
-/// The searches under way, and what the last one for the menu found.
+/// The running searches, and the result of the last one for the menu.
 #[derive(Default)]
 pub(super) struct Passes {
     listed: Option<Listed>,
     next: Option<Next>,
 }
 
-/// The place that the menu of the map is about.
+/// A search for the menu of the map, and its result.
 struct Listed {
     at: LonLat,
     task: Option<Task<Option<Vec<LogPass>>>>,
     found: Option<Vec<LogPass>>,
 }
 
-/// The way to a place in a pass.
+/// A search for a pass to go to.
 struct Next {
-    /// Selection when the way was requested.
+    /// Selection when the search was requested; the result is dropped if it has changed.
     from: Option<(LogId, LogPlace)>,
-    /// Destination of the way.
+    /// The pass to go to.
     to: Goal,
-    /// `None` when it was cancelled; the inner one where the selected sample shows no ground.
+    /// The outer `None` means that the search was cancelled, the inner one that the selected sample
+    /// shows no ground.
     task: Task<Option<Option<Vec<LogPass>>>>,
 }
 
-/// The pass that is gone to.
+/// A pass to go to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Goal {
-    /// That after the one of this place of a log.
+    /// The pass after the one that this place of a log belongs to.
     After(LogId, LogPlace),
-    /// The first one over a place, of the log that is shown where that saw it.
+    /// The first pass over a position, preferably in the shown log.
     FirstOver(LonLat),
 }
 
 impl Passes {
-    /// Returns true if passes are being looked for.
+    /// Returns true while passes are being searched.
     pub(super) fn is_busy(&self) -> bool {
         self.fraction().is_some()
     }
 
-    /// Done share of the search under way, 0 to 1.
+    /// Returns the done share of the running search, 0 to 1; `None` if none is running.
     pub(super) fn fraction(&self) -> Option<f32> {
         let listed = self.listed.as_ref().and_then(|listed| listed.task.as_ref());
         let next = self.next.as_ref().map(|next| &next.task);
         listed.map(Task::fraction).or(next.map(Task::fraction))
     }
 
-    /// Stops looking; what was found stays.
+    /// Stops searching; earlier results stay.
     pub(super) fn stop(&mut self) {
         self.next = None;
         if let Some(listed) = &mut self.listed {
@@ -82,7 +84,7 @@ impl Passes {
     }
 }
 
-/// The place of a pass that the other views show.
+/// Returns the place in the middle of a pass, which the other views show.
 pub fn mark_of(pass: &Pass) -> LogPlace {
     let (ping, sample) = pass.middle;
     LogPlace { side: Some(pass.side), sample: Some(sample as f32), ..LogPlace::ping(ping) }
@@ -101,12 +103,12 @@ impl App {
         }
     }
 
-    /// Done share of a search for passes under way, 0 to 1.
+    /// Returns the done share of the running search for passes, 0 to 1; `None` if none is running.
     pub(crate) fn passes_fraction(&self) -> Option<f32> {
         self.findings.passes.fraction()
     }
 
-    /// Starts to look for the passes over a position; a search for another one is dropped.
+    /// Starts to search for the passes over a position; the search for another position is dropped.
     pub(super) fn find_passes(&mut self, at: LonLat) {
         let (shown, results) = (self.shown_logs(), self.pipeline.deriving.results.clone());
         let work = move |progress: &Progress| found(&shown, at, &results, progress).ok();
@@ -114,8 +116,8 @@ impl App {
             Some(Listed { at, task: Some(Task::start(&self.jobs, work)), found: None });
     }
 
-    /// Goes from the selected place to the same place in the next pass that saw it, and from the
-    /// last one to the first, once that is found.
+    /// Starts to search for the next pass over the selected place, and shows the place in it; after
+    /// the last pass comes the first.
     pub(super) fn next_pass(&mut self) {
         let Some((id, mark)) = self.selected().filter(|(_, mark)| mark.side.is_some()) else {
             return self.warn(NO_PLACE.to_owned());
@@ -123,7 +125,8 @@ impl App {
         self.go_to(Goal::After(id, mark));
     }
 
-    /// Shows a place in the first pass of the visible logs that saw it, once that is found.
+    /// Starts to search for the first pass of the visible logs over a position, and shows the
+    /// position in it.
     pub(super) fn show_place(&mut self, at: LonLat) {
         self.go_to(Goal::FirstOver(at));
     }
@@ -151,14 +154,14 @@ impl App {
         self.view.selection.map(|mark| (self.log.id, mark))
     }
 
-    /// Collects the passes that were found.
+    /// Collects the results of the searches.
     pub(super) fn poll_passes(&mut self) {
         self.poll_listed();
         match self.findings.passes.next.as_ref().map(|next| next.task.poll()) {
             None | Some(TaskOutcome::Pending) => {}
             Some(TaskOutcome::Done(found)) => {
                 let here = self.selected();
-                // Whoever selected something else meanwhile does not want to be led away from it.
+                // An analyst who has selected another place meanwhile should stay there.
                 let next = self.findings.passes.next.take().filter(|next| next.from == here);
                 match found.zip(next.map(|next| next.to)) {
                     Some((Some(passes), Goal::After(id, mark))) => {
@@ -212,7 +215,7 @@ impl App {
     }
 }
 
-/// The passes of some logs over a position, in their order.
+/// Returns the passes of some logs over a position, in the order of the logs.
 fn found(
     shown: &[ShownLog],
     at: LonLat,

@@ -1,4 +1,4 @@
-//! Changes the display of the shown log's picture: keys and menus for `picture.*`.
+//! Changes the picture settings (`picture.*`) of the shown log by keys and menus.
 
 use super::{App, EchogramChannel};
 use bathyscope_bottom::mosaic::Gain;
@@ -41,7 +41,7 @@ impl App {
         });
     }
 
-    /// Side-scan, then each channel that the log has beside it, then alone.
+    /// Shows side-scan, then each down-looking channel of the log, beside the side-scan and alone.
     pub(super) fn next_channel(&mut self) {
         let survey = self.log.survey.as_ref();
         let has = |channel: &EchogramChannel| {

@@ -1,5 +1,5 @@
-//! Lines to sail next: planned in a background thread, changed by hand, written for plotters and
-//! autopilots.
+//! Plans the next survey lines in a background thread, changes them by hand, and writes them for
+//! plotters and autopilots.
 
 use super::error::AppError;
 use super::{App, Task, TaskOutcome};
@@ -13,24 +13,25 @@ use bathyscope_products::pipeline::survey_coverage;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Said when there are no lines to act on.
+/// Notice when there are no lines to act on.
 const NO_LINES: &str = "no lines are planned yet; use Plan lines first";
 const NO_LINE: &str = "no planned line is selected; click one on the map first";
 
-/// Planned lines, and where on the Earth they lie.
+/// Planned lines, and the local coordinate frame of their coordinates.
 #[derive(Clone, Debug)]
 pub struct PlannedLines {
     /// The plan.
     pub plan: Plan,
-    /// The frame of its plane.
+    /// The local coordinate frame of the plan.
     pub frame: LocalFrame,
-    /// First place of the first log: where the boat starts.
+    /// First position of the first log, where the boat starts.
     home: LonLat,
     /// Name of the lines.
     name: String,
 }
 
-/// Compares the lines and the origin of their frame: all else follows from them.
+/// Equality compares the lines and the origin of their local coordinate frame, which determine
+/// everything else.
 impl PartialEq for PlannedLines {
     fn eq(&self, other: &Self) -> bool {
         self.plan.lines == other.plan.lines && self.frame.origin() == other.frame.origin()
@@ -40,29 +41,29 @@ impl PartialEq for PlannedLines {
 /// A request about the planned lines.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PlanRequest {
-    /// Plan the next lines with these numbers.
+    /// Set the settings of the next plan.
     Ask(PlanSettings),
-    /// Select a line by its number, or none.
+    /// Select a line by its number, or deselect it.
     Select(Option<usize>),
-    /// Move an end of a line, 0 its start and 1 its end, to a place on the map.
+    /// Move an end of a line to a place on the map.
     Move {
         /// Number of the line.
         line: usize,
-        /// 0 or 1.
+        /// 0 for the start of the line, 1 for its end.
         end: usize,
         /// New place of the end.
         to: LonLat,
     },
 }
 
-/// The planned lines and the work on them.
+/// State of the planned lines.
 #[derive(Default)]
 pub struct Planning {
     /// Settings of the next plan.
     pub asked: PlanSettings,
-    /// The lines, once there are some.
+    /// The planned lines; `None` if there are none.
     pub lines: Option<Arc<PlannedLines>>,
-    /// The line that commands act on.
+    /// Number of the line that commands act on; `None` if none is selected.
     pub selected: Option<usize>,
     task: Option<Task<Result<PlannedLines, PlanError>>>,
 }
@@ -73,17 +74,17 @@ impl Planning {
         self.task.is_some()
     }
 
-    /// Done share of the work under way, 0 to 1.
+    /// Returns the done share of planning, 0 to 1; `None` if no planning is running.
     pub fn fraction(&self) -> Option<f32> {
         self.task.as_ref().map(Task::fraction)
     }
 
-    /// Returns a copy that holds only what is drawn.
+    /// Returns a copy that holds only the drawn parts.
     pub(super) fn for_picture(&self) -> Self {
         Self { lines: self.lines.clone(), ..Self::default() }
     }
 
-    /// Stops the work; the lines stay.
+    /// Stops planning; the present lines stay.
     pub(super) fn stop(&mut self) {
         self.task = None;
     }
@@ -114,7 +115,7 @@ impl App {
         self.map.planning.task = Some(Task::start(&self.jobs, work));
     }
 
-    /// Collects the lines.
+    /// Collects the planned lines.
     pub(super) fn poll_planning(&mut self) {
         match self.map.planning.task.as_ref().map(Task::poll) {
             None | Some(TaskOutcome::Pending) => return,
@@ -168,14 +169,14 @@ impl App {
         self.set_lines(None, "planned lines");
     }
 
-    /// Other lines in the place of those that are planned; none of them leave no plan.
+    /// Replaces the planned lines; without lines, the plan is removed.
     fn replace_lines(&mut self, planned: &PlannedLines, lines: Vec<Leg>, label: &'static str) {
         let changed = (!lines.is_empty())
             .then(|| PlannedLines { plan: planned.plan.with_lines(lines), ..planned.clone() });
         self.set_lines(changed, label);
     }
 
-    /// The lines of a step that undo or redo comes to.
+    /// Sets the planned lines of an undo step.
     pub(super) fn take_planned(&mut self, lines: Option<Arc<PlannedLines>>) {
         if self.map.planning.lines != lines {
             self.map.planning.selected = None;
@@ -183,7 +184,7 @@ impl App {
         self.map.planning.lines = lines;
     }
 
-    /// Makes lines the planned ones, as an undo step.
+    /// Sets the planned lines, as an undo step.
     fn set_lines(&mut self, lines: Option<PlannedLines>, label: &'static str) {
         let before = self.step_now();
         self.map.planning.lines = lines.map(Arc::new);
@@ -194,7 +195,7 @@ impl App {
         self.record_step(&before, &after, label, false);
     }
 
-    /// Writes the lines into a file; its ending says for whom.
+    /// Writes the planned lines into a file, in the format of the file name's ending.
     pub(super) fn save_plan(&mut self, path: PathBuf) {
         let Some(planned) = self.map.planning.lines.clone() else {
             return self.warn(NO_LINES.to_owned());

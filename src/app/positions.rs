@@ -1,5 +1,5 @@
 //! Finds the errors and the latency of the positions of each log where tracks cross over a slope,
-//! and corrects them when the analyst asks for it.
+//! and corrects them if the analyst applies them.
 
 use super::logs_task::{LogsTask, Stands};
 use super::{App, LogId};
@@ -9,7 +9,7 @@ use bathyscope_products::pipeline::{LogSettings, ProcessedLog};
 use std::sync::Arc;
 use toml::Value;
 
-/// The settings that carry what is found.
+/// Keys of the settings that hold the corrections.
 const EAST: &str = "position_shift.east_m";
 const NORTH: &str = "position_shift.north_m";
 const LATENCY: &str = "mounting.latency_s";
@@ -17,16 +17,15 @@ const LATENCY: &str = "mounting.latency_s";
 /// Position errors and latencies found for some logs.
 #[derive(Clone, Debug)]
 pub struct FoundPositions {
-    /// Each log, in the order of the list when it was asked for.
+    /// Position errors of each log, in the order of the list when the comparison was requested.
     pub logs: Vec<(LogId, LogPositions)>,
 }
 
 impl FoundPositions {
-    /// Notice where no correction is worth applying.
+    /// Notice if no correction is worth applying.
     pub(crate) const NOTHING_TOLD: &str = "No position error was found: the tracks agree, cross too rarely, or cross over a level bottom.";
 
-    /// Returns true if anything of it differs from what was in force by more than crossings leave
-    /// open.
+    /// Returns true if a shift or a latency of any log differs significantly from the one in force.
     pub fn tells(&self) -> bool {
         let of_log =
             |log: &LogPositions| log.told_shift().is_some() || log.told_latency_s().is_some();
@@ -34,7 +33,7 @@ impl FoundPositions {
     }
 }
 
-/// Positions, and the work on them.
+/// The comparison of positions, and its last result.
 pub(super) type Positions = LogsTask<FoundPositions>;
 
 impl App {
@@ -48,8 +47,8 @@ impl App {
         self.findings.positions.found()
     }
 
-    /// Starts to compare the positions of the visible logs: their shifts, where there are several,
-    /// and their latencies.
+    /// Starts to compare the positions of the visible logs: their shifts, if there are several
+    /// logs, and their latencies.
     pub(super) fn match_positions(&mut self) {
         let shown = self.shown_logs();
         if shown.is_empty() {
@@ -67,7 +66,7 @@ impl App {
         });
     }
 
-    /// Collects what was found.
+    /// Collects the result of a comparison.
     pub(super) fn poll_positions(&mut self) {
         match self.findings.positions.poll() {
             Stands::Found if !self.position_offsets().is_some_and(FoundPositions::tells) => {
@@ -80,7 +79,7 @@ impl App {
         }
     }
 
-    /// Puts the positions right as far as crossings tell how, as one undo step.
+    /// Applies the shifts and latencies that crossings determine, as one undo step.
     pub(super) fn apply_positions(&mut self) {
         let Some(found) = self.position_offsets().cloned() else {
             let text = "compare the positions of the logs first";

@@ -1,8 +1,8 @@
-//! First returns ahead of the pipeline, so that the line follows the slider.
+//! Finds first returns ahead of the pipeline, so that the drawn line follows the slider.
 //!
-//! The plain threshold is answered for the whole log from its index of running maxima; the tracker
-//! is run over the pings on screen. One job runs at a time and the newest request waits for it:
-//! cancelling each time would show nothing at all during a long drag.
+//! The plain threshold is evaluated for the whole log from its index of running maxima; the tracker
+//! is run over the visible pings. One job runs at a time, and the newest request waits for it: if
+//! each request cancelled the last job, nothing at all would appear during a long drag.
 
 use super::{Jobs, Task, TaskOutcome};
 use bathyscope_bottom::first_return::{
@@ -20,11 +20,11 @@ pub(super) struct PreviewRequest {
     pub survey: Arc<Survey>,
     pub image: ImageSettings,
     pub first_return: FirstReturnSettings,
-    /// Manual picks that replace what is found.
+    /// Manual picks that replace the found ones.
     pub bottom: BottomSettings,
-    /// Pings on screen.
+    /// Visible pings.
     pub visible: Range<usize>,
-    /// The last result; pings that are not on screen keep it.
+    /// The last result, which pings outside the visible ones keep.
     pub base: Arc<FirstReturns>,
 }
 
@@ -38,8 +38,8 @@ impl PreviewRequest {
     }
 }
 
-/// Measurement that is made once and kept between drags: the plain threshold needs its index, the
-/// tracker only the picture's scale, which takes no memory.
+/// A measurement of the log that is made once and kept between drags: the plain threshold needs its
+/// index, the tracker only the scale of the picture, which takes no memory.
 enum Measured {
     Index(ThresholdIndex),
     Scale(Normalisation),
@@ -68,7 +68,7 @@ struct PreviewKey {
     dead_zone_m: f64,
 }
 
-/// First returns of some settings.
+/// First returns that were found with some settings.
 pub(super) struct Preview {
     image: ImageSettings,
     first_return: FirstReturnSettings,
@@ -76,7 +76,7 @@ pub(super) struct Preview {
 }
 
 impl Preview {
-    /// Returns true if these are still the settings in force.
+    /// Returns true if the first returns were found with the settings in force.
     pub(super) fn is_for(&self, settings: &Settings) -> bool {
         self.image == settings.image && self.first_return.finds_the_same(&settings.first_return)
     }
@@ -90,7 +90,7 @@ struct Answer {
 
 type Running = Task<Result<Answer, Cancelled>>;
 
-/// Answers requests one after the other, leaving out those that a newer one replaced.
+/// Runs requests one after the other, and skips those that a newer one replaced.
 #[derive(Default)]
 pub(super) struct Previewer {
     measured: Option<(PreviewKey, Arc<Measured>)>,
@@ -99,17 +99,18 @@ pub(super) struct Previewer {
 }
 
 impl Previewer {
-    /// Drops everything that belongs to the survey and whatever is under way.
+    /// Drops the measurements of the survey, and the running and waiting requests.
     pub(super) fn forget(&mut self) {
         *self = Self::default();
     }
 
-    /// Returns true if an answer is still to come.
+    /// Returns true if a request is running or waiting.
     pub(super) fn is_busy(&self) -> bool {
         self.running.is_some() || self.queued.is_some()
     }
 
-    /// Measures what `request` would need, so that the first drag finds it.
+    /// Makes the measurement for `request` in advance, so that the first drag does not have to wait
+    /// for it.
     pub(super) fn warm_up(&mut self, request: PreviewRequest, jobs: &Jobs) {
         let known = self.measured.as_ref().map(|(key, _)| *key);
         if known != Some(request.key()) && !self.is_busy() {
@@ -117,7 +118,7 @@ impl Previewer {
         }
     }
 
-    /// Asks for first returns; an older request that has not begun is dropped.
+    /// Requests first returns; an older request that has not begun is dropped.
     pub(super) fn want(&mut self, request: PreviewRequest, jobs: &Jobs) {
         if self.running.is_some() {
             self.queued = Some(request);
@@ -134,7 +135,7 @@ impl Previewer {
             Some(Task::start(jobs, move |progress| answer(request, known, requested, progress)));
     }
 
-    /// The newest answer, once.
+    /// Returns the newest preview once; `None` if there is no new one.
     pub(super) fn poll(&mut self, jobs: &Jobs) -> Option<Preview> {
         let outcome = self.running.as_ref()?.poll();
         let answer = match outcome {

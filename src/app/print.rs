@@ -1,11 +1,11 @@
-//! A view as a picture for paper: how large it is, and the state that it is drawn from.
+//! Computes the size of a printed view, and copies the state that it is drawn from.
 
 use super::{App, Jobs};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// Points of the screen in an inch: text is as large on paper as it is on a screen that keeps to
-/// it.
+/// Number of screen points in an inch: text is as large on paper as on a screen with this
+/// resolution.
 const POINTS_AN_INCH: f64 = 96.0;
 /// Millimetres in an inch.
 const INCH_MM: f64 = 25.4;
@@ -18,15 +18,15 @@ pub enum Paper {
     A4,
     /// 297 by 420 mm.
     A3,
-    /// A screen: as wide as requested, as tall as the view is.
+    /// A screen: as wide as requested, with the shape of the view.
     Pixels,
 }
 
 impl Paper {
-    /// All in the order of the list.
+    /// All media in the order of the list.
     pub const ALL: [Paper; 3] = [Paper::A4, Paper::A3, Paper::Pixels];
 
-    /// Name in the list.
+    /// Returns the name in the list.
     pub fn name(self) -> &'static str {
         match self {
             Paper::A4 => "A4",
@@ -35,7 +35,7 @@ impl Paper {
         }
     }
 
-    /// Short and long side, millimetres.
+    /// Returns the short and the long side, millimetres; `None` for a screen.
     fn sides_mm(self) -> Option<[f64; 2]> {
         match self {
             Paper::A4 => Some([210.0, 297.0]),
@@ -51,11 +51,11 @@ impl Paper {
 pub struct PrintOptions {
     /// Medium that the picture is made for.
     pub paper: Paper,
-    /// True if the long side lies across.
+    /// True for landscape format.
     pub landscape: bool,
-    /// Pixels in an inch of paper.
+    /// Resolution on paper, pixels per inch.
     pub dpi: u32,
-    /// Width without paper, pixels.
+    /// Width for a screen, pixels.
     pub width_px: u32,
     /// True to print on white instead of the background of the window.
     pub light: bool,
@@ -67,24 +67,24 @@ impl Default for PrintOptions {
     }
 }
 
-/// A picture's size.
+/// Size and scale of a printed view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Sheet {
     /// Width and height, pixels.
     pub size_px: [u32; 2],
-    /// Pixels in a point of the screen: how much larger text and lines are drawn.
+    /// Pixels per screen point, which is the magnification of text and lines.
     pub pixels_per_point: f32,
 }
 
 impl PrintOptions {
-    /// A point of the screen on paper, metres.
+    /// Size of a screen point on paper, metres.
     pub(crate) const POINT_M: f64 = INCH_MM / 1000.0 / POINTS_AN_INCH;
-    /// Pixels in an inch that can be chosen.
+    /// Resolutions that can be chosen, pixels per inch.
     pub(crate) const DPI: std::ops::RangeInclusive<u32> = 72..=600;
     /// Widths that can be chosen, pixels.
     pub(crate) const WIDTHS_PX: std::ops::RangeInclusive<u32> = 400..=8192;
 
-    /// The picture of a view that takes `view` points of the screen.
+    /// Returns the size and scale of the print of a view with the size `view`, screen points.
     pub(crate) fn sheet(&self, view: [f32; 2]) -> Sheet {
         let Some([short_mm, long_mm]) = self.paper.sides_mm() else {
             let [width, height] = view.map(|side| f64::from(side.max(1.0)));
@@ -104,8 +104,8 @@ impl PrintOptions {
 }
 
 impl App {
-    /// Returns a copy of the state to draw the views elsewhere: without buttons, and without what
-    /// the pointer has selected.
+    /// Returns a copy of the state for drawing the views elsewhere: without buttons, and without
+    /// the selection of the pointer.
     pub(crate) fn for_picture(&self) -> App {
         let mut copy = App::new(Jobs::Threads(Arc::new(|| ())));
         copy.view.is_picture = true;

@@ -1,5 +1,5 @@
-//! Text around a printed view: title, dates, coordinate system, level that depths count from,
-//! scale.
+//! Composes the text around a printed view: title, dates, coordinate system, level that depths
+//! count from, and scale.
 
 use super::{App, View};
 use bathyscope_log::support::calendar;
@@ -8,21 +8,21 @@ use bathyscope_log::support::printable::one_line;
 use bathyscope_products::pipeline::Products;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-/// Logs that a title names; of more it says how many.
+/// Greatest number of logs that a title names; of more logs it states the number.
 const NAMED: usize = 3;
 
-/// The words around a printed view.
+/// The text around a printed view.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct PrintText {
-    /// Above the view.
+    /// Title above the view.
     pub title: String,
-    /// Below it, a sentence a line.
+    /// Sentences below the view, one a line.
     pub facts: Vec<String>,
 }
 
 impl App {
-    /// Returns the text around a print of a view. `scale` says how large it is on paper; `now` is
-    /// the time of printing.
+    /// Returns the text around a print of a view. `scale` is a sentence about the scale on paper;
+    /// `now` is the time of printing.
     pub(crate) fn print_text(&self, view: View, scale: String, now: SystemTime) -> PrintText {
         let facts = [self.recorded(now), self.system(view), self.datum(), Some(scale)];
         let facts = facts.into_iter().flatten();
@@ -32,7 +32,7 @@ impl App {
         }
     }
 
-    /// The project, or the logs.
+    /// Returns the name of the project, or the names of the logs.
     fn print_name(&self) -> String {
         if let Some(project) = self.project_path().and_then(|path| path.file_stem()) {
             return project.to_string_lossy().into_owned();
@@ -44,7 +44,7 @@ impl App {
         }
     }
 
-    /// Days of the recordings, and of the print.
+    /// Returns a sentence about the days of the recordings and of the print.
     fn recorded(&self, now: SystemTime) -> Option<String> {
         let starts = self.visible_logs().filter_map(|log| {
             let survey = log.survey.as_ref()?;

@@ -1,4 +1,4 @@
-//! The depths along the line of a depth profile, taken from the depth map.
+//! Takes the depths along the line of a depth profile from the depth map.
 
 use super::App;
 use bathyscope_bottom::bathymetry::{Corner, TransectStation, transect};
@@ -7,22 +7,22 @@ use bathyscope_products::pipeline::DepthMap;
 use bathyscope_products::project::{Measurement, MeasurementKind};
 use std::sync::Arc;
 
-/// Largest number of places along a line at which depths are taken.
+/// Greatest number of places along a line at which depths are taken.
 const MOST_STATIONS: usize = 2000;
 
-/// The depths along a line, and what they were taken from.
+/// The depths along a line, with the line and the depth map that they come from.
 #[derive(Clone)]
 pub struct ProfileLine {
     line: Measurement,
     map: Option<Arc<DepthMap>>,
     /// Places along the line with their depths.
     pub stations: Vec<TransectStation>,
-    /// Metres from the start of the line to each corner.
+    /// Distance from the start of the line to each corner, metres.
     pub corners_m: Vec<f64>,
 }
 
 impl ProfileLine {
-    /// Returns true if there is no depth map to look at.
+    /// Returns true if there is no depth map to take depths from.
     pub(crate) fn lacks_map(&self) -> bool {
         self.map.is_none()
     }
@@ -40,7 +40,7 @@ impl ProfileLine {
         let corners: Vec<Corner> = (line.corners.iter().zip(&corners_m))
             .map(|(at, distance_m)| Corner { place: place(*at), distance_m: *distance_m })
             .collect();
-        // Two looks at every cell miss nothing that is drawn.
+        // Two samples in each cell miss nothing that is drawn.
         let step_m = map.map_or(f64::INFINITY, |map| 0.5 * map.surface.grid.cell_m);
         let depth_at = |place| map?.depth_at(place);
         Self {
@@ -55,7 +55,7 @@ impl ProfileLine {
 const NO_LINE: &str = "there is no line to cut along: draw a depth profile on the map first";
 
 impl App {
-    /// Cuts the 3D view along the line of the profile, or shows it whole again.
+    /// Turns the cut of the 3D view along the line of the profile on or off.
     pub(super) fn toggle_cut(&mut self) {
         if self.map.measuring.stations().is_empty() {
             return self.warn(NO_LINE.to_owned());
@@ -63,7 +63,7 @@ impl App {
         self.view.options.cloud.cut = !self.view.options.cloud.cut;
     }
 
-    /// Looks at the depths along the line again where the line or the depth map is another one.
+    /// Takes the depths along the line again if the line or the depth map has changed.
     pub(super) fn follow_profile(&mut self) {
         let is_profile = |line: &Measurement| line.kind == MeasurementKind::Profile;
         let figure = self.map.measuring.figure.as_deref();
@@ -76,7 +76,7 @@ impl App {
         });
         self.map.measuring.set = self.profile_line(set, self.map.measuring.set.as_ref());
         self.map.measuring.drawn = match drawn {
-            // One line, once.
+            // The finished and the drawn line are the same, so the depths are shared.
             Some(drawn) if self.map.measuring.set.as_ref().is_some_and(|set| set.line == drawn) => {
                 self.map.measuring.set.clone()
             }

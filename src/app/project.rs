@@ -1,5 +1,6 @@
-//! The survey as a project: one file that holds the logs and all that was decided about them. Every
-//! step that undo takes back is in it at once, so that a crash costs the last gesture at most.
+//! Opens and saves the survey as a project: one file that holds the logs and all decisions about
+//! them. Each undo step is written to its journal at once, so that a crash loses the last gesture
+//! at most.
 
 use super::drawn_figure::Figure;
 use super::error::AppError;
@@ -21,33 +22,33 @@ use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Name of the display options in the project.
+/// Key of the display options in the project.
 const VIEW: &str = "window";
-/// The measurement that the window shows.
+/// Key of the measurement that the window shows.
 const MEASUREMENT: u32 = 1;
-/// The base map among the project's files.
+/// Key of the base map among the project's files.
 const BASE_MAP: &str = "base_map";
 
-/// The files of the open logs with their hashes.
+/// The files of the open logs, with their hashes.
 type Hashed = Result<Vec<(LogId, LogFile)>, AppError>;
 
-/// File of the open project, and the work under way on it.
+/// State of the open project and its file.
 #[derive(Default)]
 pub(super) struct ProjectSaving {
     store: Option<Store>,
-    /// Contents of the project: parts that this window does not show are kept from here.
+    /// Contents of the project, from which parts that this window does not show are preserved.
     project: Project,
     opening: Option<Task<Result<OpenedLogs, AppError>>>,
-    /// A project that is about to be written for the first time: where, and what the open logs'
-    /// files are.
+    /// Path of a project that is to be written for the first time, and the task that hashes the
+    /// files of the open logs.
     naming: Option<(PathBuf, Task<Hashed>)>,
-    /// It is being written for the first time, with this in it.
+    /// Contents of a project that is being written for the first time, and the task that writes it.
     creating: Option<(Project, Task<Result<Store, StoreError>>)>,
-    /// It is being written into its file.
+    /// Task that writes the project into its file.
     saving: Option<Task<SavingOutcome>>,
-    /// It is to be saved again after that.
+    /// True if the project must be saved again after that.
     saves_again: bool,
-    /// It cannot be written; it was said.
+    /// True if the project cannot be written, and the analyst was notified.
     failed: bool,
 }
 
@@ -61,13 +62,13 @@ impl ProjectSaving {
         self.naming.is_some() || self.creating.is_some() || self.saving.is_some()
     }
 
-    /// Drops what is under way; what is being written is written.
+    /// Stops opening and naming a project; a running write is completed.
     pub(super) fn stop(&mut self) {
         self.opening = None;
         self.naming = None;
     }
 
-    /// Waits for what is being written: nothing else may use the file before.
+    /// Waits for running writes: nothing else may use the file before.
     fn finish_writing(&mut self) {
         self.naming = None;
         self.saves_again = false;
@@ -80,51 +81,51 @@ impl ProjectSaving {
         if let (Some(task), Some(store)) = (self.saving.take(), &mut self.store)
             && let Some(written) = task.wait()
         {
-            // What could not be written is in the journal.
+            // A part that could not be written is in the journal.
             store.end_save(written).ok();
         }
     }
 }
 
-/// A project that was read, with those of its logs that were found.
+/// A project that was read, with the logs of it that were found.
 struct OpenedLogs {
     opened: OpenedProject,
     logs: Vec<(Arc<ProjectLog>, Survey, Settings)>,
-    /// Notices about logs that are missing or lie elsewhere.
+    /// Notices about logs that are missing or were found elsewhere.
     notes: Vec<String>,
 }
 
-/// Returns true if a path is named as a project is.
+/// Returns true if a path has the ending of a project.
 pub fn is_project(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case(ENDING))
 }
 
 impl App {
-    /// The file of the open project.
+    /// Returns the file of the open project; `None` if no project is open.
     pub fn project_path(&self) -> Option<&Path> {
         self.files.project_saving.store.as_ref().map(Store::path)
     }
 
-    /// Returns true if the project has changes that its file does not hold; they are in the journal
-    /// beside it.
+    /// Returns true if the project has changes that its file does not contain; they are in the
+    /// journal beside it.
     pub fn is_project_unsaved(&self) -> bool {
         let store = self.files.project_saving.store.as_ref();
         store.is_some_and(|store| store.is_unsaved(&self.files.project_saving.project))
     }
 
-    /// Starts to open a project in the place of what is open.
+    /// Starts to open a project, which replaces what is open.
     pub(super) fn open_project(&mut self, path: PathBuf) {
         self.files.loading = None;
         self.files.to_load.clear();
         self.keep_project("close");
         self.files.project_saving.finish_writing();
-        // The window itself may have it open.
+        // This window may have the project open itself.
         self.files.project_saving.store = None;
         self.files.project_saving.opening =
             Some(Task::start(&self.jobs, move |progress| read(&path, progress)));
     }
 
-    /// Starts to keep what is open as a project in a file.
+    /// Starts to save the open survey as a project in a file.
     pub(super) fn save_project_as(&mut self, path: PathBuf) {
         let path = if is_project(&path) {
             path
@@ -156,7 +157,7 @@ impl App {
         self.files.project_saving.naming = Some((path, task));
     }
 
-    /// Writes the project into its file.
+    /// Starts to write the project into its file.
     pub(super) fn save_project(&mut self) {
         self.keep_project("save");
         let Some(store) = &mut self.files.project_saving.store else {
@@ -205,12 +206,12 @@ impl App {
         self.files.project_saving.is_writing()
     }
 
-    /// Waits until the project is written: the window closes.
+    /// Waits until the project is written, because the window closes.
     pub(super) fn finish_keeping(&mut self) {
         self.files.project_saving.finish_writing();
     }
 
-    /// Writes what changed into the journal of the open project.
+    /// Writes the changes into the journal of the open project.
     pub(super) fn keep_project(&mut self, label: &str) {
         if self.files.project_saving.store.is_none() {
             return;
@@ -229,7 +230,7 @@ impl App {
         }
     }
 
-    /// Leaves the project: what is opened next is none of its logs.
+    /// Closes the project, before logs that do not belong to it are opened.
     pub(super) fn leave_project(&mut self) {
         self.keep_project("close");
         self.files.project_saving.finish_writing();
@@ -264,7 +265,7 @@ impl App {
             let mut entry = known
                 .map_or_else(|| ProjectLog::new(file.clone()), |known| ProjectLog::clone(&known));
             entry.file.path.clone_from(&file.path);
-            // A log that was followed has more pings than when it was read.
+            // A followed log has more pings than when it was read.
             entry.file.pings = file.pings;
             entry.is_visible = log.is_visible;
             entry.settings = log.own.as_ref().clone();
@@ -289,7 +290,7 @@ impl App {
         project
     }
 
-    /// Collects a project that was read or is to be written.
+    /// Collects the results of reading and writing a project.
     pub(super) fn poll_project(&mut self) {
         self.poll_saving();
         self.poll_creating();
@@ -337,8 +338,8 @@ impl App {
         self.poll_creating();
     }
 
-    /// Collects a project that was written for the first time. Until then what is changed is kept
-    /// where it was kept before.
+    /// Collects a project that was written for the first time. Until then changes are saved in
+    /// their earlier files.
     fn poll_creating(&mut self) {
         let created = match self.files.project_saving.creating.as_ref().map(|(_, task)| task.poll())
         {
@@ -383,7 +384,7 @@ impl App {
         let frame = project.origin.map(LocalFrame::new);
         let mut numbers = ObjectNumbers::default();
         for (log, survey, settings) in logs {
-            // The plane stays whatever log is first now.
+            // The plane stays, whichever log is first now.
             let survey = match &frame {
                 Some(frame) => survey.in_frame_if_near(frame),
                 None => survey,
@@ -410,7 +411,7 @@ impl App {
         self.schedule();
     }
 
-    /// Takes up what a project has of a log.
+    /// Applies the settings and decisions that a project holds for a log.
     fn take_project_log(&mut self, id: LogId, log: &ProjectLog, settings: Settings) {
         if let Err(error) = self.follow_source(id, &settings) {
             self.warn(error.to_string());
@@ -423,7 +424,7 @@ impl App {
             open.settings = Arc::new(settings);
             open.reviewing.take_kept(log.review.clone());
             open.leave_sidecars();
-            // More of it may have been written since.
+            // The log may have grown since.
             open.carry_own(&shared);
         }
         self.carry_decisions(id);
@@ -431,14 +432,14 @@ impl App {
 }
 
 impl OpenLog {
-    /// Keeps decisions about the log in the project from now on, not next to the log.
+    /// Saves decisions about the log in the project from now on, instead of in its sidecar files.
     fn leave_sidecars(&mut self) {
         self.bottom_file = super::bottom::BottomSidecar::default();
         self.reviewing.keep_elsewhere();
     }
 }
 
-/// Has a project hold what was measured on the map, once it is done.
+/// Puts the measurement on the map into a project, if it is finished, or removes it.
 pub(super) fn keep_figure(project: &mut Project, figure: Option<&Arc<Figure>>) {
     match figure.filter(|figure| figure.done) {
         Some(figure) => {
@@ -451,8 +452,7 @@ pub(super) fn keep_figure(project: &mut Project, figure: Option<&Arc<Figure>>) {
     }
 }
 
-/// Returns the figure on the map that a project holds; the same in memory as `before` where both
-/// are equal.
+/// Returns the measurement of a project as a figure; shares memory with `before` if both are equal.
 pub(super) fn kept_figure(project: &Project, before: Option<&Arc<Figure>>) -> Option<Arc<Figure>> {
     let measurement = project.measurements.get(&MEASUREMENT)?;
     let same = before.filter(|figure| figure.done && figure.measurement == *measurement);
@@ -462,7 +462,7 @@ pub(super) fn kept_figure(project: &Project, before: Option<&Arc<Figure>>) -> Op
     )
 }
 
-/// Part of the queue of boxes that a project keeps: without the filter, which is temporary.
+/// Part of the queue of boxes that a project stores: without the filter, which is temporary.
 #[derive(Serialize, Deserialize)]
 struct KeptQueue {
     sort: Sort,
@@ -485,7 +485,7 @@ fn read(path: &Path, progress: &Progress) -> Result<OpenedLogs, AppError> {
     let folder = opened.store.folder();
     let places = find(&opened.project, &folder, progress)?;
     let (mut logs, mut notes) = (Vec::new(), Vec::new());
-    // Once for all logs.
+    // The files of the shared settings are read once for all logs.
     if let Err(error) = opened.project.settings.load_files() {
         notes.push(error.to_string());
     }
@@ -512,7 +512,7 @@ fn read(path: &Path, progress: &Progress) -> Result<OpenedLogs, AppError> {
         let mut settings = opened.project.settings_of(&log)?;
         if let Err(error) = settings.load_files() {
             let text = error.to_string();
-            // Of what all logs share it is said once.
+            // A notice about shared settings must not be repeated for each log.
             if !notes.contains(&text) {
                 notes.push(text);
             }

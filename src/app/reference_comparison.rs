@@ -1,5 +1,5 @@
-//! Agreement of points with a reference: computed on demand, because it takes a triangulation of
-//! all soundings.
+//! Computes the agreement of points with a reference, on demand only, because the comparison needs
+//! a triangulation of all soundings.
 
 use super::error::AppError;
 use super::{App, Task, TaskOutcome};
@@ -12,13 +12,13 @@ use std::sync::Arc;
 /// Sources of the points that are compared with the soundings of the survey itself.
 const WITH_SOUNDINGS: [PointSource; 3] =
     [PointSource::Port, PointSource::Starboard, PointSource::Swath];
-/// Said when comparing was stopped, and what to do.
+/// Problem that is shown when the comparison was stopped.
 const STOPPED: &str = "Comparing was stopped; Update results starts it again.";
 
-/// An agreement, or why there is none.
+/// An agreement, `None` if no point is over the reference, or the error of the comparison.
 type Found = Result<Option<Agreement>, AppError>;
 
-/// An agreement, and the work on it.
+/// State of the comparison, and its last result.
 #[derive(Default)]
 pub(super) struct ReferenceComparison {
     of: Option<Of>,
@@ -30,14 +30,15 @@ pub(super) struct ReferenceComparison {
 /// Inputs of an agreement, found or requested.
 #[derive(Clone)]
 pub(super) struct Of {
-    /// The classes of the points of every log, and how wide a gap a surface spans.
+    /// The classes of the points of each log, and the settings of its surface with the widest gap.
     logs: Vec<(Arc<Vec<PointClass>>, SurfaceSettings)>,
-    /// A reference, and how points find it; without one the survey's own soundings.
+    /// The reference, and the method that finds the reference of a point; `None` for the survey's
+    /// own soundings.
     reference: Option<(Arc<Reference>, Matching)>,
 }
 
 impl Of {
-    /// The kept points of some logs.
+    /// Collects the inputs from the kept points of some logs.
     pub(super) fn new(
         logs: &[ProcessedLog],
         reference: Option<(Arc<Reference>, Matching)>,
@@ -72,22 +73,22 @@ impl ReferenceComparison {
         self.task.is_some()
     }
 
-    /// Done share, 0 to 1.
+    /// Returns the done share of the comparison, 0 to 1; `None` if none is running.
     pub(super) fn fraction(&self) -> Option<f32> {
         self.task.as_ref().map(Task::fraction)
     }
 
-    /// Returns a copy that holds only what is drawn.
+    /// Returns a copy that holds only the drawn parts.
     pub(super) fn for_picture(&self) -> Self {
         Self { of: self.of.clone(), agreement: self.agreement.clone(), ..Self::default() }
     }
 
-    /// Takes an agreement over that was found elsewhere.
+    /// Sets an agreement that was computed elsewhere.
     pub(super) fn take(&mut self, of: Of, agreement: Agreement) {
         *self = Self { of: Some(of), agreement: Some(Arc::new(agreement)), ..Self::default() };
     }
 
-    /// Stops comparing.
+    /// Stops the comparison.
     pub(super) fn stop(&mut self) {
         if self.task.take().is_some() {
             self.agreement = None;
@@ -95,7 +96,7 @@ impl ReferenceComparison {
         }
     }
 
-    /// Lets what was stopped be started again.
+    /// Permits a stopped comparison to start again.
     pub(super) fn resume(&mut self) {
         if self.problem.take().is_some() {
             self.of = None;
@@ -104,13 +105,13 @@ impl ReferenceComparison {
 }
 
 impl App {
-    /// Returns the agreement of the points with the reference, or of side-scan with soundings while
-    /// there is none; `None` until it was requested, and where no point lies over them.
+    /// Returns the agreement of the points with the reference, or of side-scan with soundings if
+    /// there is no reference; `None` until it is computed, and if no point is over the reference.
     pub fn agreement(&self) -> Option<&Arc<Agreement>> {
         self.findings.reference_comparison.agreement.as_ref()
     }
 
-    /// Returns the reason that there is no agreement, in a sentence.
+    /// Returns the reason that there is no agreement, as a sentence; `None` if there is no problem.
     pub fn agreement_problem(&self) -> Option<&str> {
         self.findings.reference_comparison.problem.as_deref()
     }
@@ -120,7 +121,7 @@ impl App {
         self.findings.reference_comparison.is_busy()
     }
 
-    /// Starts comparing the results of the visible logs, unless that is done or under way.
+    /// Starts comparing the results of the visible logs, unless that is done or running.
     pub(super) fn compare_with_reference(&mut self) {
         let logs = self.processed_logs();
         let Some(first) = logs.first() else {
@@ -141,7 +142,7 @@ impl App {
         }));
     }
 
-    /// Takes an agreement that is ready.
+    /// Collects the result of the comparison.
     pub(super) fn poll_tables(&mut self) {
         let made = &mut self.findings.reference_comparison;
         let found = match made.task.as_ref().map(Task::poll) {

@@ -7,7 +7,8 @@ use bathyscope_products::project::MeasurementKind;
 use std::path::{Path, PathBuf};
 
 impl App {
-    /// Returns the measured figure, once there is something between its corners.
+    /// Returns the measured figure; `None` without results, or before it has enough corners to
+    /// measure.
     pub fn measured(&self) -> Option<MeasuredFigure> {
         let (survey, products) = self.log.survey.as_ref().zip(self.log.products.as_ref())?;
         let figure = &self.map.measuring.figure.as_deref()?.measurement;
@@ -38,7 +39,7 @@ impl App {
         })
     }
 
-    /// Writes what is measured into a file.
+    /// Writes the measured figure into a file.
     pub(super) fn save_figure(&mut self, path: PathBuf) {
         let Some(figure) = self.measured() else {
             return;
@@ -57,7 +58,7 @@ fn write(app: &App, figure: &MeasuredFigure, path: &Path) -> Result<(), AppError
     let ending = path.extension().unwrap_or_default().to_string_lossy();
     let written = match ending.to_lowercase().as_str() {
         "geojson" | "json" => export::figure_geojson(path, figure),
-        // The depths along a profile are worth more than its corners.
+        // The depths along a profile are more useful than its corners.
         "csv" => match app.profile_csv() {
             Some(text) => export::write_profile_csv(path, &text),
             None => export::figure_csv(path, figure),

@@ -1,4 +1,5 @@
-//! The state behind the window, to read. Commands change it in `apply`, finished workers in `work`.
+//! Holds the state of the window for reading; commands change it in `apply`, finished background
+//! work in `work`.
 
 use super::base_map::OpeningBaseMap;
 use super::card_search::CardSearch;
@@ -37,18 +38,19 @@ use std::sync::Arc;
 
 /// State of the open survey as a whole, whichever log is shown.
 pub(super) struct Document {
-    /// The settings that a new survey starts from: the preset, or those that the program was
-    /// started with.
+    /// The settings from which a new survey starts: the preset, or the settings that the program
+    /// was started with.
     pub start: Arc<Settings>,
-    /// The settings that logs were last given.
+    /// The last settings of each log.
     pub given: GivenSettings,
     /// The settings that all logs share.
     pub shared: Arc<Settings>,
-    /// The plane that all logs lie in.
+    /// The local coordinate frame of the plane that all logs share.
     pub plane: LocalFrame,
-    /// The metres of a log became those of another system, and the plane was not settled since.
+    /// True if the coordinate system of a log's metres has changed, and the plane was not chosen
+    /// again since.
     pub is_plane_moved: bool,
-    /// Usual mounting of recorders, by [`bathyscope_log::survey::Source::recorder`].
+    /// Default mounting of recorders, by [`bathyscope_log::survey::Source::recorder`].
     pub mountings: Arc<Mountings>,
     /// Steps that undo goes back to.
     pub history: History<UndoStep>,
@@ -68,13 +70,13 @@ impl Default for Document {
     }
 }
 
-/// The pipeline at work on the open logs.
+/// State of the pipeline.
 pub(super) struct PipelineWork {
     pub engine: Engine,
     /// Last request to the engine.
     pub requested: Option<(LogId, Arc<Survey>, Arc<Settings>)>,
-    /// True if nothing is processed before the analyst asks for it: the slider is still held, or
-    /// the work was stopped.
+    /// True if nothing is processed until the analyst requests it: the slider is still held, or the
+    /// work was stopped.
     pub is_waiting: bool,
     pub previewer: Previewer,
     /// Results that are derived from the open logs.
@@ -99,7 +101,7 @@ impl PipelineWork {
     }
 }
 
-/// Files that are being read or written.
+/// State of reading and writing files.
 #[derive(Default)]
 pub(super) struct FileWork {
     pub loading: Option<Loading>,
@@ -123,7 +125,7 @@ impl FileWork {
     }
 }
 
-/// Searches over the open logs, and their results.
+/// State and results of searches over the open logs.
 #[derive(Default)]
 pub(super) struct Findings {
     pub heights: Heights,
@@ -149,10 +151,11 @@ impl Findings {
 /// Display state of the views.
 #[derive(Default)]
 pub struct ViewState {
-    /// Grows when another log is shown; views drop what they cached of it when it changes.
+    /// Number that grows when another log is shown; views then drop what they cached of the earlier
+    /// log.
     pub survey_serial: u64,
-    /// Grows when the plane of the survey moves: with each survey opened, and with each track
-    /// applied to it.
+    /// Number that grows when the plane of the survey moves: with each survey opened, and with each
+    /// track applied to it.
     pub plane_serial: u64,
     /// Selected place.
     pub selection: Option<LogPlace>,
@@ -160,11 +163,11 @@ pub struct ViewState {
     pub hover: Option<LogPlace>,
     /// The last request to show a place.
     pub reveal: Option<Reveal>,
-    /// Pings in the waterfall.
+    /// Pings that the waterfall shows.
     pub visible: Range<usize>,
     /// Display options.
     pub options: ViewOptions,
-    /// True if only a picture is drawn of it: views leave their buttons out.
+    /// True if only a picture is drawn from this state: views then draw no buttons.
     pub is_picture: bool,
 }
 
@@ -177,13 +180,13 @@ pub struct MapWork {
     pub comparing: Comparing,
     /// Figure that is drawn on the map to measure, and its tool.
     pub measuring: Measuring,
-    /// Lines to sail next.
+    /// State of the planned survey lines.
     pub planning: Planning,
 }
 
-/// Everything that the window shows.
+/// State of the whole window.
 pub struct App {
-    /// The log that waterfall, profile and panels show: the one under the selection.
+    /// The log that waterfall, profile and panels show, and that the selection refers to.
     pub log: OpenLog,
     pub(super) logs: OpenLogs,
     pub(super) document: Document,
@@ -194,7 +197,7 @@ pub struct App {
     pub view: ViewState,
     /// Base map, reference, measurement and planned lines that the analyst adds to the map.
     pub map: MapWork,
-    /// Logs opened before, newest first.
+    /// Logs that were opened before, the newest first.
     pub recent: Vec<PathBuf>,
     /// Notices on the screen.
     pub notices: Vec<Notice>,
@@ -202,13 +205,13 @@ pub struct App {
     pub(super) following: Following,
     pub(super) file_watch: FileWatch,
     pub(super) card_search: CardSearch,
-    /// The folder that was written last.
+    /// The folder that was written last; `None` if none was.
     pub written_into: Option<PathBuf>,
     pub(super) jobs: Jobs,
 }
 
 impl App {
-    /// An empty window.
+    /// Creates the state of an empty window.
     pub fn new(jobs: Jobs) -> Self {
         Self {
             log: OpenLog::default(),
@@ -230,25 +233,25 @@ impl App {
         }
     }
 
-    /// The first returns to draw: those under the slider if there are any, else those of the last
-    /// result.
+    /// Returns the first returns to draw: those by the settings under the slider if there are any,
+    /// else those of the last results.
     pub fn returns(&self) -> Option<&Arc<FirstReturns>> {
         self.log.returns()
     }
 
-    /// The bottom line to draw over the waterfall: what the picture is laid out by, or the first
-    /// returns under the slider.
+    /// Returns the bottom line to draw over the waterfall: the line by which the picture is laid
+    /// out, or the first returns by the settings under the slider.
     pub fn bottom_line(&self) -> Option<&Arc<FirstReturns>> {
         self.log.bottom_line()
     }
 
-    /// The first stage whose result is older than its settings.
+    /// Returns the first stage whose result is older than its settings; `None` if there is none.
     pub fn stale(&self) -> Option<Stage> {
         self.log.stale()
     }
 
-    /// Returns true if results are missing or older than their settings and nothing is under way to
-    /// change that.
+    /// Returns true if results are missing or older than their settings, and no work is running to
+    /// update them.
     pub(crate) fn is_stopped(&self) -> bool {
         self.log.is_behind() && self.engine_status() == EngineStatus::Idle
     }
@@ -263,12 +266,12 @@ impl App {
         self.pipeline.engine.status()
     }
 
-    /// Returns the name and progress of the log that is being opened.
+    /// Returns the name and progress of the log that is being opened; `None` if none is.
     pub(crate) fn load_status(&self) -> Option<LoadStatus> {
         self.files.loading.as_ref().map(Loading::status)
     }
 
-    /// Done share of the export under way, 0 to 1.
+    /// Returns the done share of the running export, 0 to 1; `None` if none is running.
     pub(crate) fn export_fraction(&self) -> Option<f32> {
         self.files.exporting.as_ref().map(Exporting::fraction)
     }

@@ -1,4 +1,4 @@
-//! State that undo goes back to.
+//! Defines the state that undo restores.
 
 use super::drawn_figure::Figure;
 use super::mounting::Mountings;
@@ -8,20 +8,20 @@ use bathyscope_objects::review::Review;
 use bathyscope_products::pipeline::{LogSettings, Settings};
 use std::sync::Arc;
 
-/// State that undo goes back to: everything that an analyst changes.
+/// State that undo restores: everything that an analyst changes.
 #[derive(Clone, PartialEq)]
 pub(super) struct UndoStep {
     pub shared: Arc<Settings>,
     /// The logs in the order of the list.
     pub logs: Vec<LogStep>,
-    /// Logs that were closed and can be opened again.
+    /// Ids of the logs that are closed and can be opened again.
     pub closed: Vec<LogId>,
     pub figure: Option<Arc<Figure>>,
     pub planned: Option<Arc<PlannedLines>>,
     pub mountings: Arc<Mountings>,
 }
 
-/// State of one log that undo goes back to.
+/// State of one log that undo restores.
 #[derive(Clone)]
 pub(super) struct LogStep {
     pub id: LogId,
@@ -42,7 +42,7 @@ impl LogStep {
     }
 }
 
-/// A review is the same when it is the same version, which undo brings back as it was.
+/// Equality of reviews means the same version in memory, which undo restores as it was.
 impl PartialEq for LogStep {
     fn eq(&self, other: &Self) -> bool {
         self.id == other.id

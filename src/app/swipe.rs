@@ -1,5 +1,4 @@
-//! Two layers of the map compared with each other: a divider, and what is drawn on which side of
-//! it.
+//! Divides the map to compare layers: a divider, and the side of it on which each layer is drawn.
 
 use super::{LayerStack, MapLayer};
 use serde::{Deserialize, Serialize};
@@ -21,7 +20,7 @@ impl SwipeSide {
     /// All sides in the order of the menu.
     pub const ALL: [Self; 3] = [Self::Left, Self::Both, Self::Right];
 
-    /// Name in menus.
+    /// Returns the name in menus.
     pub fn name(self) -> &'static str {
         match self {
             Self::Both => "both",
@@ -31,7 +30,7 @@ impl SwipeSide {
     }
 }
 
-/// A divided map.
+/// The division of the map.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Swipe {
@@ -44,7 +43,8 @@ pub struct Swipe {
 }
 
 impl Default for Swipe {
-    /// The mosaic on the left, the depths on the right.
+    /// Creates an undivided map, whose division shows the mosaic on the left and the depths on the
+    /// right.
     fn default() -> Self {
         Self {
             on: false,
@@ -73,13 +73,13 @@ impl Swipe {
         }
     }
 
-    /// Moves the divider by a share of the map's width; it stays on the map.
+    /// Moves the divider by a share of the map's width, within the map.
     pub fn shift(&mut self, by: f32) {
         self.share = if self.share.is_finite() { (self.share + by).clamp(0.02, 0.98) } else { 0.5 };
     }
 
-    /// Divides the map or makes it whole. Where both sides would show the same, the first layer of
-    /// each is shown.
+    /// Divides the map, or makes it whole. If no layer of a side is visible, the first layer of
+    /// that side is shown.
     pub fn toggle(&mut self, stack: &mut LayerStack) {
         self.on = !self.on;
         for side in [SwipeSide::Left, SwipeSide::Right] {

@@ -1,17 +1,17 @@
-//! Puts messages of the system about files, and of libraries about values, into plain words. This
+//! Rewrites messages of the system about files, and of libraries about values, in plain words. This
 //! module depends on `file_in_use` alone; any module may use it.
 
 use bathyscope_products::file_in_use::is_in_use;
 use std::borrow::Cow;
 use std::io::{Error, ErrorKind};
 
-/// Start of the ending of the system's errors in Rust's text.
+/// Start of the suffix that Rust appends to the text of a system error.
 const NUMBER: &str = " (os error ";
 
 /// Message about a file that another program has open.
 const IN_USE: &str = "another program has the file open; close it there, or choose another";
 
-/// Types as serde names them in its messages, with the plain words for them.
+/// Type names in messages of serde, with plain words for them.
 const TYPES: [(&str, &str); 9] = [
     ("expected f64", "expected a number"),
     ("expected f32", "expected a number"),
@@ -24,9 +24,9 @@ const TYPES: [(&str, &str); 9] = [
     ("floating point `", "number `"),
 ];
 
-/// A message in which the system's own words, `No such file or directory (os error 2)`, and the
-/// types of values are put plainly. They come from libraries, too, inside of whatever these say, so
-/// a message is mended where it is shown.
+/// Returns a message in which the system's text, `No such file or directory (os error 2)`, and the
+/// types of values are replaced by plain words. Libraries include such texts in their own messages,
+/// so that a message is changed where it is shown.
 pub(crate) fn in_plain_words(message: &str) -> Cow<'_, str> {
     let mut plain = Cow::Borrowed(message);
     for (said, words) in TYPES {
@@ -34,7 +34,7 @@ pub(crate) fn in_plain_words(message: &str) -> Cow<'_, str> {
             plain = Cow::Owned(plain.replace(said, words));
         }
     }
-    // A message has one or two of them.
+    // A message contains one or two system errors.
     for _ in 0..4 {
         let Some(error) = number_in(&plain).map(Error::from_raw_os_error) else {
             break;
@@ -65,7 +65,8 @@ fn number_in(message: &str) -> Option<i32> {
 fn words(kind: ErrorKind) -> Option<&'static str> {
     Some(match kind {
         ErrorKind::NotFound => "there is no such file or folder; check the path",
-        // Windows says the same of a file that is open in another program, and is to be replaced.
+        // Windows reports this error, too, for a file that is open in another program and is to be
+        // replaced.
         ErrorKind::PermissionDenied if cfg!(windows) => {
             "this may not be done there; close the file where it is open in another program, check the rights of the file and its folder, or choose another"
         }

@@ -13,11 +13,11 @@ use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Logs remembered.
+/// Number of remembered logs.
 const RECENT: usize = 10;
 
 impl App {
-    /// Collects what the workers finished. Call once a frame.
+    /// Collects the results of finished background work. The window calls this once a frame.
     pub fn poll(&mut self) {
         self.poll_loading();
         self.poll_engine();
@@ -51,7 +51,7 @@ impl App {
         self.follow_profile();
     }
 
-    /// Collects what was done about one log.
+    /// Collects the results of background work on one log.
     fn poll_log(&mut self, id: LogId) {
         let jobs = self.jobs.clone();
         if let Some(log) = self.log_mut(id) {
@@ -79,7 +79,7 @@ impl App {
             (Ok(products), Some(id)) => self.take_products(id, products),
             (Ok(_), None) => {}
             (Err(failed), _) => {
-                // The same settings would only fail again.
+                // The same settings would fail again.
                 self.pipeline.is_waiting = true;
                 self.warn(failed.to_string());
             }
@@ -163,8 +163,8 @@ impl App {
         self.schedule();
     }
 
-    /// Puts a log on top of the recent ones, by a path that holds in whatever folder the next run
-    /// starts.
+    /// Puts a log at the top of the recent ones, by a path that is valid in whatever folder the
+    /// next run starts.
     pub(super) fn remember(&mut self, path: PathBuf) {
         let path = std::path::absolute(&path).unwrap_or(path);
         self.recent.retain(|recent| *recent != path);
@@ -172,7 +172,7 @@ impl App {
         self.recent.truncate(RECENT);
     }
 
-    /// Takes new results of a log.
+    /// Sets new results of a log.
     pub(super) fn take_products(&mut self, id: LogId, products: Products) {
         let jobs = self.jobs.clone();
         let Some(log) = self.log_mut(id) else {
@@ -189,13 +189,13 @@ impl App {
         }
     }
 
-    /// Has the pipeline run with the settings in force.
+    /// Starts the pipeline with the settings in force.
     pub(super) fn process(&mut self) {
         self.pipeline.is_waiting = false;
         self.schedule();
     }
 
-    /// Starts the search for the first return on what is on screen of the shown log, ahead of the
+    /// Starts the search for first returns in the visible pings of the shown log, ahead of the
     /// pipeline.
     pub(super) fn preview_returns(&mut self) {
         if let Some(request) = self.preview_request() {
@@ -215,7 +215,7 @@ impl App {
         })
     }
 
-    /// Stops everything that runs; the last results stay.
+    /// Stops all running work; the last results stay.
     pub(super) fn cancel(&mut self) {
         self.pipeline.engine.cancel();
         self.pipeline.is_waiting = true;
@@ -237,8 +237,8 @@ impl App {
         }
     }
 
-    /// Returns true if a file that is to be written is one of a log's, which nothing is written
-    /// over; says so.
+    /// Returns true if a path is a file of the log, which is never overwritten, and then warns the
+    /// analyst.
     pub(super) fn refuses_log(&mut self, id: LogId, path: &Path) -> bool {
         let is_this = |file: &PathBuf| is_same_file(file, path);
         let survey = self.open_log(id).and_then(|log| log.survey.as_ref());
@@ -250,12 +250,12 @@ impl App {
         is_log
     }
 
-    /// Opens a log in the place of those that are open; one that is still being opened is dropped.
+    /// Opens a log, which replaces the open ones; the opening of earlier requests is dropped.
     pub(super) fn start_loading(&mut self, origin: LogOrigin) {
         self.load([origin].into_iter(), OpenMode::Instead);
     }
 
-    /// Opens logs, one after the other; those that are still being opened are dropped.
+    /// Opens logs one after the other; the opening of earlier requests is dropped.
     pub(super) fn load(&mut self, origins: impl Iterator<Item = LogOrigin>, place: OpenMode) {
         self.files.loading = None;
         self.files.to_load = requests(origins, place);
@@ -267,7 +267,7 @@ impl App {
             && let Some(request) = self.files.to_load.pop_front()
         {
             let open = match request.place {
-                // The same log opened again is read again.
+                // A log that replaces the open ones is read again, even if it is open.
                 OpenMode::Instead => Vec::new(),
                 OpenMode::Added { .. } => {
                     self.logs().filter_map(|log| log.survey.clone()).collect()
@@ -283,7 +283,7 @@ impl App {
 }
 
 impl OpenLog {
-    /// Collects what was counted.
+    /// Collects the counted figures.
     fn poll_figures(&mut self) {
         match self.counting.as_ref().map(Task::poll) {
             Some(TaskOutcome::Done(figures)) => {
@@ -295,7 +295,8 @@ impl OpenLog {
         }
     }
 
-    /// Takes new results; gives what to say of them, where they are those of a change of scale.
+    /// Sets new results; returns a sentence about the depths if they are the results of a change of
+    /// scale.
     fn take_products(&mut self, products: Products, jobs: &Jobs) -> Option<String> {
         self.preview = None;
         let said = self.calibrating.said_of_change(&products);
@@ -307,7 +308,7 @@ impl OpenLog {
         said
     }
 
-    /// Has counted what is in the panels of some results.
+    /// Starts counting the figures that panels show of some results.
     pub(super) fn count_figures(&mut self, survey: Arc<Survey>, products: Products, jobs: &Jobs) {
         let ProcessedLog { survey, products } = ProcessedLog::new(survey, products);
         self.counting =
@@ -315,7 +316,7 @@ impl OpenLog {
     }
 }
 
-/// A sentence in which a relative path is seen as one.
+/// Returns a sentence in which a relative path is quoted, so that it is recognised as a path.
 fn with_name_quoted(text: String, origin: &LogOrigin) -> String {
     match origin {
         LogOrigin::Path(path) if path.is_relative() => {

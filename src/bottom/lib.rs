@@ -1,11 +1,11 @@
 //! Finds the bottom in a side-scan log, and makes maps of it.
 //!
-//! [`first_return`] finds the first echo of the bottom in each ping on both sides, [`calibration`]
-//! the scale from samples to metres. [`cloud`] places first returns and soundings on the ground,
-//! [`bathymetry`] makes surfaces, isobaths and comparisons of them, [`swath`] depths between the
-//! lines from echo levels, and [`planning`] the lines to survey next. [`waterfall`] and [`picture`]
-//! draw echoes by ping, [`mosaic`] on the ground. [`presentation`] has the colours, units and texts
-//! in which all of it is shown, wherever it is shown.
+//! [`first_return`] finds the first echo of the bottom in each ping on both sides, and
+//! [`calibration`] the scale from samples to metres. [`cloud`] places first returns and soundings
+//! on the ground, [`bathymetry`] makes surfaces, isobaths and comparisons of them, [`swath`]
+//! computes depths between the lines from echo levels, and [`planning`] the lines to survey next.
+//! [`waterfall`] and [`picture`] draw echoes by ping, [`mosaic`] draws them on the ground.
+//! [`presentation`] provides the colours, units and texts in which all results are shown.
 //!
 //! # Find the first returns
 //!
@@ -43,7 +43,7 @@
 //! # Ok::<(), bathyscope_log::support::progress::Cancelled>(())
 //! ```
 
-// Their failure is the failure of the test.
+// A failed `expect` or `unwrap` fails the test.
 #![cfg_attr(test, allow(clippy::expect_used, clippy::unwrap_used))]
 
 pub mod bathymetry;

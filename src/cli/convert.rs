@@ -1,4 +1,4 @@
-//! `bathyscope convert`: a log, or a part of it, in a file for other programs.
+//! `bathyscope convert`: writes a log, or a part of it, into a file for other programs.
 
 use super::settings::{LogOpener, SettingsArgs};
 use super::status_line::StatusLine;
@@ -31,7 +31,7 @@ pub(super) struct ConvertArgs {
     settings: SettingsArgs,
 }
 
-/// Writes the copy; says on stderr what has no place in it.
+/// Writes the copy; names on stderr the data that the format cannot hold.
 pub(super) fn run(args: &ConvertArgs) -> Result<(), Failure> {
     check_copy(&args.output, std::slice::from_ref(&args.log))?;
     let choice = LogPartChoice {

@@ -1,4 +1,4 @@
-//! `bathyscope [SURVEY...]`: the window, or the same work where there is no display.
+//! `bathyscope [SURVEY...]`: opens the window, or processes the surveys if there is no display.
 
 use super::detect;
 use super::folders::Folders;
@@ -50,20 +50,20 @@ pub(super) fn run(
     )
 }
 
-/// Opens the window on a log, on the demo survey, or empty; returns when it is closed.
+/// Opens the window on logs, on the demo survey, or empty; returns when the window is closed.
 #[cfg(feature = "gui")]
 fn open_window(paths: Vec<PathBuf>, demo: bool, truth: Option<PathBuf>) -> Result<(), Failure> {
     Ok(crate::ui::open_window(paths, demo, truth)?)
 }
 
-/// Says that there is no window.
+/// Returns the error that this build has no window.
 #[cfg(not(feature = "gui"))]
 fn open_window(_: Vec<PathBuf>, _: bool, _: Option<PathBuf>) -> Result<(), Failure> {
     Err(snapshot::NO_WINDOW.into())
 }
 
-/// Says why there is no window to who has started the program from a desktop, and sees nothing else
-/// of it.
+/// Shows in a message box why the window cannot open, for a user who started the program from a
+/// desktop and sees no terminal.
 #[cfg(feature = "gui")]
 pub(super) fn say_in_a_box(sentence: &str) {
     use crate::app::system_words::in_plain_words;
@@ -75,11 +75,11 @@ pub(super) fn say_in_a_box(sentence: &str) {
         .show();
 }
 
-/// There is no box either.
+/// Does nothing: this build has no message box.
 #[cfg(not(feature = "gui"))]
 pub(super) fn say_in_a_box(_: &str) {}
 
-/// Returns true if a window can be opened here. Elsewhere than on Linux and the BSDs there is
+/// Returns true if a window can be opened here. On systems other than Linux and the BSDs there is
 /// always a display.
 pub(super) fn display_available() -> bool {
     let set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
@@ -99,8 +99,8 @@ fn without_display(origin: &LogOrigin, folders: &mut Folders) -> Result<(), Fail
     };
     let log = OpenedLog { survey: Arc::new(survey), settings: Settings::default(), review: None };
     how.process_into(&[log], &folder)?;
-    // The products are whole without pictures: a machine without any Vulkan driver has still done
-    // the job.
+    // The products are complete without pictures, so a machine without any Vulkan driver is no
+    // failure.
     match snapshot::draw_into(origin, &folder) {
         Ok((files, adapter)) => {
             output::results(format_args!("drew {} on {adapter}", files.join(", ")))

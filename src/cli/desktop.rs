@@ -1,8 +1,8 @@
-//! `bathyscope desktop`: projects and logs open by double click, with manual pages and completions
-//! of the shell, for this user.
+//! `bathyscope desktop`: installs for this user that projects and logs open by double click, with
+//! manual pages and completions of the shells.
 //!
-//! What a package puts into `/usr/share` for all users is written by the same command, `bathyscope
-//! desktop --into DIR`.
+//! `bathyscope desktop --into DIR` writes the files that a package puts into `/usr/share` for all
+//! users.
 
 mod share;
 
@@ -37,8 +37,8 @@ pub(super) fn run(args: &DesktopArgs) -> Result<(), Failure> {
         let path = folder.join(path);
         if args.remove { remove(&path)? } else { write(&path, content)? }
     }
-    // A package has this done when it is installed. Without these programs the desktop takes the
-    // files up at the next login.
+    // A package runs these programs when it is installed. Without them the desktop reads the files
+    // at the next login.
     if args.into.is_none() {
         refresh("update-mime-database", &folder.join(MIME));
         refresh("update-desktop-database", &folder.join(APPLICATIONS));
@@ -48,7 +48,7 @@ pub(super) fn run(args: &DesktopArgs) -> Result<(), Failure> {
     output::results(format_args!("{did} in {}: {}", folder.display(), paths.join(", ")))
 }
 
-/// Returns the folder of a user's data, which holds desktop entries, by the XDG base directory
+/// Returns the folder of the user's data, which holds desktop entries, by the XDG base directory
 /// specification.
 fn data_folder() -> Result<PathBuf, Failure> {
     if cfg!(windows) {

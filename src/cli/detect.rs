@@ -1,4 +1,4 @@
-//! `bathyscope detect`: the objects on the bottom, found by a YOLO model, in logs or in pictures of
+//! `bathyscope detect`: finds objects on the bottom with a YOLO model, in logs or in pictures of
 //! other programs.
 
 use super::folders::Folders;
@@ -20,9 +20,9 @@ use std::io::BufReader;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Pixels across or down of a picture.
+/// Most pixels across or down a picture.
 const LARGEST_PICTURE: u32 = 40_000;
-/// Bytes that a picture may take while it is unpacked.
+/// Most bytes of memory for decoding a picture.
 const LARGEST_UNPACKED: u64 = 320 << 20;
 
 /// `bathyscope detect SURVEY|PICTURE... -o DIR`.
@@ -56,8 +56,8 @@ fn share(text: &str) -> Result<f32, &'static str> {
     number.filter(|share| (0.0..=1.0).contains(share)).ok_or("a number between 0 and 1 is expected")
 }
 
-/// Searches every input. Of several, one that cannot be used does not keep the others from being
-/// searched.
+/// Searches every input. If there are several, an input that cannot be used does not prevent the
+/// search of the others.
 pub(super) fn run(args: DetectArgs) -> Result<(), Failure> {
     let mut settings = args.settings.resolve()?;
     let detector = &mut settings.detector;
@@ -74,7 +74,7 @@ pub(super) fn run(args: DetectArgs) -> Result<(), Failure> {
     detect_into(input, &model, &logs, &args.output)
 }
 
-/// The model at a path, or the one that comes with the program.
+/// Loads the model at a path, or the one that comes with the program.
 pub(super) fn load(path: Option<&Path>) -> Result<Model, ModelError> {
     match path {
         Some(path) => Model::load(path),
@@ -106,7 +106,8 @@ fn detect_into(
     logs: &LogOpener,
     folder: &Path,
 ) -> Result<(), Failure> {
-    // Before the work: a folder that cannot be written into should not cost minutes first.
+    // Begun before the work, so that a folder that cannot be written into does not cost minutes
+    // first.
     let run = RunFolder::begin(folder)?;
     let (found, replaced) = if is_picture(input) {
         search_picture(input, model, &logs.settings.detector, run)?
@@ -125,7 +126,7 @@ fn is_picture(path: &Path) -> bool {
     ending.is_some_and(|ending| ["png", "jpg", "jpeg"].iter().any(|one| ending == *one))
 }
 
-/// Searches a log and reports what was found.
+/// Searches a log; returns the findings as text, and what was replaced in the folder.
 fn search_survey(
     input: &Path,
     model: &Model,
@@ -143,7 +144,7 @@ fn search_survey(
     Ok((proposed_in_words(&found, model.names()), replaced))
 }
 
-/// Searches a picture and reports what was found.
+/// Searches a picture; returns the findings as text, and what was replaced in the folder.
 fn search_picture(
     input: &Path,
     model: &Model,
@@ -163,13 +164,14 @@ fn search_picture(
     Ok((boxes_in_words(names), replaced))
 }
 
-/// The pixels of a file; the error is a sentence without the path.
+/// Reads the pixels of a file; the error is a sentence without the path.
 fn read_picture(path: &Path) -> Result<Picture, Failure> {
     catch_panic(|| decode_picture(path)).unwrap_or_else(|| Err(PictureFault::Damaged.into()))
 }
 
 fn decode_picture(path: &Path) -> Result<Picture, Failure> {
-    // It is copied with 8 bits a channel, and without what is transparent.
+    // Bytes per pixel of the copy with 8 bits a channel and without transparency; 0 if none is
+    // made.
     let copied = |colours| match colours {
         ColorType::L8 | ColorType::Rgb8 => 0,
         colours if colours.has_color() => 3,
@@ -191,7 +193,7 @@ fn decode_picture(path: &Path) -> Result<Picture, Failure> {
     })
 }
 
-/// `7 boxes (4 rock, 3 tyre)`, of the classes' names.
+/// Returns the number of boxes and of each class as text: `7 boxes (4 rock, 3 tyre)`.
 fn boxes_in_words<'a>(names: impl Iterator<Item = &'a str>) -> String {
     let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
     for name in names {
@@ -205,7 +207,8 @@ fn boxes_in_words<'a>(names: impl Iterator<Item = &'a str>) -> String {
     }
 }
 
-/// `7 boxes (4 rock, 3 tyre) on 5 objects`: an object that several lines saw has as many boxes.
+/// Returns the numbers of boxes and objects as text: `7 boxes (4 rock, 3 tyre) on 5 objects`. An
+/// object found in several passes has several boxes.
 pub(super) fn proposed_in_words(found: &Proposed, names: &[String]) -> String {
     let name = |class: usize| names.get(class).map_or("object", String::as_str);
     let boxes = boxes_in_words(found.boxes.iter().map(|one| name(one.class)));

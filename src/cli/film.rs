@@ -1,4 +1,5 @@
-//! `bathyscope film`: the side-scan of a log as it runs down the screen of a recorder.
+//! `bathyscope film`: makes a film of the side-scan of a log as it runs down the screen of a
+//! recorder.
 
 use super::status_line::StatusLine;
 use super::waterfall_options::{WaterfallArgs, WaterfallLog, parse_size};
@@ -15,7 +16,7 @@ use std::io::{self, BufWriter};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// Frames after which the size of the whole film is guessed.
+/// Number of frames after which the size of the whole film is estimated.
 const GUESSED_AFTER: usize = 25;
 
 /// `bathyscope film LOG -o FILE.avi`.
@@ -37,7 +38,7 @@ pub(super) struct FilmArgs {
     speed: f64,
 }
 
-/// Draws the film and writes it; says on stderr how long it runs.
+/// Draws the film and writes it; prints on stderr how long it is.
 pub(super) fn run(args: FilmArgs) -> Result<(), Failure> {
     output::restart_if_noisy();
     check_film(&args.output)?;
@@ -79,16 +80,16 @@ struct Frames {
     first: usize,
     /// Pings in a frame.
     shown: usize,
-    /// Pings from one frame to the next.
+    /// Pings by which a frame is ahead of the one before.
     step: usize,
     count: usize,
-    /// Seconds from one ping to the next.
+    /// Seconds between two pings.
     interval_s: f64,
 }
 
 impl Frames {
-    /// Divides a log into frames of a size in pixels, each `step_s` seconds of the boat's time
-    /// after the one before, rounded to whole pings.
+    /// Divides a log into frames of a size in pixels. Each frame is `step_s` seconds of the log's
+    /// time after the one before, rounded to whole pings.
     fn new(log: &WaterfallLog, [width, height]: [u32; 2], step_s: f64) -> Self {
         let pings = log.pings.end - log.pings.start;
         let pixel_m = 2.0 * log.axis.far_m / f64::from(width);
@@ -103,7 +104,7 @@ impl Frames {
         let span_s = time_s(log.pings.end.saturating_sub(1)).zip(time_s(log.pings.start));
         let span_s = span_s.map_or(0.0, |(last, first)| last - first);
         let interval_s = span_s / pings.saturating_sub(1).max(1) as f64;
-        // Whole pings: a picture that moves now by three and now by four trembles.
+        // Rounded to whole pings: a picture that moves by three pings, then by four, trembles.
         let step = if interval_s > 0.0 { step_s / interval_s } else { 1.0 };
         let step = (step.round() as usize).clamp(1, pings.max(1));
         Self {
@@ -120,7 +121,7 @@ impl Frames {
         start..start + self.shown
     }
 
-    /// Times the boat's own speed.
+    /// Returns the speed of the film as a multiple of the boat's speed.
     fn speed(&self, fps: u32) -> f64 {
         self.step as f64 * self.interval_s * f64::from(fps)
     }
@@ -158,8 +159,8 @@ fn write(
     Ok(())
 }
 
-/// Refuses a name that is no film's before any work, a mistyped log's among them: that log would be
-/// replaced.
+/// Refuses, before any work, a path whose ending is not that of a film: a log named by mistake
+/// would be replaced.
 fn check_film(path: &Path) -> Result<(), Failure> {
     let suffix = path.extension().unwrap_or_default();
     if suffix.eq_ignore_ascii_case("avi") {

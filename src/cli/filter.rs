@@ -1,4 +1,5 @@
-//! `bathyscope filter`: radius outlier removal on a point file.
+//! `bathyscope filter`: removes outliers of a point file by the number of neighbours within a
+//! radius.
 
 use super::status_line::StatusLine;
 use super::{Failure, output};
@@ -39,7 +40,7 @@ fn parse_neighbors(text: &str) -> Result<usize, &'static str> {
         .ok_or("the number of neighbours is a whole number, at least 1")
 }
 
-/// Filters the file and says how many points are left.
+/// Filters the file and prints how many points are left.
 pub(super) fn run(args: FilterArgs) -> Result<(), Failure> {
     let FilterArgs { cloud, output: destination, radius, min_neighbors } = args;
     let (path, columns) = split_columns(&cloud);

@@ -1,6 +1,7 @@
-//! The folders that commands write into: one of its own for each of several surveys, and the one of
-//! `bathyscope process` when none is named. This lies in the current folder and is named after the
-//! log. What lies there stays as it is, unless it is an earlier run of the same logs.
+//! Chooses the folders that commands write into: one for each of several surveys, or the folder of
+//! `bathyscope process` when none is named. The latter is in the current folder and is named after
+//! the log. A folder with other content is never chosen, except one with an earlier run of the same
+//! logs.
 
 use super::survey_logs::OpenedLog;
 use crate::app::is_project;
@@ -10,31 +11,32 @@ use bathyscope_products::outputs;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-/// The folder of a run before its manifest is there.
+/// Name of the folder of a run whose manifest is not yet written.
 const SIDE: &str = ".bathyscope-run";
-/// Ending of the folder's name where a folder of the plain name holds something else, such as the
-/// recording itself.
+/// Ending of the folder's name if the folder without it has other content, such as the recording
+/// itself.
 const PRODUCTS: &str = "-products";
-/// Name of a survey whose logs have no common name.
+/// Name of a survey whose logs' names have no common beginning.
 const SURVEY: &str = "survey";
-/// Letters that a common name has at least.
+/// Least number of letters of a common beginning.
 const LEAST: usize = 3;
 
-/// Chooses folders for surveys, each another one.
+/// Chooses folders for surveys, a different one for each.
 pub(super) struct DefaultFolders {
     parent: PathBuf,
-    /// Lower case: on some file systems `REC` and `Rec` are one folder.
+    /// Names of the chosen folders, in lower case: on some file systems `REC` and `Rec` are one
+    /// folder.
     taken: HashSet<String>,
 }
 
 impl DefaultFolders {
-    /// Folders in `parent`.
+    /// Chooses folders in `parent`.
     pub(super) fn in_folder(parent: &Path) -> Self {
         Self { parent: parent.to_owned(), taken: HashSet::new() }
     }
 
-    /// The folder of a survey: its name, else `NAME-products`, `NAME-products-2` and so on, the
-    /// first that is missing, empty or of an earlier run of these logs.
+    /// Returns the folder of a survey: its name, else `NAME-products`, `NAME-products-2` and so on,
+    /// the first that is missing, empty or of an earlier run of these logs.
     pub(super) fn next(&mut self, name: &str, logs: &[OpenedLog]) -> PathBuf {
         let surveys: Vec<&Survey> = logs.iter().map(|log| &*log.survey).collect();
         let name = match name.trim_matches(['.', ' ']) {
@@ -58,22 +60,23 @@ impl DefaultFolders {
     }
 }
 
-/// Names folders after surveys; two recorders both begin with `Rec00001`, and neither may replace
-/// the other's products.
+/// Names folders after surveys, a different one for each: two recorders both begin with `Rec00001`,
+/// and neither survey may replace the other's products.
 pub(super) struct Folders {
     parent: PathBuf,
-    /// Lower case: on some file systems `REC` and `Rec` are one folder.
+    /// Names of the chosen folders, in lower case: on some file systems `REC` and `Rec` are one
+    /// folder.
     taken: HashSet<String>,
 }
 
 impl Folders {
-    /// Folders in `parent`.
+    /// Chooses folders in `parent`.
     pub(super) fn in_folder(parent: &Path) -> Self {
         Self { parent: parent.to_owned(), taken: HashSet::new() }
     }
 
-    /// The folder of the next survey: its name, with `-2`, `-3` ... behind it where that was given
-    /// away before.
+    /// Returns the folder of the next survey: its name, with `-2`, `-3` ... after it if an earlier
+    /// survey has that folder.
     pub(super) fn next(&mut self, name: &str) -> PathBuf {
         let name = file_name(name);
         let mut folder = name.clone();
@@ -86,7 +89,8 @@ impl Folders {
     }
 }
 
-/// Returns true if a run may write into a folder that nobody has named.
+/// Returns true if a run may write into a folder that the user did not name: it is missing, empty,
+/// or of an earlier run of the surveys.
 fn is_free(folder: &Path, surveys: &[&Survey]) -> bool {
     if folder.symlink_metadata().is_err() {
         return true;
@@ -98,8 +102,8 @@ fn is_free(folder: &Path, surveys: &[&Survey]) -> bool {
         || outputs::is_run_of(folder, surveys)
 }
 
-/// Returns the name of a survey: that of the project, of the log, of the folder of the logs, or the
-/// common part of the logs' names.
+/// Returns the name of a survey: the name of the project, of the log or of the folder of the logs,
+/// or the common beginning of the logs' names.
 pub(super) fn name_of(arguments: &[PathBuf], logs: &[OpenedLog]) -> String {
     let text =
         |part: Option<&std::ffi::OsStr>| part.map(|part| part.to_string_lossy().into_owned());
@@ -108,7 +112,7 @@ pub(super) fn name_of(arguments: &[PathBuf], logs: &[OpenedLog]) -> String {
             return text(path.file_stem()).unwrap_or_default();
         }
         if logs.len() > 1 {
-            // `.` has a name, too.
+            // The name of the folder `.` is found from its absolute path.
             let whole = path.canonicalize().unwrap_or_else(|_| path.clone());
             return text(whole.file_name()).unwrap_or_default();
         }
@@ -117,8 +121,8 @@ pub(super) fn name_of(arguments: &[PathBuf], logs: &[OpenedLog]) -> String {
     common(&names)
 }
 
-/// Returns the common beginning of names, without a number that was cut in two and what joins it:
-/// `Rec` of `Rec00001` and `Rec00002`.
+/// Returns the common beginning of names, without a number that is cut in two and the characters
+/// before it: `Rec` of `Rec00001` and `Rec00002`.
 fn common(names: &[String]) -> String {
     let Some((first, others)) = names.split_first() else {
         return SURVEY.to_owned();
@@ -204,7 +208,7 @@ mod tests {
         assert_eq!(next("pond"), "pond-products", "a run of another log");
         fs::write(root.join("pond-products"), "a file").unwrap();
         assert_eq!(next("pond"), "pond-products-2");
-        // A log may be named to lead out of the folder.
+        // The name of a log must not lead out of the folder.
         assert_eq!(next(".."), SURVEY);
         assert_eq!(next("a/../b"), "a-..-b");
 

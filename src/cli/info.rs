@@ -1,4 +1,4 @@
-//! `bathyscope info`: what is in a log, and the formats of logs that can be read.
+//! `bathyscope info`: prints what is in a log, or the formats of logs that can be read.
 
 use super::{Failure, output};
 use bathyscope_bottom::calibration::header_scale;
@@ -87,13 +87,13 @@ fn list_to_text(folder: &Path, logs: &[PathBuf]) -> String {
 /// Characters of the longest usual channel name, `side-scan starboard (STBDLF)`.
 const CHANNEL_WIDTH: usize = 28;
 
-/// `1 warning`, `2 warnings`.
+/// Returns a count with its noun: `1 warning`, `2 warnings`.
 fn counted(count: usize, what: &str) -> String {
     let ending = if count == 1 { "" } else { "s" };
     format!("{count} {what}{ending}")
 }
 
-/// The summary of what was found.
+/// Returns the number of side-scan pings as text, or why the log has none that are usable.
 fn side_scan_sentence(survey: &Survey) -> String {
     match survey.side_scan_state {
         SideScanState::Usable => {
@@ -117,7 +117,8 @@ fn depth_span(survey: &Survey) -> Option<(f32, f32)> {
     })
 }
 
-/// Depths across the track, and those that the recorder marks as unreliable.
+/// Returns the number of depths across the track, and of those that the recorder marks as
+/// unreliable.
 fn swath_depths(survey: &Survey) -> [usize; 2] {
     let counts = survey.swath.iter();
     let counts = counts.map(|ping| [ping.len(), usize::from(ping.unreliable)]);
@@ -282,12 +283,13 @@ fn to_json(survey: &Survey) -> Value {
     all
 }
 
-/// Unix seconds as `2012-05-05 17:01:02 UTC`.
+/// Returns Unix seconds as text: `2012-05-05 17:01:02 UTC`.
 fn utc(unix_s: f64) -> String {
     format!("{} {} UTC", calendar::date(unix_s), calendar::time_of_day(unix_s))
 }
 
-/// The name, and below it a line for each thing that is known, all in one column.
+/// Returns the name of a format, and below it a line for each known property, the values in one
+/// column.
 fn format_to_text(format: &FormatEntry) -> String {
     let lines = [
         ("recorders", format.recorders.to_owned()),

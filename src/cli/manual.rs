@@ -1,4 +1,4 @@
-//! `bathyscope manual`: the manual, or one page of it, as Markdown.
+//! `bathyscope manual`: prints the manual, or one page of it, as Markdown.
 
 use super::{Failure, output};
 use crate::app::manual::{self, Topic};
@@ -13,7 +13,7 @@ pub(super) struct ManualArgs {
 /// Prints the manual on stdout.
 ///
 /// # Errors
-/// stdout cannot be written.
+/// Returns an error if stdout cannot be written.
 pub(super) fn run(args: ManualArgs) -> Result<(), Failure> {
     let text = args.topic.map_or_else(manual::whole, Topic::text);
     output::results(text.trim_end())

@@ -1,10 +1,10 @@
-//! The command line: what was typed, which subcommand it means, and the exit code. One file a
-//! subcommand.
+//! Reads the command line, runs the subcommand that it names and returns the exit code. Each
+//! subcommand has its own file.
 //!
 //! In: arguments of the command line. Out: a window, or files and lines of text, and an exit code.
 //!
-//! Exit codes: 0 done; 1 the input cannot be used (one line says what, where and what to do); 2
-//! wrong usage.
+//! Exit codes: 0 success; 1 the input cannot be used (one line on stderr names the fault, the file
+//! and what to do); 2 wrong usage.
 
 mod archive;
 mod compare;
@@ -52,11 +52,11 @@ use std::io::{self, IsTerminal as _};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Set by the program of the start menu of Windows (`assets/packaging/windows/starter.rs`), where
-/// nobody sees what is printed.
+/// Environment variable set by the program of the start menu of Windows
+/// (`assets/packaging/windows/starter.rs`): the user sees no console.
 const NO_CONSOLE: &str = "BATHYSCOPE_NO_CONSOLE";
 
-/// Bytes of a text that the user names, settings or a scene: longer than any.
+/// Most bytes of a text file that the user names, such as settings or a scene.
 const LONGEST_TEXT: u64 = 1 << 20;
 
 /// Depth maps and 3D clouds from the logs of low-cost side-scan fish-finders.
@@ -131,8 +131,8 @@ enum Command {
     Desktop(desktop::DesktopArgs),
 }
 
-/// Failure that ends a command. Errors and sentences are converted to it by `?`. It does not
-/// implement `Display`: a failure is never made of another.
+/// Failure that ends a command. The operator `?` converts errors and sentences to it. It does not
+/// implement `Display`, so that no failure is made of another.
 #[derive(Debug)]
 struct Failure {
     /// Message that is printed.
@@ -145,15 +145,16 @@ impl<E: Display> From<E> for Failure {
     }
 }
 
-/// All that can be typed.
+/// Returns the definition of all commands and arguments.
 fn program() -> clap::Command {
     <Cli as clap::CommandFactory>::command()
 }
 
-/// Returns the message for a misspelt command: a word that is no command and no log, but close to a
-/// command.
+/// Returns the message for a misspelt command: a word that is no command and no file, but close to
+/// a command; `None` for other words.
 fn misspelt_command(word: &str) -> Option<String> {
-    // Largest edit distance for a suggestion; it is also less than half of the command's name.
+    // Largest edit distance for a suggestion, which must also be less than half the length of the
+    // command's name.
     const SLIPS: usize = 2;
     if Path::new(word).exists() {
         return None;
@@ -179,7 +180,7 @@ pub fn main() -> ExitCode {
     let cli = Cli::parse();
     let opens_window = cli.command.is_none() && default_command::display_available();
     let outcome = if opens_window {
-        // It looks after its own work, and goes on when some of that fails.
+        // The window has its own handling of panics, and goes on when a part of its work fails.
         run(cli)
     } else {
         panic_as_error(|| run(cli)).unwrap_or_else(|fault| {
@@ -200,7 +201,7 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// Returns true if somebody may read what is printed: a program that a desktop starts has no
+/// Returns true if a person may read the printed text: a program that a desktop starts has no
 /// terminal.
 fn is_printed_to_a_person() -> bool {
     let has_terminal =

@@ -1,6 +1,6 @@
-//! Text for stdout and stderr. The standard macros panic where nobody reads any more or the disk is
-//! full. Whatever a file holds, what reaches a terminal from here is text that it shows and no
-//! command to it. A graphics driver's remarks are kept off stderr.
+//! Prints text on stdout and stderr. The standard macros panic when the reader of stdout has gone
+//! or the disk is full. Control characters from a file are made printable, so that no text is a
+//! command to the terminal. The remarks of a graphics driver are kept off stderr.
 
 use super::Failure;
 use crate::app::system_words::in_plain_words;
@@ -9,19 +9,20 @@ use serde::Serialize;
 use std::fmt::Display;
 use std::io::{self, ErrorKind, Write as _};
 
-/// Mesa's environment variable that leaves out its layer for choosing among adapters. Without a
-/// display there is nothing that it could ask, and it complains about a missing `XDG_RUNTIME_DIR`
-/// at every look.
+/// Mesa's environment variable that disables its layer for the choice of an adapter. Without a
+/// display that layer has no server to query, and complains about a missing `XDG_RUNTIME_DIR` each
+/// time adapters are listed.
 #[cfg(target_os = "linux")]
 const NO_CHOICE: &str = "NODEVICE_SELECT";
 
-/// Prints results on stdout, a line end after them. A reader that has gone away (`| head`) has seen
-/// enough: no error.
+/// Prints results on stdout, and a line end after them. A reader that has closed the pipe (`|
+/// head`) is no error.
 pub(super) fn results(text: impl Display) -> Result<(), Failure> {
     print(&printable::lines(&text.to_string()))
 }
 
-/// Prints a value as JSON on stdout, with all that its strings hold.
+/// Prints a value as JSON on stdout; the strings are printed whole, with control characters
+/// escaped.
 pub(super) fn json(value: &impl Serialize) -> Result<(), Failure> {
     match serde_json::to_string_pretty(value) {
         Ok(text) => print(&printable::json(&text)),
@@ -39,15 +40,15 @@ fn print(text: &str) -> Result<(), Failure> {
     }
 }
 
-/// Writes one line to stderr. Where stderr takes nothing, there is no place left to complain.
+/// Writes one line to stderr. A failure to write is ignored: there is no place left to report it.
 pub(super) fn notify(text: impl Display) {
     let text = text.to_string();
     let line = printable::one_line(&in_plain_words(&text));
     writeln!(io::stderr(), "{line}").ok();
 }
 
-/// Starts the program anew in the same process, with the same arguments and `NO_CHOICE` set, where
-/// the driver would complain. Returns where it would not, or where starting anew fails: then it
+/// Starts the program again in the same process, with the same arguments and `NO_CHOICE` set, if
+/// the driver would complain. Returns if it would not, or if the start fails: then the driver
 /// complains, and all else works.
 pub(super) fn restart_if_noisy() {
     #[cfg(target_os = "linux")]
@@ -59,7 +60,7 @@ pub(super) fn restart_if_noisy() {
         }
         let mut arguments = std::env::args_os();
         let name = arguments.next().unwrap_or_default();
-        // Whatever has become of the file that it was started from meanwhile.
+        // `/proc/self/exe` works even if the program's file was moved or replaced meanwhile.
         let error = std::process::Command::new("/proc/self/exe")
             .arg0(name)
             .args(arguments)

@@ -1,4 +1,4 @@
-//! `bathyscope plan`: survey lines where they reduce the uncertainty most.
+//! `bathyscope plan`: plans survey lines where they reduce the uncertainty most.
 
 use super::process::all_processed;
 use super::settings::SettingsArgs;
@@ -17,7 +17,7 @@ use bathyscope_products::pipeline::survey_coverage;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// A plan that uses less of its time than this says so.
+/// Share of the given time below which a notice is printed that the plan uses less.
 const USED: f64 = 0.8;
 
 /// `bathyscope plan SURVEY... -o FILE`.
@@ -59,9 +59,9 @@ pub(super) struct PlanArgs {
     settings: SettingsArgs,
 }
 
-/// Plans and writes the lines.
+/// Plans the lines, writes them and prints the plan.
 pub(super) fn run(args: PlanArgs) -> Result<(), Failure> {
-    // Before the work, which takes minutes for a long survey.
+    // Checked before the work, which takes minutes for a long survey.
     let format = PlanFormat::of(&args.output)?;
     let settings = args.plan_settings();
     settings.check()?;
@@ -122,7 +122,7 @@ impl PlanArgs {
     }
 }
 
-/// The plan of some logs.
+/// Plans lines for some logs.
 fn planned(
     opened: &[OpenedLog],
     settings: &PlanSettings,
@@ -194,7 +194,7 @@ struct Printed {
 
 #[derive(Serialize)]
 struct PrintedLine {
-    /// Longitude and latitude of both ends.
+    /// Longitude and latitude of the start, degrees.
     from: [f64; 2],
     to: [f64; 2],
     heading_deg: f64,

@@ -1,4 +1,4 @@
-//! `bathyscope process`: the whole pipeline without a window.
+//! `bathyscope process`: runs the whole pipeline without a window.
 
 mod survey;
 mod tiles;
@@ -70,8 +70,8 @@ pub(super) struct ProcessArgs {
     settings: SettingsArgs,
 }
 
-/// A group of files of a run, or the rows of an archive, which are no files of a run: many logs
-/// share their folder.
+/// Group of files of a run, or the rows of an archive. These are no files of a run: many logs share
+/// the folder of an archive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Requested {
     /// Files of a run.
@@ -106,15 +106,15 @@ impl ValueEnum for Requested {
     }
 }
 
-/// Processes every log. Of several, one that cannot be used does not keep the others from being
-/// processed.
+/// Processes every log. If there are several, a log that cannot be used does not prevent the
+/// processing of the others.
 pub(super) fn run(args: ProcessArgs) -> Result<(), Failure> {
     let inputs = survey_logs::inputs(&args.surveys, &args.settings, args.track.clone())?;
     let products = args.products()?;
     if products.is_empty() {
         return tiles::run(&inputs, &args);
     }
-    // Before the work: a model that cannot be used should not cost minutes first.
+    // Loaded before the work, so that a model that cannot be used does not cost minutes first.
     let model = match (inputs.first(), args.no_objects) {
         (Some(first), false) => Some(detect::load(first.logs.settings.detector.model.as_deref())?),
         _ => None,
@@ -139,7 +139,7 @@ pub(super) fn run(args: ProcessArgs) -> Result<(), Failure> {
 }
 
 impl ProcessArgs {
-    /// The groups of files that are asked for; none of them for tiles.
+    /// Returns the groups of files that are asked for; empty for tiles.
     fn products(&self) -> Result<Vec<Product>, Failure> {
         let files = self.products.iter().filter_map(|one| match one {
             Requested::Files(product) => Some(*product),
@@ -168,13 +168,13 @@ fn folder_of_all(args: &ProcessArgs, logs: &[OpenedLog]) -> Result<PathBuf, Fail
     }
 }
 
-/// A folder that nobody has named, said before the work begins.
+/// Prints the path of a folder that the user did not name, before the work begins, and returns it.
 fn chosen(folder: PathBuf) -> Result<PathBuf, Failure> {
     output::results(format_args!("writing into the folder {}", folder.display()))?;
     Ok(folder)
 }
 
-/// Processes each log by itself.
+/// Processes each log as a survey of its own.
 fn each(inputs: &[LogInput], how: &How<'_>, args: &ProcessArgs) -> Result<(), Failure> {
     let mut named = args.output.as_deref().map(Folders::in_folder);
     let mut unnamed = DefaultFolders::in_folder(Path::new(""));

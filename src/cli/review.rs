@@ -1,5 +1,5 @@
-//! `bathyscope review`: what was decided about the boxes of a log, or of all logs of a survey,
-//! written for maps and for training.
+//! `bathyscope review`: writes the decisions about the boxes of a log, or of all logs of a survey,
+//! for maps and for training.
 
 use super::process::all_processed;
 use super::settings::SettingsArgs;
@@ -39,7 +39,7 @@ fn parse_part(text: &str) -> Result<DatasetPart, &'static str> {
     part.ok_or("it is train, val or test")
 }
 
-/// Places the boxes and writes everything.
+/// Places the boxes and writes the files.
 pub(super) fn run(args: ReviewArgs) -> Result<(), Failure> {
     let inputs = inputs(&args.surveys, &args.settings, None)?;
     let (mut opened, failed) = open(&inputs)?;
@@ -58,8 +58,8 @@ pub(super) fn run(args: ReviewArgs) -> Result<(), Failure> {
     all_or(failed, inputs.len())
 }
 
-/// Reads the files next to the logs that no project has boxes of. Of several logs not all need to
-/// have one; a single log must.
+/// Reads the review files next to the logs whose boxes have no review in a project. With several
+/// logs, some may lack the file; a single log must have it.
 fn take_sidecars(logs: &mut [OpenedLog]) -> Result<(), ReviewError> {
     let is_single = logs.len() == 1;
     for log in logs.iter_mut().filter(|log| log.review.is_none()) {

@@ -1,4 +1,4 @@
-//! The settings that a command works with, and logs opened and processed as they ask.
+//! Resolves the settings of a command, and opens and processes logs with them.
 
 use super::status_line::StatusLine;
 use super::{Failure, LONGEST_TEXT, output};
@@ -27,14 +27,14 @@ pub(super) struct SettingsArgs {
 }
 
 impl SettingsArgs {
-    /// Returns true if any of them was given: a project brings its own.
+    /// Returns true if any of the arguments was given. A project has its own settings.
     pub(super) fn are_given(&self) -> bool {
         self.preset != Preset::default()
             || !self.settings.is_empty()
             || !self.assignments.is_empty()
     }
 
-    /// The settings that the arguments describe.
+    /// Returns the settings that the arguments describe.
     pub(super) fn resolve(&self) -> Result<Settings, Failure> {
         let mut settings = Settings::preset(self.preset);
         for path in &self.settings {
@@ -54,8 +54,8 @@ impl SettingsArgs {
     }
 }
 
-/// Opens logs with the settings and, if they name one, the track of another receiver, read once for
-/// all.
+/// Opener of logs, with the settings and, if they name one, the track of another receiver. The
+/// track is read once for all logs.
 pub(super) struct LogOpener {
     /// All settings.
     pub settings: Settings,
@@ -63,10 +63,10 @@ pub(super) struct LogOpener {
 }
 
 impl LogOpener {
-    /// Reads the track that the settings name.
+    /// Creates an opener; reads the track that the settings name.
     ///
     /// # Errors
-    /// When it cannot be used.
+    /// When the track cannot be read.
     pub(super) fn new(settings: Settings) -> Result<Self, TrackError> {
         let track = settings.track.file.as_deref();
         Ok(Self { track: track.map(TrackFile::read).transpose()?, settings })
@@ -75,7 +75,7 @@ impl LogOpener {
     /// Opens a log, applies the track, and names sidecar files that are not used.
     ///
     /// # Errors
-    /// When it cannot be opened, or does not hold what the settings ask for.
+    /// When the log cannot be opened, or lacks what the settings require.
     pub(super) fn open(&self, path: &Path, progress: &Progress) -> Result<Survey, Failure> {
         let track = self.track.as_ref();
         let recorded = formats::open(path, progress)?;
@@ -86,7 +86,7 @@ impl LogOpener {
         Ok(survey)
     }
 
-    /// Runs the pipeline on one that was opened.
+    /// Runs the pipeline on a log that was opened.
     pub(super) fn process(
         &self,
         survey: &Survey,
@@ -98,7 +98,7 @@ impl LogOpener {
     }
 }
 
-/// The log that a sentence does not end with yet.
+/// Returns the path of the log, for sentences that do not yet end with a path.
 fn of_log(error: &SourceError, path: &Path) -> String {
     match error {
         SourceError::System(_) => format!(": {}", path.display()),
@@ -106,8 +106,8 @@ fn of_log(error: &SourceError, path: &Path) -> String {
     }
 }
 
-/// Warns that bottom edits lie next to the log and are not in force: a run uses only what it was
-/// given.
+/// Warns if bottom edits are next to the log and are not used: a run uses only the settings that it
+/// is given.
 fn tell_of_drawing(survey: &Survey, settings: &Settings) {
     let log = survey.source.files.first();
     let sidecar = log.map(|log| log.with_extension(BottomSettings::SIDECAR));
@@ -119,7 +119,7 @@ fn tell_of_drawing(survey: &Survey, settings: &Settings) {
     }
 }
 
-/// Refuses settings that ask for what this log does not hold.
+/// Refuses settings that do not fit the log.
 pub(super) fn check_against(survey: &Survey, settings: &Settings) -> Result<(), Failure> {
     if let Some(why) = Correction::new(settings.depth(), survey).refused() {
         return Err(why.into());

@@ -1,5 +1,5 @@
-//! `bathyscope simulate`: a survey of known truth, as a log and tables; or many, as pictures with
-//! labels.
+//! `bathyscope simulate`: simulates a survey of known truth, as a log and tables; or many surveys,
+//! as pictures with labels.
 
 mod dataset;
 
@@ -56,7 +56,8 @@ pub(super) fn run(args: SimulateArgs) -> Result<(), Failure> {
     ))
 }
 
-/// Refuses what the three files could not be named after, before the work begins.
+/// Refuses, before the work begins, a prefix from which the names of the three files cannot be
+/// made, or that would replace a log that was not simulated.
 fn check_prefix(prefix: &Path) -> Result<(), Failure> {
     if prefix.is_dir() {
         return Err(format!(
@@ -65,7 +66,7 @@ fn check_prefix(prefix: &Path) -> Result<(), Failure> {
         )
         .into());
     }
-    // A log beside its truth was simulated and may be simulated again; any other may be somebody's
+    // A log beside its truth was simulated and may be replaced; any other log may be a user's
     // survey.
     let log = with_ending(prefix, "sl2");
     if log.exists() && !with_ending(prefix, "truth.csv").exists() {
@@ -99,7 +100,8 @@ fn write(survey: &Simulated, prefix: &Path) -> Result<String, ExportError> {
     Ok(format!("{log}, {truth}, {objects}"))
 }
 
-/// Writes `PREFIX.ending` aside and renames it when it is whole.
+/// Writes `PREFIX.ending` as a temporary file, renamed when it is complete; returns the path as
+/// text.
 fn written(
     prefix: &Path,
     ending: &str,
@@ -114,7 +116,7 @@ fn written(
     Ok(path.display().to_string())
 }
 
-/// `PREFIX.ending`, whatever dots the prefix holds.
+/// Returns `PREFIX.ending`, even if the prefix contains dots.
 fn with_ending(prefix: &Path, ending: &str) -> PathBuf {
     let mut name = prefix.as_os_str().to_owned();
     name.push(".");

@@ -1,4 +1,4 @@
-//! `bathyscope snapshot`: the window's pictures without a window.
+//! `bathyscope snapshot`: draws the pictures of the window without opening a window.
 
 use super::settings::SettingsArgs;
 use super::waterfall_options::{GeometryArgs, open, parse_size, take_over, wait, within};
@@ -142,7 +142,7 @@ enum Coordinates {
     Utm,
 }
 
-/// Draws the picture and writes it; says on stderr which adapter drew it.
+/// Draws the picture and writes it; prints on stderr which adapter drew it.
 pub(super) fn run(args: SnapshotArgs) -> Result<(), Failure> {
     output::restart_if_noisy();
     let settings = args.settings.resolve()?;
@@ -170,7 +170,7 @@ pub(super) fn run(args: SnapshotArgs) -> Result<(), Failure> {
         app.apply(Command::CompareWith(path));
         wait(&mut app)?;
         if args.layers.is_some() {
-            // Those that were named, and no other.
+            // Only the layers that were named.
             app.view.options.map.layers = layers;
         }
     }
@@ -196,7 +196,7 @@ pub(super) fn run(args: SnapshotArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Takes over how things are to be shown.
+/// Sets the display options that the arguments name.
 fn show_as(options: &mut ViewOptions, args: &SnapshotArgs) {
     options.theme = match args.theme {
         Theme::Dark => ThemeChoice::Dark,
@@ -221,8 +221,8 @@ fn show_as(options: &mut ViewOptions, args: &SnapshotArgs) {
     }
 }
 
-/// Draws the window and each view of a survey into `folder`; the files' names and the adapter that
-/// drew them.
+/// Draws the window and each view of a survey into `folder`; returns the files' names and the name
+/// of the adapter that drew them.
 pub(super) fn draw_into(
     origin: &LogOrigin,
     folder: &Path,
@@ -259,8 +259,8 @@ fn alone(picture: Picture) -> Option<Alone> {
     }
 }
 
-/// Selects the middle of the pings asked for, or of the log, so that the profile and the selection
-/// show something.
+/// Selects the middle one of the requested pings, or of the pings of the log, so that the profile
+/// and the selection are not empty.
 fn select(app: &mut App, pings: Option<PingRange>) -> Result<(), Failure> {
     let survey = app.log.survey.clone().unwrap_or_default();
     let pings = within(&survey, pings)?;
@@ -271,8 +271,8 @@ fn select(app: &mut App, pings: Option<PingRange>) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Refuses a name that is no picture's before any work, a mistyped log's among them: that log would
-/// be replaced.
+/// Refuses, before any work, a path whose ending is not that of a picture: a log named by mistake
+/// would be replaced.
 fn check_picture(path: &Path) -> Result<(), Failure> {
     let suffix = path.extension().unwrap_or_default();
     if suffix.eq_ignore_ascii_case("png") {

@@ -1,4 +1,4 @@
-//! `bathyscope sonogram`: the side-scan picture of a log in pages, with its scales.
+//! `bathyscope sonogram`: draws the side-scan picture of a log in pages, with its scales.
 
 use super::status_line::StatusLine;
 use super::waterfall_options::{WaterfallArgs, WaterfallLog, parse_size};
@@ -11,9 +11,9 @@ use bathyscope_log::support::progress::Progress;
 use bathyscope_products::export::make_folder;
 use std::path::PathBuf;
 
-/// Pages at most: more is a slip of the pen.
+/// Most pages: a larger number is taken for a mistake.
 const MOST_PAGES: usize = 10_000;
-/// Narrowest page, pixels: the last one holds what is left.
+/// Narrowest page, pixels: the last page holds the remaining pings.
 const NARROWEST: u32 = 160;
 
 /// `bathyscope sonogram LOG -o DIR`.
@@ -32,7 +32,7 @@ pub(super) struct SonogramArgs {
     page_pings: Option<u32>,
 }
 
-/// Draws the pages and writes them; says on stderr which adapter drew them.
+/// Draws the pages and writes them; prints on stderr which adapter drew them.
 pub(super) fn run(args: SonogramArgs) -> Result<(), Failure> {
     output::restart_if_noisy();
     let log = args.shown.open()?;
@@ -66,8 +66,8 @@ pub(super) fn run(args: SonogramArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Pings of a page on which a metre along is as long as one across; where the boat's speed is not
-/// known, one for each pixel.
+/// Returns the number of pings of a page on which a metre along the track is as long as one across;
+/// one ping for each pixel if the boat's speed is unknown.
 fn one_to_one(log: &WaterfallLog, width: u32, height: u32) -> usize {
     let pixel_m = 2.0 * log.axis.far_m / f64::from(height);
     let pings =
@@ -75,7 +75,7 @@ fn one_to_one(log: &WaterfallLog, width: u32, height: u32) -> usize {
     (pings.round() as usize).max(16)
 }
 
-/// The pings of each page.
+/// Divides the pings into pages.
 fn pages(pings: PingRange, page: usize) -> Result<Vec<PingRange>, Failure> {
     let count = (pings.end - pings.start).div_ceil(page);
     if count > MOST_PAGES {

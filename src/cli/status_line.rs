@@ -1,5 +1,5 @@
-//! Progress of a headless run on stderr: one line that is rewritten on a terminal; elsewhere a line
-//! a step, and lines with share and rate at intervals while a step takes long.
+//! Shows the progress of a headless run on stderr: on a terminal, one line that is rewritten;
+//! elsewhere a line for each step, and lines with share and rate at intervals during a long step.
 
 use super::output;
 use bathyscope_log::support::progress::Progress;
@@ -9,28 +9,29 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// Time between two looks at the progress.
+/// Time between two readings of the progress.
 const LOOK: Duration = Duration::from_millis(100);
-/// Share of a step that is worth a line where lines stay.
+/// Least share of a step between two lines, where stderr is no terminal.
 const WORTH_A_LINE: f32 = 0.1;
-/// Least time between two such lines.
+/// Least time between two lines, where stderr is no terminal.
 const LEAST: Duration = Duration::from_secs(2);
-/// Longest silence while a step goes on.
+/// Longest time without a line during a step, where stderr is no terminal.
 const LONGEST: Duration = Duration::from_secs(10);
 
-/// Letters of the longest line, where it is cleared with spaces: a console of Windows has 80.
+/// Characters of the longest line, where a line is cleared with spaces: a console of Windows has
+/// 80.
 const WIDTH: usize = 79;
 
-/// Shows the step under way and its done share until dropped.
+/// Line on stderr with the current step and the share of it that is done, until dropped.
 pub(super) struct StatusLine {
     step: Arc<Mutex<Step>>,
     is_terminal: bool,
-    /// Gone, it ends the painter.
+    /// Sender without messages: when dropped, the painter thread ends.
     going_on: Option<Sender<()>>,
     painter: Option<JoinHandle<()>>,
 }
 
-/// The step under way.
+/// Current step.
 #[derive(Clone, Debug)]
 struct Step {
     name: String,
@@ -41,14 +42,14 @@ struct Step {
 /// Subject of the steps, such as one of several logs.
 #[derive(Clone, Debug, Default)]
 struct Work {
-    /// Name before the step's name; empty where there is one thing only.
+    /// Name before the step's name; empty if all steps are about one thing.
     name: String,
-    /// Its side-scan pings; 0 where it has none.
+    /// Number of its side-scan pings; 0 if it has none.
     pings: usize,
 }
 
 impl StatusLine {
-    /// Starts showing `progress`.
+    /// Starts to show `progress`.
     pub(super) fn new(progress: &Progress) -> Self {
         let step = Arc::new(Mutex::new(Step {
             name: String::new(),
@@ -76,20 +77,20 @@ impl StatusLine {
         Self { step, is_terminal, going_on: Some(going_on), painter: Some(painter) }
     }
 
-    /// Starts showing `progress` of the step that begins.
+    /// Starts to show `progress`, in a step of this name.
     pub(super) fn at(name: &str, progress: &Progress) -> Self {
         let line = Self::new(progress);
         line.step(name);
         line
     }
 
-    /// Says what the steps that follow are done to: how many side-scan pings, and `log 2 of 5`
-    /// where there is more than one thing.
+    /// Sets the subject of the following steps: its name, such as `log 2 of 5`, or empty if there
+    /// is one subject only, and the number of its side-scan pings.
     pub(super) fn work_on(&self, name: &str, pings: usize) {
         lock(&self.step).work = Work { name: name.to_owned(), pings };
     }
 
-    /// Names the step that begins.
+    /// Begins a step of this name.
     pub(super) fn step(&self, name: &str) {
         let (ended, begun) = {
             let mut step = lock(&self.step);
@@ -109,7 +110,7 @@ impl StatusLine {
 }
 
 impl Step {
-    /// The line about a step that is over, if it took long.
+    /// Returns a line about the ended step; `None` if the step was short.
     fn ended(&self, now: Instant) -> Option<String> {
         let passed = now.saturating_duration_since(self.began);
         let is_worth = passed >= LEAST && !self.name.is_empty();
@@ -119,7 +120,7 @@ impl Step {
         })
     }
 
-    /// Returns the rate of a share of the work, pings a second, after a comma; empty where it is
+    /// Returns the rate of a share of the work, pings a second, after a comma; empty if it is
     /// unknown.
     fn rate(&self, share: f32, passed: Duration) -> String {
         let rate = self.work.pings as f32 * share / passed.as_secs_f32().max(f32::MIN_POSITIVE);
@@ -131,22 +132,21 @@ fn lock(step: &Mutex<Step>) -> std::sync::MutexGuard<'_, Step> {
     step.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Progress that was reported last, where lines stay (stderr is no terminal).
+/// State of the lines already written, where stderr is no terminal.
 #[derive(Debug, Default)]
 struct Lines {
-    /// Start of the step that the last line was about, time of that line, and share at that time.
+    /// Start of the step of the last line, time of that line, and share at that time.
     last: Option<(Instant, Instant, f32)>,
-    /// The part of a step that is under way: when the step and the part began, and the share at the
-    /// last look.
+    /// Current part of a step: start of the step, start of the part, and the last share read.
     part: Option<(Instant, Instant, f32)>,
 }
 
 impl Lines {
-    /// The line that is due now: of a step that goes on for long, after each tenth, or after a
-    /// longer silence.
+    /// Returns the line that is due now, if any: during a long step, after each tenth of it or
+    /// after [`LONGEST`].
     fn next(&mut self, step: &Step, fraction: f32, now: Instant) -> Option<String> {
         let part_began = self.part_of(step, fraction, now);
-        // The line that named the step counts as the first.
+        // The line at the start of the step counts as the first.
         let (said, share) = match self.last {
             Some((began, said, share)) if began == step.began => (said, share),
             _ => (step.began, 0.0),
@@ -174,7 +174,7 @@ impl Lines {
         })
     }
 
-    /// Returns the start of the current part of the step: where the share falls, the next part
+    /// Returns the start of the current part of the step: when the share falls, the next part
     /// begins.
     fn part_of(&mut self, step: &Step, fraction: f32, now: Instant) -> Instant {
         let began = match self.part {
@@ -192,12 +192,12 @@ impl Lines {
     }
 }
 
-/// Replaces the line. A terminal that has gone away takes nothing, which is no reason to stop the
-/// work.
+/// Replaces the line on the terminal. A closed terminal is no reason to stop the work: errors are
+/// ignored.
 fn write_over(text: std::fmt::Arguments<'_>) {
     let mut err = std::io::stderr();
-    // Consoles of Windows know no command that clears the rest of a line until a program asks them
-    // to.
+    // A console of Windows does not clear the rest of a line by an escape sequence until a program
+    // enables such sequences.
     let clear = if cfg!(windows) { format!("\r{:WIDTH$}\r", "") } else { "\r\x1b[K".to_owned() };
     write!(err, "{clear}{text}").and_then(|()| err.flush()).ok();
 }
@@ -239,7 +239,7 @@ mod tests {
         assert_eq!(at(19.9, 0.51), None);
         assert_eq!(at(20.5, 0.51).as_deref(), Some("objects 51 %, 20 s, 199 pings/s, 20 s to go"));
         assert_eq!(at(23.0, 1.0).as_deref(), Some("objects 100 %, 23 s"));
-        // The next part of it has a share and a rate of its own.
+        // The next part of the step has its own share and rate.
         assert_eq!(at(25.0, 0.0).as_deref(), Some("objects 0 %, 25 s"));
         assert_eq!(at(27.0, 0.2).as_deref(), Some("objects 20 %, 27 s, 800 pings/s, 8 s to go"));
         let line = objects.ended(began + Duration::from_secs(32));

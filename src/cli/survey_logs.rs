@@ -1,5 +1,5 @@
-//! The logs of one survey on the command line: named one by one, as folders, or by a project, and
-//! opened in one frame.
+//! Opens the logs of one survey, named on the command line one by one, as folders, or by a project,
+//! in one local coordinate frame.
 
 use super::settings::{LogOpener, SettingsArgs};
 use super::{Failure, output};
@@ -17,25 +17,25 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// A log to open, with the settings for it.
+/// Log to open, with the settings for it.
 pub(super) struct LogInput {
-    /// Its file or folder.
+    /// File or folder of the log.
     pub path: PathBuf,
-    /// Settings and track with which it is opened and processed.
+    /// Settings and track with which the log is opened and processed.
     pub logs: Arc<LogOpener>,
-    /// Review of its boxes in its project.
+    /// Review of the log's boxes in its project; `None` without one.
     pub review: Option<KeptReview>,
-    /// The frame that its project has it in.
+    /// Local coordinate frame of its project; `None` without one.
     pub frame: Option<LocalFrame>,
 }
 
-/// A log that was opened.
+/// Log that was opened.
 pub(super) struct OpenedLog {
-    /// The recording.
+    /// Recording of the log.
     pub survey: Arc<Survey>,
-    /// The settings that it is processed with.
+    /// Settings with which the log is processed.
     pub settings: Settings,
-    /// Review of its boxes.
+    /// Review of the log's boxes; `None` if there is none.
     pub review: Option<KeptReview>,
 }
 
@@ -48,8 +48,8 @@ pub(super) fn survey_review(opened: &[OpenedLog]) -> SurveyReview {
     all
 }
 
-/// The paths, with each folder of several logs replaced by these. A recording of several files is a
-/// folder, too, and stays.
+/// Returns the paths, with each folder of several logs replaced by the paths of its logs. A
+/// recording of several files is a folder, too, and is not replaced.
 pub(super) fn logs_of(paths: &[PathBuf]) -> Vec<PathBuf> {
     let each = paths.iter().flat_map(|path| {
         let logs = formats::logs_in(path);
@@ -61,12 +61,12 @@ pub(super) fn logs_of(paths: &[PathBuf]) -> Vec<PathBuf> {
     each.collect()
 }
 
-/// The logs that some paths name, all with the same settings, or the visible logs of a project with
-/// the settings that they have there; `track` is the file of another receiver's track.
+/// Returns the logs that some paths name, all with the same settings, or the visible logs of a
+/// project with their settings there; `track` is the file of another receiver's track.
 ///
 /// # Errors
-/// When settings cannot be used, a project stands beside logs or has settings from elsewhere, or
-/// one cannot be read.
+/// When settings cannot be used, a project is named together with logs or settings, or a project or
+/// track cannot be read.
 pub(super) fn inputs(
     paths: &[PathBuf],
     settings: &SettingsArgs,
@@ -131,10 +131,10 @@ fn of_project(path: &Path) -> Result<Vec<LogInput>, Failure> {
 }
 
 impl LogInput {
-    /// Opens the log by itself.
+    /// Opens the log, in the local coordinate frame of its project if it is near.
     ///
     /// # Errors
-    /// When it cannot be opened, or does not hold what its settings ask for.
+    /// When the log cannot be opened, or lacks what its settings require.
     pub(super) fn open(&self) -> Result<OpenedLog, Failure> {
         let survey = self.logs.open(&self.path, &Progress::new())?;
         let survey = match &self.frame {
@@ -149,9 +149,9 @@ impl LogInput {
     }
 }
 
-/// Opens logs in the frame of the first that has a place, and counts those that cannot be used:
-/// they are named on stderr and do not keep the others from being opened. The same bytes under
-/// another name are taken once.
+/// Opens logs in the local coordinate frame of the first that has a position, and counts those that
+/// cannot be used: they are named on stderr and do not prevent the others from being opened. A log
+/// with the same bytes as an earlier one is left out.
 fn open_all(inputs: &[LogInput]) -> (Vec<OpenedLog>, usize) {
     let mut opened: Vec<OpenedLog> = Vec::new();
     let mut failed = 0;
@@ -167,7 +167,7 @@ fn open_all(inputs: &[LogInput]) -> (Vec<OpenedLog>, usize) {
     (opened, failed)
 }
 
-/// Opens logs as [`open_all`] does, but of a single one that cannot be used returns why.
+/// Opens logs as [`open_all`] does; a single log that cannot be used is returned as the error.
 pub(super) fn open(inputs: &[LogInput]) -> Result<(Vec<OpenedLog>, usize), Failure> {
     match inputs {
         [input] => Ok((vec![input.open()?], 0)),
@@ -175,10 +175,10 @@ pub(super) fn open(inputs: &[LogInput]) -> Result<(Vec<OpenedLog>, usize), Failu
     }
 }
 
-/// An error where some of the logs could not be used.
+/// Returns an error if some of the logs could not be used.
 ///
 /// # Errors
-/// When there are some; it counts them.
+/// When `failed` is above 0; the error has both numbers.
 pub(super) fn all_or(failed: usize, all: usize) -> Result<(), Failure> {
     match failed {
         0 => Ok(()),
@@ -206,7 +206,7 @@ fn add(opened: &mut Vec<OpenedLog>, log: OpenedLog, path: &Path) {
     opened.push(OpenedLog { survey, ..log });
 }
 
-/// Returns true if two logs are the same recording: byte for byte, whatever their names.
+/// Returns true if two logs are the same recording: equal byte for byte, under any name.
 fn is_same(one: &Survey, other: &Survey) -> bool {
     let own = |survey: &Survey| {
         let track = usize::from(survey.track.external.is_some());
@@ -218,16 +218,16 @@ fn is_same(one: &Survey, other: &Survey) -> bool {
         && one.bytes.iter().zip(&other.bytes).take(count).all(|(one, other)| one[..] == other[..])
 }
 
-/// Returns true if a file has the decisions about the boxes of a log.
+/// Returns true if a file contains the review of the boxes of a log.
 pub(super) fn is_of(path: &Path, log: &OpenedLog) -> bool {
     Review::open_for(path, &log.survey).is_ok()
 }
 
-/// Gives each review that is named by its file to the log that it is of, in the place of what that
-/// has.
+/// Sets each review that is named by its file as the review of the log that it belongs to, in place
+/// of the log's earlier review.
 ///
 /// # Errors
-/// Where a file cannot be used or is of none of the logs.
+/// When a file cannot be read or belongs to none of the logs.
 pub(super) fn take_reviews(logs: &mut [OpenedLog], files: &[PathBuf]) -> Result<(), ReviewError> {
     for path in files {
         let mut refused = None;
@@ -241,8 +241,8 @@ pub(super) fn take_reviews(logs: &mut [OpenedLog], files: &[PathBuf]) -> Result<
                 false
             }
         });
-        // Of one log, its own words; of several, those about the last are those about all, but for
-        // the name in them.
+        // With several logs, the error for the last one is returned: the others differ only in the
+        // name of the log.
         if let Some(error) = refused.filter(|_| !is_taken) {
             return Err(error);
         }
@@ -250,10 +250,11 @@ pub(super) fn take_reviews(logs: &mut [OpenedLog], files: &[PathBuf]) -> Result<
     Ok(())
 }
 
-/// Opens what logs are compared with: points, another log, or the logs of a folder or a project.
+/// Opens the reference that logs are compared with: points, another log, or the logs of a folder or
+/// a project.
 ///
 /// # Errors
-/// When it cannot be opened, or its metres lie nowhere near the first log.
+/// When the reference cannot be opened, or its points in metres are nowhere near the first log.
 pub(super) fn open_reference(
     argument: &OsStr,
     first: &OpenedLog,
@@ -263,7 +264,8 @@ pub(super) fn open_reference(
     let inputs = match is_project(path) {
         true => of_project(path)?,
         false if is_group(argument) => {
-            // What the first log's mounting puts right is put right where the mission is processed.
+            // The mounting and source settings of the first log are applied when the mission is
+            // processed.
             let as_read = Settings {
                 mounting: MountingSettings::default(),
                 source: SourceSettings::default(),

@@ -1,4 +1,4 @@
-//! Options of a log's side-scan view that pictures, pages and films share.
+//! Options of a log's side-scan view that the commands for pictures, pages and films share.
 
 use super::Failure;
 use super::settings::{SettingsArgs, check_against};
@@ -23,7 +23,7 @@ pub(super) struct GeometryArgs {
 }
 
 impl GeometryArgs {
-    /// Takes it over.
+    /// Sets the geometry of the app's waterfall to these options.
     pub(super) fn apply(self, app: &mut App) {
         let waterfall = &mut app.view.options.waterfall;
         waterfall.ground_range = self.ground;
@@ -48,23 +48,23 @@ pub(super) struct WaterfallArgs {
     settings: SettingsArgs,
 }
 
-/// A log that was opened and processed, with the part of it that is shown.
+/// Log that was opened and processed, with the pings that are shown.
 pub(super) struct WaterfallLog {
-    /// The state that pictures are drawn of.
+    /// State from which pictures are drawn.
     pub app: App,
-    /// First ping, and one after the last.
+    /// Pings that are shown: the first, and one after the last.
     pub pings: PingRange,
-    /// Ping and range extent.
+    /// Extent of the pings and of the range.
     pub axis: RangeAxis,
-    /// The log's name.
+    /// Name of the log.
     pub name: String,
 }
 
 impl WaterfallArgs {
-    /// Opens the log and waits for all that its picture needs.
+    /// Opens the log and waits until its picture can be drawn.
     ///
     /// # Errors
-    /// When the log or a setting cannot be used, or there is no picture in it.
+    /// When the log or a setting cannot be used, or the log has no side-scan picture.
     pub(super) fn open(self) -> Result<WaterfallLog, Failure> {
         let settings = self.settings.resolve()?;
         let mut app = App::new(Jobs::Threads(Arc::new(|| ())));
@@ -83,10 +83,10 @@ impl WaterfallArgs {
     }
 }
 
-/// The pings asked for, or all of a log.
+/// Returns the requested pings, or all pings of a log.
 ///
 /// # Errors
-/// When the log has fewer pings.
+/// When the log has fewer pings than requested.
 pub(super) fn within(survey: &Survey, pings: Option<PingRange>) -> Result<PingRange, Failure> {
     let count = survey.side_scan.len();
     let pings = pings.unwrap_or(PingRange { start: 0, end: count });
@@ -100,15 +100,15 @@ pub(super) fn within(survey: &Survey, pings: Option<PingRange>) -> Result<PingRa
     Ok(pings)
 }
 
-/// A text that is no size.
+/// Error of a text that is not a size.
 #[derive(Debug, PartialEq, thiserror::Error)]
 #[error("a size is written WxH in pixels, 16 to 16384 a side, for example 1600x1000; got `{0}`")]
 pub(super) struct SizeError(String);
 
-/// Reads `WxH`.
+/// Parses a size, `WxH`.
 ///
 /// # Errors
-/// When a size is not written so, or no picture has it.
+/// When the text is not `WxH`, or a side is not between 16 and 16384 pixels.
 pub(super) fn parse_size(text: &str) -> Result<[u32; 2], SizeError> {
     let parsed = text
         .split_once(['x', 'X', '×'])
@@ -121,7 +121,7 @@ pub(super) fn parse_size(text: &str) -> Result<[u32; 2], SizeError> {
 /// Opens the log and waits for all results.
 ///
 /// # Errors
-/// When it cannot be used.
+/// When the log cannot be opened or processed.
 pub(super) fn open(app: &mut App, origin: &LogOrigin) -> Result<(), Failure> {
     app.apply(match origin {
         LogOrigin::Path(path) => Command::Open(path.clone()),
@@ -130,8 +130,9 @@ pub(super) fn open(app: &mut App, origin: &LogOrigin) -> Result<(), Failure> {
     wait(app)
 }
 
-/// Takes over what the settings say of this survey only: its flat spot, its water, its track, its
-/// picture. A freshly opened log has forgotten it: in the window, it belonged to the log before.
+/// Sets all settings of the app, including those of this survey only: its flat spot, water, track
+/// and picture. A log that was just opened has lost them, since in the window they would be those
+/// of the log before.
 ///
 /// # Errors
 /// When the settings do not fit the log.
@@ -148,10 +149,10 @@ pub(super) fn take_over(app: &mut App, settings: Settings) -> Result<(), Failure
     wait(app)
 }
 
-/// Waits until nothing is opened or computed any more.
+/// Waits until nothing is being opened or computed.
 ///
 /// # Errors
-/// The sentence of what failed.
+/// When the app has a notice of an error: its text.
 pub(super) fn wait(app: &mut App) -> Result<(), Failure> {
     app.poll();
     while !app.is_idle() {

@@ -1,17 +1,17 @@
-//! Class names, which are what two lists of classes have in common, and the list that an analyst
-//! keeps.
+//! Defines what a class name is, and the list of class names that an analyst keeps. Two lists of
+//! classes share nothing but the names.
 
 use serde::{Deserialize, Serialize};
 
-/// Class of a box that nobody has named: drawn before any model has named one, or found by a model
+/// Class of a box without a known class: drawn before any model has named one, or found by a model
 /// whose confidence in its class is too low.
 pub const NAMELESS_CLASS: &str = "object";
 
-/// Letters of the name of a class, a model or an object.
+/// Greatest length of the name of a class, a model or an object, characters.
 const LONGEST_NAME: usize = 200;
 
-/// The classes that a survey begins with: what side-scan surveys usually name, and what the shipped
-/// detector knows besides.
+/// The classes that a survey begins with: the usual ones of side-scan surveys, and the further ones
+/// of the shipped detector.
 const USUAL_CLASSES: [&str; 14] = [
     "wreck", "anchor", "tree", "pipe", "tyre", "debris", "fish", "rock", "unknown", "block",
     "cylinder", "boat", "log", "effigy",
@@ -21,7 +21,7 @@ const USUAL_CLASSES: [&str; 14] = [
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ReviewSettings {
-    /// The classes that boxes are given, in the order of their keys and of the numbers in labels
+    /// The classes that boxes can have, in the order of their keys and of their numbers in labels
     /// for training.
     pub classes: Vec<String>,
 }
@@ -33,10 +33,10 @@ impl Default for ReviewSettings {
 }
 
 impl ReviewSettings {
-    /// Refuses names that are none, and a name that is there twice.
+    /// Checks that every class is a valid name and occurs once.
     ///
     /// # Errors
-    /// A sentence that names the key.
+    /// When a class is no valid name or occurs twice: a sentence that names the key.
     pub fn check(&self) -> Result<(), &'static str> {
         let classes = &self.classes;
         if !classes.iter().all(|name| is_name(name) && name.trim() == name) {
@@ -50,7 +50,7 @@ impl ReviewSettings {
         }
     }
 
-    /// The list with a class more, where it is new.
+    /// Returns the settings with one more class, if it is new.
     #[must_use]
     pub fn with(&self, name: &str) -> Self {
         let mut after = self.clone();
@@ -58,7 +58,8 @@ impl ReviewSettings {
         after
     }
 
-    /// The list with a class under another name; it goes where the other one is there already.
+    /// Returns the settings with a class renamed. If the new name is in the list already, the old
+    /// one is removed.
     #[must_use]
     pub fn renamed(&self, from: &str, to: &str) -> Self {
         let is_known = from != to && self.classes.iter().any(|name| name == to);
@@ -69,13 +70,13 @@ impl ReviewSettings {
     }
 }
 
-/// Returns true if a text can be a name: something on one line, and not too long.
+/// Returns true if a text can be a name: not empty, of one line, and not too long.
 pub(super) fn is_name(name: &str) -> bool {
     let is_usual = name.chars().count() <= LONGEST_NAME && !name.contains(char::is_control);
     is_usual && !name.is_empty()
 }
 
-/// Index of a class by its name; appended when it is new.
+/// Returns the index of a class by its name; appends the class if it is new.
 pub(crate) fn class_index(names: &mut Vec<String>, name: &str) -> usize {
     let known = names.iter().position(|known| known == name);
     known.unwrap_or_else(|| {

@@ -1,10 +1,10 @@
-//! Pictures with known boxes, as detectors are trained and judged on: chips, and the label files
-//! that tools read.
+//! Makes pictures with known boxes, to train and judge detectors on: chips, and label files for
+//! other tools.
 //!
 //! In: tiles of a survey, and the objects known in them. Out: pictures, and texts of labels.
 //!
-//! A chip is a tile with the boxes that it may be asked for; YOLO, COCO and Pascal VOC tools read
-//! the labels. The same code serves simulated surveys and reviewed ones.
+//! A chip is a tile with the boxes that a detector should find in it; YOLO, COCO and Pascal VOC
+//! tools read the labels. The same code serves simulated surveys and reviewed ones.
 
 use super::{Labelled, Mark, Raster, RasterTile, Rect, TILE_PX, level};
 use bathyscope_log::survey::Side;
@@ -13,11 +13,11 @@ use image::{ExtendedColorType, ImageEncoder as _};
 use serde::Serialize;
 use std::fmt::Write as _;
 
-/// Least share of an object that lies in the tile.
+/// Least share of an object that must lie in a tile for the object to have a label there.
 const LEAST_SHARE: f32 = 0.4;
 /// Least width and height of a box, pixels.
 const LEAST_PX: f32 = 6.0;
-/// The tile.
+/// The edges of a tile, in its own pixels.
 const FRAME: Rect = Rect::new([0.0, 0.0], [TILE_PX as f32, TILE_PX as f32]);
 
 /// An object whose place is known.
@@ -25,9 +25,9 @@ const FRAME: Rect = Rect::new([0.0, 0.0], [TILE_PX as f32, TILE_PX as f32]);
 pub struct KnownObject {
     /// Index into the class names.
     pub class: usize,
-    /// Around what is shown of its echo and its shadow.
+    /// Box around the visible part of its echo and its shadow.
     pub whole: Mark,
-    /// True if anything is shown of it. What a person has seen is.
+    /// True if any part of the object is visible. An object that a person has seen is visible.
     pub shown: bool,
     /// Part of the object on each ping, in the order of the pings; empty where only its box is
     /// known.
@@ -37,14 +37,14 @@ pub struct KnownObject {
 /// Part of an object on one ping.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slice {
-    /// The ping.
+    /// Index of the ping.
     pub ping: usize,
-    /// Nearest slant range that shows it, metres.
+    /// Nearest slant range of the object on this ping, metres.
     pub near_m: f64,
-    /// Farthest slant range that shows it, metres.
+    /// Farthest slant range of the object on this ping, metres.
     pub far_m: f64,
-    /// Contribution to the object's visibility: an observer distinguishes the object from chance
-    /// where the sum reaches 1.
+    /// Contribution to the object's visibility: if the sum over the object is at least 1, an
+    /// observer distinguishes the object from chance.
     pub visibility: f32,
 }
 
@@ -56,24 +56,26 @@ impl Slice {
 
 /// The part of an object in a tile.
 ///
-/// A tile's edge may cut an object. Where it is known what each ping shows, the box is that of the
-/// part in the tile: of a slanting pipe whose upper half is cut away only the lower half has a box.
+/// A tile's edge may cut an object. If its slices are known, the box is drawn around the slices in
+/// the tile: if the upper half of a slanting pipe is cut away, the box is around the lower half
+/// only.
 #[derive(Clone, Debug, PartialEq)]
 struct ObjectPart {
-    /// The box around it, in the tile.
+    /// Box around the part, in the tile's pixels.
     rect: Rect,
-    /// Its outline as a polygon of columns and rows; empty where only the object's box is known.
+    /// Outline of the part as a polygon of columns and rows; empty where only the object's box is
+    /// known.
     outline: Vec<[f32; 2]>,
-    /// Share of the object in this part: of its visibility, or of its box.
+    /// Share of the object that lies in this part: of its visibility, or of the area of its box.
     share: f32,
-    /// True if it can be seen at all.
+    /// True if the part is visible.
     shown: bool,
 }
 
 impl ObjectPart {
-    /// Returns true if a detector may be asked for it: something of it is shown, it is at least 6
-    /// pixels wide and high, and at least 40 % of the object; of an object known ping by ping, what
-    /// lies in the tile must be visible by itself.
+    /// Returns true if a detector can be expected to find the part: it is visible, at least 6
+    /// pixels wide and high, and holds at least 40 % of the object. If the object is known ping by
+    /// ping, the slices in the tile must be visible by themselves.
     fn is_plain(&self) -> bool {
         let large = (self.rect.x1 - self.rect.x0).min(self.rect.y1 - self.rect.y0) >= LEAST_PX;
         self.shown && large && self.share >= LEAST_SHARE
@@ -81,13 +83,14 @@ impl ObjectPart {
 }
 
 impl KnownObject {
-    /// Returns true if the whole of it may be asked for, as [`ObjectPart::is_plain`] says.
+    /// Returns true if a detector can be expected to find the whole object, by the rule of
+    /// [`ObjectPart::is_plain`].
     pub fn is_plain(&self, raster: &Raster) -> bool {
         let rect = raster.rect_of(&self.whole);
         self.part(rect, 1.0).is_plain()
     }
 
-    /// Returns the part of it that lies in a tile of its side; `None` where there is none.
+    /// Returns the part of the object that lies in a tile of its side; `None` if no part does.
     fn part_in(&self, tile: &RasterTile, raster: &Raster) -> Option<ObjectPart> {
         let place = |mark: &Mark| {
             let rect = raster.rect_of(mark);
@@ -109,8 +112,8 @@ impl KnownObject {
         self.part_of_rows(&rows.collect::<Vec<_>>())
     }
 
-    /// The part that some rows, and what remains of their visibility, are; `None` where there are
-    /// none, as in a gap.
+    /// Returns the part of the object that these rows form; each row comes with the visibility that
+    /// remains of it. `None` if there are no rows, as in a gap.
     fn part_of_rows(&self, rows: &[(Rect, f32)]) -> Option<ObjectPart> {
         let (first, others) = rows.split_first()?;
         let around = others.iter().fold(first.0, |sum, (row, _)| sum.hull(row));
@@ -128,7 +131,7 @@ impl KnownObject {
     }
 }
 
-/// Down the near edges of the rows, and up the far ones.
+/// Returns the outline of some rows: down their near edges, and up their far edges.
 fn outline(rows: &[(Rect, f32)]) -> Vec<[f32; 2]> {
     let near = rows.iter().flat_map(|(row, _)| [[row.x0, row.y0], [row.x0, row.y1]]);
     let far = rows.iter().rev();
@@ -136,7 +139,7 @@ fn outline(rows: &[(Rect, f32)]) -> Vec<[f32; 2]> {
     near.chain(far).collect()
 }
 
-/// A levelled tile with its boxes.
+/// A tile with its grey levels adjusted ([`level`]), and its boxes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chip {
     /// [`TILE_PX`] rows of [`TILE_PX`] grey levels.
@@ -153,14 +156,15 @@ pub struct PictureBoxes {
     /// The outline of each label as a polygon of columns and rows; empty where only its box is
     /// known.
     pub outlines: Vec<Vec<[f32; 2]>>,
-    /// Boxes that it may find or not: cut off by the tile's edge, or too small or faint to be seen.
+    /// Boxes that a detector may find or not: cut off by the tile's edge, or too small or faint to
+    /// be seen.
     pub ignored: Vec<Labelled>,
 }
 
 impl Chip {
-    /// Labels a tile, then levels it. An object whose part in the tile can be asked for
-    /// ([`ObjectPart::is_plain`]) has a label; others that reach into the tile have an
-    /// ignored box.
+    /// Labels a tile, then adjusts its grey levels. An object gets a label if a detector can be
+    /// expected to find its part in the tile ([`ObjectPart::is_plain`]); other objects that reach
+    /// into the tile get an ignored box.
     pub fn new(mut tile: RasterTile, raster: &Raster, known: &[KnownObject]) -> Self {
         let mut boxes = PictureBoxes::default();
         for object in known.iter().filter(|object| object.whole.side == tile.side) {
@@ -179,35 +183,36 @@ impl Chip {
         Self { pixels: tile.pixels, boxes }
     }
 
-    /// The picture as PNG: 8-bit grey, compressed fast. Each row is written as its difference from
-    /// the one before, since one ping is much like the last: with the rows as they are, speckle
-    /// hardly shrinks.
+    /// Returns the picture as PNG: 8-bit grey, compressed fast. Each row is written as its
+    /// difference from the row before, since one ping is much like the last: without this, speckle
+    /// hardly compresses.
     pub fn png(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
         let encoder =
             PngEncoder::new_with_quality(&mut bytes, CompressionType::Fast, FilterType::Up);
         let side = TILE_PX as u32;
-        // Writing to memory does not fail, and the pixels fit the size.
+        // Writing to memory cannot fail, and the number of pixels is right for the size.
         encoder.write_image(&self.pixels, side, side, ExtendedColorType::L8).ok();
         bytes
     }
 }
 
-/// One line a box: `class cx cy w h`, the centre and size as shares of the picture.
+/// Returns the labels as lines `class cx cy w h`, one a box; centre and size are shares of the
+/// picture.
 pub fn yolo_lines(labels: &[Labelled]) -> String {
     let mut text = String::new();
     let side = TILE_PX as f32;
     for Labelled { class, rect } in labels {
         let [cx, cy] = [rect.x0 + rect.x1, rect.y0 + rect.y1].map(|sum| 0.5 * sum / side);
         let [width, height] = [rect.x1 - rect.x0, rect.y1 - rect.y0].map(|size| size / side);
-        // Writing to a string does not fail.
+        // Writing to a string cannot fail.
         writeln!(text, "{class} {cx:.6} {cy:.6} {width:.6} {height:.6}").ok();
     }
     text
 }
 
-/// A COCO file of object boxes. Category ids count from 1, in the order of the class names; ignored
-/// boxes are written with `iscrowd` 1, which COCO's rule neither rewards nor punishes.
+/// COCO file of object boxes. Category ids count from 1, in the order of the class names; ignored
+/// boxes have `iscrowd` 1, which COCO's rule neither rewards nor punishes.
 #[derive(Clone, Debug, Serialize)]
 pub struct Coco {
     images: Vec<CocoImage>,
@@ -232,7 +237,7 @@ struct Annotation {
     bbox: [f32; 4],
     area: f32,
     iscrowd: u8,
-    /// The outline as `x, y, x, y, ...`, where it is known.
+    /// Outline as `x, y, x, y, ...`; `None` where it is unknown.
     #[serde(skip_serializing_if = "Option::is_none")]
     segmentation: Option<[Vec<f32>; 1]>,
 }
@@ -244,7 +249,7 @@ struct Category {
 }
 
 impl Coco {
-    /// A file without pictures.
+    /// Creates a file with these categories and without pictures.
     pub fn new<'a>(class_names: impl IntoIterator<Item = &'a str>) -> Self {
         let categories = class_names.into_iter().enumerate();
         Self {
@@ -279,8 +284,8 @@ impl Coco {
     }
 }
 
-/// The labels of a picture: pixels counted from 1, edges included, as in VOC; ignored boxes are
-/// `difficult`.
+/// Returns the labels of a picture as Pascal VOC XML: pixels are counted from 1, edges included, as
+/// in VOC; ignored boxes are `difficult`.
 pub fn voc_xml(file_name: &str, class_names: &[String], boxes: &PictureBoxes) -> String {
     let mut text = format!(
         "<annotation>\n<filename>{}</filename>\n<size><width>{TILE_PX}</width><height>{TILE_PX}</height><depth>1</depth></size>\n<segmented>0</segmented>\n",
@@ -293,7 +298,7 @@ pub fn voc_xml(file_name: &str, class_names: &[String], boxes: &PictureBoxes) ->
             let most = |edge: f32| (edge.round().max(1.0) as u32).min(TILE_PX as u32);
             let cut = |low: f32, high: f32| u8::from(low <= 0.0 || high >= TILE_PX as f32);
             let truncated = cut(rect.x0, rect.x1).max(cut(rect.y0, rect.y1));
-            // Writing to a string does not fail.
+            // Writing to a string cannot fail.
             writeln!(
                 text,
                 "<object><name>{}</name><truncated>{truncated}</truncated><difficult>{difficult}</difficult><bndbox><xmin>{}</xmin><ymin>{}</ymin><xmax>{}</xmax><ymax>{}</ymax></bndbox></object>",

@@ -3,9 +3,9 @@
 //!
 //! In: the outputs of a network, and their shapes. Out: boxes with classes and scores.
 //!
-//! Every decoder takes the numbers as they come, the least score that counts, and gives one box a
-//! candidate, of its surest class. What is not finite is no box: the numbers come from a file that
-//! somebody else made.
+//! Every decoder receives the numbers as the network returns them and the least score, and makes
+//! one box a candidate, of its class with the highest score. Numbers that are not finite make no
+//! box: the model file may be from anybody.
 
 use super::{Rect, Scored};
 
@@ -14,7 +14,8 @@ use super::{Rect, Scored};
 pub(crate) struct Head {
     /// Width and height of each anchor, pixels of the network's input.
     pub anchors: Vec<[f32; 2]>,
-    /// Darknet's `scale_x_y`: how far a centre may leave its cell.
+    /// Darknet's `scale_x_y`: factor of a centre's offset within its cell; above 1, the centre may
+    /// lie outside the cell.
     pub scale_x_y: f32,
     /// Darknet's `new_coords`: sizes are `(2 t)^2` anchors instead of `e^t`.
     pub new_coords: bool,
@@ -33,7 +34,7 @@ pub(crate) enum HeadLayout {
     AnchorsFirst,
 }
 
-/// The boxes found so far and what counts as one.
+/// The boxes found so far, and the least score of a box.
 struct Found {
     least: f32,
     boxes: Vec<Scored>,
@@ -44,7 +45,8 @@ impl Found {
         Self { least, boxes: Vec::new() }
     }
 
-    /// Keeps a box of the surest class when `trust` times its score counts.
+    /// Keeps a box with its class of the highest score, if `trust` times this score is at least the
+    /// least score.
     fn add(&mut self, trust: f32, scores: impl Iterator<Item = f32>, rect: impl FnOnce() -> Rect) {
         let surest = scores
             .enumerate()
@@ -56,9 +58,9 @@ impl Found {
         self.add_one(class, trust * score, rect);
     }
 
-    /// Keeps a box of known class when its score counts.
+    /// Keeps a box of a known class, if its score is at least the least score.
     fn add_one(&mut self, class: usize, score: f32, rect: impl FnOnce() -> Rect) {
-        // Written so that a NaN does not count.
+        // Written so that a NaN is refused.
         if score >= self.least {
             let rect = rect();
             let finite = [rect.x0, rect.y0, rect.x1, rect.y1].iter().all(|edge| edge.is_finite());
@@ -69,7 +71,7 @@ impl Found {
     }
 }
 
-/// Boxes of YOLOv5, YOLOv7 and Darknet's row layout: one row a candidate.
+/// Returns the boxes of YOLOv5, YOLOv7 and Darknet's row layout: one row a candidate.
 ///
 /// `values` holds 5 + `classes` numbers a candidate: centre x, centre y, width, height in pixels,
 /// objectness, then a score a class. A box's score is objectness times class.
@@ -81,7 +83,7 @@ pub fn rows(values: &[f32], classes: usize, least: f32) -> Vec<Scored> {
     found.boxes
 }
 
-/// Boxes of YOLOv8 to v12: one column a candidate.
+/// Returns the boxes of YOLOv8 to v12: one column a candidate.
 ///
 /// `values` holds 4 + `classes` rows of as many columns as there are candidates: centre x, centre
 /// y, width, height in pixels, then a score a class; there is no objectness.
@@ -98,15 +100,16 @@ pub fn columns(values: &[f32], classes: usize, least: f32) -> Vec<Scored> {
     found.boxes
 }
 
-/// Boxes of YOLOv10, YOLO26 and others that suppress overlapping boxes themselves.
+/// Returns the boxes of YOLOv10, YOLO26 and other networks that suppress overlapping boxes
+/// themselves.
 ///
-/// `values` holds six numbers a box: x1, y1, x2, y2 in pixels, score, class. Classes from `classes`
-/// on are no boxes.
+/// `values` holds six numbers a box: x1, y1, x2, y2 in pixels, score, class. Rows whose class is
+/// not below `classes` make no box.
 pub(crate) fn end_to_end(values: &[f32], classes: usize, least: f32) -> Vec<Scored> {
     let mut found = Found::new(least);
     for row in values.chunks_exact(6) {
         let class = row[5].round();
-        // Written so that a NaN is no class.
+        // Written so that a NaN is refused.
         if class >= 0.0 && class < classes as f32 {
             found.add_one(class as usize, row[4], || Rect::new([row[0], row[1]], [row[2], row[3]]));
         }
@@ -114,12 +117,12 @@ pub(crate) fn end_to_end(values: &[f32], classes: usize, least: f32) -> Vec<Scor
     found.boxes
 }
 
-/// Boxes of YOLOv4 with the decoding in the network, as Tianxiaomo's and Darknet's exporters write
-/// it.
+/// Returns the boxes of YOLOv4 with the decoding in the network, as Tianxiaomo's and Darknet's
+/// exporters write it.
 ///
 /// `boxes` holds x1, y1, x2, y2 of each candidate, `confs` its `classes` scores (objectness times
-/// class). `scale` is what a box's unit is in pixels, across and down: the input's size where boxes
-/// are fractions of it, 1 where they are pixels.
+/// class). `scale` is the size in pixels of a box's unit, across and down: the input's size where
+/// boxes are fractions of it, 1 where they are in pixels.
 pub(crate) fn boxes_and_confs(
     boxes: &[f32],
     confs: &[f32],
@@ -139,7 +142,7 @@ pub(crate) fn boxes_and_confs(
     found.boxes
 }
 
-/// Boxes of YOLOX: rows whose boxes are still in units of their grid cell.
+/// Returns the boxes of YOLOX, whose rows are still in units of their grid cell.
 ///
 /// `values` holds 5 + `classes` numbers a grid cell, the grids of `strides` one after the other,
 /// row by row: the centre's offset in cells, the logarithm of the size in cells, objectness, a
@@ -173,7 +176,8 @@ pub(crate) fn yolox(
 }
 
 impl HeadLayout {
-    /// Index of an attribute's number; `sizes` are anchors, attributes, rows, columns.
+    /// Returns the index of the number of an attribute; `sizes` are anchors, attributes, rows,
+    /// columns.
     fn index(self, sizes: [usize; 4], anchor: usize, attribute: usize, cell: [usize; 2]) -> usize {
         let [anchors, attributes, rows, columns] = sizes;
         let [row, column] = cell;
@@ -191,7 +195,8 @@ impl HeadLayout {
     }
 }
 
-/// Boxes of a head as the last convolution leaves it: YOLOv3 and v4 without the decoding.
+/// Returns the boxes of a head that is the output of the last convolution: YOLOv3 and v4 without
+/// the decoding.
 ///
 /// `values` holds, for each anchor and grid cell, tx, ty, tw, th, objectness and a value a class.
 /// `grid` is columns and rows, `input` the network's width and height.
@@ -226,7 +231,7 @@ pub(crate) fn raw_head(
                 values.get(index).copied().unwrap_or(f32::NAN)
             };
             let objectness = active(at(4));
-            // Most cells hold nothing: their classes need not be looked at.
+            // Most cells hold no object: their class scores need not be computed.
             if objectness < least {
                 continue;
             }
@@ -244,12 +249,12 @@ pub(crate) fn raw_head(
     found.boxes
 }
 
-/// A box by its centre and size.
+/// Creates a box from its centre and size.
 fn centred([x, y, width, height]: [f32; 4]) -> Rect {
     Rect::new([x - 0.5 * width, y - 0.5 * height], [x + 0.5 * width, y + 0.5 * height])
 }
 
-/// `1 / (1 + e^-x)`.
+/// Returns `1 / (1 + e^-x)`.
 fn logistic(x: f32) -> f32 {
     1.0 / (1.0 + (-x).exp())
 }

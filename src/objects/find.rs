@@ -1,4 +1,4 @@
-//! Searches a whole survey, or a picture of another program, tile by tile.
+//! Searches a whole survey, or a picture from another program, for objects, tile by tile.
 
 use super::merge::{TileDetection, merge};
 use super::{DetectError, Detection, Model, Nms, Picture, Raster, Rect, Scored, TILE_PX};
@@ -9,27 +9,27 @@ use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
-/// Share of a tile that its neighbour sees as well: an object up to that length is whole in one of
-/// them.
+/// Share of a tile that it has in common with its neighbour: an object up to that length is whole
+/// in one of the two tiles.
 const OVERLAP: f32 = 0.25;
-/// A picture up to this many times the network's input is evaluated as a whole.
+/// Greatest size of a picture that is searched as a whole, as a multiple of the network's input.
 const WHOLE: f32 = 1.5;
 /// Number of reports of a search, approximately.
 const REPORTS: usize = 100;
 
-/// `detector.*` settings: who is asked, and which boxes count.
+/// `detector.*` settings: which model is used, and which boxes count.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct DetectorSettings {
-    /// Another model than the one that comes with the program.
+    /// File of a model to use; if `None`, the model that comes with the program.
     pub model: Option<PathBuf>,
-    /// Least score, 0 to 1; without one the model's own.
+    /// Least score, 0 to 1; if `None`, that of the model.
     pub score: Option<f32>,
-    /// Overlap above which the box of the lower score is dropped, 0 to 1; without one the model's
-    /// own.
+    /// Overlap above which the box of the lower score is dropped, 0 to 1; if `None`, that of the
+    /// model.
     pub iou: Option<f32>,
-    /// Score from which a box is named, 0 to 1, and below which it is an object of whatever
-    /// class; without one the model's own.
+    /// Least score of a box that keeps its class, 0 to 1; below it the box gets the class of
+    /// unknown objects. If `None`, that of the model.
     pub name_score: Option<f32>,
 }
 
@@ -40,14 +40,14 @@ pub struct SoFar {
     pub boxes: Vec<Detection>,
     /// Pings from the log's start on that were searched on both sides.
     pub pings: usize,
-    /// Tiles that were searched.
+    /// Number of tiles that were searched.
     pub tiles: usize,
 }
 
 /// Searches both sides of a survey from its start to its end, tiles in parallel. `on_found`
-/// receives what was found up to some ping, from any thread, each time with more pings; a search
-/// that is cancelled has reported what can be kept of it. The result has each object once (see
-/// `merge`), in order of the pings.
+/// receives the result so far, from any thread, each time with more pings; if the search is
+/// cancelled, the last of these results can be kept. The result has each object once (see `merge`),
+/// in order of the pings.
 ///
 /// # Errors
 /// When the work was cancelled, or the model cannot be used on this picture.
@@ -91,7 +91,7 @@ pub fn find(
             pings: if is_all {
                 survey.side_scan.len()
             } else {
-                // A ping counts once its whole width was in a tile.
+                // A ping counts once its whole width has been searched.
                 raster.ping_of(f64::from(rows)) as usize
             },
             tiles,
@@ -101,8 +101,8 @@ pub fn find(
     Ok(as_detections(found))
 }
 
-/// Searches a picture, whole or in tiles of the network's own size; boxes by falling score, in the
-/// picture's pixels.
+/// Searches a picture, whole or in tiles of the network's own size. Returns the boxes by falling
+/// score, in the picture's pixels.
 ///
 /// # Errors
 /// When the work was cancelled, or the model cannot be used on this picture.
@@ -126,8 +126,8 @@ fn recorded(survey: &Survey, side: Side) -> bool {
 }
 
 /// Draws and searches every tile of some pictures of one size, in parallel and from the first row
-/// of tiles to the last, and merges what they saw: the objects of each picture. `on_found` receives
-/// the objects, the tiles and the rows of pixels so far.
+/// of tiles to the last, and merges the boxes of the tiles. Returns the objects of each picture.
+/// `on_found` receives the objects, the tiles and the rows of pixels so far.
 fn search(
     grid: &TileGrid,
     pictures: usize,
@@ -144,7 +144,7 @@ fn search(
         progress.check()?;
         let (place, tile) = grid.place(tile);
         let picture = draw(picture, place);
-        // Beyond the survey's range, or a side that was off.
+        // The tile lies beyond the survey's range, or its side was off.
         let boxes = if picture.levels.iter().all(|&level| level == 0) {
             Vec::new()
         } else {
@@ -160,7 +160,8 @@ fn search(
     let count = grid.count() * pictures;
     progress.start(count as u64);
     let gathered = Mutex::new(Gathered::new(grid, pictures));
-    // After tiles are merged: pieces of one object go together by their class.
+    // Names are dropped after the tiles are merged, since the merge joins pieces of one object by
+    // their class.
     let name_score = settings.name_score.unwrap_or(model.name_score());
     let named = |mut found: Vec<Vec<Scored>>| {
         for one in found.iter_mut().flatten() {
@@ -170,8 +171,8 @@ fn search(
         }
         found
     };
-    // A bridge hands the tiles out in their order, so that what is done is the survey's beginning
-    // and not pieces of it.
+    // A bridge hands the tiles out in their order, so that the searched part is always the survey's
+    // beginning and not scattered pieces.
     (0..count).par_bridge().try_for_each(|index| {
         let place = grid.of_picture(index, pictures);
         let seen = look(place.picture, place.tile)?;
@@ -187,14 +188,14 @@ fn search(
     Ok(named(gathered.merged(grid.counts[1], model.nms(), iou)))
 }
 
-/// Boxes of the tiles, kept until all tiles have been searched.
+/// Boxes of the tiles that have been searched so far.
 struct Gathered<'a> {
     grid: &'a TileGrid,
-    /// Boxes of each tile of each picture.
+    /// Boxes of each tile, by picture and by tile.
     seen: Vec<Vec<Vec<TileDetection>>>,
-    /// Tiles that are missing in each row, of all pictures.
+    /// Number of tiles that are not searched yet in each row, over all pictures.
     missing: Vec<usize>,
-    /// Rows that are done, without a gap, and how many of them were reported.
+    /// Number of rows that are done, without a gap, and how many of them were reported.
     done: usize,
     reported: usize,
 }
@@ -211,7 +212,7 @@ impl<'a> Gathered<'a> {
         }
     }
 
-    /// Takes what a tile has seen; the rows that are done when a report is due.
+    /// Stores the boxes of a tile. Returns the number of rows that are done if a report is due.
     fn add(&mut self, place: InPicture, seen: Vec<TileDetection>) -> Option<usize> {
         let row = place.tile / self.grid.counts[0];
         self.seen[place.picture][place.tile] = seen;
@@ -220,7 +221,7 @@ impl<'a> Gathered<'a> {
             self.done += 1;
         }
         let rows = self.missing.len();
-        // Merging takes time in proportion to all that was found.
+        // Reports are few because merging takes time in proportion to all boxes found so far.
         let is_due = self.done - self.reported >= rows.div_ceil(REPORTS) || self.done == rows;
         (is_due && self.done > self.reported).then(|| {
             self.reported = self.done;
@@ -228,8 +229,8 @@ impl<'a> Gathered<'a> {
         })
     }
 
-    /// The objects of each picture in its first rows of tiles. What goes on behind them is left
-    /// out: it is searched as a whole by the next row.
+    /// Returns the objects of each picture in its first `rows` rows of tiles. A box that continues
+    /// behind these rows is left out: it lies whole in the next row.
     fn merged(&self, rows: usize, nms: Nms, iou: f32) -> Vec<Vec<Scored>> {
         let is_all = rows == self.missing.len();
         let end = self.grid.end_of(rows);
@@ -244,22 +245,22 @@ impl<'a> Gathered<'a> {
     }
 }
 
-/// A tile of one of several pictures.
+/// A tile and the picture that it belongs to, both by index.
 #[derive(Clone, Copy)]
 struct InPicture {
     picture: usize,
-    /// Number of the tile in its picture.
+    /// Index of the tile in its picture.
     tile: usize,
 }
 
-/// A box cut at the picture's end, which lies within a tile that is larger; `None` where most of it
-/// lies beyond: what looks like an object there is the edge itself.
+/// Returns a box cut at the end of the picture, for a tile that reaches beyond it; `None` if most
+/// of the box lies beyond: there, the edge itself looks like an object.
 fn inside(found: Scored, [width, height]: [f32; 2]) -> Option<Scored> {
     let rect = found.rect.intersection(&Rect::new([0.0, 0.0], [width, height]));
     (rect.area() >= 0.5 * found.rect.area()).then_some(Scored { rect, ..found })
 }
 
-/// Tiles over a picture, overlapping.
+/// A grid of overlapping tiles over a picture.
 struct TileGrid {
     /// Pixels across and down of the picture.
     size: [usize; 2],
@@ -285,15 +286,15 @@ impl TileGrid {
         self.counts[0] * self.counts[1]
     }
 
-    /// The tile that is searched as the `index`th: a row of tiles of all pictures, then the next
-    /// row.
+    /// Returns the tile that is searched as the `index`th: the order is one row of tiles of all
+    /// pictures, then the next row.
     fn of_picture(&self, index: usize, pictures: usize) -> InPicture {
         let [across, _] = self.counts;
         let (row, within) = (index / (across * pictures), index % (across * pictures));
         InPicture { picture: within / across, tile: row * across + within % across }
     }
 
-    /// Row of pixels that the first `rows` rows of tiles end before.
+    /// Returns the row of pixels at which the first `rows` rows of tiles end, excluded.
     fn end_of(&self, rows: usize) -> f32 {
         match rows {
             0 => 0.0,
@@ -302,8 +303,8 @@ impl TileGrid {
         }
     }
 
-    /// The tile's first pixel, across and down, and its edges. The last tile of a row ends with the
-    /// picture, so that no tile but one larger than the picture reaches beyond it.
+    /// Returns the tile's first pixel, across and down, and its edges. The last tile of a row ends
+    /// with the picture, so that a tile reaches beyond the picture only if it is larger.
     fn place(&self, index: usize) -> ([usize; 2], Rect) {
         let at = [index % self.counts[0], index / self.counts[0]];
         let place = [0, 1].map(|axis| {
@@ -316,7 +317,7 @@ impl TileGrid {
     }
 }
 
-/// Pixels from a tile to the next.
+/// Returns the pixels from one tile to the next.
 fn step(tile: usize) -> usize {
     ((tile as f32 * (1.0 - OVERLAP)) as usize).max(1)
 }
@@ -362,7 +363,8 @@ mod tests {
         assert_eq!(add(&mut gathered, 3, [390.0, 416.0]), Some(2));
         let first = gathered.merged(1, Nms::PLAIN, 0.45);
         let starts = |found: &[Scored]| found.iter().map(|one| one.rect.y0).collect::<Vec<_>>();
-        // What the first row cut off at its end is no object yet; two rows show it as a whole.
+        // An object that the first row of tiles cuts off at its end is not reported yet; two rows
+        // show it whole.
         assert_eq!([starts(&first[0]), starts(&first[1])], [[30.0], [100.0]]);
         assert_eq!(gathered.merged(2, Nms::PLAIN, 0.45)[0].len(), 3);
         assert_eq!((grid.end_of(1), grid.end_of(3)), (416.0, 1000.0));

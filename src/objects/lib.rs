@@ -1,16 +1,16 @@
-//! Objects on the bottom: the picture that a detector sees, what it finds, and where that lies in
-//! the survey.
+//! Finds objects on the bottom: draws the picture that a detector searches, and computes where the
+//! detected objects lie in the survey.
 //!
 //! `raster` resamples one side of the survey into a picture whose pixels are square on the bottom,
-//! in tiles; `mark` is a box in the survey's own terms (side, pings, slant range) and how the size
-//! of what lies in it is known; `picture` is what a detector searches, with boxes in its pixels and
-//! the levels of a tile brought to one scale. `dataset` makes labelled pictures to learn from.
-//! `nms` keeps the surest of boxes that overlap and moves it to their mean. `model` is a detector
-//! from an ONNX file, `decode` reads boxes from its numbers. `find` searches a survey tile by tile,
-//! `merge` makes one box of what several tiles saw. `review` holds what the analyst decides about
-//! the boxes. `metrics` measures predicted boxes against true ones, and `labels` reads both from
-//! files. `targets` places boxes in the world. `truth` is what is known to lie in a survey, and
-//! what the boxes make of it.
+//! in tiles; `mark` defines a box by side, pings and slant range, and the extent of the object in
+//! it; `picture` defines the picture that a detector searches and boxes in its pixels, and brings
+//! the grey levels of a tile to one scale. `dataset` makes labelled pictures to train on. `nms`
+//! keeps the box of the highest score among boxes that overlap and moves it to their mean. `model`
+//! loads a detector from an ONNX file, `decode` reads boxes from its numbers. `find` searches a
+//! survey tile by tile, `merge` makes one box of an object that several tiles show. `review` holds
+//! the analyst's decisions about the boxes. `metrics` measures predicted boxes against true ones,
+//! and `labels` reads both from files. `targets` computes positions and heights of the objects in
+//! the boxes. `truth` holds the known objects of a survey, and compares the boxes with them.
 //!
 //! # Search a log for objects
 //!
@@ -31,7 +31,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-// Their failure is the failure of the test.
+// A panic here is the failure of the test.
 #![cfg_attr(test, allow(clippy::expect_used, clippy::unwrap_used))]
 
 mod class;

@@ -1,14 +1,14 @@
-//! Boxes in the survey's own terms, and the extents of the objects in them.
+//! Defines boxes by side, pings and slant range, and the extents of the objects in them.
 
 use bathyscope_log::survey::{Side, Survey};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// A box on one side of the survey. Slant ranges are by the recorder's scale, so that a box keeps
-/// its place whatever the calibration says, and over pings of different ranges.
+/// A box on one side of the survey. Slant ranges are in the recorder's scale, so that a box keeps
+/// its place under any calibration, and over pings of different ranges.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mark {
-    /// The side.
+    /// Side of the survey.
     pub side: Side,
     /// Side-scan pings, the end excluded.
     pub pings: Range<usize>,
@@ -30,62 +30,65 @@ pub struct Detection {
     pub mark: Mark,
 }
 
-/// Half of the range that the mark of a point covers, metres: a box without size could not be drawn
-/// or clicked.
+/// Half of the slant range that the mark of a point covers, metres: a box without size could not be
+/// drawn or clicked.
 const POINT_HALF_M: f64 = 0.05;
 
 impl Mark {
-    /// A box by its side, its pings, and the slant ranges of its edges, metres.
+    /// Creates a box from its side, its pings, and the slant ranges of its edges, metres.
     pub fn new(side: Side, pings: Range<usize>, [near_m, far_m]: [f64; 2]) -> Self {
         Self { side, pings, near_m, far_m }
     }
 
-    /// The samples that the box covers in its middle ping, the end excluded; empty where that ping
-    /// has no such side.
+    /// Returns the samples that the box covers in its middle ping, the end excluded; empty if this
+    /// ping has no data of the side.
     pub fn samples(&self, survey: &Survey) -> Range<u32> {
         let middle = usize::midpoint(self.pings.start, self.pings.end);
         let Some(span) = survey.span(middle, self.side) else {
             return 0..0;
         };
         let sample = |range_m: f64| span.sample_at(range_m).clamp(0.0, f64::from(span.count));
-        // `as` saturates, and the clamp holds the value in range.
+        // `as` saturates, and the clamp keeps the value in range.
         sample(self.near_m).floor() as u32..sample(self.far_m).ceil() as u32
     }
 }
 
-/// Source of the extent of the object in a box. Slant ranges are by the recorder's scale, as those
-/// of [`Mark`].
+/// Source of the extent of the object in a box. Slant ranges are in the recorder's scale, as in
+/// [`Mark`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum ObjectExtent {
-    /// The box holds the echo and its shadow, and the program finds them in it.
+    /// The program finds the echo and the shadow in the box.
     #[default]
     Found,
-    /// The analyst has set the edges: the echo lies from the box's near edge to the border, the
-    /// shadow from there to the far edge, and both in the box's pings. A border on the far edge
-    /// says that there is no shadow.
+    /// The analyst has set the edges: the echo is between the box's near edge and the border, the
+    /// shadow between the border and the far edge, both on all pings of the box. A border on the
+    /// far edge means that there is no shadow.
     Drawn {
         /// Slant range of the border between echo and shadow, metres.
         border_m: f64,
     },
-    /// A place without size: in the middle of the box.
+    /// The object is a point in the middle of the box, without size.
     Point,
 }
 
-/// A shadow that the analyst measured on one ping of a box, in place of the one that is found or
-/// drawn with the box: the height of the object is that of what casts it. The echo of a hull with a
-/// list reaches farther than its upper gunwale, behind which the shadow begins.
+/// A shadow that the analyst measured on one ping of a box. It replaces the shadow that is found or
+/// drawn with the box: the height of the object is the height of the part that casts this shadow.
+/// The echo of a hull with a list, for example, reaches farther than its upper gunwale, behind
+/// which the shadow begins.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MeasuredShadow {
-    /// The ping; the side is that of the box.
+    /// Index of the ping; the side is that of the box.
     pub ping: usize,
-    /// Slant range of the top, where the shadow begins, by the recorder's scale, metres.
+    /// Slant range of the top of the object, where the shadow begins, in the recorder's scale,
+    /// metres.
     pub top_m: f64,
-    /// Slant range of the shadow's end by the recorder's scale, metres.
+    /// Slant range of the shadow's end in the recorder's scale, metres.
     pub end_m: f64,
 }
 
 impl MeasuredShadow {
-    /// Returns true if it can belong to a box: on one of its pings, and with a length.
+    /// Returns true if the shadow can belong to a box: it is on one of the box's pings, and has a
+    /// length.
     pub fn fits(&self, mark: &Mark) -> bool {
         mark.pings.contains(&self.ping)
             && 0.0 < self.top_m
@@ -95,7 +98,8 @@ impl MeasuredShadow {
 }
 
 impl ObjectExtent {
-    /// The border between echo and shadow that the analyst has set, metres of slant range.
+    /// Returns the border between echo and shadow that the analyst has set, metres of slant range;
+    /// `None` if there is none.
     pub fn border_m(self) -> Option<f64> {
         match self {
             ObjectExtent::Drawn { border_m } => Some(border_m),
@@ -103,9 +107,9 @@ impl ObjectExtent {
         }
     }
 
-    /// The extent of the same object in a box that was moved or resized: a border moves with a box
-    /// that keeps its width in range, and stays where it is between edges that are moved one by
-    /// one.
+    /// Returns the extent of the same object after its box was moved or resized: the border moves
+    /// with a box that keeps its width in slant range, and stays where it is if only one edge was
+    /// moved.
     pub fn moved(self, from: &Mark, to: &Mark) -> Self {
         let ObjectExtent::Drawn { border_m } = self else {
             return self;
@@ -117,7 +121,7 @@ impl ObjectExtent {
 }
 
 impl Mark {
-    /// The mark of a point at a ping and a slant range by the recorder's scale.
+    /// Creates the mark of a point at a ping and a slant range in the recorder's scale, metres.
     pub fn point(side: bathyscope_log::survey::Side, ping: usize, range_m: f64) -> Self {
         Self {
             side,

@@ -1,41 +1,42 @@
-//! One box an object, where overlapping tiles have seen it several times.
+//! Makes one box of an object that several overlapping tiles show.
 //!
 //! A box is *whole* when it ends inside its tile, and *cut* when it touches an edge beyond which
-//! the picture goes on. Of whole boxes the surest is kept, as within a tile. A cut box is a piece
-//! of a whole one of another tile that covers half of it within the strip that both tiles saw. It
-//! gives way to one of its own class, which is then as sure as the surer of both views, and to one
-//! of another class that is at least half as sure: otherwise a whole box that is hardly believed
-//! would hide a cut one that is. Two cut boxes are pieces of one object (longer than the strip)
-//! when they cover each other by half (IoU) there: the box around both is kept, with the class and
-//! score of the surer. A cut box that has no counterpart stays as it is.
+//! the picture goes on. Of whole boxes that overlap, the one with the highest score is kept, as
+//! within a tile. A cut box is a piece of a whole box of another tile if that one covers half of it
+//! within the strip that both tiles share. The cut box is then dropped if the whole box is of the
+//! same class, and the whole box gets the higher score of the two; or if the whole box is of
+//! another class and has at least half the score: otherwise a whole box of low score would hide a
+//! cut box of high score. Two cut boxes are pieces of one object (longer than the strip) when their
+//! overlap within the strip is at least one half (IoU): the box around both is kept, with the class
+//! and score of the piece with the higher score. A cut box without a counterpart is kept as it is.
 
 use super::{Nms, Rect, Scored, suppress};
 use std::collections::HashMap;
 
 /// Pixels from a tile's edge within which a box counts as cut.
 const EDGE_PX: f32 = 2.0;
-/// Overlap within the strip from which two boxes are the same object.
+/// Overlap within the strip from which two boxes show the same object.
 const SAME: f32 = 0.5;
-/// Least score of a whole box that takes the place of a piece of another class, as a share of the
-/// score of the piece.
+/// Least score of a whole box that replaces a piece of another class, as a share of the score of
+/// the piece.
 const SURE_ENOUGH: f32 = 0.5;
-/// Rows of the picture whose boxes are looked at together.
+/// Height of a band of rows of the picture, pixels; only boxes that share a band are compared.
 const BAND_PX: f32 = 512.0;
 
-/// A box as a tile saw it, in the whole picture's pixels.
+/// A box that was found in a tile, in the whole picture's pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct TileDetection {
     /// Class, score and box.
     pub found: Scored,
-    /// The tile.
+    /// Edges of the tile.
     pub tile: Rect,
-    /// True if it may go on beyond the tile.
+    /// True if the object may continue beyond the tile.
     pub cut: bool,
 }
 
 impl TileDetection {
-    /// `found` is in the pixels of `tile`, which lies in a picture that ends at `width` and
-    /// `height`.
+    /// Converts a box in the pixels of `tile`, which lies in a picture of `width` by `height`, and
+    /// determines whether it is cut.
     pub(super) fn new(found: Scored, tile: Rect, width: f32, height: f32) -> Self {
         let rect = found.rect.shifted(tile.x0, tile.y0);
         let cut = (tile.x0 > 0.0 && rect.x0 < tile.x0 + EDGE_PX)
@@ -45,37 +46,38 @@ impl TileDetection {
         Self { found: Scored { rect, ..found }, tile, cut }
     }
 
-    /// Returns true if it may go on behind a row of pixels that its tile ends at.
+    /// Returns true if the object may continue behind the row of pixels at which its tile ends.
     pub(super) fn is_cut_at(&self, row: f32) -> bool {
         self.tile.y1 >= row && self.found.rect.y1 > row - EDGE_PX
     }
 
-    /// The two boxes within the strip that both tiles saw; `None` within one tile.
+    /// Returns the parts of the two boxes within the strip that both tiles share; `None` if both
+    /// boxes are from the same tile.
     fn in_strip(&self, other: &TileDetection) -> Option<[Rect; 2]> {
         let strip = self.tile.intersection(&other.tile);
         (self.tile != other.tile)
             .then(|| [self, other].map(|seen| seen.found.rect.intersection(&strip)))
     }
 
-    /// Returns true if two cut boxes show one object.
+    /// Returns true if this cut box and another one show the same object.
     fn continues(&self, other: &TileDetection) -> bool {
         self.in_strip(other).is_some_and(|[mine, theirs]| mine.iou(&theirs) >= SAME)
     }
 
-    /// Returns true if a whole box takes the place of a cut one.
+    /// Returns true if a whole box replaces this cut box.
     fn yields_to(&self, whole: &TileDetection) -> bool {
         let same = whole.found.class == self.found.class;
         let sure = whole.found.score >= SURE_ENOUGH * self.found.score;
         (same || sure) && self.is_piece_of(whole)
     }
 
-    /// Returns the rank of a whole box among those that take the place of a cut one: its own class
-    /// first, then the surest.
+    /// Returns the rank of this whole box among those that can replace a cut one: boxes of the cut
+    /// box's class come first, then the higher score.
     fn rank_for(&self, cut: &TileDetection) -> f32 {
         self.found.score + f32::from(u8::from(self.found.class == cut.found.class))
     }
 
-    /// Returns true if a cut box is a piece of a whole one.
+    /// Returns true if this cut box is a piece of a whole one.
     fn is_piece_of(&self, whole: &TileDetection) -> bool {
         self.in_strip(whole).is_some_and(|[mine, theirs]| {
             let covered = mine.intersection(&theirs).area();
@@ -84,7 +86,8 @@ impl TileDetection {
     }
 }
 
-/// The objects, each once, by falling score. Takes time and memory in proportion to the boxes.
+/// Returns the objects, each once, by falling score. Takes time and memory in proportion to the
+/// boxes.
 pub(super) fn merge(seen: Vec<TileDetection>, nms: Nms, iou: f32) -> Vec<Scored> {
     let (mut cut, mut whole): (Vec<TileDetection>, Vec<TileDetection>) =
         seen.into_iter().partition(|seen| seen.cut);
@@ -124,7 +127,7 @@ pub(super) fn merge(seen: Vec<TileDetection>, nms: Nms, iou: f32) -> Vec<Scored>
     joined
 }
 
-/// Boxes by the bands of rows that they reach into.
+/// Boxes by the bands of rows that they lie in.
 struct Bands<T>(HashMap<i64, Vec<T>>);
 
 impl<T> Default for Bands<T> {
@@ -135,7 +138,7 @@ impl<T> Default for Bands<T> {
 
 impl<T: Copy> Bands<T> {
     fn bands(rect: &Rect) -> std::ops::RangeInclusive<i64> {
-        // A tile's height bounds a seen box.
+        // A box is at most as high as a tile, so that it lies in few bands.
         (rect.y0 / BAND_PX).floor() as i64..=(rect.y1 / BAND_PX).floor() as i64
     }
 
@@ -156,14 +159,15 @@ mod tests {
 
     const HEIGHT: f32 = 1040.0;
 
-    /// Tiles of 416 rows, a new one every 312, of a picture 416 across.
+    /// Returns a tile of 416 rows of a picture that is 416 across; a new tile starts every 312
+    /// rows.
     fn tile(index: u8) -> Rect {
         let y0 = 312.0 * f32::from(index);
         Rect::new([0.0, y0], [416.0, y0 + 416.0])
     }
 
-    /// Returns the boxes of an object between two rows in three tiles, each with the score given
-    /// for it, `None` for no box.
+    /// Returns the boxes of an object between two rows in three tiles. Each box has the score of
+    /// its tile in `scores`; `None` means no box in that tile.
     fn seen(class: usize, [y0, y1]: [f32; 2], scores: [Option<f32>; 3]) -> Vec<TileDetection> {
         let object = Rect::new([100.0, y0], [150.0, y1]);
         (0..3_u8)

@@ -1,9 +1,9 @@
-//! Suppresses overlapping boxes: of boxes that propose the same object, only the surest is kept,
-//! and voting moves its edges to the mean of all of them.
+//! Suppresses overlapping boxes: among boxes of the same object, only the one with the highest
+//! score is kept, and a vote moves its edges to the mean of all of them.
 
 use super::{Rect, Scored};
 
-/// Share of each other that two boxes hide.
+/// Measure of the overlap of two boxes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum OverlapMeasure {
     /// Intersection over union.
@@ -31,19 +31,20 @@ impl Nms {
 }
 
 impl OverlapMeasure {
-    /// The measure of two boxes; at most their IoU.
+    /// Returns the overlap of two boxes; at most their IoU.
     pub fn of(self, a: &Rect, b: &Rect) -> f32 {
         let iou = a.iou(b);
         match self {
             OverlapMeasure::Plain => iou,
-            // What does not overlap never passes a threshold; the power is the dear part.
+            // Boxes that do not overlap never pass a threshold, so that the slow power is computed
+            // for others only.
             OverlapMeasure::Darknet if iou > 0.0 => iou - apart(a, b).powf(0.6),
             OverlapMeasure::Darknet => iou,
         }
     }
 }
 
-/// Squared distance of the centres over the squared diagonal of the box around both.
+/// Returns the squared distance of the centres over the squared diagonal of the box around both.
 fn apart(a: &Rect, b: &Rect) -> f32 {
     let around = a.hull(b);
     let diagonal = (around.x1 - around.x0).powi(2) + (around.y1 - around.y0).powi(2);
@@ -52,9 +53,10 @@ fn apart(a: &Rect, b: &Rect) -> f32 {
     if diagonal > 0.0 { (dx * dx + dy * dy) / diagonal } else { 0.0 }
 }
 
-/// Greedy non-maximum suppression: the surest box drops every later one that it overlaps by more
-/// than `iou` (0 to 1), then the surest of the rest does. `boxes` come back by falling score, equal
-/// scores in their first order; boxes whose score or edges are not finite are dropped.
+/// Suppresses boxes by greedy non-maximum suppression: the box of the highest score drops every
+/// other box that it overlaps by more than `iou` (0 to 1); then the same is done with the next box
+/// that is left. On return, `boxes` are sorted by falling score, equal scores in their first order;
+/// boxes whose score or edges are not finite are dropped.
 pub(crate) fn suppress(boxes: &mut Vec<Scored>, how: Nms, iou: f32) {
     boxes.retain(|proposed| {
         let Rect { x0, y0, x1, y1 } = proposed.rect;
@@ -65,9 +67,9 @@ pub(crate) fn suppress(boxes: &mut Vec<Scored>, how: Nms, iou: f32) {
     boxes.retain(|_| dropped.next() == Some(false));
 }
 
-/// Returns, for each of the sorted boxes, true if a surer one drops it. Only boxes that start
-/// within the tallest box's height of each other along the track can overlap, so that in a long
-/// survey each is compared with its neighbours only.
+/// Returns, for each of the sorted boxes, true if a box of a higher score drops it. Two boxes can
+/// overlap only if their starts along the track differ by no more than the height of the tallest
+/// box, so each box is compared with its neighbours only, even in a long survey.
 fn overlapped(boxes: &[Scored], how: Nms, threshold: f32) -> Vec<bool> {
     let start = |index: &usize| boxes[*index].rect.y0;
     let mut by_start: Vec<usize> = (0..boxes.len()).collect();
@@ -93,13 +95,14 @@ fn overlapped(boxes: &[Scored], how: Nms, threshold: f32) -> Vec<bool> {
 }
 
 /// Moves each kept box to the mean of the candidates of its class that it overlaps by more than
-/// `iou` (0 to 1), edge by edge, weighted by the squared score. A box without such candidates
-/// stays; scores and classes stay as they are. All overlaps are those before the vote. `candidates`
-/// should hold the kept boxes, too.
+/// `iou` (0 to 1), edge by edge, weighted by the squared score. A box without such candidates is
+/// not moved; scores and classes do not change. Overlaps are computed from the boxes before the
+/// vote. `candidates` should include the kept boxes.
 ///
-/// Suppression keeps the surest box of a cluster, whose edges need not be the best: its neighbours
-/// saw the same object. Box voting (S. Gidaris, N. Komodakis: Object detection via a multi-region
-/// and semantic segmentation-aware CNN model, ICCV 2015, section 5) takes the mean of all of them.
+/// Suppression keeps the box of the highest score in a cluster, whose edges need not be the best:
+/// its neighbours show the same object. Box voting (S. Gidaris, N. Komodakis: Object detection via
+/// a multi-region and semantic segmentation-aware CNN model, ICCV 2015, section 5) computes the
+/// mean of all of them.
 pub(crate) fn vote(kept: &mut [Scored], candidates: &[Scored], iou: f32) {
     for one in kept {
         let voters = candidates
@@ -111,7 +114,7 @@ pub(crate) fn vote(kept: &mut [Scored], candidates: &[Scored], iou: f32) {
     }
 }
 
-/// The mean box, weighted by the squared score; `None` where nothing weighs.
+/// Returns the mean box, weighted by the squared score; `None` if the sum of the weights is 0.
 fn mean<'a>(voters: impl Iterator<Item = &'a Scored>) -> Option<Rect> {
     let mut sums = [0.0_f64; 4];
     let mut weights = 0.0;
@@ -124,7 +127,7 @@ fn mean<'a>(voters: impl Iterator<Item = &'a Scored>) -> Option<Rect> {
         weights += weight;
     }
     let [x0, y0, x1, y1] = sums.map(|sum| (sum / weights) as f32);
-    // Written so that a NaN does not weigh.
+    // Written so that a NaN gives `None`.
     (weights > 0.0).then_some(Rect { x0, y0, x1, y1 })
 }
 
@@ -181,7 +184,7 @@ mod tests {
 
     #[test]
     fn a_dropped_box_drops_none_and_what_is_not_finite_goes() {
-        // Each overlaps the next by 3/5; the first and the third by 1/3.
+        // Each box overlaps the next by 3/5; the first and the third overlap by 1/3.
         let chain = vec![
             scored(0, 0.9, [0.0, 0.0, 4.0, 1.0]),
             scored(0, 0.8, [1.0, 0.0, 5.0, 1.0]),
@@ -192,8 +195,8 @@ mod tests {
         assert_eq!(scores(chain, Nms::PLAIN, 0.5), [0.9, 0.7]);
     }
 
-    /// The rule as it is said, without the sweep: in falling order of score, equal scores in their
-    /// order.
+    /// Suppresses boxes by the definition of the rule, without the sweep: in falling order of
+    /// score, equal scores in their order.
     fn by_the_book(boxes: &[Scored], how: Nms, iou: f32) -> Vec<Scored> {
         let mut left: Vec<Scored> = boxes.to_vec();
         left.sort_by(|a, b| b.score.partial_cmp(&a.score).expect("finite scores"));
@@ -239,11 +242,12 @@ mod tests {
     #[test]
     fn edges_become_the_mean_weighted_by_the_squared_score() {
         let kept = flat(0, 0.8, [0.0, 10.0]);
-        // Shares 9 of 11, weighs 0.16 against 0.64: a fifth of its metre on either side.
+        // The voter shares 9 of 11 and weighs 0.16 against 0.64: the edges move by a fifth of the 1
+        // between them.
         let [x0, x1] = voted(kept, &[flat(0, 0.4, [1.0, 11.0])]);
         assert!((x0 - 0.2).abs() < 1e-6 && (x1 - 10.2).abs() < 1e-5, "{x0} {x1}");
-        // With a third that shares 8 of 10 and weighs 0.04: (0.16 + 0.08) / 0.84 and (6.4 + 1.76 +
-        // 0.4) / 0.84.
+        // A third voter shares 8 of 10 and weighs 0.04: (0.16 + 0.08) / 0.84 and (6.4 + 1.76 + 0.4)
+        // / 0.84.
         let others = [flat(0, 0.4, [1.0, 11.0]), flat(0, 0.2, [2.0, 10.0])];
         let [x0, x1] = voted(kept, &others);
         assert!((x0 - 0.285_714).abs() < 1e-6 && (x1 - 10.190_476).abs() < 1e-5, "{x0} {x1}");
@@ -252,7 +256,8 @@ mod tests {
     #[test]
     fn other_classes_and_boxes_apart_have_no_vote() {
         let kept = flat(0, 0.8, [0.0, 10.0]);
-        // Of another class; sharing 6 of 14; sharing 6.5 of 10, which is not above 0.65.
+        // The first box is of another class, the second shares 6 of 14, the third shares 6.5 of 10,
+        // which is not above 0.65.
         let others =
             [flat(1, 0.8, [1.0, 11.0]), flat(0, 0.7, [4.0, 14.0]), flat(0, 0.7, [3.5, 10.0])];
         assert_eq!(voted(kept, &others), [0.0, 10.0]);
@@ -271,8 +276,8 @@ mod tests {
 
     #[test]
     fn a_vote_looks_at_the_boxes_as_they_were() {
-        // In a chain each box meets the next, but not the one after: a moved box must not reach
-        // further.
+        // In a chain, each box overlaps the next but not the one after it: a box that has moved
+        // must not reach farther.
         let chain = [[0.0, 10.0], [2.0, 12.0], [4.0, 14.0]].map(|edges| flat(0, 0.5, edges));
         let mut boxes = chain;
         vote(&mut boxes, &chain, 0.65);

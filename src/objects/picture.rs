@@ -1,7 +1,7 @@
-//! Pictures that a detector searches: their levels, brought to one scale, and boxes in their
-//! pixels.
+//! Defines the pictures that a detector searches and the boxes in their pixels, and scales grey
+//! levels.
 
-/// Echo levels, or a picture of another program in grey or colour.
+/// Echo levels, or a picture from another program in grey or colour.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
     /// Pixels across.
@@ -14,21 +14,21 @@ pub struct Picture {
     pub levels: Vec<u8>,
 }
 
-/// Level that the brightest twentieth of a tile begins at.
+/// Level at which the brightest twentieth of a tile begins after scaling.
 const BRIGHT_LEVEL: f32 = 180.0;
-/// Share of the pixels below that level.
+/// Share of the pixels above 0 that are below [`BRIGHT_LEVEL`] after scaling.
 const BRIGHT_SHARE: f64 = 0.95;
-/// Weakest and strongest gain: a tile of noise alone is not blown up into echoes.
+/// Least and greatest gain: a tile of noise alone must not be amplified until it looks like echoes.
 const GAIN: (f32, f32) = (0.5, 4.0);
 
 impl Picture {
-    /// A grey picture.
+    /// Creates a grey picture.
     pub fn grey(width: usize, height: usize, levels: Vec<u8>) -> Self {
         Self { width, height, channels: 1, levels }
     }
 
-    /// The level of a pixel in red, green or blue (0 to 2). Beyond the edge it is that of the
-    /// nearest pixel inside; 0 where the picture is empty.
+    /// Returns the level of a pixel in red, green or blue (0 to 2). Beyond the edge, the nearest
+    /// pixel inside counts; 0 if the picture is empty.
     pub fn level(&self, x: usize, y: usize, colour: usize) -> u8 {
         let x = x.min(self.width.saturating_sub(1));
         let y = y.min(self.height.saturating_sub(1));
@@ -37,7 +37,8 @@ impl Picture {
         self.levels.get(index).copied().unwrap_or(0)
     }
 
-    /// Brightness as the eye weighs the colours (ITU-R BT.601).
+    /// Returns the brightness of a pixel, with the weights of the eye for the colours (ITU-R
+    /// BT.601).
     pub fn brightness(&self, x: usize, y: usize) -> f32 {
         if self.channels == 1 {
             return f32::from(self.level(x, y, 0));
@@ -46,7 +47,7 @@ impl Picture {
         0.299 * red + 0.587 * green + 0.114 * blue
     }
 
-    /// The picture without its colours.
+    /// Returns the picture in grey.
     pub(crate) fn to_grey(&self) -> Picture {
         if self.channels == 1 {
             return self.clone();
@@ -56,14 +57,14 @@ impl Picture {
         Picture::grey(self.width, self.height, levels.collect())
     }
 
-    /// The picture with its rows in turned order: as a boat that comes from the other end records
-    /// it.
+    /// Returns the picture with its rows in reverse order, as a boat that comes from the other end
+    /// would record it.
     pub fn mirrored(&self) -> Picture {
         let row = (self.width * self.channels).max(1);
         Picture { levels: self.levels.rchunks(row).flatten().copied().collect(), ..*self }
     }
 
-    /// A piece of the picture; what lies beyond its edge is 0.
+    /// Returns a piece of the picture; pixels beyond its edge are 0.
     pub fn piece(&self, x: usize, y: usize, width: usize, height: usize) -> Picture {
         let mut levels = vec![0; width * height * self.channels];
         let across = width.min(self.width.saturating_sub(x)) * self.channels;
@@ -92,7 +93,7 @@ pub struct Rect {
     pub y1: f32,
 }
 
-/// A box of known class.
+/// A box with a class.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Labelled {
     /// Index into the class names.
@@ -113,19 +114,19 @@ pub struct Scored {
 }
 
 impl Scored {
-    /// A box of a class.
+    /// Creates a box from its class, score and edges.
     pub const fn new(class: usize, score: f32, rect: Rect) -> Self {
         Self { class, score, rect }
     }
 }
 
 impl Rect {
-    /// A box by the corners with its least and its greatest coordinates.
+    /// Creates a box from the corners with its least and its greatest coordinates.
     pub const fn new([x0, y0]: [f32; 2], [x1, y1]: [f32; 2]) -> Self {
         Self { x0, y0, x1, y1 }
     }
 
-    /// Width times height; 0 for a box that is inside out.
+    /// Returns width times height; 0 for a box that is inside out.
     pub fn area(&self) -> f32 {
         (self.x1 - self.x0).max(0.0) * (self.y1 - self.y0).max(0.0)
     }
@@ -138,7 +139,7 @@ impl Rect {
         )
     }
 
-    /// The smallest box around both.
+    /// Returns the smallest box around both.
     pub fn hull(&self, other: &Rect) -> Rect {
         Self::new(
             [self.x0.min(other.x0), self.y0.min(other.y0)],
@@ -146,25 +147,25 @@ impl Rect {
         )
     }
 
-    /// Intersection over union, 0 to 1; 0 for two boxes without area.
+    /// Returns the intersection over union, 0 to 1; 0 for two boxes without area.
     pub fn iou(&self, other: &Rect) -> f32 {
         let shared = self.intersection(other).area();
         let union = self.area() + other.area() - shared;
         if union > 0.0 { shared / union } else { 0.0 }
     }
 
-    /// The box moved.
+    /// Returns the box moved by an offset.
     pub(crate) fn shifted(&self, dx: f32, dy: f32) -> Rect {
         Self::new([self.x0 + dx, self.y0 + dy], [self.x1 + dx, self.y1 + dy])
     }
 }
 
 /// Scales a tile's levels in place: the 95th percentile of the pixels above 0 becomes 180, by a
-/// gain between 0.5 and 4; what exceeds 255 is held there. Pixels of 0 (beyond the survey, or
-/// silence) count for nothing and stay 0.
+/// gain between 0.5 and 4; levels are limited to 255. Pixels of 0 (beyond the survey, or silence)
+/// are not counted and stay 0.
 ///
-/// Recorders differ in gain and curve, and the same rule must serve what a model learns from and
-/// what it later searches.
+/// Recorders differ in gain and curve, so the same rule must be applied to the pictures that a
+/// model is trained on and to those that it searches.
 pub fn level(pixels: &mut [u8]) {
     let mut counts = [0_usize; 256];
     for &pixel in pixels.iter() {
@@ -181,8 +182,8 @@ pub fn level(pixels: &mut [u8]) {
     }
 }
 
-/// The smallest level above 0 that [`BRIGHT_SHARE`] of the pixels above 0 do not exceed; `None`
-/// without such pixels.
+/// Returns the smallest level above 0 that [`BRIGHT_SHARE`] of the pixels above 0 do not exceed;
+/// `None` without such pixels.
 fn percentile(counts: &[usize; 256]) -> Option<f32> {
     let total: usize = counts[1..].iter().sum();
     let goal = (BRIGHT_SHARE * total as f64).ceil() as usize;
@@ -210,7 +211,7 @@ mod tests {
 
     #[test]
     fn the_95th_percentile_of_the_echo_becomes_180() {
-        // 1 to 100 once each, between pixels without an echo: the 95th percentile is 95.
+        // The levels 1 to 100 once each, between pixels without an echo: the 95th percentile is 95.
         let mut pixels: Vec<u8> = (1..=100).flat_map(|level| [0, level]).collect();
         level(&mut pixels);
         assert_eq!(pixels[2 * 95 - 1], 180);

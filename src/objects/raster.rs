@@ -1,10 +1,11 @@
-//! One side of the survey as a picture whose pixels are square on the bottom.
+//! Resamples one side of the survey into a picture whose pixels are square on the bottom.
 //!
 //! Rows follow the distance sailed, columns the slant range outward, both in steps of
 //! [`Raster::pixel_m`]; port and starboard look alike (range grows to the right, shadows fall to
-//! the right), so that a detector learns one geometry. The range stays slant: the water column
-//! tells a fish from a stone, and the picture depends on no first return. Beyond twice the altitude
-//! a metre of slant range is within 15 % of a metre on the bottom.
+//! the right), so that a detector learns one geometry. Columns are slant range, not ground range:
+//! the water column distinguishes a fish from a stone, and the picture does not depend on a first
+//! return. Beyond twice the altitude, a metre of slant range differs from a metre on the bottom by
+//! less than 15 %.
 
 use super::{Mark, Rect};
 use bathyscope_log::survey::{Navigation, Side, Survey};
@@ -12,18 +13,18 @@ use std::ops::Range;
 
 /// Rows and columns of a tile.
 pub const TILE_PX: usize = 416;
-/// Speed assumed where the log states none, metres a second.
+/// Speed assumed where the speed in the log is missing or too high, metres a second.
 const USUAL_SPEED_MPS: f64 = 1.5;
-/// Least speed counted: a boat at rest repeats the same ground, but every ping keeps its place in
-/// the order.
+/// Least speed that is used, metres a second: a boat at rest records the same ground again, but
+/// every ping must keep its place in the order.
 const LEAST_SPEED_MPS: f64 = 0.05;
-/// Highest speed counted, 15 knots: what seems faster are positions that jump, and would draw every
-/// ping over many rows.
+/// Highest speed that is used, 15 knots in metres a second: a higher one is due to positions that
+/// jump, and would stretch a ping over many rows.
 const MOST_SPEED_MPS: f64 = 8.0;
-/// Longest pause counted between two pings, seconds.
+/// Longest pause between two pings that is used, seconds.
 const LONGEST_PAUSE_S: f64 = 2.0;
 
-/// Places of the pings in the picture; the pixels are made a tile at a time.
+/// Places of the pings in the picture. The pixels are computed one tile at a time.
 #[derive(Clone, Debug)]
 pub struct Raster {
     pixel_m: f64,
@@ -32,10 +33,10 @@ pub struct Raster {
     columns: usize,
 }
 
-/// A piece of the picture.
+/// A tile of the picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RasterTile {
-    /// The side.
+    /// Side of the survey.
     pub side: Side,
     /// Row of the picture that the tile starts at.
     pub row: usize,
@@ -46,7 +47,8 @@ pub struct RasterTile {
 }
 
 impl Raster {
-    /// Lays the pings out. `pixel_m` is the side of a pixel, metres (0.04 for the shipped models).
+    /// Computes the places of the pings. `pixel_m` is the side of a pixel, metres (0.04 for the
+    /// shipped models).
     pub fn new(survey: &Survey, navigation: &Navigation, pixel_m: f64) -> Self {
         let mut along_m = Vec::with_capacity(survey.side_scan.len());
         let (mut distance_m, mut last_s) = (0.0, f64::NAN);
@@ -71,12 +73,13 @@ impl Raster {
         Self {
             pixel_m,
             along_m,
-            // A recorder's range is below a kilometre; what a damaged header claims is cut there.
+            // A recorder's range is below a kilometre; a larger one is from a damaged header and is
+            // limited.
             columns: (far_m.min(1000.0) / pixel_m).ceil() as usize,
         }
     }
 
-    /// The same picture in larger pixels.
+    /// Returns the raster with pixels that are larger by a factor.
     pub fn coarser(&self, factor: f64) -> Self {
         Self {
             pixel_m: self.pixel_m * factor,
@@ -85,23 +88,22 @@ impl Raster {
         }
     }
 
-    /// Side of a pixel, metres.
+    /// Returns the side of a pixel, metres.
     pub fn pixel_m(&self) -> f64 {
         self.pixel_m
     }
 
-    /// Rows of the whole picture.
+    /// Returns the number of rows of the whole picture.
     pub fn rows(&self) -> usize {
         (self.along_m.last().copied().unwrap_or(0.0) / self.pixel_m).ceil() as usize
     }
 
-    /// Columns of the whole picture: the survey's longest range.
+    /// Returns the number of columns of the whole picture, given by the survey's longest range.
     pub fn columns(&self) -> usize {
         self.columns
     }
 
-    /// The row, counted in fractions, of a ping counted in fractions (a ping covers `ping` to
-    /// `ping + 1`).
+    /// Returns the row of a ping, both as fractional numbers (a ping covers `ping` to `ping + 1`).
     pub fn row_of(&self, ping: f64) -> f64 {
         let centred = (ping - 0.5).clamp(0.0, self.along_m.len().saturating_sub(1) as f64);
         let low = centred.floor() as usize;
@@ -112,7 +114,7 @@ impl Raster {
         (from_m + (to_m - from_m) * centred.fract()) / self.pixel_m
     }
 
-    /// Inverse of [`Raster::row_of`].
+    /// Returns the ping of a row: the inverse of [`Raster::row_of`].
     pub fn ping_of(&self, row: f64) -> f64 {
         let goal_m = row * self.pixel_m;
         let after = self.along_m.partition_point(|&along_m| along_m < goal_m);
@@ -127,7 +129,7 @@ impl Raster {
         before as f64 + 0.5 + (goal_m - from_m) / (to_m - from_m)
     }
 
-    /// A mark as a box in the whole picture.
+    /// Converts a mark to a box in the pixels of the whole picture.
     pub fn rect_of(&self, mark: &Mark) -> Rect {
         Rect::new(
             [(mark.near_m / self.pixel_m) as f32, self.row_of(mark.pings.start as f64) as f32],
@@ -135,7 +137,7 @@ impl Raster {
         )
     }
 
-    /// A box in the whole picture as a mark of at least one ping.
+    /// Converts a box in the pixels of the whole picture to a mark of at least one ping.
     pub(crate) fn mark_of(&self, side: Side, rect: &Rect) -> Mark {
         let start = self.ping_of(f64::from(rect.y0)).round().max(0.0) as usize;
         let end = self.ping_of(f64::from(rect.y1)).round() as usize;
@@ -147,7 +149,8 @@ impl Raster {
         )
     }
 
-    /// Row and column at which a tile about the middle of a box starts, held to the picture.
+    /// Returns the row and column at which a tile around the middle of a box starts, limited to the
+    /// picture.
     pub(crate) fn start_about(&self, rect: &Rect) -> [usize; 2] {
         let start = |from: f32, to: f32, count: usize| {
             let requested = (0.5 * (from + to) - 0.5 * TILE_PX as f32).max(0.0) as usize;
@@ -156,9 +159,9 @@ impl Raster {
         [start(rect.y0, rect.y1, self.rows()), start(rect.x0, rect.x1, self.columns())]
     }
 
-    /// Returns true if most pings of a tile were recorded to the middle of its columns at least. A
-    /// network sees nothing in rows of which most are dark, and a few pings of a long range must
-    /// not make a survey wide.
+    /// Returns true if most pings of a tile were recorded at least to the middle of its columns. A
+    /// network finds nothing in rows that are mostly dark, and a few pings of a long range must not
+    /// make the whole survey wide.
     pub(crate) fn is_recorded(
         &self,
         survey: &Survey,
@@ -179,13 +182,12 @@ impl Raster {
             count += 1;
             reaching += usize::from(f64::from(span.far_m) >= middle_m);
         }
-        // Where there is none, those before and after are drawn.
+        // If the tile has no ping of its own, the pings before and after it are drawn.
         2 * reaching >= count
     }
 
-    /// Draws a tile: each pixel is the mean of the samples that it covers in a ping, and between
-    /// pings it is interpolated; where pings lie closer than rows it is the mean of those in the
-    /// row.
+    /// Draws a tile. Each pixel is the mean of the samples of a ping that it covers; between pings,
+    /// rows are interpolated, and if pings are closer than rows, a row is the mean of its pings.
     pub fn tile(&self, survey: &Survey, side: Side, row: usize, column: usize) -> RasterTile {
         let mut pixels = vec![0; TILE_PX * TILE_PX];
         let mut lines = Lines::new(survey, side, self.pixel_m, column);
@@ -208,7 +210,7 @@ impl Raster {
         RasterTile { side, row, column, pixels }
     }
 
-    /// The pings that make a row, with weights that add up to 1.
+    /// Returns the pings of a row, with weights that add up to 1.
     fn weights(&self, middle_m: f64) -> impl Iterator<Item = (usize, f32)> {
         let half_m = 0.5 * self.pixel_m;
         let place = |goal_m: f64| self.along_m.partition_point(|&along_m| along_m < goal_m);
@@ -239,20 +241,22 @@ impl Raster {
     }
 }
 
-/// The sample whose near edge is nearest to a place counted in samples; the first of all before it.
-/// Without `f64::round`, which is a function of the C library and took a third of a tile.
+/// Returns the sample whose near edge is nearest to a fractional sample number; 0 for a negative
+/// one. Does not use `f64::round`, which is a function of the C library and took a third of the
+/// time of a tile.
 fn index_at(sample: f64) -> usize {
     let low = sample as usize;
     low.saturating_add(usize::from(sample - low as f64 >= 0.5))
 }
 
-/// The level nearest to a number that is not negative.
+/// Returns the level nearest to a number that is not negative.
 fn rounded(level: f32) -> u8 {
     let low = level as u8;
     low.saturating_add(u8::from(level - f32::from(low) >= 0.5))
 }
 
-/// Pings resampled to the columns of one tile; a row uses the same few pings as its neighbour.
+/// Pings resampled to the columns of one tile. The last two are kept, since a row uses the same few
+/// pings as its neighbour.
 struct Lines<'a> {
     survey: &'a Survey,
     side: Side,
@@ -297,7 +301,7 @@ impl<'a> Lines<'a> {
             let near_m = (self.column + index) as f64 * self.pixel_m;
             let from = index_at(span.sample_at(near_m));
             let to = index_at(span.sample_at(near_m + self.pixel_m));
-            // Where samples are coarser than pixels, the sample that the pixel's middle lies in.
+            // If samples are coarser than pixels, the sample at the pixel's middle is used.
             let middle = span.sample_at(near_m + 0.5 * self.pixel_m);
             let covered = if to > from {
                 from..to.min(part.end)

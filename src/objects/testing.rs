@@ -1,9 +1,9 @@
-//! A survey for the tests of this room.
+//! Creates surveys for the tests of this crate.
 
 use bathyscope_log::survey::{Bytes, Navigation, PingNav, SidePing, SideSpan, Survey};
 
-/// Pings a tenth of a second apart at 2 m/s: 0.2 m each, 100 samples over 10 m, sample i of ping p
-/// holding `level`.
+/// Creates a survey of pings a tenth of a second apart at 2 m/s, which is 0.2 m for each ping, with
+/// 100 samples over 10 m; sample i of ping p has the level `level(p, i)`.
 pub(super) fn survey(pings: usize, level: impl Fn(usize, usize) -> u8) -> (Survey, Navigation) {
     let bytes: Vec<u8> = (0..pings)
         .flat_map(|ping| (0..100).map(move |sample| (ping, sample)))
@@ -17,7 +17,8 @@ pub(super) fn survey(pings: usize, level: impl Fn(usize, usize) -> u8) -> (Surve
     (survey, navigation_of(pings))
 }
 
-/// A boat at 2 m/s, always at the same place of the map: what only counts its way does not mind.
+/// Creates the navigation of a boat with a speed of 2 m/s that stays at the same place on the map,
+/// for tests that use only the distance sailed.
 pub(super) fn navigation_of(pings: usize) -> Navigation {
     Navigation::of_pings(vec![PingNav::northbound([0.0; 2], 2.0); pings])
 }

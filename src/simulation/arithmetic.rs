@@ -1,13 +1,13 @@
-//! Elementary functions from IEEE 754 operations alone, so that a scene gives the same bytes on
-//! every machine.
+//! Computes elementary functions with IEEE 754 operations alone, so that a scene gives the same
+//! bytes on every machine.
 //!
-//! The standard library's `ln`, `exp`, `sin` and `atan` go to the system's math library, whose last
-//! digit differs from one system to the next. These agree with them to about 1e-9, far below what a
-//! recorder's byte can show.
+//! The standard library's `ln`, `exp`, `sin` and `atan` call the system's math library, whose last
+//! digit differs between systems. The functions here agree with them to about 1e-9, far below the
+//! resolution of a recorder's byte.
 
 use std::f64::consts::{FRAC_PI_2, LN_2, LN_10, PI, SQRT_2};
 
-/// Natural logarithm of a positive normal number.
+/// Returns the natural logarithm of a positive normal number.
 pub(super) fn ln(x: f64) -> f64 {
     let bits = x.to_bits();
     let mut exponent = ((bits >> 52) & 0x7ff) as f64 - 1023.0;
@@ -23,7 +23,7 @@ pub(super) fn ln(x: f64) -> f64 {
     exponent * LN_2 + 2.0 * s * series
 }
 
-/// e to the power of `x`; 0 below -700, and `x` is taken as 700 above it.
+/// Returns e to the power of `x`; 0 for `x` below -700, e to the power of 700 for `x` above 700.
 pub(super) fn exp(x: f64) -> f64 {
     if x < -700.0 {
         return 0.0;
@@ -38,17 +38,17 @@ pub(super) fn exp(x: f64) -> f64 {
     series * f64::from_bits(((whole as i64 + 1023) as u64) << 52)
 }
 
-/// 10 to the power of `decibel / 10`.
+/// Returns 10 to the power of `decibel / 10`.
 pub(super) fn from_db(decibel: f64) -> f64 {
     exp(decibel * (LN_10 / 10.0))
 }
 
-/// Ten times the decimal logarithm of a positive number.
+/// Returns ten times the decimal logarithm of a positive number.
 pub(super) fn to_db(power: f64) -> f64 {
     ln(power) * (10.0 / LN_10)
 }
 
-/// Sine of an angle in radians.
+/// Returns the sine of an angle in radians.
 pub(super) fn sin(x: f64) -> f64 {
     let half_turns = (x / PI).round();
     let r = x - half_turns * PI;
@@ -62,12 +62,12 @@ pub(super) fn sin(x: f64) -> f64 {
     if odd { -r * series } else { r * series }
 }
 
-/// Cosine of an angle in radians.
+/// Returns the cosine of an angle in radians.
 pub(super) fn cos(x: f64) -> f64 {
     sin(x + FRAC_PI_2)
 }
 
-/// Arc tangent, radians.
+/// Returns the arc tangent, radians.
 pub(super) fn atan(x: f64) -> f64 {
     // Three halvings of the angle bring the argument below 0.2.
     let halved = |x: f64| x / (1.0 + (1.0 + x * x).sqrt());
@@ -77,14 +77,14 @@ pub(super) fn atan(x: f64) -> f64 {
     8.0 * s * series
 }
 
-/// Direction of the vector (`east`, `north`), radians clockwise from north, 0 to 2 pi; 0 for the
-/// zero vector.
+/// Returns the direction of the vector (`east`, `north`), radians clockwise from north, 0 to 2 pi;
+/// 0 for the zero vector.
 pub(super) fn bearing(east: f64, north: f64) -> f64 {
     let length = (east * east + north * north).sqrt();
     if length == 0.0 {
         return 0.0;
     }
-    // The half-angle form has no quadrants; it fails only at due south.
+    // The half-angle formula needs no cases for quadrants; it fails only at due south.
     let angle = if north <= -length { PI } else { 2.0 * atan(east / (length + north)) };
     angle.rem_euclid(2.0 * PI)
 }

@@ -1,4 +1,4 @@
-//! Plans the faults of the whole survey: which pings they affect, and how much.
+//! Plans the faults of a simulated survey: which pings they affect, and how much.
 
 use super::arithmetic::{exp, from_db, sin, to_db};
 use super::listener::Beam;
@@ -8,7 +8,7 @@ use super::scene::{Scene, Shoal};
 use bathyscope_log::survey::Side;
 use std::f64::consts::{LN_10, PI};
 
-/// Fault of one ping.
+/// Faults of one ping.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Trouble {
     /// Factor on the power of every echo.
@@ -19,7 +19,7 @@ pub(super) struct Trouble {
     pub missing: bool,
     /// True if another sounder interferes.
     pub interference: bool,
-    /// A fish in the water column.
+    /// A fish in the water column; `None` without one.
     pub fish: Option<Fish>,
     /// Recorded range, metres.
     pub range_m: f64,
@@ -31,13 +31,13 @@ pub(super) struct Fish {
     pub side: Side,
     /// First ping of the row.
     pub first_ping: u64,
-    /// Its slant range when it is abeam, as a share of the depth at that ping.
+    /// Slant range of the fish when it is abeam, as a share of the depth at `first_ping`.
     pub depth_share: f64,
-    /// Distance that it has swum outward since then, metres.
+    /// Distance that the fish has swum outward since it was abeam, metres; negative before.
     pub outward_m: f64,
     /// Distance ahead of the boat, metres; negative astern.
     pub ahead_m: f64,
-    /// Strength of its echo over that of a level bottom's edge, dB.
+    /// Strength of the echo over that of a level bottom's edge, dB.
     pub strength_db: f64,
 }
 
@@ -45,28 +45,28 @@ pub(super) struct Fish {
 const GAIN_DROP_M: f64 = 10.0;
 /// Time over which the fixes wander, seconds.
 const DRIFT_S: f64 = 30.0;
-/// Longest row of pings that a dropout takes.
+/// Largest number of consecutive pings that are missing.
 const LONGEST_DROPOUT: u64 = 5;
-/// Longest row of pings that show a fish. In the real river recording, echoes in the water column
-/// are up to a dozen pings long, a metre of the boat's way: a fish of some length, or one that
-/// keeps up with the boat for a while.
+/// Largest number of consecutive pings that show a fish. In the real river recording, echoes in the
+/// water column are up to a dozen pings long, a metre of the boat's way: a fish of some length, or
+/// one that keeps up with the boat for a while.
 const LONGEST_FISH: u64 = 8;
-/// Fastest that a fish swims away or nearer, metres a second: cruising, two lengths of a fish of 15
-/// cm.
+/// Fastest speed of a fish towards or away from the boat, metres a second: cruising speed, two
+/// lengths a second of a fish of 15 cm.
 const FISH_SPEED_MPS: f64 = 0.3;
-/// Fish farther off the beam's middle than this many standard deviations return no echo.
+/// Distance from the beam's middle beyond which fish return no echo, standard deviations.
 const BEAM_REACH: f64 = 3.0;
 
 impl Fish {
-    /// Slant range over water of a depth, metres: the arch that a point makes on the picture of a
-    /// boat that passes it.
+    /// Returns the slant range of the fish in water of a depth, metres: over the pings a fish draws
+    /// the arch that a passing boat records of a point.
     pub(super) fn range_m(&self, depth_m: f64) -> f64 {
         let abeam_m = self.depth_share * depth_m + self.outward_m;
         (abeam_m * abeam_m + self.ahead_m * self.ahead_m).sqrt()
     }
 }
 
-/// The plan for a survey.
+/// Plan of the faults of a survey.
 pub(super) struct ArtefactPlan<'a> {
     scene: &'a Scene,
     seed: u64,
@@ -75,13 +75,13 @@ pub(super) struct ArtefactPlan<'a> {
     drift: NoiseField,
     /// Metres along the way at which the gain drop starts.
     gain_drop_m: f64,
-    /// Shares of the way between which the range is changed.
+    /// Begin and end of the stretch with a changed range, as shares of the way.
     range_change: [f64; 2],
     length_m: f64,
 }
 
 impl<'a> ArtefactPlan<'a> {
-    /// Draws where along the way things go wrong.
+    /// Draws the places of the faults along the way at random.
     pub(super) fn new(scene: &'a Scene, path: &Path, seed: u64) -> Self {
         let mut random = Random::new(seed, RandomPurpose::Plan, 0);
         let length_m = path.length_m();
@@ -100,14 +100,14 @@ impl<'a> ArtefactPlan<'a> {
 
     /// Returns the error of a fix at a time, metres east and north.
     pub(super) fn position_error_m(&self, time_s: f64) -> [f64; 2] {
-        // Two rows of the field that have nothing in common.
+        // Two rows of the noise field that are far enough apart to be independent.
         [0.0, 100.0 * DRIFT_S].map(|row| {
             let since_first = self.drift.at(time_s, row) - self.drift.at(0.0, row);
             self.scene.artefacts.position_m * since_first
         })
     }
 
-    /// Fault of a ping at a time and a place along the way.
+    /// Returns the faults of a ping at a time and a place along the way.
     pub(super) fn at(&self, ping: u64, time_s: f64, travelled_m: f64) -> Trouble {
         let artefacts = &self.scene.artefacts;
         let share = travelled_m / self.length_m;
@@ -134,7 +134,8 @@ impl<'a> ArtefactPlan<'a> {
         if dropped { wander * artefacts.gain_drop } else { wander }
     }
 
-    /// A rocking boat: a period of 2.6 s whose strength comes and goes.
+    /// Returns the roll of a rocking boat, radians: an oscillation with a period of 2.6 s and a
+    /// varying amplitude.
     fn roll_rad(&self, time_s: f64) -> f64 {
         let amplitude = self.scene.artefacts.roll_deg.to_radians();
         let strength = 0.5 + 0.5 * (self.swing.at(time_s, 0.0) / 2.4);
@@ -154,8 +155,8 @@ impl<'a> ArtefactPlan<'a> {
         Some(Fish {
             side,
             first_ping,
-            // Anywhere in the water, down to the bottom: as much of it lies at a range as the half
-            // circle there is long.
+            // Uniform over the water, down to the bottom: the area of water at a range is
+            // proportional to the length of the half circle there.
             depth_share: random.unit().sqrt(),
             outward_m: outward_mps * pings / track.ping_rate_hz,
             ahead_m: -pings * track.speed_mps / track.ping_rate_hz,
@@ -163,8 +164,9 @@ impl<'a> ArtefactPlan<'a> {
         })
     }
 
-    /// The start of the row of troubled pings that holds this ping. Rows are 1 to `longest` pings
-    /// long and together take a share of all pings.
+    /// Returns the first ping of the row of pings with a fault that contains this ping; `None`
+    /// where the ping is in no row. Rows are 1 to `longest` pings long and together make up `share`
+    /// of all pings.
     fn row(&self, ping: u64, share: f64, longest: u64, purpose: RandomPurpose) -> Option<u64> {
         let mean_length = 0.5 * (1.0 + longest as f64);
         (0..longest).find_map(|back| {
@@ -176,14 +178,14 @@ impl<'a> ArtefactPlan<'a> {
     }
 }
 
-/// The places of a shoal's fish: metres east, north and below the surface, and the strength of
-/// each, dB.
+/// The fish of a shoal: place of each, metres east, north and below the surface, and strength of
+/// its echo, dB.
 ///
-/// Each fish is an echo of its own wherever it swims, in the water column or over the ground.
+/// Each fish returns a separate echo, in the water column or over the ground.
 pub(super) struct Fishes(Vec<([f64; 3], f64)>);
 
 impl Fishes {
-    /// Places the fish of a shoal: dense in the middle, twice as wide as high.
+    /// Draws the places of the fish of a shoal: dense in the middle, twice as wide as high.
     pub(super) fn new(shoal: &Shoal, seed: u64) -> Self {
         let mut random = Random::new(seed, RandomPurpose::Shoal, 0);
         let fish = (0..shoal.count).map(|_| {
@@ -199,7 +201,7 @@ impl Fishes {
         Self(fish.collect())
     }
 
-    /// Slant ranges (metres) and strengths (dB) of the fish that one side insonifies.
+    /// Returns the slant ranges (metres) and strengths (dB) of the fish that one side insonifies.
     pub(super) fn echoes(
         &self,
         pose: BoatPose,
@@ -225,12 +227,12 @@ impl Fishes {
     }
 }
 
-/// Ring-down power at a slant range: a fast and a slow decay.
+/// Returns the ring-down power at a slant range: the sum of a fast and a slow decay.
 pub(super) fn ring_down(range_m: f64) -> f64 {
     2e-2 * exp(-range_m / 0.035) + 4e-6 * exp(-range_m / 0.12)
 }
 
-/// Share of the power left after absorption over a slant range, there and back.
+/// Returns the share of the power that is left after absorption over a slant range, there and back.
 pub(super) fn absorption(db_per_km: f64, range_m: f64) -> f64 {
     exp(-2.0 * db_per_km * 1e-3 * range_m * LN_10 / 10.0)
 }
@@ -259,7 +261,7 @@ mod tests {
         assert!((interference - 0.015).abs() < 0.002, "{interference}");
         let fish: Vec<Fish> = troubles.iter().filter_map(|trouble| trouble.fish).collect();
         let deep = fish.iter().filter(|fish| fish.depth_share > 0.9).count();
-        // 1 - 0.9^2 of a half disc lies in its outer tenth.
+        // A share of 1 - 0.9^2 of the area of a half disc is in the outer tenth of its radius.
         let deep = deep as f64 / fish.len() as f64;
         assert!((deep - 0.19).abs() < 0.05, "{deep}");
         let steepest = troubles.iter().map(|trouble| trouble.roll_rad.abs()).fold(0.0, f64::max);

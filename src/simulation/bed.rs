@@ -1,12 +1,12 @@
-//! The ground as a depth at every place: swells, stones, and the shapes that water makes of sand:
-//! ripples in patches, pits scoured out of it, and mounds and hollows.
+//! Computes the depth of the ground at every place from swells, roughness, stones, and the shapes
+//! that water makes of sand: ripples in patches, scoured pits, mounds and hollows.
 
 use super::arithmetic::{cos, exp, sin};
 use super::random::{NoiseField, Random, RandomPurpose, mix, smooth};
 use super::scene::{Bank, BedKind, BedSettings, Mound, Pit, RippleSettings, Terrace};
 use std::f64::consts::PI;
 
-/// Appearance of a kind of ground.
+/// Properties of a kind of ground.
 struct Character {
     /// Steepest slope that the swells can reach together, degrees.
     slope_deg: f64,
@@ -15,10 +15,10 @@ struct Character {
     /// Two sizes of roughness: distance between bumps and standard deviation of their height,
     /// metres.
     roughness_m: [(f64, f64); 2],
-    /// True if stones lie about.
+    /// True if there are scattered stones.
     stones: bool,
-    /// Shape of the texture's gamma distribution: how much the strength of neighbouring places
-    /// differs (small: much).
+    /// Shape parameter of the texture's gamma distribution: the smaller it is, the more the
+    /// strength of neighbouring places differs.
     texture_shape: f64,
 }
 
@@ -42,9 +42,9 @@ impl BedKind {
             BedKind::Rough => Character {
                 slope_deg: 6.0,
                 wavelengths_m: [34.0, 21.0, 13.0],
-                // Coarse gravel and cobbles, whose surface stands out by about half of their size.
-                // In the real river recording, the first return scatters by 6 to 9 cm over 1.5 m on
-                // its boulder fields.
+                // Coarse gravel and cobbles, which rise above the ground by about half of their
+                // size. In the real river recording, the first return scatters by 6 to 9 cm over
+                // 1.5 m on its boulder fields.
                 roughness_m: [(0.9, 0.035), (0.4, 0.012)],
                 stones: true,
                 texture_shape: 1.0,
@@ -53,15 +53,15 @@ impl BedKind {
     }
 }
 
-/// A long sine in the ground.
+/// A long sine wave in the ground.
 struct Swell {
     amplitude_m: f64,
-    /// Radians per metre east and north.
+    /// Wave number: radians per metre east and north.
     wave: [f64; 2],
     phase: f64,
 }
 
-/// The ground without its objects. Places are metres from the scene's centre.
+/// The ground without objects. Places are metres from the scene's centre.
 pub(super) struct SceneBed {
     mean_depth_m: f64,
     swells: Vec<Swell>,
@@ -76,39 +76,39 @@ pub(super) struct SceneBed {
     patches: NoiseField,
     /// Spread of the patches' natural logarithm.
     patch_spread: f64,
-    /// Power of the cosine that the ground scatters by.
+    /// Exponent of the cosine in the scattering law of the ground.
     pub scatter_power: f64,
     terrace: Option<Terrace>,
-    /// Half extents and rise over run of the bank.
+    /// Half extents of the pond east and north, metres, and slope of its bank (rise over run).
     bank: Option<[f64; 3]>,
 }
 
-/// Shares of the steepest slope that the three swells take.
+/// Shares of the three swells in the steepest slope.
 const SLOPE_SHARES: [f64; 3] = [0.55, 0.3, 0.15];
 /// Distance over which the foot of the bank is rounded, metres.
 const BANK_FOOT_M: f64 = 0.6;
-/// Size of the texture's grains, metres.
+/// Size of the grains of the texture, metres.
 const TEXTURE_M: f64 = 0.4;
-/// Size of the patches of finer and coarser sediment, metres, and their spread, as a natural
-/// logarithm (about 2 dB).
+/// Size of the patches of finer and coarser sediment, metres, and standard deviation of the natural
+/// logarithm of their strength (about 2 dB).
 const PATCHES: (f64, f64) = (7.0, 0.45);
-/// Size of the patches that the ripples lie in, and of the bends of their crests, metres.
+/// Size of the patches of ripples, and of the bends of their crests, metres.
 const PATCH_M: (f64, f64) = (6.0, 2.5);
-/// Bend of a crest, in wavelengths (standard deviation).
+/// Bend of a crest, wavelengths (standard deviation).
 const BEND: f64 = 0.25;
 /// Square of the distance, in radii, beyond which a mound is lower than the last digit of any
-/// depth: e to the power of -50 of its height.
+/// depth: its height times e to the power of -50.
 const FAR: f64 = 100.0;
-/// Side of a cell, metres.
+/// Side of a square cell of the ground with one stone, metres.
 const CELL_M: f64 = 1.6;
 /// Smallest and largest radius of a stone, metres.
 const RADIUS_M: (f64, f64) = (0.08, 0.28);
-/// Height of a stone as a share of its radius. Stones of a river lie on their flat side, about 0.6
+/// Height of a stone as a share of its radius. River stones rest on their flat side, are about 0.6
 /// of their length high, and half of that is in the ground.
 const HEIGHT_SHARE: f64 = 0.6;
 
 impl SceneBed {
-    /// The ground of a scene; the seed places its swells and bumps.
+    /// Creates the ground of a scene; `seed` determines its swells and bumps.
     pub(super) fn new(settings: &BedSettings, seed: u64) -> Self {
         let character = settings.kind.character();
         let mut random = Random::new(seed, RandomPurpose::Swells, 0);
@@ -151,7 +151,7 @@ impl SceneBed {
         }
     }
 
-    /// A level, even ground at the mean depth, to set levels on.
+    /// Creates a level, even ground at the mean depth, on which echo levels are set.
     pub(super) fn level(settings: &BedSettings) -> Self {
         Self {
             swells: Vec::new(),
@@ -167,7 +167,7 @@ impl SceneBed {
         }
     }
 
-    /// Depth of the ground below the water surface, metres; negative on land.
+    /// Returns the depth of the ground below the water surface, metres; negative on land.
     pub(super) fn depth_m(&self, east_m: f64, north_m: f64) -> f64 {
         let mut depth = self.mean_depth_m;
         for swell in &self.swells {
@@ -199,7 +199,7 @@ impl SceneBed {
         }
     }
 
-    /// Returns the scattering strength of a place, as a factor of mean about 1.
+    /// Returns the scattering strength of a place, as a factor with a mean of about 1.
     pub(super) fn strength(&self, east_m: f64, north_m: f64) -> f64 {
         let texture = self.texture_spread * self.texture.at(east_m, north_m);
         let patches = self.patch_spread * self.patches.at(east_m, north_m);
@@ -212,14 +212,14 @@ impl SceneBed {
 /// Ripples over the ground.
 struct Ripples {
     amplitude_m: f64,
-    /// Radians per metre east and north.
+    /// Wave number: radians per metre east and north.
     wave: [f64; 2],
     patches: NoiseField,
     bends: NoiseField,
 }
 
 impl Ripples {
-    /// Ripples whose patches and bends come from the seed.
+    /// Creates ripples; `seed` determines their patches and bends.
     fn new(settings: &RippleSettings, seed: u64) -> Self {
         let number = 2.0 * PI / settings.wavelength_m;
         let direction = settings.heading_deg.to_radians();
@@ -231,7 +231,7 @@ impl Ripples {
         }
     }
 
-    /// Height of the ripples at a place, metres; the mean is 0.
+    /// Returns the height of the ripples at a place, metres; the mean is 0.
     fn height_m(&self, east_m: f64, north_m: f64) -> f64 {
         let share = smooth(0.8 + 0.8 * self.patches.at(east_m, north_m));
         if share == 0.0 {
@@ -255,32 +255,33 @@ impl Mound {
 }
 
 impl Pit {
-    /// Returns the depth of the pit at a place, below the ground around it, metres; negative on the
-    /// rim, where the scoured-out sand lies.
+    /// Returns the depth of the pit at a place below the ground around it, metres; negative on the
+    /// rim of scoured-out sand.
     fn depth_at_m(&self, east_m: f64, north_m: f64) -> f64 {
         let (east, north) = (east_m - self.east_m, north_m - self.north_m);
         let off = (east * east + north * north) / (self.radius_m * self.radius_m);
         if off < 1.0 {
             return self.depth_m * (1.0 - off) * (1.0 - off);
         }
-        // The rim is highest midway of a ring half a radius wide.
+        // The rim is a ring half a radius wide, and highest midway.
         let rim = (off - 1.0) * (2.25 - off);
         if rim > 0.0 { -0.4 * self.depth_m * rim * rim } else { 0.0 }
     }
 }
 
-/// Strewn stones.
+/// Scattered stones.
 struct Stones {
     key: u64,
 }
 
 impl Stones {
-    /// Stones whose places and sizes come from the seed.
+    /// Creates stones; `seed` determines their places and sizes.
     fn new(seed: u64) -> Self {
         Self { key: mix(seed ^ mix(RandomPurpose::Stones as u64)) }
     }
 
-    /// Height of a stone's surface above the ground at a place, metres; 0 between stones.
+    /// Returns the height of a stone's surface above the ground at a place, metres; 0 between
+    /// stones.
     fn height_m(&self, east_m: f64, north_m: f64) -> f64 {
         let (column, row) = ((east_m / CELL_M).floor(), (north_m / CELL_M).floor());
         let place = (column as i64 as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15)
@@ -300,7 +301,7 @@ impl Stones {
 }
 
 impl Terrace {
-    /// 1 on the terrace, 0 away from it.
+    /// Returns 1 on the terrace, 0 away from it, and values between on the slope around it.
     fn share(&self, east_m: f64, north_m: f64) -> f64 {
         let beyond = |offset: f64, extent: f64| (offset.abs() - 0.5 * extent) / self.edge_m;
         let east = 1.0 - smooth(beyond(east_m - self.east_m, self.length_m));
@@ -320,7 +321,8 @@ fn tangent(degrees: f64) -> f64 {
     sin(angle) / cos(angle)
 }
 
-/// The smaller of two numbers, rounded off where they are within about `width` of each other.
+/// Returns the smaller of two numbers, with a smooth transition where they are within about `width`
+/// of each other.
 fn soft_min(a: f64, b: f64, width: f64) -> f64 {
     0.5 * (a + b - ((a - b) * (a - b) + width * width).sqrt())
 }
@@ -363,7 +365,7 @@ mod tests {
             BedSettings { mounds: vec![mound(5.0, 0.4), mound(-20.0, -0.3)], ..plain.clone() };
         let [flat, with] = [&plain, &settings].map(|bed| SceneBed::new(bed, 3));
         let rise = |east: f64, north: f64| flat.depth_m(east, north) - with.depth_m(east, north);
-        // The height itself, exp(-1/2) of it a radius away, and nothing far off.
+        // The whole height at the centre, exp(-1/2) of it a radius away, and 0 far away.
         for (east_m, north_m, expected_m) in
             [(5.0, 3.0, 0.4), (5.0, 4.5, 0.4 * 0.606_530_66), (-20.0, 3.0, -0.3), (40.0, 40.0, 0.0)]
         {

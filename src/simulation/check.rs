@@ -1,23 +1,25 @@
-//! Ready scenes, and scenes from TOML; refuses those that make no sense or would not fit into
-//! memory or the format.
+//! Creates preset scenes and reads scenes from TOML; refuses scenes that make no sense or would not
+//! fit into memory or the format.
 
 use super::path::Path;
 use super::scene::{BedKind, BedSettings, Scene, TrackSettings};
 use std::ops::RangeInclusive;
 
-/// A scene that cannot be simulated, in one sentence.
+/// Error of a scene that cannot be simulated; its text is one sentence.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct SceneError(pub String);
 
-/// Most pings of a scene.
+/// Largest number of pings of a scene.
 const MAX_PINGS: f64 = 500_000.0;
-/// Most bytes of a log: offsets in SL2 are 32 bits, and the whole log is built in memory.
+/// Largest number of bytes of a log: offsets in SL2 are 32 bits, and the whole log is built in
+/// memory.
 const MAX_BYTES: f64 = 2e9;
-/// The demo survey's scene, as it lies beside its log.
+/// Scene of the demo survey, from the file beside its log.
 const DEMO: &str = include_str!("../../assets/demo.toml");
 
-/// Returns with the first number of a part of a scene that lies outside its bounds.
+/// Returns an error from the calling function for the first setting of a part of a scene that is
+/// outside of its bounds.
 macro_rules! all_within {
     ($part:literal, $of:expr, { $($field:ident: $bounds:expr,)+ }) => {
         $(within(concat!($part, ".", stringify!($field)), $of.$field.into(), $bounds)?;)+
@@ -25,23 +27,23 @@ macro_rules! all_within {
 }
 
 impl Scene {
-    /// A pond with long swells and slopes up to 4 degrees; the default.
+    /// Creates a pond with long swells and slopes up to 4 degrees; the default.
     pub fn gentle() -> Self {
         Self::default()
     }
 
-    /// Ridges and troughs with slopes up to 20 degrees.
+    /// Creates a scene with ridges and troughs with slopes up to 20 degrees.
     pub fn steep() -> Self {
         Self::of_kind(BedKind::Steep, 3.2)
     }
 
-    /// Gravel and stones.
+    /// Creates a scene with gravel and stones.
     pub fn rough() -> Self {
         Self::of_kind(BedKind::Rough, 2.6)
     }
 
-    /// The bundled demo survey: a retention pond with banks, a level terrace, crossing lines and a
-    /// few objects.
+    /// Returns the scene of the bundled demo survey: a retention pond with banks, a level terrace,
+    /// crossing lines and a few objects.
     pub fn demo() -> Self {
         // A test parses the bundled text, so the default is never seen.
         Self::from_toml(DEMO).unwrap_or_default()
@@ -54,8 +56,8 @@ impl Scene {
         }
     }
 
-    /// A default scene with about `pings` pings a side: longer lines, at the same speed. For
-    /// benchmarks.
+    /// Creates a default scene with about `pings` pings on one straight line, at the default speed,
+    /// for benchmarks.
     pub fn with_pings(pings: u32) -> Self {
         let track = TrackSettings::default();
         let metres = f64::from(pings) * track.speed_mps / track.ping_rate_hz;
@@ -65,7 +67,7 @@ impl Scene {
         }
     }
 
-    /// Reads a scene from TOML; what is left out keeps its default.
+    /// Reads a scene from TOML; settings that are left out keep their defaults.
     ///
     /// # Errors
     /// When the text is not TOML, names an unknown setting, or describes a scene that
@@ -77,7 +79,7 @@ impl Scene {
     }
 }
 
-/// Fault of the TOML, on one line.
+/// Returns the error of the TOML parser on one line.
 fn sentence(error: &toml::de::Error) -> String {
     error.message().lines().collect::<Vec<_>>().join(", ")
 }
@@ -306,12 +308,12 @@ impl Scene {
     }
 }
 
-/// Refuses more things of a kind than a survey holds.
+/// Checks that there are at most 1000 things of a kind.
 fn few(what: &str, count: usize) -> Result<(), SceneError> {
     within(&format!("the number of {what}"), count as f64, 0.0..=1000.0)
 }
 
-/// Refuses a number outside its bounds, NaN included.
+/// Checks that a number is within its bounds; NaN is not.
 fn within(name: &str, value: f64, bounds: RangeInclusive<f64>) -> Result<(), SceneError> {
     if bounds.contains(&value) {
         return Ok(());

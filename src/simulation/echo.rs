@@ -1,11 +1,11 @@
 //! Computes the echo of the ground on one side of a ping: echo power by slant range, and the true
 //! first return.
 //!
-//! The ground is followed outward in steps, along three rays that stand for the width of the beam
-//! along the track. A step is insonified as far as nothing nearer hides it: on a height field it is
-//! visible iff its direction from the vertical exceeds that of all steps before it. A step's echo
-//! is spread over the range samples that it covers, so none is missed however short it is. Each
-//! side receives only its own half of the ground, from the point under the boat outward.
+//! The ground is followed outward in steps, along three rays that represent the width of the beam
+//! along the track. A step is insonified if nothing nearer hides it: on a height field a step is
+//! visible if its direction from the vertical exceeds that of all steps before it. The echo of a
+//! step is spread over the range samples that it covers, so that no step is missed, however short.
+//! Each side receives only its own half of the ground, from the point under the boat outward.
 
 use super::arithmetic::{atan, from_db};
 use super::ground::Ground;
@@ -14,36 +14,37 @@ use super::weed::WeedBed;
 
 /// Echoes that one side of one ping received, before losses, gain and noise.
 pub(super) struct Echo {
-    /// `sum of sigma G^2 azimuth ds` of each range sample, square metres at 1 m; times `r^-3` and
-    /// absorption it is power.
+    /// `sum of sigma G^2 azimuth ds` of each range sample, square metres at 1 m; multiplied by
+    /// `r^-3` and absorption this is the echo power.
     pub power: Vec<f64>,
     /// Slant range of the nearest ground in the plane across the boat's heading, metres; NaN where
     /// there is none.
     pub first_return_m: f64,
-    /// Slant range of the nearest weed, metres; infinite without any.
+    /// Slant range of the nearest weed, metres; infinite without weed.
     pub canopy_m: f64,
-    /// Objects insonified.
+    /// Objects that the middle ray insonifies.
     pub seen: Vec<ObjectEcho>,
-    /// Index of each object that the beam meets, with `power` as it would be without the object.
+    /// Index of each object in the beam, with `power` as it would be without the object.
     pub without: Vec<(usize, Vec<f64>)>,
 }
 
-/// An object as one ping insonified it.
+/// Slant ranges of an object and its shadow in one ping.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ObjectEcho {
     /// Index of the object.
     pub object: usize,
-    /// Slant range of the nearest point of its visible surface, metres.
+    /// Slant range of the nearest point of the visible surface, metres.
     pub near_m: f64,
-    /// Slant range of the farthest point of its visible surface, metres.
+    /// Slant range of the farthest point of the visible surface, metres.
     pub far_m: f64,
-    /// Slant range at which the ground behind it is seen again, metres; NaN when its shadow runs
-    /// off the range.
+    /// Slant range at which the ground behind the object is visible again, metres; NaN where the
+    /// shadow extends beyond the range.
     pub shadow_end_m: f64,
-    /// Height above the ground of the visible surface's far edge, over which the last ray before
-    /// the shadow goes, metres.
+    /// Height above the ground of the far edge of the visible surface, which casts the end of the
+    /// shadow, metres.
     pub top_height_m: f64,
-    /// Slant range at which the ground, seen or not, ends: the recorded range or the shore, metres.
+    /// Slant range at which the ground ends, visible or not: the recorded range or the shore,
+    /// metres.
     pub reach_m: f64,
 }
 
@@ -51,7 +52,7 @@ pub(super) struct ObjectEcho {
 const WEED_DB: f64 = -18.0;
 
 impl Listener<'_> {
-    /// Follows the ground outward.
+    /// Computes the echo that this side receives.
     pub(super) fn receive(&self) -> Echo {
         let mut echo = Echo {
             power: vec![0.0; self.samples],
@@ -82,8 +83,8 @@ impl Listener<'_> {
         echo
     }
 
-    /// Adds the echoes of the ground and of what grows on it; returns the slant range of the
-    /// nearest weed, metres.
+    /// Adds the echoes of the ground and of weed to `power`; returns the slant range of the nearest
+    /// weed, metres, infinite without weed.
     fn sound(&self, ground: &Ground, reach_m: f64, power: &mut [f64]) -> f64 {
         for ray in 0..3 {
             self.scatter(ground, ray, power);
@@ -99,13 +100,13 @@ impl Listener<'_> {
         nearest.sqrt()
     }
 
-    /// Adds the echo of one ray's visible steps.
+    /// Adds the echo of the visible steps of one ray to `power`.
     fn scatter(&self, ground: &Ground, ray: usize, power: &mut [f64]) {
         let steps = &self.beam.steps_m;
         let weight = Beam::RAY_WEIGHTS[ray] * self.beam.azimuth_rad;
         let [behind, _, ahead] = &ground.depth_m;
         let depth_m = &ground.depth_m[ray];
-        // Tangent, from the vertical, of the farthest direction seen so far.
+        // Tangent of the largest angle from the vertical at which ground was visible so far.
         let mut horizon = 0.0;
         for j in 1..depth_m.len() {
             let (d0, d1, y0, y1) = (depth_m[j - 1], depth_m[j], steps[j - 1], steps[j]);
@@ -132,7 +133,7 @@ impl Listener<'_> {
         }
     }
 
-    /// Spreads power evenly over the samples between two slant ranges.
+    /// Spreads power evenly over the samples between two slant ranges, metres.
     fn spread_over(&self, from_m: f64, to_m: f64, amount: f64, power: &mut [f64]) {
         let sample = |range_m: f64| (range_m + self.range_offset_m) / self.metres_per_sample;
         let (from, to) = (sample(from_m.min(to_m)).max(0.0), sample(from_m.max(to_m)));
@@ -154,7 +155,8 @@ impl Listener<'_> {
         }
     }
 
-    /// Distance from the track and slant range of the middle ray's visible steps, metres.
+    /// Returns the distance from the track and the slant range of the visible steps of the middle
+    /// ray, metres.
     fn visible_steps(&self, depth_m: &[f64]) -> Vec<[f64; 2]> {
         let mut horizon = 0.0;
         let mut visible = Vec::new();
@@ -167,15 +169,15 @@ impl Listener<'_> {
         visible
     }
 
-    /// Slant range of the farthest step, metres.
+    /// Returns the slant range of the farthest step, metres.
     fn last_step_m(&self, depth_m: &[f64]) -> f64 {
         let mut steps = depth_m.iter().zip(&self.beam.steps_m);
         let last = steps.next_back().map(|(d, y)| (d * d + y * y).sqrt());
         last.unwrap_or(0.0)
     }
 
-    /// Finds the slant ranges at which the middle ray sees an object, and at which its shadow ends;
-    /// `None` where the ray does not see it.
+    /// Finds the slant ranges at which the middle ray meets an object, and at which the shadow of
+    /// the object ends; `None` where the object is not visible to the ray.
     fn look_for(&self, object: usize, visible: &[[f64; 2]], reach_m: f64) -> Option<ObjectEcho> {
         let placed = &self.world.objects[object];
         let mut found: Option<ObjectEcho> = None;
@@ -204,8 +206,8 @@ impl Listener<'_> {
         found
     }
 
-    /// Adds the echo of a bed of weed; returns the slant range of its nearest leaves, metres,
-    /// infinite where none is met.
+    /// Adds the echo of a bed of weed to `power`; returns the slant range of its nearest leaves,
+    /// metres, infinite where the beam does not meet it.
     fn weed_echo_m(&self, weed: &WeedBed, depth_m: &[f64], reach_m: f64, power: &mut [f64]) -> f64 {
         let mut canopy_m = f64::INFINITY;
         if !weed.is_near(self.pose.east_m, self.pose.north_m, reach_m) {
@@ -225,7 +227,7 @@ impl Listener<'_> {
             let gain = self.beam.two_way_gain(atan(across / depth) + self.roll_rad);
             let strength = from_db(WEED_DB) * weed.density(east, north);
             let amount = strength * gain * self.beam.azimuth_rad * (across - step[0]);
-            // Most of the sound comes back from the upper third of the leaves.
+            // Most of the sound is returned by the upper third of the leaves.
             self.spread_over(top, top + (foot - top) / 3.0, 0.8 * amount, power);
             self.spread_over(top, foot, 0.2 * amount, power);
         }
@@ -242,7 +244,7 @@ mod tests {
     use crate::path::BoatPose;
     use bathyscope_log::survey::Side;
 
-    /// Level ground 3 m deep, seen to starboard with samples of 1 cm.
+    /// Computes the starboard echo of level ground 3 m deep, with samples of 1 cm.
     fn level_echo() -> Echo {
         let mut scene = Scene::gentle();
         scene.bed.mean_depth_m = 3.0;
@@ -265,8 +267,8 @@ mod tests {
         listener.receive()
     }
 
-    /// Echo of level ground between two slant ranges, by integrating the scattering law over the
-    /// ground.
+    /// Returns the echo of level ground between two slant ranges, by integrating the scattering law
+    /// over the ground.
     fn integral(depth: f64, from_m: f64, to_m: f64) -> f64 {
         let ground = |range: f64| (range * range - depth * depth).max(0.0).sqrt();
         let (y0, y1) = (ground(from_m), ground(to_m));

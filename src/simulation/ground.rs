@@ -1,17 +1,17 @@
-//! The ground as the three rays of a side meet it, with what lies on it or without one of the
-//! objects.
+//! Samples the ground along the three rays of a side, with all objects on it or without one of
+//! them.
 
 use super::arithmetic::atan;
 use super::listener::Listener;
 
-/// The ground as the rays meet it, one entry per step of the beam as far as there is water and
+/// The ground along the rays, one entry per step of the beam up to the shore or the end of the
 /// range.
 pub(super) struct Ground {
     /// Depth along the ray behind, the middle ray and the ray ahead, metres.
     pub depth_m: [Vec<f64>; 3],
     /// Two-way gain of the beam towards the ground.
     pub gain: Vec<f64>,
-    /// Scattering strength.
+    /// Scattering strength along the middle ray, weakened under weed.
     pub strength: Vec<f64>,
     /// Depth under the boat, metres.
     pub under_boat_m: f64,
@@ -23,27 +23,29 @@ pub(super) struct Bare {
     depth_m: [Vec<f64>; 3],
     /// Scattering strength of the ground.
     strength: Vec<f64>,
-    /// Share of an echo that the weed over the ground leaves.
+    /// Share of an echo that is left under the weed over the ground.
     weed_loss: Vec<f64>,
     /// Depth under the boat, objects included, metres.
     under_boat_m: f64,
-    /// Places where the rays meet objects.
+    /// Heights of the objects that the rays meet.
     pub heights: Vec<ObjectHeights>,
 }
 
-/// Places where the rays meet an object.
+/// Heights of one object along the rays.
 pub(super) struct ObjectHeights {
     /// Index of the object.
     pub object: usize,
-    /// Steps of each ray, and the object's height above the ground there, metres.
+    /// Index of each step of each ray that meets the object, and height of the object above the
+    /// ground there, metres.
     height_m: [Vec<(usize, f64)>; 3],
 }
 
-/// Depth at which a ray has reached the shore, metres.
+/// Depth at which a ray ends at the shore, metres.
 const SHORE_M: f64 = 0.05;
 
 impl Listener<'_> {
-    /// Looks at the ground along the three rays; `None` on land.
+    /// Samples the ground and the heights of `objects` along the three rays; `None` where the boat
+    /// is on land.
     pub(super) fn bare(&self, objects: &[usize], reach_m: f64) -> Option<Bare> {
         let under_boat_m = self.world.depth_m(self.pose.east_m, self.pose.north_m);
         if under_boat_m <= SHORE_M {
@@ -75,7 +77,7 @@ impl Listener<'_> {
         })
     }
 
-    /// Returns the places where the rays meet an object; `None` where they pass it by.
+    /// Returns the heights of an object along the rays; `None` where no ray meets it.
     fn heights_of(&self, object: usize, places: &[Vec<[f64; 2]>; 3]) -> Option<ObjectHeights> {
         let placed = &self.world.objects[object];
         let height_m = places.each_ref().map(|places| {
@@ -87,13 +89,13 @@ impl Listener<'_> {
         (height_m.iter().any(|ray| !ray.is_empty())).then_some(ObjectHeights { object, height_m })
     }
 
-    /// The ground with the objects on it but for one.
+    /// Returns the ground with the objects on it, except for `missing`.
     pub(super) fn ground(&self, bare: &Bare, missing: Option<usize>) -> Ground {
         let mut depth_m = bare.depth_m.clone();
         let mut strength = bare.strength.clone();
         let heights = || (bare.heights.iter()).filter(|above| Some(above.object) != missing);
         for (ray, depths) in depth_m.iter_mut().enumerate() {
-            // Where objects overlap the higher one counts.
+            // Where objects overlap, the higher one counts.
             for &(step, height_m) in heights().flat_map(|above| &above.height_m[ray]) {
                 if let (Some(depth), Some(bed)) =
                     (depths.get_mut(step), bare.depth_m[ray].get(step))
@@ -107,7 +109,7 @@ impl Listener<'_> {
         let count = depth_m.iter().map(Vec::len).min().unwrap_or(0);
         depth_m.iter_mut().for_each(|ray| ray.truncate(count));
         strength.truncate(count);
-        // The first of two objects at one place gives its material.
+        // Where two objects overlap, the strength is that of the first.
         for above in heights().collect::<Vec<&ObjectHeights>>().into_iter().rev() {
             for &(step, _) in &above.height_m[1] {
                 if let Some(strength) = strength.get_mut(step) {

@@ -1,21 +1,21 @@
-//! A sunken boat: an open hull on its keel, or one that lies keel up.
+//! Models the shape of a sunken boat: an open hull on its keel, or a hull that lies keel up.
 
 use super::random::Random;
 
 /// The hull of a small boat; its bow points along the heading.
 pub(super) struct Hull {
     keel_up: bool,
-    /// Height of one side over the other, as a share of the height; signed.
+    /// List of the hull: relative gain in height of one side and loss of the other; signed.
     list: f64,
-    /// Height of the inner floor as a share of the height: planks, or the mud that fills it.
+    /// Height of the inner floor (planks, or mud that fills the hull) as a share of the height.
     floor: f64,
-    /// Places of the thwarts in half lengths.
+    /// Places of the thwarts along the hull, half lengths.
     thwarts: [f64; 3],
     /// Half width of the transom as a share of the greatest half width.
     transom: f64,
 }
 
-/// Width of the side of a hull, metres: gunwale and planking.
+/// Width of the rim of a hull (gunwale and planking), metres.
 const RIM_M: f64 = 0.08;
 /// Half of a thwart's width, metres.
 const THWART_M: f64 = 0.11;
@@ -25,7 +25,7 @@ const THWART: f64 = 0.75;
 const KEEL_M: f64 = 0.05;
 
 impl Hull {
-    /// A hull of random make and pose.
+    /// Creates a hull of random build and pose.
     pub(super) fn new(random: &mut Random) -> Self {
         let keel_up = random.chance(0.4);
         let forward = random.between(-0.1, 0.1);
@@ -38,14 +38,14 @@ impl Hull {
         }
     }
 
-    /// Half of the width at a place along the hull (in half lengths, the bow at 1) as a share of
-    /// the greatest.
+    /// Returns the half width at a place along the hull (in half lengths, the bow at 1) as a share
+    /// of the greatest half width.
     fn outline(&self, u: f64) -> f64 {
         if u < 0.0 { 1.0 - (1.0 - self.transom) * u * u } else { 1.0 - u * u * (0.3 + 0.7 * u) }
     }
 
-    /// Height at a place as a share of the whole height. `side_m` is the width of the outer side's
-    /// slope.
+    /// Returns the height at a place as a share of the whole height. `side_m` is the width of the
+    /// slope of the outer side.
     pub(super) fn share(&self, along_m: f64, across_m: f64, size_m: [f64; 2], side_m: f64) -> f64 {
         let [half_length, half_width] = size_m.map(|size| 0.5 * size);
         let (u, v) = (along_m / half_length, across_m / half_width);
@@ -64,7 +64,8 @@ impl Hull {
         side * upright * listing / (1.0 + self.list.abs())
     }
 
-    /// The inside of an upright hull: gunwale, thwarts, floor; the bow stands a little higher.
+    /// Returns the height of an upright hull (gunwale, thwarts or floor) as a share of the whole;
+    /// the gunwale is a little higher towards the ends.
     fn open(&self, along_m: f64, half_length: f64, inside_m: f64, u: f64) -> f64 {
         if inside_m < RIM_M {
             return 0.85 + 0.15 * u * u;
@@ -73,7 +74,8 @@ impl Hull {
         if self.thwarts.iter().any(on_thwart) { THWART } else { self.floor }
     }
 
-    /// The underside of a hull that lies keel up: a vault with a ridge.
+    /// Returns the height of a hull that lies keel up as a share of the whole: a vault with a
+    /// ridge.
     fn bottom(&self, across_m: f64, beam_m: f64, inside_m: f64, u: f64) -> f64 {
         if across_m.abs() < KEEL_M && inside_m > 0.0 {
             return 1.0 - 0.25 * u * u;

@@ -1,20 +1,20 @@
-//! Simulated surveys of known truth, written as valid SL2.
+//! Simulates surveys of known truth and writes them as valid SL2.
 //!
-//! A [`Scene`] (a bed, a boat's track, a recorder and its artefacts) and a seed give a
-//! [`Simulated`] survey: the log as a Lowrance side-scan recorder would have written it, and for
-//! every ping the truth that the log hides: where the boat was, how deep the water under it, and
-//! the slant range of the nearest visible bed on each side.
+//! From a [`Scene`] (a bed, a boat's track, a recorder and its artefacts) and a seed,
+//! [`simulate()`] computes a [`Simulated`] survey: the log as a Lowrance side-scan recorder would
+//! have written it, and for every ping the truth: the place of the boat, the depth of the water
+//! under it, and the slant range of the nearest visible bed on each side.
 //!
 //! ```text
 //! Scene --path--> pings --echo--> acoustic power by range, true first return --recorder--> bytes --sl2--> log
 //!         bed, objects --^                  weed, fish, ... (artefacts) --^
 //! ```
 //!
-//! `training_scene` draws random scenes for a detector to learn from.
+//! `training_scene` draws random scenes to train a detector.
 //!
 //! The same scene and seed give the same log on every machine: every random number is drawn from a
 //! stream that belongs to its ping and purpose (`random`), and the arithmetic uses only operations
-//! that IEEE 754 fixes (`arithmetic`).
+//! that IEEE 754 defines exactly (`arithmetic`).
 //!
 //! # Simulate a survey
 //!
@@ -28,7 +28,7 @@
 //! # Ok::<(), bathyscope_log::support::progress::Cancelled>(())
 //! ```
 
-// Their failure is the failure of the test.
+// In a test, a failing `expect` or `unwrap` is a failing test.
 #![cfg_attr(test, allow(clippy::expect_used, clippy::unwrap_used))]
 
 mod arithmetic;

@@ -1,16 +1,16 @@
-//! Objects made of round members that lie on the ground: a tree trunk with its branches, a body
-//! with its limbs.
+//! Models objects of round members that lie on the ground: a tree trunk with branches, a body with
+//! limbs.
 
 use super::arithmetic::{cos, sin};
 use super::random::Random;
 
-/// A tapering round member between two points, metres along and across the object.
+/// A tapering round member between two points (`ends`, metres along and across the object).
 #[derive(Clone, Copy)]
 struct Limb {
     ends: [[f64; 2]; 2],
     /// Radius at each end, metres.
     radius_m: [f64; 2],
-    /// Height of its axis above the ground at each end, metres.
+    /// Height of the member's axis above the ground at each end, metres.
     axis_m: [f64; 2],
 }
 
@@ -23,18 +23,19 @@ pub(super) struct Limbs {
 
 /// Thinnest radius of a branch, metres.
 const TWIG_M: f64 = 0.05;
-/// Fewest branches of a trunk, and how many more there may be.
+/// Smallest number of branches of a trunk, and largest number of additional ones.
 const BRANCHES: (u64, u64) = (3, 5);
-/// Pieces that a bent trunk is made of.
+/// Number of pieces that a bent trunk is made of.
 const TRUNK_PIECES: usize = 5;
 
 impl Limb {
-    /// A member that touches the ground along its whole length.
+    /// Creates a member that touches the ground along its whole length.
     fn new(from: [f64; 2], to: [f64; 2], radius_m: [f64; 2]) -> Self {
         Self { ends: [from, to], radius_m, axis_m: radius_m }
     }
 
-    /// Height above the ground of the member's upper side. What is below it counts as filled.
+    /// Returns the height of the member's upper side above the ground at a place, metres; 0 beside
+    /// it. The space below the member counts as filled.
     fn height_m(&self, place: [f64; 2]) -> f64 {
         let [from, to] = self.ends;
         let way = [to[0] - from[0], to[1] - from[1]];
@@ -51,9 +52,9 @@ impl Limb {
 
 impl Limbs {
     /// Creates a trunk that tapers and bends, with stout branches on both sides and often its root
-    /// plate. `height_m` is the diameter of its thick end; the width holds the branches. All this
-    /// distinguishes a tree from a pipe: a bare trunk looks like a pipe, to a person as to a
-    /// network, so scenes hold none.
+    /// plate. `height_m` is the diameter of its thick end; the branches are within the width. All
+    /// this distinguishes a tree from a pipe: a bare trunk looks like a pipe to people and to
+    /// networks, so no scene has one.
     pub(super) fn log(length_m: f64, width_m: f64, height_m: f64, random: &mut Random) -> Self {
         let thick = 0.5 * height_m;
         let tip = thick * random.between(0.25, 0.5);
@@ -78,7 +79,7 @@ impl Limbs {
             let from = trunk(share);
             let to = [from[0] + reach * cos(angle), from[1] + side * reach * sin(angle)];
             let stout = (radius(share) * random.between(0.45, 0.75)).max(TWIG_M);
-            // It springs from the trunk's middle and stands off the ground, though not higher than
+            // The branch begins at the axis of the trunk and rises off the ground, but not above
             // the trunk.
             let rise = (thick * random.between(0.7, 2.0) - TWIG_M).max(TWIG_M);
             limbs.push(Limb {
@@ -98,8 +99,8 @@ impl Limbs {
         Self::fitted(limbs, length_m, width_m)
     }
 
-    /// A body on its back or face: head, torso, and limbs in any pose. `height_m` is the height of
-    /// the torso.
+    /// Creates a body on its back or face: head, torso, and limbs in any pose. `height_m` is the
+    /// height of the torso.
     pub(super) fn body(length_m: f64, width_m: f64, height_m: f64, random: &mut Random) -> Self {
         let scale = length_m / 1.7;
         let at = |along: f64, across: f64| [along * scale, across * scale];
@@ -129,7 +130,7 @@ impl Limbs {
         Self::fitted(limbs, length_m, width_m)
     }
 
-    /// Moves and stretches the members so that they fill the length, and the width at most.
+    /// Moves and scales the members so that they fill the length and do not exceed the width.
     fn fitted(mut limbs: Vec<Limb>, length_m: f64, width_m: f64) -> Self {
         for (axis, extent_m) in [(0, length_m), (1, width_m)] {
             let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
@@ -151,7 +152,7 @@ impl Limbs {
         Self { limbs, top_m }
     }
 
-    /// Height at a place along and across the object as a share of its whole height.
+    /// Returns the height at a place along and across the object as a share of its whole height.
     pub(super) fn share(&self, along_m: f64, across_m: f64) -> f64 {
         let heights = self.limbs.iter().map(|limb| limb.height_m([along_m, across_m]));
         heights.fold(0.0, f64::max) / self.top_m
@@ -161,15 +162,15 @@ impl Limbs {
 /// An arm or a leg of a body 1.7 m long, before it is posed.
 struct Member {
     from: [f64; 2],
-    /// Upper and lower part, metres.
+    /// Lengths of the upper and the lower part, metres.
     lengths: [f64; 2],
     /// Radii at the shoulder or hip, the middle joint and the end, metres.
     radii: [f64; 3],
 }
 
 impl Member {
-    /// The two parts, spread by `first_rad` from the body's axis and bent by `second_rad` at the
-    /// joint.
+    /// Returns the two parts as limbs, the first at `first_rad` from the body's axis, the second
+    /// bent by `second_rad` at the joint.
     fn limbs(&self, side: f64, first_rad: f64, second_rad: f64, scale: f64) -> [Limb; 2] {
         let start = [self.from[0] * scale, side * self.from[1] * scale];
         let next = |from: [f64; 2], length: f64, angle: f64| {

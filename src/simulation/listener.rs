@@ -1,5 +1,5 @@
-//! One side of the sonar at one place: its beam, and the ground that it looks at with all that lies
-//! and grows on it.
+//! Describes one side of the sonar at one place: its beam, and the ground with objects and weed
+//! that it insonifies.
 
 use super::arithmetic::{exp, ln};
 use super::bed::SceneBed;
@@ -10,31 +10,32 @@ use super::weed::WeedBed;
 use bathyscope_log::survey::Side;
 use std::f64::consts::{FRAC_PI_2, LN_2};
 
-/// One receiving side at one place.
+/// One receiving side of the sonar at one place.
 pub(super) struct Listener<'a> {
     pub world: &'a World,
     pub beam: &'a Beam,
     pub pose: BoatPose,
-    /// The pose's unit vector (east, north) forward.
+    /// Unit vector (east, north) forward in `pose`.
     pub forward: [f64; 2],
     pub side: Side,
-    /// Roll towards this side, radians: the beam looks that much deeper.
+    /// Roll towards this side, radians, by which the beam is turned downward.
     pub roll_rad: f64,
     pub metres_per_sample: f64,
-    /// Added to every slant range where it is recorded, metres.
+    /// Added to every slant range in the recording, metres.
     pub range_offset_m: f64,
     pub samples: usize,
 }
 
-/// First step, metres, and its growth per metre of distance.
+/// Length of the first step, metres, and its growth per metre of distance.
 const STEP_M: (f64, f64) = (0.012, 0.002);
-/// Half-power width of a normal curve in standard deviations.
+/// Half-power width of a normal curve, standard deviations.
 const HALF_POWER: f64 = 2.354_82;
 /// Share of the echo of the ground that remains under weed (6 dB lost, both ways).
 const WEED_LOSS: f64 = 0.25;
 
 impl Listener<'_> {
-    /// The place `across_m` to this side and `along_m` ahead of the boat.
+    /// Returns the place `across_m` to this side and `along_m` ahead of the boat, metres east and
+    /// north.
     pub(super) fn place(&self, across_m: f64, along_m: f64) -> [f64; 2] {
         let [east, north] = self.forward;
         let across_m = self.side.to_starboard(across_m);
@@ -45,9 +46,9 @@ impl Listener<'_> {
     }
 }
 
-/// The side beam in numbers that the rays need.
+/// The side beam, in the numbers that the rays need.
 ///
-/// One way, its gain is `G = 2^-((phi - axis) / half width)^2`, with `phi` the angle from the
+/// Its one-way gain is `G = 2^-((phi - axis) / half width)^2`, with `phi` the angle from the
 /// vertical.
 pub(super) struct Beam {
     /// Angle of the axis from the vertical, radians.
@@ -64,11 +65,11 @@ pub(super) struct Beam {
 }
 
 impl Beam {
-    /// Weights of the three rays along the track, with the nodes 0 and +-sqrt(3) standard
-    /// deviations (Gauss-Hermite).
+    /// Weights of the three rays along the track, which are at 0 and +-sqrt(3) standard deviations
+    /// (Gauss-Hermite).
     pub(super) const RAY_WEIGHTS: [f64; 3] = [1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0];
 
-    /// The beam of a recorder that listens up to `range_m`.
+    /// Creates the beam of a recorder, with steps up to `range_m`.
     pub(super) fn new(recorder: &RecorderSettings, range_m: f64) -> Self {
         let azimuth_rad = recorder.beam_azimuth_deg.to_radians();
         let mut steps_m = vec![0.0];
@@ -86,25 +87,25 @@ impl Beam {
         }
     }
 
-    /// Two-way gain in a direction from the vertical.
+    /// Returns the two-way gain at an angle from the vertical, radians.
     pub(super) fn two_way_gain(&self, phi_rad: f64) -> f64 {
         let off = (phi_rad - self.axis_rad) / self.half_width_rad;
         exp(-2.0 * LN_2 * off * off)
     }
 
-    /// Standard deviation of the two-way beam along the track at a slant range, metres.
+    /// Returns the standard deviation of the two-way beam along the track at a slant range, metres.
     pub(super) fn spread_at_m(&self, range_m: f64) -> f64 {
         self.azimuth_rad / HALF_POWER * range_m
     }
 
-    /// Distance along the track between the middle and an outer ray where they meet the ground,
-    /// metres.
+    /// Returns the distance along the track between the middle and an outer ray where they meet the
+    /// ground, metres.
     pub(super) fn outer_ray_m(&self, across_m: f64, depth_m: f64) -> f64 {
         self.spread * (across_m * across_m + depth_m * depth_m).sqrt()
     }
 }
 
-/// Everything that echoes. Places are metres from the scene's centre.
+/// Everything that returns echoes. Places are metres from the scene's centre.
 pub(super) struct World {
     pub bed: SceneBed,
     pub objects: Vec<PlacedObject>,
@@ -112,20 +113,22 @@ pub(super) struct World {
 }
 
 impl World {
-    /// Depth of the visible ground (objects included, weed not) below the water surface, metres.
+    /// Returns the depth of the visible ground (objects included, weed not) below the water
+    /// surface, metres.
     pub(super) fn depth_m(&self, east_m: f64, north_m: f64) -> f64 {
         let heights = self.objects.iter().map(|object| object.height_m(east_m, north_m));
         self.bed.depth_m(east_m, north_m) - heights.fold(0.0, f64::max)
     }
 
-    /// Returns the share of the ground's echo that weed over a place leaves.
+    /// Returns the share of the ground's echo that is left under the weed at a place; 1 without
+    /// weed.
     pub(super) fn weed_loss(&self, east_m: f64, north_m: f64) -> f64 {
         let grown = |weed: &WeedBed| weed.height_m(east_m, north_m) > 0.0;
         if self.weed.iter().any(grown) { WEED_LOSS } else { 1.0 }
     }
 
-    /// Objects in a band across the boat's heading, `half_width_m` to both ends and `reach_m` to
-    /// both sides.
+    /// Returns the indices of objects in a band across the boat's heading, `half_width_m` ahead and
+    /// astern and `reach_m` to both sides.
     pub(super) fn objects_across(
         &self,
         pose: BoatPose,
@@ -144,9 +147,9 @@ impl World {
     }
 }
 
-/// Scattering per unit of area at an angle of incidence `th` given by the square of its cosine:
-/// Lambert's law with Mackenzie's -27 dB where `power` is 2, and near-normal facets that slope by 7
-/// degrees, `10^-2.7 cos^power th + 10^-1.2 exp(-tan^2 th / (2 tan^2 7 deg))`.
+/// Returns the scattering per unit of area at an angle of incidence `th`, given by the square of
+/// its cosine: Lambert's law with Mackenzie's -27 dB where `power` is 2, and near-normal facets
+/// that slope by 7 degrees, `10^-2.7 cos^power th + 10^-1.2 exp(-tan^2 th / (2 tan^2 7 deg))`.
 pub(super) fn backscatter(cos_squared: f64, power: f64) -> f64 {
     const LAMBERT: f64 = 1.995_262_3e-3;
     const NORMAL: f64 = 6.309_573_4e-2;
@@ -156,7 +159,7 @@ pub(super) fn backscatter(cos_squared: f64, power: f64) -> f64 {
         return 0.0;
     }
     let tan_squared = (1.0 - cos_squared) / cos_squared;
-    // Beyond 35 degrees the facets are 70 dB down.
+    // Beyond 35 degrees the echo of the facets is 70 dB weaker.
     let normal = if tan_squared < 0.5 { NORMAL * exp(-tan_squared / FACETS) } else { 0.0 };
     let facing = if power == 2.0 { cos_squared } else { exp(0.5 * power * ln(cos_squared)) };
     LAMBERT * facing + normal

@@ -1,4 +1,4 @@
-//! Writes the simulated log: fixes, recorded depths, and all channels' frames in the order of time.
+//! Writes the simulated log: fixes, recorded depths, and the frames of all channels in time order.
 
 use super::arithmetic::exp;
 use super::random::{Random, RandomPurpose};
@@ -9,19 +9,20 @@ use bathyscope_log::formats::lowrance::write::{
 use bathyscope_log::survey::ChannelKind;
 use std::f64::consts::TAU;
 
-/// Noise of the recorded course (standard deviation).
+/// Noise of the recorded course, degrees (standard deviation).
 const COURSE_NOISE_DEG: f64 = 1.5;
-/// Noise of the compass.
+/// Noise of the compass, degrees (standard deviation).
 const COMPASS_NOISE_DEG: f64 = 2.0;
-/// Noise of the recorded speed.
+/// Noise of the recorded speed, metres a second (standard deviation).
 const SPEED_NOISE_MPS: f64 = 0.05;
 
 impl SimulationRun<'_> {
-    /// The fix that is valid at a time, and its number.
+    /// Returns the number of the fix that is valid at a time, and the fix.
     fn fix(&self, time_s: f64) -> (u64, WrittenFix) {
         let rate = self.scene.track.fix_rate_hz;
         let number = (time_s * rate + 1e-6).floor();
-        // Late positions are those of a while ago; a boat does not move before it starts.
+        // With a latency the position of the fix is that of `latency_s` before; the boat does not
+        // move before the start.
         let fixed_s = (number / rate - self.scene.mounting.latency_s).max(0.0);
         let mut pose = self.pose_at(fixed_s);
         let [off_east_m, off_north_m] = self.plan.position_error_m(number / rate);
@@ -42,8 +43,8 @@ impl SimulationRun<'_> {
         (number as u64, fix)
     }
 
-    /// All frames in the order in which the recorder would write them; takes the side-scan bytes
-    /// out of the pings.
+    /// Returns all frames in the order in which the recorder would write them; moves the side-scan
+    /// bytes out of the pings.
     pub(super) fn frames(&self, received: &mut [ReceivedPing]) -> Vec<Sl2Frame> {
         let mut log = Log::default();
         let every = u64::from(self.scene.recorder.sonar_every.max(1));
@@ -64,7 +65,7 @@ impl SimulationRun<'_> {
         log.frames
     }
 
-    /// The primary's and the down-scan's frames of a ping.
+    /// Adds the frames of the primary and the down-scan channel of a ping to the log.
     fn write_sonar(&self, ping: &ReceivedPing, depth_m: f64, moment: &Moment, log: &mut Log) {
         let true_depth_m = ping.truth.depth_m;
         let range_m = sonar_range_m(true_depth_m);
@@ -76,7 +77,7 @@ impl SimulationRun<'_> {
         }
     }
 
-    /// Returns the depth of the down-scan's bottom lock at a ping, metres.
+    /// Returns the depth that the recorder's bottom lock writes at a ping, metres.
     fn recorded_depth_m(&self, ping: u64) -> f64 {
         let noise = Random::new(self.seed, RandomPurpose::Sounding, ping).normal();
         let artefacts = &self.scene.artefacts;
@@ -87,10 +88,10 @@ impl SimulationRun<'_> {
     }
 }
 
-/// The bytes of one echogram column, nearest first, over `range_m` metres with the bottom at
-/// `depth_m`.
+/// Returns the bytes of one echogram column, nearest first, over `range_m` metres with the bottom
+/// at `depth_m`.
 ///
-/// The column is plausible, not physical: its depth is what matters.
+/// The column is plausible, not physical: only its depth matters.
 fn echogram(
     kind: ChannelKind,
     samples: usize,
@@ -99,8 +100,8 @@ fn echogram(
     seed: u64,
     ping: u64,
 ) -> Vec<u8> {
-    // The traditional sonar has a wide cone and a long pulse, the down-scan with a thin fan and a
-    // short one.
+    // The traditional sonar has a wide cone and a long pulse, the down-scan a thin fan and a short
+    // pulse.
     let (stream, onset_m, tail_m, level) = match kind {
         ChannelKind::DownScan => (2 * ping, 0.02, 0.35, 175.0),
         _ => (2 * ping + 1, 0.06, 0.8, 215.0),
@@ -123,20 +124,20 @@ fn echogram(
         .collect()
 }
 
-/// Range of the sonar channels: the next step of 5 m that shows the second bottom echo begin,
-/// metres.
+/// Returns the range of the sonar channels, metres: 1.6 times the depth, rounded up to a multiple
+/// of 5 m.
 fn sonar_range_m(depth_m: f64) -> f64 {
     5.0 * (1.6 * depth_m / 5.0).ceil().max(1.0)
 }
 
-/// Data that all frames of one ping share.
+/// Time and fix that all frames of one ping share.
 struct Moment {
     milliseconds: i32,
-    /// The fix that is valid, and its number.
+    /// Number of the valid fix, and the fix.
     fix: (u64, WrittenFix),
 }
 
-/// Frames in file order, with the counters that the recorder keeps.
+/// Frames in file order, with the recorder's counters.
 #[derive(Default)]
 struct Log {
     frames: Vec<Sl2Frame>,

@@ -1,4 +1,4 @@
-//! Objects that lie on the ground, as heights above it: highlight and shadow then come from the
+//! Places objects on the ground, as heights above it, so that highlight and shadow follow from the
 //! geometry alone.
 
 use super::arithmetic::{cos, from_db, sin};
@@ -8,20 +8,20 @@ use super::scene::{ObjectKind, ObjectSettings, Scene};
 use super::shape::{SIDE_M, Shape};
 use std::f64::consts::PI;
 
-/// An object in its place.
+/// An object at its place.
 pub(super) struct PlacedObject {
     /// Kind, place and size of the object.
     pub settings: ObjectSettings,
-    /// Radius of the circle that holds it, metres.
+    /// Radius of the circle around the object, metres.
     pub reach_m: f64,
-    /// Strength of its echoes over that of the ground.
+    /// Strength of the object's echoes relative to the ground, as a factor.
     pub strength: f64,
     forward: [f64; 2],
     shape: Shape,
 }
 
-/// Strength of the echoes of stone, wood and metal over those of the ground, as a factor, where the
-/// scene does not state it (6 dB).
+/// Strength of the echoes of stone, wood and metal relative to the ground, as a factor, where the
+/// scene does not state a strength (6 dB).
 const USUAL_STRENGTH: f64 = 4.0;
 
 impl PlacedObject {
@@ -37,7 +37,8 @@ impl PlacedObject {
         }
     }
 
-    /// Height of the object's surface above the ground at a place, metres; 0 beside it.
+    /// Returns the height of the object's surface above the ground at a place, metres; 0 beside the
+    /// object.
     pub(super) fn height_m(&self, east_m: f64, north_m: f64) -> f64 {
         let object = &self.settings;
         let (east, north) = (east_m - object.east_m, north_m - object.north_m);
@@ -52,7 +53,8 @@ impl PlacedObject {
     }
 }
 
-/// All objects of the scene: those it names, then those scattered beside the lines.
+/// Returns all objects of the scene: those that the scene lists, then those scattered beside the
+/// lines.
 pub(super) fn place(scene: &Scene, path: &Path, seed: u64) -> Vec<PlacedObject> {
     let mut random = Random::new(seed, RandomPurpose::Objects, 0);
     let scattered = (0..scene.scattered_objects).map(|_| scatter(path, &mut random));
@@ -63,11 +65,11 @@ pub(super) fn place(scene: &Scene, path: &Path, seed: u64) -> Vec<PlacedObject> 
         .collect()
 }
 
-/// Largest distance of scattered objects from the way, metres. They may lie under the boat: their
-/// places are unknown before the survey, and there the object gives the first return.
+/// Largest distance of scattered objects from the way, metres. Objects may be under the boat, as in
+/// a real survey, where their places are unknown before; such an object gives the first return.
 const OFF_M: f64 = 7.0;
 
-/// A random object beside or below a random point of the way.
+/// Creates a random object beside or below a random point of the way.
 fn scatter(path: &Path, random: &mut Random) -> ObjectSettings {
     let pose = path.at(random.unit() * path.length_m());
     let off = random.between(-OFF_M, OFF_M);

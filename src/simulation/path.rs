@@ -1,4 +1,4 @@
-//! The boat's way: straight lines joined by round turns.
+//! Computes the way of the boat: straight lines joined by round turns.
 
 use super::arithmetic::{bearing, cos, sin};
 use super::scene::TrackSettings;
@@ -12,17 +12,17 @@ pub(super) struct BoatPose {
     pub east_m: f64,
     /// Metres north of the scene's centre.
     pub north_m: f64,
-    /// Radians clockwise from north.
+    /// Heading, radians clockwise from north.
     pub heading_rad: f64,
 }
 
 impl BoatPose {
-    /// Unit vector (east, north) forward.
+    /// Returns the unit vector (east, north) forward.
     pub(super) fn forward(&self) -> [f64; 2] {
         [sin(self.heading_rad), cos(self.heading_rad)]
     }
 
-    /// Returns the place of the antenna while the transducer is here.
+    /// Returns the pose of the antenna when the transducer has this pose.
     pub(super) fn antenna(self, mounting: &MountingSettings) -> Self {
         let [forward_e, forward_n] = self.forward();
         let (forward_m, right_m) = (mounting.forward_m, mounting.right_m);
@@ -38,18 +38,18 @@ impl BoatPose {
 struct PathPiece {
     start: BoatPose,
     length_m: f64,
-    /// Radians clockwise per metre; 0 on a straight line.
+    /// Rate of turn, radians clockwise per metre; 0 on a straight line.
     turn_per_m: f64,
 }
 
-/// The whole way.
+/// The whole way of the boat.
 pub(super) struct Path {
     legs: Vec<PathPiece>,
     length_m: f64,
 }
 
 impl Path {
-    /// The way through all lines, then all cross lines.
+    /// Creates the way along all lines, then all cross lines.
     pub(super) fn new(track: &TrackSettings) -> Self {
         let corners = corners(track);
         let mut path = Self { legs: Vec::new(), length_m: 0.0 };
@@ -76,7 +76,7 @@ impl Path {
     }
 
     /// Adds the straight way from `from` towards `corner` and the round turn towards `next`;
-    /// returns its end.
+    /// returns the end of the turn.
     fn turn(
         &mut self,
         from: [f64; 2],
@@ -89,7 +89,7 @@ impl Path {
         let turn = (after - heading + PI).rem_euclid(2.0 * PI) - PI;
         let half = turn.abs() / 2.0;
         let tangent = sin(half) / cos(half);
-        // Half of the way to the next corner is left to its own turn.
+        // Half of the way to the next corner is left for the turn there.
         let room = distance(from, corner).min(0.5 * distance(corner, next));
         let cut = (radius_m * tangent).min(room);
         self.push(from, heading, distance(from, corner) - cut, 0.0);
@@ -107,12 +107,13 @@ impl Path {
         self.legs.push(PathPiece { start, length_m, turn_per_m });
     }
 
-    /// Length of the whole way, metres.
+    /// Returns the length of the whole way, metres.
     pub(super) fn length_m(&self) -> f64 {
         self.length_m
     }
 
-    /// Returns the place of the boat after `travelled_m` metres (held at both ends).
+    /// Returns the pose of the boat after `travelled_m` metres; before the start and after the end,
+    /// the pose there.
     pub(super) fn at(&self, travelled_m: f64) -> BoatPose {
         let mut rest = travelled_m.clamp(0.0, self.length_m);
         for leg in &self.legs {
@@ -142,7 +143,7 @@ impl PathPiece {
     }
 }
 
-/// Ends of all lines in the order of the boat, at least two.
+/// Returns the ends of all lines in the order in which the boat reaches them, at least two.
 fn corners(track: &TrackSettings) -> Vec<[f64; 2]> {
     if track.corners_m.len() > 1 {
         return track.corners_m.clone();

@@ -1,6 +1,6 @@
-//! Random numbers that depend only on the seed, the purpose and the ping: pings can be simulated in
-//! any order. Random fields are smooth over the ground: the same place has the same value from
-//! whichever line it is surveyed.
+//! Generates random numbers that depend only on the seed, the purpose and the ping, so that pings
+//! can be simulated in any order, and random fields that are smooth over the ground, so that a
+//! place has the same value from whichever line it is surveyed.
 
 use super::arithmetic::{cos, ln, sin};
 use std::f64::consts::PI;
@@ -36,55 +36,58 @@ pub(super) enum RandomPurpose {
     Position,
 }
 
-/// SplitMix64 (Steele, Lea and Flood 2014): small, fast, and good enough for pictures.
+/// Stream of random numbers, SplitMix64 (Steele, Lea and Flood 2014): small, fast, and good enough
+/// for pictures.
 pub(super) struct Random(u64);
 
 impl Random {
-    /// The stream of one purpose; `index` distinguishes pings (or whatever else there are many of).
+    /// Creates the stream of one purpose; `index` distinguishes pings (or other items of the
+    /// purpose).
     pub(super) fn new(seed: u64, purpose: RandomPurpose, index: u64) -> Self {
         Self(mix(mix(seed ^ mix(purpose as u64)).wrapping_add(index)))
     }
 
-    /// 64 random bits.
+    /// Returns 64 random bits.
     pub(super) fn bits(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         mix(self.0)
     }
 
-    /// Uniform between 0 and 1, neither included.
+    /// Returns a uniform number between 0 and 1, both excluded.
     pub(super) fn unit(&mut self) -> f64 {
         ((self.bits() >> 12) as f64 + 0.5) / (1u64 << 52) as f64
     }
 
-    /// Uniform between two numbers.
+    /// Returns a uniform number between two numbers.
     pub(super) fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.unit()
     }
 
-    /// True with a probability.
+    /// Returns true with a probability.
     pub(super) fn chance(&mut self, probability: f64) -> bool {
         self.unit() < probability
     }
 
-    /// Two independent normal numbers of mean 0 and variance 1 (Box and Muller).
+    /// Returns two independent normal numbers of mean 0 and variance 1 (Box and Muller).
     pub(super) fn normal_pair(&mut self) -> [f64; 2] {
         let radius = (-2.0 * ln(self.unit())).sqrt();
         let angle = 2.0 * PI * self.unit();
         [radius * cos(angle), radius * sin(angle)]
     }
 
-    /// A normal number of mean 0 and variance 1.
+    /// Returns a normal number of mean 0 and variance 1.
     pub(super) fn normal(&mut self) -> f64 {
         self.normal_pair()[0]
     }
 
-    /// An exponential number of mean 1: the power of a fully developed echo.
+    /// Returns an exponential number of mean 1: the power of an echo with fully developed speckle.
     pub(super) fn exponential(&mut self) -> f64 {
         -ln(self.unit())
     }
 }
 
-/// SplitMix64's output function: every bit of the input changes about half of the output's.
+/// Mixes bits by SplitMix64's output function: every bit of the input changes about half of the
+/// bits of the output.
 pub(super) fn mix(mut z: u64) -> u64 {
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -98,16 +101,16 @@ pub(super) struct NoiseField {
 }
 
 /// Standard deviation of the interpolated field for lattice values between -1 and 1: sqrt(1/3) at
-/// the lattice points, less between them (mean over a cell of the squared weights is 0.5515).
+/// the lattice points, less between them (the mean of the squared weights over a cell is 0.5515).
 const SPREAD: f64 = 0.4288;
 
 impl NoiseField {
-    /// A field with lattice points `spacing_m` apart.
+    /// Creates a field with lattice points `spacing_m` apart.
     pub(super) fn new(seed: u64, purpose: RandomPurpose, spacing_m: f64) -> Self {
         Self { key: mix(seed ^ mix(purpose as u64)), per_metre: 1.0 / spacing_m }
     }
 
-    /// Value at a place: mean 0, standard deviation 1, never beyond 2.4.
+    /// Returns the value at a place: mean 0, standard deviation 1, magnitude at most 2.4.
     pub(super) fn at(&self, east_m: f64, north_m: f64) -> f64 {
         let (x, y) = (east_m * self.per_metre, north_m * self.per_metre);
         let (column, row) = (x.floor(), y.floor());
@@ -130,7 +133,7 @@ impl NoiseField {
     }
 }
 
-/// Smooth step: 0 at 0, 1 at 1, flat at both ends; held beyond them.
+/// Returns a smooth step: 0 up to 0, 1 from 1 on, and flat at both ends.
 pub(super) fn smooth(t: f64) -> f64 {
     let t = t.clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)

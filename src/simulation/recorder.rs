@@ -1,5 +1,5 @@
-//! Converts echo power into recorded bytes: pulse, losses, noise, gain, speckle, and the recorder's
-//! curve.
+//! Converts echo power into recorded bytes by pulse, losses, noise, gain, speckle and the
+//! recorder's curve.
 
 use super::arithmetic::{exp, from_db, ln, to_db};
 use super::artefacts::{Trouble, absorption, ring_down};
@@ -21,27 +21,29 @@ pub(super) struct Receiver<'a> {
     pub metres_per_sample: f64,
     pub samples: usize,
     pulse: Vec<f64>,
-    /// Spreading, absorption and gain together, for echoes.
+    /// Factor of spreading, absorption and gain together on an echo, by sample.
     echo_gain: Vec<f64>,
-    /// Ring-down after gain.
+    /// Ring-down power after gain, by sample.
     ringing: Vec<f64>,
-    /// Electronic and volume noise after gain.
+    /// Electronic and volume noise power after gain, by sample.
     noise: Vec<f64>,
     /// Power after gain that is written as `bottom_byte`.
     reference: f64,
 }
 
-/// Nearest range at which the gain follows r^3: a recorder's gain does not start at nothing.
+/// Slant range from which the gain follows a power of the range, metres; nearer, the gain is
+/// constant, because a recorder's gain does not start at 0.
 const TVG_START_M: f64 = 0.3;
 /// Share of the samples that an interfering sounder hits.
 const INTERFERENCE_SHARE: f64 = 0.08;
-/// Range behind the first return over which the ground still returns a second echo, metres.
+/// Distance in slant range behind the first return over which the second echo decays by a factor of
+/// e, metres.
 const SECOND_ECHO_M: f64 = 0.15;
-/// Largest distance from the beginning of its pulse to the first return, metres.
+/// Largest distance from the beginning of the pulse to the first return, metres.
 const PULSE_LEAD_M: f64 = 0.1;
-/// Length of a fish's echo in slant range, metres (standard deviation).
+/// Length of the echo of a fish in slant range, metres (standard deviation).
 const FISH_M: f64 = 0.04;
-/// Strength of a glint over the ground: mean of an exponential, and its length in samples.
+/// Strength of a glint over the ground (mean of an exponential factor), and its length, samples.
 const GLINT: f64 = 8.0;
 const GLINT_SAMPLES: usize = 3;
 /// Amplitude of neighbouring samples in the receiver's filter: a Gaussian with a standard deviation
@@ -50,13 +52,13 @@ const GLINT_SAMPLES: usize = 3;
 const FILTER: [f64; 5] = [0.135_335_283, 0.606_530_660, 1.0, 0.606_530_660, 0.135_335_283];
 /// Root of the sum of the squares of `FILTER`.
 const FILTER_NORM: f64 = 1.331_311_443_697_662;
-/// Samples that share one grain of speckle: the sum over all lags of the correlation of the power,
-/// which is the square of that of `FILTER`.
+/// Number of samples that share one grain of speckle: the sum over all lags of the correlation of
+/// the power, which is the square of the correlation of `FILTER`.
 pub(super) const GRAIN: f32 = 2.485;
 
 impl<'a> Receiver<'a> {
-    /// The receiver of a scene at one recorded range; its level is set on a level bottom at the
-    /// scene's mean depth.
+    /// Creates the receiver of a scene at one recorded range; its reference power is that of a
+    /// level bottom at the scene's mean depth.
     pub(super) fn new(scene: &'a Scene, range_m: f64) -> Self {
         let recorder = &scene.recorder;
         let samples = recorder.samples_per_side as usize;
@@ -87,7 +89,7 @@ impl<'a> Receiver<'a> {
         receiver
     }
 
-    /// Strongest power after gain from a level bottom at the mean depth.
+    /// Returns the strongest power after gain from a level bottom at the mean depth.
     fn level_bottom(&self) -> f64 {
         let settings = BedSettings {
             mean_depth_m: self.scene.bed.mean_depth_m,
@@ -118,7 +120,7 @@ impl<'a> Receiver<'a> {
         listener.receive()
     }
 
-    /// Pulse, losses and time-varied gain of some samples of an echo's power.
+    /// Applies pulse, losses and time-varied gain to some samples of an echo's power.
     fn after_gain(&self, power: &[f64], samples: Range<usize>) -> Vec<f64> {
         let half = self.pulse.len() / 2;
         let smeared = samples.clone().map(|i| {
@@ -132,9 +134,9 @@ impl<'a> Receiver<'a> {
         smeared.zip(&self.echo_gain[samples]).map(|(power, gain)| power * gain).collect()
     }
 
-    /// Returns the change of a ping's mean levels by an object, from its power as it is, and as it
-    /// would be without the object; `None` where the two do not differ. The second echo, fish and
-    /// glints are left out; both have them.
+    /// Returns the change of a ping's mean levels by an object, from the power with and without the
+    /// object; `None` where the two do not differ. The second echo, fish and glints are left out,
+    /// because they are in both.
     pub(super) fn trace(
         &self,
         [with, without]: [&[f64]; 2],
@@ -166,20 +168,21 @@ impl<'a> Receiver<'a> {
         })
     }
 
-    /// Standard deviation of the speckle around a mean level: of the logarithm of an exponential
-    /// (5.57 dB), or of a Rayleigh amplitude (0.463 of its root mean square); a byte at least.
+    /// Returns the standard deviation of the speckle around a mean level, bytes: that of the
+    /// logarithm of an exponential (5.57 dB), or of a Rayleigh amplitude (0.463 of its root mean
+    /// square); at least 1.
     fn speckle_bytes(&self, level: f64) -> f64 {
         let deviation = match self.scene.recorder.curve {
             Curve::Decibel => 5.57 * self.scene.recorder.bytes_per_db,
             Curve::Amplitude => 0.463 * level,
-            // Of the root of a Rayleigh amplitude.
+            // Standard deviation of the root of a Rayleigh amplitude.
             Curve::Root => 0.254 * level,
         };
         deviation.max(1.0)
     }
 
-    /// The bytes of one side, nearest first; `fish` are the slant ranges (metres) and strengths
-    /// (dB) of fish.
+    /// Returns the bytes of one side, nearest first; `fish` are the slant ranges (metres) and
+    /// strengths (dB) of fish.
     pub(super) fn record(
         &self,
         echo: &Echo,
@@ -199,7 +202,8 @@ impl<'a> Receiver<'a> {
         let levels: Vec<f64> = (0..self.samples)
             .map(|i| {
                 let echo = (power[i] + self.noise[i]) * speckle[i];
-                // The transducer rings much alike from ping to ping: a quarter of it fades.
+                // The transducer rings much alike from ping to ping: only a quarter of the
+                // ring-down fades.
                 let ringing = self.ringing[i] * (0.75 + 0.25 * speckle[i]) * trouble.gain;
                 let total = echo * trouble.gain + ringing;
                 let limited = self.byte(total).min(f64::from(self.scene.recorder.echo_ceiling));
@@ -214,7 +218,7 @@ impl<'a> Receiver<'a> {
         bytes
     }
 
-    /// Levels as a recorder writes them that smooths them.
+    /// Returns levels smoothed along the ping, if the recorder smooths them.
     fn smoothed(&self, levels: Vec<f64>) -> Vec<f64> {
         let deviation = self.scene.recorder.smoothing_samples;
         if deviation == 0.0 {
@@ -230,8 +234,8 @@ impl<'a> Receiver<'a> {
         (0..levels.len()).map(at).collect()
     }
 
-    /// The second echo of the bottom, after another way to the surface and back: later and weaker.
-    /// Only the ground under the boat is flat enough to return it.
+    /// Adds the second echo of the bottom, which went to the surface and back once more: later and
+    /// weaker. Only the ground under the boat is flat enough to return it.
     fn add_second_echo(&self, power: &mut [f64], first_return_m: f64) {
         let loss = self.scene.artefacts.second_echo_db;
         if loss <= 0.0 || first_return_m.is_nan() {
@@ -257,7 +261,7 @@ impl<'a> Receiver<'a> {
         }
     }
 
-    /// Points on the ground that shine: the real effigy tiles are strewn with them.
+    /// Adds glints, bright points on the ground, of which there are many in the real effigy tiles.
     fn add_glints(&self, power: &mut [f64], random: &mut Random) {
         for first in 0..power.len() {
             if random.chance(self.scene.artefacts.glints) {
@@ -268,7 +272,7 @@ impl<'a> Receiver<'a> {
         }
     }
 
-    /// Fading of each sample: power of a filtered complex normal process, mean 1.
+    /// Returns the speckle of each sample: the power of a filtered complex normal process, mean 1.
     fn speckle(&self, random: &mut Random) -> Vec<f64> {
         if !self.scene.artefacts.speckle {
             return vec![1.0; self.samples];
@@ -297,7 +301,8 @@ impl<'a> Receiver<'a> {
         }
     }
 
-    /// The recorder's curve around the level bottom. Not yet limited to a byte.
+    /// Converts power to a level by the recorder's curve, which is set on the level bottom. The
+    /// level is not yet limited to a byte.
     fn byte(&self, power: f64) -> f64 {
         if power <= 0.0 {
             return 0.0;
@@ -313,15 +318,15 @@ impl<'a> Receiver<'a> {
     }
 }
 
-/// Time-varied gain: a power of the range (3 as a rule) with absorption between a start and a
-/// limit.
+/// Returns the time-varied gain at a range: a power of the range (usually 3) with the absorption
+/// compensated, constant below a start and beyond a limit.
 fn tvg(recorder: &RecorderSettings, range_m: f64) -> f64 {
     let range = range_m.clamp(TVG_START_M, recorder.tvg_limit_m);
     let beyond_cube = exp((recorder.tvg_power - 3.0) * ln(range));
     range * range * range * beyond_cube / absorption(recorder.absorption_db_per_km, range)
 }
 
-/// The pulse's power in samples, of sum 1: a Gaussian out to three standard deviations.
+/// Returns the power of the pulse in samples, of sum 1: a Gaussian up to three standard deviations.
 fn pulse(deviation_samples: f64) -> Vec<f64> {
     let half = (3.0 * deviation_samples).ceil() as i32;
     let taps: Vec<f64> = (-half..=half)
@@ -334,7 +339,7 @@ fn pulse(deviation_samples: f64) -> Vec<f64> {
     taps.into_iter().map(|tap| tap / sum).collect()
 }
 
-/// The stream of a side's speckle in one ping.
+/// Creates the stream of random numbers for the speckle of one side of a ping.
 pub(super) fn speckle_stream(seed: u64, ping: u64, side: Side) -> Random {
     Random::new(seed, RandomPurpose::Speckle, 2 * ping + side as u64)
 }

@@ -1,13 +1,14 @@
-//! Settings of a simulated survey. All of it can be written as TOML; what is left out keeps its
-//! default.
+//! Defines the settings of a simulated survey. All of them can be written as TOML; settings that
+//! are left out keep their defaults.
 
 use bathyscope_log::named;
 use bathyscope_log::survey::MountingSettings;
 use serde::{Deserialize, Serialize};
 
-/// A simulated survey: the ground, the boat, the recorder and what goes wrong.
+/// Settings of a simulated survey: the ground, the way of the boat, the recorder, its faults, and
+/// objects.
 ///
-/// East and north are metres from the scene's own centre at `longitude_deg`, `latitude_deg`.
+/// East and north are metres from the scene's centre at `longitude_deg`, `latitude_deg`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Scene {
@@ -15,10 +16,10 @@ pub struct Scene {
     pub longitude_deg: f64,
     /// Latitude of the scene's centre, degrees north.
     pub latitude_deg: f64,
-    /// Unix time of the first ping, seconds; 0 for a recorder that does not know the time.
+    /// Unix time of the first ping, seconds; 0 for a recorder that has no time.
     pub start_unix_s: u32,
-    /// Time after which the survey ends, seconds, wherever the boat is then; without it, at the end
-    /// of the track.
+    /// Time after which the survey ends, seconds, wherever the boat is then; `None`: the survey
+    /// ends at the end of the track.
     pub duration_s: Option<f64>,
     /// The ground.
     pub bed: BedSettings,
@@ -26,8 +27,8 @@ pub struct Scene {
     pub track: TrackSettings,
     /// Settings of the recorder.
     pub recorder: RecorderSettings,
-    /// Mounting of the recorder: the boat's path is the transducer's, and the errors of the log are
-    /// those that the settings of these names correct. The clock is off by whole seconds.
+    /// Mounting of the recorder: the way of the boat is that of the transducer, and the log has the
+    /// errors that these settings correct. The clock is wrong by whole seconds.
     pub mounting: MountingSettings,
     /// Faults of the recording and disturbances.
     pub artefacts: Artefacts,
@@ -35,13 +36,13 @@ pub struct Scene {
     pub objects: Vec<ObjectSettings>,
     /// Shoals of fish.
     pub shoals: Vec<Shoal>,
-    /// Clumps of weed, in addition to the bed of it on the track.
+    /// Clumps of weed, in addition to the bed of weed on the track.
     pub weed_clumps: Vec<WeedClump>,
-    /// Objects placed at random beside and below the lines, in addition.
+    /// Number of objects placed at random beside and below the lines, in addition to `objects`.
     pub scattered_objects: u32,
 }
 
-/// The character of the ground.
+/// Character of the ground.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum BedKind {
@@ -58,42 +59,42 @@ pub enum BedKind {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct BedSettings {
-    /// Its character.
+    /// Character of the ground.
     pub kind: BedKind,
-    /// Draws its swells, bumps and stones, so that several surveys meet one ground; the survey's
-    /// own seed when left out.
+    /// Seed of the swells, bumps and stones, so that several surveys can have the same ground;
+    /// `None` for the seed of the survey.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seed: Option<u64>,
-    /// Depth that the ground swings about, metres.
+    /// Mean depth of the swells, metres.
     pub mean_depth_m: f64,
-    /// A level area: the place to calibrate.
+    /// A level area, for calibration; `None` for none.
     pub terrace: Option<Terrace>,
-    /// Banks around a rectangular pond; without them the ground goes on for ever.
+    /// Banks around a rectangular pond; `None` for ground without a shore.
     pub bank: Option<Bank>,
-    /// Ripples in patches.
+    /// Ripples in patches; `None` for none.
     pub ripples: Option<RippleSettings>,
     /// Pits scoured out of the ground.
     pub pits: Vec<Pit>,
     /// Mounds and hollows.
     pub mounds: Vec<Mound>,
-    /// Power of the cosine that the ground scatters by, of the angle from its normal: 2 is
-    /// Lambert's law.
+    /// Exponent of the cosine, of the angle from the normal of the ground, in the scattering law: 2
+    /// is Lambert's law.
     pub scatter_power: f64,
-    /// Factor on how much patches of finer and coarser sediment differ: 1 as a rule (2 dB), 0 for
-    /// ground of one kind.
+    /// Factor on the differences between patches of finer and coarser sediment: usually 1 (2 dB), 0
+    /// for ground of one kind.
     pub patch_factor: f64,
 }
 
-/// Law by which a recorder turns power into bytes.
+/// Law by which a recorder converts power to bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Curve {
     /// Bytes for each decibel.
     #[default]
     Decibel,
-    /// Bytes in proportion to the amplitude: dark ground, glaring echoes.
+    /// Bytes in proportion to the amplitude: dark ground and very bright echoes.
     Amplitude,
-    /// Bytes in proportion to the root of the amplitude: between the two.
+    /// Bytes in proportion to the root of the amplitude: between the other two laws.
     Root,
 }
 
@@ -101,17 +102,17 @@ pub enum Curve {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Terrace {
-    /// Its centre, metres east.
+    /// Centre, metres east.
     pub east_m: f64,
-    /// Its centre, metres north.
+    /// Centre, metres north.
     pub north_m: f64,
     /// Extent from west to east, metres.
     pub length_m: f64,
     /// Extent from south to north, metres.
     pub width_m: f64,
-    /// Its depth, metres.
+    /// Depth of the terrace, metres.
     pub depth_m: f64,
-    /// Width of the slope around it, metres.
+    /// Width of the slope around the terrace, metres.
     pub edge_m: f64,
 }
 
@@ -127,13 +128,14 @@ pub struct Bank {
     pub slope_deg: f64,
 }
 
-/// Way of the boat: lines to and fro from west to east, then lines from south to north across them.
+/// Way of the boat: lines in alternating directions along the east axis, then lines along the north
+/// axis across them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct TrackSettings {
-    /// Lines along the east axis.
+    /// Number of lines along the east axis.
     pub lines: u32,
-    /// Lines along the north axis.
+    /// Number of lines along the north axis.
     pub cross_lines: u32,
     /// Length of a line, metres.
     pub length_m: f64,
@@ -149,20 +151,20 @@ pub struct TrackSettings {
     pub speed_mps: f64,
     /// Side-scan pings a second.
     pub ping_rate_hz: f64,
-    /// Fixes a second; each is written to every frame until the next.
+    /// Fixes a second; each fix is written to every frame until the next fix.
     pub fix_rate_hz: f64,
-    /// Metres east and north of the corners of a way that is sailed in place of the lines.
+    /// Corners of a way that replaces the lines, metres east and north; empty for the lines.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub corners_m: Vec<[f64; 2]>,
 }
 
-/// Settings of the recorder, which turns echoes into bytes.
+/// Settings of the recorder, which converts echoes to bytes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct RecorderSettings {
     /// Slant range of the last side-scan sample, metres.
     pub range_m: f64,
-    /// Samples on each side.
+    /// Number of samples on each side.
     pub samples_per_side: u32,
     /// Axis of the side beam below the horizontal, degrees.
     pub beam_axis_deg: f64,
@@ -177,46 +179,47 @@ pub struct RecorderSettings {
     pub pulse_m: f64,
     /// Absorption of sound, dB per kilometre (455 kHz in fresh water of 20 C: 45.6).
     pub absorption_db_per_km: f64,
-    /// Range beyond which the time-varied gain grows no more, metres.
+    /// Range beyond which the time-varied gain is constant, metres.
     pub tvg_limit_m: f64,
-    /// Power of the range that the gain grows with: 3 leaves the ground fading outward, 5 makes
-    /// level ground even.
+    /// Exponent of the range in the time-varied gain: with 3 the ground fades outward, with 5 level
+    /// ground is evenly bright.
     pub tvg_power: f64,
     /// Electronic noise, in the unit of the echo power of a square metre of perfect scatterer at 1
     /// m.
     pub electronic_noise: f64,
-    /// Sound scattered by the water itself at 1 m, same unit.
+    /// Sound scattered by the water itself at 1 m, in the unit of `electronic_noise`.
     pub volume_noise: f64,
-    /// Byte of a level bottom's edge at the mean depth. At 105, fading lifts 2 % of the echoes
-    /// there above a ceiling of 120 (2.6 bytes a decibel): in the real river recording, 0.4 %
+    /// Byte of a level bottom's edge at the mean depth. At 105, fading raises 2 % of the echoes
+    /// there above a ceiling of 120 (2.6 bytes a decibel); in the real river recording, 0.4 %
     /// (port) and 3.7 % (starboard) are at the top of the scale.
     pub bottom_byte: f64,
     /// Bytes for each decibel.
     pub bytes_per_db: f64,
-    /// Law by which power becomes bytes; `bytes_per_db` counts for decibels only.
+    /// Law by which power is converted to bytes; `bytes_per_db` is used for [`Curve::Decibel`]
+    /// only.
     pub curve: Curve,
     /// Standard deviation of the window that levels are smoothed with along the ping before they
     /// are written, samples; 0 for none.
     pub smoothing_samples: f64,
-    /// Largest byte that an echo gets; ring-down may exceed it. The published recordings stay
+    /// Largest byte of an echo; ring-down may exceed it. The bytes of the published recordings are
     /// below 127.
     pub echo_ceiling: u8,
-    /// Samples in a frame of the primary and the down-scan channel.
+    /// Number of samples in a frame of the primary and of the down-scan channel.
     pub sonar_samples: u32,
-    /// Side-scan pings for each ping of the primary and the down-scan channel.
+    /// Number of side-scan pings for each ping of the primary and the down-scan channel.
     pub sonar_every: u32,
-    /// True if a compass writes headings (2 degrees noise).
+    /// True if the log has compass headings (with 2 degrees of noise).
     pub compass: bool,
 }
 
-/// Faults of the recording and disturbances. The default is all of them, in the amounts seen in the
-/// field.
+/// Faults of the recording and disturbances. The default has most of them, in the amounts seen in
+/// the field.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Artefacts {
-    /// Rayleigh speckle.
+    /// True for Rayleigh speckle.
     pub speckle: bool,
-    /// Ring-down of the transducer: 1 as measured, 0 none.
+    /// Factor on the ring-down of the transducer: 1 as measured, 0 for none.
     pub ring_down: f64,
     /// Slow wander of the gain along the track, dB (standard deviation).
     pub gain_wander_db: f64,
@@ -224,7 +227,7 @@ pub struct Artefacts {
     pub fish: f64,
     /// Share of pings that another sounder disturbs.
     pub interference: f64,
-    /// Diameter of the weed bed on the track, metres.
+    /// Diameter of the weed bed on the track, metres; 0 for none.
     pub weed_m: f64,
     /// Factor on the gain along ten metres of the track; 1 for none.
     pub gain_drop: f64,
@@ -235,19 +238,19 @@ pub struct Artefacts {
     /// Noise of the recorded depth, metres (standard deviation).
     pub depth_noise_m: f64,
     /// Factor on the recorded depth: 1 for a sounder that measures the ground under the boat,
-    /// another where its depths belong to something else.
+    /// another value where it measures something else.
     pub depth_scale: f64,
     /// Added to the recorded depth, metres: a draft or keel offset that the log does not state.
     pub depth_offset_m: f64,
-    /// Slow wander of the fixes, metres east and north (standard deviation each): what satellites
-    /// leave. It is counted from the first fix.
+    /// Slow wander of the fixes, the error of satellite positions, metres east and north (standard
+    /// deviation each), relative to the error of the first fix.
     pub position_m: f64,
     /// Share of pings that are missing in the log.
     pub dropouts: f64,
     /// Factor on the recorded range along a fifth of the track; 1 for none.
     pub range_change: f64,
-    /// Slant range at which the water surface returns an echo, metres: how deep a towed transducer
-    /// hangs; 0 for none.
+    /// Slant range at which the water surface returns an echo, metres: the depth of a towed
+    /// transducer; 0 for none.
     pub surface_m: f64,
     /// Share of the samples in which a pebble or a shell glints.
     pub glints: f64,
@@ -261,9 +264,9 @@ pub enum ObjectKind {
     Rock,
     /// A crate or block with steep sides and a flat top.
     Block,
-    /// A pipe or drum lying on its side.
+    /// A pipe or drum that lies on its side.
     Cylinder,
-    /// A tyre lying flat: a ring.
+    /// A tyre that lies flat: a ring.
     Tyre,
     /// A sunken boat, open or keel up; its bow points along the heading.
     Boat,
@@ -274,7 +277,7 @@ pub enum ObjectKind {
 }
 
 named! {
-    /// All kinds, in the order of a detector's classes.
+    /// All kinds, in the order of the classes of a detector.
     pub ObjectKind {
         Rock: "rock",
         Block: "block",
@@ -292,24 +295,24 @@ named! {
 pub struct ObjectSettings {
     /// Kind of the object.
     pub kind: ObjectKind,
-    /// Its centre, metres east.
+    /// Centre, metres east.
     pub east_m: f64,
-    /// Its centre, metres north.
+    /// Centre, metres north.
     pub north_m: f64,
-    /// Extent along its heading, metres.
+    /// Extent along the heading, metres.
     pub length_m: f64,
-    /// Extent across its heading, metres.
+    /// Extent across the heading, metres.
     pub width_m: f64,
-    /// Height above the ground were it not buried, metres.
+    /// Height above the ground if the object were not buried, metres.
     pub height_m: f64,
-    /// Direction of its length, degrees clockwise from north.
+    /// Heading, the direction of the object's length, degrees clockwise from north.
     #[serde(default)]
     pub heading_deg: f64,
-    /// Height that has sunk into the ground, metres.
+    /// Part of the height that has sunk into the ground, metres.
     #[serde(default)]
     pub buried_m: f64,
-    /// Strength of its echoes over that of the ground, dB; 6 when left out. Metal more, wood and
-    /// rubber less.
+    /// Strength of the object's echoes over that of the ground, dB; `None` for 6. Metal has more,
+    /// wood and rubber less.
     #[serde(default)]
     pub strength_db: Option<f64>,
 }
@@ -330,13 +333,13 @@ pub struct RippleSettings {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Pit {
-    /// Its centre, metres east.
+    /// Centre, metres east.
     pub east_m: f64,
-    /// Its centre, metres north.
+    /// Centre, metres north.
     pub north_m: f64,
-    /// Its radius without the rim, metres.
+    /// Radius of the pit without the rim, metres.
     pub radius_m: f64,
-    /// Depth of its middle below the ground around, metres.
+    /// Depth of the middle of the pit below the ground around, metres.
     pub depth_m: f64,
 }
 
@@ -345,27 +348,27 @@ pub struct Pit {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Mound {
-    /// Its centre, metres east.
+    /// Centre, metres east.
     pub east_m: f64,
-    /// Its centre, metres north.
+    /// Centre, metres north.
     pub north_m: f64,
-    /// Distance from the centre at which it has 0.61 of its height and is steepest, metres.
+    /// Distance from the centre at which the mound has 0.61 of its height and is steepest, metres.
     pub radius_m: f64,
-    /// Height of its middle above the ground around, metres; below 0 for a hollow.
+    /// Height of the middle above the ground around, metres; negative for a hollow.
     pub height_m: f64,
 }
 
-/// A shoal of fish that keeps its place while the boat passes.
+/// A shoal of fish that stays in place while the boat passes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Shoal {
-    /// Its centre, metres east.
+    /// Centre, metres east.
     pub east_m: f64,
-    /// Its centre, metres north.
+    /// Centre, metres north.
     pub north_m: f64,
-    /// Its centre, metres below the water surface.
+    /// Depth of the centre below the water surface, metres.
     pub depth_m: f64,
-    /// Radius that holds most of it, metres.
+    /// Radius within which most of the fish are, metres.
     pub radius_m: f64,
     /// Number of fish.
     pub count: u32,
@@ -377,11 +380,11 @@ pub struct Shoal {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WeedClump {
-    /// Its centre, metres east.
+    /// Centre, metres east.
     pub east_m: f64,
-    /// Its centre, metres north.
+    /// Centre, metres north.
     pub north_m: f64,
-    /// Its diameter, metres.
+    /// Diameter of the clump, metres.
     pub diameter_m: f64,
 }
 
@@ -499,7 +502,7 @@ impl Default for Artefacts {
 }
 
 impl Artefacts {
-    /// A recorder's dream: speckle and ring-down only.
+    /// Returns the settings of a recording without faults: speckle and ring-down only.
     pub fn none() -> Self {
         Self {
             speckle: true,

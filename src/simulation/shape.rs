@@ -1,31 +1,31 @@
-//! Shapes of objects as heights over the ground they cover.
+//! Computes the shapes of objects, as heights above the ground that they cover.
 
 use super::hull::Hull;
 use super::limbs::Limbs;
 use super::random::{NoiseField, Random, RandomPurpose};
 use super::scene::{ObjectKind, ObjectSettings};
 
-/// The shape of one object, with what its seed has drawn.
+/// Shape of one object, with the random details drawn from its seed.
 pub(super) enum Shape {
     /// A rounded boulder with bumps.
     Rock(NoiseField),
-    /// Steep sides, flat top.
+    /// A block with steep sides and a flat top.
     Block,
-    /// A round section along the length.
+    /// A cylinder with a round section along the length.
     Cylinder,
-    /// A ring.
+    /// A tyre: a ring.
     Tyre,
     /// A sunken boat.
     Hull(Hull),
-    /// Round members: a log, a body.
+    /// A log or a body, made of round members.
     Limbs(Limbs),
 }
 
-/// Width of steep sides, metres: steep, but wide enough to be met by the rays.
+/// Horizontal width of steep sides, metres, wide enough for the rays to meet them.
 pub(super) const SIDE_M: f64 = 0.04;
 
 impl Shape {
-    /// The shape of an object; the seed draws its bumps, branches or pose.
+    /// Creates the shape of an object; `seed` determines its bumps, branches or pose.
     pub(super) fn new(object: &ObjectSettings, seed: u64) -> Self {
         let (length, width, height) = (object.length_m, object.width_m, object.height_m);
         let mut random = Random::new(seed, RandomPurpose::Shape, 0);
@@ -42,8 +42,9 @@ impl Shape {
         }
     }
 
-    /// Height as a share of the object's whole height at a place `along_m` and `across_m` from its
-    /// centre, `offset` from it to the east and north.
+    /// Returns the height at a place as a share of the object's whole height. The place is
+    /// `along_m` and `across_m` from the centre of the object; `offset` is the same offset to the
+    /// east and north, metres.
     pub(super) fn share(
         &self,
         along_m: f64,
@@ -65,7 +66,8 @@ impl Shape {
             }
             Shape::Cylinder if u.abs() > 1.0 => 0.0,
             Shape::Cylinder => round(v),
-            // The ring's middle lies at 0.7 of the outer radius, its half thickness is 0.3 of it.
+            // The middle of the ring is at 0.7 of the outer radius, its half thickness is 0.3 of
+            // the radius.
             Shape::Tyre => round(((u * u + v * v).sqrt() - 0.7) / 0.3),
             Shape::Hull(hull) => hull.share(along_m, across_m, size_m, SIDE_M),
             Shape::Limbs(limbs) => limbs.share(along_m, across_m),
@@ -73,8 +75,8 @@ impl Shape {
     }
 }
 
-/// Upper half of a round section that touches the ground from above: 1 at the middle, 1/2 at the
-/// widest, 0 beyond.
+/// Returns the height of the upper half of a round section that lies on the ground: 1 at the
+/// middle, 1/2 at the widest, 0 beyond.
 fn round(offset: f64) -> f64 {
     if offset.abs() >= 1.0 {
         return 0.0;

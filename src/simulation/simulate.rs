@@ -1,4 +1,4 @@
-//! Runs a scene.
+//! Simulates a survey from a scene and a seed.
 
 use super::artefacts::{ArtefactPlan, Fishes, Trouble};
 use super::bed::SceneBed;
@@ -21,14 +21,14 @@ use bathyscope_log::survey::Side;
 use rayon::prelude::*;
 use std::io::{self, Write};
 
-/// A simulated survey: the log, and the truth.
+/// A simulated survey: the log and the truth about it.
 pub struct Simulated {
     /// One entry per recorded side-scan ping, in the order of the log.
     pub pings: Vec<PingTruth>,
     /// The objects on the ground.
     pub objects: Vec<ObjectTruth>,
-    /// The survey's frame: its origin is the first recorded fix, so it equals that of the opened
-    /// log.
+    /// Local coordinate frame of the survey: its origin is the first recorded fix, so it equals the
+    /// frame of the opened log.
     pub frame: LocalFrame,
     frames: Vec<Sl2Frame>,
     start_unix_s: u32,
@@ -36,12 +36,12 @@ pub struct Simulated {
     scene_frame: LocalFrame,
 }
 
-/// Temperature of the water, degrees Celsius: the one the default absorption belongs to.
+/// Temperature of the water, degrees Celsius, for which the default absorption holds.
 const WATER_C: f32 = 20.0;
-/// Pings between looks at the progress.
+/// Number of pings between two checks for cancellation.
 const CHUNK: usize = 64;
 
-/// Runs a scene with a seed. The scene should have passed [`Scene::check`].
+/// Simulates a scene with a seed. The scene should have passed [`Scene::check`].
 ///
 /// # Errors
 /// When `progress` was cancelled.
@@ -62,7 +62,7 @@ pub fn simulate(scene: &Scene, seed: u64, progress: &Progress) -> Result<Simulat
 }
 
 impl Simulated {
-    /// The log as SL2.
+    /// Writes the log as SL2.
     ///
     /// # Errors
     /// When writing fails.
@@ -71,7 +71,7 @@ impl Simulated {
         self.frames.iter().try_for_each(|frame| writer.push(frame))
     }
 
-    /// The log as SL2 in memory.
+    /// Returns the log as SL2 in memory.
     pub fn sl2_bytes(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
         // Writing to memory fails only for a log beyond the format's 4 GiB, which `Scene::check`
@@ -80,7 +80,7 @@ impl Simulated {
         bytes
     }
 
-    /// The truth about every ping as CSV:
+    /// Writes the truth about every ping as CSV:
     /// `ping,time_s,lon,lat,east_m,north_m,heading_deg,depth_m,metres_per_sample,`
     /// `port_range_m,port_weed,starboard_range_m,starboard_weed`.
     ///
@@ -90,7 +90,8 @@ impl Simulated {
         truth::write_pings(&self.pings, out)
     }
 
-    /// The truth about the objects as CSV, one line per pass that insonified one.
+    /// Writes the truth about the objects as CSV, one line per object and pass that insonified the
+    /// object.
     ///
     /// # Errors
     /// When writing fails.
@@ -98,16 +99,16 @@ impl Simulated {
         truth::write_objects(&self.objects, self.pings.len(), out)
     }
 
-    /// True depth of the ground (objects included, weed not) at a place in the survey's frame,
-    /// metres; negative on land.
+    /// Returns the true depth of the ground (objects included, weed not) at a place in the survey's
+    /// local coordinate frame, metres; negative on land.
     pub fn bed_depth_m(&self, east_m: f64, north_m: f64) -> f64 {
         let position = self.frame.to_lon_lat(east_m, north_m);
         let [east, north] = self.scene_frame.to_enu(position);
         self.world.depth_m(east, north)
     }
 
-    /// True factor on how strongly the ground scatters at a place in the survey's frame, about 1;
-    /// without objects.
+    /// Returns the true scattering strength of the ground, without objects, at a place in the
+    /// survey's local coordinate frame, as a factor of about 1.
     pub fn bed_strength(&self, east_m: f64, north_m: f64) -> f64 {
         let position = self.frame.to_lon_lat(east_m, north_m);
         let [east, north] = self.scene_frame.to_enu(position);
@@ -115,7 +116,7 @@ impl Simulated {
     }
 }
 
-/// Everything that pings share.
+/// Data of a simulation that all pings share.
 pub(super) struct SimulationRun<'a> {
     pub scene: &'a Scene,
     pub seed: u64,
@@ -125,18 +126,18 @@ pub(super) struct SimulationRun<'a> {
     shoals: Vec<Fishes>,
     pub scene_frame: LocalFrame,
     frame: LocalFrame,
-    /// The receiver at the usual range, and at the changed one.
+    /// The receivers at the usual and at the changed range.
     receivers: [Receiver<'a>; 2],
 }
 
-/// One recorded ping.
+/// A recorded ping with the truth about it.
 pub(super) struct ReceivedPing {
-    /// Counts all pings, the missing ones included.
+    /// Number of the ping, with missing pings counted.
     pub ping: u64,
     pub truth: PingTruth,
     seen: Vec<(Side, ObjectEcho)>,
     traces: Vec<Trace>,
-    /// Port far to near, then starboard near to far.
+    /// Recorded samples: port from far to near, then starboard from near to far.
     pub composite: Vec<u8>,
     pub range_m: f64,
 }
@@ -177,7 +178,7 @@ impl<'a> SimulationRun<'a> {
         (duration_s * track.ping_rate_hz).ceil() as u64
     }
 
-    /// Recorded time of a ping, whole milliseconds.
+    /// Returns the recorded time of a ping, whole milliseconds.
     pub(super) fn milliseconds(&self, ping: u64) -> i32 {
         (ping as f64 * 1000.0 / self.scene.track.ping_rate_hz).round() as i32
     }
@@ -186,12 +187,12 @@ impl<'a> SimulationRun<'a> {
         self.path.at(time_s * self.scene.track.speed_mps)
     }
 
-    /// Simulates one ping; `None` when the log misses it.
+    /// Simulates one ping; `None` when the ping is missing in the log.
     fn ping(&self, ping: u64) -> Option<ReceivedPing> {
         let time_s = f64::from(self.milliseconds(ping)) / 1000.0;
         let travelled_m = time_s * self.scene.track.speed_mps;
         let trouble = self.plan.at(ping, time_s, travelled_m);
-        // The first ping is always there: it defines the survey's origin.
+        // The first ping is never missing: it defines the survey's origin.
         if trouble.missing && ping > 0 {
             return None;
         }
@@ -258,15 +259,16 @@ impl<'a> SimulationRun<'a> {
         (echo, bytes)
     }
 
-    /// Slant range (metres) and strength (dB) of a fish nearer than the ground, where this side
-    /// insonifies one.
+    /// Returns the slant range (metres) and strength (dB) of a fish nearer than the ground; `None`
+    /// where this side insonifies none.
     fn fish(&self, trouble: &Trouble, side: Side, first_return_m: f64) -> Option<[f64; 2]> {
         let fish = trouble.fish.filter(|fish| fish.side == side)?;
         let range_m = fish.range_m(self.true_depth_m(fish.first_ping));
         (range_m < first_return_m).then_some([range_m, fish.strength_db])
     }
 
-    /// The water surface over a towed transducer: slant range (metres) and strength (dB).
+    /// Returns the slant range (metres) and strength (dB) of the water surface over a towed
+    /// transducer; `None` for a transducer at the surface.
     fn surface(&self, ping: u64) -> Option<[f64; 2]> {
         let surface_m = self.scene.artefacts.surface_m;
         let mut random = Random::new(self.seed, RandomPurpose::Wander, ping);
@@ -275,7 +277,7 @@ impl<'a> SimulationRun<'a> {
             .then_some([surface_m + SURFACE_WAVES_M * wave, SURFACE_DB + 3.0 * strength])
     }
 
-    /// True depth under the boat at a ping.
+    /// Returns the true depth under the boat at a ping, metres.
     pub(super) fn true_depth_m(&self, ping: u64) -> f64 {
         let pose = self.pose_at(f64::from(self.milliseconds(ping)) / 1000.0);
         self.world.depth_m(pose.east_m, pose.north_m)
@@ -333,8 +335,8 @@ impl<'a> SimulationRun<'a> {
     }
 }
 
-/// Returns the time at which the log begins by the recorder's clock, Unix seconds; 0 where it does
-/// not know the time.
+/// Returns the start time of the log by the recorder's clock, Unix seconds; 0 for a recorder that
+/// has no time.
 fn recorded_start_s(scene: &Scene) -> u32 {
     match scene.start_unix_s {
         0 => 0,
@@ -346,10 +348,11 @@ fn recorded_start_s(scene: &Scene) -> u32 {
 const SURFACE_WAVES_M: f64 = 0.02;
 /// Strength of the water surface over that of a level bottom's edge, dB.
 const SURFACE_DB: f64 = -8.0;
-/// Weed this little behind the ground still changes its edge, metres.
+/// Largest distance of weed behind the first return of the ground at which the weed still changes
+/// the edge of the ground, metres.
 const WEED_MARGIN_M: f64 = 0.1;
 
-/// The bed of weed on the track, and the clumps that the scene names.
+/// Creates the bed of weed on the track, and the clumps that the scene lists.
 fn weed(scene: &Scene, path: &Path, seed: u64) -> Vec<WeedBed> {
     let clumps = scene.weed_clumps.iter().zip(seed.wrapping_add(1)..);
     let clumps = clumps
@@ -357,7 +360,7 @@ fn weed(scene: &Scene, path: &Path, seed: u64) -> Vec<WeedBed> {
     WeedBed::new(scene.artefacts.weed_m, path, seed).into_iter().chain(clumps).collect()
 }
 
-/// Returns the changes in the levels of one side by the objects that its beam met.
+/// Returns the changes in the levels of one side by each object that the beam met.
 fn traces(echo: &Echo, side: Side, trouble: &Trouble, receiver: &Receiver) -> Vec<Trace> {
     let without = echo.without.iter();
     without
@@ -367,13 +370,13 @@ fn traces(echo: &Echo, side: Side, trouble: &Trouble, receiver: &Receiver) -> Ve
         .collect()
 }
 
-/// The traces of one object in the pings of a pass, with the index of each ping.
+/// Returns the traces of one object in the pings of a pass, with the index of each ping.
 fn pass<'a>(
     received: &'a [ReceivedPing],
     object: usize,
     sighting: &ObjectPass,
 ) -> Vec<(usize, &'a Trace)> {
-    // The rays at the beam's edge lie sqrt(3) standard deviations off.
+    // The outer rays of the beam are sqrt(3) standard deviations from the middle.
     let margin = 2 * sighting.spread_pings + 1;
     let first = sighting.first_ping.saturating_sub(margin);
     let end = (sighting.last_ping + margin + 1).min(received.len());
@@ -390,7 +393,8 @@ fn side_truth(echo: &Echo) -> SideTruth {
     }
 }
 
-/// Whole Lowrance Mercator metres of a place in the scene's frame.
+/// Returns the Lowrance Mercator metres, rounded to whole metres, of a place in a local coordinate
+/// frame.
 pub(super) fn mercator(frame: &LocalFrame, pose: BoatPose) -> [i32; 2] {
     lowrance_mercator(frame.to_lon_lat(pose.east_m, pose.north_m))
         .map(|metres| metres.round() as i32)

@@ -1,4 +1,4 @@
-//! Random small surveys for a detector to learn from: every setting varied, as recorders, waters
+//! Draws random small surveys to train a detector, with all settings varied as recorders, waters
 //! and bottoms vary.
 
 use super::arithmetic::{atan, cos, exp, ln, sin};
@@ -11,19 +11,19 @@ use super::scene::{
 };
 use bathyscope_log::survey::Side;
 
-/// A random survey, and where to cut pictures out of it.
+/// A random survey, and the places at which pictures are cut out of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrainingScene {
     /// The survey.
     pub scene: Scene,
-    /// The pictures.
+    /// Places of the pictures.
     pub looks: Vec<TrainingPlace>,
 }
 
-/// A place on one side of a survey, whatever its size in pixels.
+/// Place of a picture on one side of a survey, independent of its size in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrainingPlace {
-    /// The side.
+    /// Side of the boat.
     pub side: Side,
     /// Start of the picture along the track, as a share of all places where it can start: 0 to 1.
     pub along: f64,
@@ -31,24 +31,25 @@ pub struct TrainingPlace {
     pub outward: f64,
 }
 
-/// Metres of track beyond what the pictures need, so that they do not all start alike.
+/// Metres of track in addition to those of the pictures, so that the starts of the pictures vary.
 const SPARE_M: f64 = 4.0;
-/// Most objects of a survey.
+/// Largest number of objects of a survey.
 const MOST_OBJECTS: u64 = 13;
-/// Places that are tried for an object.
+/// Number of random places that are tried for an object.
 const TRIES: usize = 12;
-/// Surveys without any object, to learn what is none.
+/// Share of surveys without objects, for a detector to learn ground without objects.
 const EMPTY_SHARE: f64 = 0.08;
 
-/// The seed of a scene: the `index`th of a part of a dataset (training, validation, test). No scene
-/// of one part is one of another, and a part's first scenes are the same however many follow.
+/// Returns the seed of scene `index` of a part (training, validation, test) of a dataset. The parts
+/// share no scenes, and the first scenes of a part are the same however many follow.
 pub fn training_seed(dataset_seed: u64, part: u64, index: u64) -> u64 {
     mix(mix(mix(dataset_seed).wrapping_add(part)).wrapping_add(index))
 }
 
-/// A random survey along one line, straight or gently turning, that holds `looks` pictures of
-/// `look_m` metres along the track: depth 1.2 to 6 m, range 8 to 30 m, any bed, up to thirteen
-/// objects of all kinds and what is mistaken for them. The same seed gives the same scene.
+/// Draws a random survey along one line, straight or gently turning, with room for `looks` pictures
+/// of `look_m` metres along the track: depth 1.2 to 6 m, range 8 to 30 m, any bed, up to thirteen
+/// objects of all kinds, and things that are mistaken for objects. The same seed gives the same
+/// scene.
 pub fn training_scene(seed: u64, looks: usize, look_m: f64) -> TrainingScene {
     let mut random = Random::new(seed, RandomPurpose::Training, 0);
     let rows = looks.div_ceil(2).max(1);
@@ -77,17 +78,17 @@ pub fn training_scene(seed: u64, looks: usize, look_m: f64) -> TrainingScene {
     TrainingScene { looks: looks.collect(), scene }
 }
 
-/// Uniform in the logarithm.
+/// Draws a number between two numbers, uniform in the logarithm.
 fn log_between(random: &mut Random, low: f64, high: f64) -> f64 {
     exp(random.between(ln(low), ln(high)))
 }
 
-/// A whole number from 0 to `most`.
+/// Draws a whole number from 0 to `most`.
 fn up_to(random: &mut Random, most: u64) -> u64 {
     random.bits() % (most + 1)
 }
 
-/// A random ground of a mean depth.
+/// Draws a ground of a mean depth.
 fn bed(random: &mut Random, depth_m: f64, range_m: f64) -> BedSettings {
     let kind = match random.bits() % 10 {
         0..=5 => BedKind::Gentle,
@@ -120,7 +121,7 @@ fn bed(random: &mut Random, depth_m: f64, range_m: f64) -> BedSettings {
     }
 }
 
-/// A line of a length, straight or gently turning.
+/// Draws a line of a length, straight or gently turning.
 fn track(random: &mut Random, length_m: f64) -> TrackSettings {
     let speed_mps = random.between(0.8, 3.2);
     let spacing_m = log_between(random, 0.05, 0.2);
@@ -136,10 +137,10 @@ fn track(random: &mut Random, length_m: f64) -> TrackSettings {
     }
 }
 
-/// A recorder of a range, over ground at a mean depth.
+/// Draws a recorder of a range, over ground at a mean depth.
 fn recorder(random: &mut Random, range_m: f64, depth_m: f64) -> RecorderSettings {
     let amplitude = random.chance(0.35);
-    // Some are set so loud that the ground is clipped.
+    // Some recorders have so much gain that the ground is clipped.
     let loud = random.chance(0.12);
     let recorder = RecorderSettings {
         range_m,
@@ -158,9 +159,9 @@ fn recorder(random: &mut Random, range_m: f64, depth_m: f64) -> RecorderSettings
         sonar_every: 20,
         ..RecorderSettings::default()
     };
-    // Noise is as strong as the ground at some range, most often beyond what is recorded. It fills
-    // the shadows: those of the real effigy tiles are half as bright as the ground beside them
-    // (0.22 to 0.75).
+    // The noise is as strong as the ground at some range, most often beyond the recorded range. The
+    // noise fills the shadows: in the real effigy tiles the shadows are half as bright as the
+    // ground beside them (0.22 to 0.75).
     let faint_m = range_m * random.between(0.75, 1.6);
     let electronic_noise = faint_echo(&recorder, faint_m, depth_m);
     RecorderSettings {
@@ -170,7 +171,7 @@ fn recorder(random: &mut Random, range_m: f64, depth_m: f64) -> RecorderSettings
     }
 }
 
-/// Power of one sample of level ground at a long range.
+/// Returns the power of one sample of level ground at a long range.
 fn faint_echo(recorder: &RecorderSettings, range_m: f64, depth_m: f64) -> f64 {
     let beam = Beam::new(recorder, 1.0);
     let sine = depth_m / range_m;
@@ -206,17 +207,17 @@ fn artefacts(random: &mut Random) -> Artefacts {
     }
 }
 
-/// The ground that both sides insonify.
+/// The strip of ground that both sides insonify.
 struct Strip {
     length_m: f64,
     bend_rad_per_m: f64,
     depth_m: f64,
-    /// Nearest and farthest distance from the track worth placing something, metres.
+    /// Nearest and farthest distance from the track at which things are placed, metres.
     aside_m: [f64; 2],
 }
 
 impl Strip {
-    /// The ground of a scene with a single line.
+    /// Creates the strip of a scene with a single line.
     fn new(scene: &Scene) -> Self {
         let (depth_m, range_m) = (scene.bed.mean_depth_m, scene.recorder.range_m);
         let mut far_m = (range_m * range_m - depth_m * depth_m).max(1.0).sqrt();
@@ -231,7 +232,7 @@ impl Strip {
         }
     }
 
-    /// A random place, metres east and north. The line runs east through the middle of the scene.
+    /// Draws a place, metres east and north. The line runs east through the middle of the scene.
     fn place(&self, random: &mut Random) -> [f64; 2] {
         let along_m = random.unit() * self.length_m;
         let [near, far] = self.aside_m;
@@ -249,7 +250,7 @@ impl Strip {
     }
 }
 
-/// Objects that leave each other room; none in some surveys.
+/// Draws objects that do not overlap; none in some surveys.
 fn objects(random: &mut Random, strip: &Strip) -> Vec<ObjectSettings> {
     let mut objects: Vec<ObjectSettings> = Vec::new();
     if random.chance(EMPTY_SHARE) {
@@ -272,11 +273,12 @@ fn objects(random: &mut Random, strip: &Strip) -> Vec<ObjectSettings> {
     objects
 }
 
-/// An object of random kind, size, pose, burial and material; its place is still open.
+/// Draws an object of random kind, size, heading, burial and material, at the centre of the scene;
+/// the caller sets its place.
 fn object(random: &mut Random, depth_m: f64) -> ObjectSettings {
     let kind = ObjectKind::ALL[(random.bits() % 7) as usize];
     let build = Build::random(random, kind);
-    // Nothing reaches up through half of the water: its shadow would have no end.
+    // No object is higher than 0.4 of the depth: the shadow of a higher one would have no end.
     let height_m = build.height_m.min(0.4 * depth_m);
     let burial = if random.chance(0.35) { random.between(0.0, 0.45) } else { 0.0 };
     ObjectSettings {
@@ -297,13 +299,13 @@ struct Build {
     length_m: f64,
     width_m: f64,
     height_m: f64,
-    /// The strength of the material's echo over that of the ground, dB.
+    /// Strength of the material's echo over that of the ground, dB.
     strength_db: f64,
 }
 
 impl Build {
     /// Draws a build that is usual for the kind. The numbers are drawn in the order of the fields:
-    /// another order makes another survey of a seed.
+    /// another order would change the survey of a seed.
     fn random(random: &mut Random, kind: ObjectKind) -> Self {
         match kind {
             ObjectKind::Rock => {
@@ -371,7 +373,7 @@ impl Build {
     }
 }
 
-/// A few pits, in some surveys.
+/// Draws a few pits; none in most surveys.
 fn pits(random: &mut Random, strip: &Strip) -> Vec<Pit> {
     let count = if random.chance(0.25) { up_to(random, 5) } else { 0 };
     let pit = |_| {
@@ -382,12 +384,12 @@ fn pits(random: &mut Random, strip: &Strip) -> Vec<Pit> {
     (0..count).map(pit).collect()
 }
 
-/// A few shoals, in some surveys: over the ground, or near the track in the water column.
+/// Draws a few shoals, over the ground or near the track in the water column; none in most surveys.
 fn shoals(random: &mut Random, strip: &Strip) -> Vec<Shoal> {
     let count = if random.chance(0.3) { 1 + up_to(random, 2) } else { 0 };
     let shoal = |_| {
         let [east_m, north_m] = strip.place(random);
-        // Half of them are near the track, in the water column.
+        // Half of the shoals are near the track, in the water column.
         let nearer = if random.chance(0.5) { 0.3 } else { 1.0 };
         let north_m = nearer * north_m;
         Shoal {
@@ -402,7 +404,7 @@ fn shoals(random: &mut Random, strip: &Strip) -> Vec<Shoal> {
     (0..count).map(shoal).collect()
 }
 
-/// A few clumps of weed, in some surveys.
+/// Draws a few clumps of weed; none in most surveys.
 fn weed_clumps(random: &mut Random, strip: &Strip) -> Vec<WeedClump> {
     let count = if random.chance(0.3) { 1 + up_to(random, 5) } else { 0 };
     let clump = |_| {

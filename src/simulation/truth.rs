@@ -1,4 +1,5 @@
-//! Truth that the log hides: the real places of boat and objects, and the true ranges.
+//! Holds the truth about a simulated survey that its log does not contain: the true places of boat
+//! and objects, and the true ranges.
 
 use super::echo::ObjectEcho;
 use super::scene::ObjectKind;
@@ -8,8 +9,9 @@ use bathyscope_log::survey::Side;
 use std::io::{self, Write};
 use std::ops::Range;
 
-/// The truth about one recorded side-scan ping. East and north are metres in the survey's frame,
-/// whose origin is the first recorded fix ([`bathyscope_log::survey::Track::frame`]).
+/// The truth about one recorded side-scan ping. East and north are metres in the survey's local
+/// coordinate frame, whose origin is the first recorded fix
+/// ([`bathyscope_log::survey::Track::frame`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PingTruth {
     /// Seconds after the first ping, as recorded (whole milliseconds).
@@ -25,8 +27,8 @@ pub struct PingTruth {
     /// True depth of the ground (objects included, weed not) under the boat, metres below the
     /// transducer.
     pub depth_m: f64,
-    /// Recorded slant range of one sample, metres; sample `i` covers `i` to `i + 1` times this,
-    /// less `recorder.range_offset_m`.
+    /// Recorded slant range of one sample, metres; sample `i` covers `i` to `i + 1` times this
+    /// value, minus `recorder.range_offset_m`.
     pub metres_per_sample: f64,
     /// Truth about the port side.
     pub port: SideTruth,
@@ -41,13 +43,13 @@ pub struct SideTruth {
     /// vertical plane across the boat's heading, metres. NaN where there is no water under the
     /// boat.
     pub first_return_m: f64,
-    /// True if the echo of weed comes before that of the ground, or within 10 cm of it: the first
-    /// return is then an above-bottom return, not an error.
+    /// True if the echo of weed comes before that of the ground, or at most 10 cm behind it: the
+    /// detected first return may then be above the bottom without being an error.
     pub weed: bool,
 }
 
 impl PingTruth {
-    /// The truth about one side.
+    /// Returns the truth about one side.
     pub fn side(&self, side: Side) -> &SideTruth {
         match side {
             Side::Port => &self.port,
@@ -61,60 +63,60 @@ impl PingTruth {
 pub struct ObjectTruth {
     /// Kind of the object.
     pub kind: ObjectKind,
-    /// Position of its centre.
+    /// Position of the object's centre.
     pub position: LonLat,
-    /// Its centre, metres east in the survey's frame.
+    /// Centre of the object, metres east in the survey's local coordinate frame.
     pub east_m: f64,
-    /// Its centre, metres north in the survey's frame.
+    /// Centre of the object, metres north in the survey's local coordinate frame.
     pub north_m: f64,
-    /// Extent along its heading, metres.
+    /// Extent along the heading, metres.
     pub length_m: f64,
-    /// Extent across its heading, metres.
+    /// Extent across the heading, metres.
     pub width_m: f64,
     /// Height above the ground, metres.
     pub height_m: f64,
-    /// Direction of its length, degrees clockwise from north.
+    /// Heading, the direction of the object's length, degrees clockwise from north.
     pub heading_deg: f64,
-    /// Each pass of the boat in which a side insonified it.
+    /// Passes of the boat in which a side insonified the object.
     pub sightings: Vec<ObjectPass>,
 }
 
 /// One pass of the boat along an object. Pings count recorded pings ([`super::Simulated::pings`]).
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObjectPass {
-    /// The side that insonified it.
+    /// The side that insonified the object.
     pub side: Side,
-    /// First ping with its echo.
+    /// First ping with the echo of the object.
     pub first_ping: usize,
-    /// Last ping with its echo.
+    /// Last ping with the echo of the object.
     pub last_ping: usize,
-    /// Nearest slant range of its visible surface, metres.
+    /// Nearest slant range of the object's visible surface, metres.
     pub near_m: f64,
-    /// Farthest slant range of its visible surface, metres.
+    /// Farthest slant range of the object's visible surface, metres.
     pub far_m: f64,
-    /// Slant ranges between which its longest shadow lies, metres; the end is NaN when a shadow
-    /// runs off the range. The start is the far edge of its top: with the altitude H, its height is
-    /// `H (end - start) / end`.
+    /// Slant ranges of the start and the end of the longest shadow, metres; the end is NaN where a
+    /// shadow extends beyond the range. The start is the far edge of the object's top: with the
+    /// altitude H, the height of the object is `H (end - start) / end`.
     pub shadow_m: [f64; 2],
-    /// A ping with that shadow.
+    /// A ping with the longest shadow.
     pub shadow_ping: usize,
-    /// Height above the ground of what casts that shadow, metres: of an open hull that lists, or of
-    /// a trunk that tapers, it is not the greatest of the whole object.
+    /// Height above the ground of the edge that casts the longest shadow, metres: for an open hull
+    /// that lists, or a trunk that tapers, this is not the greatest height of the object.
     pub top_height_m: f64,
-    /// Slant range at which the ground ends in those pings, seen or not: the recorded range or the
-    /// shore, metres.
+    /// Slant range at which the ground ends in the pings of the pass, visible or not: the recorded
+    /// range or the shore, metres.
     pub reach_m: f64,
-    /// Number of pings before the first and after the last that still insonify it, because the beam
-    /// is wide: one standard deviation of its two-way width on the ground.
+    /// Number of pings before `first_ping` and after `last_ping` that still insonify the object
+    /// because of the width of the beam: one standard deviation of the two-way beam on the ground.
     pub spread_pings: usize,
-    /// Part of it that a picture shows; `None` where speckle, noise, or the shadow of another hides
-    /// it.
+    /// Part of the object that a picture shows; `None` where speckle, noise, or the shadow of
+    /// another object hides it.
     pub shown: Option<VisiblePart>,
 }
 
 impl ObjectPass {
-    /// The recorded pings that show it, of `count` pings in all; the end excluded. Those that
-    /// insonify it, the spread of the beam included, where nothing is shown.
+    /// Returns the recorded pings that show the object, of `count` pings in all; where nothing is
+    /// shown, the pings that insonify it, including the spread of the beam.
     pub fn pings(&self, count: usize) -> Range<usize> {
         if let Some(shown) = &self.shown {
             return shown.first_ping..shown.last_ping + 1;
@@ -123,8 +125,9 @@ impl ObjectPass {
         self.first_ping.saturating_sub(self.spread_pings)..end
     }
 
-    /// Slant ranges of the box around what is shown of its echo and its shadow, metres. Where
-    /// nothing is shown, those of the geometry; a shadow that runs off the range then ends with it.
+    /// Returns the slant ranges of the box around the shown part of echo and shadow, metres; where
+    /// nothing is shown, those by the geometry, with a shadow that extends beyond the range cut at
+    /// `reach_m`.
     pub fn echo_and_shadow_m(&self) -> [f64; 2] {
         if let Some(shown) = &self.shown {
             return [shown.near_m, shown.far_m];
@@ -136,11 +139,10 @@ impl ObjectPass {
 }
 
 /// Largest step from one ping with an echo to the next of the same pass, pings. In a turn the beam
-/// swings over an object more than once, with bare ground between: these are sightings of their
-/// own.
+/// swings over an object more than once, with bare ground between: these are separate passes.
 const PASS_GAP: usize = 3;
 
-/// Adds what one ping recorded of an object to its sightings.
+/// Adds the echo of an object in one ping to the passes of the object.
 pub(super) fn note(sightings: &mut Vec<ObjectPass>, ping: usize, side: Side, seen: &ObjectEcho) {
     let pass = sightings.iter_mut().rev().find(|pass| pass.side == side);
     match pass.filter(|pass| ping - pass.last_ping <= PASS_GAP) {
@@ -149,7 +151,8 @@ pub(super) fn note(sightings: &mut Vec<ObjectPass>, ping: usize, side: Side, see
             pass.near_m = pass.near_m.min(seen.near_m);
             pass.far_m = pass.far_m.max(seen.far_m);
             pass.reach_m = pass.reach_m.max(seen.reach_m);
-            // A shadow that runs off the range is longer than any that ends within it; NaN stays.
+            // A shadow that extends beyond the range is longer than any that ends within it, so
+            // that NaN stays.
             let [start, end] = pass.shadow_m;
             let longer = seen.shadow_end_m - seen.far_m > end - start;
             if !end.is_nan() && (seen.shadow_end_m.is_nan() || longer) {
@@ -205,8 +208,9 @@ pub(super) fn write_pings(pings: &[PingTruth], out: &mut impl Write) -> io::Resu
 
 /// Writes one line per sighting, and one with empty fields for an object that was never insonified:
 /// `object,kind,lon,lat,east_m,north_m,length_m,width_m,height_m,heading_deg,side,first_ping,last_ping,near_m,far_m,shadow_start_m,shadow_end_m,box_first_ping,box_last_ping,box_near_m,box_far_m,shown`.
-/// The box holds what a picture shows of echo and shadow, so what a detector should propose;
-/// `visibility` is 0 where that is nothing ([`ObjectPass::shown`]). `count` pings were recorded.
+/// The box is around the part of echo and shadow that a picture shows, and is what a detector
+/// should propose; `shown` is 0 where nothing is shown ([`ObjectPass::shown`]). `count` is the
+/// number of recorded pings.
 pub(super) fn write_objects(
     objects: &[ObjectTruth],
     count: usize,
@@ -258,7 +262,7 @@ pub(super) fn write_objects(
     Ok(())
 }
 
-/// Metres for a table; empty when there is no value.
+/// Formats metres for a table; empty when there is no value.
 fn metres(value: f64) -> String {
     if value.is_finite() { format!("{value:.4}") } else { String::new() }
 }

@@ -2,59 +2,60 @@
 //! stands out from the speckle and the noise.
 //!
 //! Geometry alone predicts more than an observer can see: the thin end of a trunk, a shadow filled
-//! with noise, an object in the shadow of another. So each ping is simulated twice, with the object
-//! and without it, and the mean levels that a recorder would write are compared. Where the two
-//! differ by a good part of the speckle's spread, the object is shown; where the whole difference,
-//! weighed as the best filter would, does not rise out of the speckle, nothing is shown.
+//! with noise, an object in the shadow of another object. Therefore each ping is simulated twice,
+//! with the object and without it, and the mean levels that a recorder would write are compared.
+//! The object is shown where the levels differ by a good part of the speckle's spread; nothing is
+//! shown where the whole difference, weighted as by the best filter, does not exceed the speckle.
 
 use bathyscope_log::survey::Side;
 use std::ops::Range;
 
-/// Differences of one ping's levels by an object.
+/// Differences that an object makes in the levels of one ping.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Trace {
     /// Index of the object.
     pub object: usize,
-    /// The side that insonified it.
+    /// The side that insonified the object.
     pub side: Side,
     /// Slant range of one sample, metres.
     pub metres_per_sample: f64,
-    /// The first sample that differs.
+    /// Index of the first sample that differs.
     pub first_sample: usize,
-    /// Level with the object less the level without it, of each sample from there on, in standard
-    /// deviations of the speckle.
+    /// Level with the object minus level without it, of each sample from `first_sample` on, in
+    /// standard deviations of the speckle.
     pub stands_out: Vec<f32>,
 }
 
 /// Part of an object that is shown in one pass, and the box around it. Pings count recorded pings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VisiblePart {
-    /// First ping that shows it.
+    /// First ping that shows the object.
     pub first_ping: usize,
-    /// Last ping that shows it.
+    /// Last ping that shows the object.
     pub last_ping: usize,
-    /// Nearest slant range that shows its echo or its shadow, metres.
+    /// Nearest slant range that shows the echo or the shadow of the object, metres.
     pub near_m: f64,
-    /// Farthest slant range that shows its echo or its shadow, metres.
+    /// Farthest slant range that shows the echo or the shadow of the object, metres.
     pub far_m: f64,
-    /// Part of it that each ping shows, in their order; pings that show nothing are left out.
+    /// Part of the object that each ping shows, in the order of the pings; pings that show nothing
+    /// are left out.
     pub slices: Vec<VisibleSlice>,
 }
 
 /// Part of an object that one ping shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VisibleSlice {
-    /// The ping.
+    /// Index of the ping.
     pub ping: usize,
-    /// Nearest slant range that shows it, metres.
+    /// Nearest slant range that shows the object, metres.
     pub near_m: f64,
-    /// Farthest slant range that shows it, metres.
+    /// Farthest slant range that shows the object, metres.
     pub far_m: f64,
-    /// Contribution to the object's visibility; the object is seen where the contributions add up
-    /// to 1. The sum over its samples of the squared difference, in standard deviations of the
-    /// speckle, over the samples of one grain of speckle, is its share in the square of the
-    /// signal-to-noise ratio behind the best (matched) filter; visibility is that over the square
-    /// of [`SEEN_RATIO`].
+    /// Contribution of the ping to the object's visibility; the object is shown where the
+    /// contributions add up to at least 1. The sum over the samples of the squared difference, in
+    /// standard deviations of the speckle, divided by the number of samples of one grain of
+    /// speckle, is the ping's share in the square of the signal-to-noise ratio behind the best
+    /// (matched) filter; the contribution is this share divided by the square of [`SEEN_RATIO`].
     pub visibility: f32,
 }
 
@@ -63,20 +64,22 @@ pub struct VisibleSlice {
 const SEEN_RATIO: f32 = 5.0;
 /// Side of the square over which an eye averages speckle, metres.
 const EYE_M: f64 = 0.2;
-/// Difference of such a square that stands out, in standard deviations of the speckle (2.2 dB).
+/// Smallest mean difference over such a square that stands out, in standard deviations of the
+/// speckle (2.2 dB).
 const SEEN: f32 = 0.4;
-/// Difference of a single sample that belongs to it (1.4 dB): an average alone would reach beyond
-/// the edges.
+/// Smallest difference of a single sample that stands out, in standard deviations of the speckle
+/// (1.4 dB): the mean alone would extend beyond the edges.
 const OWN: f32 = 0.25;
-/// Difference beyond which a sample counts no more when a box is trimmed.
+/// Difference beyond which a sample gets no more weight when a box is trimmed, in standard
+/// deviations of the speckle.
 const PLAIN: f32 = 1.5;
-/// Share of what stands out that may stick out of each side of the box: the last hair of an edge or
-/// a twig.
+/// Share of the differences that is cut off at each side of the box, such as the outermost bit of
+/// an edge or a twig.
 const TRIMMED: f64 = 0.01;
 
 /// Returns the part of an object that the pings of one pass show; `None` where nothing stands out.
-/// `rows` are pings, in their order, and what stands out in them; `spacing_m` lies between two
-/// pings, and `grain` neighbouring samples have one speckle.
+/// `rows` are pings in their order, each with its differences; `spacing_m` is the distance between
+/// two pings, and `grain` is the number of neighbouring samples that share one grain of speckle.
 pub(super) fn visible_part(
     rows: &[(usize, &Trace)],
     spacing_m: f64,
@@ -84,8 +87,8 @@ pub(super) fn visible_part(
 ) -> Option<VisiblePart> {
     let (first, last) = (rows.first()?, rows.last()?);
     let metres_per_sample = first.1.metres_per_sample;
-    // A recorder that changes its range in the middle of an object shows it twice; the first scale
-    // is the one kept.
+    // A recorder that changes its range in the middle of an object shows the object at two scales;
+    // only the pings of the first scale are kept.
     let rows = rows.iter().filter(|(_, trace)| trace.metres_per_sample == metres_per_sample);
     let start = rows.clone().map(|(_, trace)| trace.first_sample).min()?;
     let end = rows.clone().map(|(_, trace)| trace.first_sample + trace.stands_out.len()).max()?;
@@ -116,7 +119,7 @@ pub(super) fn visible_part(
     })
 }
 
-/// Levels that stand out, a row for each ping.
+/// Differences of levels, with a row for each ping and a column for each sample.
 struct VisibilityPicture {
     rows: usize,
     columns: usize,
@@ -140,8 +143,9 @@ impl VisibilityPicture {
         self.levels[from..from + levels.len()].copy_from_slice(levels);
     }
 
-    /// Rows and columns of the box around what stands out when averaged over squares of twice
-    /// `half` and one.
+    /// Returns rows and columns of the box around the levels that stand out, and marks these levels
+    /// in `stands_out`; `None` where nothing stands out. Levels are averaged over `2 * half + 1`
+    /// rows and columns.
     fn extent(&mut self, half: [usize; 2]) -> Option<[Range<usize>; 2]> {
         let along_columns = running_mean(&self.levels, half[1], [self.rows, self.columns], false);
         let averaged = running_mean(&along_columns, half[0], [self.rows, self.columns], true);
@@ -157,7 +161,8 @@ impl VisibilityPicture {
         Some([trimmed(&by_row)?, trimmed(&by_column)?])
     }
 
-    /// The shortest run of some columns that holds all that stands out there in one row.
+    /// Returns the shortest range of columns, within `columns`, with all levels of a row that stand
+    /// out; `None` where none does.
     fn slice(&self, row: usize, columns: &Range<usize>) -> Option<Range<usize>> {
         let seen = &self.stands_out[row * self.columns..][columns.clone()];
         let first = seen.iter().position(|&seen| seen)?;
@@ -165,15 +170,15 @@ impl VisibilityPicture {
         Some(columns.start + first..columns.start + last + 1)
     }
 
-    /// Sum of the squares of one row's levels in some columns.
+    /// Returns the sum of the squares of one row's levels in some columns.
     fn energy(&self, row: usize, columns: &Range<usize>) -> f32 {
         let levels = &self.levels[row * self.columns..][columns.clone()];
         levels.iter().map(|level| level * level).sum()
     }
 }
 
-/// Mean over `half` neighbours on either side, along the columns of each row or, `down`, along the
-/// rows. What lies outside of the picture is nought.
+/// Returns the means over `half` neighbours on either side, along each row or, if `down`, along
+/// each column. Levels outside of the picture count as 0.
 fn running_mean(levels: &[f32], half: usize, [rows, columns]: [usize; 2], down: bool) -> Vec<f32> {
     let (lines, length) = if down { (columns, rows) } else { (rows, columns) };
     let at = |line: usize, place: usize| {
@@ -197,7 +202,8 @@ fn running_mean(levels: &[f32], half: usize, [rows, columns]: [usize; 2], down: 
     means
 }
 
-/// The shortest run without a hundredth of the whole at either end; `None` of nothing.
+/// Returns the shortest range that leaves at most [`TRIMMED`] of the sum at either end; `None`
+/// where the sum is 0.
 fn trimmed(amounts: &[f64]) -> Option<Range<usize>> {
     let cut = TRIMMED * amounts.iter().sum::<f64>();
     let reach = |mut places: Box<dyn Iterator<Item = usize> + '_>| {
@@ -231,7 +237,7 @@ mod tests {
         assert_eq!(found.slices.len(), 12);
         let slice = found.slices[3];
         assert_eq!((slice.ping, slice.near_m, slice.far_m), (43, found.near_m, found.far_m));
-        // Ten samples of 1.5 and thirty of 1, squared, over 5 squared.
+        // The sum of the squares of ten samples of 1.5 and thirty of 1, divided by the square of 5.
         assert!((slice.visibility - 52.5 / 25.0).abs() < 1e-4);
         assert!((found.near_m - 2.0).abs() < 1e-9 && (found.far_m - 2.8).abs() < 1e-9);
     }
@@ -251,8 +257,8 @@ mod tests {
         let rows = |trace| (0..10).map(move |ping| (ping, trace));
         let plain = trace(5, vec![0.5; 30]);
         let rows: Vec<(usize, &Trace)> = rows(&plain).collect();
-        // Some 250 samples at a half, but for the edges: the root of 63 is 8; with four samples to
-        // a grain half of that.
+        // Some 250 samples of 0.5, without the edges: the signal-to-noise ratio is the root of 63,
+        // about 8; with four samples per grain it is half of that.
         assert!(visible_part(&rows, 0.1, 1.0).is_some());
         assert_eq!(visible_part(&rows, 0.1, 4.0), None);
     }

@@ -1,4 +1,4 @@
-//! A bed of water weed on the track: a canopy whose echo comes before that of the ground.
+//! Models a bed of water weed: a canopy whose echo comes before that of the ground.
 
 use super::path::Path;
 use super::random::{NoiseField, Random, RandomPurpose, smooth};
@@ -13,15 +13,16 @@ pub(super) struct WeedBed {
     stems: NoiseField,
 }
 
-/// Lowest and highest canopy above the ground, metres.
+/// Lowest and highest height of the canopy above the ground, metres.
 const CANOPY_M: (f64, f64) = (0.25, 0.45);
-/// Raggedness of the outline, as a share of the radius (standard deviation).
+/// Irregularity of the outline, as a share of the radius (standard deviation).
 const RAGGED: f64 = 0.25;
-/// Width of the rim over which the canopy comes down, metres.
+/// Width of the rim over which the canopy slopes down to the ground, metres.
 const RIM_M: f64 = 1.0;
 
 impl WeedBed {
-    /// A bed of a diameter (0 for none) somewhere on the way, away from its ends.
+    /// Creates a bed of a diameter at a random place of the way, away from the ends of the way;
+    /// `None` for a diameter of 0 or less.
     pub(super) fn new(diameter_m: f64, path: &Path, seed: u64) -> Option<Self> {
         if diameter_m <= 0.0 {
             return None;
@@ -31,7 +32,7 @@ impl WeedBed {
         Some(Self::at([pose.east_m, pose.north_m], diameter_m, seed))
     }
 
-    /// A bed of a diameter around a place (east and north, metres).
+    /// Creates a bed of a diameter around a place (east and north, metres).
     pub(super) fn at([east_m, north_m]: [f64; 2], diameter_m: f64, seed: u64) -> Self {
         Self {
             east_m,
@@ -43,15 +44,15 @@ impl WeedBed {
         }
     }
 
-    /// Returns true if the bed comes within a distance of a place.
+    /// Returns true if the bed is within a distance of a place.
     pub(super) fn is_near(&self, east_m: f64, north_m: f64, distance_m: f64) -> bool {
         self.inside(east_m, north_m) > -distance_m
     }
 
-    /// Distance to the rim, metres; negative outside.
+    /// Returns the approximate distance of a place to the rim of the bed, metres; negative outside.
     fn inside(&self, east_m: f64, north_m: f64) -> f64 {
         let (east, north) = (east_m - self.east_m, north_m - self.north_m);
-        // The outline only ever draws in: beyond the radius there is no need to look at it.
+        // The irregular outline is never outside of the radius, so that it is not computed there.
         let beyond = self.radius_m - (east * east + north * north).sqrt();
         if beyond < 0.0 {
             return beyond;
@@ -60,7 +61,7 @@ impl WeedBed {
         beyond - ragged.abs()
     }
 
-    /// Height of the canopy above the ground, metres; 0 outside.
+    /// Returns the height of the canopy above the ground at a place, metres; 0 outside of the bed.
     pub(super) fn height_m(&self, east_m: f64, north_m: f64) -> f64 {
         let inside = self.inside(east_m, north_m);
         if inside <= 0.0 {

@@ -31,7 +31,8 @@ pub(super) fn setup() -> WgpuSetup {
     setup.into()
 }
 
-/// The lower, the sooner it is tried; those of one rank come as the drivers are listed.
+/// Returns the rank of an adapter: lower ranks are tried first, and adapters of the same rank in
+/// the order in which the drivers list them.
 fn rank(kind: DeviceType, preference: PowerPreference) -> u8 {
     match (kind, preference) {
         (DeviceType::DiscreteGpu, PowerPreference::LowPower) => 2,
@@ -42,11 +43,11 @@ fn rank(kind: DeviceType, preference: PowerPreference) -> u8 {
     }
 }
 
-/// The first for which `opens` is true. The only one is taken as it is: whoever opens it says what
-/// is wrong with it.
+/// Returns the first candidate that `opens` accepts. A single candidate is returned without a
+/// trial: whoever opens it later reports its fault.
 ///
 /// # Errors
-/// The fault of each of them.
+/// When no candidate opens: the faults of all of them.
 fn first_that_opens<T>(
     mut candidates: Vec<T>,
     opens: impl Fn(&T) -> Result<(), String>,
@@ -67,8 +68,8 @@ fn first_that_opens<T>(
     })
 }
 
-/// Parks this thread until a future is ready: adapters and devices are asked for once, nothing else
-/// is async here.
+/// Blocks this thread until a future is ready and returns its output. No async runtime is needed:
+/// only requests for adapters and devices are async here.
 pub(super) fn block_on<F: Future>(future: F) -> F::Output {
     struct Unpark(std::thread::Thread);
     impl Wake for Unpark {

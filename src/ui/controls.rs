@@ -1,10 +1,9 @@
-//! Controls beside those of egui: buttons that are on or off, and fields that numbers are typed
-//! into.
+//! Adds controls that egui does not have: buttons that are on or off, and fields for typed numbers.
 //!
-//! The state of a button is a shape as well as a colour: the knob of a switch lies right or left,
-//! and the one of several that is chosen is underlined. A field or a slider changes its number on
-//! Enter, when it is left, and while it is dragged, never while digits are typed: a field that
-//! moves under the fingers would leave the digits that follow to the keys of the views.
+//! The state of a button is a shape as well as a colour: the knob of a switch is at the right or at
+//! the left, and the chosen one of several buttons is underlined. A field or a slider changes its
+//! number on Enter, when it loses the keyboard, and while it is dragged, never while digits are
+//! typed: if the change moved the field, the views would take the digits that follow as their keys.
 
 use egui::emath::Numeric;
 use egui::{
@@ -16,9 +15,9 @@ use std::ops::RangeInclusive;
 /// Width and height of the slot that the knob of a switch moves in, points.
 const SLOT: egui::Vec2 = vec2(18.0, 10.0);
 
-/// A switch with its name; a click turns it on or off.
+/// Draws a switch with its name; a click turns it on or off.
 pub(super) fn switch(ui: &mut Ui, on: &mut bool, name: &str) -> Response {
-    // Room for the slot, in spaces of the font: the button then has its size by itself.
+    // Spaces of the font make room for the slot, so that the button gets the right size by itself.
     let font = egui::TextStyle::Small.resolve(ui.style());
     let colour = egui::Color32::PLACEHOLDER;
     let spaces = ui.painter().layout_no_wrap("    ".to_owned(), font, colour);
@@ -48,13 +47,13 @@ pub(super) fn switch(ui: &mut Ui, on: &mut bool, name: &str) -> Response {
     button
 }
 
-/// One of several to choose from, or a tool: underlined while it is the one.
+/// Draws the button of a tool or of one of several choices, underlined if `chosen`.
 pub(super) fn chip(ui: &mut Ui, chosen: bool, name: impl Into<WidgetText>) -> Response {
     let name: WidgetText = name.into();
     underline(ui, chosen, Button::selectable(chosen, name))
 }
 
-/// A button, underlined while it is the one that is chosen or in hand.
+/// Draws a button, underlined if it is chosen or its tool is in use.
 pub(super) fn underline(ui: &mut Ui, chosen: bool, button: Button<'_>) -> Response {
     let response = ui.add(button);
     if chosen {
@@ -75,8 +74,9 @@ pub(super) fn number_slider<N: Numeric>(value: &mut N, range: RangeInclusive<N>)
     Slider::new(value, range).update_while_editing(false).custom_parser(parse_number)
 }
 
-/// Returns the number of a text; half of the world writes a decimal comma, and figures are copied
-/// with the minus sign of print.
+/// Returns the number in a text, or `None` if it is no finite number. Commas count as points,
+/// because half of the world writes a decimal comma, and the minus sign of print is accepted,
+/// because figures are copied with it.
 pub(super) fn parse_number(text: &str) -> Option<f64> {
     let sign = |letter: char| match letter {
         '\u{2212}' => '-',

@@ -1,5 +1,5 @@
-//! Choosing a log, a review or a folder: the system's dialog on a worker, and a path field where
-//! there is none.
+//! Asks for a log, a review or a folder: with the system's dialog on a worker, or with a path field
+//! where there is no such dialog.
 
 use super::ViewContext;
 use crate::app::{Command, FileToOpen, FileToWrite, Jobs, Task, TaskOutcome};
@@ -8,9 +8,9 @@ use egui::text::{CCursor, CCursorRange};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-/// A dialog that is gone sooner than this was never shown: "cancelled" and "no dialog service" look
-/// the same. Nobody reads and cancels one so fast, and a busy machine takes that long to find out
-/// that there is none.
+/// Duration below which a dialog counts as never shown: "cancelled" and "no dialog service" look
+/// the same. No user reads and cancels a dialog so fast, and a busy machine takes that long to find
+/// out that there is no service.
 const TOO_FAST: Duration = Duration::from_millis(600);
 
 /// Label of the path field for a copy of a log.
@@ -19,9 +19,9 @@ const COPY_FIELD: &str = "File to write, .xtf, .sl2, .csv, .parquet or .gpx";
 /// Purpose of a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PathPurpose {
-    /// Logs to be opened in the place of those that are open.
+    /// Logs that replace the open logs.
     OpenLogs,
-    /// Logs to join those that are open.
+    /// Logs to add to the open logs.
     AddLogs,
     /// A folder of logs.
     OpenFolder,
@@ -31,21 +31,21 @@ pub(super) enum PathPurpose {
     OpenReview,
     /// Known objects of the open survey (the truth for detections).
     OpenTruth,
-    /// The file that the project is kept in.
+    /// The file that the project is saved in.
     SaveProject,
-    /// The file that the review is kept in.
+    /// The file that the review is saved in.
     SaveReview,
-    /// The folder that reviewed boxes go into.
+    /// The folder that reviewed boxes are exported into.
     ExportBoxesInto,
-    /// A detector.
+    /// The file of a detector's model.
     OpenModel,
     /// The file that the depth profile is written into.
     SaveProfile,
-    /// A picture to lie under the map.
+    /// A picture to be shown under the map.
     OpenBaseMap,
     /// The reference that the points are compared with.
     OpenReference,
-    /// The area that isobaths end at.
+    /// The area at whose edge isobaths end.
     OpenIsobathArea,
     /// Readings of a gauge or tide.
     OpenWaterLevels,
@@ -53,7 +53,7 @@ pub(super) enum PathPurpose {
     OpenTrack,
     /// The file that a view is printed into.
     PrintInto,
-    /// The file that what was measured is written into.
+    /// The file that a measurement is saved in.
     SaveFigure,
     /// The file that planned lines are written into.
     SavePlan,
@@ -64,7 +64,8 @@ pub(super) enum PathPurpose {
 }
 
 impl PathPurpose {
-    /// Title of the dialog that names a file to be written.
+    /// Returns the title of the dialog that asks for a file to be written; `None` for other
+    /// purposes.
     fn title_of_saved(self) -> Option<&'static str> {
         match self {
             Self::SaveProject => Some("Save the project"),
@@ -79,7 +80,8 @@ impl PathPurpose {
         }
     }
 
-    /// Title of the path field, what is to be typed, and the verb of its button.
+    /// Returns the title of the path field, the description of the path, and the verb of its
+    /// button.
     fn words_of_field(self) -> (&'static str, &'static str, &'static str) {
         match self {
             Self::OpenFolder => ("Open a folder", "Path of a folder of logs", "Open"),
@@ -127,7 +129,8 @@ impl PathPurpose {
 struct Chosen {
     /// Empty when nothing was chosen.
     paths: Vec<PathBuf>,
-    /// Time on the worker: frames may come late.
+    /// Time for which the worker waited for the dialog; not measured in frames, which may come
+    /// late.
     took: Duration,
 }
 
@@ -141,14 +144,14 @@ struct Waiting {
 pub(super) struct Dialogs {
     waiting: Option<Waiting>,
     field: Option<Field>,
-    /// Name that a file to be written gets unless another is chosen.
+    /// Name proposed for a file to be written; the user may choose another.
     proposed: Option<PathBuf>,
-    /// Text typed while the system's dialog was awaited; the beginning of the path if there is no
-    /// such dialog.
+    /// Text typed while the system's dialog was awaited; the path field begins with this text if
+    /// there is no such dialog.
     typed: String,
 }
 
-/// The path field: what for, what was typed, and whether it stands in for the system's dialog.
+/// The path field: its purpose, the typed text, and whether it replaces the system's dialog.
 struct Field {
     purpose: PathPurpose,
     path: String,
@@ -172,7 +175,7 @@ impl Field {
         })
     }
 
-    /// Draws it; returns what was answered in this frame.
+    /// Draws the field; returns the answer given in this frame.
     fn ui(&mut self, ui: &mut egui::Ui) -> Option<Answer> {
         let (title, name, verb) = self.purpose.words_of_field();
         ui.set_width(480.0);
@@ -197,14 +200,14 @@ impl Field {
         .inner
     }
 
-    /// The line that the path is typed into. In its first frame the cursor goes to where typing
-    /// goes on.
+    /// Draws the line that the path is typed into. In its first frame, a proposed path is selected,
+    /// and after typed text the cursor is at the end.
     fn line(&mut self, ui: &mut egui::Ui) -> egui::Response {
         let line = egui::TextEdit::singleline(&mut self.path).desired_width(f32::INFINITY);
         let mut shown = line.show(ui);
         if !self.focused {
             let end = CCursor::new(self.path.chars().count());
-            // Typing replaces what was proposed.
+            // Typing replaces a proposed path, which is selected.
             let marked = if self.goes_on {
                 CCursorRange::one(end)
             } else {
@@ -224,7 +227,7 @@ enum Answer {
 }
 
 impl Dialogs {
-    /// Asks for a file to be written, which gets this name unless another is chosen.
+    /// Asks for a file to be written and proposes a name.
     pub(super) fn name(&mut self, purpose: PathPurpose, proposed: PathBuf, jobs: &Jobs) {
         self.proposed = Some(proposed);
         self.ask(purpose, jobs);
@@ -245,8 +248,8 @@ impl Dialogs {
         self.waiting.is_some()
     }
 
-    /// Keeps what is typed while the system's dialog is waited for, into no field of the window: it
-    /// is meant for the dialog.
+    /// Keeps the text that is typed while the system's dialog is awaited, unless a text field of
+    /// the window has the keyboard: the text is meant for the dialog.
     pub(super) fn take_typed(&mut self, ui: &egui::Ui) {
         if self.waiting.is_none() || ui.text_edit_focused() {
             return;
@@ -254,13 +257,13 @@ impl Dialogs {
         self.typed += &super::take_typed(ui);
     }
 
-    /// Asks for a file or a folder that is there; one dialog at a time.
+    /// Shows the dialog for a purpose, unless another one is awaited.
     pub(super) fn ask(&mut self, purpose: PathPurpose, jobs: &Jobs) {
         if self.waiting.is_some() {
             return;
         }
         match jobs {
-            // Tests and pictures never reach the system's dialog: it would wait for somebody.
+            // Tests and pictures never open the system's dialog, which would wait for a user.
             Jobs::Inline => self.field = Field::new(purpose, false, self.proposed.as_ref()),
             Jobs::Threads(_) => {
                 self.typed.clear();
@@ -278,7 +281,7 @@ impl Dialogs {
         }
     }
 
-    /// Collects what was chosen.
+    /// Pushes the command for the chosen paths, or shows the path field if there was no dialog.
     pub(super) fn poll(&mut self, commands: &mut Vec<Command>) {
         let Some(waiting) = &self.waiting else {
             return;
@@ -352,7 +355,8 @@ fn command(purpose: PathPurpose, paths: Vec<PathBuf>) -> Option<Command> {
     })
 }
 
-/// Waits for the system's dialog; empty when it was cancelled or there is none.
+/// Shows the system's dialog and waits for its end; returns no path if the dialog was cancelled or
+/// there is none.
 fn system_dialog(purpose: PathPurpose, proposed: Option<PathBuf>) -> Vec<PathBuf> {
     let path = match purpose {
         PathPurpose::OpenLogs => return choose_logs("Open sonar logs"),
@@ -372,7 +376,7 @@ fn choose_logs(title: &str) -> Vec<PathBuf> {
     dialog.pick_files().unwrap_or_default()
 }
 
-/// One file or folder, to be read or written.
+/// Asks for one file or folder, to be read or written; `None` if no path was chosen.
 fn choose_path(purpose: PathPurpose, proposed: Option<PathBuf>) -> Option<PathBuf> {
     match purpose {
         PathPurpose::OpenLogs | PathPurpose::AddLogs => None,

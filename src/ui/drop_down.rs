@@ -1,38 +1,39 @@
-//! Lists that drop down and obey the keyboard: arrow keys walk along the choices from the one in
-//! force, Return takes one, Escape leaves all as it is. A list that has the keyboard drops down
-//! with the arrow keys as well.
+//! Draws drop-down lists that obey the keyboard: arrow keys move along the choices from the current
+//! one, Return takes a choice, Escape leaves the value as it is. The arrow keys also open a closed
+//! list that has the keyboard.
 
 use super::list_keys::keep_arrows;
 use egui::{AsIdSalt, ComboBox, Id, IdSalt, Key, Popup, Response, Ui, WidgetText};
 
-/// A list that drops down.
+/// A drop-down list.
 pub(in crate::ui) struct DropDown {
     id_salt: IdSalt,
     shown: WidgetText,
     width: f32,
 }
 
-/// The choices of a list while it is down.
+/// The choices of an open list.
 pub(in crate::ui) struct Choices<'u> {
     ui: &'u mut Ui,
-    /// The list has just dropped down: the choice in force is to get the keyboard.
+    /// True if the list has just opened: the current choice then gets the keyboard.
     is_new: bool,
 }
 
 impl DropDown {
-    /// A list with a name that no other one of its place has, which shows a text while it is up.
+    /// Creates a list that shows a text while it is closed. No other list in its `Ui` may have this
+    /// `id_salt`.
     pub(super) fn new(id_salt: impl AsIdSalt, shown: impl Into<WidgetText>) -> Self {
         Self { id_salt: IdSalt::new(id_salt), shown: shown.into(), width: 0.0 }
     }
 
-    /// Width at least, points.
+    /// Sets the least width of the list, points.
     pub(super) fn width(self, width: f32) -> Self {
         Self { width, ..self }
     }
 
-    /// Draws it, and its choices while it is down.
+    /// Draws the list, and its choices while it is open.
     pub(super) fn show(self, ui: &mut Ui, add: impl FnOnce(&mut Choices<'_>)) -> Response {
-        // As the list of egui makes it.
+        // The id that egui gives to the button of the list.
         let button = ui.make_persistent_id(IdSalt::new(self.id_salt));
         let ctx = ui.ctx().clone();
         let had_keyboard = ctx.memory(|memory| memory.has_focus(button));
@@ -46,7 +47,7 @@ impl DropDown {
         let mut is_drawn = false;
         let mut is_taken = false;
         let shown = combo.show_ui(ui, |ui| {
-            // Before its size is known nothing in it can have the keyboard.
+            // Before the size of the list is known, no choice can have the keyboard.
             is_drawn = !ui.is_sizing_pass();
             let is_new = is_new && is_drawn;
             add(&mut Choices { ui, is_new });
@@ -65,13 +66,13 @@ impl DropDown {
         let by_key = ctx.data(|data| data.get_temp::<bool>(by_key(button)).unwrap_or(false));
         let left = is_taken || ctx.input(|input| input.key_pressed(Key::Escape));
         if was_down && by_key && left {
-            // It goes back where it came from.
+            // The keyboard goes back to the button that opened the list.
             ctx.memory_mut(|memory| memory.request_focus(button));
         }
         shown.response
     }
 
-    /// Draws it with all values that there are to choose from.
+    /// Draws the list with all values that can be chosen.
     pub(super) fn pick<T: Copy + PartialEq>(
         self,
         ui: &mut Ui,
@@ -88,7 +89,7 @@ impl DropDown {
 }
 
 impl Choices<'_> {
-    /// A choice, and whether it is the one in force.
+    /// Adds a choice; `is_it` is true for the current one.
     pub(super) fn choice(&mut self, is_it: bool, label: impl Into<WidgetText>) -> Response {
         let label: WidgetText = label.into();
         let choice = self.ui.selectable_label(is_it, label);
@@ -99,7 +100,7 @@ impl Choices<'_> {
         choice
     }
 
-    /// A choice that becomes the value when it is taken.
+    /// Adds a choice that sets `value` when it is taken.
     pub(super) fn value<T: PartialEq>(
         &mut self,
         value: &mut T,
@@ -111,14 +112,15 @@ impl Choices<'_> {
         }
     }
 
-    /// Room for what is no choice: a line between them, a box to tick.
+    /// Returns the `Ui` of the list, for parts that are no choices: a line between them, a check
+    /// box.
     pub(super) fn ui(&mut self) -> &mut Ui {
         self.ui
     }
 }
 
-/// Drops a list down whose button has the keyboard when Up or Down is pressed; a panel would walk
-/// to another control.
+/// Opens a list whose button has the keyboard when Up or Down is pressed; otherwise these keys
+/// would move the keyboard to another control.
 fn drop_by_arrow(ui: &Ui, button: Id) {
     let ctx = ui.ctx();
     if !ctx.memory(|memory| memory.has_focus(button)) || ComboBox::is_open(ctx, button) {
@@ -179,7 +181,7 @@ mod tests {
         press(&mut harness, &[Key::ArrowDown, Key::ArrowDown, Key::Enter]);
         assert_eq!(*harness.state(), 3);
         assert!(harness.query_by_label("north").is_none(), "it is up again");
-        // It was dropped down by the pointer: the views have the keyboard again.
+        // The list was opened by the pointer: the views have the keyboard again.
         assert_eq!(harness.ctx.memory(|memory| memory.focused()), None);
     }
 
@@ -191,7 +193,8 @@ mod tests {
         press(&mut harness, &[Key::ArrowUp, Key::Enter]);
         assert_eq!(*harness.state(), 1);
         assert!(harness.query_by_label("west").is_none());
-        // Its button has the keyboard again: Escape in the list leaves the choice.
+        // The button of the list has the keyboard again: Escape in the list leaves the choice as it
+        // is.
         press(&mut harness, &[Key::Enter, Key::ArrowUp]);
         assert!(harness.query_by_label("west").is_some());
         press(&mut harness, &[Key::Escape]);

@@ -1,4 +1,4 @@
-//! Areas of one colour, and pictures, drawn in the window's pass without its painter: see
+//! Draws areas of one colour, and pictures, in the window's pass without egui's painter: see
 //! [`FlatRenderer`].
 
 use super::render::{FlatRenderer, RenderTarget, Rgba};
@@ -11,7 +11,7 @@ use std::any::Any;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Paint callback of one look; frames that share it look the same in that place of a pass.
+/// Paint callback of an area; where two frames share the callback, they look the same.
 type Drawing = Arc<dyn Any + Send + Sync>;
 
 /// Fills an area with an opaque colour.
@@ -22,7 +22,7 @@ pub(super) fn fill(painter: &Painter, rect: Rect, colour: Color32, state: Option
     };
 }
 
-/// An area of an opaque colour.
+/// Returns a shape that fills an area with an opaque colour.
 pub(super) fn filled(ctx: &Context, rect: Rect, colour: Color32, state: &RenderState) -> Shape {
     let callback = ctx.data_mut(|data| {
         let fills = data.get_temp_mut_or_default::<Fills>(egui::Id::NULL);
@@ -32,18 +32,18 @@ pub(super) fn filled(ctx: &Context, rect: Rect, colour: Color32, state: &RenderS
     Shape::Callback(PaintCallback { rect, callback })
 }
 
-/// The fills of a window so far.
+/// The fills that the window has used so far, by colour.
 #[derive(Clone, Default)]
 struct Fills(HashMap<Color32, Drawing>);
 
-/// A texture that the window's pass shows texel by pixel.
+/// A texture that the window's pass shows with one texel per pixel.
 pub(super) struct FlatPicture {
     binding: wgpu::BindGroup,
     drawing: Option<(Color32, Drawing)>,
 }
 
 impl FlatPicture {
-    /// Shows what is drawn into a texture.
+    /// Creates a picture that shows what is drawn into a texture.
     pub(super) fn new(state: &RenderState, texture: &wgpu::TextureView) -> Self {
         let mut renderer = state.renderer.write();
         let resources = &mut renderer.callback_resources;
@@ -51,12 +51,12 @@ impl FlatPicture {
         Self { binding: flat.bind_picture(&state.device, texture), drawing: None }
     }
 
-    /// Says that the texture has new content.
+    /// Marks the content of the texture as new, so that the next shape gets a new callback.
     fn has_changed(&mut self) {
         self.drawing = None;
     }
 
-    /// The picture in an area of its size, multiplied by a colour.
+    /// Returns a shape that shows the picture in an area of its size, multiplied by a colour.
     pub(super) fn shape(&mut self, rect: Rect, tint: Color32, state: &RenderState) -> Shape {
         let before = self.drawing.take().filter(|(last, _)| *last == tint);
         let new = || (tint, drawing(tint, state, Some(self.binding.clone())));
@@ -71,7 +71,7 @@ fn drawing(colour: Color32, state: &RenderState, picture: Option<wgpu::BindGroup
     Callback::new_paint_callback(Rect::NOTHING, flat).callback
 }
 
-/// The one of the window; all its views share it.
+/// Returns the renderer of the window, which all its views share; builds it on the first call.
 fn flat_renderer<'r>(
     resources: &'r mut CallbackResources,
     device: &wgpu::Device,
@@ -80,7 +80,7 @@ fn flat_renderer<'r>(
     resources.entry::<FlatRenderer>().or_insert_with(|| FlatRenderer::new(device, target))
 }
 
-/// One area.
+/// Paint callback of one area: a colour, or a picture multiplied by a colour.
 struct Flat {
     target: wgpu::TextureFormat,
     colour: Rgba,
@@ -128,7 +128,8 @@ struct ShownTexture {
 }
 
 impl ViewTexture {
-    /// Makes the target as large as `rect` on screen; whether it is a new one that has to be drawn.
+    /// Makes the target as large as `rect` on screen; returns true if the target is new and has to
+    /// be drawn.
     pub(super) fn resize(
         &mut self,
         state: &RenderState,
@@ -155,7 +156,7 @@ impl ViewTexture {
         Some(&shown.target)
     }
 
-    /// Shows the picture over what lies below, as faded as the painter is.
+    /// Shows the picture over what was drawn before, with the opacity of the painter.
     pub(super) fn paint(&mut self, painter: &Painter, rect: Rect, state: &RenderState) {
         if let Some(shown) = &mut self.shown {
             let rect = rect.round_to_pixels(painter.pixels_per_point());

@@ -1,34 +1,36 @@
-//! Lists obey the keyboard: while a row has it, the arrow keys walk along the rows, also to those
-//! that are scrolled out of sight, Home and End go to the ends, and Return presses the row.
+//! Makes lists obey the keyboard: while a row has the keyboard, the arrow keys move along the rows,
+//! also to those that are scrolled out of view, Home and End go to the ends, and Return presses the
+//! row.
 
 use egui::{AsIdSalt, EventFilter, FocusDirection, Id, Key, Modifiers, Response, ScrollArea, Ui};
 
 /// Rows that Page Up and Page Down pass.
 const PAGE: usize = 8;
 
-/// The keys of a list in this frame.
+/// The keys pressed for a list in this frame.
 pub(in crate::ui) struct ListKeys {
     id: Id,
-    /// The row that is to get the keyboard.
+    /// Index of the row that is to get the keyboard; `None` if no key moves to another row.
     next: Option<usize>,
 }
 
 impl ListKeys {
-    /// Reads the keys of a list of so many rows, before they are drawn.
+    /// Reads the keys of a list of `count` rows, before the rows are drawn.
     pub(super) fn read(ui: &Ui, name: impl AsIdSalt, count: usize) -> Self {
         let id = ui.scope_id().with(name);
         let known: Option<(usize, Id)> = ui.data(|data| data.get_temp(id));
         let here = known.filter(|(_, row)| ui.memory(|memory| memory.has_focus(*row)));
         let next = here.and_then(|(here, _)| moved(ui, Some(here), count.checked_sub(1)?, PAGE));
         if next.is_some() {
-            // egui has seen the key too, and would walk to whatever lies there.
+            // egui has handled the key too, and would move the keyboard to a control in that
+            // direction.
             ui.memory_mut(|memory| memory.move_focus(FocusDirection::None));
         }
         Self { id, next }
     }
 
-    /// Scrolls an area of rows of one height, points with their spacing, to the row that gets the
-    /// keyboard.
+    /// Scrolls an area to the row that gets the keyboard. All rows have the height `row_height`,
+    /// points, which includes their spacing.
     pub(super) fn scroll(
         &self,
         area: ScrollArea,
@@ -44,7 +46,8 @@ impl ListKeys {
         }
     }
 
-    /// Gives the keyboard to a row that was drawn, where the keys walked to it.
+    /// Gives the keyboard to a drawn row if the keys moved to it, and remembers the row that has
+    /// the keyboard.
     pub(super) fn row(&self, ui: &Ui, index: usize, row: &Response) {
         if self.next == Some(index) {
             row.request_focus();
@@ -56,7 +59,7 @@ impl ListKeys {
     }
 }
 
-/// Leaves the arrow keys to a control that has the keyboard: egui would walk to another one.
+/// Reserves the arrow keys for a control that has the keyboard: egui would move to another one.
 pub(in crate::ui) fn keep_arrows(ctx: &egui::Context, control: Id, across: bool, upright: bool) {
     let arrows = EventFilter {
         horizontal_arrows: across,

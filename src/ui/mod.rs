@@ -1,5 +1,5 @@
-//! The window: egui only. Reads [`crate::app::App`], pushes [`crate::app::Command`]s, owns nothing
-//! but how it looks.
+//! Draws the window, with egui only: reads [`crate::app::App`], pushes [`crate::app::Command`]s,
+//! and keeps no state except that of its own look.
 
 mod adapter;
 mod controls;
@@ -33,8 +33,8 @@ use render::Uploader;
 pub struct ViewContext<'a> {
     /// The state; read only.
     pub app: &'a App,
-    /// The GPU of the window; `None` in a harness without one, where views say so instead of
-    /// drawing.
+    /// The GPU of the window; `None` in a harness without one, where views show a notice instead of
+    /// a drawing.
     pub render_state: Option<&'a eframe::egui_wgpu::RenderState>,
     /// The view that keys act in.
     pub target: View,
@@ -54,34 +54,35 @@ impl<'a> ViewContext<'a> {
         Some(Uploader::new(&state.device, &state.queue))
     }
 
-    /// Display options: what is shown, and how.
+    /// Returns the display options: what is shown, and how.
     pub fn options(&self) -> &'a ViewOptions {
         &self.app.view.options
     }
 
-    /// The units in use.
+    /// Returns the units in use.
     pub fn units(&self) -> Units {
         self.app.view.options.units
     }
 
-    /// Light or dark.
+    /// Returns the theme, light or dark.
     pub fn theme(&self) -> ThemeChoice {
         self.app.view.options.theme
     }
 
-    /// Changes what is shown and how, where that differs from how it is.
+    /// Changes the display options, if `options` differ from the current ones.
     pub fn show(&mut self, options: ViewOptions) {
         if options != self.app.view.options {
             self.push(Command::Show(Box::new(options)));
         }
     }
 
-    /// Changes the settings; undo names it by the label.
+    /// Changes the settings; undo shows the label as the name of the change.
     pub fn change(&mut self, label: &'static str, change: impl FnOnce(&mut Settings)) {
         self.change_live(label, false, change);
     }
 
-    /// Changes the settings; what is `live` goes on, and is one step with what follows.
+    /// Changes the settings. A `live` change is still going on, and is one undo step with the
+    /// changes that follow.
     pub(crate) fn change_live(
         &mut self,
         label: &'static str,
@@ -93,22 +94,23 @@ impl<'a> ViewContext<'a> {
         self.push(Command::Change { settings, label, live });
     }
 
-    /// Has a button do an action: what that does is said under the pointer.
+    /// Makes a button do an action; the hint of the action is shown under the pointer.
     pub(crate) fn button(&mut self, button: Response, action: Action) {
         self.button_with_hint(button, action, action.hint());
     }
 
-    /// The same where the button does not bear the name of the action.
+    /// Makes a button do an action and gives the button the action's name for accessibility,
+    /// because it does not show that name.
     pub(crate) fn named_button(&mut self, button: Response, action: Action) {
         self.button(button.accessible_name(action.label()), action);
     }
 
-    /// The same, and its key is said too.
+    /// Makes a button do an action; the hint under the pointer also contains the action's key.
     pub(crate) fn keyed_button(&mut self, button: Response, action: Action) {
         self.button_with_hint(button, action, hint_with_key(action));
     }
 
-    /// Has a button do an action, with words of its own under the pointer.
+    /// Makes a button do an action, with this hint under the pointer.
     pub(crate) fn button_with_hint(
         &mut self,
         button: Response,
@@ -121,12 +123,12 @@ impl<'a> ViewContext<'a> {
     }
 }
 
-/// The hover that a view has told the state: its own is the view's to take back.
+/// True if the view has set the hovered place of the state: it then has to clear that place, too.
 #[derive(Default)]
 pub(crate) struct OwnHover(bool);
 
 impl OwnHover {
-    /// Tells what the pointer is over now.
+    /// Sets the place under the pointer in the state, or clears a place that this view has set.
     pub(crate) fn tell(&mut self, context: &mut ViewContext<'_>, hover: Option<LogPlace>) {
         let ours = hover.is_some() || self.0;
         if ours && context.app.view.hover != hover {
@@ -136,7 +138,8 @@ impl OwnHover {
     }
 }
 
-/// Takes what was typed in this frame: no field gets it.
+/// Removes the text typed in this frame from the input, so that no field gets it, and returns the
+/// text.
 pub(crate) fn take_typed(ui: &Ui) -> String {
     let mut typed = String::new();
     ui.input_mut(|input| {
@@ -159,7 +162,7 @@ pub(crate) fn hint_with_key(action: Action) -> String {
     }
 }
 
-/// Request of the shell to a view; menu, keys and palette send these.
+/// Request to a view, sent by menu, keys and palette.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ViewRequest {
     /// Show everything.

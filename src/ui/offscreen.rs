@@ -1,5 +1,5 @@
-//! The window without a window: frames are drawn into a texture and read back, on a GPU or on
-//! lavapipe.
+//! Draws the window without opening one: frames are drawn into a texture and read back, on a GPU or
+//! on lavapipe.
 
 use super::Shell;
 use super::adapter::{self, block_on};
@@ -18,8 +18,8 @@ use std::time::{Duration, Instant};
 
 /// Longest wait for everything to be computed and drawn at its final quality.
 const TIME_LIMIT: Duration = Duration::from_secs(240);
-/// Quiet frames after which a picture is ready: sizes settle over two frames, and tiles asked for
-/// in one are drawn in the next.
+/// Quiet frames after which a picture is ready: sizes settle over two frames, and tiles requested
+/// in one frame are drawn in the next.
 const STILL: u32 = 4;
 /// Steps of the progress.
 const STEPS: u64 = 100;
@@ -39,7 +39,7 @@ pub enum PictureError {
     /// No graphics adapter works.
     #[error("no graphics adapter: {DRIVER}: {0}")]
     NoAdapter(#[from] WgpuError),
-    /// The adapter holds no picture of this size.
+    /// The adapter cannot hold a picture of this size.
     #[error(
         "a picture must have 1 to {largest} pixels a side on this adapter; asked for {}x{}", size[0], size[1]
     )]
@@ -49,18 +49,18 @@ pub enum PictureError {
         /// Longest side that the adapter holds.
         largest: u32,
     },
-    /// It takes too long.
+    /// The picture is not ready within the time limit.
     #[error(
         "the picture was not ready after {} s; ask for fewer pings or a smaller size", TIME_LIMIT.as_secs()
     )]
     Late,
-    /// The adapter hangs.
+    /// The adapter does not finish a frame.
     #[error("the graphics adapter did not finish a frame: {0}")]
     Frame(#[from] wgpu::PollError),
-    /// The adapter does not give it back.
+    /// The adapter does not give the picture back.
     #[error("the picture could not be read back: {0}")]
     ReadBack(#[from] wgpu::MapRangeError),
-    /// The adapter gives a part of it back.
+    /// The adapter gives back only a part of the picture.
     #[error("the picture could not be read back whole")]
     Cut,
     /// The content of the picture is not available; the text is the notice that the window shows.
@@ -69,13 +69,13 @@ pub enum PictureError {
     /// The drawing was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
-    /// Its file cannot be written.
+    /// The file of the picture cannot be written.
     #[error(transparent)]
     File(#[from] ExportError),
 }
 
-/// A graphics device that draws pictures. What the views keep on the device belongs to it: draw one
-/// shell with one studio.
+/// A graphics device that draws pictures. The views keep data on the device: draw one shell with
+/// one studio only.
 pub struct Studio {
     gpu: RenderState,
 }
@@ -84,18 +84,18 @@ impl Studio {
     /// Opens the first usable adapter.
     ///
     /// # Errors
-    /// When there is none.
+    /// When no graphics adapter works.
     pub fn new() -> Result<Self, PictureError> {
         Ok(Self { gpu: gpu()? })
     }
 
-    /// Name, interface and kind of the adapter.
+    /// Returns name, interface and kind of the adapter.
     pub fn adapter(&self) -> String {
         let info = self.gpu.adapter.get_info();
         format!("{} ({}, {:?})", info.name, info.backend, info.device_type)
     }
 
-    /// Draws the shell into a picture of `size` pixels.
+    /// Draws the content of the window, `shell`, into a picture of `size` pixels.
     ///
     /// # Errors
     /// When the picture is larger than the adapter can hold, takes too long, or is cancelled.
@@ -111,7 +111,7 @@ impl Studio {
         reel.read_back()
     }
 
-    /// Pictures of one size that follow each other.
+    /// Creates a reel, which draws successive pictures of one size.
     ///
     /// # Errors
     /// As [`Studio::draw`].
@@ -128,7 +128,8 @@ impl Studio {
     }
 }
 
-/// Writes a picture as PNG, aside and then renamed: an error never leaves half of it.
+/// Writes a picture as PNG, first into another file that is then renamed: an error never leaves a
+/// part of a picture.
 ///
 /// # Errors
 /// When the file cannot be written.
@@ -148,8 +149,7 @@ fn gpu() -> Result<RenderState, WgpuError> {
     block_on(created)
 }
 
-/// Draws pictures that follow each other, as of a film: an egui context and the texture that it is
-/// drawn into.
+/// Draws successive pictures, as of a film: an egui context and the texture that it is drawn into.
 pub(crate) struct Reel {
     gpu: RenderState,
     ctx: egui::Context,
@@ -176,7 +176,7 @@ impl Reel {
         Self { gpu, ctx, target, size, pixels_per_point, frames: 0 }
     }
 
-    /// The next picture, once everything in it is drawn.
+    /// Returns the next picture, once everything in it is drawn.
     ///
     /// # Errors
     /// As [`Studio::draw`].
@@ -186,7 +186,7 @@ impl Reel {
         progress: &Progress,
     ) -> Result<RgbaImage, PictureError> {
         progress.check()?;
-        // Sizes have settled with the first one.
+        // Sizes have settled with the first picture.
         let still = if self.frames == 0 { STILL } else { 2 };
         self.settle(shell, still, &Progress::new())?;
         self.read_back()
@@ -235,7 +235,7 @@ impl Reel {
         input
     }
 
-    /// Draws one frame; returns whether another one was asked for at once.
+    /// Draws one frame; returns true if another one was requested at once.
     fn frame(&mut self, shell: &mut Shell) -> Result<bool, PictureError> {
         let input = self.input();
         let gpu = self.gpu.clone();
@@ -297,7 +297,7 @@ impl Reel {
     }
 }
 
-/// Red before blue, and no transparency: what is behind a window is not part of a picture.
+/// Puts red before blue and removes transparency: what is behind a window is not part of a picture.
 fn opaque(pixels: &mut [u8], format: wgpu::TextureFormat) {
     let swapped = format == wgpu::TextureFormat::Bgra8Unorm;
     for pixel in pixels.as_chunks_mut::<4>().0 {
@@ -314,7 +314,7 @@ fn wait(device: &wgpu::Device) -> Result<(), wgpu::PollError> {
     polled.map(|_| ())
 }
 
-/// Makes new and changed textures of egui ready to be drawn with, and takes them out of `textures`.
+/// Uploads new and changed textures of egui, and takes them out of `textures`.
 pub(super) fn upload_textures(gpu: &RenderState, textures: &mut TexturesDelta) {
     let mut renderer = gpu.renderer.write();
     for (id, images) in textures.set.drain() {
@@ -363,7 +363,7 @@ mod tests {
     use std::sync::Arc;
     use std::sync::Mutex;
 
-    /// Keeps what a frame paints before it is replaced.
+    /// Keeps the shapes that a frame paints, before they are replaced.
     struct Spy(Arc<Mutex<Vec<ClippedShape>>>);
 
     impl egui::Plugin for Spy {
@@ -390,7 +390,8 @@ mod tests {
         }
     }
 
-    /// A minute's work: pointing, scrolling, the palette, a dialog, another theme, a selected ping.
+    /// Returns the events of a minute's work: pointing, scrolling, the palette, a dialog, another
+    /// theme, a selected ping.
     fn work() -> Vec<Event> {
         let at = |x, y| Event::PointerMoved(pos2(x, y));
         let click = |pos: Pos2| {

@@ -14,19 +14,19 @@ pub(super) fn reduction(app: &App) -> Reduction<'_> {
     products.map_or_else(Reduction::default, Products::reduction)
 }
 
-/// Returns true if the shown log has a side-scan that is of use.
+/// Returns true if the shown log has a usable side-scan.
 pub(super) fn has_side_scan(app: &App) -> bool {
     let survey = app.log.survey.as_ref();
     survey.is_some_and(|survey| survey.has_side_scan())
 }
 
-/// Side-scan pings of the shown log.
+/// Returns the number of side-scan pings of the shown log.
 pub(super) fn ping_count(app: &App) -> usize {
     let survey = app.log.survey.as_ref();
     survey.map_or(0, |survey| survey.side_scan.len())
 }
 
-/// A range with the sign of its side: port is negative.
+/// Returns a range with the sign of its side: negative for port.
 pub(super) fn across_m(side: Side, range_m: f64) -> f64 {
     match side {
         Side::Port => -range_m,
@@ -34,19 +34,20 @@ pub(super) fn across_m(side: Side, range_m: f64) -> f64 {
     }
 }
 
-/// The side that a range with a sign lies on.
+/// Returns the side of a range with a sign: port if negative.
 pub(super) fn side_at(across_m: f64) -> Side {
     if across_m < 0.0 { Side::Port } else { Side::Starboard }
 }
 
-/// Slant range of a mark, metres.
+/// Returns the slant range of a mark, metres; `None` if the mark has no sample or its range is
+/// unknown.
 pub(super) fn range_m(app: &App, mark: LogPlace) -> Option<f64> {
     let survey = app.log.survey.as_ref()?;
     let range_m = reduction(app).range_at_m(survey, mark.ping, mark.side?, mark.sample?);
     range_m.is_finite().then_some(range_m)
 }
 
-/// Slant ranges of the near and the far edge of a box, metres.
+/// Returns the slant ranges of the near and the far edge of a box, metres.
 pub(super) fn ranges_m(app: &App, mark: &bathyscope_objects::Mark) -> [f64; 2] {
     let middle = usize::midpoint(mark.pings.start, mark.pings.end);
     let survey = app.log.survey.as_ref();
@@ -67,7 +68,7 @@ pub(super) enum DepthBy {
 }
 
 impl DepthBy {
-    /// `sounding` or `first return`.
+    /// Returns `sounding` or `first return`.
     pub(super) fn name(self) -> &'static str {
         match self {
             DepthBy::Sounding => "sounding",
@@ -76,19 +77,19 @@ impl DepthBy {
     }
 }
 
-/// The bottom under the boat at a ping. Every read-out takes it from here.
+/// The bottom under the boat at a ping, the same for every read-out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct BottomBelow {
     /// Height of the transducer over the bottom, metres.
     pub altitude_m: f64,
-    /// Depth as the map has it, metres.
+    /// Depth as shown by the map, metres.
     pub depth_m: f64,
     /// Source of the depth.
     pub by: DepthBy,
 }
 
-/// The bottom under the boat at a ping: by the sounding where the recorder had the bottom, else by
-/// the first returns of both sides. `None` without either.
+/// Returns the bottom under the boat at a ping: by the sounding where the recorder had the bottom,
+/// else by the mean of the first returns of both sides; `None` without either.
 pub(super) fn bottom(app: &App, ping: usize) -> Option<BottomBelow> {
     let recorded = app.log.judged()?.side_scan.get(ping)?;
     let reduction = reduction(app);
@@ -105,7 +106,8 @@ pub(super) fn bottom(app: &App, ping: usize) -> Option<BottomBelow> {
     depth_m.is_finite().then_some(BottomBelow { altitude_m, depth_m, by })
 }
 
-/// Height of the transducer over the bottom under the boat by the first return of a side, metres.
+/// Returns the height of the transducer over the bottom under the boat, metres, from the first
+/// return of a side.
 fn first_return_altitude_m(app: &App, side: Side, ping: usize) -> Option<f64> {
     let survey = app.log.survey.as_ref()?;
     let across = app.log.products.as_ref()?.relief.across(side, ping);
@@ -115,8 +117,8 @@ fn first_return_altitude_m(app: &App, side: Side, ping: usize) -> Option<f64> {
     (pick.is_some() && altitude_m > 0.0).then_some(altitude_m)
 }
 
-/// The depth at a ping with what it counts from and what it is measured by; a dash where there is
-/// none.
+/// Describes the depth at a ping with the level that it counts from and its source; a dash where
+/// the depth is unknown.
 pub(super) fn depth(app: &App, ping: usize) -> String {
     let bottom = bottom(app, ping);
     bottom.map_or_else(
@@ -130,7 +132,8 @@ pub(super) fn depth(app: &App, ping: usize) -> String {
     )
 }
 
-/// Heading of the boat at a ping in a few letters: a course over ground, or the compass.
+/// Describes the heading of the boat at a ping in a few letters: a course over ground, or the
+/// compass.
 pub(super) fn labelled_heading(app: &App, ping: usize) -> String {
     let products = app.log.products.as_ref();
     let here = products.and_then(|products| Some((products, products.navigation.pings.get(ping)?)));
@@ -148,12 +151,12 @@ pub(super) fn labelled_heading(app: &App, ping: usize) -> String {
     }
 }
 
-/// `212°`; never 360.
+/// Formats a heading as `212°`; never as 360.
 fn whole_degrees(heading_rad: f64) -> String {
     format!("{:.0}°", compass_deg(heading_rad, 0))
 }
 
-/// Heading of the boat at a ping, clockwise from north, and where it comes from.
+/// Describes the heading of the boat at a ping, clockwise from north, and its source.
 pub(super) fn heading(app: &App, ping: usize) -> String {
     let products = app.log.products.as_ref();
     let here = products.and_then(|products| Some((products, products.navigation.pings.get(ping)?)));
@@ -178,8 +181,8 @@ pub(super) fn heading(app: &App, ping: usize) -> String {
     }
 }
 
-/// A position as the analyst wants to read it; UTM in the zone of the survey's first fix, as in the
-/// products.
+/// Formats a position in the notation chosen by the user; UTM in the zone of the survey's first
+/// fix, as in the products.
 pub(super) fn written(app: &App, at: LonLat) -> String {
     let survey = app.log.survey.as_ref();
     let start = survey.map(|survey| survey.track.frame.origin());
@@ -187,7 +190,7 @@ pub(super) fn written(app: &App, at: LonLat) -> String {
     app.view.options.coordinates.write(at, zone)
 }
 
-/// WGS84 position of a mark.
+/// Returns the WGS84 position of a mark; `None` where it is unknown.
 pub(super) fn lon_lat(app: &App, mark: LogPlace) -> Option<LonLat> {
     let track = &app.log.survey.as_ref()?.track;
     let navigation = &app.log.products.as_ref()?.navigation;
@@ -195,8 +198,8 @@ pub(super) fn lon_lat(app: &App, mark: LogPlace) -> Option<LonLat> {
     Some(navigation.to_lon_lat(track, east_m, north_m))
 }
 
-/// Metres east and north of a mark: of the point, of the place across the track on the bottom, or
-/// of the boat.
+/// Returns metres east and north of a mark: of its point, of its place on the bottom across the
+/// track, or of the boat.
 pub(super) fn east_north(app: &App, mark: LogPlace) -> Option<[f64; 2]> {
     let products = app.log.products.as_ref()?;
     let points = &products.cloud.points;
@@ -217,8 +220,8 @@ pub(super) fn east_north(app: &App, mark: LogPlace) -> Option<[f64; 2]> {
     (east_m.is_finite() && north_m.is_finite()).then_some([east_m, north_m])
 }
 
-/// Distance of a mark from the track on the bottom, metres. Under the boat that lies where the
-/// sounding says, or else the first return of the side. `None` where neither is known.
+/// Returns the distance of a mark from the track on the bottom, metres. The bottom under the boat
+/// is at the sounding, or else at the first return of the side; `None` if neither is known.
 pub(super) fn ground_m(app: &App, mark: LogPlace) -> Option<f64> {
     let (slant_m, side) = (range_m(app, mark)?, mark.side?);
     let across = app.log.products.as_ref()?.relief.across(side, mark.ping);

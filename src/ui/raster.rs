@@ -1,5 +1,5 @@
-//! Curves and strips painted into pixels. As triangles a pixel wide they would take most of a frame
-//! without a graphics card.
+//! Paints curves and strips into pixels. As triangles a pixel wide, they would take most of the
+//! time of a frame without a graphics card.
 
 use egui::{
     Color32, ColorImage, Painter, Pos2, Rect, TextureHandle, TextureOptions,
@@ -14,22 +14,22 @@ pub(super) struct PaintedArea {
 }
 
 impl PaintedArea {
-    /// An area filled with one colour.
+    /// Creates an area filled with one colour.
     pub(super) fn new(painter: &Painter, area: Rect, ground: Color32) -> Self {
         let pixels_per_point = painter.pixels_per_point();
         let area = area.round_to_pixels(pixels_per_point);
-        // A texture has a pixel, and no more than every driver can hold.
+        // A texture needs at least one pixel a side, and no more than every driver can hold.
         let side = |points: f32| ((points * pixels_per_point) as usize).clamp(1, 2048);
         let size = [side(area.width()), side(area.height())];
         Self { area, pixels_per_point, image: ColorImage::filled(size, ground) }
     }
 
-    /// Columns of pixels.
+    /// Returns the number of columns of pixels.
     pub(super) fn width(&self) -> usize {
         self.image.size[0]
     }
 
-    /// Paints a part of a column from a height of the screen to another, points.
+    /// Paints the part of a column between two heights of the screen, points.
     pub(super) fn span(&mut self, column: usize, from_y: f32, to_y: f32, colour: Color32) {
         let [width, height] = self.image.size;
         let row =
@@ -45,9 +45,9 @@ impl PaintedArea {
         }
     }
 
-    /// Paints a line through places of the screen, in the order of their columns either way.
+    /// Paints a line through points of the screen, which are ordered by column in either direction.
     pub(super) fn line(&mut self, points: &[Pos2], width: f32, colour: Color32) {
-        // All that the line crosses in a column is one span, painted once.
+        // Everything that the line crosses in a column is one span, painted once.
         let mut spans = vec![None; self.width()];
         for pair in points.windows(2) {
             self.add_segment(&mut spans, pair[0], pair[1]);
@@ -76,7 +76,7 @@ impl PaintedArea {
         }
     }
 
-    /// Shows what was painted; `texture` holds it from frame to frame.
+    /// Shows the painted area; `texture` keeps its image on the GPU from frame to frame.
     pub(super) fn show(self, painter: &Painter, texture: &mut Option<RasterTexture>) {
         let shown = match texture {
             Some(shown) => {
@@ -105,7 +105,7 @@ impl RasterTexture {
         }
     }
 
-    /// Uploads an image that differs.
+    /// Uploads an image if it differs from the last one.
     fn take(&mut self, image: ColorImage) {
         if self.image != image {
             self.texture.set(image.clone(), TextureOptions::NEAREST);

@@ -1,4 +1,4 @@
-//! Texts about excluded and flat stretches, the same in all views and panels.
+//! Writes the texts about excluded and flat stretches, the same in all views and panels.
 
 use crate::app::{Action, App, ExcludedExtent, ExclusionEdit, LogId};
 use crate::ui::text;
@@ -6,7 +6,7 @@ use bathyscope_bottom::calibration::FlatSpot;
 use bathyscope_bottom::presentation::units::Units;
 use bathyscope_log::survey::ExcludedStretch;
 
-/// `412 pings · 512 m · 1:02`.
+/// Formats an extent as `412 pings · 512 m · 1:02`.
 pub(super) fn extent(extent: &ExcludedExtent, units: Units) -> String {
     let way = units.way(extent.length_m);
     let lasts = text::duration(extent.duration_s);
@@ -27,13 +27,13 @@ pub(super) fn of_drag(edit: ExclusionEdit, covered: &ExcludedExtent, units: Unit
     format!("{what} {}", extent(covered, units))
 }
 
-/// Reason why a ping is excluded, `excluded: turn`; `None` where it is not.
+/// Returns the reason why a ping is excluded, as `excluded: turn`; `None` where it is not excluded.
 pub(super) fn excluded_at(app: &App, log: LogId, ping: usize) -> Option<String> {
     let stretch = app.excluded_at(log, ping)?;
     Some(format!("excluded: {}", stretch.reason.name()))
 }
 
-/// An entry of a view's menu that includes a stretch again; whether it was chosen.
+/// Adds to a view's menu an entry that includes a stretch again; returns true if it was chosen.
 pub(super) fn include_again(ui: &mut egui::Ui, stretch: &ExcludedStretch) -> bool {
     let hint = format!("Excluded: {}.", stretch.reason.name());
     let chosen = ui.button(Action::IncludeAgain.label()).on_hover_text(hint);
@@ -43,7 +43,8 @@ pub(super) fn include_again(ui: &mut egui::Ui, stretch: &ExcludedStretch) -> boo
     chosen.clicked()
 }
 
-/// Number of excluded stretches of the shown log, after a comma; empty if there are none.
+/// Returns the number of excluded stretches of the shown log, after a comma; empty if there are
+/// none.
 pub(super) fn and_stretches(app: &App) -> String {
     let found = app.log.exclusions();
     let count = found.map_or(0, |found| found.exclusions.stretches.len());
@@ -53,7 +54,7 @@ pub(super) fn and_stretches(app: &App) -> String {
     }
 }
 
-/// `10 m, relief 4 cm, ±1.2 %`.
+/// Describes a flat stretch as `10 m, relief 4 cm, ±1.2 %`.
 pub(super) fn brief(spot: &FlatSpot, units: Units) -> String {
     let length = units.measure(spot.length_m, 0);
     let relief = relief(spot, units);
@@ -63,17 +64,17 @@ pub(super) fn brief(spot: &FlatSpot, units: Units) -> String {
     }
 }
 
-/// `±1.2 %`, of the scale of single pings.
+/// Formats the spread of the scale of single pings as `±1.2 %`; `None` if it is unknown.
 pub(super) fn spread(spot: &FlatSpot) -> Option<String> {
     Some(format!("±{:.1} %", 100.0 * spot.spread()?))
 }
 
-/// `×0.949`, of the recorded range.
+/// Formats the factor on the recorded range as `×0.949`; `None` if it is unknown.
 pub(super) fn factor(spot: &FlatSpot) -> Option<String> {
     Some(format!("×{:.3}", spot.factor?))
 }
 
-/// `4 cm`.
+/// Formats the relief as `4 cm`; a dash if it is unknown.
 pub(super) fn relief(spot: &FlatSpot, units: Units) -> String {
     let written = units.small_difference(spot.relief_m);
     if spot.relief_m.is_finite() {

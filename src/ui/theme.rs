@@ -1,4 +1,4 @@
-//! All colours and sizes.
+//! Defines all colours and sizes of the window.
 
 use crate::app::{ColourMap, SideColours, ThemeChoice, ViewOptions};
 use bathyscope_log::survey::Side;
@@ -13,7 +13,7 @@ fn by_theme(theme: ThemeChoice, dark: [u8; 3], light: [u8; 3]) -> Color32 {
     Color32::from_rgb(r, g, b)
 }
 
-/// Colour of a side's first return and points.
+/// Returns the colour of a side's first return and points.
 pub(crate) fn side_colour(options: &ViewOptions, side: Side) -> Color32 {
     match (options.side_colours, side) {
         (SideColours::Paper, Side::Starboard) => Color32::from_rgb(235, 64, 52),
@@ -23,7 +23,7 @@ pub(crate) fn side_colour(options: &ViewOptions, side: Side) -> Color32 {
     }
 }
 
-/// Colour of down-scan points: black as in the paper, white on dark.
+/// Returns the colour of down-scan points: black as in the paper, white on dark.
 pub(crate) fn down_scan_colour(options: &ViewOptions) -> Color32 {
     by_theme(options.theme, [235, 235, 235], [20, 20, 20])
 }
@@ -34,7 +34,7 @@ pub(crate) const SWATH_COLOUR: Color32 = Color32::from_rgb(178, 102, 255);
 /// Colour of points that the outlier filter would remove.
 pub(crate) const OUTLIER_COLOUR: Color32 = Color32::from_rgb(255, 190, 40);
 
-/// Boxes on the waterfall, which is dark or coloured in any theme.
+/// Returns the colour of boxes on the waterfall, which is dark or coloured in any theme.
 pub(crate) fn box_colour(state: State) -> Color32 {
     match state {
         State::Proposed => Color32::from_rgb(255, 214, 64),
@@ -44,7 +44,7 @@ pub(crate) fn box_colour(state: State) -> Color32 {
     }
 }
 
-/// States of boxes as words on a panel, and as marks on map and cloud.
+/// Returns the colour of a box's state in words on a panel, and in marks on map and cloud.
 pub(crate) fn box_colour_on_panel(theme: ThemeChoice, state: State) -> Color32 {
     match (theme, state) {
         (ThemeChoice::Dark, _) => box_colour(state),
@@ -55,10 +55,10 @@ pub(crate) fn box_colour_on_panel(theme: ThemeChoice, state: State) -> Color32 {
     }
 }
 
-/// Objects that no box has found, on the waterfall.
+/// Colour of objects that no box has found, on the waterfall.
 pub(crate) const MISSED_COLOUR: Color32 = Color32::from_rgb(206, 130, 255);
 
-/// The same as words on a panel.
+/// Returns the colour of objects that no box has found, for words on a panel.
 pub(crate) fn missed_colour_on_panel(theme: ThemeChoice) -> Color32 {
     match theme {
         ThemeChoice::Dark => MISSED_COLOUR,
@@ -69,45 +69,45 @@ pub(crate) fn missed_colour_on_panel(theme: ThemeChoice) -> Color32 {
 /// Colour of what is inferred and not measured: the shape of an object.
 pub(crate) const INFERRED_COLOUR: Color32 = Color32::from_rgb(255, 122, 46);
 
-/// Background of waterfall, map and cloud.
+/// Returns the background of waterfall, map and cloud.
 pub(crate) fn canvas_colour(options: &ViewOptions) -> Color32 {
     by_theme(options.theme, [14, 17, 22], [247, 247, 245])
 }
 
-/// Cross-hairs of the place under the pointer in another view.
+/// Colour of the cross-hairs of the place under the pointer in another view.
 pub(crate) const HOVER_COLOUR: Color32 = Color32::from_rgb(255, 221, 87);
 
-/// Mark of the selection.
+/// Colour of the mark of the selection.
 pub(crate) const SELECTION_COLOUR: Color32 = Color32::from_rgb(90, 220, 220);
 
-/// Text on waterfall, map and cloud.
+/// Returns the colour of text on waterfall, map and cloud.
 pub(crate) fn canvas_text_colour(options: &ViewOptions) -> Color32 {
     by_theme(options.theme, [205, 210, 216], [48, 52, 58])
 }
 
-/// Grid lines on map and cloud.
+/// Returns the colour of grid lines on map and cloud.
 pub(crate) fn grid_colour(options: &ViewOptions) -> Color32 {
     by_theme(options.theme, [42, 48, 56], [218, 220, 220])
 }
 
-/// Plates behind text that lies on a picture.
+/// Returns the colour of plates behind text on a picture.
 pub(crate) fn plate_colour(options: &ViewOptions) -> Color32 {
     let [r, g, b, _] = canvas_colour(options).to_array();
     Color32::from_rgba_unmultiplied(r, g, b, 205)
 }
 
-/// Ranked flat stretches on the map.
+/// Returns the colour of ranked flat stretches on the map.
 pub(crate) fn flat_spot_colour(options: &ViewOptions) -> Color32 {
     by_theme(options.theme, [250, 250, 250], [30, 30, 30])
 }
 
-/// The stretch that the calibration was measured on.
+/// Colour of the stretch that the calibration was measured on.
 pub(crate) const CALIBRATION_COLOUR: Color32 = Color32::from_rgb(255, 105, 180);
 
-/// A stretch that is proposed for the calibration.
+/// Colour of a stretch that is proposed for the calibration.
 pub(crate) const PROPOSAL_COLOUR: Color32 = Color32::from_rgb(255, 196, 60);
 
-/// The same on the ground of a panel.
+/// Returns the colour of a proposed stretch on the background of a panel.
 pub(crate) fn proposal_ink(options: &ViewOptions) -> Color32 {
     match options.theme {
         ThemeChoice::Dark => PROPOSAL_COLOUR,
@@ -115,38 +115,39 @@ pub(crate) fn proposal_ink(options: &ViewOptions) -> Color32 {
     }
 }
 
-/// Colour of what is under way or in force: numbers of steps, the focused view, progress.
+/// Returns the colour of what is in progress or in use: numbers of steps, the focused view,
+/// progress.
 pub(crate) fn accent_colour(theme: ThemeChoice) -> Color32 {
     by_theme(theme, [72, 176, 176], [14, 120, 124])
 }
 
-/// A result that is older than its settings, and warnings.
+/// Returns the colour of warnings and of a result that is older than its settings.
 pub(crate) fn stale_colour(theme: ThemeChoice) -> Color32 {
     by_theme(theme, [226, 168, 62], [166, 104, 0])
 }
 
-/// Something could not be done.
+/// Returns the colour of errors.
 pub(crate) fn error_colour(theme: ThemeChoice) -> Color32 {
     by_theme(theme, [240, 112, 100], [186, 40, 30])
 }
 
-/// Curve of the recorded depth in the time line.
+/// Returns the colour of the curve of the recorded depth in the time line.
 pub(crate) fn depth_strip_colour(theme: ThemeChoice) -> Color32 {
     by_theme(theme, [96, 150, 190], [58, 112, 156])
 }
 
-/// Curve of the speed in the time line.
+/// Returns the colour of the curve of the speed in the time line.
 pub(crate) fn speed_strip_colour(theme: ThemeChoice) -> Color32 {
     by_theme(theme, [134, 150, 110], [98, 118, 66])
 }
 
 /// Width of the panels left and right of the views, points.
 pub(crate) const SIDE_PANEL_WIDTH: f32 = 300.0;
-/// Size of the button of a dialog that does what the dialog is for, points.
+/// Size of a dialog's main button, points.
 pub(crate) const DIALOG_BUTTON: egui::Vec2 = egui::vec2(96.0, 22.0);
 /// Width of the names in front of controls and values, points.
 pub(crate) const LABEL_WIDTH: f32 = 96.0;
-/// Small print: hints, legends, section titles.
+/// Size of small print (hints, legends, section titles), points.
 pub(crate) const SMALL: f32 = 11.0;
 
 /// Greys of one theme, from the deepest background to the strongest text.
@@ -189,7 +190,7 @@ impl Greys {
     }
 }
 
-/// The look of all widgets in a theme.
+/// Returns the look of all widgets in a theme.
 pub(crate) fn visuals(theme: ThemeChoice) -> Visuals {
     let greys = Greys::of(theme);
     let mut visuals = match theme {
@@ -231,7 +232,7 @@ pub(crate) fn visuals(theme: ThemeChoice) -> Visuals {
     visuals
 }
 
-/// Gives a context our sizes and colours, once, and the theme, always.
+/// Sets the theme of a context; the first call also sets the program's sizes and colours.
 pub(crate) fn apply(ctx: &egui::Context, theme: ThemeChoice) {
     let styled = egui::Id::unique("bathyscope styled");
     if ctx.data(|data| data.get_temp::<bool>(styled)).is_none() {
@@ -268,7 +269,7 @@ fn sizes(style: &mut egui::Style) {
     style.interaction.tooltip_delay = 0.4;
 }
 
-/// Range lines and ticks on the waterfall.
+/// Returns the colour of range lines and ticks on the waterfall.
 pub(crate) fn picture_ink(options: &ViewOptions) -> Color32 {
     match options.waterfall.colour_map {
         ColourMap::InverseGrey => Color32::from_black_alpha(110),
@@ -276,12 +277,13 @@ pub(crate) fn picture_ink(options: &ViewOptions) -> Color32 {
     }
 }
 
-/// Colour of the recorder's track where another receiver's is in use: there, and behind everything.
+/// Returns the colour of the recorder's track where another receiver's is in use: visible, but less
+/// prominent than everything else.
 pub(crate) fn recorded_track_colour(options: &ViewOptions) -> Color32 {
     canvas_text_colour(options).gamma_multiply(0.45)
 }
 
-/// Excluded stretches on the map and the time line.
+/// Returns the colour of excluded stretches on the map and the time line.
 pub(crate) fn excluded_colour(options: &ViewOptions) -> Color32 {
     canvas_text_colour(options).gamma_multiply(0.75)
 }
@@ -289,7 +291,7 @@ pub(crate) fn excluded_colour(options: &ViewOptions) -> Color32 {
 /// Colour of measuring figures on the map, set off by a casing.
 pub(crate) const MEASURE_COLOUR: Color32 = Color32::from_rgb(255, 150, 50);
 
-/// Curves, axes and numbers of the profile.
+/// Returns the colour of curves, axes and numbers of the profile.
 pub(crate) fn plot_ink(options: &ViewOptions) -> Color32 {
     match options.theme {
         ThemeChoice::Dark => Color32::from_gray(205),
@@ -297,14 +299,13 @@ pub(crate) fn plot_ink(options: &ViewOptions) -> Color32 {
     }
 }
 
-/// Bottom edits, in the waterfall.
+/// Colour of bottom edits in the waterfall.
 pub(crate) const HAND_COLOUR: Color32 = Color32::from_rgb(120, 255, 140);
 
-/// The depth that the recorder itself found, on waterfall and profile.
+/// Colour of the depth that the recorder itself found, on waterfall and profile.
 pub(crate) const DEPTH_LINE_COLOUR: Color32 = Color32::from_rgb(225, 200, 60);
 
-/// Makes a menu as wide as its longest entry: where it opens there may be less room, and words
-/// would be broken.
+/// Makes a menu as wide as its longest entry: where there is less room, words would be broken.
 pub(crate) fn whole_words(ui: &mut egui::Ui) {
     ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Extend);
 }

@@ -1,4 +1,5 @@
-//! The window on the desktop, and the cards and drives on which logs are looked for there.
+//! Opens the window on the desktop, and lists the cards and drives that are searched for logs
+//! there.
 
 use super::incremental::IncrementalPainter;
 use super::offscreen::DRIVER;
@@ -10,7 +11,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Name of the program for the desktop; the folder of its options has the same name.
+/// Name of the program on the desktop; the folder of its options has the same name.
 const APP_ID: &str = "bathyscope";
 /// Folders where Linux mounts cards, sticks and drives.
 const LINUX: [&str; 3] = ["/media", "/run/media", "/mnt"];
@@ -23,7 +24,7 @@ pub(crate) enum WindowError {
         "the window cannot be opened, for there is no graphics adapter: {DRIVER}; `bathyscope process` works without one: {0}"
     )]
     NoAdapter(WgpuError),
-    /// Something else.
+    /// The window cannot be opened for another reason.
     #[error(
         "the window cannot be opened: {0}; `bathyscope process` and `bathyscope snapshot` work without one"
     )]
@@ -39,8 +40,8 @@ impl From<eframe::Error> for WindowError {
     }
 }
 
-/// Opens the window on the first of `paths`, on the demo survey, or empty, with the `truth` about
-/// it; returns when it is closed.
+/// Opens the window with the logs or the project of `paths`, with the demo survey, or empty, and
+/// with the known objects of the file `truth`; returns when the window is closed.
 ///
 /// # Errors
 /// When a display or a graphics driver is missing.
@@ -63,8 +64,8 @@ pub(crate) fn open_window(
     options.wgpu_options.wgpu_setup = adapter::setup();
     let start = move |cc: &eframe::CreationContext<'_>| {
         let ctx = cc.egui_ctx.clone();
-        // Soft edges multiply the triangles, each of which costs a processor that draws them as
-        // much as 16 pixels.
+        // Soft edges multiply the triangles. A processor that draws without a graphics card needs
+        // as much time for a triangle as for 16 pixels.
         if let Some(state) = drawn_by_processor(cc) {
             ctx.tessellation_options_mut(|options| options.feathering = false);
             ctx.add_plugin(IncrementalPainter::new(state.clone()));
@@ -93,20 +94,20 @@ pub(crate) fn open_window(
     Ok(eframe::run_native(APP_ID, options, Box::new(start))?)
 }
 
-/// Icon of the window where no desktop entry or resource gives one.
+/// Returns the icon of the window, for systems where no desktop entry or resource gives one.
 fn icon() -> egui::IconData {
     let png = include_bytes!("../../assets/desktop/bathyscope.png");
     eframe::icon_data::from_png_bytes(png).unwrap_or_default()
 }
 
-/// The window's device where there is no graphics card.
+/// Returns the window's device if there is no graphics card.
 fn drawn_by_processor<'a>(cc: &'a eframe::CreationContext<'_>) -> Option<&'a RenderState> {
     let state = cc.wgpu_render_state.as_ref();
     state.filter(|state| state.adapter.get_info().device_type == wgpu::DeviceType::Cpu)
 }
 
-/// Top folders of cards and drives that are not part of the computer. Asking takes as long as the
-/// slowest of them: a drive of a network may need seconds.
+/// Returns the top folders of cards and drives that are not part of the computer. The call takes as
+/// long as the slowest of them: a network drive may need seconds.
 fn drives() -> Vec<PathBuf> {
     match std::env::consts::OS {
         "windows" => {
@@ -121,8 +122,8 @@ fn drives() -> Vec<PathBuf> {
     }
 }
 
-/// The drives of Windows but the one of the system and those of floppy disks, which make a noise
-/// when they are asked.
+/// Returns the drives of Windows, except that of the system and those of floppy disks, which make a
+/// noise when they are accessed.
 fn letters(system: &str, is_there: impl Fn(&Path) -> bool) -> Vec<PathBuf> {
     let all = ('C'..='Z').map(|letter| format!("{letter}:"));
     let others = all.filter(|drive| !drive.eq_ignore_ascii_case(system));
@@ -131,7 +132,7 @@ fn letters(system: &str, is_there: impl Fn(&Path) -> bool) -> Vec<PathBuf> {
     drives
 }
 
-/// The volumes of macOS. That of the system is a link.
+/// Returns the volumes of macOS, except that of the system, which is a link.
 fn volumes(folder: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     let folders = entries.filter(|entry| entry.file_type().is_ok_and(|kind| kind.is_dir()));
@@ -140,10 +141,10 @@ fn volumes(folder: &Path) -> Vec<PathBuf> {
     drives
 }
 
-/// The mounts of Linux, of lines as `/dev/sdb1 /media/me/NO\040NAME vfat rw 0 0`.
+/// Returns the mounts of Linux, from lines like `/dev/sdb1 /media/me/NO\040NAME vfat rw 0 0`.
 fn mounted(lines: &str) -> Vec<PathBuf> {
     let points = lines.lines().filter_map(|line| line.split(' ').nth(1));
-    // The kernel writes these four as octal numbers.
+    // The kernel writes these four characters as octal numbers.
     let points = points.map(|point| {
         let point = point.replace(r"\040", " ").replace(r"\011", "\t");
         PathBuf::from(point.replace(r"\012", "\n").replace(r"\134", r"\"))

@@ -1,16 +1,16 @@
-//! Rows of the commands: all that a command is, in one place.
+//! Defines the rows of the commands: name, keys, hint and function of each command in one place.
 //!
-//! A row is `Variant, label, ..., hint => function;`. Before the hint stand its keys (`key`; menus
-//! show the first), the views in which a bare key acts (`acts_in`), and its marks: `repeats` while
-//! the key is held, `about_box` of commands that need the selected box in sight, `asks` of commands
-//! that a bare key only offers. The function is `State` on the state, `Options` on the display
-//! options, `Toggle` of one of them, or `Window` for the window; `when` is false where there is
-//! nothing to act on.
+//! A row is `Variant, label, ..., hint => function;`. The keys come before the hint (`key`,
+//! beginning with the key that menus show), then the views in which a bare key acts (`acts_in`),
+//! and the marks: `repeats` while the key is held, `about_box` for commands that need a visible
+//! selected box, `asks` for commands that a bare key only offers. The function is `State` on the
+//! state, `Options` on the display options, `Toggle` of a display option, or `Window` for the
+//! window; `when` is false where there is nothing to act on.
 //!
-//! The rows are a macro, so that the table of names (`super::Action`) knows no state: each reader
-//! takes its part of the same rows.
+//! The rows are a macro, so that the table of names (`super::Action`) does not depend on the state:
+//! each macro that reads the rows uses only its part of them.
 
-/// Hands the rows of all commands, in the order of the manual, to a macro.
+/// Passes the rows of all commands, in the order of the manual, to a macro.
 macro_rules! action_rows {
     ($reader:ident) => {
         $reader! {

@@ -1,5 +1,5 @@
-//! Functions that carry out the commands without arguments, and the conditions under which they
-//! have something to act on.
+//! Assigns to each command without arguments the function that carries it out and the condition
+//! under which it has something to act on.
 
 use crate::app::action::action_rows;
 use crate::app::heights::FoundHeights;
@@ -16,13 +16,13 @@ use bathyscope_products::project::MeasurementKind;
 
 /// Function that carries out a command.
 enum Run {
-    /// It changes the state.
+    /// A function that changes the state.
     State(fn(&mut App)),
-    /// It changes the display options.
+    /// A function that changes the display options.
     Options(fn(&mut ViewOptions)),
-    /// It turns a display option on or off.
+    /// A display option that the command turns on or off.
     Toggle(fn(&mut ViewOptions) -> &mut bool),
-    /// The window carries it out.
+    /// An effect that the window carries out.
     Window(WindowAction),
 }
 
@@ -41,8 +41,8 @@ macro_rules! run {
                 }
             }
 
-            /// Returns the condition under which a command has something to act on, where it has
-            /// one. All other commands say themselves what they lack.
+            /// Returns the condition under which a command has something to act on; `None` for
+            /// commands that notify the analyst themselves of what is missing.
             fn condition(self) -> Option<fn(&App) -> bool> {
                 match self {
                     $($($(Action::$action => Some($($when)*),)?)*)*
@@ -56,7 +56,7 @@ macro_rules! run {
 action_rows!(run);
 
 impl Action {
-    /// Returns what the window does for a command; `None` where the state carries it out.
+    /// Returns the effect of a command on the window; `None` for a command that changes the state.
     pub(crate) fn in_window(self) -> Option<WindowAction> {
         match self.run() {
             Run::Window(action) => Some(action),
@@ -87,12 +87,12 @@ impl App {
         }
     }
 
-    /// Returns `false` where a command would remove or leave something that is not there.
+    /// Returns `false` if a command would remove or leave something that does not exist.
     pub(crate) fn is_available(&self, action: Action) -> bool {
         action.condition().is_none_or(|condition| condition(self))
     }
 
-    /// Carries out a command; those of the window are left to it.
+    /// Carries out a command; commands of the window have no effect here.
     pub(super) fn act(&mut self, action: Action) {
         match action.run() {
             Run::State(run) => run(self),
@@ -108,7 +108,7 @@ impl App {
 
 fn next_bottom_colour(options: &mut ViewOptions) {
     let cloud = &mut options.cloud;
-    // A hidden bottom is shown as it was.
+    // A hidden bottom is shown with the colours that it had.
     if std::mem::replace(&mut cloud.bottom, true) {
         cloud.bottom_colour = cloud.bottom_colour.next();
     }

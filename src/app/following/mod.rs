@@ -1,13 +1,13 @@
-//! Following a log while its recorder writes it: new pings appear as they come, what is there
-//! stays, and from time to time everything is made anew from the whole log, so that at the end the
-//! results are those of the finished file.
+//! Follows a log while its recorder writes it: new pings appear as they are recorded, shown data
+//! stay, and from time to time all results are computed again from the whole log, so that at the
+//! end they are those of the finished file.
 //!
-//! `step` is the work in a background thread, `publish` shows what came of it, `scale` keeps the
-//! scale that was in force, `whole` says when everything is made anew. Its results for the new
-//! pings are provisional: they go by the calibration of the last run over the whole log
-//! ([`bathyscope_products::pipeline::extend`]). That run is repeated whenever the log grew by a
-//! quarter, so the work for each ping does not grow with the log. Where objects were searched for,
-//! what is new is searched too. The log is only ever read, as a private copy
+//! `step` reads new bytes in a background thread, `publish` shows the results, `scale` keeps the
+//! scale in force, `whole` decides when all results are computed again. The results of new pings
+//! are provisional: they use the calibration of the last run over the whole log
+//! ([`bathyscope_products::pipeline::extend`]). That run is repeated whenever the log has grown by
+//! a quarter, so the work for each ping does not grow with the log. If objects were searched for,
+//! new pings are searched too. The log is only ever read, as a private copy
 //! ([`bathyscope_log::formats::GrowingLog`]).
 
 mod publish;
@@ -25,38 +25,38 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use step::{FollowedLog, Grown, StepError, Tools};
 
-/// Time between two looks at the log.
+/// Time between two checks of the log for new bytes.
 const LOOK: Duration = Duration::from_millis(250);
-/// Longest time that added bytes wait to be shown.
+/// Longest time for which added bytes wait to be shown.
 const LONGEST_WAIT: Duration = Duration::from_secs(2);
-/// Growth of the log, as a factor, after which results of the whole log are made again.
+/// Growth of the log, as a factor, after which the results of the whole log are computed again.
 const WHOLE_AGAIN: f64 = 1.25;
-/// Time without added bytes after which results of the whole log are made again.
+/// Time without added bytes after which the results of the whole log are computed again.
 const QUIET: Duration = Duration::from_secs(8);
-/// Time between two runs over the whole log.
+/// Least time between two runs over the whole log.
 const BETWEEN_WHOLE: Duration = Duration::from_secs(3);
-/// Time without added bytes after which the status line reports it.
+/// Time without added bytes after which the status line reports that the log does not grow.
 const SILENT: Duration = Duration::from_secs(5);
 
-/// The log that is followed, if one is.
+/// The followed log, if there is one.
 #[derive(Default)]
 pub(super) struct Following {
     active: Option<Active>,
-    /// Grows each time a log begins to be followed: the waterfall goes to its end.
+    /// Number that grows each time following begins, upon which the waterfall moves to its end.
     serial: u64,
 }
 
-/// A log being followed.
+/// State of following a log.
 struct Active {
     log: LogId,
-    /// `None` while a step has them.
+    /// Copy of the log and state of its results; `None` while a step uses them.
     tools: Option<Tools>,
     starting: Option<Task<Result<Tools, StepError>>>,
     stepping: Option<Stepping>,
     whole: Option<Task<Result<FollowedLog, StepError>>>,
-    /// Results of the whole log as it was a moment ago: what the next step goes on from.
+    /// Results of the whole log as it was when they were begun, from which the next step continues.
     fresh: Option<FollowedLog>,
-    /// Bytes of the log when it was run over as a whole, and when that was.
+    /// Number of bytes of the log at the last run over the whole log.
     whole_bytes: u64,
     whole_at: Instant,
     looked: Option<Instant>,
@@ -64,28 +64,28 @@ struct Active {
     added: Instant,
     /// Time at which bytes that are not shown yet were first found.
     waiting: Option<Instant>,
-    /// It is read to its end once more, and that is all.
+    /// Reason for ending; the log is then read to its end once more. `None` while it is followed.
     ends: Option<End>,
-    /// That reading has begun.
+    /// True if that last reading has begun.
     is_last: bool,
-    /// The stretch that its scale is measured on, where it is one.
+    /// The stretch that the scale of the log is measured on, if there is one.
     stretch: Option<PingRange>,
 }
 
-/// A step under way.
+/// A running step.
 struct Stepping {
-    /// Recording that the step goes on from.
+    /// Recording from which the step continues.
     from: Arc<Survey>,
-    /// True if that recording has fresh results of the whole log.
+    /// True if that recording is the one of the fresh results of the whole log.
     is_fresh: bool,
     task: Task<(Tools, Result<Grown, StepError>)>,
 }
 
 /// Reason that a log is no longer followed.
 enum End {
-    /// The analyst does not want it any more.
+    /// The analyst ended it.
     Asked,
-    /// It cannot be.
+    /// The log cannot be followed any more.
     Failed,
 }
 
@@ -94,9 +94,9 @@ enum End {
 pub enum FollowStatus {
     /// The log is being copied.
     Starting,
-    /// It grows.
+    /// The log grows.
     Growing {
-        /// Side-scan pings that are shown.
+        /// Number of side-scan pings that are shown.
         pings: usize,
         /// Time that added bytes have waited to be shown.
         behind: Duration,
@@ -106,12 +106,12 @@ pub enum FollowStatus {
         /// Time without growth.
         since: Duration,
     },
-    /// Its results are made of the whole log once more.
+    /// The results of the whole log are computed once more before following ends.
     Ending,
 }
 
 impl Following {
-    /// Returns true if a step or a run is under way.
+    /// Returns true if a step or a run over the whole log is running, or following is ending.
     pub(super) fn is_busy(&self) -> bool {
         let works = |active: &Active| {
             active.starting.is_some()
@@ -124,18 +124,18 @@ impl Following {
 }
 
 impl App {
-    /// The log that is followed.
+    /// Returns the followed log; `None` if no log is followed, or following is ending.
     pub fn followed(&self) -> Option<LogId> {
         let active = self.following.active.as_ref();
         active.filter(|active| active.ends.is_none()).map(|active| active.log)
     }
 
-    /// Returns true if the log that is shown is followed.
+    /// Returns true if the shown log is followed.
     pub fn is_following(&self) -> bool {
         self.followed() == Some(self.log.id)
     }
 
-    /// Grows each time a log begins to be followed.
+    /// Returns a number that grows each time following begins.
     pub(crate) fn follow_serial(&self) -> u64 {
         self.following.serial
     }
@@ -160,14 +160,14 @@ impl App {
         })
     }
 
-    /// Time until the log is read again; `None` while none is followed.
+    /// Returns the time until the log is read again; `None` while no log is followed.
     pub(crate) fn follow_due(&self) -> Option<Duration> {
         let active = self.following.active.as_ref()?;
         let passed = active.looked.map_or(LOOK, |looked| looked.elapsed());
         Some(LOOK.saturating_sub(passed))
     }
 
-    /// Begins to follow the shown log, or ends it.
+    /// Begins or ends following the shown log.
     pub(super) fn toggle_following(&mut self) {
         if let Some(other) = self.followed().filter(|id| *id != self.log.id) {
             let name = self.open_log(other).map_or_else(String::new, |log| quoted(&log.name()));
@@ -210,13 +210,13 @@ impl App {
         });
     }
 
-    /// Collects what was read, and looks at the log again when that is due.
+    /// Collects what was read, and starts reading the log again when the time has come.
     pub(super) fn poll_following(&mut self) {
         let Some(mut active) = self.following.active.take() else {
             return;
         };
         let Some(survey) = self.open_log(active.log).map(|log| log.survey.clone()) else {
-            // It was closed.
+            // The log was closed.
             return;
         };
         if survey.is_some_and(|survey| survey.track.external.is_some()) {
@@ -278,7 +278,8 @@ impl App {
         match grown {
             Ok(Grown::Waits(0)) => active.waiting = None,
             Ok(Grown::Waits(_)) => active.note_added(),
-            // It goes on from what is not shown any more; the next one takes in the same.
+            // The step continued from a recording that is not shown any more; the next step adds
+            // the same bytes.
             Ok(Grown::Longer(_)) if !self.goes_on(active, &step) => active.note_added(),
             Ok(Grown::Longer(ground)) => {
                 active.added = Instant::now();
@@ -294,7 +295,7 @@ impl App {
         }
     }
 
-    /// Returns true if a step went on from what is the newest still.
+    /// Returns true if the recording from which a step continued is still the newest.
     fn goes_on(&self, active: &Active, step: &Stepping) -> bool {
         let newest = match (&active.fresh, step.is_fresh) {
             (Some(fresh), true) => Some(&fresh.survey),
@@ -315,7 +316,7 @@ impl App {
         active.whole_at = Instant::now();
         let id = active.log;
         match made {
-            // The settings were changed meanwhile: these results are not asked for any more.
+            // The settings were changed meanwhile: these results are not needed any more.
             Ok(ground) if !self.is_as_set(id, &ground) => {
                 active.whole_bytes = 0;
                 active.is_last = false;
@@ -328,7 +329,7 @@ impl App {
                     self.publish(id, ground, false);
                     active.fresh = None;
                 } else {
-                    // More was shown meanwhile: the next step adds it to these.
+                    // More pings were shown meanwhile: the next step adds them to these results.
                     let settled = ground.settled();
                     let jobs = self.jobs.clone();
                     if let Some(log) = self.log_mut(id) {
@@ -344,7 +345,7 @@ impl App {
         }
     }
 
-    /// Returns the present state of a log, which a step goes on from.
+    /// Returns the present state of a log, from which a step continues.
     fn ground_of(&self, id: LogId) -> Option<FollowedLog> {
         let log = self.open_log(id)?;
         Some(FollowedLog {
@@ -393,8 +394,8 @@ impl App {
         active.stepping = Some(Stepping { from, is_fresh, task });
     }
 
-    /// Ends following a log whose track is another receiver's now: what is there is run over as it
-    /// is.
+    /// Ends following a log that now has the track of another receiver; its present pings are
+    /// processed as they are.
     fn leave_following(&mut self, id: LogId) {
         if let Some(log) = self.log_mut(id) {
             log.leave_provisional();
@@ -406,7 +407,7 @@ impl App {
         self.process();
     }
 
-    /// Says in one sentence why the log is not followed any more; what was read of it stays.
+    /// Ends following a log, and notifies the analyst of the reason; the pings that were read stay.
     fn fail_following(&mut self, active: &mut Active, why: &str) {
         let name = self.open_log(active.log).map_or_else(String::new, |log| quoted(&log.name()));
         let pings = self.open_log(active.log).and_then(|log| log.survey.as_ref());
@@ -420,8 +421,8 @@ impl App {
 }
 
 impl OpenLog {
-    /// Reads the log from the copy from now on: a map of a log that its writer cuts short would
-    /// lose its bytes.
+    /// Replaces the memory-mapped bytes of the log by those of the copy: a map would lose its bytes
+    /// if the recorder cut the file short.
     fn leave_map(&mut self, bytes: &[Bytes]) {
         for survey in [&mut self.survey, &mut self.as_read] {
             let is_as_long = |survey: &Arc<Survey>| {
@@ -436,7 +437,7 @@ impl OpenLog {
 }
 
 impl Active {
-    /// Notes that something was added that is not shown yet.
+    /// Records that bytes were added which are not shown yet.
     fn note_added(&mut self) {
         self.added = Instant::now();
         self.waiting.get_or_insert(self.added);

@@ -1,5 +1,4 @@
-//! A longer state of a log in the place of the one that was shown: what was decided about it is
-//! carried over.
+//! Replaces a shown log by a longer state of the same log, and keeps the decisions about it.
 
 use super::step::FollowedLog;
 use crate::app::outdated::LogsChange;
@@ -9,8 +8,8 @@ use bathyscope_products::pipeline::{LogSettings, Products, Settings};
 use std::sync::Arc;
 
 impl App {
-    /// Returns true if the log's settings are those that results were made with, whatever state of
-    /// the log each of them names.
+    /// Returns true if the settings of the log are those that results were computed with, apart
+    /// from the state of the log that the two name.
     pub(super) fn is_as_set(&self, id: LogId, ground: &FollowedLog) -> bool {
         let shown = self.open_log(id).and_then(|log| Some((log, log.survey.as_ref()?)));
         let Some((log, survey)) = shown else {
@@ -25,7 +24,7 @@ impl App {
         carried(&ground.own) == carried(&log.own) && *ground.shared == *self.document.shared
     }
 
-    /// Shows a longer log with its results. The analyst's decisions are carried over to it.
+    /// Replaces a log by a longer state with its results, and keeps the analyst's decisions.
     pub(super) fn publish(&mut self, id: LogId, ground: FollowedLog, is_provisional: bool) {
         let is_as_set = self.is_as_set(id, &ground);
         let shared = self.document.shared.clone();
@@ -62,7 +61,7 @@ impl App {
         }
     }
 
-    /// Takes the provisional results of a longer state of a log.
+    /// Sets the provisional results of a longer state of a log.
     fn take_growing_products(&mut self, id: LogId, survey: &Survey, products: Products) {
         if let Some(log) = self.log_mut(id) {
             log.reviewing.grow(survey, &products.navigation);
@@ -71,8 +70,8 @@ impl App {
         self.follow_change(LogsChange::Grown(id));
     }
 
-    /// Carries boxes and measurements over to the state that a log has now, which may be longer
-    /// than the one they were made on.
+    /// Assigns boxes and measurements to the present state of a log, which may be longer than the
+    /// state that they were made on.
     pub(in crate::app) fn carry_decisions(&mut self, id: LogId) {
         let Some(log) = self.log_mut(id) else {
             return;
@@ -90,7 +89,7 @@ impl App {
 }
 
 impl OpenLog {
-    /// Carries settings that belong to it alone over to the state that it has now.
+    /// Assigns the log's own settings to its present state.
     pub(in crate::app) fn carry_own(&mut self, shared: &Settings) {
         let survey = self.survey.as_ref();
         if let Some(own) = survey.and_then(|survey| self.own.carried_to(survey))

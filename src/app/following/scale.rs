@@ -1,5 +1,5 @@
-//! The scale of a log while it is followed: what was in force stays until the analyst takes another
-//! one, and what changes is said.
+//! Keeps the scale of a log while the log is followed: the scale in force stays until the analyst
+//! chooses another one, and changes of depth are reported.
 
 use super::Active;
 use crate::app::{Action, App, LogId, OpenLog};
@@ -9,14 +9,14 @@ use bathyscope_products::pipeline::{Products, Settings};
 use std::sync::Arc;
 use toml::Value;
 
-/// Setting of the stretch that the scale is measured on.
+/// Key of the setting of the stretch that the scale is measured on.
 const STRETCH: &str = "calibration.pings";
-/// A scale that changes a depth by less than this is the same, metres.
+/// Least change of a depth by a scale that counts as a change, metres.
 const SAME_M: f64 = 0.01;
 
 impl App {
-    /// Keeps the stretch that the scale of a followed log is measured on: the best-ranked one of a
-    /// longer log is often another.
+    /// Keeps the stretch that the scale of a followed log is measured on, because the best-ranked
+    /// stretch of a longer log is often another one.
     pub(super) fn hold_scale(&mut self, active: &mut Active) {
         let Some(log) = self.open_log(active.log) else {
             return;
@@ -30,7 +30,7 @@ impl App {
             active.stretch = calibration.pings;
             return;
         }
-        // Undo brings settings back that name no stretch.
+        // Undo may restore settings that name no stretch.
         let in_use = || {
             let products = log.products.as_ref()?;
             let is_current = products.settings.calibration == *calibration;
@@ -48,8 +48,8 @@ impl App {
         }
     }
 
-    /// Offers the best-ranked stretch of a log that has grown where its scale is another than the
-    /// one in force, and takes back what was offered of a shorter log.
+    /// Offers the best-ranked stretch of a log that has grown if its scale differs from the scale
+    /// in force, and withdraws the offer for a shorter state of the log.
     pub(super) fn offer_flatter(&mut self, id: LogId) {
         let Some(log) = self.log_mut(id) else {
             return;
@@ -66,8 +66,8 @@ impl App {
         }
     }
 
-    /// Says by how much depths changed with the results of the whole log, where its scale or its
-    /// offset is another now.
+    /// Notifies the analyst of the change of depths by the results of the whole log, if its scale
+    /// or its offset has changed.
     pub(super) fn tell_drift(
         &mut self,
         survey: &Survey,
@@ -95,7 +95,7 @@ impl App {
 
 impl OpenLog {
     /// Writes the stretch that the scale is measured on into the log's own settings. Results that
-    /// were made with it, as the best-ranked one, stay as they are.
+    /// used this stretch as the best-ranked one stay.
     fn name_stretch(&mut self, pings: PingRange) {
         Arc::make_mut(&mut self.own).set(STRETCH, Value::String(pings.into()));
         let name = |settings: &mut Arc<Settings>| {
@@ -118,7 +118,7 @@ fn is_measured_on(products: &Products, pings: PingRange) -> bool {
     made.mode == ScaleMode::FlatSpot && spot.is_some_and(|spot| spot.range() == pings)
 }
 
-/// The best-ranked stretch with what it would change, in a sentence; `None` where it is the one in
+/// Returns the best-ranked stretch, and a sentence about its effect; `None` if it is the stretch in
 /// force, or gives the same depths.
 fn flatter(products: &Products) -> Option<(PingRange, String)> {
     let made = &products.calibration;
@@ -139,8 +139,8 @@ fn flatter(products: &Products) -> Option<(PingRange, String)> {
     })
 }
 
-/// Returns how much deeper a first return at the median depth lies by the calibration `after` than
-/// by `before`, metres.
+/// Returns the depth of a first return at the median depth by the calibration `after` minus that by
+/// `before`, metres.
 fn depth_change_m(survey: &Survey, before: &Calibration, after: &Calibration) -> Option<f64> {
     let depth_m = after.measured_offset.or(before.measured_offset)?.depth_m;
     let mut spans = Side::BOTH.into_iter().filter_map(|side| survey.span(0, side));

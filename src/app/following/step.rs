@@ -1,4 +1,4 @@
-//! Reads the new bytes of a followed log in a background thread, and makes its results from them.
+//! Reads the new bytes of a followed log in a background thread, and computes results from them.
 
 use bathyscope_log::formats::{
     GrowingError, GrowingLog, OpenError, open_at_hand, open_growing, open_tail,
@@ -13,34 +13,34 @@ use bathyscope_products::pipeline::{
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// More is only shown once the log grew by this share: what is shown is a copy of the whole, and so
-/// the work for each ping stays the same however long the log is.
+/// Least share by which the log must grow before more is shown: each shown state is a copy of the
+/// whole log, and with this share the work for each ping does not grow with the log.
 const LEAST_SHARE: f64 = 1.0 / 4000.0;
 
 /// Reason that a step failed.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum StepError {
-    /// The log is not what it was.
+    /// The log was cut, replaced or removed, or its copy cannot be written or read.
     #[error(transparent)]
     Growing(#[from] GrowingError),
-    /// The log cannot be read as it is now.
+    /// The present state of the log cannot be read.
     #[error(transparent)]
     Open(#[from] OpenError),
-    /// The settings of its source do not fit the log.
+    /// The settings of the log's source do not fit the log.
     #[error(transparent)]
     Source(#[from] SourceError),
     /// The settings cannot be used.
     #[error(transparent)]
     Settings(#[from] SettingsError),
-    /// It ended in a panic.
+    /// The step ended in a panic.
     #[error("it failed unexpectedly")]
     Failed,
-    /// It was stopped.
+    /// The step was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }
 
-/// The log as it is known, with what is set for it.
+/// A state of the log, with its settings and results.
 #[derive(Clone)]
 pub(super) struct FollowedLog {
     /// The recording as it was read.
@@ -53,12 +53,13 @@ pub(super) struct FollowedLog {
 }
 
 impl FollowedLog {
-    /// The recording and its results.
+    /// Returns the recording with its results.
     pub(super) fn settled(&self) -> ProcessedLog {
         ProcessedLog::new(self.survey.clone(), self.products.clone())
     }
 
-    /// Carries the log's own settings over to a longer one.
+    /// Returns the log's own settings and the composed settings, assigned to a longer state of the
+    /// log.
     fn settings_over(
         &self,
         survey: &Survey,
@@ -71,11 +72,11 @@ impl FollowedLog {
     }
 }
 
-/// State that one step hands to the next: the copy of the log, and what its records and results go
-/// on with.
+/// State that one step passes to the next: the copy of the log, and the state from which its
+/// records and results continue.
 pub(super) struct Tools {
     pub growing: GrowingLog,
-    /// The bytes of the log as it was when it began to be followed.
+    /// The first bytes of the log, as many as it had when following began.
     pub beginning: Vec<Bytes>,
     versions: SurveyVersions,
     results: Option<(Arc<Settings>, GrowingResults)>,
@@ -83,16 +84,16 @@ pub(super) struct Tools {
 
 /// Result of a step.
 pub(super) enum Grown {
-    /// No bytes were added, or too few to be shown yet: this number of bytes waits.
+    /// No bytes were added, or too few to be shown yet; the number of waiting bytes.
     Waits(u64),
-    /// The log with what was added.
+    /// The log with the added bytes.
     Longer(Box<FollowedLog>),
-    /// The added bytes do not show how the log goes on: all of it has to be read again.
+    /// The added bytes do not show how the log continues: the whole log has to be read again.
     Anew,
 }
 
 impl Tools {
-    /// Begins to follow a log: copies what there is of it.
+    /// Begins to follow a log: copies its present bytes.
     pub(super) fn start(survey: &Survey, progress: &Progress) -> Result<Self, GrowingError> {
         let growing = GrowingLog::start(survey, progress)?;
         let lengths: Vec<usize> = survey.bytes.iter().map(|bytes| bytes.len()).collect();
@@ -104,8 +105,8 @@ impl Tools {
         })
     }
 
-    /// Takes in what was added, and makes results of it if that is enough, or if it is not to wait
-    /// any longer.
+    /// Reads the added bytes, and computes results from them if they are enough, or if `waits` is
+    /// false.
     pub(super) fn step(
         &mut self,
         ground: &FollowedLog,
@@ -141,8 +142,8 @@ impl Tools {
         })))
     }
 
-    /// Returns the state that the results go on with by the settings in force; it is measured over
-    /// the whole log where the settings changed.
+    /// Returns the state from which the results continue by the settings in force; it is measured
+    /// over the whole log again if the settings changed.
     fn results_for(
         &mut self,
         ground: &FollowedLog,
@@ -184,8 +185,8 @@ pub(super) fn whole(
     Ok(FollowedLog { read, survey, products, shared: ground.shared.clone(), own })
 }
 
-/// A log that was read as its settings have it, in a frame; the very same one where they change
-/// nothing.
+/// Returns a recording with the settings of its source applied, in a local coordinate frame; the
+/// same `Arc` if these change nothing.
 fn as_it_is_set(
     read: &Arc<Survey>,
     settings: &Settings,

@@ -1,4 +1,4 @@
-//! Makes all results from the whole log again, and ends following.
+//! Computes all results from the whole log again, and ends following.
 
 use super::step;
 use super::{Active, App, BETWEEN_WHOLE, End, QUIET, WHOLE_AGAIN};
@@ -10,7 +10,8 @@ use bathyscope_log::support::printable::quoted;
 use bathyscope_products::pipeline::Settings;
 
 impl App {
-    /// Has results made of the whole log, when it has grown by enough, or has come to rest.
+    /// Starts computing results from the whole log if it has grown by enough, has stopped growing,
+    /// or if its settings have changed.
     pub(super) fn begin_whole(&mut self, active: &mut Active) {
         let is_busy = active.whole.is_some() || active.fresh.is_some() || active.tools.is_none();
         if is_busy || active.whole_at.elapsed() < BETWEEN_WHOLE || self.is_engine_on(active.log) {
@@ -31,7 +32,7 @@ impl App {
         self.start_whole(active, false);
     }
 
-    /// Has what is shown of a log run over as it is, where its results are provisional.
+    /// Starts processing the present pings of a log whose results are provisional.
     fn leave_provisional(&mut self, id: LogId) {
         if let Some(log) = self.log_mut(id) {
             log.leave_provisional();
@@ -51,7 +52,7 @@ impl App {
         let is_cut = matches!(active.ends, Some(End::Failed));
         active.whole = Some(Task::start(&self.jobs, move |progress| {
             let files = if is_finished && !is_cut {
-                // A recorder may have written its header once more when it was switched off.
+                // A recorder may have written its header again when it was switched off.
                 match GrowingLog::again(&files, progress) {
                     Ok(growing) => growing.bytes()?,
                     Err(GrowingError::Cancelled(cancelled)) => return Err(cancelled.into()),
@@ -64,7 +65,8 @@ impl App {
         }));
     }
 
-    /// Ends following: the whole log is read and run over once more. Returns whether that is done.
+    /// Ends following: the whole log is read and processed once more. Returns true once that is
+    /// done.
     pub(super) fn finish(&mut self, active: &mut Active) -> bool {
         if active.stepping.is_some() || active.starting.is_some() || active.whole.is_some() {
             return false;
@@ -88,7 +90,8 @@ impl App {
                 }
             }
             if is_provisional {
-                // That reading failed: what was shown last is run over as it is.
+                // The last reading failed: the pings that were shown last are processed as they
+                // are.
                 self.leave_provisional(active.log);
             }
             return true;
@@ -106,7 +109,7 @@ impl App {
 }
 
 impl OpenLog {
-    /// Drops provisional results: those of the log as it is are made next.
+    /// Drops provisional results, so that the log is processed as it is.
     pub(super) fn leave_provisional(&mut self) {
         if self.whole.take().is_some() {
             self.products = None;
@@ -114,8 +117,8 @@ impl OpenLog {
     }
 }
 
-/// Settings without the state of the log that they are of, which changes with every ping, and
-/// without how its picture is shown, which no result depends on.
+/// Returns settings without the state of the log, which changes with every ping, and without those
+/// of its picture, on which no result depends.
 fn bare(settings: &Settings) -> Settings {
     let mut bare = settings.clone();
     (bare.bottom.log_bytes, bare.bottom.pings) = (0, 0);

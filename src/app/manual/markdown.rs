@@ -1,12 +1,12 @@
-//! The part of Markdown that the manual uses: headings, paragraphs, lists, fenced code, tables, and
-//! code within text.
+//! Parses the part of Markdown that the manual uses: headings, paragraphs, lists, fenced code,
+//! tables, and code within text.
 
-/// A piece of text.
+/// A piece of text in one style.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Span {
-    /// Its text, without marks.
+    /// Text without marks.
     pub text: String,
-    /// A key, a setting, a file or a command: set in a fixed width.
+    /// True for a key, a setting, a file or a command, which is set in a fixed width.
     pub is_code: bool,
 }
 
@@ -15,18 +15,18 @@ pub struct Span {
 pub enum PageBlock {
     /// A heading, with its level from 1.
     Heading(usize, String),
-    /// Text.
+    /// A paragraph of text.
     Paragraph(Vec<Span>),
     /// An entry of a list.
     Item(Vec<Span>),
-    /// Lines that stay as they are.
+    /// Lines that keep their form.
     Code(String),
     /// Rows of cells; the first row is the head.
     Table(Vec<Vec<Vec<Span>>>),
 }
 
 impl PageBlock {
-    /// Its text without marks.
+    /// Returns the text of the block without marks.
     pub fn plain(&self) -> String {
         match self {
             PageBlock::Heading(_, text) | PageBlock::Code(text) => text.clone(),
@@ -39,12 +39,12 @@ impl PageBlock {
     }
 }
 
-/// The text of spans without marks.
+/// Returns the text of spans without marks.
 pub fn plain(spans: &[Span]) -> String {
     spans.iter().map(|span| span.text.as_str()).collect()
 }
 
-/// The blocks of a page.
+/// Parses the blocks of a page.
 pub fn blocks(text: &str) -> Vec<PageBlock> {
     let mut found = Vec::new();
     let mut lines = text.lines().peekable();
@@ -84,7 +84,7 @@ pub fn blocks(text: &str) -> Vec<PageBlock> {
     found
 }
 
-/// Blocks under one heading, the heading first.
+/// Returns the blocks of each heading, the heading first.
 pub fn sections(blocks: &[PageBlock]) -> Vec<&[PageBlock]> {
     let starts = |block: &PageBlock| matches!(block, PageBlock::Heading(..));
     let mut cuts: Vec<usize> = (0..blocks.len()).filter(|at| starts(&blocks[*at])).collect();
@@ -96,7 +96,7 @@ pub fn sections(blocks: &[PageBlock]) -> Vec<&[PageBlock]> {
     found.filter(|section| !section.is_empty()).collect()
 }
 
-/// Returns true if a line belongs to the paragraph or the entry before it.
+/// Returns true if a line continues the paragraph or the list entry before it.
 fn goes_on(line: &str) -> bool {
     let starts_anew = ["#", "|", "- ", "```"].iter().any(|sign| line.starts_with(sign));
     !line.trim().is_empty() && !starts_anew
@@ -108,14 +108,14 @@ fn is_rule(line: &str) -> bool {
 
 fn cells(line: &str) -> Vec<Vec<Span>> {
     let inner = line.trim().trim_start_matches('|').trim_end_matches('|');
-    // A bar that stands in a cell is escaped.
+    // A bar within a cell is escaped.
     let inner = inner.replace("\\|", "\u{0}");
     let cells = inner.split('|').map(|cell| cell.trim().replace('\u{0}', "|"));
     cells.map(|cell| spans(&cell)).collect()
 }
 
-/// Text between backticks is code. Asterisks of strong text are left out: the window and the
-/// terminal have one weight.
+/// Parses the spans of a text; text between backticks is code. The asterisks of strong text are
+/// removed: the window and the terminal have one weight of type.
 fn spans(text: &str) -> Vec<Span> {
     let span = |(index, piece): (usize, &str)| {
         let is_code = index % 2 == 1;

@@ -1,6 +1,6 @@
-//! The manual: pages of Markdown that are compiled in, with tables that are derived from the
-//! program. `bathyscope manual` prints them, F1 shows them; `markdown` reads the part of Markdown
-//! that they use, `tables` makes the tables.
+//! Contains the manual: pages of Markdown that are compiled in, with tables that are derived from
+//! the program. `bathyscope manual` prints the pages, F1 shows them; `markdown` parses the part of
+//! Markdown that they use, `tables` makes the tables.
 
 pub mod markdown;
 mod tables;
@@ -89,13 +89,13 @@ impl Topic {
         }
     }
 
-    /// The title of the page.
+    /// Returns the title of the page.
     pub fn title(self) -> &'static str {
         let first = self.source().lines().next().unwrap_or_default();
         first.trim_start_matches('#').trim()
     }
 
-    /// The page as Markdown, its tables filled in.
+    /// Returns the page as Markdown with its tables.
     pub fn text(self) -> String {
         self.source()
             .replace("{{keys}}", &tables::keys())
@@ -105,7 +105,7 @@ impl Topic {
     }
 }
 
-/// All pages as one, as Markdown.
+/// Returns all pages as one text of Markdown.
 pub fn whole() -> String {
     let pages: Vec<String> = Topic::ALL.into_iter().map(Topic::text).collect();
     pages.join("\n")

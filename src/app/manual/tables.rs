@@ -1,11 +1,11 @@
-//! Tables of the manual that are derived from the tables that the program itself works by.
+//! Makes tables of the manual from the tables that the program itself uses.
 
 use crate::app::Action;
 use bathyscope_objects::objects::OBJECT_COLUMNS;
 use bathyscope_products::outputs::{OUTPUT_FILES, When};
 use std::fmt::Write as _;
 
-/// Every command of the window, with its key.
+/// Returns the table of all commands of the window with their keys.
 pub(super) fn keys() -> String {
     let mut table = String::from("| command | key | acts in | does |\n|---|---|---|---|\n");
     for action in Action::ALL {
@@ -20,12 +20,12 @@ pub(super) fn keys() -> String {
     table
 }
 
-/// Every setting: what it may be, its value in both presets, and what it means.
+/// Returns the table of all settings: permitted values, value in both presets, and meaning.
 pub(super) fn settings() -> String {
     bathyscope_products::pipeline::settings::markdown()
 }
 
-/// Every column of the table of objects.
+/// Returns the table of all columns of the table of objects.
 pub(super) fn object_columns() -> String {
     let mut table = String::from("| column | what it is |\n|---|---|\n");
     for column in OBJECT_COLUMNS {
@@ -34,7 +34,7 @@ pub(super) fn object_columns() -> String {
     table
 }
 
-/// Every file of a run: the group of `--products` that it belongs to, and what it is.
+/// Returns the table of all files of a run: when each is written, and what it contains.
 pub(super) fn files() -> String {
     let mut table = String::from("| file | written | what it is |\n|---|---|---|\n");
     for row in OUTPUT_FILES {

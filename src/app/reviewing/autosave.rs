@@ -1,6 +1,6 @@
-//! Decisions are kept as they are made: in a sidecar file of the log, written aside and renamed,
-//! every few seconds and when the log or the window is closed. What an earlier run left there is
-//! offered, never mixed in unasked.
+//! Saves decisions as they are made: in a sidecar file of the log, written under another name and
+//! renamed, every few seconds and when the log or the window is closed. Decisions that an earlier
+//! run left in the file are offered to the analyst, but never merged without a request.
 
 use super::{Parked, Reviewing, is_touched};
 use crate::app::error::AppError;
@@ -16,39 +16,40 @@ use std::time::{Duration, Instant};
 
 /// Least time between two writes.
 const EVERY: Duration = Duration::from_secs(3);
-/// End of the name of the file, in place of the log's.
+/// Ending of the file's name, which replaces that of the log.
 const SUFFIX: &str = "review.unsaved.json";
 
-/// A version on its way into the file.
+/// A version of the review that is being written into the file.
 struct Writing {
     review: Arc<Review>,
     task: Task<Result<(), ExportError>>,
 }
 
-/// Decisions that are kept as they are made, and those that an earlier run left.
+/// State of the automatic saving of a log's decisions.
 #[derive(Default)]
 pub(super) struct Autosave {
-    /// The log; `None` when it is no file.
+    /// The file of the log; `None` if the log is no file.
     log: Option<PathBuf>,
-    /// The version in the file.
+    /// The version in the file, if this run wrote or restored it.
     written: Option<Arc<Review>>,
     last: Option<Instant>,
     writing: Option<Writing>,
     looking: Option<Task<Result<Review, AppError>>>,
-    /// Decisions of an earlier run that nobody has taken up yet.
+    /// Decisions of an earlier run that the analyst has not restored yet.
     left: Option<Arc<Review>>,
-    /// The file cannot be written; it was said.
+    /// True if the file cannot be written, and the analyst was notified.
     failed: bool,
 }
 
 impl Autosave {
-    /// Returns true if a version is in the file.
+    /// Returns true if a version of the review is the one in the file.
     pub(super) fn holds(&self, review: &Arc<Review>) -> bool {
         let written = self.written.as_ref();
         written.is_some_and(|written| Arc::ptr_eq(written, review))
     }
 
-    /// Takes a version for the one in the file that says the same of a longer state of the log.
+    /// Replaces the version in the file, if it is `before`, by the equal version for a longer state
+    /// of the log.
     pub(super) fn carry(&mut self, before: &Arc<Review>, carried: &Arc<Review>) {
         if self.holds(before) {
             self.written = Some(carried.clone());
@@ -69,8 +70,9 @@ impl Autosave {
         EVERY.saturating_sub(passed)
     }
 
-    /// Returns the function that does the next write. Where the file holds decisions of an earlier
-    /// run that were never taken up, the function first renames it to a name that no file has.
+    /// Returns the function that does the next write; `None` if the log has no file. If the file
+    /// holds decisions of an earlier run that were not restored, the function first renames it to
+    /// an unused name.
     fn next(&mut self) -> Option<impl FnOnce(&Review) -> Result<(), ExportError> + Send + use<>> {
         let path = self.path()?;
         let was_left = self.left.take().is_some();
@@ -82,13 +84,13 @@ impl Autosave {
         })
     }
 
-    /// The review was saved: what was kept on the way is not needed any more.
+    /// Removes the file after the review was saved, because its decisions are not needed any more.
     pub(super) fn clear(&mut self) {
         self.writing = None;
         if self.written.take().is_some()
             && let Some(path) = self.path()
         {
-            // Left behind, it would only be offered again.
+            // A remaining file would only be offered again.
             std::fs::remove_file(path).ok();
         }
     }
@@ -103,14 +105,14 @@ fn write(path: &Path, review: &Review) -> Result<(), ExportError> {
 }
 
 impl Parked {
-    /// Returns true if closing would lose decisions.
+    /// Returns true if closing the window would lose the decisions of this review.
     fn is_at_risk(&self) -> bool {
         !Arc::ptr_eq(&self.review, &self.saved) && is_touched(&self.review) && !self.is_kept
     }
 }
 
 impl App {
-    /// Returns true if closing now would lose decisions: they are in no file.
+    /// Returns true if closing the window now would lose decisions, because they are in no file.
     pub fn is_at_risk(&self) -> bool {
         let here = self.logs().any(|log| {
             let reviewing = &log.reviewing;
@@ -119,7 +121,7 @@ impl App {
         here || self.logs.parked.iter().any(Parked::is_at_risk)
     }
 
-    /// Time until decisions are due to be written; `None` when there is nothing to write.
+    /// Returns the time until decisions must be written; `None` if there is nothing to write.
     pub fn autosave_due(&self) -> Option<Duration> {
         self.logs().filter_map(|log| log.reviewing.autosave_due()).min()
     }
@@ -138,7 +140,7 @@ impl Reviewing {
         is_possible && reviewing.is_unsaved() && !autosave.holds(&reviewing.review)
     }
 
-    /// Collects a write that has ended, and starts one that is due.
+    /// Collects a finished write, and starts the next one when the time has come.
     fn poll_writing(&mut self, jobs: &Jobs) -> Result<(), AppError> {
         let collected = self.collect_writing();
         self.autosave.failed |= collected.is_err();
@@ -169,7 +171,7 @@ impl Reviewing {
         Ok(())
     }
 
-    /// Writes what is not in the file yet.
+    /// Writes the decisions that are not in the file yet.
     fn write_now(&mut self) -> Result<(), AppError> {
         if self.wants_autosave()
             && let Some(write) = self.autosave.next()
@@ -182,10 +184,10 @@ impl Reviewing {
         Ok(())
     }
 
-    /// Collects what an earlier run left. Gives how many boxes it decided about, where nobody has
-    /// taken that up yet.
+    /// Collects the decisions that an earlier run left. Returns the number of boxes that it decided
+    /// about, once; `None` if there are none.
     fn poll_left(&mut self) -> Result<Option<usize>, AppError> {
-        // The saved review comes first: what was left is compared with it.
+        // The saved review must be read first, because the left decisions are compared with it.
         if self.opening.is_some() {
             return Ok(None);
         }
@@ -197,7 +199,7 @@ impl Reviewing {
         };
         autosave.looking = None;
         match left {
-            // This run wrote it.
+            // This run wrote the file.
             Ok(left) if left.shared() == self.review.shared() => {
                 autosave.written = Some(self.review.clone());
                 Ok(None)
@@ -208,7 +210,7 @@ impl Reviewing {
                 Ok(Some(decided))
             }
             Err(error) => {
-                // Never written over: it may be somebody's work.
+                // A file that cannot be read is never overwritten: it may be somebody's work.
                 autosave.log = None;
                 Err(error)
             }
@@ -217,8 +219,8 @@ impl Reviewing {
 }
 
 impl App {
-    /// Writes decisions about a log when they are due, and notifies of those that an earlier run
-    /// left.
+    /// Writes decisions about a log when the time has come, and notifies the analyst of decisions
+    /// that an earlier run left.
     pub(in crate::app) fn poll_autosave(&mut self, id: LogId) {
         let jobs = self.jobs.clone();
         let Some(log) = self.log_mut(id) else {
@@ -241,16 +243,17 @@ impl App {
         self.say_not_kept(written);
     }
 
-    /// Writes what is in no file yet of any log, now: others are opened, or the window closes.
+    /// Writes the unsaved decisions about all logs now, because others are opened or the window
+    /// closes.
     pub fn keep_decisions(&mut self) {
         for id in self.log_ids() {
             self.keep_decisions_of(id);
         }
     }
 
-    /// Writes what is not in the file of a log yet, now: it is closed.
+    /// Writes the unsaved decisions about a log now, because it is closed.
     pub(in crate::app) fn keep_decisions_of(&mut self, id: LogId) {
-        // A write under way ends before this one, so that the newest stays.
+        // A running write must end before this one, so that the newest version stays.
         while (self.log_mut(id)).is_some_and(|log| log.reviewing.autosave.writing.is_some()) {
             self.poll_autosave(id);
             std::thread::sleep(Duration::from_millis(1));
@@ -268,7 +271,7 @@ impl App {
         }
     }
 
-    /// Keeps the decisions about a log that is a file from now on, and looks for those that an
+    /// Starts saving the decisions about a log that is a file, and searches for those that an
     /// earlier run left.
     pub(in crate::app) fn look_for_unsaved(&mut self, id: LogId) {
         let jobs = self.jobs.clone();
@@ -286,7 +289,7 @@ impl App {
         }
     }
 
-    /// Takes up what an earlier run left of the shown log, as one undo step.
+    /// Restores the decisions that an earlier run left about the shown log, as one undo step.
     pub(in crate::app) fn take_up_unsaved(&mut self) {
         let Some(left) = self.log.reviewing.autosave.left.take() else {
             let text = "there are no unsaved decisions of an earlier run about this log";

@@ -1,4 +1,4 @@
-//! The list of classes of a survey: changed and renamed as one undo step.
+//! Changes and renames the classes of objects of a survey, each as one undo step.
 
 use crate::app::App;
 use bathyscope_objects::ReviewSettings;
@@ -6,13 +6,13 @@ use bathyscope_products::pipeline::Settings;
 use std::sync::Arc;
 
 impl App {
-    /// Makes a list the classes of the survey.
+    /// Sets the list of classes of the survey.
     pub(in crate::app) fn set_classes(&mut self, review: ReviewSettings) {
         let settings = Settings { review, ..Settings::clone(&self.log.settings) };
         self.change(settings, "classes of objects", false);
     }
 
-    /// Gives a class another name, in the list and for the boxes of all logs.
+    /// Renames a class, in the list and for the boxes of all logs.
     pub(in crate::app) fn rename_class(&mut self, from: &str, to: &str) {
         let review = self.log.settings.review.renamed(from, to);
         if let Err(why) = review.check() {
@@ -25,7 +25,7 @@ impl App {
             }
         }
         let after = self.step_now();
-        // The list is part of the same step.
+        // The change of the list belongs to the same undo step.
         self.record_step(&before, &after, "name of class", true);
         let settings = Settings { review, ..Settings::clone(&self.log.settings) };
         self.change(settings, "name of class", false);

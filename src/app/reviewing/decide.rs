@@ -1,4 +1,4 @@
-//! Decisions and corrections of single boxes, and the steps that undo goes back to.
+//! Applies decisions and corrections to single boxes, and goes back and forward through undo steps.
 
 use super::{BoxEdge, Reviewing, Tool, border_m, middle};
 use crate::app::step::{LogStep, UndoStep};
@@ -12,17 +12,17 @@ use std::sync::Arc;
 /// A step of the arrow keys on the screen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Nudge {
-    /// Steps to the right.
+    /// Number of steps to the right.
     pub right: i32,
-    /// Steps down.
+    /// Number of steps down.
     pub down: i32,
-    /// Moves the right and lower edges alone.
+    /// True to move the right and lower edges alone.
     pub resize: bool,
 }
 
 impl Reviewing {
-    /// Goes back or forward to a version of the boxes; gives back the first box that is another one
-    /// then.
+    /// Sets an earlier or later version of the boxes; returns the first box that differs in it, or
+    /// `None` if none does.
     fn go_to(&mut self, review: Arc<Review>) -> Option<BoxId> {
         if Arc::ptr_eq(&review, &self.review) {
             return None;
@@ -34,8 +34,8 @@ impl Reviewing {
 }
 
 impl App {
-    /// Goes back or forward to a step, and to the box that it is about. The label is what the
-    /// project's journal has for it.
+    /// Goes back or forward to an undo step, and to the box that it changes. The label is written
+    /// into the project's journal.
     pub(in crate::app) fn take_step(&mut self, step: UndoStep, label: &str) {
         self.map.measuring.figure = step.figure;
         self.take_planned(step.planned);
@@ -57,8 +57,8 @@ impl App {
         self.process();
     }
 
-    /// Goes back or forward to a step of one log; gives back the first box that is another one
-    /// then.
+    /// Goes back or forward to the part of an undo step for one log; returns the first box that it
+    /// changes, or `None` if it changes none.
     fn take_log_step(&mut self, step: LogStep, same_shared: bool) -> Option<LogBox> {
         let id = step.id;
         let log = self.log_mut(id)?;
@@ -70,13 +70,12 @@ impl App {
             self.set_own(id, own, false);
         }
         let changed = self.log_mut(id)?.reviewing.go_to(step.review);
-        // The log may have grown since that step; and with the settings its sides may be others
-        // than a moment ago.
+        // The log may have grown since that step, and the settings may have exchanged its sides.
         self.carry_decisions(id);
         changed.map(|one| LogBox { log: id, id: one })
     }
 
-    /// Makes `review` the boxes in force of a log, as one undo step that ends with the first change
+    /// Replaces the boxes of a log by `review`, as one undo step that ends with the first change
     /// that is not `live`.
     pub(in crate::app) fn take_review(
         &mut self,
@@ -93,8 +92,8 @@ impl App {
         self.record_step(&before, &after, label, live);
     }
 
-    /// Carries out an edit of the shown log's boxes, and selects the box that it adds. A drag
-    /// passes many places, all but the last `live`.
+    /// Applies an edit to the shown log's boxes, and selects the box that it adds. The edits of a
+    /// drag are `live`, apart from the last one.
     pub(in crate::app) fn edit(&mut self, edit: &Edit, live: bool) {
         if let Some(added) = self.edit_of(self.log.id, edit, live) {
             self.log.reviewing.tool = Tool::Look;
@@ -102,14 +101,14 @@ impl App {
         }
     }
 
-    /// Carries out an edit of a log's boxes. Gives the box that it adds.
+    /// Applies an edit to a log's boxes. Returns the box that it adds, or `None` if it adds none.
     pub(in crate::app) fn edit_of(&mut self, id: LogId, edit: &Edit, live: bool) -> Option<BoxId> {
         let now = &self.log_mut(id)?.reviewing.review;
         let next_id = now.next_id();
         let after = now.apply(edit);
         let adds = matches!(edit, Edit::Add { .. } | Edit::AddPoint { .. });
         let is_new = adds && after.is_some();
-        // The end of a drag moves nothing and still ends its step.
+        // The last edit of a drag changes nothing, but still ends the undo step.
         let after = after.map_or_else(|| now.clone(), Arc::new);
         let target = edit.target().or(is_new.then_some(next_id));
         let label = match target {
@@ -129,7 +128,7 @@ impl App {
         is_new.then_some(next_id)
     }
 
-    /// Selects a box of the shown log and brings it into all views, or selects none.
+    /// Selects a box of the shown log and brings it into all views; `None` deselects the box.
     pub(in crate::app) fn select_box(&mut self, id: Option<BoxId>) {
         self.log.reviewing.selected = id;
         self.log.reviewing.edge = BoxEdge::default();
@@ -146,7 +145,7 @@ impl App {
         self.reveal(mark);
     }
 
-    /// Edits the selected box, if there is one.
+    /// Applies an edit to the selected box, if there is one.
     pub(in crate::app) fn edit_selected(&mut self, edit: fn(BoxId) -> Edit) {
         match self.log.reviewing.selected {
             Some(id) => self.edit(&edit(id), false),
@@ -154,7 +153,7 @@ impl App {
         }
     }
 
-    /// Removes a box drawn by hand; rejects one that a model proposed.
+    /// Removes a box that was drawn by hand; rejects a box that a model proposed.
     pub(in crate::app) fn remove_box(&mut self) {
         let manual = self.log.reviewing.selected_box().filter(|one| one.model.is_none());
         match manual.map(|one| one.id) {
@@ -177,7 +176,7 @@ impl App {
         self.log.reviewing.tool = if in_hand { Tool::Look } else { tool };
     }
 
-    /// Deselects the tool; where none is selected, deselects the box.
+    /// Deselects the tool, or the box if no tool is selected.
     pub(in crate::app) fn leave_tool(&mut self) {
         if self.log.reviewing.tool == Tool::Look {
             self.select_box(None);
@@ -194,7 +193,7 @@ impl App {
             Orientation::Horizontal => (nudge.right, nudge.down),
             Orientation::Vertical => (nudge.down, nudge.right),
         };
-        // On the screen it moves as the arrow points, however the picture is turned.
+        // On the screen the box moves as the arrow points, however the picture is turned.
         let picture = &self.log.settings.picture;
         let along = if picture.flip { -along } else { along };
         let across = if picture.starboard_first { -across } else { across };
@@ -213,7 +212,7 @@ impl App {
     }
 }
 
-/// Right and down on the screen are later and to starboard.
+/// Moves a box, or its far and last edges: right and down on the screen are later and to starboard.
 fn nudged(mark: &Mark, along: i32, across: i32, resize: bool) -> Mark {
     let pings = along as isize;
     let across_m = f64::from(across) * super::PIXEL_M;
@@ -221,14 +220,14 @@ fn nudged(mark: &Mark, along: i32, across: i32, resize: bool) -> Mark {
     moved.pings.end = mark.pings.end.saturating_add_signed(pings);
     if !resize {
         moved.pings.start = mark.pings.start.saturating_add_signed(pings);
-        // At the log's start the box is held as it is.
+        // At the start of the log the box keeps its length.
         if moved.pings.start == 0 {
             moved.pings.end = moved.pings.end.max(mark.pings.len());
         }
     }
     match (mark.side, resize) {
         (Side::Starboard, true) => moved.far_m += across_m,
-        // The lower or right edge of a box to port is the near one.
+        // The lower or right edge of a box to port is its near edge.
         (Side::Port, true) => moved.near_m -= across_m,
         (side, false) => {
             let outward_m = if side == Side::Port { -across_m } else { across_m };
@@ -240,7 +239,7 @@ fn nudged(mark: &Mark, along: i32, across: i32, resize: bool) -> Mark {
     moved
 }
 
-/// The first box that differs between two versions and is there in the second.
+/// Returns the first box of `to` that differs from its version in `from`, or is missing there.
 fn first_difference(from: &Review, to: &Review) -> Option<BoxId> {
     to.boxes().find(|one| from.get(one.id) != Some(*one)).map(|one| one.id)
 }

@@ -1,4 +1,5 @@
-//! Asking a detector: one log after the other, on a worker, results as they come.
+//! Searches logs for objects with a detector: one log after the other in a background thread, with
+//! results as they are found.
 
 mod tail;
 
@@ -13,24 +14,25 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, mpsc};
 
-/// Least confidence that is asked for: what lies below the slider is there when it is drawn down.
+/// Least score of requested boxes, so that a lower threshold can be chosen later without a new
+/// search.
 const LEAST_SCORE: f32 = 0.05;
-/// Name of the step in the undo menu.
+/// Name of undo steps of a search.
 const LABEL: &str = "find objects";
 
-/// A detector at hand.
+/// A loaded detector model.
 #[derive(Clone)]
 struct Detector {
-    /// `None`: the one that comes with the program.
+    /// File of the analyst's own model; `None` for the model that comes with the program.
     path: Option<PathBuf>,
     model: Arc<Model>,
 }
 
 /// Progress messages of the worker.
 enum SearchMessage {
-    /// The model is ready.
+    /// The model is loaded.
     Ready(Detector),
-    /// The boxes up to some ping.
+    /// The boxes in the pings searched so far.
     SoFar(SoFar),
 }
 
@@ -38,38 +40,39 @@ enum SearchMessage {
 struct Detecting {
     log: LogId,
     messages: mpsc::Receiver<SearchMessage>,
-    /// Pings from the log's start on that it has come over, and all that the log had when it began.
+    /// Number of pings from the log's start that have been searched, and number of all pings of the
+    /// log when the search began.
     pings: usize,
     all: usize,
     task: Task<Result<Vec<Detection>, AppError>>,
 }
 
-/// The detector of the window, and the search of one log after the other.
+/// The detector of the window, and the state of its search of one log after the other.
 #[derive(Default)]
 pub(in crate::app) struct ObjectSearch {
-    /// The analyst's own model; `None` for the one that comes with the program.
+    /// File of the analyst's own model; `None` for the model that comes with the program.
     model_path: Option<PathBuf>,
-    /// The model that was asked last, ready to be asked again.
+    /// The model of the last search, kept for the next one.
     detector: Option<Detector>,
     running: Option<Detecting>,
-    /// Logs that are searched after that.
+    /// Logs that are waiting to be searched.
     ahead: VecDeque<LogId>,
-    /// Logs that the search is over, and those of them that it has done.
+    /// Number of logs that the search covers, and number of those that are done.
     logs: usize,
     done: usize,
-    /// Boxes found in the logs that are done.
+    /// Number of boxes found in the logs that are done.
     found: usize,
-    /// The search of what a followed log has got since.
+    /// The search of the new pings of a followed log.
     tail: tail::TailSearch,
 }
 
 impl ObjectSearch {
-    /// Returns true if a log is being searched or waits for that.
+    /// Returns true if a log is being searched or is waiting to be searched.
     pub(crate) fn is_busy(&self) -> bool {
         self.running.is_some() || !self.ahead.is_empty()
     }
 
-    /// Leaves out a log that is being closed.
+    /// Removes a log that is being closed from the search.
     pub(crate) fn leave(&mut self, log: LogId) {
         let planned = self.ahead.len();
         self.ahead.retain(|one| *one != log);
@@ -81,30 +84,30 @@ impl ObjectSearch {
 /// Progress of a search.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SearchStatus {
-    /// The log that is being searched; `None` while the next one is still being processed.
+    /// The log that is being searched; `None` while the next log is still being processed.
     pub log: Option<LogId>,
-    /// Its place among the logs that are searched, from 1 on.
+    /// Position of that log among the searched logs, from 1.
     pub place: usize,
-    /// Logs that are searched.
+    /// Number of searched logs.
     pub logs: usize,
-    /// Done share of all of them, 0 to 1.
+    /// Done share of all searched logs, 0 to 1.
     pub share: f32,
 }
 
 impl App {
-    /// Name of the model that is or will be asked.
+    /// Returns the name of the model for searches.
     pub(crate) fn model_name(&self) -> String {
         let path = self.findings.search.model_path.as_deref();
         path.map_or_else(|| "shipped with the program".to_owned(), file_name)
     }
 
-    /// Returns the description of the model, as its file was understood, once it has been loaded.
+    /// Returns the description of the model, as its file was understood; `None` until it is loaded.
     pub(crate) fn model_description(&self) -> Option<&str> {
         let detector = self.findings.search.detector.as_ref()?;
         Some(detector.model.description())
     }
 
-    /// Returns the progress of the search under way; `None` while none runs.
+    /// Returns the progress of the running search; `None` if none is running.
     pub fn search_status(&self) -> Option<SearchStatus> {
         let search = &self.findings.search;
         let running = search.running.as_ref();
@@ -117,13 +120,13 @@ impl App {
         })
     }
 
-    /// Takes another model for the next search; `None` for the one that comes with the program.
+    /// Sets the model for the next search; `None` for the model that comes with the program.
     pub(in crate::app) fn use_model(&mut self, path: Option<PathBuf>) {
         self.findings.search.model_path = path;
     }
 
-    /// Starts a search for objects in all visible logs, first in the one that is shown; a search
-    /// that runs is replaced.
+    /// Starts a search for objects in all visible logs, beginning with the shown log; a running
+    /// search is replaced.
     pub(in crate::app) fn detect(&mut self) {
         if self.log.products.is_none() {
             let text = "open a log first, and wait for its results";
@@ -147,7 +150,8 @@ impl App {
         self.search_next();
     }
 
-    /// Starts on the next log that has results; one that is still being processed is waited for.
+    /// Starts searching the next log that has results; logs that are still being processed are
+    /// waited for.
     fn search_next(&mut self) {
         let ahead = self.findings.search.ahead.iter();
         let ready = |id: &LogId| {
@@ -161,7 +165,7 @@ impl App {
         } else if self.engine_status() == EngineStatus::Idle
             && (self.pipeline.is_waiting || self.pipeline.requested.is_none())
         {
-            // Nothing is under way that they could be waited for.
+            // No log is being processed, so that waiting would never end.
             let names = ahead.filter_map(|id| self.open_log(*id));
             let names: Vec<String> = names.map(OpenLog::name).collect();
             self.stop_detecting();
@@ -189,7 +193,7 @@ impl App {
                 None => load(path)?,
             };
             let model = detector.model.clone();
-            // Nobody listens any more when the search was replaced.
+            // The receiver is dropped when the search is replaced.
             sender.send(SearchMessage::Ready(detector)).ok();
             let settings = DetectorSettings {
                 score: Some(LEAST_SCORE.min(model.score())),
@@ -204,9 +208,8 @@ impl App {
         self.findings.search.running = Some(Detecting { log: id, messages, pings: 0, all, task });
     }
 
-    /// Returns a sentence about the part of the shown log that was searched, because a search still
-    /// runs or was stopped; `None` where it has been searched from end to end, and where no search
-    /// is known.
+    /// Returns a sentence about the searched part of the shown log, if a search is still running or
+    /// was stopped; `None` if the log was searched from end to end, or if no search is known.
     pub fn search_note(&self) -> Option<String> {
         let review = &self.log.reviewing.review;
         let running = self.findings.search.running.as_ref();
@@ -226,7 +229,7 @@ impl App {
         }
     }
 
-    /// Ends a search; what it found so far stays, with the pings that it has come over.
+    /// Stops a search; the boxes that it has found stay, with the range of searched pings.
     pub(in crate::app) fn stop_detecting(&mut self) {
         self.findings.search.tail.stop();
         if !self.findings.search.is_busy() {
@@ -242,7 +245,7 @@ impl App {
         }
     }
 
-    /// Ends the undo step of a search of a log that has come to no end.
+    /// Ends the undo step of a search that did not reach the end of a log.
     fn end_search(&mut self, id: LogId, last: Option<SoFar>) {
         if let Some(so_far) = last {
             self.adopt(id, &so_far.boxes, so_far.pings, false);
@@ -252,7 +255,7 @@ impl App {
         }
     }
 
-    /// Receives the messages of a search: its model, and the last of its boxes.
+    /// Receives the messages of a search: loads its model, and returns the newest of its boxes.
     fn receive_messages(&mut self, running: &Detecting) -> Option<SoFar> {
         let mut last = None;
         while let Ok(message) = running.messages.try_recv() {
@@ -264,7 +267,7 @@ impl App {
         last
     }
 
-    /// Collects what a search found, and goes on to the next log.
+    /// Collects the results of a search, and continues with the next log.
     pub(in crate::app) fn poll_detecting(&mut self) {
         let Some(mut running) = self.findings.search.running.take() else {
             if self.findings.search.is_busy() {
@@ -298,8 +301,8 @@ impl App {
         }
     }
 
-    /// Takes all that was found in a log. The whole search is one undo step, but what is found in
-    /// each log is kept at once.
+    /// Adds all boxes that were found in a log. The whole search is one undo step, but the boxes of
+    /// each log are saved at once.
     fn take_found(&mut self, id: LogId, found: &[Detection], pings: usize) {
         self.findings.search.done += 1;
         self.findings.search.found += found.len();
@@ -317,7 +320,8 @@ impl App {
         }
     }
 
-    /// The first search with a model shows from the confidence that its makers suggest.
+    /// Keeps a detector; with a new model the threshold of the queue becomes the score that the
+    /// model recommends.
     fn meet(&mut self, detector: Detector) {
         let known = self.findings.search.detector.as_ref();
         if known.is_none_or(|known| !Arc::ptr_eq(&known.model, &detector.model)) {
@@ -329,7 +333,8 @@ impl App {
         self.findings.search.detector = Some(detector);
     }
 
-    /// Takes the boxes that were found in a log's first pings.
+    /// Adds the boxes that were found in a log's first pings, as a part of the undo step of the
+    /// search.
     fn adopt(&mut self, id: LogId, found: &[Detection], pings: usize, live: bool) {
         let adopted = self.adopted(id, found, 0..pings);
         if let Some(review) = adopted {
@@ -337,7 +342,7 @@ impl App {
         }
     }
 
-    /// The boxes of a log with those that were found in some of its pings.
+    /// Returns the boxes of a log together with those that were found in some of its pings.
     fn adopted(&self, id: LogId, found: &[Detection], pings: Range<usize>) -> Option<Arc<Review>> {
         let detector = self.findings.search.detector.as_ref()?;
         let reviewing = &self.open_log(id)?.reviewing;

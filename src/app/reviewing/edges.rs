@@ -1,5 +1,5 @@
-//! Single edges of a box by keys: those of its echo, the border to its shadow, and the end of the
-//! shadow. And points, which have none.
+//! Moves single edges of a box by keys: those of its echo, the border to its shadow, and the end of
+//! the shadow; and marks points, which have no edges.
 
 use super::{PIXEL_M, Reviewing, Tool};
 use crate::app::{Action, App, LogPlace};
@@ -10,7 +10,7 @@ use bathyscope_objects::review::{Edit, Reviewed};
 /// Part of the selected box that the arrow keys move while it is edited.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum BoxEdge {
-    /// All of it.
+    /// The whole box.
     #[default]
     Whole,
     /// The near edge of the echo.
@@ -26,7 +26,7 @@ pub enum BoxEdge {
 }
 
 impl BoxEdge {
-    /// The one after it, and after the last one all of the box.
+    /// Returns the edge after this one; after the last edge comes the whole box.
     pub fn next(self) -> Self {
         match self {
             BoxEdge::Whole => BoxEdge::Near,
@@ -38,7 +38,7 @@ impl BoxEdge {
         }
     }
 
-    /// Name in the view; empty of the whole box.
+    /// Returns the name in the view; empty for the whole box.
     pub fn name(self) -> &'static str {
         match self {
             BoxEdge::Whole => "",
@@ -50,8 +50,8 @@ impl BoxEdge {
         }
     }
 
-    /// Returns the edit that moves it by a number of pings along the track and of pixels of the
-    /// raster to starboard; `None` of the whole box.
+    /// Returns the edit that moves the edge by a number of pings along the track and of pixels of
+    /// the raster to starboard; `None` for the whole box.
     pub(super) fn moved(
         self,
         one: &Reviewed,
@@ -88,14 +88,14 @@ impl BoxEdge {
     }
 }
 
-/// Slant range of the border between the echo and the shadow of a box, metres: as it was set, as it
-/// is found, or, where no shadow is found, a third of the box from its near edge: boxes hold more
-/// shadow than echo, and a border on the far edge could not be grabbed.
+/// Returns the slant range of the border between the echo and the shadow of a box, metres: as set
+/// by hand, else as found. If no shadow is found, the border is a third of the box from its near
+/// edge: boxes contain more shadow than echo, and a border on the far edge could not be dragged.
 pub fn border_m(reviewing: &Reviewing, one: &Reviewed) -> f64 {
     let (near_m, far_m) = (one.mark.near_m, one.mark.far_m);
     let found = || {
         let placed = reviewing.placed(one.id)?;
-        // Of a box that has just been moved the parts are those of a moment ago.
+        // The parts of a box that was just moved are those of its earlier place.
         Some(placed.target.parts?.shadow_m?[0])
     };
     let border_m = one.extent.border_m().or_else(found);
@@ -104,7 +104,7 @@ pub fn border_m(reviewing: &Reviewing, one: &Reviewed) -> f64 {
 }
 
 impl App {
-    /// Goes on to the next edge of the box that is edited; takes the tool for it first.
+    /// Selects the next edge of the edited box, after selecting the tool for it.
     pub(in crate::app) fn next_edge(&mut self) {
         if self.log.reviewing.tool != Tool::Edit {
             self.take_tool(Tool::Edit);
@@ -116,8 +116,8 @@ impl App {
         }
     }
 
-    /// Takes the tool that marks points, or, with it in hand, marks one at the pointer or at the
-    /// selected place.
+    /// Selects the tool that marks points, or, if it is selected, marks a point at the pointer or
+    /// at the selected place.
     pub(in crate::app) fn point_tool(&mut self) {
         if self.log.reviewing.tool != Tool::Point {
             return self.take_tool(Tool::Point);
@@ -134,7 +134,7 @@ impl App {
         }
     }
 
-    /// Marks a point where a sample lies.
+    /// Marks a point at the place of a sample.
     pub(in crate::app) fn mark_target(&mut self, mark: LogPlace) {
         let Some((side, sample)) = mark.side.zip(mark.sample) else {
             let text = "nothing was recorded there; mark the target in the picture";
@@ -164,7 +164,7 @@ mod tests {
     #[test]
     fn arrows_move_one_edge_as_it_looks() {
         let port = reviewed(Side::Port);
-        // To the right is to starboard: inward on the port side.
+        // A move to the right is to starboard: inward on the port side.
         let Some(Edit::SetEdges { border_m, mark, .. }) = BoxEdge::Border.moved(&port, 5.0, 0, 10)
         else {
             panic!("the border moves")

@@ -1,4 +1,4 @@
-//! The file that a review is kept in: a sidecar file of the log, which is never changed.
+//! Reads and writes the file of a review: a sidecar file of the log, which itself is never changed.
 
 use super::Reviewing;
 use crate::app::error::AppError;
@@ -11,20 +11,20 @@ use std::io::Write as _;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// End of the name of a review's file.
+/// Ending of the name of a review's file.
 const SUFFIX: &str = "review.json";
 
 /// A review being read.
 pub(super) struct ReviewOpening {
     path: PathBuf,
-    /// A sidecar file of the log: it was found, not opened.
+    /// True if the file is a sidecar file that was found, not a file that the analyst opened.
     unasked: bool,
     task: Task<Result<Review, AppError>>,
 }
 
 impl App {
-    /// Returns the path that the review of the shown log has or would have: its file, or the
-    /// sidecar file of the log.
+    /// Returns the path of the review of the shown log: its file, or else the sidecar file of the
+    /// log; `None` for a log that is no file.
     pub fn review_path(&self) -> Option<PathBuf> {
         self.log.review_path()
     }
@@ -34,8 +34,8 @@ impl App {
         self.reviewed_logs().any(|log| log.reviewing.is_unsaved())
     }
 
-    /// Writes the reviews of all logs that differ from their files, each into the file that it has
-    /// or the sidecar file of its log.
+    /// Writes the reviews of all logs that differ from their files, each into its own file or else
+    /// the sidecar file of its log.
     pub(in crate::app) fn save_reviews(&mut self) {
         let changed = self.reviewed_logs().filter(|log| {
             let reviewing = &log.reviewing;
@@ -110,8 +110,8 @@ impl App {
         }
     }
 
-    /// Starts reading the review in a log's sidecar file, if there is one and nothing is at hand
-    /// already.
+    /// Starts reading the review in a log's sidecar file, if there is one and the log has no boxes
+    /// yet.
     pub(in crate::app) fn look_for_review(&mut self, id: LogId) {
         let jobs = self.jobs.clone();
         if let Some(log) = self.log_mut(id)
@@ -139,7 +139,7 @@ impl App {
                 } else {
                     format!("Opened {boxes} boxes: {}", path.display())
                 };
-                // The sides may have been exchanged while it was read.
+                // The sides may have been exchanged while the file was read.
                 let swapped = (log.survey.as_ref()).is_some_and(|one| one.swapped_sides);
                 let review = Arc::new(review.with_sides(swapped));
                 self.take_review(id, review.clone(), "open review", false);
@@ -158,8 +158,8 @@ impl App {
 }
 
 impl OpenLog {
-    /// Returns the path that its review has or would have: its file, or the sidecar file of the
-    /// log.
+    /// Returns the path of the log's review: its file, or else the sidecar file of the log; `None`
+    /// for a log that is no file.
     fn review_path(&self) -> Option<PathBuf> {
         let beside = || {
             let log = self.survey.as_ref()?.source.files.first()?;
@@ -168,7 +168,7 @@ impl OpenLog {
         self.reviewing.path.clone().or_else(beside)
     }
 
-    /// Starts reading a review of it. Gives back whether there is a log.
+    /// Starts reading a review of the log. Returns true if there is a log.
     fn read_review(&mut self, path: PathBuf, unasked: bool, jobs: &Jobs) -> bool {
         let Some(survey) = self.survey.clone() else {
             return false;
@@ -181,7 +181,8 @@ impl OpenLog {
 }
 
 impl Reviewing {
-    /// A review that was read, once, with its file and whether it was found there unasked.
+    /// Returns a review once, when reading has ended, with its file, and true if that was found,
+    /// not opened.
     fn take_read(&mut self) -> Option<(Result<Review, AppError>, PathBuf, bool)> {
         let read = match self.opening.as_ref()?.task.poll() {
             TaskOutcome::Pending => return None,
@@ -192,7 +193,7 @@ impl Reviewing {
         Some((read, path, unasked))
     }
 
-    /// Writes the boxes into a file, which is theirs from now on.
+    /// Writes the boxes into a file, which is the file of the review from now on.
     fn save(&mut self, path: PathBuf) -> Result<(), ExportError> {
         let text = self.review.to_json();
         export::write_atomically(&path, |mut file| {

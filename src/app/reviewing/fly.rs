@@ -1,23 +1,24 @@
-//! A box enlarged in all views.
+//! Enlarges a box in all views.
 
 use super::Reviewing;
 use crate::app::{App, CloseUp, Enlarged, LogBox};
 use bathyscope_log::survey::Side;
 use bathyscope_objects::review::{BoxId, Reviewed};
 
-/// Longer side that anything small and a point count with, metres: what lies around is to be seen
+/// Least longer side that a box is given for enlarging, metres, so that the surroundings of small
+/// boxes and points are visible, too.
 /// too.
 const LEAST_M: f64 = 1.5;
 
 impl App {
-    /// Shows the log of a box, if it is another one, and has all views enlarge the box.
+    /// Shows the log of a box, if it is not shown yet, and enlarges the box in all views.
     pub(in crate::app) fn fly_to(&mut self, id: LogBox) {
         self.select_log_box(id);
         self.enlarge(Enlarged::Third);
     }
 
-    /// Shows the log of the next box of the queue, if it is another one, and the box: one to one in
-    /// the waterfall, where that is wished for.
+    /// Shows the log of a box of the queue, if it is not shown yet, and the box: one to one in the
+    /// waterfall, if that option is on.
     pub(in crate::app) fn come_to(&mut self, id: LogBox) {
         self.select_log_box(id);
         self.enlarge(if self.view.options.waterfall.zooms_to_boxes {
@@ -27,14 +28,15 @@ impl App {
         });
     }
 
-    /// Shows the log of a box, if it is another one, and the box with what lies around it, in the
-    /// scale that each view has.
+    /// Shows the log of a box, if it is not shown yet, and the box with its surroundings, at the
+    /// present scale of each view.
     pub(in crate::app) fn bring_in(&mut self, id: LogBox) {
         self.select_log_box(id);
         self.enlarge(Enlarged::AsItIs);
     }
 
-    /// Has the boxes of the queue come one to one, or in the scale that the waterfall has.
+    /// Toggles whether the boxes of the queue are shown one to one, or at the present scale of the
+    /// waterfall.
     pub(in crate::app) fn toggle_zoom_to_boxes(&mut self) {
         let zooms = &mut self.view.options.waterfall.zooms_to_boxes;
         *zooms = !*zooms;
@@ -69,7 +71,7 @@ fn close_up(reviewing: &Reviewing, one: &Reviewed, id: BoxId, enlarged: Enlarged
         pings: [mark.pings.start, mark.pings.end],
         across_m,
         place_m: target.map(|target| [target.east_m, target.north_m, -target.depth_m]),
-        // NaN of a point gives the least.
+        // The size of a point is NaN, for which `max` returns the least size.
         size_m: size_m.max(LEAST_M),
     }
 }

@@ -1,5 +1,5 @@
-//! The boxes against the truth, when it is known: read in a background thread, compared once per
-//! change of boxes, counted once per move of the confidence slider.
+//! Compares the boxes with the truth, if it is known: the truth is read in a background thread,
+//! compared after each change of boxes, and counted after each move of the confidence slider.
 
 use super::{Reviewing, middle};
 use crate::app::error::AppError;
@@ -11,18 +11,19 @@ use bathyscope_objects::truth::{
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Objects in the bundled demo survey, as `bathyscope simulate` writes them for its scene.
+/// Table of the objects in the bundled demo survey, as `bathyscope simulate` writes it for its
+/// scene.
 const DEMO_TRUTH: &str = include_str!("../../../assets/demo.objects.csv");
 
 /// Order of the list of mistakes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum MistakeSort {
-    /// The surest false alarms first, then the largest misses.
+    /// Score: the false alarms with the highest scores first, then the largest missed objects.
     #[default]
     Score,
-    /// The largest first.
+    /// Size, the largest first.
     Size,
-    /// Along the track.
+    /// Position along the track.
     Position,
 }
 
@@ -31,7 +32,7 @@ impl MistakeSort {
     pub const ALL: [MistakeSort; 3] =
         [MistakeSort::Score, MistakeSort::Size, MistakeSort::Position];
 
-    /// Name in the menu.
+    /// Returns the name in the menu.
     pub fn name(self) -> &'static str {
         match self {
             MistakeSort::Score => "score",
@@ -51,25 +52,25 @@ enum TruthSource {
 /// A truth being read.
 struct TruthOpening {
     source: TruthSource,
-    /// A sidecar file of the log: it was found, not opened.
+    /// True if the file is a sidecar file that was found, not a file that the analyst opened.
     unasked: bool,
     task: Task<Result<SurveyTruth, AppError>>,
 }
 
-/// The truth, and how the boxes stand to it.
+/// The truth, and its comparison with the boxes.
 #[derive(Default)]
 pub struct Judging {
     truth: Option<(TruthSource, Arc<SurveyTruth>)>,
     opening: Option<TruthOpening>,
-    /// Asked for while the log was still being opened.
+    /// Path of a truth that was requested while the log was still being opened.
     requested: Option<PathBuf>,
     comparison: Option<TruthComparison>,
     running: Option<Task<TruthComparison>>,
-    /// Boxes, raster or truth have changed since the last comparison began.
+    /// True if boxes, raster or truth have changed since the last comparison began.
     outdated: bool,
     standing: Option<Standing>,
     sort: MistakeSort,
-    /// The missed object that is shown.
+    /// Index of the missed object that is shown; `None` if none is.
     missed: Option<usize>,
 }
 
@@ -85,42 +86,46 @@ impl Judging {
         })
     }
 
-    /// Boxes and truth, paired; perhaps of boxes of a moment ago.
+    /// Returns the boxes paired with the truth; the boxes may be those before the last change.
+    /// `None` before the first comparison.
     pub fn comparison(&self) -> Option<&TruthComparison> {
         self.comparison.as_ref()
     }
 
-    /// Returns the counts and mistakes of the boxes at the confidence slider.
+    /// Returns the counts and mistakes of the boxes at the confidence slider; `None` before the
+    /// first comparison.
     pub fn standing(&self) -> Option<&Standing> {
         self.standing.as_ref()
     }
 
-    /// False alarms and misses, in the order that was chosen.
+    /// Returns the false alarms and missed objects, in the chosen order.
     pub fn mistakes(&self) -> &[Mistake] {
         self.standing().map_or(&[], |standing| &standing.mistakes)
     }
 
-    /// Returns the order of the mistakes.
+    /// Returns the order of the list of mistakes.
     pub fn sort(&self) -> MistakeSort {
         self.sort
     }
 
-    /// Returns the missed object that is shown, as an index into the truth's objects.
+    /// Returns the index of the shown missed object in the truth's objects; `None` if none is
+    /// shown.
     pub fn missed(&self) -> Option<usize> {
         self.missed
     }
 
-    /// Notes that boxes or raster are others.
+    /// Marks the comparison as outdated, because boxes or raster have changed.
     pub(super) fn outdate(&mut self) {
         self.outdated = true;
     }
 
-    /// Takes over how mistakes are sorted.
+    /// Copies the order of the list of mistakes from another log.
     pub(super) fn sort_as(&mut self, other: &Self) {
         self.sort = other.sort;
     }
 
-    /// Takes over the truth that was asked for while the log was being opened.
+    /// Moves the truth that was requested while the log was being opened from another log to this
+    /// one.
     pub(in crate::app) fn take_request(&mut self, before: &mut Reviewing) {
         self.requested = before.judging.requested.take();
     }
@@ -134,7 +139,8 @@ impl Judging {
         self.missed = None;
     }
 
-    /// Takes a truth that was read; gives what to say of it.
+    /// Collects a truth when reading has ended; returns the text of a notice about it, or `None` if
+    /// there is none.
     fn take_truth(&mut self) -> Result<Option<String>, AppError> {
         let read = match self.opening.as_ref().map(|opening| opening.task.poll()) {
             Some(TaskOutcome::Done(read)) => read,
@@ -154,7 +160,7 @@ impl Judging {
                 let path = path.display();
                 Some(format!("Opened {objects} known objects: {path}"))
             }
-            // A sidecar file is named where it is used.
+            // The name of a sidecar file is shown where its objects are used.
             TruthSource::File(_) | TruthSource::Demo => None,
         })
     }
@@ -169,7 +175,7 @@ impl Judging {
 }
 
 impl Reviewing {
-    /// Collects the comparison with the truth, and starts it where it is outdated.
+    /// Collects the comparison with the truth, and starts it again if it is outdated.
     fn poll_comparison(&mut self, jobs: &Jobs) {
         if self.judging.running.is_none() {
             self.compare(jobs);
@@ -202,7 +208,7 @@ impl Reviewing {
         }));
     }
 
-    /// Counts anew at the confidence slider.
+    /// Counts the mistakes again at the confidence slider, and sorts them.
     pub(super) fn count_mistakes(&mut self) {
         let Some(comparison) = &self.judging.comparison else {
             return;
@@ -216,7 +222,7 @@ impl Reviewing {
             }
         };
         match self.judging.sort {
-            // As they come.
+            // The comparison returns the mistakes in this order.
             MistakeSort::Score => {}
             MistakeSort::Size => {
                 (standing.mistakes).sort_by(|a, b| b.size_m().total_cmp(&a.size_m()));
@@ -232,7 +238,7 @@ impl Reviewing {
         self.judging.standing = Some(standing);
     }
 
-    /// Returns the index in the list of the mistake that is shown.
+    /// Returns the index of the shown mistake in the list; `None` if none is shown.
     pub fn mistake_at(&self) -> Option<usize> {
         let is_here = |one: &Mistake| match one {
             Mistake::FalseAlarm { id, .. } => self.selected == Some(*id),
@@ -243,7 +249,8 @@ impl Reviewing {
 }
 
 impl OpenLog {
-    /// Returns the source of its truth, and true if nobody requested that truth.
+    /// Returns the source of the log's truth, and true if the analyst did not request it; `None` if
+    /// there is no truth.
     fn known_truth(&mut self, is_file: bool) -> Option<(TruthSource, bool)> {
         if let Some(path) = self.reviewing.judging.requested.take() {
             return Some((TruthSource::File(path), false));
@@ -256,7 +263,7 @@ impl OpenLog {
         sidecar.is_file().then_some((TruthSource::File(sidecar), true))
     }
 
-    /// Starts reading its truth. Gives back whether there is a log.
+    /// Starts reading the log's truth. Returns true if there is a log.
     fn read_truth(&mut self, source: TruthSource, unasked: bool, jobs: &Jobs) -> bool {
         let Some(survey) = &self.survey else {
             return false;
@@ -272,8 +279,8 @@ impl OpenLog {
 }
 
 impl App {
-    /// Reads the truth of the shown log from a file; while a log is being opened, once that is
-    /// open.
+    /// Starts reading the truth of the shown log from a file; if a log is being opened, the file is
+    /// read for that log once it is open.
     pub(in crate::app) fn open_truth(&mut self, path: PathBuf) {
         if self.load_status().is_some() {
             self.log.reviewing.judging.requested = Some(path);
@@ -286,7 +293,8 @@ impl App {
         }
     }
 
-    /// Reads what was asked for while a log was being opened, or its sidecar file.
+    /// Starts reading the truth that was requested while a log was being opened, or else its
+    /// sidecar file.
     pub(in crate::app) fn look_for_truth(&mut self, id: LogId, is_file: bool) {
         let jobs = self.jobs.clone();
         if let Some(log) = self.log_mut(id)
@@ -296,12 +304,12 @@ impl App {
         }
     }
 
-    /// Leaves the truth of the shown log aside.
+    /// Removes the truth of the shown log.
     pub(in crate::app) fn forget_truth(&mut self) {
         self.log.reviewing.judging.forget();
     }
 
-    /// Collects truth and comparisons of a log, and asks for what is outdated.
+    /// Collects the truth and the comparison of a log, and starts an outdated comparison again.
     pub(in crate::app) fn poll_judging(&mut self, id: LogId) {
         let jobs = self.jobs.clone();
         let Some(log) = self.log_mut(id) else {
@@ -316,8 +324,7 @@ impl App {
         }
     }
 
-    /// Shows a mistake: a box is selected, a missed object marked, and both are brought into all
-    /// views.
+    /// Shows a mistake in all views: selects the box of a false alarm, or marks a missed object.
     pub(in crate::app) fn show_mistake(&mut self, mistake: &Mistake) {
         match *mistake {
             Mistake::FalseAlarm { id, .. } => self.select_box(Some(id)),
@@ -334,7 +341,7 @@ impl App {
         }
     }
 
-    /// The next mistake of the list, or the one before; around its ends.
+    /// Shows the mistake `by` places after the shown one in the list, around its ends.
     pub(in crate::app) fn step_mistake(&mut self, by: isize) {
         let judging = &self.log.reviewing.judging;
         let mistakes = judging.mistakes();

@@ -1,5 +1,5 @@
-//! The queue of boxes over all logs: from one log on to the next in the order of the list, and
-//! decisions about whole objects.
+//! Steps through the queue of boxes of all logs, log by log in the order of the list, and decides
+//! about whole objects.
 
 use super::Reviewing;
 use crate::app::{App, LogBox, OpenLog};
@@ -9,22 +9,22 @@ use std::sync::Arc;
 /// Progress of the review of all logs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ReviewCounts {
-    /// The boxes in sight.
+    /// Counts of the decisions about the boxes.
     pub boxes: DecisionCounts,
-    /// Those that the filter lets through.
+    /// Number of boxes that the filter admits.
     pub in_line: usize,
-    /// Logs that have boxes.
+    /// Number of logs that have boxes.
     pub logs: usize,
 }
 
 impl App {
-    /// The logs whose boxes are reviewed, in the order of the list: those that are visible, and the
-    /// one that is shown.
+    /// Returns the logs whose boxes are reviewed, in the order of the list: the visible logs, and
+    /// the shown log.
     pub(crate) fn reviewed_logs(&self) -> impl Iterator<Item = &OpenLog> {
         self.logs().filter(|log| log.is_visible || log.id == self.log.id)
     }
 
-    /// Returns true if there is anything to review.
+    /// Returns true if a reviewed log has boxes.
     pub fn has_boxes(&self) -> bool {
         self.reviewed_logs().any(|log| log.reviewing.has_boxes())
     }
@@ -42,8 +42,9 @@ impl App {
         )
     }
 
-    /// Names of the classes that boxes can have, each once: the survey's list, whose first nine the
-    /// digits name, and what else boxes of the reviewed logs have.
+    /// Returns the names of the classes that boxes can have, each once: the survey's list, whose
+    /// first nine classes have the digits as keys, followed by the other classes of boxes in the
+    /// reviewed logs.
     pub fn class_names(&self) -> Vec<&str> {
         let list = self.log.settings.review.classes.iter();
         let mut names: Vec<&str> = list.map(String::as_str).collect();
@@ -57,18 +58,18 @@ impl App {
         names
     }
 
-    /// A box of an open log.
+    /// Returns a box of an open log; `None` if there is no such box.
     pub fn log_box(&self, id: LogBox) -> Option<&Reviewed> {
         self.open_log(id.log)?.reviewing.review.get(id.id)
     }
 
-    /// The box that keys act on.
+    /// Returns the selected box, on which keys act; `None` if none is selected.
     pub fn selected_log_box(&self) -> Option<LogBox> {
         let id = self.log.reviewing.selected?;
         Some(LogBox { log: self.log.id, id })
     }
 
-    /// The boxes to look at, log after log.
+    /// Returns the boxes of the queue, log after log.
     fn line(&self) -> Vec<LogBox> {
         let boxes = |log: &OpenLog| {
             let id = log.id;
@@ -78,13 +79,14 @@ impl App {
         self.reviewed_logs().flat_map(boxes).collect()
     }
 
-    /// Shows the log of a box, if it is another one, and the box in all views.
+    /// Shows the log of a box, if it is not shown yet, and the box in all views.
     pub(in crate::app) fn select_log_box(&mut self, id: LogBox) {
         self.show_log(id.log);
         self.select_box(Some(id.id));
     }
 
-    /// The next box in line, or the one before, in whichever log; at the ends it stays.
+    /// Shows the box `by` places after the selected one in the queue of all logs; stops at its
+    /// ends.
     pub(in crate::app) fn step_box(&mut self, by: isize) {
         let line = self.line();
         let here = self.selected_log_box();
@@ -101,8 +103,8 @@ impl App {
         }
     }
 
-    /// Decides about the selected box and moves on to the next undecided one. Without a selected
-    /// box it only moves on: nobody decides about a box unseen.
+    /// Decides about the selected box, and shows the next undecided one. Without a selected box it
+    /// only shows the next one, because the analyst has not seen a box to decide about.
     pub(in crate::app) fn decide(&mut self, edit: fn(BoxId) -> Edit) {
         let line = self.line();
         let here = self.selected_log_box();
@@ -112,8 +114,8 @@ impl App {
         self.select_next_open(&line, here);
     }
 
-    /// Decides about all boxes of the selected object, in whichever logs, as one undo step, and
-    /// moves on to the next undecided box.
+    /// Decides about all boxes of the selected object, in all logs, as one undo step, and shows the
+    /// next undecided box.
     pub(in crate::app) fn decide_object(&mut self, edit: fn(BoxId) -> Edit, label: &'static str) {
         let line = self.line();
         let here = self.selected_log_box();
@@ -123,14 +125,14 @@ impl App {
         }
     }
 
-    /// Does the same to all boxes of the selected object, in whichever logs, as one undo step.
+    /// Applies an edit to all boxes of the selected object, in all logs, as one undo step.
     pub(in crate::app) fn edit_object(&mut self, edit: fn(BoxId) -> Edit, label: &'static str) {
         let Some(here) = self.selected_log_box() else {
             return self.ask_for_box();
         };
         let boxes = match self.object_of(here) {
             Some(object) => object.boxes.clone(),
-            // It has no place, so nothing else is known to show the same object.
+            // The box has no position, so that no other box is known to show the same object.
             None => vec![here],
         };
         let before = self.step_now();
@@ -145,7 +147,7 @@ impl App {
         self.record_step(&before, &after, label, false);
     }
 
-    /// The next box of the selected object, in whichever log saw it; around the end.
+    /// Shows the next box of the selected object in any log; after the last box comes the first.
     pub(in crate::app) fn step_sighting(&mut self) {
         let Some(here) = self.selected_log_box() else {
             return self.ask_for_box();
@@ -157,7 +159,7 @@ impl App {
         }
     }
 
-    /// Selects the next box in line after `here` that is undecided, around the end of the line.
+    /// Shows the next undecided box after `here` in the queue, around its end.
     fn select_next_open(&mut self, line: &[LogBox], here: Option<LogBox>) {
         let at = match here {
             Some(here) => line.iter().position(|one| *one == here).map(|at| at + 1),

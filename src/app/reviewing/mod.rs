@@ -1,11 +1,10 @@
-//! The boxes of the open survey: which one is selected, how they are lined up, which tool is in
-//! hand.
+//! Holds the boxes of a log with their decisions, selection, order and tool.
 //!
-//! `autosave` keeps decisions as they are made, `classes` changes the list of classes, `decide`
-//! carries out edits and moves on to the next box, `edges` moves single edges and marks points,
-//! `detect` asks a model, `line` is the queue over all logs, `places` puts boxes on the ground,
-//! `judging` compares them with the truth where it is known, `fly` enlarges a box in all views,
-//! `files` keeps the review and writes what other programs read.
+//! `autosave` saves decisions as they are made, `classes` changes the list of classes, `decide`
+//! applies edits and goes through undo steps, `edges` moves single edges and marks points, `detect`
+//! searches with a detector, `line` is the queue over all logs, `places` locates boxes on the
+//! ground, `judging` compares them with the truth if it is known, `fly` enlarges a box in all
+//! views, `files` reads and writes the review and exports boxes.
 
 mod autosave;
 mod classes;
@@ -40,7 +39,7 @@ use places::BoxPlaces;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Effect of a drag in the waterfall.
+/// Selected tool, which determines the effect of a drag in the waterfall.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Tool {
     /// Moves the picture.
@@ -50,57 +49,58 @@ pub enum Tool {
     Edit,
     /// Draws a new box.
     Draw,
-    /// Marks a point at a click.
+    /// Marks a point by a click.
     Point,
     /// Draws the bottom.
     Bottom,
-    /// Excludes stretches; on the map too.
+    /// Excludes stretches; also acts on the map.
     Exclude,
-    /// Proposes a stretch for the scale; on the map too.
+    /// Proposes a stretch for the scale; also acts on the map.
     Calibrate,
     /// Accepts first returns above the recorded depth as bottom.
     Accept,
 }
 
-/// A review of another log, for when that is opened again.
+/// The review of a closed log, kept until that log is opened again.
 pub(super) struct Parked {
     review: Arc<Review>,
     saved: Arc<Review>,
     path: Option<PathBuf>,
-    /// The decisions are in the file of unsaved ones.
+    /// True if the decisions are in the file of unsaved ones.
     is_kept: bool,
 }
 
-/// The boxes and what is done with them.
+/// The boxes of a log, and the state of their review.
 pub struct Reviewing {
-    /// The boxes and the decisions.
+    /// The boxes with the decisions about them.
     pub review: Arc<Review>,
-    /// The box that keys act on.
+    /// The selected box, on which keys act; `None` if none is selected.
     pub selected: Option<BoxId>,
     /// Order, filter and confidence threshold; the same for all open logs.
     pub queue: Queue,
-    /// Effect of a drag.
+    /// Selected tool.
     pub tool: Tool,
     /// The edge of the selected box that the arrow keys move while it is edited.
     pub edge: BoxEdge,
-    /// The file that the review is kept in, once it has one.
+    /// The file of the review; `None` until it has one.
     pub path: Option<PathBuf>,
     line: Vec<BoxId>,
-    /// The boxes in line by their first ping, and the most pings that one covers.
+    /// The boxes of the queue by their first ping, and the greatest number of pings of a box.
     along: Vec<Arc<Reviewed>>,
     longest: usize,
     counts: DecisionCounts,
-    /// Some box was decided or corrected.
+    /// True if a box was decided or corrected.
     is_touched: bool,
-    /// The project keeps what is decided.
+    /// True if the project saves the decisions.
     is_in_project: bool,
-    /// Class of the next box that is drawn: that of the last one that was named.
+    /// Class of the next box that is drawn, which is the class that was given last.
     class: usize,
     raster: Option<(Arc<Navigation>, Arc<Raster>)>,
-    /// The version in the file, or the empty one.
+    /// The version in the file, or the empty version.
     saved: Arc<Review>,
     opening: Option<ReviewOpening>,
-    /// A sidecar file that cannot be used: it may be somebody's work.
+    /// A sidecar file that cannot be used, and is not overwritten, because it may be somebody's
+    /// work.
     refused: Option<PathBuf>,
     autosave: Autosave,
     places: BoxPlaces,
@@ -141,7 +141,7 @@ fn empty(survey: &Survey) -> Review {
 }
 
 impl Reviewing {
-    /// Returns true if there is anything to review.
+    /// Returns true if there are boxes to review.
     pub fn has_boxes(&self) -> bool {
         self.review.boxes().len() > 0
     }
@@ -151,22 +151,23 @@ impl Reviewing {
         self.tool != Tool::Look || self.selected.is_some()
     }
 
-    /// The selected box.
+    /// Returns the selected box; `None` if none is selected.
     pub fn selected_box(&self) -> Option<&Reviewed> {
         self.review.get(self.selected?)
     }
 
-    /// The boxes to look at, in order.
+    /// Returns the boxes of the queue, in its order.
     pub fn line(&self) -> &[BoxId] {
         &self.line
     }
 
-    /// The boxes in line, along the track.
+    /// Returns the boxes of the queue, along the track.
     pub fn in_line(&self) -> impl Iterator<Item = &Reviewed> {
         self.along.iter().map(AsRef::as_ref)
     }
 
-    /// The boxes in line that have pings in a range. Costs what it finds.
+    /// Returns the boxes of the queue that have pings in a range, in a time that grows with their
+    /// number only.
     pub fn between(&self, pings: std::ops::Range<usize>) -> impl Iterator<Item = &Reviewed> {
         let from =
             self.along.partition_point(|one| one.mark.pings.start + self.longest <= pings.start);
@@ -182,18 +183,18 @@ impl Reviewing {
         self.counts
     }
 
-    /// Class that the next box drawn gets.
+    /// Returns the class of the next box that is drawn.
     pub fn class(&self) -> usize {
         self.class.min(self.review.classes().len().saturating_sub(1))
     }
 
-    /// The survey's raster; `None` until it is known where the pings lie.
+    /// Returns the raster of the log; `None` until the positions of the pings are known.
     pub fn raster(&self) -> Option<&Arc<Raster>> {
         self.raster.as_ref().map(|(_, raster)| raster)
     }
 
-    /// Returns true if decisions are in no file yet. Proposals alone are no loss: the model makes
-    /// them again.
+    /// Returns true if decisions are in no file yet. Boxes that are only proposed do not count: the
+    /// model finds them again.
     pub fn is_unsaved(&self) -> bool {
         !self.is_in_project
             && !Arc::ptr_eq(&self.review, &self.saved)
@@ -208,13 +209,14 @@ impl Reviewing {
             || self.judging.is_busy()
     }
 
-    /// Extent of a mark along the track and in slant range, metres; the first is NaN until the
-    /// raster is known.
+    /// Returns the extent of a mark along the track and in slant range, metres; the first is NaN
+    /// until the raster is known.
     pub fn size_m(&self, mark: &Mark) -> [f64; 2] {
         size_m(self.raster().map(AsRef::as_ref), mark)
     }
 
-    /// Returns a copy that holds only what is drawn: the boxes in line, with nothing to save.
+    /// Returns a copy that holds only the drawn parts: the boxes of the queue, with nothing to
+    /// save.
     pub(super) fn for_picture(&self) -> Self {
         let mut copy = Self {
             saved: self.review.clone(),
@@ -226,7 +228,7 @@ impl Reviewing {
         copy
     }
 
-    /// Takes another version of the boxes.
+    /// Replaces the boxes by another version.
     fn set(&mut self, review: Arc<Review>) {
         self.review = review;
         self.places.outdate();
@@ -238,7 +240,7 @@ impl Reviewing {
         self.sort_and_filter();
     }
 
-    /// Lines the boxes up anew.
+    /// Sorts and filters the boxes again.
     fn sort_and_filter(&mut self) {
         let raster = self.raster().cloned();
         let longer_m = |mark: &Mark| {
@@ -255,7 +257,7 @@ impl Reviewing {
         self.counts = DecisionCounts::of(&self.review, &self.queue);
     }
 
-    /// Lays the raster out where pings lie elsewhere than before.
+    /// Makes the raster again if the positions of the pings have changed.
     pub(super) fn follow(&mut self, survey: &Survey, navigation: &Arc<Navigation>) {
         self.places.outdate();
         let is_known = |(known, _): &(Arc<Navigation>, _)| Arc::ptr_eq(known, navigation);
@@ -267,15 +269,14 @@ impl Reviewing {
         }
     }
 
-    /// Lays the raster out for a log that has grown; boxes keep their places until results of the
-    /// whole log are there.
+    /// Makes the raster for a log that has grown; boxes keep their positions until there are
+    /// results of the whole log.
     pub(super) fn grow(&mut self, survey: &Survey, navigation: &Arc<Navigation>) {
         let raster = Raster::new(survey, navigation, PIXEL_M);
         self.raster = Some((navigation.clone(), Arc::new(raster)));
     }
 
-    /// Carries the boxes over to a longer state of their log. What is in a file stays what is in
-    /// it.
+    /// Assigns the boxes to a longer state of their log. A saved version stays saved.
     pub(super) fn carry(&mut self, identity: Identity) {
         if *self.review.identity() == identity {
             return;
@@ -288,7 +289,8 @@ impl Reviewing {
         self.review = carried;
     }
 
-    /// Starts on a survey; what was decided about it before it was closed comes back.
+    /// Starts the review of a log that was opened, and restores its boxes from before it was
+    /// closed.
     pub(super) fn start(&mut self, survey: &Survey, parked: &mut Vec<Parked>) {
         let identity = Identity::of(survey);
         let is_same = |parked: &Parked| {
@@ -307,8 +309,9 @@ impl Reviewing {
         }
     }
 
-    /// Has the boxes lie on the echoes that they were drawn on when the sides of the log are
-    /// exchanged, or no longer. What was saved stays saved: a review says which sides it means.
+    /// Moves the boxes with their echoes to the other side when the sides of the log are exchanged
+    /// or restored. A saved version stays saved: the file of a review states the sides that it
+    /// refers to.
     pub(super) fn exchange(&mut self, swapped_sides: bool) {
         if self.review.identity().swapped_sides == swapped_sides {
             return;
@@ -320,23 +323,23 @@ impl Reviewing {
         self.set(exchanged);
     }
 
-    /// Takes up the boxes that a project has of the log.
+    /// Sets the boxes that a project holds for the log.
     pub(super) fn take_kept(&mut self, review: Arc<Review>) {
         self.saved = review.clone();
         self.set(review);
     }
 
-    /// Leaves it to the project to keep what is decided: no file next to the log is read or written
-    /// any more.
+    /// Saves decisions in the project from now on: the sidecar files of the log are not read or
+    /// written any more.
     pub(super) fn keep_elsewhere(&mut self) {
         self.is_in_project = true;
-        // What this run wrote there for safety would be offered when the log is opened next.
+        // A file with the decisions of this run would be offered when the log is opened next.
         self.autosave.clear();
         self.autosave = Autosave::default();
     }
 
-    /// Returns the part of the review that is kept when the log is closed; `None` without boxes,
-    /// and where a project keeps them.
+    /// Returns the review to keep when the log is closed; `None` without boxes, or if a project
+    /// saves them.
     pub(super) fn park(&mut self) -> Option<Parked> {
         (self.has_boxes() && !self.is_in_project).then(|| Parked {
             is_kept: self.autosave.holds(&self.review),
@@ -346,8 +349,8 @@ impl Reviewing {
         })
     }
 
-    /// Takes over what an analyst goes on working with when another log is shown: order and filter
-    /// of the boxes.
+    /// Copies the order and filter of the boxes, and the order of the mistakes, from the log that
+    /// was shown before; deselects the tools of both logs, and the box of that log.
     pub(super) fn take_tools(&mut self, before: &mut Self) {
         before.tool = Tool::Look;
         before.selected = None;
@@ -371,7 +374,7 @@ fn size_m(raster: Option<&Raster>, mark: &Mark) -> [f64; 2] {
     [along_m, mark.far_m - mark.near_m]
 }
 
-/// The middle of a box as a place in the survey.
+/// Returns the middle of a box as a place in the survey.
 pub(super) fn middle(survey: &Survey, mark: &Mark) -> LogPlace {
     let ping = usize::midpoint(mark.pings.start, mark.pings.end.saturating_sub(1));
     let span = survey.span(ping, mark.side);

@@ -1,5 +1,5 @@
-//! Places of the boxes' objects in the world: computed in a background thread, for a box again when
-//! it was moved, and for all when the track, the first returns or the scale changed.
+//! Locates the objects of boxes on the Earth in a background thread: for a box again when it was
+//! moved, and for all boxes when the track, the first returns or the scale changed.
 
 use super::Reviewing;
 use crate::app::{Jobs, OpenLog, Task, TaskOutcome};
@@ -14,14 +14,14 @@ use std::sync::Arc;
 /// A box's object on the ground.
 #[derive(Clone, Debug)]
 pub struct LocatedObject {
-    /// Place, extent, height and depth.
+    /// Position, extent, height and depth.
     pub target: Target,
-    /// Corners of its footprint, metres east and north: length along the track, width across it; of
-    /// a point all in its place.
+    /// Corners of its footprint, metres east and north, with the length along the track and the
+    /// width across it; all four are the position for a point.
     pub corners: [[f64; 2]; 4],
 }
 
-/// Results that places are computed from.
+/// Results from which positions are computed.
 #[derive(Clone)]
 struct PlaceInputs(Products);
 
@@ -37,13 +37,13 @@ impl PlaceInputs {
     }
 }
 
-/// The properties of a box that its place and its height depend on.
+/// The properties of a box that its position and its height depend on.
 type BoxExtent = (Mark, ObjectExtent, Option<MeasuredShadow>, TopShape);
 
-/// A box as it was placed; `None` where it has no place.
+/// The properties of a box, and its located object, `None` if it has no position.
 pub(in crate::app) type LocatedBox = (BoxExtent, Option<Arc<LocatedObject>>);
 
-/// The places of a log's boxes; another allocation when one of them is another.
+/// The positions of a log's boxes; a change of any of them makes another allocation.
 pub(in crate::app) type Entries = Arc<HashMap<BoxId, LocatedBox>>;
 
 struct Running {
@@ -51,49 +51,49 @@ struct Running {
     task: Task<Vec<(BoxId, LocatedBox)>>,
 }
 
-/// The places known.
+/// State of the positions of a log's boxes.
 #[derive(Default)]
 pub(super) struct BoxPlaces {
     known: Entries,
     ground: Option<PlaceInputs>,
     running: Option<Running>,
-    /// Boxes or ground have changed since it was last looked whether all places are known.
+    /// True if boxes or ground have changed since the last check for missing positions.
     outdated: bool,
 }
 
 impl Reviewing {
-    /// The object of a box on the ground; `None` while it is not known, or when it cannot be.
+    /// Returns the object of a box on the ground; `None` until it is located, or if it cannot be.
     pub fn placed(&self, id: BoxId) -> Option<&Arc<LocatedObject>> {
         self.places.known.get(&id)?.1.as_ref()
     }
 
-    /// The places of the boxes.
+    /// Returns the positions of the boxes.
     pub(in crate::app) fn entries(&self) -> &Entries {
         &self.places.known
     }
 }
 
 impl BoxPlaces {
-    /// Notes that boxes were added or moved.
+    /// Marks the positions as outdated, because boxes were added or moved.
     pub(super) fn outdate(&mut self) {
         self.outdated = true;
     }
 
-    /// Returns true if places are being worked out.
+    /// Returns true if positions are being computed.
     pub(super) fn is_busy(&self) -> bool {
         self.running.is_some()
     }
 }
 
 impl OpenLog {
-    /// Collects places, and asks for those that are missing.
+    /// Collects positions, and starts computing the missing ones.
     pub(in crate::app) fn poll_places(&mut self, jobs: &Jobs) {
         let places = &mut self.reviewing.places;
         match places.running.as_ref().map(|running| running.task.poll()) {
             Some(TaskOutcome::Pending) => return,
             Some(TaskOutcome::Done(entries)) => {
                 if let Some(running) = places.running.take() {
-                    // Those of another ground stay on screen until the new ones are there.
+                    // Positions on an earlier ground stay visible until the new ones are computed.
                     let is_same = places
                         .ground
                         .as_ref()

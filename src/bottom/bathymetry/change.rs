@@ -1,13 +1,13 @@
-//! Change of the bottom between two depth maps: the rise of each cell, whether it exceeds the
-//! errors, and the volumes that were filled and cut.
+//! Compares two depth maps: computes the rise of each cell, whether the rise exceeds the errors,
+//! and the volumes that were filled and cut.
 //!
-//! A change is detected where it passes the level of detection, 1.96 times the standard deviation
+//! A change is detected where it exceeds the level of detection, 1.96 times the standard deviation
 //! of the difference (Lane, Westaway and Hicks 2003, Earth Surf. Process. Landforms 28; Wheaton et
-//! al. 2010, ibid. 35), and has its whole volume, with the rim (`regions`). The standard deviation
-//! of a volume has a part that is the same everywhere (draft, water level), one that varies from
-//! place to place and averages out over areas that are larger than its range (Rolstad, Haug and
-//! Denby 2009, J. Glaciology 55, equation 8, for a spherical variogram), and one for what is drawn
-//! between measured places.
+//! al. 2010, ibid. 35). The volume of a change is that of the whole connected place, with its rim
+//! (`regions`). The standard deviation of a volume has three parts: an error that is the same
+//! everywhere (draft, water level), errors that vary from place to place and average out over areas
+//! that are larger than their range (Rolstad, Haug and Denby 2009, J. Glaciology 55, equation 8,
+//! for a spherical variogram), and the error of depths that are drawn between measured places.
 
 mod observed;
 mod regions;
@@ -24,10 +24,10 @@ const WITHIN_95: f64 = 1.96;
 /// Errors that the cells of a difference have in common.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChangeErrors {
-    /// Standard deviation of what is the same in all cells: draft, water level, sound speed;
-    /// metres.
+    /// Standard deviation of the error that is the same in all cells (draft, water level, sound
+    /// speed), metres.
     pub systematic_m: f64,
-    /// Depths farther apart than this err independently, metres.
+    /// Distance beyond which the errors of two depths are independent, metres.
     pub range_m: f64,
 }
 
@@ -41,14 +41,15 @@ impl ChangeErrors {
 pub struct CellChange {
     /// Rise of the bottom, metres; negative where it sank.
     pub rise_m: f64,
-    /// Standard deviation of the depths' own errors in that, metres.
+    /// Standard deviation of the rise that comes from the depths' own errors, metres.
     pub sigma_m: f64,
-    /// Square metres on the ground.
+    /// Area of the cell on the ground, square metres.
     pub area_m2: f64,
 }
 
 impl CellChange {
-    /// Returns the level of detection, metres: errors alone stay below it in 95 of 100 cells.
+    /// Returns the level of detection, metres: errors alone stay below this level in 95 of 100
+    /// cells.
     pub fn detection_level_m(&self, errors: &ChangeErrors) -> f64 {
         WITHIN_95 * self.sigma_m.hypot(errors.systematic_m)
     }
@@ -59,20 +60,21 @@ impl CellChange {
     }
 }
 
-/// Cells together.
+/// Sums over a set of cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ChangeSum {
     /// Number of cells.
     pub cells: usize,
-    /// Square metres.
+    /// Area, square metres.
     pub area_m2: f64,
-    /// Cubic metres; negative where the bottom sank.
+    /// Volume of the change, cubic metres; negative where the bottom sank.
     pub volume_m3: f64,
-    /// Connected places.
+    /// Number of connected places.
     pub places: usize,
     /// Sum of the variances of the cells, each multiplied by the area of the cell.
     variance_m4: f64,
-    /// Sum of the variances of the volumes that are drawn between measured places.
+    /// Sum of the variances of the volumes of places that come from drawing between measured
+    /// places.
     between_m6: f64,
 }
 
@@ -91,8 +93,9 @@ impl ChangeSum {
         self.between_m6 += between_m3.powi(2);
     }
 
-    /// Standard deviation of the volume, cubic metres: of errors that vary from place to place, of
-    /// what is the same everywhere, and of what is drawn between measured places.
+    /// Returns the standard deviation of the volume, cubic metres, in three parts: that of errors
+    /// that vary from place to place, of errors that are the same everywhere, and of depths that
+    /// are drawn between measured places.
     pub fn sigma_m3(&self, errors: &ChangeErrors) -> [f64; 3] {
         let averaged = PI * errors.range_m.powi(2) / (5.0 * self.area_m2.max(f64::MIN_POSITIVE));
         let random = (self.area_m2 * self.variance_m4 * averaged.min(1.0)).sqrt();
@@ -100,33 +103,35 @@ impl ChangeSum {
         [random, systematic, self.between_m6.sqrt()]
     }
 
-    /// Half the width of the interval that holds the volume with 95 %, cubic metres.
+    /// Returns half the width of the 95 % interval of the volume, cubic metres.
     pub fn within_95_m3(&self, errors: &ChangeErrors) -> f64 {
         let [random, systematic, between] = self.sigma_m3(errors);
         WITHIN_95 * random.hypot(systematic).hypot(between)
     }
 }
 
-/// The change over all cells that both maps know.
+/// Change over all cells that have a depth in both maps.
 #[derive(Clone, Debug, Default)]
 pub struct ChangeTotals {
-    /// All cells, whether their change is detected or not.
+    /// Sum over all cells, whether their change is detected or not.
     pub all: ChangeSum,
-    /// The places where the bottom rose, from detected cells to the rim.
+    /// Sum over the places where the bottom rose, each from its detected cells to its rim.
     pub fill: ChangeSum,
-    /// The places where it sank.
+    /// Sum over the places where the bottom sank.
     pub cut: ChangeSum,
-    /// Both: errors that are the same everywhere move fill and cut together.
+    /// Sum over both kinds of places: errors that are the same everywhere move fill and cut
+    /// together.
     pub net: ChangeSum,
-    /// The cells outside of these places.
+    /// Sum over the cells outside of these places.
     undetected: ChangeSum,
-    /// Cells by their change in whole millimetres.
+    /// Number of cells by their rise in whole millimetres.
     rises_mm: BTreeMap<i64, usize>,
+    /// Number of cells by their level of detection in whole millimetres.
     levels_mm: BTreeMap<i64, usize>,
 }
 
 impl ChangeTotals {
-    /// Counts the cells of a raster and the places where it changed.
+    /// Adds the cells of a raster and the places where it changed.
     pub fn add(
         &mut self,
         field: &ChangeField<'_>,
@@ -165,34 +170,34 @@ impl ChangeTotals {
         }
     }
 
-    /// The most fill and the most cut that may hide where nothing is detected, cubic metres: the
-    /// end of the interval of 95 %.
+    /// Returns the most fill and the most cut that may be hidden where nothing is detected, cubic
+    /// metres: the ends of the 95 % interval.
     pub fn hidden_m3(&self, errors: &ChangeErrors) -> [f64; 2] {
         let within_m3 = self.undetected.within_95_m3(errors);
         let volume_m3 = self.undetected.volume_m3;
         [volume_m3, -volume_m3].map(|volume_m3| (volume_m3 + within_m3).max(0.0))
     }
 
-    /// The median rise, metres: where most of the bottom did not change, what one map is set off
-    /// from the other.
+    /// Returns the median rise, metres; `None` without cells. It is the offset of one map from the
+    /// other where most of the bottom did not change.
     pub fn median_rise_m(&self) -> Option<f64> {
         share_m(&self.rises_mm, self.all.cells, 0.5)
     }
 
-    /// The median level of detection, metres.
+    /// Returns the median level of detection, metres; `None` without cells.
     pub fn median_level_m(&self) -> Option<f64> {
         share_m(&self.levels_mm, self.all.cells, 0.5)
     }
 
-    /// The change that 98 of 100 cells do not exceed either way, metres: what a scale of colours
-    /// should reach to.
+    /// Returns the change that 98 of 100 cells do not exceed in either direction, metres, for the
+    /// end of a colour scale.
     pub fn reach_m(&self) -> f64 {
         let ends = [0.01, 0.99].map(|share| share_m(&self.rises_mm, self.all.cells, share));
         ends.into_iter().flatten().map(f64::abs).fold(0.0, f64::max)
     }
 }
 
-/// Returns the quantile of the counted values at `share`, metres; `None` without any.
+/// Returns the quantile of the counted values at `share`, metres; `None` without values.
 fn share_m(counts_mm: &BTreeMap<i64, usize>, all: usize, share: f64) -> Option<f64> {
     let mut below = 0;
     let found = counts_mm.iter().find(|(_, count)| {

@@ -1,10 +1,11 @@
-//! A surface in larger cells, and the direction that it faces.
+//! Resamples a surface to larger cells, and computes the direction that it faces.
 
 use super::{CellSource, Grid, Surface};
 use rayon::prelude::*;
 
 impl Surface {
-    /// The same in cells `times` as long: each holds the mean of what is known of its parts.
+    /// Returns the surface in cells `times` as long: each holds the mean of the known values of its
+    /// parts, and the best of their sources.
     #[must_use]
     pub fn coarser(&self, times: usize) -> Self {
         let grid = self.grid.coarser(times);
@@ -13,9 +14,9 @@ impl Surface {
         self.on_grid(grid, means, best)
     }
 
-    /// The direction square to the bottom at the centre of a cell, of length 1: east, north, up.
-    /// Differences reach over known neighbours only; where there are none, and outside of the grid,
-    /// the bottom counts as level.
+    /// Returns the unit vector perpendicular to the bottom at the centre of a cell: east, north,
+    /// up. Differences are taken between known neighbours only; where there are none, and outside
+    /// of the grid, the bottom counts as level.
     pub fn normal(&self, row: usize, column: usize) -> [f32; 3] {
         let at = |row: Option<usize>, column: Option<usize>| {
             let (row, column) = (row?, column?);
@@ -35,7 +36,8 @@ impl Surface {
     }
 }
 
-/// Growth of a value a metre, from what is known of it before, here and behind.
+/// Returns the growth of a value per metre, from its known values before, here and behind; 0 where
+/// these are too few.
 fn slope(before: Option<f64>, here: Option<f64>, behind: Option<f64>, cell_m: f64) -> f64 {
     match (before, here, behind) {
         (Some(before), _, Some(behind)) => (behind - before) / (2.0 * cell_m),
@@ -45,6 +47,8 @@ fn slope(before: Option<f64>, here: Option<f64>, behind: Option<f64>, cell_m: f6
     }
 }
 
+/// Returns values in larger cells: the mean of the known values of each cell's parts; NaN without
+/// any.
 pub(super) fn means(fine: &Grid, values: &[f32], coarse: &Grid, times: usize) -> Vec<f32> {
     let mut made = vec![f32::NAN; coarse.len()];
     made.par_chunks_mut(coarse.columns.max(1)).enumerate().for_each(|(row, made)| {
@@ -64,7 +68,7 @@ pub(super) fn means(fine: &Grid, values: &[f32], coarse: &Grid, times: usize) ->
     made
 }
 
-/// The best that any part rests on.
+/// Returns the best source among the parts of each larger cell.
 fn best(fine: &Grid, values: &[CellSource], coarse: &Grid, times: usize) -> Vec<CellSource> {
     let mut made = vec![CellSource::None; coarse.len()];
     for (row, line) in values.chunks(fine.columns.max(1)).enumerate() {

@@ -1,12 +1,12 @@
-//! Residuals: what was measured against a reference, and what an international standard would say
-//! of it.
+//! Computes the residuals of measured points against a reference, and compares them with the limits
+//! of an international standard.
 //!
 //! In: points with elevations, and a reference. Out: their differences with statistics, and the
 //! share within each order of IHO S-44.
 //!
-//! `matching` finds the reference of each measured point. Differences are sorted by what they may
-//! hang on, and into histograms. Everywhere a difference is measured minus reference elevation, so
-//! that up is positive: a bottom measured too shallow gives more than 0.
+//! `matching` finds the reference of each measured point. Differences are sorted by the variables
+//! that they may depend on, and into histograms. A difference is always measured minus reference
+//! elevation, so that up is positive: a bottom measured too shallow gives more than 0.
 
 mod matching;
 
@@ -19,11 +19,11 @@ use serde::Serialize;
 /// Agreement of a measurement with a reference.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Comparison {
-    /// Measured points.
+    /// Number of measured points.
     pub measured: usize,
-    /// Measured points without a reference near enough.
+    /// Number of measured points without a reference near enough.
     pub unmatched: usize,
-    /// Statistics of the differences, measured minus reference elevation; absent where nothing was
+    /// Statistics of the differences, measured minus reference elevation; `None` where nothing was
     /// matched.
     #[serde(flatten)]
     pub residuals: Option<Residuals>,
@@ -37,13 +37,13 @@ pub struct OrderShare {
     /// The order.
     #[serde(flatten)]
     pub order: SurveyOrder,
-    /// Share of the points within its limit at their own depth, 0 to 1. The order asks for 0.95.
+    /// Share of the points within its limit at their own depth, 0 to 1. An order requires 0.95.
     pub share: f64,
 }
 
 impl Comparison {
-    /// Compares `measured` points, of which those in `matches` have a reference; the water's
-    /// surface is at `water_level_m` in their elevations.
+    /// Creates the comparison of `measured` points, of which those in `matches` have a reference;
+    /// the water's surface is at `water_level_m` in their elevations.
     pub fn new(measured: usize, matches: &[Match], water_level_m: f64) -> Self {
         let mut differences: Vec<f64> = matches.iter().map(|one| one.difference_m).collect();
         let within = |order: SurveyOrder| {
@@ -71,11 +71,11 @@ impl Comparison {
 /// An order of survey, by the vertical uncertainty that it allows at 95 %.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SurveyOrder {
-    /// `exclusive`, `special`, `1a/1b`, `2`.
+    /// Name: `exclusive`, `special`, `1a/1b` or `2`.
     pub order: &'static str,
-    /// The part that does not depend on the depth, metres.
+    /// Part of the uncertainty that does not depend on the depth, metres.
     pub a_m: f64,
-    /// The share of the depth.
+    /// Part of the uncertainty that grows with the depth, as a share of the depth.
     pub b: f64,
 }
 
@@ -84,26 +84,27 @@ const fn order(order: &'static str, a_m: f64, b: f64) -> SurveyOrder {
 }
 
 impl SurveyOrder {
-    /// Total vertical uncertainty allowed at a depth, `sqrt(a^2 + (b d)^2)`, metres.
+    /// Returns the total vertical uncertainty allowed at a depth, `sqrt(a^2 + (b d)^2)`, metres.
     pub(crate) fn limit_m(self, depth_m: f64) -> f64 {
         self.a_m.hypot(self.b * depth_m)
     }
 }
 
-/// Differences whose variable lies in one stretch.
+/// Statistics of the differences whose variable lies in one stretch.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Bin {
-    /// Begin of the stretch, itself included.
+    /// Start of the stretch, inclusive.
     pub from: f64,
-    /// End of the stretch.
+    /// End of the stretch, exclusive.
     pub to: f64,
-    /// Their statistics.
+    /// Statistics of the differences.
     #[serde(flatten)]
     pub residuals: Residuals,
 }
 
-/// Statistics for each stretch of `width` of a variable that holds any difference, in rising order.
-/// Pairs are the variable and the difference, metres; those that are not finite are left out.
+/// Returns the statistics for each stretch of `width` of a variable that holds any difference, in
+/// rising order. Pairs are the variable and the difference, metres; those that are not finite are
+/// left out.
 pub fn binned(pairs: impl Iterator<Item = (f64, f64)>, width: f64) -> Vec<Bin> {
     let finite =
         pairs.filter(|(variable, difference)| variable.is_finite() && difference.is_finite());
@@ -123,9 +124,9 @@ pub fn binned(pairs: impl Iterator<Item = (f64, f64)>, width: f64) -> Vec<Bin> {
     keyed.chunk_by(|a, b| a.0 == b.0).filter_map(bin).collect()
 }
 
-/// A width of 1, 2 or 5 times a power of ten that makes 6 to 15 stretches, more or less, of what
-/// lies between the 1st and the 99th percentile of `values`, which are sorted; `None` where they
-/// are all the same.
+/// Sorts `values`, and returns a width of 1, 2 or 5 times a power of ten that divides the range
+/// from their 1st to their 99th percentile into some 6 to 15 stretches; `None` where this range is
+/// empty.
 pub fn suited_width(values: &mut [f64]) -> Option<f64> {
     values.sort_unstable_by(f64::total_cmp);
     let at = |share: f64| bathyscope_log::support::statistics::quantile(values, share);
@@ -133,28 +134,28 @@ pub fn suited_width(values: &mut [f64]) -> Option<f64> {
     if !(width > 1e-9 && width.is_finite()) {
         return None;
     }
-    // A width a little narrower than that, rather than one twice as wide.
+    // Slightly smaller, so that a width just above a round one is not rounded up to twice that.
     Some(ticks::round_up(0.999 * width))
 }
 
 /// Histogram of differences.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DifferenceHistogram {
-    /// Begin of the first column, metres.
+    /// Start of the first column, metres.
     pub from_m: f64,
     /// Width of a column, metres.
     pub width_m: f64,
-    /// Differences in each column.
+    /// Number of differences in each column.
     pub counts: Vec<usize>,
-    /// Differences smaller than all columns.
+    /// Number of differences smaller than all columns.
     pub below: usize,
-    /// Differences larger than all columns.
+    /// Number of differences larger than all columns.
     pub above: usize,
 }
 
 impl DifferenceHistogram {
     /// Creates the histogram of differences in metres; its columns hold 98 % of them or more.
-    /// `None` without any.
+    /// `None` without finite differences.
     pub fn of(differences: &[f64]) -> Option<Self> {
         let mut sorted: Vec<f64> = differences.iter().copied().filter(|d| d.is_finite()).collect();
         let width_m = 0.2 * suited_width(&mut sorted).unwrap_or(0.05);
@@ -190,7 +191,7 @@ const ORDERS: [SurveyOrder; 4] = [
     order("1a/1b", 0.5, 0.013),
     order("2", 1.0, 0.023),
 ];
-/// Columns of a histogram to either side of its middle, at most.
+/// Largest number of columns of a histogram on either side of its middle.
 const COLUMNS: i64 = 100;
 
 #[cfg(test)]

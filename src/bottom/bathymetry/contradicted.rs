@@ -1,12 +1,14 @@
-//! Stretches of a log whose depths are false by what other logs measured beside them.
+//! Finds stretches of a log whose depths are false according to what other logs measured beside
+//! them.
 //!
 //! In: the depths along the tracks of several logs. Out: the stretches that are left out.
 //!
-//! A sounder that took something else for the bottom shows it by leaps, but a ledge leaps as well:
-//! only another log that went there tells them apart. Between two leaps a depth is the bottom as a
-//! whole or not at all, so each track is cut into stretches there. Two stretches that come near
-//! each other contradict each other where the depths differ by more than a bed does over the way
-//! between them. Which of two logs is false is told by a third: the one that more logs contradict.
+//! The depths of a sounder that took something else for the bottom have steps, but a ledge makes
+//! steps as well: only another log of the same place distinguishes them. Between two steps the
+//! depths are either all of the bottom or all false, so each track is cut into stretches at the
+//! steps. Two stretches that come near each other contradict each other where the depths differ by
+//! more than a bed does over the distance between them. A third log decides which of two logs is
+//! false: the one that more logs contradict.
 
 use super::crosslines::{Gaps, TrackDepth, way_m};
 use bathyscope_log::support::progress::{Cancelled, Progress};
@@ -16,43 +18,44 @@ use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::ops::{Range, RangeInclusive};
 
-/// Depths of two logs are compared up to this distance, metres.
+/// Greatest distance at which depths of two logs are compared, metres.
 const REACH_M: f64 = 20.0;
-/// Two depths of one bed are that of one place up to this distance, metres.
+/// Greatest distance at which two depths of one bed count as depths of one place, metres.
 const SAME_PLACE_M: f64 = 5.0;
-/// A depth goes on over a gap in its track of so many times the longest way that is none.
+/// Longest gap in a track that a depth goes on over, as a multiple of the longest way that is no
+/// gap.
 const HELD_GAPS: f64 = 10.0;
 /// Side of the squares over which the depths of a stretch are averaged, metres.
 const SQUARE_M: f64 = 1.0;
-/// A log is false where at least so many others contradict it.
+/// Fewest other logs that must contradict a log for it to be false.
 const LEAST_AGAINST: usize = 2;
 
-/// A stretch of a log that others contradict.
+/// Stretch of a log that others contradict.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ContradictedStretch {
-    /// Index of its track.
+    /// Index of the track.
     pub track: usize,
-    /// Indices of its depths.
+    /// Indices of the depths in the track.
     pub depths: Range<usize>,
-    /// The depths that contradict it, the nearest of each other track.
+    /// Depths that contradict the stretch: the nearest of each other track.
     pub against: Vec<Contradiction>,
 }
 
-/// Depths of another track that contradict a stretch.
+/// Depth of another track that contradicts a stretch.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Contradiction {
     /// Index of the other track.
     #[serde(rename = "log")]
     pub track: usize,
-    /// Depth of the stretch, and of the other track, metres.
+    /// Depth of the stretch and depth of the other track, metres.
     pub depths_m: [f64; 2],
-    /// Distance between both, metres.
+    /// Distance between the two depths, metres.
     pub apart_m: f64,
 }
 
-/// Returns the stretches that more logs contradict than contradict any of these, in the order of
-/// tracks and time. `tracks` lie in one plane; `may_be_false` says of a part of a track whether it
-/// may be left out.
+/// Returns the stretches that more logs contradict than contradict any of these logs, in the order
+/// of tracks and time. `tracks` are in one plane; `may_be_false` returns true for a part of a track
+/// that may be left out.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -90,15 +93,15 @@ pub fn contradicted(
     Ok(joined.collect())
 }
 
-/// A part of a track between two leaps.
+/// Part of a track between two steps.
 struct Stretch {
     track: usize,
     depths: Range<usize>,
     may_be_false: bool,
 }
 
-/// The parts of a track between steps that no bed makes, and between long gaps; over a short gap,
-/// between depths that differ.
+/// Returns the parts of a track between steps that no bed makes, and between long gaps; a short gap
+/// divides a track only where the depths on both sides differ.
 fn stretches_of(depths: &[TrackDepth]) -> Vec<Range<usize>> {
     let gaps = Gaps::of(depths);
     let is_step = |pair: &[TrackDepth]| {
@@ -116,14 +119,14 @@ fn stretches_of(depths: &[TrackDepth]) -> Vec<Range<usize>> {
     starts.zip(&ends).map(|(start, &end)| start..end).filter(|range| !range.is_empty()).collect()
 }
 
-/// Depth of a stretch in a square of [`SQUARE_M`].
+/// Median depth of a stretch in a square of [`SQUARE_M`].
 struct Mean {
     stretch: usize,
     place: [f64; 2],
     depth_m: f64,
 }
 
-/// The depths of a stretch by squares, in their order.
+/// Returns the median place and depth of a stretch in each square, in the order of the squares.
 fn means(stretch: usize, depths: &[TrackDepth]) -> impl Iterator<Item = Mean> {
     let mut squares: BTreeMap<[i64; 2], Vec<&TrackDepth>> = BTreeMap::new();
     for depth in depths {
@@ -139,7 +142,7 @@ fn means(stretch: usize, depths: &[TrackDepth]) -> impl Iterator<Item = Mean> {
     })
 }
 
-/// The closest approach of two stretches of different tracks.
+/// Closest approach of two stretches of different tracks.
 struct Approach {
     /// Indices of the stretches, the smaller first.
     stretches: [usize; 2],
@@ -148,12 +151,12 @@ struct Approach {
 }
 
 impl Approach {
-    /// True where the depths differ by more than a bed does over the way between them.
+    /// Returns true if the depths differ by more than a bed does over the distance between them.
     fn is_contradiction(&self) -> bool {
         is_step_of_no_bed(self.depths_m.map(|depth_m| depth_m as f32), self.apart_m)
     }
 
-    /// True where both measured the same depth at one place.
+    /// Returns true if both stretches measured the same depth at one place.
     fn agrees(&self) -> bool {
         self.apart_m <= SAME_PLACE_M
             && !differ_as_no_bed(self.depths_m.map(|depth_m| depth_m as f32))
@@ -203,9 +206,10 @@ fn approaches(
     Ok(nearest.into_values().collect())
 }
 
-/// Says of each stretch whether it is false. The track that most others contradict is false where
-/// they do, but for stretches that as many others confirm; then the same without these, for as long
-/// as one is contradicted by more than each that contradicts it.
+/// Returns whether each stretch is false. Takes the track that the most other tracks contradict,
+/// and marks its contradicted stretches as false, except for stretches that as many other tracks
+/// confirm. Repeats this without the stretches marked so far, as long as a track is contradicted by
+/// more tracks than each track that contradicts it.
 fn false_stretches(stretches: &[Stretch], approaches: &[Approach]) -> Vec<bool> {
     let mut is_false = vec![false; stretches.len()];
     let track = |stretch: usize| stretches[stretch].track;
@@ -246,7 +250,7 @@ fn false_stretches(stretches: &[Stretch], approaches: &[Approach]) -> Vec<bool> 
     }
 }
 
-/// The tracks that measured the same as each stretch.
+/// Returns, for each stretch, the tracks that measured the same depth there.
 fn confirmations(stretches: &[Stretch], approaches: &[Approach]) -> Vec<BTreeSet<usize>> {
     let mut confirmed = vec![BTreeSet::new(); stretches.len()];
     for approach in approaches.iter().filter(|one| one.agrees()) {
@@ -257,8 +261,8 @@ fn confirmations(stretches: &[Stretch], approaches: &[Approach]) -> Vec<BTreeSet
     confirmed
 }
 
-/// Returns the depths that contradict some stretches, the nearest of each track, without those of
-/// false stretches.
+/// Returns the depths that contradict the stretches `of`, the nearest of each track, without the
+/// depths of false stretches.
 fn against(
     of: RangeInclusive<usize>,
     stretches: &[Stretch],
@@ -289,8 +293,8 @@ fn against(
 mod tests {
     use super::*;
 
-    /// A line of 100 m with a depth each metre, to the east, or to the north where it is one of
-    /// `crossing`.
+    /// A line of 100 m with a depth each metre: to the north if `is_crossing`, otherwise to the
+    /// east.
     fn line(across_m: f64, is_crossing: bool, depth_m: impl Fn(usize) -> f64) -> Vec<TrackDepth> {
         let depth = |index: usize| {
             let along_m = index as f64;

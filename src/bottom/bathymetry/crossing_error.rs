@@ -1,28 +1,28 @@
-//! The error of a depth, by how far two passes differ where they cross.
+//! Estimates the error of a depth from the differences between two passes where they cross.
 
 use super::crosslines::{Crossing, TrackDepth};
 use bathyscope_log::support::statistics::{SIGMA_PER_MAD, median, sigma_of_sizes};
 use serde::Serialize;
 
-/// Fewer crossings than this say nothing of slopes.
+/// Fewest crossings from which the part that grows with the slope is estimated.
 const FEWEST: usize = 6;
-/// Rounds in which the two parts are separated.
+/// Rounds of the iteration that separates the two parts.
 const ROUNDS: usize = 4;
 
-/// Standard deviation of a depth by crossings: a part that is the same everywhere, as of waves and
-/// levels, and one that grows with the slope of the bottom, as of positions, delays and wide beams.
-/// The noise from one sounding to the next is not in it: the map averages it.
+/// Standard deviation of a depth, estimated from crossings: a part that is the same everywhere, as
+/// of waves and levels, and one that grows with the slope of the bottom, as of positions, delays
+/// and wide beams. The noise from one sounding to the next is not included: the map averages it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct CrossingError {
     /// Part on a level bottom, metres.
     pub level_m: f64,
-    /// Part for a slope of one metre a metre, metres.
+    /// Part for a slope of one metre a metre, metres; it is proportional to the slope.
     pub per_slope_m: f64,
 }
 
 impl CrossingError {
-    /// Returns the error that some crossings of these tracks show; `None` without any. Half of the
-    /// square of a difference is that of either pass.
+    /// Returns the error that some crossings of these tracks show; `None` without any. Each of the
+    /// two passes has half of the variance of their difference.
     pub fn of(crossings: &[Crossing], tracks: &[Vec<TrackDepth>]) -> Option<Self> {
         let slope = |one: &Crossing| if one.slope().is_nan() { 0.0 } else { one.slope() };
         let size_m = |one: &Crossing| one.difference_m().abs() / 2f64.sqrt();
@@ -52,7 +52,7 @@ impl CrossingError {
             per_slope_m2 = ((steep_m2 - level_m2) / slopes(steep).max(f64::MIN_POSITIVE)).max(0.0);
             level_m2 = (gentle_m2 - per_slope_m2 * slopes(gentle)).max(0.0);
         }
-        // A bed that is level everywhere says nothing of slopes.
+        // A bed that is level everywhere does not determine the part for slopes.
         let is_told = slopes(steep) > LEAST_SLOPE * LEAST_SLOPE;
         let noises_m2 = tracks.iter().map(|track| noise_m(track).powi(2));
         let noise_m2 = noises_m2.sum::<f64>() / tracks.len().max(1) as f64;
@@ -68,11 +68,13 @@ impl CrossingError {
     }
 }
 
-/// The steeper half of the crossings has at least this slope where it says something of slopes.
+/// Least root mean square slope of the steeper half of the crossings that determines the part for
+/// slopes.
 const LEAST_SLOPE: f64 = 0.03;
 
-/// Standard deviation of the noise from one depth of a track to the next, metres: of how far each
-/// lies from the middle of its neighbours, whose own noise is half of that more.
+/// Returns the standard deviation of the noise from one depth of a track to the next, metres, from
+/// the distance of each depth from the mean of its two neighbours, whose own noise adds half of the
+/// variance.
 fn noise_m(track: &[TrackDepth]) -> f64 {
     let off = |three: &[TrackDepth]| {
         (three[1].depth_m - 0.5 * (three[0].depth_m + three[2].depth_m)).abs()

@@ -8,18 +8,18 @@ use std::collections::HashMap;
 /// A depth along a track.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrackDepth {
-    /// Seconds; the same clock for all depths of a track.
+    /// Time, seconds, by the same clock for all depths of a track.
     pub time_s: f64,
-    /// Metres east.
+    /// East coordinate, metres.
     pub east_m: f64,
-    /// Metres north.
+    /// North coordinate, metres.
     pub north_m: f64,
-    /// Metres.
+    /// Depth, metres.
     pub depth_m: f64,
 }
 
 impl TrackDepth {
-    /// A depth at a time and a place.
+    /// Creates a depth at a time and a place.
     pub fn new(time_s: f64, [east_m, north_m]: [f64; 2], depth_m: f64) -> Self {
         Self { time_s, east_m, north_m, depth_m }
     }
@@ -32,8 +32,8 @@ pub struct CrosslinePass {
     pub track: usize,
     /// Time of the pass, seconds.
     pub time_s: f64,
-    /// Median of the depths of this pass within [`REACH_M`] of the crossing, or between its
-    /// neighbours where none is so near, metres.
+    /// Median of the depths of this pass within [`REACH_M`] of the crossing, or the depth
+    /// interpolated between its neighbours where none is so near, metres.
     pub depth_m: f64,
     /// Velocity of the boat, metres a second to the east and north.
     pub velocity_mps: [f64; 2],
@@ -44,7 +44,7 @@ pub struct CrosslinePass {
 pub struct Crossing {
     /// East and north, metres.
     pub place: [f64; 2],
-    /// The earlier pass, or that of the earlier track, first.
+    /// The two passes: the earlier one, or that of the earlier track, first.
     pub passes: [CrosslinePass; 2],
     /// Angle between the two courses, degrees, at most 90.
     pub angle_deg: f64,
@@ -54,49 +54,52 @@ pub struct Crossing {
 }
 
 impl Crossing {
-    /// Elevation by the second pass minus that by the first, metres: up is positive.
+    /// Returns the elevation by the second pass minus that by the first, metres: up is positive.
     pub fn difference_m(&self) -> f64 {
         self.passes[0].depth_m - self.passes[1].depth_m
     }
 
-    /// Slope of the bottom, metres a metre; NaN where it is not known.
+    /// Returns the slope of the bottom, metres a metre; NaN where it is not known.
     pub(crate) fn slope(&self) -> f64 {
         self.gradient[0].hypot(self.gradient[1])
     }
 }
 
-/// Depths farther than this from a crossing, along their own track, say nothing about it, metres.
+/// Greatest distance from a crossing, along their own track, of the depths that count there,
+/// metres.
 pub const REACH_M: f64 = 0.5;
-/// Depths within this distance of a crossing, along their own track, give the slope there, metres;
-/// on a coarser track, depths within this number of its usual pieces; and the fewest depths.
+/// Greatest distance from a crossing, along their own track, of the depths that give the slope
+/// there: in metres, and for coarser tracks as a number of usual pieces; and the fewest such
+/// depths.
 const SLOPE_REACH_M: f64 = 3.0;
 const SLOPE_REACH: f64 = 3.0;
 const LEAST_FOR_SLOPE: usize = 5;
-/// Tracks that cross at a smaller angle run along each other: where they cross is chance, degrees.
+/// Least angle between the courses of a crossing, degrees: at a smaller angle tracks run along each
+/// other, and where they cross is chance.
 pub const LEAST_ANGLE_DEG: f64 = 20.0;
-/// A boat that has gone less far than this along its track since has not come back, it has stayed,
-/// metres.
+/// Least way along a track between the two passes of a crossing, metres: a boat that has gone less
+/// far has not come back, it has stayed.
 const LEAST_WAY_M: f64 = 10.0;
-/// Length of the straight pieces that a track is made of here, at least, metres: shorter ones point
-/// anywhere.
+/// Least length of the straight pieces that a track is divided into, metres: shorter pieces have
+/// chance directions.
 const PIECE_M: f64 = 0.5;
-/// Longest piece of a track that spans no gap, metres, and its longest time, seconds; or this
-/// number of usual pieces of a track whose depths lie farther apart.
+/// Longest piece of a track that spans no gap, in metres, in seconds, and as a number of usual
+/// pieces for tracks whose depths are farther apart.
 const LONGEST_PIECE_M: f64 = 5.0;
 const LONGEST_PIECE_S: f64 = 5.0;
 const LONGEST_PIECE: f64 = 3.0;
-/// No piece is longer, metres: it would lie in too many squares.
+/// Upper limit of this length for all tracks, metres: a longer piece would lie in too many squares.
 const MOST_PIECE_M: f64 = 100.0;
-/// Least and greatest time between two places that give a velocity, seconds.
+/// Least and greatest time between a depth and the two places that give its velocity, seconds.
 const VELOCITY_S: [f64; 2] = [1.0, 10.0];
 /// Side of the squares that pieces are sorted into, metres.
 const SQUARE_M: f64 = 5.0;
-/// No more crossings than this are looked for: a boat that circles for a day would fill the memory
-/// with them.
+/// Largest number of crossings that are returned: those of a boat that circles for a day would fill
+/// the memory.
 const MOST: usize = 1_000_000;
 
-/// Crossings of tracks, each in time order, with themselves and each other, in the order of their
-/// first pass.
+/// Returns the crossings of tracks with themselves and each other, in the order of their first
+/// pass. Each track is in time order.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -116,7 +119,8 @@ pub fn crossings(
     let mut found = Vec::new();
     for (square, inside) in &squares {
         for (rank, &first) in inside.iter().enumerate() {
-            // A boat that lay at anchor for a day has all its pieces in one square.
+            // A boat at anchor for a day has all its pieces in one square, so this loop may take
+            // long.
             progress.check()?;
             for &second in &inside[rank + 1..] {
                 let track_crossing = pieces[first].crosses(&pieces[second], *square);
@@ -131,8 +135,9 @@ pub fn crossings(
     Ok(found)
 }
 
-/// Velocity of the boat at a depth of a track, metres a second to the east and north: from the
-/// places at least a second before and behind, or the depth's own where there is none within ten.
+/// Returns the velocity of the boat at a depth of a track, metres a second to the east and north:
+/// from the nearest places at least a second before and after the depth. Where there is none within
+/// ten seconds, the depth's own place replaces it.
 pub fn velocity_mps(track: &[TrackDepth], index: usize) -> [f64; 2] {
     let here = &track[index];
     let is_far = |one: &&TrackDepth| (one.time_s - here.time_s).abs() >= VELOCITY_S[0];
@@ -145,19 +150,19 @@ pub fn velocity_mps(track: &[TrackDepth], index: usize) -> [f64; 2] {
     if span_s > 0.0 { way.map(|metres| metres / span_s) } else { [0.0; 2] }
 }
 
-/// Longest way and time from one depth of a track to the next that is no gap in it.
+/// Longest way and longest time from one depth of a track to the next that is no gap in the track.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Gaps {
-    /// Metres.
+    /// Longest way, metres.
     pub(super) longest_m: f64,
-    /// Seconds.
+    /// Longest time, seconds.
     longest_s: f64,
-    /// Depths within this distance give the slope, metres.
+    /// Distance within which depths give the slope, metres.
     slope_reach_m: f64,
 }
 
 impl Gaps {
-    /// Returns the limits of a track from its usual piece.
+    /// Returns the limits of a track, computed from its usual piece.
     pub(super) fn of(depths: &[TrackDepth]) -> Self {
         let (mut ways_m, mut times_s) = (Vec::new(), Vec::new());
         let mut from = depths.first();
@@ -178,31 +183,31 @@ impl Gaps {
         }
     }
 
-    /// Returns true where the track is not known from one depth to another.
+    /// Returns true if there is a gap in the track between two depths.
     pub(super) fn is_gap(&self, from: &TrackDepth, to: &TrackDepth) -> bool {
         way_m(from, to) > self.longest_m || to.time_s - from.time_s > self.longest_s
     }
 }
 
-/// Way from one depth to another, metres.
+/// Returns the straight distance from one depth to another, metres.
 pub(super) fn way_m(from: &TrackDepth, to: &TrackDepth) -> f64 {
     (to.east_m - from.east_m).hypot(to.north_m - from.north_m)
 }
 
-/// A straight piece of a track, between two of its depths.
+/// Straight piece of a track, between two of its depths.
 struct Piece {
     track: usize,
-    /// Depths within this distance give the slope, metres.
+    /// Distance within which depths give the slope, metres.
     slope_reach_m: f64,
-    /// Indices of the depths at its ends.
+    /// Indices of the depths at the ends of the piece.
     ends: [usize; 2],
     from: [f64; 2],
     to: [f64; 2],
-    /// Way along the track up to its start, metres.
+    /// Way along the track up to the start of the piece, metres.
     along_m: f64,
 }
 
-/// The pieces of a track, without those that span a gap.
+/// Returns the pieces of a track, without those that span a gap.
 fn pieces(track: usize, depths: &[TrackDepth]) -> Vec<Piece> {
     let gaps = Gaps::of(depths);
     let mut found = Vec::new();
@@ -237,13 +242,13 @@ fn pieces(track: usize, depths: &[TrackDepth]) -> Vec<Piece> {
 struct TrackCrossing<'a> {
     pieces: [&'a Piece; 2],
     place: [f64; 2],
-    /// Place along each piece, 0 to 1.
+    /// Place of the crossing along each piece, 0 to 1.
     shares: [f64; 2],
     angle_deg: f64,
 }
 
-/// Slope of the straight line of depth against the way in a direction, by least squares; NaN of too
-/// few depths, or where they lie in one place.
+/// Returns the slope of the straight line of depth against the way in a direction, by least
+/// squares; NaN where the depths are too few or lie in one place.
 fn slope_along<'a>(
     depths: impl Iterator<Item = &'a TrackDepth>,
     place: [f64; 2],
@@ -265,7 +270,7 @@ fn slope_along<'a>(
 }
 
 impl Piece {
-    /// Unit vector from its start to its end.
+    /// Returns the unit vector from the start of the piece to its end.
     fn direction(&self) -> [f64; 2] {
         let way = [self.to[0] - self.from[0], self.to[1] - self.from[1]];
         let length_m = way[0].hypot(way[1]);
@@ -282,8 +287,8 @@ impl Piece {
         span(0).flat_map(move |east| norths.clone().map(move |north| [east, north]))
     }
 
-    /// Returns the crossing with another piece, if it lies in this square (a pair may share
-    /// several).
+    /// Returns the crossing with another piece, if it lies in `square` (the two pieces may share
+    /// several squares).
     fn crosses<'a>(&'a self, other: &'a Piece, square: [i64; 2]) -> Option<TrackCrossing<'a>> {
         let way_m = (other.along_m - self.along_m).abs();
         if self.track == other.track && way_m < LEAST_WAY_M {
@@ -329,8 +334,8 @@ impl TrackCrossing<'_> {
         }
     }
 
-    /// Returns the gradient of the depth, to the east and north, on the plane that falls along both
-    /// passes as their depths do.
+    /// Returns the gradient of the depth, to the east and north: that of the plane that falls along
+    /// each pass as the depths of this pass do.
     fn gradient(&self, tracks: &[Vec<TrackDepth>]) -> [f64; 2] {
         let [a, b] = self.pieces.map(Piece::direction);
         let [along_a, along_b] = [0, 1].map(|index| {
@@ -345,8 +350,8 @@ impl TrackCrossing<'_> {
         [east, north]
     }
 
-    /// The depths of a pass within a distance of the crossing: outwards from there, since the other
-    /// pass may lie in the same track.
+    /// Returns the depths of a pass within a distance of the crossing, outwards from `middle`,
+    /// since the other pass may lie in the same track.
     fn within<'a>(
         &self,
         reach_m: f64,

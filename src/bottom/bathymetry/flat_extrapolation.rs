@@ -1,13 +1,13 @@
-//! A surface on more ground than was measured: the picture of a side-scan reaches farther than the
-//! depths do, and is laid on a flat extrapolation of them.
+//! Extends a surface over more ground than was measured: the picture of a side-scan reaches farther
+//! than the depths do, and is laid on a flat extrapolation of the depths.
 
 use super::coarser::means;
 use super::{CellSource, Grid, Surface};
 use rayon::prelude::*;
 
 impl Grid {
-    /// The grid on the same cells that reaches over a box, too: west, south, east and north,
-    /// metres.
+    /// Returns the grid with the same cells that covers a box, too: west, south, east and north
+    /// edge, metres.
     #[must_use]
     pub fn reaching(&self, [west_m, south_m, east_m, north_m]: [f64; 4]) -> Self {
         let cells = |metres: f64| (metres / self.cell_m).ceil().max(0.0) as usize;
@@ -26,10 +26,10 @@ impl Grid {
 }
 
 impl Surface {
-    /// The same on the cells of a grid that reaches farther ([`Grid::reaching`]), with a depth in
-    /// all cells that are `wanted`: where none is known, the mean of those around it, over the more
-    /// ground the farther away they are. Such a cell has [`CellSource::None`], and neither spread
-    /// nor distance.
+    /// Returns the surface on a grid with the same cells that reaches farther ([`Grid::reaching`]),
+    /// with a depth in all cells for which `wanted` returns true. Where no depth is known, it is
+    /// the mean of the depths around, over the more ground the farther away they are. Such a cell
+    /// has [`CellSource::None`], and neither spread nor distance.
     #[must_use]
     pub fn extrapolated_flat(&self, grid: Grid, wanted: impl Fn(usize) -> bool + Sync) -> Self {
         let numbers = |values: &[f32]| carried(&self.grid, values, &grid, f32::NAN);
@@ -47,7 +47,7 @@ impl Surface {
 }
 
 impl Grid {
-    /// The grid with so many cells along the side of each.
+    /// Returns the grid with `times` cells along the side of each cell.
     #[must_use]
     pub fn finer(&self, times: usize) -> Self {
         Self {
@@ -60,8 +60,9 @@ impl Grid {
 }
 
 impl Surface {
-    /// The same with so many cells along the side of each: depths are bilinear between the middles
-    /// of the cells, where they are known; all else is that of the cell.
+    /// Returns the surface with `times` cells along the side of each cell: depths are bilinear
+    /// between the centres of the cells, where they are known; all other values are those of the
+    /// cell.
     #[must_use]
     pub fn finer(&self, times: usize) -> Self {
         if times <= 1 {
@@ -88,7 +89,8 @@ impl Surface {
     }
 }
 
-/// Values of a grid on the same cells of one that reaches farther; `beyond` elsewhere.
+/// Returns the values of a grid on a grid with the same cells that reaches farther; `beyond` in the
+/// cells outside of the first.
 fn carried<T: Copy>(from: &Grid, values: &[T], to: &Grid, beyond: T) -> Vec<T> {
     let cells = |metres: f64| (metres / to.cell_m).round() as usize;
     let first = cells(to.north_m - from.north_m) * to.columns + cells(from.west_m - to.west_m);
@@ -99,8 +101,8 @@ fn carried<T: Copy>(from: &Grid, values: &[T], to: &Grid, beyond: T) -> Vec<T> {
     made
 }
 
-/// Depths with none unknown, where any is known: an unknown one is bilinear between the means of
-/// cells twice as long, which hold on in the same way.
+/// Returns the depths with the unknown ones filled, if any is known: an unknown depth is bilinear
+/// between the means of cells twice as long, which are filled in the same way.
 fn held(grid: &Grid, depth_m: &[f32]) -> Vec<f32> {
     if grid.len() <= 1 || depth_m.iter().all(|depth_m| !depth_m.is_nan()) {
         return depth_m.to_vec();
@@ -127,8 +129,8 @@ fn held(grid: &Grid, depth_m: &[f32]) -> Vec<f32> {
 mod tests {
     use super::*;
 
-    /// Depths along a line of cells from west to east, in the middle of 3 rows of which the others
-    /// are unknown.
+    /// Creates a surface of 3 rows of cells: depths from west to east in the middle row, and
+    /// unknown depths in the others.
     fn strip(depth_m: impl Fn(usize) -> f32) -> Surface {
         let grid = Grid::at([100.0, 50.0], 0.5, [40, 3]);
         let depths = (0..grid.len()).map(|cell| match cell / grid.columns {
@@ -199,8 +201,8 @@ mod tests {
             let [east_m, north_m] = finer.grid.centre_of(cell);
             let known = coarse.at(east_m, north_m);
             assert_eq!(known.is_some(), !depth_m.is_nan());
-            // 0.1 m a cell of 0.5 m, but for what is beside the hole, and the outermost half cells,
-            // which have nothing to be between.
+            // The depth grows by 0.1 m a cell of 0.5 m, except beside the hole and in the outermost
+            // half cells, which have no neighbour to interpolate with.
             if known.is_some() && (100.25..114.0).contains(&east_m) {
                 let expected_m = 2.0 + 0.2 * (east_m - 100.25);
                 assert!((f64::from(*depth_m) - expected_m).abs() < 1e-4);

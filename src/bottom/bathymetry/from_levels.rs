@@ -1,4 +1,5 @@
-//! Setting and result of depths between the lines that come from the levels of the echoes.
+//! Defines the setting and the result of depths between the lines that come from the levels of the
+//! echoes.
 
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -19,16 +20,16 @@ pub enum SwathDepth {
 /// Result of depths from levels on a surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum FromLevels {
-    /// They are switched off, or the surface is none of a log.
+    /// Levels are switched off, or the surface does not come from logs.
     #[default]
     Off,
-    /// They are used.
+    /// Levels are used.
     Used {
         /// Root mean square of the errors of left-out soundings by triangles and with levels,
         /// metres; `None` where too few could be left out.
         left_out_m: Option<[f64; 2]>,
     },
-    /// They are not used, for this reason.
+    /// Levels are not used, for this reason.
     Refused(LevelsRefused),
 }
 
@@ -90,7 +91,7 @@ impl fmt::Display for LevelsRefused {
 }
 
 impl FromLevels {
-    /// A sentence for reports; `None` where they are off.
+    /// Returns a sentence for reports; `None` if levels are off.
     pub fn sentence(&self) -> Option<String> {
         (*self != Self::Off).then(|| format!("Depths between the lines are {self}."))
     }

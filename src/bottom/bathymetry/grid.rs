@@ -1,5 +1,5 @@
-//! The squares that a surface is sampled on, and a mosaic drawn on, and the source of the depth in
-//! each.
+//! Defines the grid of squares that a surface is sampled on and a mosaic drawn on, and the source
+//! of the depth in each square.
 
 use super::DepthPoint;
 use crate::presentation::colours::{Rgb, SOURCES};
@@ -7,37 +7,39 @@ use crate::presentation::ticks;
 use bathyscope_log::support::outline::bounds;
 use rayon::prelude::*;
 
-/// No cell that is chosen is smaller than this, metres: recorders place their soundings no better.
+/// Smallest cell that is chosen for a survey, metres: recorders place their soundings no better.
 const LEAST_CELL_M: f64 = 0.1;
-/// Cells of a grid. A surface takes 12 bytes of each, and what is made of it as many again.
+/// Largest number of cells of a grid. A surface takes 12 bytes of each, and its products as many
+/// again.
 const MOST_CELLS: f64 = 20e6;
 
 /// A grid of square cells, north up: row 0 is the northernmost, column 0 the westernmost.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid {
-    /// East of the west edge of the first column, metres.
+    /// East coordinate of the west edge of the first column, metres.
     pub west_m: f64,
-    /// North of the north edge of the first row, metres.
+    /// North coordinate of the north edge of the first row, metres.
     pub north_m: f64,
     /// Side of a cell, metres.
     pub cell_m: f64,
-    /// Cells from west to east.
+    /// Number of cells from west to east.
     pub columns: usize,
-    /// Cells from north to south.
+    /// Number of cells from north to south.
     pub rows: usize,
 }
 
 impl Grid {
-    /// A grid by its north-western corner, the side of a cell, and its columns and rows.
+    /// Creates a grid from its north-western corner, the side of a cell, and its columns and rows.
     #[cfg(test)]
     pub fn at([west_m, north_m]: [f64; 2], cell_m: f64, [columns, rows]: [usize; 2]) -> Self {
         Self { west_m, north_m, cell_m, columns, rows }
     }
 
-    /// Cells of `cell_m`, or of what makes `max_side` of them along the longer side, or some 20
-    /// million in all, where that is more, over all points. Edges lie on multiples of the cell, so
-    /// that grids of several surveys fit onto each other. `None` without points, and where the
-    /// points or the cell are no numbers that a grid can be made of.
+    /// Creates a grid over all points. Its cells have the side `cell_m`, or a larger one where
+    /// there would be more than `max_side` of them along the longer side, or more than some 20
+    /// million in all. Edges lie on multiples of the cell, so that grids of several surveys fit
+    /// onto each other. `None` without points, and where the side of the cells would not be finite
+    /// and positive.
     pub(crate) fn over(points: &[DepthPoint], cell_m: f64, max_side: usize) -> Option<Self> {
         let [west_m, south_m, east_m, north_m] = bounds(points.iter().map(DepthPoint::place));
         let extent_m = (east_m - west_m).max(north_m - south_m);
@@ -62,14 +64,14 @@ impl Grid {
         })
     }
 
-    /// West, south, east and north edge, metres.
+    /// Returns the west, south, east and north edge, metres.
     pub fn bounds_m(&self) -> [f64; 4] {
         let [across_m, down_m] = [self.columns, self.rows].map(|cells| cells as f64 * self.cell_m);
         let [south_m, east_m] = [self.north_m - down_m, self.west_m + across_m];
         [self.west_m, south_m, east_m, self.north_m]
     }
 
-    /// East and north of the middle of a cell, metres.
+    /// Returns east and north of the centre of a cell, metres.
     pub fn centre(&self, row: usize, column: usize) -> [f64; 2] {
         [
             self.west_m + (column as f64 + 0.5) * self.cell_m,
@@ -77,15 +79,15 @@ impl Grid {
         ]
     }
 
-    /// The same by the index of the cell.
+    /// Returns east and north of the centre of the cell with an index, metres.
     pub fn centre_of(&self, cell: usize) -> [f64; 2] {
         self.centre(cell / self.columns, cell % self.columns)
     }
 
-    /// Index of the cell at a place, row by row; `None` outside.
+    /// Returns the index of the cell at a place, row by row; `None` outside.
     pub fn index_at(&self, east_m: f64, north_m: f64) -> Option<usize> {
         let inside = |cells: f64, count: usize| {
-            // The outermost points lie on the edges, give or take a rounding.
+            // The outermost points lie on the edges, up to rounding.
             let is_inside = (-1e-9..=count as f64 + 1e-9).contains(&cells);
             is_inside.then(|| (cells.max(0.0) as usize).min(count - 1))
         };
@@ -94,7 +96,7 @@ impl Grid {
         Some(row * self.columns + column)
     }
 
-    /// Indices of the cells whose centres lie within a distance of a place.
+    /// Returns the indices of the cells whose centres lie within a distance of a place.
     pub(super) fn cells_within(
         &self,
         [east_m, north_m]: [f64; 2],
@@ -118,7 +120,8 @@ impl Grid {
         within.map(move |(row, column)| row * grid.columns + column)
     }
 
-    /// The grid with cells `times` as long; its far edges may lie beyond.
+    /// Returns the grid with cells `times` as long; its far edges may lie beyond those of this
+    /// grid.
     #[must_use]
     pub fn coarser(&self, times: usize) -> Self {
         Self {
@@ -129,7 +132,7 @@ impl Grid {
         }
     }
 
-    /// The least factor on the cell with which there are no more cells than this.
+    /// Returns the least factor on the side of a cell with which there are at most `most` cells.
     pub fn times_coarser(&self, most: usize) -> usize {
         let mut times = 1;
         while self.coarser(times).len() > most.max(1) {
@@ -138,9 +141,9 @@ impl Grid {
         times
     }
 
-    /// Rows and columns before and behind a place, and how far on from the centre of the first to
-    /// that of the second it is: below 0 and above 1 beyond the outermost centres. Rows count from
-    /// the north.
+    /// Returns the rows and the columns before and behind a place, and the way from the centre of
+    /// the first to the place, as a share of the way to the centre of the second: below 0 and above
+    /// 1 beyond the outermost centres. Rows count from the north.
     pub fn about(&self, [east_m, north_m]: [f64; 2]) -> [CentresAbout; 2] {
         [
             CentresAbout::of((self.north_m - north_m) / self.cell_m, self.rows),
@@ -159,12 +162,12 @@ impl Grid {
     }
 }
 
-/// Two neighbouring rows or columns; the same twice where there is only one.
+/// Two neighbouring rows or columns about a place; the same one twice where there is only one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CentresAbout {
-    /// The one before, and the one behind.
+    /// Index of the first, and of the second.
     pub cells: [usize; 2],
-    /// Way from the centre of the first, in cells.
+    /// Way from the centre of the first to the place, in cells.
     pub share: f64,
 }
 
@@ -177,10 +180,10 @@ impl CentresAbout {
     }
 }
 
-/// The cell that suits the data: half of the mean distance `sqrt(area / places)` between places of
-/// soundings, rounded down to 1, 2 or 5 times a power of ten and at least 0.1 m. The area is that
-/// of the squares of `gap_m` that hold a sounding, since beyond the gap there will be no surface.
-/// `None` without points.
+/// Returns the side of a cell that suits the data, metres: half of the mean distance `sqrt(area /
+/// places)` between places of soundings, rounded down to 1, 2 or 5 times a power of ten and at
+/// least 0.1 m. The area is that of the squares of `gap_m` that hold a sounding, since beyond the
+/// gap there will be no surface. `None` without points.
 pub(crate) fn suited_cell_m(points: &[DepthPoint], gap_m: f64) -> Option<f64> {
     let places = occupied(points, LEAST_CELL_M);
     let area_m2 = occupied(points, gap_m) as f64 * gap_m * gap_m;
@@ -188,13 +191,13 @@ pub(crate) fn suited_cell_m(points: &[DepthPoint], gap_m: f64) -> Option<f64> {
     (places > 0 && half_m.is_finite()).then(|| ticks::round_down(half_m).max(LEAST_CELL_M))
 }
 
-/// Squares of a side, at least [`LEAST_CELL_M`], that hold a point.
+/// Returns the number of squares of a side, at least [`LEAST_CELL_M`], that hold a point.
 fn occupied(points: &[DepthPoint], side_m: f64) -> usize {
     let square = |point: &DepthPoint| {
-        // The earth's metres over the least cell fit into 32 bits.
+        // Distances on the earth divided by the least cell fit into 32 bits.
         point.place().map(|metres| (metres / side_m).floor() as i32)
     };
-    // Sorted: a set of them would take several times the memory.
+    // Sorted: a set of the squares would take several times the memory.
     let mut squares: Vec<[i32; 2]> = points.iter().map(square).collect();
     squares.par_sort_unstable();
     squares.chunk_by(|a, b| a == b).count()
@@ -207,14 +210,15 @@ pub enum CellSource {
     /// No depth is known.
     #[default]
     None = 0,
-    /// No depth was measured in it: it lies between depths that were.
+    /// No depth was measured in the cell: it is interpolated between measured depths.
     Interpolated = 1,
-    /// No depth was measured in it, but the levels of its echoes determine its slope: inferred, not
-    /// measured.
+    /// No depth was measured in the cell, but the levels of its echoes determine its slope:
+    /// inferred, not measured.
     FromLevels = 2,
-    /// A first return of the side-scan lies in it, and no sounding.
+    /// A first return of the side-scan lies in the cell, and no sounding.
     FirstReturn = 3,
-    /// A depth of the recorder, under the boat or across the track, or of a reference lies in it.
+    /// A depth of the recorder, under the boat or across the track, or of a reference lies in the
+    /// cell.
     Sounding = 4,
 }
 
@@ -223,7 +227,7 @@ impl CellSource {
     pub const KNOWN: [Self; 4] =
         [Self::Sounding, Self::FirstReturn, Self::FromLevels, Self::Interpolated];
 
-    /// A word or two for legends and tables.
+    /// Returns the name of the source for legends and tables: a word or two.
     pub fn name(self) -> &'static str {
         match self {
             Self::None => "unknown",
@@ -234,7 +238,8 @@ impl CellSource {
         }
     }
 
-    /// Number, name and colour of those that a depth can have, as rasters of sources show them.
+    /// Returns the number, name and colour of the sources that a depth can have, for rasters of
+    /// sources.
     pub fn classes() -> [(u8, &'static str, Rgb); 4] {
         let class = |index: usize| {
             let source = Self::KNOWN[index];
@@ -260,8 +265,8 @@ pub(super) fn measured_cells(points: &[DepthPoint], grid: &Grid) -> Vec<CellSour
     cells
 }
 
-/// Says of every cell with a depth that holds no measured one that it is interpolated, and of those
-/// without any that none is known.
+/// Marks every cell that has a depth but no measured one as interpolated, and every cell without a
+/// depth as unknown.
 pub(super) fn settle(sources: &mut [CellSource], depth_m: &[f32]) {
     for (source, depth_m) in sources.iter_mut().zip(depth_m) {
         *source = match (depth_m.is_nan(), *source) {

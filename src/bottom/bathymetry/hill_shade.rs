@@ -1,4 +1,4 @@
-//! A surface lit from the side, which makes small relief visible that colours of depth do not show.
+//! Draws a surface lit from the side, which shows small relief that colours of depth do not.
 
 use super::Surface;
 use bathyscope_log::support::progress::{Cancelled, Progress};
@@ -6,8 +6,8 @@ use rayon::prelude::*;
 
 /// Factors on the relief to choose from.
 const EXAGGERATIONS: [f64; 6] = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0];
-/// The slope that the steeper tenth of a surface has at most after exaggeration: beyond it the
-/// picture is all black and white.
+/// Greatest slope of the steeper tenth of a surface after exaggeration: beyond it the picture is
+/// all black and white.
 const STEEP: f64 = 0.8;
 /// Number of slopes examined to choose the exaggeration.
 const SLOPES: usize = 50_000;
@@ -15,8 +15,8 @@ const SLOPES: usize = 50_000;
 /// Direction of the light, and factor on the relief.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Light {
-    /// Direction of the light, degrees clockwise from grid north. From the north-west, as maps have
-    /// it: from below, hills would be taken for hollows.
+    /// Direction of the light, degrees clockwise from grid north. Maps are lit from the north-west:
+    /// with light from below, hills would be taken for hollows.
     pub azimuth_deg: f64,
     /// Height of the light over the horizon, degrees.
     pub altitude_deg: f64,
@@ -54,13 +54,13 @@ impl Light {
     }
 }
 
-/// Brightness of every cell, row by row: 1 (turned away from the light) to 255 (square to it), 0
-/// where the depth of the cell or of one of the eight around it is unknown.
+/// Returns the brightness of every cell, row by row: 1 (turned away from the light) to 255 (square
+/// to it), 0 where the depth of the cell or of one of the eight around it is unknown.
 ///
 /// The slope is Horn's (1981, Proc. IEEE 69): with cells `a b c / d e f / g h i` from the
 /// north-west, the elevation rises eastwards by `((c + 2f + i) - (a + 2d + g)) / 8` a cell and
-/// northwards by `((a + 2b + c) - (g + 2h + i)) / 8`. Its cosine to the light is spread over 1 to
-/// 255, as `gdaldem hillshade` does.
+/// northwards by `((a + 2b + c) - (g + 2h + i)) / 8`. The cosine of the angle to the light is
+/// spread over 1 to 255, as `gdaldem hillshade` does.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -93,7 +93,8 @@ fn brightness(cosine: f64) -> u8 {
     (1.0 + 254.0 * cosine.max(0.0)).round() as u8
 }
 
-/// Rise of the bottom eastwards and northwards, metres a metre.
+/// Returns the rise of the bottom eastwards and northwards, metres a metre; `None` where a depth
+/// that counts is unknown.
 fn gradient(surface: &Surface, cell: usize) -> Option<[f64; 2]> {
     let columns = surface.grid.columns;
     let (row, column) = (cell / columns, cell % columns);

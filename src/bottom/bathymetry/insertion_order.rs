@@ -1,26 +1,27 @@
-//! The order in which places become a triangulation quickly, whatever their shape.
+//! Sorts places so that they can be triangulated quickly, whatever their arrangement.
 //!
 //! spade's bulk loading takes quadratic time where many places lie on one line, as the soundings of
-//! a straight run do: it was over a minute for 40 000. Inserted one by one in random order each
-//! place changes few triangles, however the places lie; along a space-filling curve the next one is
-//! near the last, so that its triangle is found in a few steps. Both are had at once in rounds,
-//! each twice as large as the one before, of places drawn at random and sorted along the curve:
-//! Amenta, Choi and Rote, Incremental constructions con BRIO, SoCG 2003.
+//! a straight run do: over a minute for 40 000. Inserted one by one in random order, each place
+//! changes few triangles, however the places lie. Along a space-filling curve the next place is
+//! near the last one, so that its triangle is found in a few steps. Rounds combine both: each round
+//! is twice as large as the one before, and holds places drawn at random and sorted along the curve
+//! (Amenta, Choi and Rote, Incremental constructions con BRIO, SoCG 2003).
 
 use super::Node;
 use bathyscope_log::support::outline::bounds;
 use rayon::prelude::*;
 
-/// Steps of the curve along a side: 2^16, so that a place on it is a number of 32 bits.
+/// Bits of a coordinate on the curve: the curve has 2^16 steps along a side, so that a place on it
+/// is a number of 32 bits.
 const CURVE_BITS: u32 = 16;
-/// Rounds, of which the first is everything that is left.
+/// Number of the last round; round 0 holds all places that the others leave.
 const ROUNDS: u32 = 12;
-/// Places farther off a line than this share of their coordinates span a surface; nearer ones are
-/// on it but for rounding.
+/// Least distance of a place from a line at which they span a surface, as a share of the
+/// coordinates; nearer places are on the line except for rounding.
 const LEAST_WIDTH: f64 = 1e-9;
 
-/// Sorts nodes for their insertion; `false` where they span no surface: fewer than three places, or
-/// all on one line. The first three are a triangle.
+/// Sorts nodes for their insertion, with three nodes that form a triangle first. Returns `false`
+/// where the nodes span no surface: fewer than three places, or all on one line.
 pub(super) fn sort(nodes: &mut [Node]) -> bool {
     if !put_triangle_first(nodes) {
         return false;
@@ -28,7 +29,7 @@ pub(super) fn sort(nodes: &mut [Node]) -> bool {
     let (low, scale) = extent(nodes);
     let key = |node: &Node| {
         let steps = [node.east_m - low[0], node.north_m - low[1]].map(|way| (way * scale) as u32);
-        // The hash makes of the place a number that is as good as random, and the same in every
+        // The hash makes a number of the place that is as good as random, and the same in every
         // run.
         let hash = (node.east_m.to_bits() ^ node.north_m.to_bits().rotate_left(32))
             .wrapping_mul(0x9E37_79B9_7F4A_7C15)
@@ -41,8 +42,8 @@ pub(super) fn sort(nodes: &mut [Node]) -> bool {
     true
 }
 
-/// Brings three nodes to the front that are no line: two as far apart as it is quickly found, and
-/// the farthest from their line.
+/// Moves three nodes that form a triangle to the front: two that are about the farthest apart, and
+/// the one farthest from their line. Returns `false` where the nodes span no surface.
 fn put_triangle_first(nodes: &mut [Node]) -> bool {
     let farthest = |nodes: &[Node], off: &dyn Fn(&Node) -> f64| {
         let offs = nodes.iter().map(off).enumerate();
@@ -80,7 +81,7 @@ fn put_triangle_first(nodes: &mut [Node]) -> bool {
     width_m > LEAST_WIDTH * size_m
 }
 
-/// The south-west corner, and the steps of the curve to a metre.
+/// Returns the south-west corner, and the number of steps of the curve per metre.
 fn extent(nodes: &[Node]) -> ([f64; 2], f64) {
     let [west, south, east, north] = bounds(nodes.iter().map(Node::place));
     let side_m = (east - west).max(north - south);

@@ -1,15 +1,15 @@
-//! Inverse distance weighting.
+//! Weighs the nodes around a place by the inverse square of their distance.
 
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use std::num::NonZero;
 
-/// Sixty-four nodes carry a place at most: a dense cloud has thousands within the gap, and those
-/// far off count for little.
+/// Largest number of nodes that carry a place: a dense cloud has thousands within the gap, and the
+/// far ones count for little.
 const MOST: NonZero<usize> = NonZero::new(64).unwrap();
 
-/// Fills `weights` with the nodes that carry a place, and shares `1 / distance^2` of them that sum
-/// to 1 (Shepard 1968): the nearest, up to 64, within `reach_m`. Empty where no node is so near; a
-/// node itself at its own place.
+/// Fills `weights` with the nodes that carry a place, and their shares `1 / distance^2`, which sum
+/// to 1 (Shepard 1968): the nearest nodes, up to 64, within `reach_m`. `weights` is empty where no
+/// node is so near; at the place of a node, this node alone counts.
 pub(super) fn inverse_distance(
     index: &ImmutableKdTree<f64, 2>,
     place: [f64; 2],

@@ -1,5 +1,5 @@
-//! A surface of which no cell depends on what lies far away, so that a map of many tiles is the
-//! same as one of all.
+//! Computes a surface of which no cell depends on what lies far away, so that a map of many tiles
+//! is the same as one of the whole.
 
 use super::grid::{measured_cells, settle};
 use super::nodes::merge_repeated_with;
@@ -8,26 +8,26 @@ use super::tin::largest_radius_m;
 use super::{DepthPoint, Grid};
 use bathyscope_log::support::progress::{Cancelled, Progress};
 
-/// Standard deviation of a depth that stands alone in its cell, metres: the scatter of differences
+/// Standard deviation of a depth that is alone in its cell, metres: the scatter of differences
 /// between two logs on a level bottom.
 const ALONE_M: f64 = 0.03;
-/// Number of cells beyond the edge of a tile that lines through its cells depend on, however their
-/// corners are cut.
+/// Number of cells beyond the edge of a tile that the lines through its cells depend on, however
+/// often the corners of the lines are cut.
 pub const LOCAL_MARGIN_CELLS: usize = 4;
 
 /// Returns the greatest distance from a cell to the points that it depends on, metres, not counting
-/// the size of the cells that they fall into.
+/// the size of the cells that these points fall into.
 ///
-/// A triangle that counts lies, with all nodes that decide whether it is one, in its circumscribed
-/// circle: no two places of that are farther apart than its diameter.
+/// A triangle that counts, and all nodes that decide whether it is one, lie in its circumscribed
+/// circle: no two places in the circle are farther apart than its diameter.
 pub fn local_reach_m(max_gap_m: f64) -> f64 {
     2.0 * largest_radius_m(max_gap_m)
 }
 
-/// The surface of [`super::surface()`] by linear triangles on a grid that is given, each cell of
-/// which is the same to the bit whatever points there are beyond [`local_reach_m`] of it and
-/// whatever cells beside it: for grids whose cells are a power of two and lie on multiples of that,
-/// and points in one order.
+/// Computes the surface of [`super::surface()`] by linear triangles on a given grid. Each cell is
+/// the same to the bit whatever points there are beyond [`local_reach_m`] of it and whatever cells
+/// there are beside it, if the side of the cells is a power of two, the grid lies on multiples of
+/// this side, and the points are in the same order.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -41,7 +41,7 @@ pub fn local_surface(
     progress.check()?;
     let mut made = match DepthField::local(nodes.clone(), max_gap_m) {
         Some(field) => field.fill(grid, progress)?,
-        // On one line no triangle has an area; what was measured is known.
+        // On one line no triangle has an area; only the measured cells are known.
         None => {
             let mut made = Surface::unknown(grid, SurfaceMethod::Linear);
             made.fill_measured(nodes.into_iter());

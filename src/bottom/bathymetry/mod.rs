@@ -1,20 +1,22 @@
-//! Depth maps from soundings: repeated positions merged, and sampled only where something was
-//! measured.
+//! Makes depth maps from soundings: merges repeated positions, and samples the depth only where
+//! something was measured.
 //!
-//! In: depths with their places. Out: surfaces, and what is read from them: isobaths, comparisons,
-//! offsets between logs.
+//! In: depths with their places. Out: surfaces, and what is derived from them: isobaths,
+//! comparisons, offsets between logs.
 //!
-//! `nodes` takes the depths with their places and merges those of one place, `tin` (in an
-//! `insertion_order`), `inverse_distance` find the depth between them, `left_out` says what it is
-//! worth, `grid` chooses the cells and says what was measured in each, and `surface` fills them;
-//! `slopes` bend it between the lines; `local` fills a part of a larger map. `spot_soundings`
-//! chooses those that a chart prints. `hill_shade` lights them, `isobaths` draws through them,
-//! `compare` compares points with a reference, `crosslines` compares the passes of a survey with
-//! each other and `crossing_error` says what a depth is worth by that, `contradicted` finds the
-//! stretches that other logs show to be false, `height_offsets` finds what sets the depths of one
-//! log off from those of others, `position_offsets` how far its positions are off and how late they
-//! are, `transect` looks at them along a line; `coarser` gives it larger cells,
-//! `flat_extrapolation` more ground, `change` says what changed between two of them.
+//! `nodes` defines depths with their places and merges those of one place, `tin` (with
+//! `insertion_order`) and `inverse_distance` find the depth between them, `left_out` estimates its
+//! error, `grid` chooses the cells and records the source of the depth in each, and `surface` fills
+//! them; `slopes` bends the surface between the lines; `local` fills a part of a larger map.
+//! `spot_soundings` chooses the depths that a chart prints. `hill_shade` lights surfaces,
+//! `isobaths` draws lines on them, `compare` compares points with a reference, `crosslines`
+//! compares the passes of a survey with each other and `crossing_error` estimates the error of a
+//! depth from that, `contradicted` finds the stretches that other logs show to be false,
+//! `height_offsets` finds the height offsets between the depths of logs, `position_offsets` finds
+//! the offsets and delays of their positions, `transect` samples surfaces along a line, `coarser`
+//! resamples them to larger cells, `flat_extrapolation` extends them over more ground, `change`
+//! finds what changed between two of them, and `from_levels` defines the setting and result of
+//! depths from echo levels.
 
 pub mod change;
 mod coarser;

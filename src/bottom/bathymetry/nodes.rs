@@ -1,10 +1,10 @@
-//! Depths with a place, and the soundings of one place merged into one depth.
+//! Defines depths with a place, and merges the soundings of one place into one depth.
 
 use bathyscope_log::support::statistics::{self, median, weighted_median};
 use bathyscope_log::survey::{Navigation, Survey};
 use rayon::prelude::*;
 
-/// A depth at a place.
+/// Depth at a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DepthPoint {
     /// Metres east of the survey's origin.
@@ -15,24 +15,24 @@ pub struct DepthPoint {
     pub depth_m: f64,
     /// Weight where several depths meet; 1 for a recorder's own sounding, 0 to ignore the depth.
     pub weight: f64,
-    /// True if it is a depth of the recorder, under the boat or across the track, or of a
-    /// reference, and no first return of the side-scan.
+    /// True if the depth is one of the recorder, under the boat or across the track, or of a
+    /// reference; false for a first return of the side-scan.
     pub is_sounding: bool,
 }
 
 impl DepthPoint {
-    /// East and north, metres.
+    /// Returns east and north, metres.
     pub fn place(&self) -> [f64; 2] {
         [self.east_m, self.north_m]
     }
 
-    /// A sounding that counts in full.
+    /// Creates a sounding that counts in full.
     pub(crate) fn of_sounding([east_m, north_m]: [f64; 2], depth_m: f64) -> Self {
         Self { east_m, north_m, depth_m, weight: 1.0, is_sounding: true }
     }
 }
 
-/// Every sounding of the survey that has both a place and a depth, in time order.
+/// Returns every sounding of the survey that has both a place and a depth, in time order.
 pub fn depth_points(survey: &Survey, navigation: &Navigation) -> Vec<DepthPoint> {
     let placed = survey.soundings.iter().zip(navigation.soundings.iter());
     placed
@@ -46,13 +46,13 @@ pub fn depth_points(survey: &Survey, navigation: &Navigation) -> Vec<DepthPoint>
         .collect()
 }
 
-/// The 2nd and 98th percentile of some depths: the ends of the colour scale. `None` without any
-/// finite depth.
+/// Returns the 2nd and 98th percentile of some depths: the ends of the colour scale. `None` without
+/// any finite depth.
 pub fn depth_range(depths: impl IntoIterator<Item = f32>) -> Option<[f32; 2]> {
     statistics::colour_ends(depths)
 }
 
-/// One depth for one place.
+/// Merged depth of one place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Node {
     /// Metres east of the survey's origin.
@@ -61,25 +61,27 @@ pub struct Node {
     pub north_m: f64,
     /// Median depth, metres.
     pub depth_m: f64,
-    /// Standard deviation (n - 1) of the depths about their median, metres. Where there were fewer
-    /// than three, the median of that of the other places; 0 when no place has three.
+    /// Standard deviation (n - 1) of the depths about their median, metres. For fewer than three
+    /// depths it is the median of the standard deviations at the other places; 0 when no place has
+    /// three.
     pub spread_m: f64,
-    /// True where a first return of the side-scan is among the depths.
+    /// True if a first return of the side-scan is among the depths.
     pub has_side_scan: bool,
 }
 
 impl Node {
-    /// East and north, metres.
+    /// Returns east and north, metres.
     pub fn place(&self) -> [f64; 2] {
         [self.east_m, self.north_m]
     }
 }
 
-/// Fewer depths than this say nothing about their spread.
+/// Fewest depths that determine a spread.
 const LEAST_FOR_SPREAD: usize = 3;
 
-/// One node for all points of a square of `cell_m`: the weighted mean place and the weighted median
-/// depth. A cell of 0 merges only exactly repeated places. Points without weight are left out.
+/// Returns one node for all points of a square of `cell_m`: the weighted mean place and the
+/// weighted median depth. A cell of 0 merges only exactly repeated places. Points without weight
+/// are left out.
 ///
 /// Recorders repeat a fix for most pings, and a triangulation takes one depth a place.
 pub(crate) fn merge_repeated(points: &[DepthPoint], cell_m: f64) -> Vec<Node> {
@@ -91,15 +93,15 @@ pub(crate) fn merge_repeated(points: &[DepthPoint], cell_m: f64) -> Vec<Node> {
     nodes
 }
 
-/// The same, where the spread of fewer than three depths is `typical_m`: no node depends on points
-/// of other squares.
+/// Merges points as [`merge_repeated`] does, but with `typical_m` as the spread of fewer than three
+/// depths: no node then depends on points of other squares.
 pub(super) fn merge_repeated_with(points: &[DepthPoint], cell_m: f64, typical_m: f64) -> Vec<Node> {
     let mut nodes = merge_cells(points, cell_m);
     fill_spreads(&mut nodes, typical_m);
     nodes
 }
 
-/// The spread is NaN where it is unknown.
+/// Merges the points of each square; the spread is NaN where it is unknown.
 fn merge_cells(points: &[DepthPoint], cell_m: f64) -> Vec<Node> {
     let key = |value: f64| {
         if cell_m > 0.0 {
@@ -110,7 +112,7 @@ fn merge_cells(points: &[DepthPoint], cell_m: f64) -> Vec<Node> {
         }
     };
     let cell = |index: usize| [points[index].east_m, points[index].north_m].map(key);
-    // Indices are sorted, not points with their keys: those would take six times as much memory.
+    // Indices are sorted, not points with their keys, which would take six times as much memory.
     let mut order: Vec<usize> = (0..points.len()).collect();
     order.retain(|index| points[*index].weight > 0.0);
     order.par_sort_unstable_by_key(|index| (cell(*index), *index));
@@ -124,7 +126,7 @@ fn merge_cells(points: &[DepthPoint], cell_m: f64) -> Vec<Node> {
     nodes
 }
 
-/// `None` without points. The spread is NaN where it is unknown.
+/// Merges points into one node; `None` without points. The spread is NaN where it is unknown.
 fn merge(
     mut same: impl ExactSizeIterator<Item = DepthPoint> + Clone,
     depths: &mut Vec<(f64, f64)>,
@@ -180,7 +182,7 @@ mod tests {
         let depths: Vec<f64> = merged.iter().map(|node| node.depth_m).collect();
         assert_eq!(depths, [4.0, 1.5]);
         assert_eq!([merged[1].east_m, merged[1].north_m], [5.0, 5.0]);
-        // sqrt((5^2 + 1^2) / 2), and the same for the place that cannot know its own.
+        // sqrt((5^2 + 1^2) / 2), and the same for the place that has too few depths.
         assert!((merged[0].spread_m - 13f64.sqrt()).abs() < 1e-12);
         assert_eq!(merged[1].spread_m, merged[0].spread_m);
     }

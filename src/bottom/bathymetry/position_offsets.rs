@@ -1,14 +1,14 @@
-//! Offsets and latencies of the positions of each log, from crossings of tracks over a bottom that
-//! slopes.
+//! Finds the offsets and latencies of the positions of each log from crossings of tracks over a
+//! bottom that slopes.
 //!
 //! A log whose positions are off measures at a crossing the depth of another place, and the slope
-//! of the bottom tells how far away that is. With the gradient `G` of the depth, heights `h`,
+//! of the bottom shows how far away this place is. With the gradient `G` of the depth, heights `h`,
 //! shifts `s` and the boat's velocity `v` times the latency `t`, the depths of two passes differ by
 //!
 //! `d_1 - d_2 = (h_1 - h_2) + G (s_1 + v_1 t_1 - s_2 - v_2 t_2)`
 //!
-//! which is linear in what is unknown. A shift that all logs share changes nothing; the shifts
-//! found have a mean of about zero. A latency is known even of one log that crosses itself in
+//! which is linear in the unknowns. A shift that all logs share changes nothing; the shifts found
+//! have a mean of about zero. A latency can be found even for a single log that crosses itself in
 //! different directions.
 
 use super::crosslines::{Crossing, TrackDepth, velocity_mps};
@@ -16,27 +16,27 @@ use super::height_offsets::{difference_sigma_m, groups, robust_shares};
 use crate::sparse::{Equations, Factor, Pattern};
 use std::collections::BTreeMap;
 
-/// Standard deviations of what is looked for, before any crossing: of positions of a receiver
-/// without corrections, metres, and of the latency of a recorder, seconds. Where crossings say
-/// nothing, the bottom being level, the shift stays zero.
+/// Standard deviations of the unknowns that are assumed before any crossing: of positions of a
+/// receiver without corrections, metres, and of the latency of a recorder, seconds. Where crossings
+/// determine nothing, the bottom being level, the shift stays zero.
 const SD_SHIFT_M: f64 = 2.0;
 const SD_LATENCY_S: f64 = 1.0;
-/// The same of heights, metres: nothing is assumed of them.
+/// Assumed standard deviation of heights, metres: so large that it hardly restricts them.
 const SD_HEIGHT_M: f64 = 10.0;
-/// Residuals scatter by at least this share of what their slopes let expect: few crossings can
-/// agree by chance.
+/// Least scatter of the residuals, as a share of what is expected from their slopes: few crossings
+/// can agree by chance.
 const LEAST_SCALE: f64 = 0.5;
-/// A smaller slope may be that of noise, and says nothing about positions, metres a metre.
+/// Least slope that determines positions, metres a metre: a smaller one may be that of noise.
 const LEAST_SLOPE: f64 = 0.02;
 const ROUNDS: usize = 20;
-/// Rounds at most in which tracks are corrected and their crossings found anew, and the change that
-/// ends them, metres or seconds. Slopes are those over a few metres and so too small on mounds,
-/// which makes the first shifts too large.
+/// Largest number of rounds in which tracks are corrected and their crossings found anew, and the
+/// change below which the rounds end, metres or seconds. Slopes are those over a few metres and so
+/// too small on mounds, which makes the first shifts too large.
 const MOST_CORRECTIONS: usize = 10;
 const CORRECTED: f64 = 0.01;
-/// Shifts that change by less than this are found, metres or seconds.
+/// Change of the unknowns below which the iteration ends, metres or seconds.
 const SETTLED: f64 = 1e-6;
-/// Unknowns of a log: shift to the east and north, latency, height.
+/// Indices of the unknowns of a log: shift to the east and north, latency, height.
 const EAST: usize = 0;
 const NORTH: usize = 1;
 const LATENCY: usize = 2;
@@ -62,12 +62,12 @@ impl Wanted {
 /// Correction of the positions of a log.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Shift {
-    /// Metres to the east, added to its positions.
+    /// Shift to the east that is added to the positions, metres.
     pub east_m: f64,
-    /// Metres to the north, added to its positions.
+    /// Shift to the north that is added to the positions, metres.
     pub north_m: f64,
-    /// Delay of its positions after the depths recorded with them, seconds: the boat is where it
-    /// will be recorded to be this much later.
+    /// Delay of the positions after the depths recorded with them, seconds: at the time of a depth
+    /// the boat is at the position that is recorded this much later.
     pub latency_s: f64,
 }
 
@@ -79,7 +79,7 @@ impl Shift {
         [self.east_m + self.latency_s * east, self.north_m + self.latency_s * north]
     }
 
-    /// The same with more added, east, north and latency.
+    /// Returns the shift with more added: east, north and latency.
     #[must_use]
     pub fn plus(&self, [east_m, north_m, latency_s]: [f64; 3]) -> Self {
         Self {
@@ -89,23 +89,23 @@ impl Shift {
         }
     }
 
-    /// East, north and latency, metres and seconds.
+    /// Returns east, north and latency, metres and seconds.
     pub fn values(&self) -> [f64; 3] {
         [self.east_m, self.north_m, self.latency_s]
     }
 }
 
-/// A shift that was found.
+/// Shift that was found for a log.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FoundShift {
-    /// All of it, with what was known before.
+    /// The whole shift, including the part that was known before.
     pub shift: Shift,
-    /// Standard error of the shift against the mean of the logs that are tied to this one, or
-    /// against a pinned one of them, the larger of both directions, metres; NaN where none was
-    /// looked for. About 2 m where crossings say nothing.
+    /// Standard error of the shift, metres, the larger of both directions: against the mean of the
+    /// logs that crossings connect with this one, or against a pinned one of them. NaN where shifts
+    /// were not wanted; about 2 m where crossings determine nothing.
     pub shift_error_m: f64,
-    /// Standard error of the latency, seconds; NaN where none was looked for. About 1 s where
-    /// crossings say nothing.
+    /// Standard error of the latency, seconds; NaN where latencies were not wanted. About 1 s where
+    /// crossings determine nothing.
     pub latency_error_s: f64,
 }
 
@@ -117,7 +117,7 @@ impl FoundShift {
         latency_error_s: f64::NAN,
     };
 
-    /// Takes over the standard errors of what was found before and was not looked for now.
+    /// Keeps the standard errors of `before` for unknowns that were not wanted now.
     pub fn keep_errors_of(&mut self, before: &Self) {
         let kept = |now: f64, before: f64| if now.is_nan() { before } else { now };
         self.shift_error_m = kept(self.shift_error_m, before.shift_error_m);
@@ -125,7 +125,7 @@ impl FoundShift {
     }
 }
 
-/// A track with its positions corrected.
+/// Returns a track with its positions corrected.
 pub fn shifted(track: &[TrackDepth], shift: &Shift) -> Vec<TrackDepth> {
     let moved = |(index, depth): (usize, &TrackDepth)| {
         let [east_m, north_m] = shift.at(velocity_mps(track, index));
@@ -137,14 +137,16 @@ pub fn shifted(track: &[TrackDepth], shift: &Shift) -> Vec<TrackDepth> {
 /// A log in the adjustment.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CorrectedLog {
-    /// Correction applied to its positions before its depths were compared.
+    /// Correction applied to the positions before the depths were compared.
     pub shift: Shift,
-    /// Its height offset, where that is known and the shift stays: a log that a person has pinned.
+    /// Height offset of a pinned log, metres: a person has fixed its height and shift. `None` for
+    /// others.
     pub pinned_m: Option<f64>,
 }
 
-/// The shifts of logs, found in rounds: `crossings` gives those of the tracks as corrected so far,
-/// whose places and slopes move with them. `None` where the equations have no solution in numbers.
+/// Returns the shifts of logs, found in rounds: `crossings` returns the crossings of the tracks as
+/// corrected so far, whose places and slopes move with the tracks. `None` where the equations have
+/// no solution in numbers.
 ///
 /// # Errors
 /// Those of `crossings`.
@@ -174,9 +176,9 @@ pub fn settled_offsets<E>(
     Ok(Some(result))
 }
 
-/// The shifts of logs from crossings with each other and with themselves, by least squares with
-/// robust weights; a pass names its log as its track. `None` where the equations have no solution
-/// in numbers.
+/// Returns the shifts of logs from crossings with each other and with themselves, by least squares
+/// with robust weights; the track of a pass is the index of its log. `None` where the equations
+/// have no solution in numbers.
 fn position_offsets(
     logs: &[CorrectedLog],
     crossings: &[Crossing],
@@ -194,9 +196,9 @@ fn position_offsets(
 /// The adjustment of logs to each other.
 struct Adjustment<'a> {
     logs: &'a [CorrectedLog],
-    /// Those that have numbers, of these logs.
+    /// Crossings of these logs whose depths and gradients are finite.
     crossings: Vec<&'a Crossing>,
-    /// Expected standard deviations of the differences of their depths, metres.
+    /// Expected standard deviation of the difference of the depths at each crossing, metres.
     sigmas_m: Vec<f64>,
     wanted: Wanted,
 }
@@ -214,8 +216,8 @@ impl<'a> Adjustment<'a> {
         Self { logs, crossings, sigmas_m, wanted }
     }
 
-    /// An equation for each crossing, in their order, and one for each unknown that holds it near
-    /// zero.
+    /// Returns an equation for each crossing, in their order, and one for each unknown that holds
+    /// it near zero.
     fn equations(&self) -> Equations {
         let mut equations = Equations::default();
         for (one, sigma_m) in self.crossings.iter().zip(&self.sigmas_m) {
@@ -225,7 +227,7 @@ impl<'a> Adjustment<'a> {
         for (log, placed) in self.logs.iter().enumerate() {
             let sds = [SD_SHIFT_M, SD_SHIFT_M, SD_LATENCY_S];
             for ((unknown, value), sd) in placed.shift.values().into_iter().enumerate().zip(sds) {
-                // The whole of a shift is held near zero, of which a part is known.
+                // The whole shift is held near zero, and a part of it is known.
                 equations.add([(UNKNOWNS * log + unknown, 1.0)], -value, sd);
             }
             equations.add([(UNKNOWNS * log + HEIGHT, 1.0)], 0.0, SD_HEIGHT_M);
@@ -233,8 +235,8 @@ impl<'a> Adjustment<'a> {
         equations
     }
 
-    /// The unknowns, and the factor of the equations that they solve: crossings that do not fit the
-    /// others lose weight round by round.
+    /// Returns the unknowns, and the factor of the equations that they solve; crossings that do not
+    /// fit the others lose weight round by round. `None` where the equations have no solution.
     fn solve(&self) -> Option<(Vec<f64>, Factor)> {
         let mut equations = self.equations();
         let count = UNKNOWNS * self.logs.len();
@@ -293,8 +295,9 @@ impl<'a> Adjustment<'a> {
         }
     }
 
-    /// Standard errors of all unknowns: shifts against the mean of those of the logs that crossings
-    /// tie to each other, unless one of them is pinned, for a shift that all share is not known.
+    /// Returns the standard errors of all unknowns. Shifts are against the mean of the logs that
+    /// crossings connect, unless one of these is pinned, since a shift that all share cannot be
+    /// found.
     fn errors(&self, factor: &Factor) -> Vec<f64> {
         let logs = self.logs;
         let count = UNKNOWNS * logs.len();
@@ -311,7 +314,7 @@ impl<'a> Adjustment<'a> {
         for group in members.values().filter(is_free) {
             let weight = 1.0 / group.len() as f64;
             for axis in [EAST, NORTH] {
-                // Of the covariance C and the weights w of the mean: C_ii - 2 (C w)_i + w C w.
+                // With the covariance C and the weights w of the mean: C_ii - 2 (C w)_i + w C w.
                 let mut with_mean = [vec![0.0; count]];
                 for log in group {
                     with_mean[0][UNKNOWNS * log + axis] = weight;
@@ -405,7 +408,7 @@ mod tests {
                 });
                 time_s += 0.2 / speed_mps;
             }
-            // Far apart, so that the way from line to line is none.
+            // A gap in time, so that the way from line to line is no part of the track.
             time_s += 60.0;
         }
         track
@@ -434,7 +437,7 @@ mod tests {
     #[test]
     fn shifts_and_latencies_are_found_from_crossings_over_a_hilly_bed() {
         let shift = |east_m, north_m, latency_s| Shift { east_m, north_m, latency_s };
-        // Their mean is zero, but for latencies, which are known by themselves.
+        // The shifts have a mean of zero; the latencies are known by themselves.
         let truth = [shift(1.2, -0.8, 0.8), shift(-0.9, 0.2, 0.0), shift(-0.3, 0.6, 0.3)];
         let heights_m = [0.2, -0.3, 0.5];
         let tracks: Vec<Vec<TrackDepth>> =

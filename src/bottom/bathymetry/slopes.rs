@@ -1,40 +1,41 @@
-//! The depth between lines by the slopes on them.
+//! Computes the depth between lines from the slopes on the lines.
 //!
-//! The triangles between two lines are straight, and the ground is not: it leaves each line by the
-//! slope there. Both first returns tell that slope across the line, and soundings the one along it.
-//! A cubic patch over each triangle (Bezier's, with the slopes at the corners and quadratic
-//! precision: Farin 1986, "Triangular Bernstein-Bezier patches", section 3.3) leaves its corners by
-//! them. It counts where all corners agree which way the ground bends and left-out soundings are
-//! predicted better by it, and never leads beyond the nearest of the planes through the corners. On
-//! banks of `reach.py` errors 1.5 to 4 m from the track fall from 54, 32 and 38 cm to
-//! 15, 16 and 15.
+//! The triangles between two lines are straight, but the ground leaves each line by the slope
+//! there. The first returns of both sides determine this slope across the line, and soundings the
+//! slope along it. A cubic patch over each triangle (Bezier's, with the slopes at the corners and
+//! quadratic precision: Farin 1986, "Triangular Bernstein-Bezier patches", section 3.3) has these
+//! slopes at its corners. The patch counts where all corners agree which way the ground bends and
+//! left-out soundings are then predicted better, and it never goes beyond the nearest of the planes
+//! through the corners. On banks of `reach.py` errors 1.5 to 4 m from the track fall from 54, 32
+//! and 38 cm to 15, 16 and 15.
 
 use super::{Between, Node, Tin, TinSampler};
 use bathyscope_log::support::statistics::median;
 use std::collections::HashMap;
 
-/// Nodes around a square that tell a slope, at least.
+/// Fewest nodes around a square that determine a slope.
 const FEWEST_NODES: f64 = 8.0;
-/// They lie apart across their line by this share of the side of a square, as a standard deviation:
-/// nodes along a line tell nothing of the slope across it.
+/// Least standard deviation of nodes across their line, as a share of the side of a square: nodes
+/// along a line do not determine the slope across it.
 const LEAST_ACROSS: f64 = 1.0 / 3.0;
-/// A slope is the median of those of so many squares to each side: single ones where first returns
-/// are missing or false would leave some triangles straight among bent ones.
+/// Number of squares to each side whose slopes have their median taken: single squares where first
+/// returns are missing or false would leave some triangles straight among bent ones.
 const SMOOTHED: i64 = 2;
-/// The side-scan sees to both sides of a line where so many of its nodes have first returns.
+/// Share of nodes with first returns from which the side-scan measured both sides of a line.
 const SEEN_SHARE: f64 = 0.5;
 
-/// Times that the patches count. Beside a node one is right; farther away banks end in kinks, which
-/// a patch rounds off: on seven beds of two simulators 1 to 2 predicted left-out soundings best,
-/// and 1.5 within 2 % of it. One for all, so that two surveys along the same lines bend alike.
+/// Factor on the patches. Beside a node a factor of 1 is right; farther away banks end in kinks,
+/// which a patch rounds off: on seven beds of two simulators factors of 1 to 2 predicted left-out
+/// soundings best, and 1.5 within 2 % of the best. All surveys have the same factor, so that two
+/// surveys along the same lines bend alike.
 const TIMES: f64 = 1.5;
 
-/// The bends of a surface's triangles between the soundings.
+/// Bends of a surface's triangles between the soundings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bends {
     /// Side of the squares that slopes are taken over, metres.
     pub(super) square_m: f64,
-    /// The share of each bend that counts, up to 1: as left-out soundings show.
+    /// Share of each bend that counts, up to 1, as found from left-out soundings.
     pub(super) share: f64,
     /// Root mean square of the errors of left-out soundings by straight triangles, and by bent
     /// ones, metres.
@@ -42,12 +43,12 @@ pub struct Bends {
 }
 
 impl Bends {
-    /// The slopes of the ground around some nodes.
+    /// Returns the slopes of the ground around some nodes.
     pub(crate) fn slopes(self, nodes: &[Node]) -> NodeSlopes {
         NodeSlopes { share: self.share, ..NodeSlopes::of(nodes, self.square_m) }
     }
 
-    /// A sentence for reports.
+    /// Returns a sentence for reports.
     pub fn sentence(&self) -> String {
         let [straight_cm, bent_cm] = self.left_out_m.map(|error_m| 100.0 * error_m);
         format!(
@@ -59,20 +60,21 @@ impl Bends {
 /// Slopes of the ground around nodes: metres of depth a metre to the east, and to the north.
 pub(crate) struct NodeSlopes {
     square_m: f64,
-    /// The share of each bend that counts.
+    /// Share of each bend that counts.
     share: f64,
     slopes: HashMap<[i64; 2], [f64; 2]>,
 }
 
-/// Sums over the nodes of a square, of places relative to its corner.
+/// Sums over the nodes of a square, with places relative to its corner.
 #[derive(Clone, Copy, Default)]
 struct PlaneSums {
     count: f64,
-    /// Nodes with first returns of the side-scan.
+    /// Number of nodes with first returns of the side-scan.
     with_side_scan: f64,
-    /// East, north, depth.
+    /// Sums of east, north and depth.
     first: [f64; 3],
-    /// East with east, east with north, north with north, depth with east, depth with north.
+    /// Sums of the products of east with east, east with north, north with north, depth with east,
+    /// and depth with north.
     second: [f64; 5],
 }
 
@@ -87,7 +89,7 @@ impl PlaneSums {
         self.second = [0, 1, 2, 3, 4].map(|index| self.second[index] + second[index]);
     }
 
-    /// The same relative to a corner that lies so far to the south-west, added to others.
+    /// Adds the sums of another square, whose corner lies `[dx, dy]` to the north-east of this one.
     fn add_moved(&mut self, other: &Self, [dx, dy]: [f64; 2]) {
         let Self { count: n, with_side_scan, first: [x, y, z], second: [xx, xy, yy, zx, zy] } =
             *other;
@@ -105,14 +107,15 @@ impl PlaneSums {
         self.second = [0, 1, 2, 3, 4].map(|index| self.second[index] + second[index]);
     }
 
-    /// Means of east, north and depth, and covariances in the order of the sums.
+    /// Returns the covariances of east, north and depth, in the order of the sums.
     fn moments(&self) -> [f64; 5] {
         let [x, y, z] = self.first.map(|sum| sum / self.count);
         let [xx, xy, yy, zx, zy] = self.second.map(|sum| sum / self.count);
         [xx - x * x, xy - x * y, yy - y * y, zx - z * x, zy - z * y]
     }
 
-    /// The slope of the plane through the nodes; `None` where they are few, or lie on a line.
+    /// Returns the slope of the plane through the nodes; `None` where they are few, or lie on a
+    /// line.
     fn plane(&self, least_across_m: f64) -> Option<[f64; 2]> {
         let [xx, xy, yy, zx, zy] = self.moments();
         let half_trace = 0.5 * (xx + yy);
@@ -122,8 +125,9 @@ impl PlaneSums {
             .then(|| [(zx * yy - zy * xy) / determinant, (zy * xx - zx * xy) / determinant])
     }
 
-    /// The slope along the line that the nodes lie on, where the side-scan sees to both sides of
-    /// it that the ground is level across: the first returns come from straight below.
+    /// Returns the slope along the line that the nodes lie on, where the side-scan shows on both
+    /// sides that the ground is level across the line: the first returns come from straight below.
+    /// Otherwise `None`.
     fn level_across(&self, least_along_m: f64) -> Option<[f64; 2]> {
         let [xx, xy, yy, zx, zy] = self.moments();
         let half_trace = 0.5 * (xx + yy);
@@ -137,7 +141,7 @@ impl PlaneSums {
 }
 
 impl NodeSlopes {
-    /// Slopes over three squares by three of a side of `square_m`.
+    /// Computes slopes over three by three squares with a side of `square_m`.
     pub(super) fn of(nodes: &[Node], square_m: f64) -> Self {
         let mut sums: HashMap<[i64; 2], PlaneSums> = HashMap::new();
         for node in nodes {
@@ -181,8 +185,8 @@ impl NodeSlopes {
         Self { square_m, share: 1.0, slopes }
     }
 
-    /// The slope at a place, between the middles of squares; `None` where no square around it has
-    /// one.
+    /// Returns the slope at a place, interpolated between the middles of squares; `None` where no
+    /// square around it has a slope.
     fn at(&self, place: [f64; 2]) -> Option<[f64; 2]> {
         let [x, y] = place.map(|metres| metres / self.square_m - 0.5);
         let first = [x.floor(), y.floor()];
@@ -208,14 +212,14 @@ fn square_of(place: [f64; 2], square_m: f64) -> [i64; 2] {
     place.map(|metres| (metres / square_m).floor() as i64)
 }
 
-/// Keeps the corners that it looked up last.
+/// Sampler that keeps the corners of the last triangle and their slopes.
 pub(super) struct BendSampler<'a> {
     slopes: &'a NodeSlopes,
     triangles: TinSampler<'a>,
     corners: Vec<(Node, Option<[f64; 2]>)>,
 }
 
-/// The bend of the ground away from a triangle, at a place.
+/// Bend of the ground away from a triangle, at a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Bend {
     /// Depth of the triangle, metres.
@@ -223,12 +227,12 @@ pub(super) struct Bend {
     /// Depth of the patch less that of the triangle, metres.
     pub patch_m: f64,
     /// Distance of the nearest of the planes through the corners from the triangle, metres; 0 where
-    /// they do not agree on which side.
+    /// the planes are not all on the same side of the triangle.
     pub least_m: f64,
 }
 
 impl Bend {
-    /// The ground's depth below the triangle where the whole bend counts, metres.
+    /// Returns the depth of the ground below the triangle if the whole bend counts, metres.
     pub(super) fn deeper_m(&self) -> f64 {
         (TIMES * self.patch_m).clamp(-self.least_m, self.least_m)
     }
@@ -270,7 +274,7 @@ impl BendSampler<'_> {
     }
 }
 
-/// The depth of triangles that may bend.
+/// Sampler of the depth of triangles that may bend.
 pub(crate) struct BentSampler<'a> {
     triangles: BentTriangles<'a>,
 }
@@ -291,7 +295,7 @@ impl<'a> BentSampler<'a> {
         Self { triangles }
     }
 
-    /// The depth at a place, metres; `None` where there is no triangle.
+    /// Returns the depth at a place, metres; `None` where there is no triangle.
     pub(crate) fn depth_at(&mut self, place: [f64; 2]) -> Option<f64> {
         match &mut self.triangles {
             BentTriangles::Straight(triangles) => triangles.depth_at(place),
@@ -303,8 +307,8 @@ impl<'a> BentSampler<'a> {
     }
 }
 
-/// Returns the depth of the cubic patch less that of the triangle, metres, where its corners have
-/// these weights.
+/// Returns the depth of the cubic patch less that of the triangle, metres, at the place where the
+/// corners have these weights.
 fn patch_m(corners: &[(Node, Option<[f64; 2]>)], weights: [f64; 3]) -> f64 {
     let corners = || corners.iter().zip(weights).enumerate();
     let (mut edges_m, mut middle_m) = (0.0, 0.0);
@@ -314,7 +318,7 @@ fn patch_m(corners: &[(Node, Option<[f64; 2]>)], weights: [f64; 3]) -> f64 {
         };
         for (_, ((other, _), far)) in corners().filter(|(other, _)| *other != index) {
             let [dx, dy] = [other.east_m - node.east_m, other.north_m - node.north_m];
-            // A third of it sets the point of control on this edge off from the triangle.
+            // A third of this is the distance of the control point on this edge from the triangle.
             let deeper_m = east * dx + north * dy - (other.depth_m - node.depth_m);
             edges_m += weight * weight * far * deeper_m;
             middle_m += 0.25 * deeper_m;

@@ -1,4 +1,4 @@
-//! Depths that a chart prints as figures: few enough to be read, the shoalest of their
+//! Chooses the depths that a chart prints as figures: few enough to be read, the shoalest of their
 //! surroundings.
 
 use super::DepthPoint;
@@ -7,12 +7,12 @@ use crate::presentation::ticks;
 use bathyscope_log::support::outline::bounds;
 use std::collections::HashMap;
 
-/// Approximate number of figures along the diagonal of a map, where the settings name no distance.
+/// Approximate number of figures along the diagonal of a map, where the settings give no distance.
 const ALONG_DIAGONAL: f64 = 40.0;
 
-/// Chooses depths that are `radius_m` apart at least, shoal first: the shallowest of all, then the
-/// shallowest that is far enough from it, and so on. Every other depth has a shallower one within
-/// that distance. They come from shallow to deep.
+/// Chooses depths that are at least `radius_m` apart, shoal first: the shallowest of all, then the
+/// shallowest that is far enough from it, and so on. Every other depth has a chosen one within this
+/// distance that is no deeper. The chosen depths are in order from shallow to deep.
 pub fn spot_soundings(points: &[DepthPoint], radius_m: f64) -> Vec<DepthPoint> {
     let mut order: Vec<&DepthPoint> = points.iter().collect();
     order.sort_unstable_by(|a, b| {
@@ -39,8 +39,8 @@ pub fn spot_soundings(points: &[DepthPoint], radius_m: f64) -> Vec<DepthPoint> {
     chosen
 }
 
-/// Returns the distance between spot soundings by the settings, metres, or, where these leave it
-/// open, a round distance by the extent of the depths; `None` without an extent.
+/// Returns the distance between spot soundings, metres: that of the settings or, without one, a
+/// round distance by the extent of the depths; `None` without both.
 pub fn spot_radius_m(settings: &IsobathSettings, points: &[DepthPoint]) -> Option<f64> {
     let [west, south, east, north] = bounds(points.iter().map(DepthPoint::place));
     let by_extent = || {

@@ -1,4 +1,5 @@
-//! The surface: depths on a grid over the soundings, with values only where a sounding is near.
+//! Computes the surface: depths on a grid over the soundings, with values only where a sounding is
+//! near.
 
 use super::from_levels::{FromLevels, SwathDepth};
 use super::grid::{CellSource, measured_cells, settle};
@@ -33,7 +34,7 @@ pub enum SurfaceMethod {
 }
 
 impl SurfaceMethod {
-    /// `By ... in cells of 0.5 m`.
+    /// Returns the method in words, for texts such as `By ... in cells of 0.5 m`.
     pub fn in_words(self) -> &'static str {
         match self {
             Self::Linear => "linear triangles",
@@ -43,7 +44,7 @@ impl SurfaceMethod {
     }
 }
 
-/// Depths that were excluded cast doubt on cells within this distance, metres.
+/// Distance within which a depth that was excluded casts doubt on cells, metres.
 const DOUBTED_M: f64 = 1.0;
 
 /// `surface.*` settings.
@@ -56,23 +57,23 @@ pub struct SurfaceSettings {
     /// not given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cell_m: Option<f64>,
-    /// No value farther than this from a sounding, metres, and none in triangles between soundings
-    /// more than twice as far apart ([`super::Tin::with_max_gap`]).
+    /// Greatest distance from a sounding at which there is a value, metres; triangles between
+    /// soundings more than twice as far apart have none either ([`super::Tin::with_max_gap`]).
     pub max_gap_m: f64,
-    /// Most cells along the longer side: where a cell would make more of them, or more than 20
-    /// million in all, it is larger.
+    /// Largest number of cells along the longer side: a cell is larger where there would be more of
+    /// them, or more than 20 million in all.
     pub max_side: usize,
     /// Weight of a recorder's own depth, a sounding or one of a swath, where several depths fall
     /// into one cell; 0 excludes them.
     pub down_scan_weight: f64,
-    /// Weight of a side-scan point there; 0 excludes them.
+    /// Weight of a side-scan point in such a cell; 0 excludes side-scan points.
     pub side_scan_weight: f64,
     /// True if all side-scan points above the recorded depth count: their depth may be that of weed
     /// or fish.
     pub above_bottom: bool,
-    /// They count where most first returns of their side lie above the recorded depth, and those of
-    /// the other side do not, for longer than this along the track, metres: a bank, no clump of
-    /// weed, fish or object.
+    /// Least length along the track for which side-scan points above the recorded depth count,
+    /// metres: where most first returns of their side lie above this depth, and those of the other
+    /// side do not. A bank is longer than this, but no clump of weed, fish or object.
     pub longest_above_bottom_m: f64,
     /// Setting for depths between the lines from the levels of the echoes.
     pub swath: SwathDepth,
@@ -167,7 +168,7 @@ pub struct Surface {
 }
 
 impl Surface {
-    /// Depths that are known themselves, metres, row by row.
+    /// Creates a surface from depths that are themselves known, metres, row by row.
     pub fn of_depths(grid: Grid, depth_m: Vec<f32>) -> Self {
         Self {
             method: SurfaceMethod::Linear,
@@ -200,8 +201,8 @@ impl Surface {
         }
     }
 
-    /// Gives a cell that holds a node and lies in no triangle the node's depth: a single track
-    /// spans hardly a triangle, and its map is the cells that were measured.
+    /// Sets the depth of each cell that holds a node and lies in no triangle to that of the node: a
+    /// single track hardly spans a triangle, and its map consists of the cells that were measured.
     pub(super) fn fill_measured(&mut self, nodes: impl Iterator<Item = Node>) {
         for node in nodes {
             let Some(index) = self.grid.index_at(node.east_m, node.north_m) else {
@@ -217,14 +218,15 @@ impl Surface {
         }
     }
 
-    /// Widens the stated error beside depths that were left out and may be the ground, as a scarp
-    /// at one side of the boat that cannot be told from weed: by half of what cells near one are
-    /// deeper than it, as where the chance that it is the ground is a quarter.
+    /// Widens the stated error beside depths that were left out but may be the ground, such as a
+    /// scarp at one side of the boat that cannot be distinguished from weed: by half of the depth
+    /// by which nearby cells are deeper, as where the chance that the left-out depth is the ground
+    /// is a quarter.
     pub fn doubt(&mut self, left_out: &[DepthPoint]) {
         if self.spread_is != Spread::OfError {
             return;
         }
-        // The shoalest of each cell is enough.
+        // Only the shoalest depth of each cell counts.
         let mut shoalest_m: HashMap<usize, f64> = HashMap::new();
         for point in left_out {
             if let Some(cell) = self.grid.index_at(point.east_m, point.north_m) {
@@ -248,7 +250,7 @@ impl Surface {
         }
     }
 
-    /// Returns the method of its depths: `linear triangles, between the lines from echo levels`.
+    /// Returns the method in words, such as `linear triangles, between the lines from echo levels`.
     pub fn method_in_words(&self) -> String {
         let straight = self.method.in_words();
         let method = match self.bends {
@@ -261,22 +263,23 @@ impl Surface {
         }
     }
 
-    /// Sentences for reports about depths between the lines; `None` where these are interpolated
-    /// and nothing else was tried.
+    /// Returns sentences for reports about depths between the lines; `None` where these are
+    /// interpolated and nothing else was tried.
     pub fn between_lines(&self) -> Option<String> {
         let sentences = [self.bends.map(|bends| bends.sentence()), self.levels.sentence()];
         let sentences: Vec<String> = sentences.into_iter().flatten().collect();
         (!sentences.is_empty()).then(|| sentences.join(" "))
     }
 
-    /// Shallowest and deepest known depth, metres; the first above the second where none is known.
+    /// Returns the shallowest and deepest known depth, metres; the first is above the second where
+    /// no depth is known.
     pub fn range_m(&self) -> [f64; 2] {
         let known = self.depth_m.iter().filter(|depth| !depth.is_nan());
         ends(known.map(|depth| f64::from(*depth)))
     }
 
-    /// West, south, east and north edge of the cells with a known depth, metres of the grid; `None`
-    /// without any.
+    /// Returns the west, south, east and north edge of the cells with a known depth, metres of the
+    /// grid; `None` without any.
     pub fn known_bounds_m(&self) -> Option<[f64; 4]> {
         let grid = &self.grid;
         let rows = self.depth_m.chunks(grid.columns.max(1)).enumerate();
@@ -293,21 +296,22 @@ impl Surface {
         Some([east(left), north(bottom + 1), east(right + 1), north(top)])
     }
 
-    /// Standard deviation of the depth's error, metres, that half of the known cells do not exceed,
-    /// and nine of ten; `None` where the spreads are not of errors.
+    /// Returns the standard deviations of the depth's error, metres, that half and nine tenths of
+    /// the known cells do not exceed; `None` where the spreads are not of errors.
     pub fn usual_error_m(&self) -> Option<[f64; 2]> {
         let sigmas_m = self.errors_m(|_| true)?;
         Some([0.5, 0.9].map(|share| quantile(&sigmas_m, share)))
     }
 
-    /// The same that half of the cells do not exceed in which a depth was measured.
+    /// Returns the standard deviation of the depth's error, metres, that half of the cells with a
+    /// measured depth do not exceed; `None` where the spreads are not of errors.
     pub fn measured_error_m(&self) -> Option<f64> {
         let is_measured = |source| matches!(source, CellSource::Sounding | CellSource::FirstReturn);
         Some(quantile(&self.errors_m(is_measured)?, 0.5))
     }
 
-    /// Standard deviations of known cells of some sources, growing; `None` where the spreads are
-    /// not of errors, or there are none.
+    /// Returns the standard deviations of the known cells whose source counts, metres, rising;
+    /// `None` where the spreads are not of errors, or there are no such cells.
     fn errors_m(&self, counts: impl Fn(CellSource) -> bool) -> Option<Vec<f64>> {
         let known = self.spread_m.iter().zip(&self.source);
         let known = known.filter(|(spread, source)| !spread.is_nan() && counts(**source));
@@ -316,7 +320,7 @@ impl Surface {
         (self.spread_is == Spread::OfError && !sigmas_m.is_empty()).then_some(sigmas_m)
     }
 
-    /// The shares of the known cells of each source, in the order of [`CellSource::KNOWN`].
+    /// Returns the shares of the known cells of each source, in the order of [`CellSource::KNOWN`].
     pub fn source_shares(&self) -> [f64; 4] {
         let of = |source| self.source.iter().filter(|one| **one == source).count() as f64;
         let counts = CellSource::KNOWN.map(of);
@@ -324,7 +328,7 @@ impl Surface {
         counts.map(|count| count / all.max(1.0))
     }
 
-    /// Its cells that lie on a smaller grid of the same cells, within its own.
+    /// Returns the cells of the surface on a smaller grid of the same cells, within its own grid.
     #[must_use]
     pub fn part(&self, part: Grid) -> Self {
         let grid = self.grid;
@@ -340,7 +344,8 @@ impl Surface {
         self.on_grid(part, cut, sources.flatten().copied().collect())
     }
 
-    /// The same on other cells, with the numbers and the sources of those.
+    /// Returns the surface on another grid, with values that `numbers` computes and with these
+    /// sources.
     pub(super) fn on_grid(
         &self,
         grid: Grid,
@@ -358,8 +363,8 @@ impl Surface {
         }
     }
 
-    /// Depth of the cell at a place and its distance to the nearest sounding; `None` where nothing
-    /// is known.
+    /// Returns the depth of the cell at a place and its distance to the nearest sounding, metres;
+    /// `None` where nothing is known.
     pub fn at(&self, east_m: f64, north_m: f64) -> Option<(f32, f32)> {
         let index = self.grid.index_at(east_m, north_m)?;
         let depth_m = *self.depth_m.get(index)?;
@@ -373,8 +378,8 @@ impl Surface {
 /// ([`merge_repeated`]). `None` when there is no surface (fewer than three places, or all on one
 /// line).
 ///
-/// The points are given away, since a log has millions: they are gone before the triangles are
-/// made.
+/// The function takes the points by value, since a log has millions: they are freed before the
+/// triangles are made.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -406,8 +411,8 @@ pub fn surface(
     Ok(Some(made))
 }
 
-/// Does the same as [`surface()`] without bends and stated errors: the spreads are those of the
-/// soundings.
+/// Computes a surface as [`surface()`] does, without bends and stated errors: the spreads are those
+/// of the soundings.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -419,7 +424,7 @@ pub fn surface_of_depths(
     Ok(filled(points, settings, progress)?.map(|(made, _)| made))
 }
 
-/// A surface, and the triangles that it was read from.
+/// Returns a surface, and the triangles that it was read from.
 fn filled(
     points: Vec<DepthPoint>,
     settings: &SurfaceSettings,
@@ -454,8 +459,8 @@ struct Cell {
 }
 
 impl Cell {
-    /// The mean of the nodes by their shares, and the standard deviation of the mixture that they
-    /// are.
+    /// Creates a cell from nodes with their shares: the mean depth, and the standard deviation of
+    /// the mixture of the nodes.
     fn of(nodes: impl Iterator<Item = (Node, f64)> + Clone, distance_m: f64) -> Self {
         let depth_m: f64 = nodes.clone().map(|(node, share)| share * node.depth_m).sum();
         let variance = |node: Node| node.spread_m.powi(2) + (node.depth_m - depth_m).powi(2);
@@ -468,12 +473,12 @@ impl Cell {
     }
 }
 
-/// The nodes, prepared for sampling.
+/// Nodes, prepared for sampling.
 pub(super) struct DepthField {
     method: SurfaceMethod,
     gap_m: f64,
     tin: Tin,
-    /// The nodes by place, where inverse distances ask for many of them.
+    /// Nodes by place, for the inverse distance method only, which searches for many of them.
     near: Option<Near>,
 }
 
@@ -500,7 +505,7 @@ impl DepthField {
         Some(Self { method: settings.method, gap_m, tin, near })
     }
 
-    /// Creates a field on triangles alone, of which none depends on what lies far away
+    /// Creates a field of triangles alone, of which none depends on what lies far away
     /// ([`Tin::with_local_triangles`]).
     pub(super) fn local(nodes: Vec<Node>, gap_m: f64) -> Option<Self> {
         let tin = Tin::new(nodes)?.with_max_gap(gap_m);
@@ -512,7 +517,7 @@ impl DepthField {
         })
     }
 
-    /// Fills every cell of a grid, rows in parallel.
+    /// Returns a surface with every cell of a grid filled, rows in parallel.
     pub(super) fn fill(&self, grid: Grid, progress: &Progress) -> Result<Surface, Cancelled> {
         let mut made = Surface::unknown(grid, self.method);
         progress.start(grid.rows as u64);

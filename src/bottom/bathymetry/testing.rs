@@ -1,13 +1,14 @@
-//! A depth, and sixty scattered soundings of a smooth bed with what others make of them.
+//! Provides depths and random numbers for tests, and sixty scattered soundings of a smooth bed with
+//! the depths that other programs interpolate between them.
 
 use super::{DepthPoint, Node, merge_repeated};
 
-/// A recorded depth at a place.
+/// Creates a recorded depth at a place.
 pub(super) fn point(east_m: f64, north_m: f64, depth_m: f64) -> DepthPoint {
     DepthPoint::of_sounding([east_m, north_m], depth_m)
 }
 
-/// Numbers from 0 to 1 at random, the same each time.
+/// Returns random numbers from 0 to 1, the same each time.
 pub(super) fn random() -> impl FnMut() -> f64 {
     let mut seed = 7_u64;
     move || {
@@ -18,11 +19,11 @@ pub(super) fn random() -> impl FnMut() -> f64 {
 
 pub(super) struct Golden {
     pub place: [f64; 2],
-    /// scipy's and GDAL's linear interpolation.
+    /// Depth by linear interpolation of scipy and of GDAL, metres.
     pub linear: f64,
-    /// Natural neighbours, from exact Voronoi areas (shapely).
+    /// Depth by natural neighbours from exact Voronoi areas (shapely), metres.
     pub natural: f64,
-    /// All points, power 2.
+    /// Depth by inverse distance from all points with the power 2, metres.
     pub inverse_distance: f64,
 }
 

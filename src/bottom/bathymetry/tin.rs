@@ -1,4 +1,4 @@
-//! A triangulated surface through the soundings.
+//! Triangulates soundings, and finds the depth between them.
 
 use super::{Node, insertion_order};
 use spade::handles::{FixedFaceHandle, FixedVertexHandle, InnerTag};
@@ -17,28 +17,29 @@ impl HasPosition for Node {
 
 type Triangulation = DelaunayTriangulation<Node, (), (), (), LastUsedVertexHintGenerator>;
 
-/// Delaunay triangles over nodes; honours every node and invents nothing beyond the hull. It takes
-/// some 150 bytes a node, two thirds of them for edges, so that nodes are moved in rather than
-/// copied.
+/// Delaunay triangles over nodes: the surface passes through every node, and ends at the hull. They
+/// take some 150 bytes a node, two thirds of these for edges, so that nodes are moved in rather
+/// than copied.
 pub(crate) struct Tin {
     triangles: Triangulation,
     max_gap_m: f64,
     max_radius_m: f64,
 }
 
-/// Triangles with no edge longer than this share of the gap are always kept: along a single track
-/// they lie in a row, nearly flat, and their area across the track is negligible.
+/// Greatest length of the edges of triangles that are always kept, as a share of the gap: along a
+/// single track they lie in a row, nearly flat, and their area across the track is negligible.
 const SHORT_EDGES: f64 = 0.25;
-/// Share of the sum of both products that their difference may be off by in doubles (Shewchuk,
-/// "Adaptive Precision Floating-Point Arithmetic", 1997: `ccwerrboundA`, 3.33e-16).
+/// Largest rounding error of the difference of two products in doubles, as a share of the sum of
+/// their sizes (Shewchuk, "Adaptive Precision Floating-Point Arithmetic", 1997: `ccwerrboundA`,
+/// 3.33e-16).
 const ROUNDING: f64 = 4e-16;
 
-/// Radius of the circle around a triangle of three edges of two gaps, metres.
+/// Returns the radius of the circle around a triangle whose three edges are two gaps long, metres.
 pub(super) fn largest_radius_m(max_gap_m: f64) -> f64 {
     2.0 * max_gap_m / 3f64.sqrt()
 }
 
-/// Method that finds the depth between the corners.
+/// Method that finds the depth between the corners of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Between {
     /// Depth on the plane of the triangle.
@@ -48,23 +49,24 @@ pub(crate) enum Between {
     NaturalNeighbour,
 }
 
-/// Samples a [`Tin`] for one thread. Near places in a row are found fastest.
+/// Sampler of a [`Tin`] for one thread. Successive places that are near each other are found
+/// fastest.
 pub(crate) struct TinSampler<'a> {
     tin: &'a Tin,
-    /// A triangle near the place that was asked for last, with whether it counts where that was
-    /// asked: spade's own hint is one for all threads.
+    /// Triangle near the last place, and whether it is kept, once this is determined: spade's own
+    /// hint is shared by all threads.
     last: Option<(FixedFaceHandle<InnerTag>, Option<bool>)>,
     natural: Option<NaturalNeighbor<'a, Triangulation>>,
     weights: Vec<(FixedVertexHandle, f64)>,
 }
 
 impl Tin {
-    /// Triangulates; `None` where the nodes span no surface (fewer than three places, or all on one
-    /// line), or when a coordinate is none that can be triangulated (not finite, beyond 1e60 m).
+    /// Triangulates nodes; `None` where they span no surface (fewer than three places, or all on
+    /// one line), or when a coordinate cannot be triangulated (not finite, beyond 1e60 m).
     pub(crate) fn new(mut nodes: Vec<Node>) -> Option<Self> {
         for node in &mut nodes {
             for metres in [&mut node.east_m, &mut node.north_m] {
-                // spade refuses what is nearer to zero, as it cannot be multiplied.
+                // spade refuses numbers that are nearer to zero, as they cannot be multiplied.
                 if metres.abs() < spade::MIN_ALLOWED_VALUE {
                     *metres = 0.0;
                 }
@@ -90,16 +92,16 @@ impl Tin {
         Self { max_gap_m, ..self }
     }
 
-    /// Leaves out every triangle whose circumscribed circle is larger than that of the largest that
-    /// [`Tin::with_max_gap`] keeps, the nearly flat ones of short edges too: no triangle that is
-    /// left depends on a node farther from it than twice [`largest_radius_m`].
+    /// Leaves out every triangle whose circumscribed circle is larger than that of the largest
+    /// triangle that [`Tin::with_max_gap`] keeps, including the nearly flat ones of short edges: no
+    /// triangle that is left depends on a node farther from it than twice [`largest_radius_m`].
     pub(crate) fn with_local_triangles(self) -> Self {
         Self { max_radius_m: largest_radius_m(self.max_gap_m), ..self }
     }
 
     /// Returns true if [`Tin::with_max_gap`] and [`Tin::with_local_triangles`] keep a triangle.
     fn is_known(&self, mut corners: [Point2<f64>; 3]) -> bool {
-        // In one order, so that the same triangle of another triangulation is rounded alike.
+        // In a fixed order, so that the same triangle of another triangulation is rounded alike.
         corners.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
         let [a, b, c] = corners;
         let edges_m = [a.distance_2(b), b.distance_2(c), c.distance_2(a)].map(f64::sqrt);
@@ -112,12 +114,12 @@ impl Tin {
         is_kept && radius_m <= self.max_radius_m
     }
 
-    /// The nodes, one a place, in no order.
+    /// Returns the nodes, one a place, in no order.
     pub(crate) fn nodes(&self) -> impl Iterator<Item = Node> + '_ {
         self.triangles.vertices().map(|vertex| *vertex.data())
     }
 
-    /// A sampler.
+    /// Creates a sampler.
     pub(crate) fn sampler(&self, between: Between) -> TinSampler<'_> {
         TinSampler {
             tin: self,
@@ -128,7 +130,8 @@ impl Tin {
         }
     }
 
-    /// The depth at one place on its triangle's plane, metres; `None` where there is no triangle.
+    /// Returns the depth at a place on the plane of its triangle, metres; `None` where there is no
+    /// triangle.
     #[cfg(test)]
     pub(crate) fn depth_at(&self, east_m: f64, north_m: f64) -> Option<f64> {
         self.sampler(Between::Linear).depth_at([east_m, north_m])
@@ -136,13 +139,14 @@ impl Tin {
 }
 
 impl TinSampler<'_> {
-    /// The depth at one place, metres; `None` where there is no triangle.
+    /// Returns the depth at a place, metres; `None` where there is no triangle.
     pub(crate) fn depth_at(&mut self, place: [f64; 2]) -> Option<f64> {
         let nodes = self.nodes_at(place)?;
         Some(nodes.map(|(node, weight)| weight * node.depth_m).sum())
     }
 
-    /// The nodes that carry a place, with weights that sum to 1; `None` where there is no triangle.
+    /// Returns the nodes that carry a place, with weights that sum to 1; `None` where there is no
+    /// triangle.
     pub(crate) fn nodes_at(
         &mut self,
         [east_m, north_m]: [f64; 2],
@@ -161,8 +165,8 @@ impl TinSampler<'_> {
         Some(self.nodes())
     }
 
-    /// Finds the nodes that carry a place: one that it lies on, the ends of an edge, the corners of
-    /// a triangle. They are not weighed.
+    /// Finds the nodes that carry a place: a node at the place, the ends of an edge through it, or
+    /// the corners of the triangle around it. Their weights are not computed yet.
     fn find_corners(&mut self, place: Point2<f64>) {
         let triangles = &self.tin.triangles;
         self.weights.clear();
@@ -180,7 +184,7 @@ impl TinSampler<'_> {
         }
     }
 
-    /// Takes the nodes that carry a place which lies there, and a triangle near it.
+    /// Stores the nodes that carry a place at this position, and a triangle near it.
     fn carry(&mut self, at: PositionInTriangulation) {
         let triangles = &self.tin.triangles;
         let beside = match at {
@@ -210,16 +214,16 @@ impl TinSampler<'_> {
         }
     }
 
-    /// The next walk begins at this triangle.
+    /// Sets the triangle in which the next walk begins.
     fn go_to(&mut self, face: FixedFaceHandle<InnerTag>) {
         if self.last.is_none_or(|(last, _)| last != face) {
             self.last = Some((face, None));
         }
     }
 
-    /// Weighs the corners in the order of their places: how a triangle is stored depends on all
-    /// nodes that were ever inserted, and with it the last bit of a weight, which would differ
-    /// between maps that share the triangle.
+    /// Weighs the corners in the order of their places: the order in which a triangle stores its
+    /// corners depends on all nodes that were ever inserted, and with it the last bit of a weight,
+    /// which would differ between maps that share the triangle.
     fn weigh_in_order(&mut self, place: Point2<f64>) {
         let triangles = &self.tin.triangles;
         let position = |corner: &(FixedVertexHandle, f64)| triangles.vertex(corner.0).position();
@@ -247,18 +251,18 @@ impl TinSampler<'_> {
         }
     }
 
-    /// The nodes that carry the place that was asked for last, with their weights.
+    /// Returns the nodes that carry the last place, with their weights.
     pub(crate) fn nodes(&self) -> impl Iterator<Item = (Node, f64)> + Clone + '_ {
         let triangles = &self.tin.triangles;
         let carried = self.weights.iter();
         carried.map(move |(corner, weight)| (*triangles.vertex(*corner).data(), *weight))
     }
 
-    /// Distance from a place in a triangle to the nearest node; call it with the place that was
-    /// asked for last.
+    /// Returns the distance from a place in a triangle to the nearest node, metres; the place must
+    /// be that of the last call of [`Self::nodes_at`].
     ///
-    /// Goes from the nodes that carry it to ever nearer neighbours: of Delaunay triangles every
-    /// node but the nearest has one.
+    /// Goes from the nodes that carry the place to ever nearer neighbours: in Delaunay triangles
+    /// every node but the nearest has a nearer neighbour.
     pub(crate) fn distance_m(&self, [east_m, north_m]: [f64; 2]) -> f64 {
         let place = Point2::new(east_m, north_m);
         let triangles = &self.tin.triangles;
@@ -281,8 +285,8 @@ impl TinSampler<'_> {
         }
     }
 
-    /// Returns true if the place that was asked for last lies in a triangle that counts, on the
-    /// edge of one, or on a node.
+    /// Returns true if the last place lies in a triangle that counts, on the edge of one, or on a
+    /// node.
     fn is_known(&mut self) -> bool {
         let triangles = &self.tin.triangles;
         let place = |index: usize| triangles.vertex(self.weights[index].0).position();
@@ -310,7 +314,7 @@ impl TinSampler<'_> {
     }
 }
 
-/// End of a walk.
+/// Result of a walk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum WalkEnd {
     /// The place lies in this triangle, and on none of its edges.
@@ -326,8 +330,8 @@ enum WalkEnd {
 /// Such a walk ends in any Delaunay triangulation (De Floriani and others, "On sorting triangles in
 /// a Delaunay tessellation", 1991).
 ///
-/// A walk finds the triangle of a place from one near it quicker than a search where places lie in
-/// rows, as the exact tests of a search are needed only next to an edge.
+/// From a triangle near a place, a walk is faster than a search where places lie in rows, as the
+/// exact tests of a search are needed only next to an edge.
 fn walk<T>(triangles: &T, from: FixedFaceHandle<InnerTag>, place: Point2<f64>) -> WalkEnd
 where
     T: spade::Triangulation,

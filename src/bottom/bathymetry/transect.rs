@@ -1,20 +1,20 @@
-//! Depths of a surface along a line.
+//! Samples the depths of a surface along a line.
 
 use super::Surface;
 
-/// A corner of a line on the ground.
+/// Corner of a line on the ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Corner {
     /// East and north in the plane of the survey, metres.
     pub place: [f64; 2],
-    /// Metres on the ground from the start of the line.
+    /// Distance on the ground from the start of the line, metres.
     pub distance_m: f64,
 }
 
-/// A place on a line, and the depth there.
+/// Place on a line, and the depth there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TransectStation {
-    /// Metres on the ground from the start of the line.
+    /// Distance on the ground from the start of the line, metres.
     pub distance_m: f64,
     /// East and north in the plane of the survey, metres.
     pub place: [f64; 2],
@@ -22,8 +22,8 @@ pub struct TransectStation {
     pub depth_m: Option<f32>,
 }
 
-/// Looks at the depth at every corner of a line, and between two of them at equal steps of at most
-/// `step_m`, or of what makes `most` stations of the whole line where that is more.
+/// Returns the depth at every corner of a line, and between two corners at equal steps of at most
+/// `step_m`; the steps are larger where the whole line would have more than `most` stations.
 pub fn transect(
     corners: &[Corner],
     step_m: f64,
@@ -53,9 +53,9 @@ pub fn transect(
 }
 
 impl Surface {
-    /// Depth at a place, bilinear between the centres of the four cells about it; `None` where one
-    /// of those that count is unknown, so that a gap stays a gap. In the outer half of the
-    /// outermost cells it is that of their centres.
+    /// Returns the depth at a place, bilinear between the centres of the four cells about it;
+    /// `None` where one of the cells that count is unknown, so that a gap stays a gap. In the outer
+    /// half of the outermost cells the depth is that of their centres.
     pub fn depth_at(&self, place: [f64; 2]) -> Option<f32> {
         let grid = &self.grid;
         grid.index_at(place[0], place[1])?;
@@ -65,7 +65,7 @@ impl Surface {
         for (row, row_share) in rows.cells.into_iter().zip([1.0 - down, down]) {
             for (column, column_share) in columns.cells.into_iter().zip([1.0 - right, right]) {
                 let share = row_share * column_share;
-                // A hair off a centre is on it.
+                // A place within rounding of a centre counts as on it.
                 if share > 1e-9 {
                     let index = row * grid.columns + column;
                     depth_m += share * f64::from(*self.depth_m.get(index)?);

@@ -1,19 +1,21 @@
-//! Agreement of the first returns of a stretch with the bottom that the recorder measured.
+//! Measures how well the first returns of a stretch agree with the bottom that the recorder
+//! measured.
 
 use super::scale::Usable;
 use bathyscope_log::support::statistics::median;
 use bathyscope_log::survey::Side;
 use std::ops::Range;
 
-/// A range that departs from its share of the depth by more than this is a wrong pick, whatever the
-/// amount.
+/// Largest departure of a range from its share of the depth that counts in full: a range that
+/// departs by more is a wrong pick, whatever the amount.
 const WRONG: f64 = 0.2;
 
-/// First returns against recorded depths, with running sums so that any stretch costs the same.
+/// Comparison of first returns with recorded depths, with running sums so that any stretch costs
+/// the same.
 pub(super) struct DepthAgreement {
     /// Sums over the picks of all pings before each index.
     sums: Vec<Sums>,
-    /// The sides that have any pick in the log.
+    /// Sides that have any pick in the log.
     sides: Vec<Side>,
     /// Median depth under the picks, metres.
     depth_m: f64,
@@ -21,7 +23,7 @@ pub(super) struct DepthAgreement {
 
 #[derive(Clone, Copy, Default)]
 struct Sums {
-    /// Their number, port and starboard.
+    /// Number of picks, port and starboard.
     counts: [f64; 2],
     /// Sum of the shares by which a pick's `r / d` exceeds the log's median.
     excess: f64,
@@ -29,7 +31,7 @@ struct Sums {
 }
 
 impl DepthAgreement {
-    /// Sums up picks in ping order, over a log of `pings` pings.
+    /// Creates the sums of picks in ping order, over a log of `pings` pings.
     pub(super) fn new(picks: &[Usable], pings: usize) -> Self {
         let ratio = |pick: &Usable| pick.range_m / pick.depth_m;
         let typical = median(&mut picks.iter().map(ratio).collect::<Vec<_>>());
@@ -54,10 +56,11 @@ impl DepthAgreement {
     }
 
     /// Returns the possible error of the scale of a stretch, metres at the log's median depth:
-    /// twice the scatter of `r / d` over both sides together, which holds a slope across the track,
-    /// and the square of the share of pings that give no pick on the poorer side. A few of those
-    /// are fish and interference; where there are many, the picks that remain were selected: over
-    /// boulders and weed, they are the pings at which these end below the margin.
+    /// twice the scatter of `r / d` over both sides together, which includes a slope across the
+    /// track, plus the square of the share of pings without a pick on the poorer side. A few of
+    /// these pings are fish and interference; where there are many, the picks that remain were
+    /// selected: over boulders and weed, they are from the pings at which these end below the
+    /// margin.
     ///
     /// Zero where the log has no picks at all: then nothing distinguishes one stretch from another.
     pub(super) fn doubt_m(&self, pings: &Range<usize>) -> f64 {

@@ -1,4 +1,4 @@
-//! All scales side by side, the one in force, and what does not agree.
+//! Computes all scales, chooses the one in force, and warns of disagreements.
 
 use super::objections::VERY_WIDE;
 use super::offset::{RangeOffset, TOLERANCE_M, blocks};
@@ -15,17 +15,17 @@ use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::support::statistics::{median, spread_about};
 use bathyscope_log::survey::{Navigation, RangeSource, Survey};
 
-/// A change of depths by less than this is not worth a warning, metres.
+/// Least change of depths that is worth a warning, metres.
 const LEAST_SAID_M: f64 = 0.02;
-/// The note of an offset that is not taken off for what the log shows.
+/// Note on an offset that is not taken off because of an objection.
 const REFUSED: &str = "refused";
-/// Picks that a fit over the log needs, at least.
+/// Fewest picks for a fit over the log.
 const MIN_FIT_PICKS: usize = 50;
 
-/// Measures all scales and picks the one that the settings ask for. `spots` are the ranked
+/// Measures all scales and chooses the one that the settings name. `spots` are the ranked
 /// stretches.
 ///
-/// Where the flat spot gives no scale the header's is in force, and a warning says so.
+/// Where the flat spot gives no scale, the header's is in force, and there is a warning.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -81,8 +81,8 @@ pub fn calibrate(
     if mode != settings.mode {
         warnings.push("No flat stretch gives a scale, so the recorded range is in use.".to_owned());
     }
-    // A constant is said by itself where it is left in the ranges; what would be refused may be
-    // none.
+    // A constant that is left in the ranges has its own warning; one with an objection may be no
+    // constant.
     let constant = measured_offset.filter(|_| objection.is_none());
     let lead_m = constant.map_or(0.0, |measured| measured.offset_m);
     let spot = flat_spot.as_ref();
@@ -115,7 +115,8 @@ pub fn calibrate(
     Ok(made)
 }
 
-/// Robust `r = k d + b` with the header's ranges; `None` where depths hardly vary or picks are few.
+/// Returns the robust line `r = k d + b` with the header's ranges; `None` where depths hardly vary
+/// or picks are few.
 ///
 /// The line goes through medians over blocks of pings: the noise of a single recorded depth would
 /// flatten it.
@@ -141,11 +142,11 @@ fn depth_fit(picks: &[Usable]) -> Option<DepthFit> {
 
 /// Returns a warning where the header's scale and the soundings disagree about the first returns at
 /// the flat spot, after subtraction of the constant `lead_m` that ranges have over depths: an
-/// offset of a few centimetres moves the flat spot's scale, and is no error of the header's. Over a
-/// log whose range was changed there are no other picks to compare. `None` where a depth would
-/// change by less than it scatters by, but never because it scatters by much, and where it would
-/// change by less than anyone would act on. A stretch that slopes across the track determines no
-/// scale.
+/// offset of a few centimetres moves the flat spot's scale, and is no error of the header's. In a
+/// log whose range was changed there are no other picks to compare. `None` where depths would
+/// change by less than their scatter, of which at most [`VERY_WIDE`] of the depth counts, or by
+/// less than [`LEAST_SAID_M`]. `None` also for a stretch that slopes across the track: it
+/// determines no scale.
 fn disagreement(spot: &FlatSpot, lead_m: f64) -> Option<String> {
     let (spread, factor) = (spot.spread()?, spot.factor?);
     let change_m = spot.depth_m / factor - lead_m - spot.depth_m;
@@ -163,7 +164,7 @@ fn disagreement(spot: &FlatSpot, lead_m: f64) -> Option<String> {
 }
 
 /// Returns a warning where side-scan and soundings differ by more than the uncertainty of either,
-/// and no other warning says so: no offset was to be taken off.
+/// and no other warning covers this: no offset was to be taken off.
 fn remaining(made: &Calibration) -> Option<String> {
     let [left_m, two_sigma_m] = made.remaining_offset_m()?;
     let is_silent = matches!(made.offset_note, Some(note) if note != REFUSED);

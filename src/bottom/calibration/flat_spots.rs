@@ -12,16 +12,16 @@ use std::ops::Range;
 
 /// Length of a stretch, metres, where the track is long enough.
 const LENGTH_M: f64 = 10.0;
-/// Pings in a stretch, at least.
+/// Fewest pings in a stretch.
 const MIN_PINGS: usize = 20;
 
-/// Ranks the stretches of the track that suit a calibration, best first, at most `count`, not
-/// overlapping.
+/// Returns the stretches of the track that suit a calibration, ranked from the best: at most
+/// `count`, which do not overlap.
 ///
 /// A stretch suits when the recorded depth varies little over it, and when nearly every ping has a
 /// first return that may calibrate on both sides, all of them in one proportion to the depth
-/// ([`DepthAgreement`]). With a quarter of the weight the same is asked of three times its length:
-/// many stretches tie where the recorder rounds depths to 0.1 m, and the middle of a plain is the
+/// ([`DepthAgreement`]). The same measure over three times the length counts by a quarter: many
+/// stretches tie where the recorder rounds depths to 0.1 m, and the middle of a plain is the
 /// safest.
 ///
 /// # Errors
@@ -58,7 +58,7 @@ pub fn flat_spots(
     Ok(spots.map(|pings| of_stretch(survey, &profile, &picks, pings)).collect())
 }
 
-/// The first `count` stretches that share no ping with one before.
+/// Returns the first `count` stretches that share no ping with an earlier one.
 fn apart(ranked: impl Iterator<Item = Range<usize>>, count: usize) -> Vec<Range<usize>> {
     let mut best: Vec<Range<usize>> = Vec::new();
     for pings in ranked {
@@ -73,7 +73,8 @@ fn apart(ranked: impl Iterator<Item = Range<usize>>, count: usize) -> Vec<Range<
     best
 }
 
-/// Pings about one that are as long as a ranked stretch; 20 where the boat is at rest.
+/// Returns a stretch around a ping that is as long as a ranked one; 20 pings where the boat is at
+/// rest.
 pub fn stretch_around(survey: &Survey, navigation: &Navigation, ping: usize) -> Range<usize> {
     let profile = Profile::new(survey, navigation);
     let last = profile.len().saturating_sub(1);
@@ -123,8 +124,7 @@ fn of_stretch(
     let recorded = survey.side_scan.get(pings.clone()).unwrap_or_default();
     let with_depth = || recorded.iter().filter(|ping| ping.depth_m > 0.0);
     let locked = with_depth().filter(|ping| ping.depth_fault.is_none()).count();
-    // A false value of a recorder that lost the bottom is the depth of a stretch only where there
-    // is no other.
+    // A false depth of a recorder that lost the bottom counts only where the stretch has no other.
     let depths = with_depth().filter(|ping| ping.depth_fault.is_none() || locked == 0);
     let mut depths_m: Vec<f64> = depths.map(|ping| f64::from(ping.depth_m)).collect();
     let least_m = depths_m.iter().copied().reduce(f64::min);

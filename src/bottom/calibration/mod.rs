@@ -1,13 +1,13 @@
-//! Conversion of samples to metres: the flat spot and its pixels per metre, the header's scale, the
-//! fit over the whole log.
+//! Converts samples to metres: measures pixels per metre at a flat spot, reads the header's scale,
+//! and fits a line over the whole log.
 //!
 //! In: a survey with its navigation and first returns. Out: flat spots, and a calibration.
 //!
-//! `flat_spots` ranks the level stretches of the track, `objections` says what is wrong with one,
+//! `flat_spots` ranks the level stretches of the track, `objections` lists what is wrong with one,
 //! `scale` measures pixels per metre on them and reads the header's, `offset` finds the constant
-//! between ranges and recorded depths, `overlap` how far beams look past the nadir, `sounding_lag`
-//! how late soundings are, `robust` fits the line over the log, and `calibrate` lays them side by
-//! side and chooses.
+//! between ranges and recorded depths, `overlap` finds how far beams reach past the nadir,
+//! `sounding_lag` finds the delay of soundings, `robust` fits the line over the log, and
+//! `calibrate` compares the scales and chooses one.
 
 mod agreement;
 mod calibrate;
@@ -65,7 +65,7 @@ pub enum OffsetMode {
     /// The same as [`OffsetMode::Fit`], but ranges of a survey-grade recorder are trusted as they
     /// are ([`RangeSource`]).
     Auto,
-    /// The constant that the log shows is taken off, where it is one that an instrument causes
+    /// The constant that the log shows is subtracted, where it is one that an instrument causes
     /// ([`RangeOffset`]): the pulse's leading edge (a few centimetres early), and draft or keel
     /// offset where the recorder adds one to its depths only.
     Fit,
@@ -77,12 +77,12 @@ pub enum OffsetMode {
 pub struct CalibrationSettings {
     /// Scale that turns samples into metres.
     pub mode: ScaleMode,
-    /// Side-scan pings `A..B` of the flat spot; the best-ranked one when empty.
+    /// Side-scan pings `A..B` of the flat spot; `None` for the best-ranked one.
     pub pings: Option<PingRange>,
     /// Meaning of the flat spot's scale for pings of another recorded range.
     pub ppd: PpdReach,
-    /// Treatment of a constant offset. A scale from a flat spot holds it already, so it acts on the
-    /// header's only.
+    /// Treatment of a constant offset. A scale from a flat spot contains the offset already, so
+    /// this setting acts on the header's scale only.
     pub offset: OffsetMode,
 }
 
@@ -113,7 +113,7 @@ impl From<PingRange> for String {
     }
 }
 
-/// A text that is no range of pings.
+/// Error for a text that is no range of pings.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("a ping range is written A..B with A < B, for example 400..600; got `{0}`")]
 pub struct PingRangeError(String);
@@ -139,42 +139,42 @@ impl TryFrom<String> for PingRange {
     }
 }
 
-/// A stretch of the track where the recorded depth hardly changes, and what the first returns say
-/// there.
+/// Stretch of the track where the recorded depth hardly changes, and what its first returns show.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlatSpot {
     /// Side-scan pings of the stretch.
     pub pings: Range<usize>,
-    /// Its length along the track, metres.
+    /// Length of the stretch along the track, metres.
     pub length_m: f64,
     /// Median recorded depth, metres; NaN where none was recorded.
     pub depth_m: f64,
     /// Greatest less least recorded depth, metres; NaN where none was recorded.
     pub relief_m: f64,
-    /// Pings with a recorded depth at which the recorder had lost the bottom.
+    /// Number of pings with a recorded depth at which the recorder had lost the bottom.
     pub lost: usize,
     /// Slope of the recorded depth along the track, metres a metre.
     pub slope: f64,
     /// Standard deviation of the recorded depth about its line, metres.
     pub scatter_m: f64,
-    /// First returns that may calibrate, port and starboard: not flagged, not at the search limit.
+    /// Number of first returns that may calibrate, port and starboard: not flagged, not at the
+    /// search limit.
     pub picks: [usize; 2],
     /// Difference of the ranges to both sides, as a share of the depth: above 0 where the bottom
     /// slopes across the track. NaN where a side has no such first return.
     pub tilt: f64,
-    /// Pixels per metre over them, `PPD = p / d`; `None` when they are too few.
+    /// Pixels per metre over these first returns, `PPD = p / d`; `None` when they are too few.
     pub ppd: Option<Scale>,
-    /// Recorded depth over the header's slant range, median over the same picks: the true length of
-    /// a metre of the header.
+    /// Recorded depth over the header's slant range, median over the same first returns: the true
+    /// length of a metre of the header. `None` when they are too few.
     pub factor: Option<f64>,
 }
 
-/// Sides differ by less than this share of the depth over level ground. Beams that look some
-/// degrees past the nadir differ by no more on a slope twice as steep.
+/// Largest difference of the sides over level ground, as a share of the depth. Beams that reach
+/// some degrees past the nadir differ by no more on a slope twice as steep.
 const TILTED: f64 = 0.004;
 
 impl FlatSpot {
-    /// Its pings as a setting has them.
+    /// Returns the pings of the stretch as a setting.
     pub fn range(&self) -> PingRange {
         PingRange { start: self.pings.start, end: self.pings.end }
     }
@@ -200,13 +200,14 @@ impl FlatSpot {
         )
     }
 
-    /// True where the bottom slopes across the track, so that both sides are nearer than it is
-    /// deep.
+    /// Returns true if the bottom slopes across the track, so that the first returns of both sides
+    /// are nearer than the depth.
     pub(crate) fn is_tilted(&self) -> bool {
         self.tilt > TILTED
     }
 
-    /// Standard deviation of the scale of single pings as a share of it; `None` without a scale.
+    /// Returns the standard deviation of the scale of single pings as a share of the scale; `None`
+    /// without a scale.
     pub fn spread(&self) -> Option<f64> {
         let ppd = self.ppd?;
         Some(ppd.spread_px_per_m / ppd.px_per_m)
@@ -220,7 +221,7 @@ pub struct Scale {
     pub px_per_m: f64,
     /// Robust standard deviation (1.4826 MAD) over the pings used.
     pub spread_px_per_m: f64,
-    /// Picks used, both sides.
+    /// Number of picks used, both sides.
     pub picks: usize,
 }
 
@@ -234,7 +235,7 @@ pub struct DepthFit {
     pub b_m: f64,
     /// Robust standard deviation about the line, metres.
     pub spread_m: f64,
-    /// Picks used.
+    /// Number of picks used.
     pub picks: usize,
 }
 
@@ -247,27 +248,27 @@ pub struct Calibration {
     pub reach: PpdReach,
     /// Stretch on which pixels per metre were measured, if any.
     pub flat_spot: Option<FlatSpot>,
-    /// The scale that the log's headers imply (median over the log).
+    /// Scale that the log's headers imply (median over the log), if any.
     pub header: Option<Scale>,
-    /// Range against depth over the whole log.
+    /// Line of range against depth over the whole log, if any.
     pub fit: Option<DepthFit>,
-    /// Offset taken off every slant range, metres: [`Calibration::measured_offset`] where it is in
-    /// force, else 0.
+    /// Offset subtracted from every slant range, metres: [`Calibration::measured_offset`] where it
+    /// is in force, else 0.
     pub offset_m: f64,
-    /// The constant between ranges and depths that the log shows, in force or not.
+    /// Constant between ranges and depths that the log shows, in force or not.
     pub measured_offset: Option<RangeOffset>,
     /// Reason why no offset is taken off, in a few words for a panel.
     pub offset_note: Option<&'static str>,
-    /// Widths of the beams that slopes show.
+    /// Widths of the beams, found on slopes across the track.
     pub beams: BeamWidths,
-    /// Delay of the soundings, as slopes along the track show it; `None` where they show no lag.
+    /// Delay of the soundings, found on slopes along the track; `None` where these show no lag.
     pub sounding_lag: Option<SoundingLag>,
     /// Disagreements, in sentences.
     pub warnings: Vec<String>,
 }
 
 impl Calibration {
-    /// Pixels per metre at the flat spot.
+    /// Returns the pixels per metre at the flat spot, if measured.
     pub fn ppd(&self) -> Option<Scale> {
         self.flat_spot.as_ref()?.ppd
     }
@@ -290,8 +291,8 @@ impl Calibration {
         Some([left_m, found.uncertainty_m])
     }
 
-    /// Returns the change of the recorded ranges, for the edge of a picture; `None` where they stay
-    /// as they are.
+    /// Returns the change of the recorded ranges in words, for the edge of a picture; `None` where
+    /// the ranges stay as they are.
     pub fn range_change(&self) -> Option<String> {
         match (self.mode, self.reach, self.ppd(), self.factor()) {
             (ScaleMode::FlatSpot, PpdReach::Constant, Some(ppd), _) => {
@@ -305,8 +306,8 @@ impl Calibration {
         }
     }
 
-    /// Slant range, metres, at a distance of `sample` samples outward from the nearest edge of a
-    /// recorded side.
+    /// Returns the slant range, metres, at a distance of `sample` samples outward from the nearest
+    /// edge of a recorded side.
     pub fn range_m(&self, span: &SideSpan, sample: f64) -> f64 {
         let header_m = span.range_m(sample);
         match (self.mode, self.reach, self.ppd(), self.factor()) {
@@ -316,8 +317,8 @@ impl Calibration {
         }
     }
 
-    /// Slant range of a pick at a sample, metres; NaN without a pick, and where the side was not
-    /// recorded.
+    /// Returns the slant range of a pick at a sample, metres; NaN without a pick, and where the
+    /// side was not recorded.
     pub fn pick_range_m(&self, survey: &Survey, ping: usize, side: Side, sample: f32) -> f64 {
         let span = survey.span(ping, side);
         span.map_or(f64::NAN, |span| self.range_m(span, f64::from(sample)))
@@ -325,7 +326,7 @@ impl Calibration {
 }
 
 impl Default for Calibration {
-    /// Ranges as the recorder wrote them; nothing was measured.
+    /// Creates a calibration that leaves ranges as the recorder wrote them, without measurements.
     fn default() -> Self {
         Self {
             mode: ScaleMode::Header,

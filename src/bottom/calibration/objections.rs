@@ -1,26 +1,26 @@
-//! Objections to a stretch as the place of a calibration, in sentences.
+//! Lists objections to a stretch as the place of a calibration, in sentences.
 
 use super::FlatSpot;
 use bathyscope_log::survey::{Side, Survey};
 
-/// A stretch shorter than this is based on a handful of soundings, metres.
+/// Length below which a stretch is short, metres: it is based on a handful of soundings.
 const SHORT_M: f64 = 5.0;
-/// A bottom that slopes more than this along the track is not level, metres a metre.
+/// Slope along the track above which a bottom is not level, metres a metre.
 const SLOPING: f64 = 0.03;
-/// A relief beyond this share of the depth makes the scale one of several depths.
+/// Relief above which the scale mixes several depths, as a share of the depth.
 const UNEVEN: f64 = 0.15;
-/// Share of the pings without bottom above which this is an objection.
+/// Share of the pings at which the recorder had lost the bottom, above which there is an objection.
 const LOST: f64 = 0.1;
-/// A spread is larger than that of the best stretch when it is this many times as large, and beyond
-/// this share of the scale.
+/// A spread counts as larger than that of the best stretch when it is this many times as large, and
+/// above this share of the scale.
 const WIDER: f64 = 1.5;
 const WIDE: f64 = 0.01;
-/// A spread beyond this share of the scale is large without comparison: at 2 m of depth it is 6 cm.
+/// Share of the scale above which a spread is large without comparison: at 2 m of depth it is 6 cm.
 pub(super) const VERY_WIDE: f64 = 0.03;
 
 impl FlatSpot {
-    /// Returns the reasons why it is a worse place for a calibration than `best`, or none at all;
-    /// empty where there is no objection.
+    /// Returns the reasons why the stretch is a worse place for a calibration than `best`, or no
+    /// place at all; empty where there is no objection.
     pub fn objections(&self, survey: &Survey, best: Option<&FlatSpot>) -> Vec<String> {
         if self.depth_m.is_nan() {
             return vec![

@@ -1,22 +1,23 @@
-//! The constant between first-return ranges and recorded depths, and whether it may be taken off
-//! the ranges.
+//! Finds the constant between first-return ranges and recorded depths, and decides whether it may
+//! be subtracted from the ranges.
 //!
-//! What an instrument adds is small and the same at every depth: the length of the pulse's leading
-//! edge, the receiver's filter, a draft or keel offset that went into the depths only. What is
-//! larger, grows with the depth or differs from one stretch of the log to the next comes from
-//! something else: soundings of another bottom, a scale that is off, wrong picks.
+//! The differences that an instrument causes are small and the same at every depth: the length of
+//! the pulse's leading edge, the receiver's filter, a draft or keel offset that went into the
+//! depths only. A difference that is larger, grows with the depth or varies from one stretch of the
+//! log to the next has another cause: soundings of another bottom, a scale that is off, wrong
+//! picks.
 
 use super::robust::robust_line;
 use super::scale::Usable;
 use bathyscope_log::support::statistics::{median, spread_about};
 use bathyscope_log::survey::Side;
 
-/// Pings that are evaluated together: long enough to quiet the noise of the recorded depth, short
-/// against slopes.
+/// Number of pings that are evaluated together: long enough to quiet the noise of the recorded
+/// depth, short against slopes.
 const BLOCK_PINGS: usize = 24;
-/// Picks on each side of a block, at least.
+/// Fewest picks on each side of a block.
 const MIN_PICKS: usize = 8;
-/// Blocks that an offset is based on, at least.
+/// Fewest blocks that an offset is based on.
 const MIN_BLOCKS: usize = 4;
 
 /// Largest offset that an instrument causes: a pulse of a few hundred microseconds or a draft,
@@ -24,55 +25,56 @@ const MIN_BLOCKS: usize = 4;
 const MOST_M: f64 = 0.25;
 const MOST_SAMPLES: f64 = 3.0;
 /// Largest offset of an edge that its pulse and the filters alone cause, early and late, metres and
-/// samples. A larger one could also be a share of the depth, so the log must show that it is none.
+/// samples. A larger one could also be a share of the depth, so the log must show that it is not.
 const EARLY_M: f64 = 0.10;
 const EARLY_SAMPLES: f64 = 1.5;
 const LATE_M: f64 = 0.01;
 const LATE_SAMPLES: f64 = 0.5;
 /// Largest error of an offset that is still better than none, metres.
 pub(super) const TOLERANCE_M: f64 = 0.04;
-/// Largest change of an offset that is more than an edge, down to the depths of the log, and
-/// largest uncertainty of that change, metres: of 240 simulated logs none gets a wrong offset by
-/// these, and the river of the tests, whose recorder rounds depths to 0.1 m, keeps its offset.
+/// Largest change of an offset over the depth of the log, where the offset is more than an edge
+/// causes, and largest uncertainty of this change, metres: with these limits none of 240 simulated
+/// logs gets a wrong offset, and the river of the tests, whose recorder rounds depths to 0.1 m,
+/// keeps its offset.
 const MOST_DRIFT_M: f64 = 0.07;
 const MOST_UNCERTAIN_M: f64 = 0.10;
-/// Share of the deeper side's picks in a block that may be flagged as an above-bottom return: where
-/// there are more, the bottom is not what was found first. The picks of the other blocks count,
-/// flagged or not: to leave flagged ones out would select the late ones.
+/// Largest share of the deeper side's picks in a block that may be flagged as an above-bottom
+/// return: where there are more, the first return is not the bottom. The picks of the other blocks
+/// count, flagged or not: to leave flagged ones out would select the late ones.
 const MOST_FLAGGED: f64 = 0.4;
-/// Share of the blocks that support an offset, at least: of fewer, which ones they are is an
-/// accident.
+/// Least share of the blocks that support an offset: with fewer, it is an accident which ones they
+/// are.
 const MIN_SHARE: f64 = 0.2;
-/// Scatter of blocks that is always there, metres, and the number of them that is a handful.
+/// Least scatter of blocks, metres, and the number of blocks that counts as a handful.
 const LEAST_SCATTER_M: f64 = 0.01;
 const HANDFUL: f64 = 4.0;
-/// Standard error of a median over that of a mean, for normal noise.
+/// Standard error of a median as a multiple of that of a mean, for normal noise.
 const MEDIAN_ERROR: f64 = 1.2533;
 
-/// The constant between first-return ranges and recorded depths as a log shows it.
+/// Constant between first-return ranges and recorded depths, as a log shows it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RangeOffset {
     /// Excess of ranges over recorded depths, metres; negative when first returns are found early.
     pub offset_m: f64,
-    /// Its error by the scatter of its blocks, metres (two standard errors).
+    /// Error of the offset from the scatter of its blocks, metres (two standard errors).
     pub uncertainty_m: f64,
-    /// Blocks of pings that it is based on.
+    /// Number of blocks of pings that the offset is based on.
     pub blocks: usize,
-    /// Share of the blocks at recorded depths that it is based on, 0 to 1: the others are
+    /// Share of the blocks at recorded depths that the offset is based on, 0 to 1: the others are
     /// above-bottom returns.
     pub share: f64,
     /// Median recorded depth of the blocks, metres.
     pub depth_m: f64,
     /// Slope of range against depth over the same blocks; NaN where the depths do not vary.
     pub k: f64,
-    /// Error of the slope by the scatter (two standard errors); infinite where the depths do not
+    /// Error of the slope from the scatter (two standard errors); infinite where the depths do not
     /// vary.
     pub k_uncertainty: f64,
     /// Largest part of the slope that the noise of the recorded depths may take away.
     pub k_attenuation: f64,
 }
 
-/// The picks, which are in ping order, in blocks of pings.
+/// Returns the picks, which are in ping order, in blocks of pings.
 pub(super) fn blocks(picks: &[Usable]) -> impl Iterator<Item = &[Usable]> {
     picks.chunk_by(|a, b| a.ping / BLOCK_PINGS == b.ping / BLOCK_PINGS)
 }
@@ -106,8 +108,8 @@ impl RangeOffset {
         })
     }
 
-    /// Says that the offset is larger than any instrument makes it, in a sentence; `sample_m` is
-    /// the range of one sample.
+    /// Returns a sentence if the offset is larger than any instrument causes, otherwise `None`;
+    /// `sample_m` is the range of one sample.
     pub(super) fn excess(&self, sample_m: f64) -> Option<String> {
         let most_m = MOST_M + MOST_SAMPLES * sample_m;
         let enough = self.blocks >= MIN_BLOCKS && self.offset_m.abs() > most_m;
@@ -118,13 +120,13 @@ impl RangeOffset {
         ))
     }
 
-    /// Returns a sentence that says why the offset must not be taken off the ranges; `sample_m` is
-    /// the range of one sample. `None` when it may.
+    /// Returns the reason why the offset must not be subtracted from the ranges, in a sentence;
+    /// `None` when it may be. `sample_m` is the range of one sample.
     pub(super) fn objection(&self, sample_m: f64) -> Option<String> {
         let Self { offset_m, blocks, .. } = *self;
         let drift_m = ((self.k - 1.0) * self.depth_m).abs();
         let drift_uncertainty_m = self.k_uncertainty * self.depth_m;
-        // False where the depths do not vary: then neither is a number that compares.
+        // False where the depths do not vary: the slope is NaN then, and its uncertainty infinite.
         let is_constant = drift_m <= MOST_DRIFT_M && drift_uncertainty_m <= MOST_UNCERTAIN_M;
         let is_edge = (-(EARLY_M + EARLY_SAMPLES * sample_m)..=LATE_M + LATE_SAMPLES * sample_m)
             .contains(&offset_m);
@@ -159,7 +161,8 @@ impl RangeOffset {
     }
 }
 
-/// Median recorded depth of a block, and the median of range minus depth on its deeper side.
+/// Returns the median recorded depth of a block, and the median of range minus depth on its deeper
+/// side, metres; `None` where a side has too few picks, or too many of them are flagged.
 fn depth_and_excess(block: &[Usable]) -> Option<(f64, f64)> {
     let [port, starboard] = Side::BOTH.map(|side| excess_m(block, side));
     let (port, starboard) = (port?, starboard?);
@@ -168,8 +171,8 @@ fn depth_and_excess(block: &[Usable]) -> Option<(f64, f64)> {
     (flagged <= MOST_FLAGGED).then(|| (median(&mut depths), excess_m))
 }
 
-/// Median of range minus recorded depth on one side, metres, and the share of its picks that is
-/// flagged.
+/// Returns the median of range minus recorded depth on one side, metres, and the share of its picks
+/// that is flagged; `None` with too few picks.
 fn excess_m(block: &[Usable], side: Side) -> Option<(f64, f64)> {
     let picks = || block.iter().filter(|pick| pick.side == side);
     let flagged = picks().filter(|pick| pick.above_bottom).count();
@@ -178,11 +181,11 @@ fn excess_m(block: &[Usable], side: Side) -> Option<(f64, f64)> {
     (excess.len() >= MIN_PICKS).then(|| (median(&mut excess), flagged))
 }
 
-/// Slope of range against depth over blocks of depth and excess, two standard errors of it, and how
-/// much the noise of the recorded depths may take from it. Noise in a depth is in the excess too,
-/// with the other sign, so that over a level bed, where depths vary by their noise alone, the slope
-/// comes out near zero whatever it is (attenuation; W. A. Fuller, Measurement error models, 1987).
-/// The scatter of a handful of blocks is often small by accident.
+/// Returns the slope of range against depth over blocks of depth and excess, with two errors of it:
+/// two standard errors, and how much the noise of the recorded depths may take away. Noise in a
+/// depth is in the excess too, with the other sign, so that over a level bed, where depths vary by
+/// their noise alone, the slope comes out near zero whatever it is (attenuation; W. A. Fuller,
+/// Measurement error models, 1987). The scatter of a handful of blocks is often small by accident.
 fn slope(blocks: &[(f64, f64)]) -> (f64, [f64; 2]) {
     let n = blocks.len() as f64;
     let mean_m = blocks.iter().map(|(depth_m, _)| depth_m).sum::<f64>() / n;

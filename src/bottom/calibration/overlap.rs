@@ -1,15 +1,16 @@
-//! The overlap of the beams: the angle by which each side looks past the nadir, to the other side.
+//! Finds the overlap of the beams: the angle by which the beam of each side reaches past the nadir,
+//! to the other side.
 //!
-//! Drawings let the beam of a side end straight below the boat; those of recorders do not. It shows
-//! where the bottom slopes across the track: on the side to which it falls the first return comes
-//! from the edge of the beam, over on the rising side, and is nearer than the depth below the boat.
-//! With the ranges `n` of the rising and `f` of the falling side, the depth `d`, and `cos(a) = n /
-//! f`, a plane gives `f / d = cos(p) - sin(p) tan(a)` for beams that look past by `p` (as in
-//! `cloud::specular`). On level ground `f / d` shows how ranges and depths are calibrated to
-//! each other.
+//! In drawings the beam of a side ends straight below the boat; the beams of recorders do not. This
+//! shows where the bottom slopes across the track: on the side to which it falls, the first return
+//! comes from the edge of the beam, over on the rising side, and is nearer than the depth below the
+//! boat. With the ranges `n` of the rising and `f` of the falling side, the depth `d`, and `cos(a)
+//! = n / f`, a plane gives `f / d = cos(p) - sin(p) tan(a)` for beams that reach past the nadir by
+//! `p` (as in `cloud::specular`). On level ground `f / d` shows how ranges and depths are
+//! calibrated to each other.
 //!
-//! A sounder whose beam is wider by `q` to each side than the side-scan's look past the nadir takes
-//! the nearest ground in it, so that `f / d = cos(q) + sin(q) tan(a)`: the same with `p = -q`.
+//! A sounder whose beam is wider to each side, by `q`, than the overlap of the side-scan takes the
+//! nearest ground in its beam, so that `f / d = cos(q) + sin(q) tan(a)`: the same with `p = -q`.
 
 use super::Calibration;
 use crate::first_return::FirstReturns;
@@ -18,26 +19,26 @@ use bathyscope_log::survey::{Side, Survey};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Pings of a block that is compared, and fewest of them with all three distances.
+/// Number of pings of a block that is compared, and fewest of them with all three distances.
 const BLOCK: usize = 20;
 const LEAST: usize = 12;
-/// Pings of a block lie within this time, seconds.
+/// Longest time between the first and the last ping of a block, seconds.
 const LONGEST_S: f64 = 4.0;
-/// Slopes that count as level, that tell of the overlap, and the fewest blocks of each; tangents of
-/// the angle. On steeper ones the echo from the edge of the beam is weak, and comes late: from 0.3
-/// on, blocks of `reach.py` show a third of the overlap, or none.
+/// Slopes that count as level, slopes that determine the overlap, and the fewest blocks of each;
+/// tangents of the angle. On steeper slopes the echo from the edge of the beam is weak, and comes
+/// late: from 0.3 on, blocks of `reach.py` show a third of the overlap, or none.
 const LEVEL: Range<f64> = 0.0..0.04;
 const TELLING: Range<f64> = 0.05..0.3;
 const LEAST_BLOCKS: usize = 8;
-/// Beams look no farther past the nadir than this, degrees: what seems more is of something else,
-/// boulders that both sides see, or depths that are wrong.
+/// Largest overlap, degrees: a larger one has another cause, boulders that both sides detect, or
+/// depths that are wrong.
 const MOST_DEG: f64 = 12.0;
-/// A sounder's beam is wider from this on, degrees, on slopes that are steep enough for it to show:
-/// on others it takes the nearest ground, as the side-scan does.
+/// Least angle by which a sounder's beam is wider, degrees, and the slopes that are steep enough to
+/// show it: on others the sounder takes the nearest ground, as the side-scan does.
 const LEAST_WIDER_DEG: f64 = 2.0;
 const STEEP: Range<f64> = 0.13..0.45;
-/// An overlap less than so many of its standard errors, or than what blocks scatter by, is not
-/// known.
+/// Number of its standard errors that an overlap must exceed to be known; it must also exceed the
+/// scatter of the blocks.
 const SIGMAS: f64 = 4.0;
 
 /// A block of pings: the tangent of the slope beyond the overlap, and the range of the falling side
@@ -49,8 +50,8 @@ struct Block {
 }
 
 impl Block {
-    /// The block of some pings; `None` where too few of them have all distances, or they are far
-    /// apart.
+    /// Creates the block of some pings; `None` where too few of them have all distances, or they
+    /// are too far apart in time.
     fn of(pings: &[PingRanges]) -> Option<Self> {
         let [first, last] = [pings.first()?, pings.last()?];
         let is_whole = |ping: &&PingRanges| {
@@ -70,35 +71,36 @@ impl Block {
         Some(Self { tangent, share: far_m / middle(&|ping| ping.depth_m) })
     }
 
-    /// The overlap that gives such a share, radians: `cos(p) - p tan(a)` to the second order. Less
-    /// than 0 where the sounder's beam is wider.
+    /// Returns the overlap that gives the share of the block, radians: `cos(p) - p tan(a)` to the
+    /// second order. `level` is the share on level ground. The overlap is less than 0 where the
+    /// sounder's beam is wider.
     fn overlap_rad(&self, level: f64) -> f64 {
         let nearer = 1.0 - self.share / level;
         (self.tangent * self.tangent + 2.0 * nearer).max(0.0).sqrt() - self.tangent
     }
 }
 
-/// Distances of a ping by the calibration in force, metres; NaN without one.
+/// Distances of a ping by the calibration in force, metres; NaN where a distance is not known.
 #[derive(Clone, Copy, Debug)]
 struct PingRanges {
     time_s: f64,
     /// Slant ranges of the first returns, port and starboard.
     sides_m: [f64; 2],
-    /// The recorded depth.
+    /// Recorded depth.
     depth_m: f64,
 }
 
-/// Widths of beams that slopes across the track show, radians; 0 where they show nothing.
+/// Widths of beams, found on slopes across the track, radians; 0 where these show nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BeamWidths {
-    /// Angle by which the beam of each side looks past the nadir to the other side.
+    /// Angle by which the beam of each side reaches past the nadir to the other side.
     pub overlap_rad: f64,
-    /// Angle to each side by which the sounder's beam is wider than that, at least.
+    /// Least angle to each side by which the sounder's beam is wider than the overlap.
     pub wider_rad: f64,
 }
 
 impl BeamWidths {
-    /// Returns the sentence about a wide sounder's beam.
+    /// Returns a sentence about the wide beam of the sounder; `None` where it is not wide.
     pub(super) fn warning(self) -> Option<String> {
         (self.wider_rad > 0.0).then(|| {
             "On slopes across the track soundings are nearer than the first returns of the lower side: the sounder has a wide beam and takes the nearest ground in it, so that soundings over slopes are too shallow.".to_owned()
@@ -106,7 +108,7 @@ impl BeamWidths {
     }
 }
 
-/// The widths of beams that a log shows.
+/// Returns the widths of the beams that a log shows.
 pub(super) fn beam_widths(
     survey: &Survey,
     returns: &FirstReturns,
@@ -129,7 +131,7 @@ pub(super) fn beam_widths(
     widths_of(&starts.into_par_iter().filter_map(block_from).collect::<Vec<_>>())
 }
 
-/// The widths that some blocks show.
+/// Returns the widths of the beams that some blocks show.
 fn widths_of(blocks: &[Block]) -> BeamWidths {
     let of = |slopes: Range<f64>| -> Vec<Block> {
         blocks.iter().filter(|block| slopes.contains(&block.tangent)).copied().collect()
@@ -140,7 +142,7 @@ fn widths_of(blocks: &[Block]) -> BeamWidths {
     }
     let mut shares: Vec<f64> = level.iter().map(|block| block.share).collect();
     shares.sort_unstable_by(f64::total_cmp);
-    // Ground that slopes by less than the overlap looks level and is nearer.
+    // Ground that slopes by less than the overlap looks level, but its ranges are shorter.
     let level = quantile(&shares, 0.75);
     let most_rad = MOST_DEG.to_radians();
     let within = |least_rad: f64, angle_rad: f64| (least_rad..=most_rad).contains(&angle_rad);
@@ -152,7 +154,8 @@ fn widths_of(blocks: &[Block]) -> BeamWidths {
     BeamWidths { overlap_rad: overlap_rad.unwrap_or(0.0), wider_rad: wider_rad.unwrap_or(0.0) }
 }
 
-/// The overlap of some blocks, radians; `None` where it is less than its error or the spread.
+/// Returns the overlap of some blocks, radians; `None` with too few blocks, or where it is less
+/// than its error or the spread.
 fn known_overlap_rad(blocks: &[Block], level: f64) -> Option<f64> {
     if blocks.len() < LEAST_BLOCKS {
         return None;

@@ -1,11 +1,12 @@
-//! Recorded depth along the track.
+//! Measures the slope and the variation of the recorded depth along the track.
 
 use bathyscope_log::survey::{Navigation, Survey};
 use std::ops::Range;
 
-/// Slower than this the boat is at rest, metres a second: its depth is flat whatever the bottom is.
+/// Speed below which the boat is at rest, metres a second: its depth is flat whatever the bottom
+/// is.
 const MIN_SPEED_MPS: f64 = 0.2;
-/// A pause between two pings that ends a stretch, seconds.
+/// Shortest pause between two pings that ends a stretch, seconds.
 const MAX_PAUSE_S: f64 = 2.0;
 
 /// Recorded depth against distance along the track, with running sums so that any stretch costs the
@@ -62,8 +63,8 @@ impl Profile {
         self.along_m.last().copied().unwrap_or(0.0)
     }
 
-    /// Returns the pings from `start` on that cover `length_m` and are `min_pings` at least; `None`
-    /// where one has no usable depth.
+    /// Returns the shortest stretch from `start` that is at least `length_m` long and has at least
+    /// `min_pings` pings; `None` where one of them has no usable depth, or the track ends before.
     pub(super) fn stretch(
         &self,
         start: usize,
@@ -76,7 +77,7 @@ impl Profile {
         complete.then_some(start..end)
     }
 
-    /// A stretch with `margin_m` more on either side.
+    /// Returns a stretch with `margin_m` more on either side.
     pub(super) fn around(&self, pings: &Range<usize>, margin_m: f64) -> Range<usize> {
         let from_m = self.along_m[pings.start] - margin_m;
         let to_m = self.along_m[pings.end - 1] + margin_m;
@@ -98,23 +99,23 @@ impl Profile {
         }
     }
 
-    /// Returns the variation of the depth over a stretch: rise of its line and twice the scatter
-    /// about it, metres.
+    /// Returns the variation of the depth over a stretch, metres: the rise of its line plus twice
+    /// the scatter about this line.
     pub(super) fn variation_m(&self, pings: &Range<usize>) -> f64 {
         let (slope, scatter_m) = self.sums(pings).line();
         let length_m = self.along_m[pings.end - 1] - self.along_m[pings.start];
         slope.abs() * length_m + 2.0 * scatter_m
     }
 
-    /// Length of a stretch along the track, metres.
+    /// Returns the length of a stretch along the track, metres.
     pub(super) fn way_m(&self, pings: &Range<usize>) -> f64 {
         let ends = self.along_m.get(pings.start..pings.end).unwrap_or_default();
         let ends = ends.first().zip(ends.last());
         ends.map_or(0.0, |(from_m, to_m)| to_m - from_m)
     }
 
-    /// Least-squares slope of the depth, metres a metre, and the standard deviation about its line,
-    /// metres; NaN for no pings.
+    /// Returns the least-squares slope of the depth, metres a metre, and the standard deviation
+    /// about its line, metres; NaN for no pings.
     pub(super) fn line(&self, pings: &Range<usize>) -> (f64, f64) {
         if pings.is_empty() {
             return (f64::NAN, f64::NAN);
@@ -135,7 +136,7 @@ impl Sums {
         }
     }
 
-    /// Least-squares slope, and the standard deviation about the line.
+    /// Returns the least-squares slope, and the standard deviation about the line.
     fn line(&self) -> (f64, f64) {
         let n = self.usable.max(1.0);
         let xx = (self.xx - self.x * self.x / n).max(0.0);

@@ -1,8 +1,8 @@
-//! A straight line that a third of wild points cannot move.
+//! Fits a straight line that a third of wild points cannot move.
 
 use bathyscope_log::support::statistics::{median, spread_about};
 
-/// A straight line `y = slope x + offset` with the robust standard deviation about it.
+/// Straight line `y = slope x + offset` with the robust standard deviation about it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct FittedLine {
     pub slope: f64,
@@ -10,17 +10,17 @@ pub(crate) struct FittedLine {
     pub spread: f64,
 }
 
-/// Points that the starting line is drawn through, at most; the median of their pairwise slopes
-/// costs the square of it.
+/// Largest number of points that the starting line is drawn through; the cost of the median of
+/// their pairwise slopes grows with its square.
 const START_POINTS: usize = 300;
-/// Reweighting rounds; the weights settle after a handful.
+/// Number of reweighting rounds; the weights settle after a handful.
 const ROUNDS: usize = 12;
-/// Points farther from the line than this many standard deviations have no weight (Tukey's
+/// Distance from the line, in standard deviations, beyond which points have no weight (Tukey's
 /// biweight).
 const CUT_SIGMAS: f64 = 4.685;
 
-/// Robust line through `(x, y)`: Theil-Sen over an even subsample, then least squares with Tukey's
-/// weights. `None` when `x` hardly varies.
+/// Returns the robust line through `(x, y)`: Theil-Sen over an even subsample, then least squares
+/// with Tukey's weights. `None` when `x` hardly varies.
 pub(crate) fn robust_line(points: &[(f64, f64)]) -> Option<FittedLine> {
     let mut line = theil_sen(points)?;
     for _ in 0..ROUNDS {

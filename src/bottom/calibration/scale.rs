@@ -1,4 +1,4 @@
-//! Pixels per metre: measured at a flat spot, and as the log's headers imply it.
+//! Measures pixels per metre at a flat spot, and reads the scale that the log's headers imply.
 
 use super::Scale;
 use crate::first_return::{FirstReturns, Pick};
@@ -6,15 +6,15 @@ use bathyscope_log::support::statistics::{median, spread_about};
 use bathyscope_log::survey::{Side, Survey};
 use std::ops::Range;
 
-/// A pick whose r / d differs from the log's median by more than this factor is no bottom: the
-/// search ran into its limit, or stopped at the edge of the dead zone.
+/// Largest factor by which the r / d of a pick may differ from the log's median: a pick beyond it
+/// is no bottom, since the search ran into its limit, or stopped at the edge of the dead zone.
 const RATIO_LIMIT: f64 = 1.6;
 
-/// Picks that a scale is based on, at least, as a share of what the stretch could give: fewer are
+/// Fewest picks that a scale is based on, as a share of what the stretch could give: fewer are
 /// accidents of the search.
 const MIN_SHARE: f64 = 0.05;
 
-/// A pick that may calibrate.
+/// Pick at a recorded depth, for calibration.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Usable {
     pub(super) ping: usize,
@@ -25,7 +25,7 @@ pub(super) struct Usable {
     pub(super) range_m: f64,
     /// Recorded depth, metres.
     pub(super) depth_m: f64,
-    /// Flagged as an above-bottom return: it must not calibrate.
+    /// True if flagged as an above-bottom return: such a pick must not calibrate.
     pub(super) above_bottom: bool,
 }
 
@@ -35,10 +35,10 @@ impl Usable {
     }
 }
 
-/// A first return where the recorder had the bottom.
+/// First return at a ping where the recorder had the bottom.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RangeAtDepth {
-    /// The side-scan ping.
+    /// Index of the side-scan ping.
     pub ping: usize,
     /// Recorded depth, metres.
     pub depth_m: f64,
@@ -46,7 +46,7 @@ pub struct RangeAtDepth {
     pub range_m: f64,
 }
 
-/// The first returns of the log that may calibrate, in ping order.
+/// Returns the first returns of the log that may calibrate, in ping order.
 pub fn ranges_at_depths(survey: &Survey, returns: &FirstReturns) -> Vec<RangeAtDepth> {
     let picks = usable_picks(survey, returns).into_iter();
     let of = |pick: Usable| RangeAtDepth {
@@ -57,8 +57,8 @@ pub fn ranges_at_depths(survey: &Survey, returns: &FirstReturns) -> Vec<RangeAtD
     picks.map(of).collect()
 }
 
-/// The picks of the log that may calibrate, in ping order: no above-bottom return, not at the
-/// search limit, not at the dead zone, and not where the recorder had lost the bottom.
+/// Returns the picks of the log that may calibrate, in ping order: no above-bottom return, not at
+/// the search limit, not at the dead zone, and not where the recorder had lost the bottom.
 pub(super) fn usable_picks(survey: &Survey, returns: &FirstReturns) -> Vec<Usable> {
     let mut picks = picks_at_depths(survey, returns);
     picks.retain(|pick| !pick.above_bottom);
@@ -71,8 +71,8 @@ pub(super) fn usable_picks(survey: &Survey, returns: &FirstReturns) -> Vec<Usabl
     picks
 }
 
-/// Returns the picks of [`usable_picks`] and also those that are flagged and those that differ
-/// much.
+/// Returns the picks of [`usable_picks`] and also those that are flagged and those whose range
+/// differs much from the usual share of the depth.
 pub(super) fn picks_at_depths(survey: &Survey, returns: &FirstReturns) -> Vec<Usable> {
     (0..survey.side_scan.len())
         .flat_map(|ping| Side::BOTH.map(|side| (ping, side)))
@@ -95,28 +95,30 @@ fn pick_at_depth(survey: &Survey, ping: usize, side: Side, pick: &Pick) -> Optio
     })
 }
 
-/// The picks of a stretch, of picks in ping order.
+/// Returns the picks of a stretch; `picks` are in ping order.
 pub(super) fn inside<'a>(picks: &'a [Usable], pings: &Range<usize>) -> &'a [Usable] {
     let place = |ping: usize| picks.partition_point(|pick| pick.ping < ping);
     &picks[place(pings.start)..place(pings.end).max(place(pings.start))]
 }
 
-/// `PPD = p / d`: the median over the usable picks of a stretch of `pings` pings, both sides;
-/// `None` when they are too few to stand for it.
+/// Returns `PPD = p / d`: the median over the usable picks of both sides, of a stretch of `pings`
+/// pings; `None` when there are too few picks.
 pub(super) fn pixels_per_metre(picks: &[Usable], pings: usize) -> Option<Scale> {
     let enough = picks.len() as f64 >= MIN_SHARE * (2 * pings) as f64;
     let values = || picks.iter().map(Usable::px_per_m).collect();
     enough.then(values).and_then(scale_of)
 }
 
-/// Recorded depth over the header's slant range: the median over picks of a flat spot.
+/// Returns the recorded depth over the header's slant range: the median over picks of a flat spot;
+/// `None` without any.
 pub(super) fn header_factor(picks: &[Usable]) -> Option<f64> {
     let ratio = |pick: &Usable| pick.range_m / pick.depth_m;
     let factor = 1.0 / median(&mut picks.iter().map(ratio).collect::<Vec<_>>());
     (factor.is_finite() && factor > 0.0).then_some(factor)
 }
 
-/// The scale that the headers state, over all sides of all pings.
+/// Returns the scale that the headers state: the median over all pings, by the port side where it
+/// was recorded. `None` where no header states one.
 pub fn header_scale(survey: &Survey) -> Option<Scale> {
     scale_of(header_scales(survey).collect())
 }

@@ -1,58 +1,62 @@
-//! The delay of soundings behind the first returns recorded with them.
+//! Finds the delay of soundings behind the first returns recorded with them.
 //!
-//! A sounder that averages its depths over seconds, or shows them late, writes those of a place
+//! A sounder that averages its depths over seconds, or shows them late, writes depths of a place
 //! that the boat has passed; the side-scan of the same ping does not. Over level ground nothing
-//! shows it. Where the bottom falls by `v` metres a second along the track, a sounding `d` that is
-//! late by `t` and the range `r` of the first returns, which lie abeam and so at one depth along
-//! the track, differ by `d - r = -v t`.
+//! shows this delay. Where the bottom falls by `v` metres a second along the track, a sounding `d`
+//! that is late by `t` and the range `r` of the first returns, which lie abeam and so at one depth
+//! along the track, differ by `d - r = -v t`.
 
 use super::Calibration;
 use crate::first_return::FirstReturns;
 use bathyscope_log::support::statistics::{SIGMA_PER_MAD, median, weighted_median};
 use bathyscope_log::survey::{Side, Survey};
 
-/// Time to both sides of a ping over which ranges rise or fall evenly, seconds, and fewest pings of
-/// it to each side: a slow recorder has a ping a second.
+/// Time on each side of a ping over which ranges rise or fall evenly, seconds, and fewest pings on
+/// each side: a slow recorder has a ping a second.
 const REACH_S: f64 = 1.0;
 const LEAST_REACH: usize = 3;
 /// Share of these pings that must have a range and a depth.
 const LEAST_SHARE: f64 = 0.7;
-/// Both sides are as far within this share of the range, or the bottom slopes across the track.
+/// Largest difference of the ranges of both sides, as a share of the range: with more, the bottom
+/// slopes across the track.
 const SIDES_AGREE: f64 = 0.1;
-/// Ranges scatter about their line by no more than this share of a second's change, and metres.
+/// Largest scatter of ranges about their line: this share of the change in a second, plus these
+/// metres.
 const EVEN: (f64, f64) = (0.2, 0.03);
-/// The bottom rises or falls by at least so much, and is level below so much, metres a second.
+/// Least rate at which the bottom rises or falls, and rate below which it is level, metres a
+/// second.
 const SLOPING_MPS: f64 = 0.1;
 const LEVEL_MPS: f64 = 0.05;
-/// Fewest windows over slopes, and share of them that must go down, and up: of one kind alone a lag
-/// looks like a draft.
+/// Fewest windows over slopes, and least share of them that must fall, and that must rise: with one
+/// kind alone a lag looks like a draft.
 const LEAST_WINDOWS: usize = 24;
 const LEAST_OF_EACH: f64 = 0.1;
-/// Every ping is in so many windows.
+/// Number of windows that every ping is in.
 const SHARED: f64 = 4.0;
-/// A lag is told where it is longer than this, seconds, than so many of its standard errors, and
-/// than so many times what single windows scatter by.
+/// Least lag that is reported: in seconds, as a number of its standard errors, and as a multiple of
+/// the scatter of single windows.
 const LEAST_LAG_S: f64 = 0.25;
 const SIGMAS: f64 = 6.0;
 const TIMES_SPREAD: f64 = 2.0;
-/// No sounder is later, seconds.
+/// Longest lag of any sounder, seconds.
 const LONGEST_LAG_S: f64 = 10.0;
-/// Averages follow a slope with a delay, so that a first lag is too short: it is taken out, and
-/// what is left is found again, until it is less than this, seconds.
+/// Remaining lag below which the rounds end, seconds, and their largest number. Averages follow a
+/// slope with a delay, so that a first lag is too short: it is taken out, and the remaining lag is
+/// found again.
 const SETTLED_S: f64 = 0.01;
 const ROUNDS: usize = 8;
 
-/// The delay of soundings.
+/// Delay of soundings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SoundingLag {
-    /// Seconds after the first returns recorded with them.
+    /// Delay after the first returns recorded with them, seconds.
     pub lag_s: f64,
-    /// Its standard error, seconds.
+    /// Standard error of the delay, seconds.
     pub standard_error_s: f64,
 }
 
 impl SoundingLag {
-    /// The lag that the slopes along a track show; `None` where they show none.
+    /// Returns the lag that the slopes along a track show; `None` where they show none.
     pub(super) fn of(
         survey: &Survey,
         returns: &FirstReturns,
@@ -74,12 +78,12 @@ impl SoundingLag {
         (is_told && found.lag_s > SIGMAS * found.standard_error_s).then_some(found)
     }
 
-    /// The lag in hundredths of a second: more is not known.
+    /// Returns the lag rounded to hundredths of a second: it is not known any better.
     pub fn told_s(&self) -> f64 {
         (100.0 * self.lag_s).round() / 100.0
     }
 
-    /// The sentence about it.
+    /// Returns the sentence about the lag.
     pub(super) fn warning(&self) -> String {
         format!(
             "Where the bottom rises or falls along the track, soundings are those of {:.2} s before (standard error {:.2} s), as the first returns of both sides show: the recorder averages its depths, or is late. Apply the sounding lag adds {:.2} s to mounting.sounding_lag_s; so does process --latency.",
@@ -90,7 +94,8 @@ impl SoundingLag {
     }
 }
 
-/// Range of the first returns of a ping where both sides are as far, metres; else NaN.
+/// Returns the range of the first returns of a ping where both sides are about equally far, metres;
+/// otherwise NaN.
 fn range_m(survey: &Survey, returns: &FirstReturns, calibration: &Calibration, ping: usize) -> f64 {
     let [port_m, starboard_m] = Side::BOTH.map(|side| {
         let pick = returns.side(side).get(ping);
@@ -102,7 +107,7 @@ fn range_m(survey: &Survey, returns: &FirstReturns, calibration: &Calibration, p
 
 /// Pings over which the bottom rises or falls evenly.
 struct Window {
-    /// Times and ranges, seconds and metres.
+    /// Times and ranges of the first returns, seconds and metres.
     ranges: Vec<[f64; 2]>,
     /// Growth of the ranges, metres a second.
     growth_mps: f64,
@@ -134,7 +139,7 @@ fn windows(survey: &Survey, ranges_m: &[f64]) -> Vec<Window> {
 }
 
 impl Window {
-    /// The window of some ranges; `None` where they do not lie on a line.
+    /// Creates the window of some ranges; `None` where they do not lie on a line.
     fn of(ranges: Vec<[f64; 2]>) -> Option<Self> {
         let count = ranges.len() as f64;
         let mean = |of: &dyn Fn(&[f64; 2]) -> f64| ranges.iter().map(of).sum::<f64>() / count;
@@ -147,8 +152,8 @@ impl Window {
         is_even.then_some(Self { ranges, growth_mps })
     }
 
-    /// Median of soundings less ranges, where soundings are taken `lag_s` later; `None` where too
-    /// few are known.
+    /// Returns the median of soundings less ranges, metres, with the soundings taken `lag_s` later;
+    /// `None` where too few soundings are known.
     fn difference_m(&self, survey: &Survey, lag_s: f64) -> Option<f64> {
         let difference = |&[time_s, range_m]: &[f64; 2]| {
             sounding_m(survey, time_s + lag_s).map(|depth_m| depth_m - range_m)
@@ -159,8 +164,8 @@ impl Window {
     }
 }
 
-/// The depth by the soundings around a time, straight between them; `None` where one of them does
-/// not count or there is none.
+/// Returns the depth at a time, linear between the soundings before and after it, metres; `None`
+/// where one of them does not count or there is none.
 fn sounding_m(survey: &Survey, time_s: f64) -> Option<f64> {
     let soundings = &survey.soundings;
     let next = soundings.partition_point(|sounding| sounding.time_s < time_s);
@@ -174,8 +179,8 @@ fn sounding_m(survey: &Survey, time_s: f64) -> Option<f64> {
     Some(before_m + share * (after_m - before_m))
 }
 
-/// The delay of soundings beyond `lag_s`; `None` where too little slopes or windows do not
-/// agree.
+/// Returns the delay of soundings beyond `lag_s`; `None` where too little of the bottom slopes, or
+/// the windows do not agree.
 fn more_s(survey: &Survey, windows: &[Window], lag_s: f64) -> Option<SoundingLag> {
     let compared: Vec<(f64, f64)> = windows
         .iter()

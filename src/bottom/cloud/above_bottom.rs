@@ -2,50 +2,52 @@
 //! they go on.
 //!
 //! A clump of weed, a fish and an object are soon passed; a bank or the edge of a scarp goes on, on
-//! the side where it lies. What both sides see above the recorded depth is the top of weed or of
-//! boulders, however long it goes on: the ground below the boat is between them, where the sounder
-//! sees it. On the river of the tests the first returns of the boulder reach follow hyperbolas of
-//! boulders beside the boat in the recording of the wide beam, 0.3 to 0.9 m above the echo of the
-//! narrow one. A recorder that smooths its depth, or writes it in steps of 10 cm, departs from a
-//! rough bed to both sides: there only what stands out of that is above the bottom.
+//! the side where it lies. First returns at the same height above the recorded depth on both sides
+//! are the top of weed or of boulders, however long they go on: the ground below the boat is
+//! between them, where the sounder measures it. On the river of the tests the first returns of the
+//! boulder reach follow hyperbolas of boulders beside the boat in the recording of the wide beam,
+//! 0.3 to 0.9 m above the echo of the narrow one. A recorder that smooths its depth, or writes it
+//! in steps of 10 cm, departs from a rough bed to both sides: there a first return is above the
+//! bottom only if it exceeds these departures.
 
 use crate::first_return::FirstReturns;
 use bathyscope_log::support::statistics::{median, spread_about};
 use bathyscope_log::survey::{Navigation, PingNav, Side, Survey};
 use std::ops::Range;
 
-/// Way to both sides of a ping over which most first returns of a side must lie above the recorded
+/// Way on each side of a ping over which most first returns of a side must lie above the recorded
 /// depth for the ping to belong to a stretch of them, metres.
 const AROUND_M: f64 = 5.0;
-/// Way to both sides over which it is judged how closely the recorded depth follows the first
-/// returns, metres: weed and objects fill less than half of it, else it is a long stretch.
+/// Way on each side of a ping over which it is judged how closely the recorded depth follows the
+/// first returns, metres: weed and objects fill less than half of it, else they are a long stretch.
 const FOLLOWED_M: f64 = 30.0;
-/// Length of the way on which pings share that judgement, metres.
+/// Length of the way on which pings share this judgement, metres.
 const SHARED_M: f64 = 2.0;
-/// A first return above the recorded depth by more standard deviations than this is above the
+/// Number of standard deviations above the recorded depth beyond which a first return is above the
 /// bottom.
 const SIGMAS: f64 = 3.0;
-/// The sides see the same where the lower one stands above the depth by more than this share of the
-/// higher one.
+/// Least height of the lower side above the depth, as a share of that of the higher side, at which
+/// both sides are alike.
 const LEAST_ALIKE: f64 = 0.5;
-/// They do not where the lower one stands above the depth by no more than this share of it: on a
-/// bank of 20 degrees beams that look 8 degrees past the nadir are nearer by a twenty-fifth.
+/// Least height of the lower side above the depth, as a share of the depth, at which both sides are
+/// alike: on a bank of 20 degrees beams that reach 8 degrees past the nadir are nearer by a
+/// twenty-fifth.
 const LEAST_HIGH: f64 = 0.06;
-/// Steps longer than this are gaps of the log: a stretch ends there, metres.
+/// Longest step that is no gap of the log, metres: a stretch ends at a gap.
 const LONGEST_STEP_M: f64 = 5.0;
 
-/// First returns of a log against its recorded depths.
+/// Heights of the first returns of a log above its recorded depths.
 pub(super) struct AboveDepth {
-    /// Way up to each ping, metres.
+    /// Way along the track up to each ping, metres.
     way_m: Vec<f64>,
-    /// [`height_m`] of both sides of every ping; NaN of clutter.
+    /// [`height_m`] of both sides of every ping; NaN for clutter.
     heights_m: Vec<[f64; 2]>,
     sums: Sums,
 }
 
 impl AboveDepth {
-    /// Compares a survey's first returns with its depths. `is_clutter` is true by side and ping
-    /// where a first return is clutter, which is left out.
+    /// Compares a survey's first returns with its depths. `is_clutter` is true, by side and ping,
+    /// for a first return that is clutter and so left out.
     pub(super) fn new(
         survey: &Survey,
         navigation: &Navigation,
@@ -64,15 +66,15 @@ impl AboveDepth {
         Self { way_m, sums: Sums::new(survey, returns, &heights_m), heights_m }
     }
 
-    /// Pings that lie within a way of one, `at_m` along the track.
+    /// Returns the pings within `reach_m` of the place `at_m` along the track.
     fn around(&self, at_m: f64, reach_m: f64) -> Range<usize> {
         self.way_m.partition_point(|way| *way < at_m - reach_m)
             ..self.way_m.partition_point(|way| *way <= at_m + reach_m)
     }
 
     /// Returns for every ping the height above the recorded depth up to which a first return is the
-    /// bottom, metres: three standard deviations of the heights nearby, and 0 where both sides see
-    /// the same above the depth.
+    /// bottom, metres: three standard deviations of the heights nearby, and 0 where both sides are
+    /// alike above the depth.
     pub(super) fn usual_departures_m(&self) -> Vec<f64> {
         let pings = self.way_m.len();
         let mut usual_m = Vec::with_capacity(self.heights_m.len());
@@ -87,7 +89,7 @@ impl AboveDepth {
         usual_m
     }
 
-    /// Robust standard deviation of the heights on some pings, metres.
+    /// Returns the robust standard deviation of the heights on some pings, metres.
     fn scatter_m(&self, pings: Range<usize>) -> f64 {
         let heights_m = self.heights_m[pings].as_flattened().iter().copied();
         let mut heights_m: Vec<f64> = heights_m.filter(|height_m| !height_m.is_nan()).collect();
@@ -96,7 +98,7 @@ impl AboveDepth {
     }
 
     /// Returns for every ping the length of the stretch of a side that it belongs to, metres; 0
-    /// outside of any. A bank and the edge of a scarp lie on one side.
+    /// outside of stretches. A bank and the edge of a scarp lie on one side.
     pub(super) fn stretches_m(&self, side: Side) -> Vec<f32> {
         let Self { way_m, .. } = self;
         let pings = way_m.len();
@@ -115,15 +117,16 @@ impl AboveDepth {
     }
 }
 
-/// First returns above the recorded depth up to each ping: differences of these sums are counts.
+/// Numbers of first returns above the recorded depth up to each ping: the difference of two sums is
+/// a count.
 struct Sums {
-    /// Pings with a depth and a first return of any side.
+    /// Number of pings with a depth and a first return of any side.
     pings: Vec<u32>,
-    /// Pings on which both sides see the same above the depth.
+    /// Number of pings on which both sides are alike above the depth.
     alike: Vec<u32>,
-    /// First returns of pings with a depth, port and starboard.
+    /// Number of first returns of pings with a depth, port and starboard.
     judged: [Vec<u32>; 2],
-    /// First returns above the depth on pings where the sides differ, port and starboard.
+    /// Number of first returns above the depth on pings where the sides differ, port and starboard.
     apart: [Vec<u32>; 2],
 }
 
@@ -159,36 +162,38 @@ impl Sums {
         sums
     }
 
-    /// True where on most of some pings the sides see the same above the depth.
+    /// Returns true if on most of some pings both sides are alike above the depth.
     fn are_mostly_alike(&self, pings: &Range<usize>) -> bool {
         let count = |sums: &[u32]| sums[pings.end] - sums[pings.start];
         2 * count(&self.alike) > count(&self.pings)
     }
 
-    /// True where most first returns of a side lie above the depth and the sides differ.
+    /// Returns true if most first returns of a side lie above the depth on pings where the sides
+    /// differ.
     fn are_mostly_apart(&self, side: Side, pings: &Range<usize>) -> bool {
         let count = |sums: &[u32]| sums[pings.end] - sums[pings.start];
         2 * count(&self.apart[side as usize]) > count(&self.judged[side as usize])
     }
 }
 
-/// True where both sides see the same above the depth, so that it lies below the boat. Over a bank
-/// the lower side, whose beam looks past the nadir, lies above the depth, too, by much less than
-/// the upper side.
+/// Returns true if both sides are at about the same height above the depth, so that the obstacle
+/// lies below the boat. Over a bank the lower side, whose beam reaches past the nadir, lies above
+/// the depth, too, by much less than the upper side.
 fn are_alike([port_m, starboard_m]: [f64; 2], depth_m: f64) -> bool {
     let lower_m = port_m.min(starboard_m);
     lower_m > LEAST_ALIKE * port_m.max(starboard_m) && lower_m > LEAST_HIGH * depth_m
 }
 
 /// Returns the height of a first return above the recorded depth, by the recorder's own scale,
-/// metres; NaN without either.
+/// metres; NaN without a depth or a first return.
 pub(super) fn height_m(survey: &Survey, returns: &FirstReturns, ping: usize, side: Side) -> f64 {
     let found = survey.span(ping, side).zip(returns.side(side).get(ping));
     let range_m = found.map_or(f64::NAN, |(span, pick)| span.range_m(f64::from(pick.sample)));
     f64::from(survey.good_depth_m(ping)) - range_m
 }
 
-/// Way up to each ping, metres. Over a gap it jumps by more than a stretch looks around.
+/// Returns the way up to each ping, metres. Over a gap it jumps by more than both ways around a
+/// ping.
 pub(super) fn way_m(pings: &[PingNav]) -> Vec<f64> {
     let mut way_m = 0.0;
     let mut last: Option<&PingNav> = None;
@@ -197,7 +202,7 @@ pub(super) fn way_m(pings: &[PingNav]) -> Vec<f64> {
         .map(|ping| {
             let step_m = last
                 .map_or(0.0, |last| (ping.east_m - last.east_m).hypot(ping.north_m - last.north_m));
-            // A ping without a place has a step of NaN: it stays where the boat was.
+            // A ping without a place has a step of NaN, which counts as none.
             way_m +=
                 if step_m > LONGEST_STEP_M { 2.0 * AROUND_M + step_m } else { step_m.max(0.0) };
             if ping.east_m.is_finite() {

@@ -1,5 +1,5 @@
-//! Makes points in the survey's plane of picks and soundings, with the properties that a point has
-//! from its first return, whatever the geometry and the calibration.
+//! Makes points in the survey's plane of picks and soundings, and finds the properties of first
+//! returns that do not depend on the geometry and the calibration.
 
 use super::above_bottom::{AboveDepth, height_m, way_m};
 use super::clutter::{Clutter, clutter};
@@ -21,33 +21,33 @@ use std::sync::Arc;
 /// Properties of a first return, wherever it is placed.
 #[derive(Clone, Copy, Debug)]
 struct PickTrait {
-    /// True if it is something above the bottom.
+    /// True if the first return is something above the bottom.
     above_bottom: bool,
-    /// The length of the stretch of such returns, metres; 0 of the bottom and of clutter.
+    /// Length of the stretch of above-bottom returns, metres; 0 for the bottom and for clutter.
     above_bottom_m: f32,
-    /// True if it is clutter, which does not show the slope of the bottom.
+    /// True if the first return is clutter, which does not show the slope of the bottom.
     is_clutter: bool,
-    /// Confidence that it is what `above_bottom` states.
+    /// Confidence that the first return is what `above_bottom` states.
     confidence: f32,
-    /// Level of its echo, 0 to 255.
+    /// Level of the echo, 0 to 255.
     level: u8,
 }
 
-/// Properties of all first returns. Several clouds of the same returns share them: they cost as
-/// much as all else of a cloud.
+/// Properties of all first returns. Several clouds of the same returns share them, since they cost
+/// as much as all the rest of a cloud.
 pub struct PickTraits {
-    /// Properties by side, port first, one a ping.
+    /// Properties by side, port first, one for each ping.
     sides: [Vec<PickTrait>; 2],
     clutter: Option<Clutter>,
 }
 
 /// Slant range from the edge of a first return within which its echo is strongest, metres.
 const ECHO_M: f64 = 0.2;
-/// More soundings than this in a row with a fault are a loss of the bottom, in which the
-/// depth may meet a first return by chance.
+/// Most soundings with a fault in a row that first returns may confirm: a longer run is a loss of
+/// the bottom, in which the depth may meet a first return by chance.
 const LONGEST: usize = 4;
-/// A first return is at the depth of a sounding within this, metres: a part of what a sounding
-/// stands out by.
+/// Largest difference between a first return and the depth of a sounding that it confirms, metres:
+/// a part of what a sounding stands out by.
 const WITHIN_M: f64 = 0.15;
 
 impl PickTraits {
@@ -66,13 +66,13 @@ impl PickTraits {
             PickTrait {
                 above_bottom,
                 is_clutter,
-                // Without a depth to believe it is not known how high it is.
+                // Without a good depth the height of the return is not known.
                 above_bottom_m: if above_bottom && !is_clutter && high_m.is_finite() {
                     lengths_m[side as usize][ping]
                 } else {
                     0.0
                 },
-                // What does not stand out is ground.
+                // A first return that does not stand out is ground.
                 confidence: if above_bottom {
                     pick.confidence
                 } else {
@@ -88,19 +88,19 @@ impl PickTraits {
         Self { sides: Side::BOTH.map(of_side), clutter }
     }
 
-    /// The clutter among the first returns; `None` without any.
+    /// Returns the clutter among the first returns; `None` without any.
     pub fn clutter(&self) -> Option<Clutter> {
         self.clutter
     }
 
-    /// Returns the properties of a side, one a ping.
+    /// Returns the properties of a side, one for each ping.
     fn side(&self, side: Side) -> &[PickTrait] {
         &self.sides[side as usize]
     }
 }
 
-/// The greatest level, 0 to 255, within a pulse's length of a first return `sample` samples
-/// outward: the pick itself lies on the edge of the echo, where the level says little of the
+/// Returns the greatest level, 0 to 255, within a pulse's length of a first return `sample` samples
+/// outward: the pick itself lies on the edge of the echo, where the level hardly depends on the
 /// ground. 0 where that side was not recorded.
 fn echo_level(survey: &Survey, ping: usize, side: Side, sample: f32) -> u8 {
     let level = || {
@@ -113,7 +113,7 @@ fn echo_level(survey: &Survey, ping: usize, side: Side, sample: f32) -> u8 {
     level().unwrap_or(0)
 }
 
-/// Builds the cloud: [`place`] for a single time.
+/// Builds a cloud as [`place`] does, with properties of the first returns for this cloud alone.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -131,7 +131,7 @@ pub fn build(
     place(survey, navigation, returns, calibration, settings, correction, progress)
 }
 
-/// Builds the cloud of first returns whose traits are known.
+/// Builds the cloud of first returns whose properties are known.
 ///
 /// Every sounding, every pick of a ping with a heading and every stretch of a swath gives a point.
 /// Each point lies on its own beam's side of the track: starboard is `(h_y, -h_x) / |h|`. Ranges
@@ -190,11 +190,11 @@ pub fn place(
     Ok(PointCloud { points, zero_heading: navigation.zero_heading })
 }
 
-/// No side-scan reaches farther, metres: where a calibration says so, it is that which is wrong.
+/// Longest slant range of a side-scan, metres: where a calibration gives more, it is wrong.
 const FARTHEST_M: f64 = 10_000.0;
 
-/// Slant range of every pick of a side, by the true speed of sound; NaN without one, or where it
-/// cannot be.
+/// Returns the slant range of every pick of a side by the true speed of sound, metres; NaN without
+/// a pick, or where the range is impossible.
 fn ranges_m(
     survey: &Survey,
     returns: &FirstReturns,
@@ -208,9 +208,10 @@ fn ranges_m(
         .collect()
 }
 
-/// Angles of the first returns of both sides from straight below at every ping. Above-bottom
-/// returns but clutter count: on a steep slope the bottom itself lies above the recorded depth, and
-/// an above-bottom return on one side moves only the points of that side.
+/// Returns the angles of the first returns of both sides from straight below at every ping,
+/// radians. Above-bottom returns count, except clutter: on a steep slope the bottom itself lies
+/// above the recorded depth, and an above-bottom return on one side moves only the points of that
+/// side.
 fn angles_rad(
     survey: &Survey,
     ([port, starboard], traits): (&[Vec<f64>; 2], &PickTraits),
@@ -263,7 +264,7 @@ fn sounding_points(
         .collect()
 }
 
-/// The picks of a side with what each is.
+/// Returns the picks of a side with the properties of each.
 fn picks<'a>(
     returns: &'a FirstReturns,
     traits: &'a PickTraits,
@@ -310,7 +311,7 @@ fn side_points<'a>(
 /// starboard, NaN without a first return, on the scale of `altitude_m`.
 ///
 /// A rock or a pile under the boat is passed in a few soundings, as a wrong depth is, but the
-/// side-scan sees it too.
+/// side-scan detects it too.
 fn confirmed(
     survey: &Survey,
     ranges_m: &[Vec<f64>; 2],

@@ -1,4 +1,4 @@
-//! A list with one part a source of points.
+//! Provides a list with one part for each source of points.
 
 use super::{CloudPoint, PointSource};
 use std::iter::Chain;
@@ -6,8 +6,8 @@ use std::ops::Index;
 use std::slice::Iter;
 use std::sync::Arc;
 
-/// Entries by their source, in the order of [`PointSource`] and numbered through all of them. The
-/// parts are shared by all copies; each can grow without the others being moved.
+/// Entries by their source, in the order of [`PointSource`] and numbered through all parts. All
+/// copies share the parts; each part can grow without the others being moved.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BySource<T>([Arc<Vec<T>>; PointSource::ALL.len()]);
 
@@ -31,23 +31,23 @@ impl<T> BySource<T> {
         &self.0[source as usize]
     }
 
-    /// Number of the first entry of a source.
+    /// Returns the number of the first entry of a source.
     pub fn start(&self, source: PointSource) -> usize {
         let before = &self.0[..source as usize];
         before.iter().map(|part| part.len()).sum()
     }
 
-    /// Entries of all sources.
+    /// Returns the number of entries of all sources.
     pub fn len(&self) -> usize {
         self.0.iter().map(|part| part.len()).sum()
     }
 
-    /// Returns true if there is none.
+    /// Returns true if there are no entries.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The entry of a number.
+    /// Returns the entry with a number.
     pub fn get(&self, mut number: usize) -> Option<&T> {
         for part in &self.0 {
             match part.get(number) {
@@ -58,7 +58,7 @@ impl<T> BySource<T> {
         None
     }
 
-    /// All entries in the order of their numbers.
+    /// Returns all entries in the order of their numbers.
     pub fn iter(&self) -> Entries<'_, T> {
         let [down_scan, port, starboard, swath] = &self.0;
         let sides = port.iter().chain(starboard.iter());
@@ -88,8 +88,10 @@ impl<'a, T> IntoIterator for &'a BySource<T> {
 impl<T> Index<usize> for BySource<T> {
     type Output = T;
 
+    /// Returns the entry with a number.
+    ///
     /// # Panics
-    /// When there is no entry of this number, as a list does.
+    /// When there is no entry with this number.
     fn index(&self, number: usize) -> &T {
         match self.get(number) {
             Some(entry) => entry,

@@ -1,5 +1,5 @@
-//! Class of each point of a cloud: decided here once, for the map, every file, every count and
-//! every view.
+//! Decides the class of each point of a cloud, once for the map, every file, every count and every
+//! view.
 
 use super::{CloudPoint, OutlierSettings, PointCloud, PointSource, outliers};
 use bathyscope_log::named;
@@ -15,10 +15,11 @@ pub enum PointClass {
     Unclassified = 1,
     /// A first return that the outlier filter removes.
     LowNoise = 7,
-    /// The same, nearer than the recorded depth by more than the margin.
+    /// A first return that the outlier filter removes, nearer than the recorded depth by more than
+    /// the margin.
     HighNoise = 18,
-    /// The bottom: the map, the figures of agreement and all that rests on depths take these points
-    /// and no others.
+    /// The bottom: the map, the figures of agreement and everything that is based on depths use
+    /// these points and no others.
     Bottom = 40,
     /// A sounding with a fault.
     NoBottom = 45,
@@ -27,7 +28,7 @@ pub enum PointClass {
 }
 
 named! {
-    /// All of them, by their codes.
+    /// All classes, by their codes.
     pub PointClass {
         Unclassified: "unclassified",
         LowNoise: "low noise",
@@ -39,17 +40,17 @@ named! {
 }
 
 impl PointClass {
-    /// The number that files hold.
+    /// Returns the number of the class in files.
     pub fn code(self) -> u8 {
         self as u8
     }
 
-    /// Returns true if the point counts for the map: `kept` of `cloud.csv`.
+    /// Returns true if the point counts for the map (`kept` in `cloud.csv`).
     pub fn is_kept(self) -> bool {
         self == PointClass::Bottom
     }
 
-    /// Returns true if the outlier filter removed it.
+    /// Returns true if the outlier filter removed the point.
     pub fn is_noise(self) -> bool {
         matches!(self, PointClass::LowNoise | PointClass::HighNoise)
     }
@@ -58,20 +59,20 @@ impl PointClass {
 /// Rules that decide the class of a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClassRules<'a> {
-    /// First returns of less confidence than this are not kept, and do not count as neighbours
+    /// Least confidence of first returns that are kept, and that count as neighbours
     /// (`first_return.min_confidence`).
     pub min_confidence: f32,
     /// True if all above-bottom returns count as bottom (`surface.above_bottom`).
     pub above_bottom: bool,
-    /// Above-bottom returns count as bottom in stretches longer than this, metres
+    /// Length of a stretch above which its above-bottom returns count as bottom, metres
     /// (`surface.longest_above_bottom_m`).
     pub longest_above_bottom_m: f64,
-    /// The outlier filter.
+    /// Settings of the outlier filter.
     pub outliers: &'a OutlierSettings,
 }
 
 impl ClassRules<'_> {
-    /// The class of a point; `is_outlier` is what the outlier filter says of a first return.
+    /// Returns the class of a point; `is_outlier` is true if the outlier filter removes it.
     fn class(&self, point: &CloudPoint, is_outlier: bool) -> PointClass {
         let is_long = f64::from(point.above_bottom_m) > self.longest_above_bottom_m;
         match point.source {
@@ -85,16 +86,16 @@ impl ClassRules<'_> {
         }
     }
 
-    /// Soundings have no confidence. Whether an above-bottom return is the ground is decided by its
-    /// stretch.
+    /// Returns true if the confidence of a point is too low. Soundings have no confidence. The
+    /// stretch of an above-bottom return decides whether it is the ground.
     fn has_low_confidence(&self, point: &CloudPoint) -> bool {
         point.ground_confidence() < self.min_confidence
     }
 }
 
-/// The class of every point. Outliers are found among the side-scan points as the published code
-/// does: with neither soundings nor points of too low confidence as neighbours. Those of a swath
-/// are found among its own points, which lie much closer.
+/// Returns the class of every point. Outliers are found among the side-scan points as in the
+/// published code: neither soundings nor points of too low confidence are neighbours. Outliers of a
+/// swath are found among the points of the swath, which lie much closer to each other.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -127,9 +128,9 @@ pub fn classify(
 pub struct ClassCounts {
     /// Counts in the order of [`PointClass::ALL`].
     counts: [usize; PointClass::ALL.len()],
-    /// First returns of the side-scan.
+    /// Number of first returns of the side-scan.
     pub side_scan: usize,
-    /// Points of the swath.
+    /// Number of points of the swath.
     pub swath: usize,
 }
 
@@ -146,34 +147,34 @@ impl ClassCounts {
         all
     }
 
-    /// Points of a class.
+    /// Returns the number of points of a class.
     pub fn count(&self, class: PointClass) -> usize {
         let all = PointClass::ALL.into_iter().zip(self.counts);
         all.filter(|(one, _)| *one == class).map(|(_, count)| count).sum()
     }
 
-    /// All points.
+    /// Returns the number of all points.
     pub fn all(&self) -> usize {
         self.counts.iter().sum()
     }
 
-    /// Points that count for the map.
+    /// Returns the number of points that count for the map.
     pub fn kept(&self) -> usize {
         self.count(PointClass::Bottom)
     }
 
-    /// Points that the outlier filter removed.
+    /// Returns the number of points that the outlier filter removed.
     pub fn noise(&self) -> usize {
         self.count(PointClass::LowNoise) + self.count(PointClass::HighNoise)
     }
 
-    /// Removed share of the points that the outlier filter looks at, those of side-scan and swath,
-    /// 0 to 1.
+    /// Returns the share of points that the outlier filter removed, of all those of side-scan and
+    /// swath, 0 to 1.
     pub fn noise_share(&self) -> f64 {
         self.noise() as f64 / (self.side_scan + self.swath).max(1) as f64
     }
 
-    /// Adds those of another log.
+    /// Adds the counts of another log.
     pub fn add(&mut self, other: &Self) {
         for (count, more) in self.counts.iter_mut().zip(other.counts) {
             *count += more;
@@ -183,7 +184,7 @@ impl ClassCounts {
     }
 }
 
-/// The number of points by the code of their class, those that there are.
+/// Writes the number of points by the code of their class, without classes that have no points.
 impl Serialize for ClassCounts {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(None)?;

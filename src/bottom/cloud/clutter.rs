@@ -1,46 +1,47 @@
-//! First returns that stay at their range while the bed falls away: clutter of the surface, or a
-//! layer in the water that scatters.
+//! Finds first returns that stay at their range while the bed falls away: clutter of the surface,
+//! or a layer in the water that scatters.
 //!
-//! Boulders, banks and weed lie on the bed, and are farther from the boat where that is deeper.
-//! What rises above the recorded depth by more than [`HIGHEST`] of it is none of them. Where such
-//! returns are many over a bed that is deep enough, others above the bottom at the same range, over
-//! a shallower bed nearby, are the same clutter, and so is what lies there where no depth was
-//! recorded, unless more of the bottom lies at that range.
+//! Boulders, banks and weed lie on the bed, and are farther from the boat where the bed is deeper.
+//! A return that rises above the recorded depth by more than [`HIGHEST`] of the depth is none of
+//! them. Where such returns are many over a bed that is deep enough, returns above the bottom at
+//! the same range over a shallower bed nearby are the same clutter. So are returns at this range
+//! where no depth was recorded, unless more of the bottom lies at this range.
 
 use crate::first_return::FirstReturns;
 use bathyscope_log::support::statistics::quantile;
 use bathyscope_log::survey::{Side, Survey};
 
-/// Boulders, banks and scarps rise above the recorded depth by no more than this share of it.
+/// Greatest height of boulders, banks and scarps above the recorded depth, as a share of the depth.
 pub(super) const HIGHEST: f64 = 0.4;
-/// Way to both sides over which the ranges of clutter are compared, metres, and length of the
+/// Way on each side over which the ranges of clutter are compared, metres, and length of the
 /// stretches that are counted together.
 const AROUND_M: f64 = 300.0;
 const STRETCH_M: f64 = 50.0;
-/// Ranges within this share of each other are the same.
+/// Share of a range within which other ranges count as the same.
 const SAME_RANGE: f64 = 0.08;
-/// Nearer ranges, metres, are taken together, and so are those beyond this number of steps of
-/// [`SAME_RANGE`].
+/// Range below which all ranges are counted together, metres; and number of steps of [`SAME_RANGE`]
+/// beyond which they are, too.
 const NEAREST_M: f64 = 0.3;
 const RANGES: usize = 96;
-/// Fewest returns that are too high for others at their range to count as clutter.
+/// Fewest returns that are too high, with which other returns at their range count as clutter.
 const FEWEST: u32 = 40;
-/// Over a bed that is deep enough for it, clutter is the first return of this share of the pings.
+/// Least share of the pings over a bed that is deep enough whose first return is the clutter.
 const PREVALENT: f64 = 0.25;
-/// Fewest returns that are clutter, and least share of them, that are worth a warning.
+/// Fewest first returns that are clutter, and least share of all first returns, that are worth a
+/// warning.
 const WORTH_SAYING: usize = 100;
 const WORTH_SAYING_SHARE: f64 = 0.03;
 
-/// The kind of a first return by its height alone.
+/// Kind of a first return by its height alone.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Height {
-    /// None was found.
+    /// There is no first return.
     Nothing,
     /// The first return lies at the recorded depth, or beyond it.
     Bottom,
-    /// Above the bottom.
+    /// The first return lies above the bottom.
     Above,
-    /// Too high for anything that lies on the bed.
+    /// The first return is too high for anything that lies on the bed.
     TooHigh,
     /// No depth was recorded.
     Unknown,
@@ -49,16 +50,17 @@ enum Height {
 /// Clutter among the first returns of a log.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clutter {
-    /// Pings of both sides, summed, whose first return is clutter.
+    /// Number of first returns of both sides that are clutter.
     pub returns: usize,
-    /// Pings of both sides, summed, with a first return.
+    /// Number of first returns of both sides.
     pub of: usize,
-    /// The range that 5 % of it do not reach, and that 5 % exceed, metres.
+    /// Ranges that 5 % of the clutter do not reach, and that 5 % exceed, metres.
     pub range_m: [f64; 2],
 }
 
 impl Clutter {
-    /// A sentence about clutter that takes a part of the first returns; `None` where it is little.
+    /// Returns a sentence about clutter that takes a part of the first returns; `None` where it is
+    /// little.
     pub fn warning(&self) -> Option<String> {
         let share = self.returns as f64 / self.of.max(1) as f64;
         let [near_m, far_m] = self.range_m;
@@ -71,7 +73,8 @@ impl Clutter {
     }
 }
 
-/// First returns of a stretch at one range, and pings over a bed where that would be too high.
+/// Numbers of first returns of a stretch at one range, and of pings over a bed where this range
+/// would be too high.
 #[derive(Clone, Copy, Default)]
 struct Counts {
     bottom: u32,
@@ -79,7 +82,7 @@ struct Counts {
     deep: u32,
 }
 
-/// Stretches of the track with the counts of all up to their ends, by range.
+/// Stretches of the track, with the counts of all stretches up to the end of each, by range.
 #[derive(Default)]
 struct Stretches {
     starts_m: Vec<f64>,
@@ -119,7 +122,7 @@ impl Stretches {
         all
     }
 
-    /// The counts of about the same range within [`AROUND_M`] of a place on the way.
+    /// Returns the counts of about the same range within [`AROUND_M`] of a place on the way.
     fn around(&self, range_m: f64, at_m: f64) -> Counts {
         let Some(range) = range_number(range_m) else {
             return Counts::default();
@@ -144,8 +147,8 @@ impl Stretches {
     }
 }
 
-/// Finds the first returns that are clutter, one entry a ping and side, and sums them up, where
-/// there are any.
+/// Returns a flag for the first return of each side and ping, true if it is clutter, and the sum of
+/// the clutter, if there is any.
 pub(super) fn clutter(
     survey: &Survey,
     returns: &FirstReturns,
@@ -185,7 +188,8 @@ pub(super) fn clutter(
     (flags, found)
 }
 
-/// Height and slant range of the first return of each ping of a side, by the recorder's scale.
+/// Returns the height and slant range of the first return of each ping of a side, by the recorder's
+/// scale.
 fn heights(
     survey: &Survey,
     returns: &FirstReturns,
@@ -200,9 +204,9 @@ fn heights(
         let height = match () {
             () if range_m.is_nan() => Height::Nothing,
             () if returns.is_drawn(side, ping) => Height::Bottom,
-            // A depth of 0 is none.
+            // A depth of 0 means that none was recorded.
             () if depth_m.is_nan() || depth_m <= 0.0 => Height::Unknown,
-            // What was accepted as bottom is not above it.
+            // A first return that was accepted as bottom is not above it.
             () if !pick.above_bottom => Height::Bottom,
             () if depth_m - range_m > HIGHEST * depth_m => Height::TooHigh,
             () => Height::Above,
@@ -212,7 +216,7 @@ fn heights(
     picks.map(of_pick).collect()
 }
 
-/// The step of [`SAME_RANGE`] that a range lies in; `None` of none.
+/// Returns the number of the step of [`SAME_RANGE`] that a range lies in; `None` without a range.
 fn range_number(range_m: f64) -> Option<usize> {
     let steps = (range_m / NEAREST_M).max(1.0).ln() / SAME_RANGE;
     (range_m > 0.0).then(|| (steps as usize).min(RANGES - 1))

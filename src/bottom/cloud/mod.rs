@@ -1,16 +1,17 @@
-//! The 3D point cloud: soundings under the boat, first returns beside it, depths across the track,
-//! and the outlier filter.
+//! Makes the 3D point cloud of soundings under the boat, first returns beside it and depths across
+//! the track, and filters outliers.
 //!
 //! In: a survey with its navigation, first returns and calibration. Out: points with classes, and
 //! the depth under the boat at every ping.
 //!
-//! `build` makes the points, held `by_source`, and says which soundings with a fault count and what
-//! a point has of its first return (`above_bottom` or `clutter`, and how strong its echo is), with
-//! `specular` for the foot on a slope and the published feet and `correction` for what depths count
-//! from, `swath` makes points of depths across the track, `record` says which record measured a
-//! point, `reduction` joins it to the calibration for every read-out; `class` says what each point
-//! is, `outliers` is the filter for any points; `residuals` measures agreement with recorded depths
-//! and between clouds, and says between which values points are coloured.
+//! `build` makes the points, which `by_source` holds, decides which soundings with a fault count,
+//! and finds the properties of each first return (`above_bottom` or `clutter`, and how strong its
+//! echo is). It uses `specular` for the foot on a slope and the published feet, and `correction`
+//! for the reference of depths. `swath` makes points of depths across the track, `record`
+//! identifies the record that measured a point, `reduction` joins the correction to the calibration
+//! for every read-out; `class` decides the class of each point, `outliers` is the filter for any
+//! points; `ping_depth` finds the depth under the boat, `residuals` measures agreement with
+//! recorded depths and between clouds, and the ends of the scales by which points are coloured.
 
 mod above_bottom;
 mod build;
@@ -54,8 +55,8 @@ pub enum Geometry {
     SelfConsistent,
     /// `z = r`, `y = 0`: the first return is straight below.
     Nadir,
-    /// The specular point: the first return lies where the bottom is square to the beam. Its slope
-    /// comes from the difference of the two sides.
+    /// The specular point: the first return lies where the bottom is square to the beam. The slope
+    /// of the bottom comes from the difference of the two sides.
     Slope,
 }
 
@@ -77,7 +78,7 @@ pub struct CloudSettings {
 pub enum DownScan {
     /// All, as published.
     All,
-    /// Those at which the recorder had the bottom; the others are points of the class
+    /// Depths at which the recorder had the bottom; the others are points of the class
     /// [`PointClass::NoBottom`].
     #[default]
     Locked,
@@ -120,7 +121,7 @@ pub enum PointSource {
 }
 
 named! {
-    /// All of them, in the order of points in a cloud.
+    /// All sources, in the order of points in a cloud.
     pub PointSource {
         DownScan: "downscan",
         Port: "port",
@@ -130,35 +131,36 @@ named! {
 }
 
 impl PointSource {
-    /// Returns true if it is a first return of the side-scan.
+    /// Returns true if the source is a first return of the side-scan.
     pub fn is_side_scan(self) -> bool {
         matches!(self, Self::Port | Self::Starboard)
     }
 }
 
-/// One point, and where it came from.
+/// Point of a cloud, and its origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CloudPoint {
     /// Measurement that the point comes from.
     pub source: PointSource,
-    /// The side-scan ping; for other points the side-scan ping nearest in time (0 in a log without
-    /// side-scan).
+    /// Index of the side-scan ping; for other points that of the side-scan ping nearest in time (0
+    /// in a log without side-scan).
     pub ping: u32,
-    /// The sounding for down-scan points, the ping of the swath for swath points
-    /// ([`CloudPoint::record`]).
+    /// Index of the sounding for down-scan points, and of the ping of the swath for swath points
+    /// ([`CloudPoint::record`]); `None` for other points.
     pub record: Option<RecordIndex>,
-    /// The fault for which a sounding is not kept; `None` where a first return confirms it all the
-    /// same, or [`DownScan::All`] asks for it.
+    /// Fault for which a sounding is not kept; `None` where a first return confirms the sounding
+    /// all the same, or with [`DownScan::All`].
     pub fault: Option<SoundingFault>,
-    /// True if it is an above-bottom return: its pick lies above the recorded depth
-    /// ([`crate::first_return::Pick::above_bottom`]) by more than this departs from the bed nearby.
+    /// True if the point is an above-bottom return: its pick lies above the recorded depth
+    /// ([`crate::first_return::Pick::above_bottom`]) by more than this depth departs from the bed
+    /// nearby.
     pub above_bottom: bool,
     /// Level of the echo of a first return: the greatest recorded level, 0 to 255, from the pick to
-    /// 0.2 m of slant range beyond it; 0 for other points, of which none is known. Samples of two
+    /// 0.2 m of slant range beyond it; 0 for other points, whose level is not known. Samples of two
     /// bytes are scaled to one, as everywhere.
     pub level: u8,
     /// Length of track over which most first returns of its side lie above the recorded depth as
-    /// this one does, metres; 0 where it does not, and where it is too high to be ground.
+    /// this point does, metres; 0 where it does not, and where it is too high to be ground.
     pub above_bottom_m: f32,
     /// The confidence of the first return ([`crate::first_return::Pick::confidence`]); NaN for
     /// other points.
@@ -170,22 +172,22 @@ pub struct CloudPoint {
     pub east_m: f64,
     /// Metres north of the survey's origin.
     pub north_m: f64,
-    /// Elevation, metres: negative below the transducer, or below what [`Correction`] makes depths
-    /// count from.
+    /// Elevation, metres: negative below the transducer, or below the reference that [`Correction`]
+    /// makes depths count from.
     pub z_m: f64,
 }
 
-/// All points, before the outlier filter.
+/// All points of a log, before the outlier filter.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PointCloud {
     /// Soundings first, then port and starboard in ping order, then the swath.
     pub points: BySource<CloudPoint>,
-    /// Pings that gave no side-scan point because they have no heading.
+    /// Number of pings that gave no side-scan point because they have no heading.
     pub zero_heading: usize,
 }
 
 impl PointCloud {
-    /// The side-scan points of a ping, port first.
+    /// Returns the side-scan points of a ping, port first.
     pub fn of_ping(&self, ping: usize) -> impl Iterator<Item = &CloudPoint> {
         let sides = [PointSource::Port, PointSource::Starboard];
         sides.into_iter().flat_map(move |source| {
@@ -196,7 +198,7 @@ impl PointCloud {
         })
     }
 
-    /// The same without the points of records that are excluded.
+    /// Returns the cloud without the points of records that are excluded.
     #[must_use]
     pub fn without(self, exclusions: &Exclusions) -> Self {
         if exclusions.is_empty() {
@@ -207,8 +209,8 @@ impl PointCloud {
         Self { points: BySource::from_parts(|source| Arc::new(counted(source).collect())), ..self }
     }
 
-    /// The points that count for the map, with their index; `classes` holds the class of each
-    /// point.
+    /// Returns the points that count for the map, with their index; `classes` holds the class of
+    /// each point.
     pub fn kept<'a>(
         &'a self,
         classes: &'a [PointClass],
@@ -219,7 +221,8 @@ impl PointCloud {
 }
 
 impl CloudPoint {
-    /// Returns a point east, north and up, metres, that has neither a record, a fault nor an echo.
+    /// Creates a point at east, north and up, metres, that has neither a record, a fault nor an
+    /// echo.
     pub fn new(source: PointSource, ping: u32, [east_m, north_m, z_m]: [f64; 3]) -> Self {
         Self {
             source,
@@ -237,7 +240,7 @@ impl CloudPoint {
         }
     }
 
-    /// East, north and elevation, metres.
+    /// Returns east, north and elevation, metres.
     pub fn place(&self) -> [f64; 3] {
         [self.east_m, self.north_m, self.z_m]
     }

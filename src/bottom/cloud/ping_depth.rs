@@ -1,4 +1,4 @@
-//! The depth under the boat at every ping, and its source.
+//! Finds the depth under the boat at every ping, and its source.
 
 use super::{CloudPoint, Correction, Geometry, PointClass, PointCloud};
 use bathyscope_log::survey::{Exclusions, PingNav, Survey};
@@ -12,15 +12,15 @@ pub enum DepthSource {
     /// The first returns of the side-scan alone: the recorder had lost the bottom, or records no
     /// depth.
     SideScan,
-    /// There is none.
+    /// There is no depth.
     #[default]
     None,
 }
 
-/// The depth under the boat at a ping.
+/// Depth under the boat at a ping.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PingDepth {
-    /// Metres, corrected as the cloud is; NaN without one.
+    /// Depth, metres, corrected as the cloud is; NaN without one.
     pub depth_m: f32,
     /// Source of the depth.
     pub source: DepthSource,
@@ -35,7 +35,7 @@ impl PingDepth {
 
 /// Returns the depth under the boat at each side-scan ping, whose places are `places`: the recorded
 /// depth where it has no fault, else that of the deeper of the first returns that are kept, since
-/// the other side detects a bank or a boulder to the side of the boat first.
+/// on the other side a bank or a boulder beside the boat is detected first.
 ///
 /// In a cloud that is placed by slopes ([`Geometry::Slope`]), a first return of one side alone that
 /// lies out by `y` at the altitude `a` is square to the beam on a slope of `y / a`: the bottom lies
@@ -81,15 +81,15 @@ pub fn ping_depths(
             depth.by_slope = fall_m > 0.0;
             point_m += fall_m;
         }
-        // Of NaN and a depth, this is the depth.
+        // The greater of NaN and a depth is the depth.
         depth.depth_m = depth.depth_m.max(point_m as f32);
         depth.source = DepthSource::SideScan;
     }
     depths
 }
 
-/// Returns the depth under the boat, less that at the first return of one side alone, metres; 0
-/// where that is not known.
+/// Returns by how much the bottom under the boat is deeper than at the first return of one side
+/// alone, metres; 0 where this is not known.
 fn fall_m(point: &CloudPoint, place: Option<&PingNav>, altitude_m: f64) -> f64 {
     let out_m =
         |place: &PingNav| (point.east_m - place.east_m).hypot(point.north_m - place.north_m);
@@ -97,7 +97,7 @@ fn fall_m(point: &CloudPoint, place: Option<&PingNav>, altitude_m: f64) -> f64 {
     if altitude_m > 0.0 && fall_m < altitude_m { fall_m } else { 0.0 }
 }
 
-/// Takes the depths from the pings that are excluded; `first` is the ping of the first of them.
+/// Removes the depths of excluded pings; `first` is the ping of the first depth.
 pub fn clear_excluded_depths(depths: &mut [PingDepth], first: usize, exclusions: &Exclusions) {
     for (ping, depth) in (first..).zip(depths) {
         if exclusions.ping(ping).is_some() {
@@ -109,11 +109,11 @@ pub fn clear_excluded_depths(depths: &mut [PingDepth], first: usize, exclusions:
 /// Shares of the track by the source of the depth.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct TrackShare {
-    /// Pings whose depth is the recorder's own.
+    /// Number of pings whose depth is the recorder's own.
     pub sounding_pings: usize,
-    /// Pings whose depth comes from side-scan only.
+    /// Number of pings whose depth comes from side-scan only.
     pub side_scan_only_pings: usize,
-    /// Pings without a depth.
+    /// Number of pings without a depth.
     pub pings_without_depth: usize,
     /// Length of the track, metres.
     pub track_m: f64,
@@ -121,7 +121,7 @@ pub struct TrackShare {
     pub side_scan_only_m: f64,
 }
 
-/// Steps longer than this are gaps, metres.
+/// Shortest step that is a gap, metres.
 const LONGEST_STEP_M: f64 = 50.0;
 
 impl TrackShare {
@@ -157,7 +157,7 @@ impl TrackShare {
         self.side_scan_only_m += other.side_scan_only_m;
     }
 
-    /// The share of the track over which depth comes from side-scan only, 0 to 1.
+    /// Returns the share of the track over which depth comes from side-scan only, 0 to 1.
     pub fn side_scan_only(&self) -> f64 {
         self.side_scan_only_m / self.track_m.max(f64::MIN_POSITIVE)
     }

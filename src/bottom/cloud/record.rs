@@ -1,5 +1,5 @@
-//! Record of a log that measured a point: the point's time, its boat's place and its exclusion
-//! follow from it.
+//! Identifies the record of a log that measured a point: the point's time, its boat's place and its
+//! exclusion follow from it.
 
 use super::{CloudPoint, PointSource};
 use bathyscope_log::survey::{
@@ -7,7 +7,7 @@ use bathyscope_log::survey::{
 };
 use std::num::NonZero;
 
-/// Index of a record, so that having none takes no room.
+/// Index of a record, stored so that an `Option` of it takes no more room.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RecordIndex(NonZero<u32>);
 
@@ -18,13 +18,13 @@ impl RecordIndex {
         NonZero::new(next).map(Self)
     }
 
-    /// Index into [`Survey::soundings`] or [`Survey::swath`].
+    /// Returns the index into [`Survey::soundings`] or [`Survey::swath`].
     pub fn get(self) -> usize {
         self.0.get() as usize - 1
     }
 }
 
-/// A record of a log.
+/// Record of a log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PointRecord {
     /// A side-scan ping, by its index in [`Survey::side_scan`].
@@ -36,7 +36,7 @@ pub enum PointRecord {
 }
 
 impl CloudPoint {
-    /// The record that measured the point.
+    /// Returns the record that measured the point.
     pub fn record(&self) -> PointRecord {
         match (self.source, self.record) {
             (PointSource::DownScan, Some(index)) => PointRecord::Sounding(index.get()),
@@ -45,8 +45,8 @@ impl CloudPoint {
         }
     }
 
-    /// The side of the boat that it was measured on; `None` under the boat, and where the log does
-    /// not have its record.
+    /// Returns the side of the boat that the point was measured on; `None` for a sounding under the
+    /// boat, and where the log does not have the record of a swath point.
     pub fn side(&self, survey: &Survey) -> Option<Side> {
         match self.source {
             PointSource::DownScan => None,
@@ -56,7 +56,7 @@ impl CloudPoint {
         }
     }
 
-    /// The depth across the track that the point is; `None` for other points.
+    /// Returns the depth across the track that the point was made of; `None` for other points.
     pub fn swath_sounding(&self, survey: &Survey) -> Option<SwathSounding> {
         let PointRecord::Swath(index) = self.record() else {
             return None;
@@ -64,7 +64,7 @@ impl CloudPoint {
         survey.swath_sounding(survey.swath.get(index)?, self.sample as usize)
     }
 
-    /// The sounding that the point is; `None` for other points.
+    /// Returns the index of the sounding that the point was made of; `None` for other points.
     pub fn sounding(&self) -> Option<usize> {
         match self.record() {
             PointRecord::Sounding(index) => Some(index),
@@ -74,7 +74,8 @@ impl CloudPoint {
 }
 
 impl PointRecord {
-    /// Seconds after the log's time zero; `None` where the log does not have the record.
+    /// Returns the seconds after the log's time zero; `None` where the log does not have the
+    /// record.
     pub fn time_s(self, survey: &Survey) -> Option<f64> {
         match self {
             Self::Ping(index) => survey.side_scan.get(index).map(|ping| ping.time_s),
@@ -83,7 +84,8 @@ impl PointRecord {
         }
     }
 
-    /// Returns the place of the boat at the record.
+    /// Returns the place of the boat at the record; `None` where the navigation does not have the
+    /// record.
     pub fn place(self, navigation: &Navigation) -> Option<&PingNav> {
         match self {
             Self::Ping(index) => navigation.pings.get(index),

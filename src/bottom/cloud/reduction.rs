@@ -1,5 +1,6 @@
 //! Converts samples and recorded depths to metres, by the calibration and the corrections in force:
-//! the one place that does so, for the points of the cloud and for every read-out, line and axis.
+//! the only place where this is done, for the points of the cloud and for every read-out, line and
+//! axis.
 //!
 //! Slant ranges are those of the picture as calibrated, by the true speed of sound. Depths count
 //! from the [`DepthReference`].
@@ -23,8 +24,8 @@ impl<'a> Reduction<'a> {
         Self { calibration: Some(calibration), correction: Some(correction) }
     }
 
-    /// Slant range at a distance of `sample` samples outward from the nearest edge of a recorded
-    /// side, metres.
+    /// Returns the slant range at a distance of `sample` samples outward from the nearest edge of a
+    /// recorded side, metres.
     pub fn range_m(&self, span: &SideSpan, sample: f64) -> f64 {
         let calibrated_m = match self.calibration {
             Some(calibration) => calibration.range_m(span, sample),
@@ -33,14 +34,14 @@ impl<'a> Reduction<'a> {
         self.factor() * calibrated_m
     }
 
-    /// Slant range of a sample of a ping, metres; NaN where that side was not recorded.
+    /// Returns the slant range of a sample of a ping, metres; NaN where that side was not recorded.
     pub fn range_at_m(&self, survey: &Survey, ping: usize, side: Side, sample: f32) -> f64 {
         survey.span(ping, side).map_or(f64::NAN, |span| self.range_m(span, f64::from(sample)))
     }
 
-    /// Slant range at which a point of the cloud was measured, metres; of a sounding its distance
-    /// straight below, of a swath point that straight to its place. NaN where the log does not have
-    /// the point's record.
+    /// Returns the slant range at which a point of the cloud was measured, metres: for a sounding
+    /// the distance straight below, for a swath point the straight distance to its place. NaN where
+    /// the log does not have the point's record.
     pub fn point_range_m(&self, survey: &Survey, point: &CloudPoint) -> f64 {
         let recorded_m = match (point.record(), point.side(survey)) {
             (PointRecord::Ping(ping), Some(side)) => {
@@ -59,7 +60,7 @@ impl<'a> Reduction<'a> {
         recorded_m.map_or(f64::NAN, |recorded_m| self.altitude_m(recorded_m))
     }
 
-    /// Inverse of [`Reduction::range_m`].
+    /// Returns the sample at a slant range: the inverse of [`Reduction::range_m`].
     pub fn sample_at(&self, span: &SideSpan, range_m: f64) -> f64 {
         // Every scale is linear in the sample.
         let start_m = self.range_m(span, 0.0);
@@ -67,19 +68,18 @@ impl<'a> Reduction<'a> {
         (range_m - start_m) / step_m
     }
 
-    /// Returns the place of a slant range on the recorder's own scale, which the picture is drawn
-    /// by, metres.
+    /// Returns a slant range on the recorder's own scale, by which the picture is drawn, metres.
     pub fn recorded_range_m(&self, span: &SideSpan, range_m: f64) -> f64 {
         span.range_m(self.sample_at(span, range_m))
     }
 
-    /// Distance from the transducer down to the bottom that a recorded depth means, metres: the
-    /// altitude.
+    /// Returns the altitude for a recorded depth, metres: the distance from the transducer down to
+    /// the bottom.
     pub fn altitude_m(&self, recorded_m: f64) -> f64 {
         self.factor() * recorded_m
     }
 
-    /// Returns the depth that a depth recorded at a time of the log means, metres below
+    /// Returns the depth for a depth recorded at a time of the log, metres below
     /// [`Reduction::reference`].
     pub fn depth_m(&self, time_s: f64, recorded_m: f64) -> f64 {
         match self.correction {
@@ -99,13 +99,13 @@ impl<'a> Reduction<'a> {
         self.correction.map_or(DepthReference::Transducer, Correction::reference)
     }
 
-    /// Returns that reference in words, with the levelling to the depths of other logs where there
-    /// is one.
+    /// Returns the reference that depths count from in words, with the levelling to the depths of
+    /// other logs where there is one.
     pub fn reference_name(&self) -> String {
         let name = self.reference().name();
         match self.correction.map_or(0.0, Correction::height_offset_m) {
             0.0 => name.to_owned(),
-            // A height that is added to elevations is taken off depths.
+            // A height that is added to elevations is subtracted from depths.
             offset_m => format!("{name}, levelled by {:+.2} m", -offset_m),
         }
     }

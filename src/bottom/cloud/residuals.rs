@@ -1,37 +1,38 @@
-//! Statistics of a cloud: differences of side-scan depths from recorded depths, the change of its
-//! depths when it is built again, and the ends of the scales by which its points are coloured.
+//! Computes statistics of a cloud: differences of side-scan depths from recorded depths, the change
+//! of its depths when it is built again, and the ends of the scales by which its points are
+//! coloured.
 
 use super::{CloudPoint, Correction, PointClass, PointCloud, PointSource, Reduction};
 use bathyscope_log::support::statistics::{colour_ends, median, quantile, wider};
 use bathyscope_log::survey::Survey;
 use serde::Serialize;
 
-/// Statistics of differences: of elevations, measured minus reference, so that above 0 is
-/// shallower; where other things are compared, it is said there.
+/// Statistics of differences. Unless stated otherwise they are of elevations, measured minus
+/// reference, so that above 0 is shallower.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Residuals {
     /// Number of differences.
     pub n: usize,
-    /// Mean.
+    /// Mean, metres.
     pub mean_m: f64,
-    /// Median.
+    /// Median, metres.
     pub median_m: f64,
-    /// Standard deviation (n - 1).
+    /// Standard deviation (n - 1), metres.
     pub sd_m: f64,
-    /// Root mean square.
+    /// Root mean square, metres.
     pub rms_m: f64,
-    /// Mean absolute.
+    /// Mean of the absolute values, metres.
     pub mae_m: f64,
-    /// 95th percentile of the absolute value.
+    /// 95th percentile of the absolute values, metres.
     pub p95_m: f64,
 }
 
-/// Elevation of side-scan points minus that of the recorded depth at the same ping (positive is
-/// shallower), over the kept points where the recorder had the bottom; `None` without any. Recorded
-/// depths are corrected as the cloud's were.
+/// Returns the statistics of the elevation of side-scan points minus that of the recorded depth at
+/// the same ping (positive is shallower), over the kept points where the recorder had the bottom;
+/// `None` without any. Recorded depths are corrected as the cloud's were.
 ///
-/// The two are those of different places where the bottom point lies across-track: on a slope the
-/// difference is real.
+/// Where the bottom point lies across-track, the two elevations are those of different places: on a
+/// slope the difference is real.
 pub fn residuals(
     survey: &Survey,
     cloud: &PointCloud,
@@ -41,8 +42,8 @@ pub fn residuals(
     Residuals::of(&mut same_ping_differences(survey, cloud, correction, classes))
 }
 
-/// The differences behind [`residuals`], metres: those of several logs are put together before
-/// statistics are made of them.
+/// Returns the differences behind [`residuals`], metres: the differences of several logs are joined
+/// before their statistics are computed.
 pub fn same_ping_differences(
     survey: &Survey,
     cloud: &PointCloud,
@@ -61,7 +62,8 @@ pub fn same_ping_differences(
 }
 
 impl Residuals {
-    /// Statistics of differences in metres, which are overwritten; `None` when there are none.
+    /// Returns the statistics of differences in metres, which are overwritten; `None` when there
+    /// are none.
     pub fn of(differences: &mut [f64]) -> Option<Self> {
         let n = differences.len();
         if n == 0 {
@@ -92,11 +94,11 @@ impl Residuals {
 /// Change of the side-scan depths that count for the map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DepthChange {
-    /// Depths that were compared.
+    /// Number of depths that were compared.
     pub count: usize,
     /// Median change, metres; above 0 depths become greater.
     pub median_m: f64,
-    /// The largest change, metres, with its sign.
+    /// Largest change, metres, with its sign.
     pub largest_m: f64,
 }
 
@@ -128,7 +130,7 @@ impl DepthChange {
     }
 }
 
-/// Ends of the colour scales of what is known of a point besides its depth: the 2nd and the 98th
+/// Ends of the colour scales for values of a point other than its depth: the 2nd and the 98th
 /// percentile of the kept points. `None` where no point has such a value.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PointScales {
@@ -154,7 +156,7 @@ impl PointScales {
         }
     }
 
-    /// Returns scales that cover both.
+    /// Returns scales that cover both these and `other`.
     #[must_use]
     pub fn with(self, other: Self) -> Self {
         Self { level: wider(self.level, other.level), range_m: wider(self.range_m, other.range_m) }

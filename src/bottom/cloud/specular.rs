@@ -1,40 +1,40 @@
-//! The specular point: on a slope the first return comes from the upper side, where the bottom is
-//! square to the beam.
+//! Places a first return on a slope at its specular point: the first return comes from the upper
+//! side, where the bottom is square to the beam.
 //!
 //! Over a plane that falls off to starboard by the angle `beta`, the nearest bottom to port lies up
 //! the slope: `r = d cos(beta)`, at depth `r cos(beta)` and `r sin(beta)` out. To starboard it lies
-//! at the edge of the beam, which looks past the nadir by the overlap `p`
+//! at the edge of the beam, which reaches past the nadir by the overlap `p`
 //! (`BeamWidths::overlap_rad`): `r = d cos(beta) / cos(beta - p)`, at depth `r cos(p)` and `r
 //! sin(p)` over to port. So the two sides of the same pings give the slope, `cos(beta - p) = r_port
-//! / r_starboard`, without the recorded depth and its noise. Near level ground beta hangs on
+//! / r_starboard`, without the recorded depth and its noise. Near level ground beta depends on
 //! millimetres (1 % of range is 8 degrees), so the difference of the sides is a median along the
-//! track, less its own spread: what speckle and stones could have made counts as level. Among dead
-//! bands, windows, smoothers and the recorded depth as reference, this measured best on simulated
-//! gentle, steep and rough beds alike.
+//! track, less its own spread: a difference that speckle and stones may have made counts as level.
+//! Among dead bands, windows, smoothers and the recorded depth as reference, this measured best on
+//! simulated gentle, steep and rough beds alike.
 //!
-//! With first returns of one side alone, the recorded depth stands for `d`; where that is not known
-//! either, the slope lies between those before and behind.
+//! With first returns of one side alone, the recorded depth is used for `d`; where it is not known
+//! either, the slope is interpolated between those before and behind.
 
 use super::Geometry;
 use bathyscope_log::support::statistics::{SIGMA_PER_MAD, upper_median};
 use bathyscope_log::survey::{PingNav, Side};
 use rayon::prelude::*;
 
-/// Pings on each side of a ping that its slope is measured over.
+/// Number of pings on each side of a ping that its slope is measured over.
 const REACH: usize = 10;
-/// Pings with both sides that a slope needs, at least.
+/// Fewest pings with a measured value that a slope needs.
 const MIN_PAIRS: usize = 7;
-/// Pings farther away in time than this are another place, seconds.
+/// Longest time to a ping that counts as the same place, seconds.
 const MAX_AWAY_S: f64 = 2.0;
-/// Slopes are taken to be no steeper than this, degrees: a pick on an obstacle must not throw its
-/// bottom point far out.
+/// Steepest slope that is used, degrees: a pick on an obstacle must not throw its bottom point far
+/// out.
 const MAX_SLOPE_DEG: f64 = 35.0;
-/// A slope is bridged over so long at most, seconds.
+/// Longest time over which a slope is interpolated, seconds.
 const BRIDGED_S: f64 = 15.0;
 /// Share by which a range and a recorded depth differ on level ground, by their calibration.
 const CALIBRATED: f64 = 0.01;
 
-/// A place on the bottom, seen from the boat.
+/// Place on the bottom, relative to the boat.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BottomPoint {
     /// Depth below the transducer, metres.
@@ -43,8 +43,8 @@ pub struct BottomPoint {
     pub across_m: f64,
 }
 
-/// The bottom point of a first return at slant range `range_m` in the geometries that need nothing
-/// but the range.
+/// Returns the bottom point of a first return at slant range `range_m` in the geometries that need
+/// nothing but the range.
 ///
 /// - published: `z = r cos(alpha_2)`, `y = r sin(alpha_2)`, equations (5) and (6) of the paper;
 /// - self-consistent: with `PPD' = p_0 cos(alpha_2) / d_0` in place of `p_0 / d_0` the published
@@ -61,13 +61,13 @@ pub fn fixed_bottom_point(geometry: Geometry, range_m: f64, alpha2_deg: f64) -> 
     BottomPoint { depth_m, across_m }
 }
 
-/// The place `across_m` out to one side of the boat; `None` without heading or position.
+/// Returns the place `across_m` out to one side of the boat; `None` without heading or position.
 pub fn across_track(place: &PingNav, side: Side, across_m: f64) -> Option<[f64; 2]> {
     place.abeam(side, across_m).filter(|[east_m, _]| east_m.is_finite())
 }
 
 /// Slant ranges of both sides of a ping, and the depth below the transducer by the recorder,
-/// metres; NaN without one.
+/// metres; NaN where one is not known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Pair {
     pub(super) time_s: f64,
@@ -76,7 +76,7 @@ pub(super) struct Pair {
     pub(super) altitude_m: f64,
 }
 
-/// Values of the pings around one, in the buffer that medians are taken in.
+/// Pings around one, with the buffer that medians are taken in.
 struct Around<'a> {
     pairs: &'a [Pair],
     time_s: f64,
@@ -92,8 +92,8 @@ impl<'a> Around<'a> {
         }
     }
 
-    /// Median of what is measured at the pings, and how far it exceeds its own spread: 0 where the
-    /// spread may have made it. `None` where too few pings have it.
+    /// Returns the median of what is measured at the pings, and by how much it exceeds its own
+    /// spread: 0 where the spread may have made it. `None` where too few pings have a value.
     fn middle(&mut self, measured: impl Fn(&Pair) -> f64) -> Option<(f64, f64)> {
         let mut count = 0;
         for pair in self.pairs {
@@ -116,11 +116,12 @@ impl<'a> Around<'a> {
     }
 }
 
-/// Angles of the first returns to port and to starboard from straight below, outwards, radians, at
-/// every ping: the slope on the side to which the bottom rises, and less than 0 on the other side,
-/// whose beam looks past the nadir by `overlap_rad`. Both are 0 on level ground. Where neither the
-/// other side nor a depth tells the slope of a side for a while, as over a bank whose depth the
-/// recorder has lost, it goes over evenly from the slope before to that behind; elsewhere it is 0.
+/// Returns the angles of the first returns to port and to starboard from straight below, outwards,
+/// radians, at every ping: the slope on the side to which the bottom rises, and less than 0 on the
+/// other side, whose beam reaches past the nadir by `overlap_rad`. Both are 0 on level ground.
+/// Where neither the other side nor a depth determines the angle of a side for a while, as over a
+/// bank whose depth the recorder has lost, the angle is interpolated between those before and
+/// behind; elsewhere it is 0.
 pub(super) fn beam_angles_rad(pairs: &[Pair], overlap_rad: f64) -> Vec<[f64; 2]> {
     let known = (0..pairs.len()).into_par_iter().map(|ping| known_rad(pairs, ping, overlap_rad));
     let mut angles_rad: Vec<[f64; 2]> = known.collect();
@@ -130,7 +131,8 @@ pub(super) fn beam_angles_rad(pairs: &[Pair], overlap_rad: f64) -> Vec<[f64; 2]>
     angles_rad
 }
 
-/// Gives the pings between two whose angle is known, and that are near in time, what lies between.
+/// Interpolates the unknown angles of a side between pings with known angles that are near in time,
+/// and sets the remaining unknown ones to 0.
 fn bridge(pairs: &[Pair], angles_rad: &mut [[f64; 2]], side: usize) {
     let mut known: Option<usize> = None;
     for ping in 0..angles_rad.len() {
@@ -156,7 +158,8 @@ fn bridge(pairs: &[Pair], angles_rad: &mut [[f64; 2]], side: usize) {
     }
 }
 
-/// The angles at a ping from the pings around it; NaN where too few of them tell.
+/// Returns the angles at a ping from the pings around it, radians; NaN where too few of these
+/// determine them.
 fn known_rad(pairs: &[Pair], ping: usize, overlap_rad: f64) -> [f64; 2] {
     let mut around = Around::new(pairs, ping);
     let steepest = MAX_SLOPE_DEG.to_radians();
@@ -191,9 +194,10 @@ fn known_rad(pairs: &[Pair], ping: usize, overlap_rad: f64) -> [f64; 2] {
     })
 }
 
-/// The angle past the nadir from which the first return of the farther side comes, radians: the
-/// overlap at most. `of_depth` is its range as a share of the recorded depth, if that is known.
-/// Where it is farther away than the bottom at the overlap, it comes from nearer to the nadir.
+/// Returns the angle past the nadir from which the first return of the farther side comes, radians:
+/// the overlap at most. `of_depth` is the range of this return as a share of the recorded depth, if
+/// that is known. Where the return is farther away than the bottom at the overlap, it comes from
+/// nearer to the nadir.
 fn past_nadir_rad(of_depth: Option<(f64, f64)>, slope_rad: f64, overlap_rad: f64) -> f64 {
     let Some((of_depth, _)) = of_depth else {
         return overlap_rad;
@@ -202,8 +206,8 @@ fn past_nadir_rad(of_depth: Option<(f64, f64)>, slope_rad: f64, overlap_rad: f64
     (slope_rad - cos.acos()).clamp(0.0, overlap_rad)
 }
 
-/// The bottom point of a first return at slant range `range_m` and an angle from straight below,
-/// outwards.
+/// Returns the bottom point of a first return at slant range `range_m` and an angle from straight
+/// below, outwards.
 pub(super) fn specular_point(range_m: f64, angle_rad: f64) -> BottomPoint {
     BottomPoint { depth_m: range_m * angle_rad.cos(), across_m: range_m * angle_rad.sin() }
 }

@@ -1,5 +1,5 @@
-//! Makes points of depths across the track. They are depths already: no slant range, no first
-//! return.
+//! Makes points of depths across the track. They are depths already, without a slant range or a
+//! first return.
 
 use super::{CloudPoint, Correction, PointSource, RecordIndex};
 use bathyscope_log::support::progress::{Cancelled, Progress};
@@ -12,12 +12,12 @@ use rayon::prelude::*;
 /// Length of a stretch across the track as a share of the depth: the depths of a ping in a stretch
 /// make one point, as the sonar resolves nothing finer.
 const STRETCH_SHARE: f64 = 0.1;
-/// Stretches are this long at least, metres.
+/// Least length of a stretch, metres.
 const LEAST_STRETCH_M: f64 = 0.2;
-/// Pings between two looks at whether the work was cancelled.
+/// Number of pings between two checks for cancellation.
 const CHUNK: usize = 256;
 
-/// The points of the swath, in the order of its pings; none of a ping without a heading.
+/// Returns the points of the swath, in the order of its pings; pings without a heading give none.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -52,7 +52,7 @@ fn add_points(
 ) {
     let nearest = nearest_in_time(&survey.side_scan, ping.time_s, |one| one.time_s);
     let point = |one: SwathSounding| {
-        // The speed of sound scales both.
+        // The speed of sound scales the distance out and the depth.
         let [east_m, north_m] = place.abeam(one.side, correction.range_factor() * one.out_m)?;
         Some(CloudPoint {
             record: RecordIndex::new(index),

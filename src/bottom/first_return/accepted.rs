@@ -1,11 +1,12 @@
-//! First returns above the recorded depth that an analyst accepts as bottom: they stay where they
-//! were found.
+//! Edits the stretches in which an analyst accepts first returns above the recorded depth as
+//! bottom: these first returns stay where they were found.
 
 use super::{BottomEdit, BottomSettings};
 use bathyscope_log::survey::Side;
 
 impl BottomEdit {
-    /// First returns that are bottom where they were found.
+    /// Creates the edit that accepts the first returns of these pings as bottom where they were
+    /// found.
     fn accepted(side: Side, pings: [usize; 2]) -> Self {
         Self { side, pings, corners: Vec::new(), accepted: true }
     }
@@ -13,7 +14,7 @@ impl BottomEdit {
 
 impl BottomSettings {
     /// Returns the settings with the first returns of these pings accepted as bottom where they
-    /// were found; manual picks stay.
+    /// were found; manual picks in these pings stay.
     pub fn accepting(&self, side: Side, pings: [usize; 2]) -> Self {
         let drawn = self.lines.iter().filter(|line| !line.accepted && line.side == side);
         let whole = vec![BottomEdit::accepted(side, pings)];
@@ -29,7 +30,8 @@ impl BottomSettings {
         parts.into_iter().fold(self.clone(), |all, part| all.with(part))
     }
 
-    /// Returns the settings with no first return of these pings accepted; manual picks stay.
+    /// Returns the settings with no first return of these pings accepted; manual picks in these
+    /// pings stay.
     pub fn not_accepting(&self, side: Side, pings: [usize; 2]) -> Self {
         let accepted = BottomSettings {
             lines: (self.lines.iter().filter(|line| line.accepted)).cloned().collect(),
@@ -39,7 +41,7 @@ impl BottomSettings {
         rest.into_iter().fold(self.drawn_only(), |all, part| all.with(part))
     }
 
-    /// Returns the manual picks alone: first returns that were accepted are as they were found.
+    /// Returns the settings with the manual picks alone: no first return is accepted.
     pub fn drawn_only(&self) -> Self {
         let lines = self.lines.iter().filter(|line| !line.accepted);
         Self { lines: lines.cloned().collect(), ..*self }
@@ -50,7 +52,7 @@ impl BottomSettings {
         self.lines.iter().any(|line| line.accepted)
     }
 
-    /// Pings whose first returns were accepted as bottom, both sides counted.
+    /// Returns the number of pings whose first returns were accepted as bottom, each side counted.
     pub fn accepted_count(&self) -> usize {
         self.count(true)
     }
@@ -92,7 +94,7 @@ mod tests {
         assert!(returns.port[7].confidence > 0.6, "{:?}", returns.port[7]);
         assert_eq!(returns.port[11].sample, 20.0, "what was drawn stays");
         assert!(!returns.is_drawn(Side::Port, 7) && returns.is_drawn(Side::Port, 11));
-        // Taken back, and written and read.
+        // The edits can be removed again, and written and read.
         assert_eq!(all.without(Side::Port, [0, 39]).lines, []);
         let text = toml::to_string(&all).expect("text");
         assert_eq!(toml::from_str::<BottomSettings>(&text), Ok(all));

@@ -1,5 +1,6 @@
-//! First returns beyond the recorded depth: the bottom below the boat returns at that range, so
-//! that nothing farther can be the first one, unless the depth is wrong.
+//! Lowers the confidence of first returns beyond the recorded depth: the bottom below the boat
+//! returns an echo at the recorded depth, so nothing farther away can be the first return, unless
+//! the depth is wrong.
 
 use super::false_soundings::pick_range_m;
 use super::{FirstReturns, Pick};
@@ -12,40 +13,41 @@ use std::sync::Arc;
 /// Least distance beyond the depth at which a first return is doubted, metres: depths may be
 /// rounded to 0.1 m.
 const LEAST_BEYOND_M: f64 = 0.2;
-/// Confidence from which such a first return is believed all the same (the depth may be wrong),
-/// unless the range of the other side confirms the depth: it lies within these shares of the depth,
-/// as on a bank.
+/// Least confidence at which a first return beyond the depth is believed all the same (the depth
+/// may be wrong), unless the range of the other side confirms the depth: that range is then between
+/// these shares of the depth, as on a bank.
 const CERTAIN: f32 = 0.6;
 const BEARS_OUT: Range<f64> = 0.75..1.0;
-/// Largest ratio of the ranges of the two sides that confirm each other against the depth: that of
-/// the lower side to the upper one on a bank of 35 degrees.
+/// Largest ratio of the ranges of the two sides at which they confirm each other against the depth:
+/// that of the lower side to the upper side on a bank of 35 degrees.
 const MOST_APART: f64 = 1.25;
-/// Largest difference of the two sides over a level bottom, as a share; fewest such pings that
-/// determine the share of the depth at which a log's first returns lie; and distance of the limit
-/// beyond the median of these shares, in standard deviations of their scatter.
+/// Largest difference of the two sides over a level bottom, as a share; fewest pings over a level
+/// bottom that determine at which share of the depth the first returns of a log are; and distance
+/// of the limit above the median of these shares, in standard deviations of their scatter.
 const LEVEL: f64 = 0.03;
 const FEWEST_LEVEL: usize = 200;
 const OWN_SIGMAS: f64 = 4.0;
 
-/// Farthest that the bottom below the boat returns where the recorder's depth is true, metres: the
-/// scales of ranges and depths, their rounding and their noise make no more of a difference.
+/// Returns the largest range of the echo of the bottom below the boat where the recorder's depth is
+/// right, metres: differences of scale, rounding and noise between ranges and depths are no larger.
 pub(super) fn farthest_m(depth_m: f64) -> f64 {
     const SHALLOW: f64 = 1.08;
     const DEEP: (f64, f64) = (1.03, 0.25);
     (SHALLOW * depth_m).min(DEEP.0 * depth_m + DEEP.1)
 }
 
-/// Takes the confidence from first returns farther away than the bottom below the boat. They keep
-/// it where the other side is beyond the depth too, and about as far, for the depth may be wrong or
-/// the beams end beside the nadir, and where they are certain and the other side does not bear the
-/// depth out. `sides` are port and starboard from the ping `first` on.
+/// Sets the confidence of first returns beyond the bottom below the boat to 0. A first return keeps
+/// its confidence in two cases: the first return of the other side is beyond the depth too, at
+/// about the same range, since the depth may be wrong or the beams may not reach the nadir; or it
+/// is certain and the other side does not confirm the depth. `sides` are the picks of port and
+/// starboard from the ping `first` on.
 pub(super) fn doubt(survey: &Survey, first: usize, sides: &mut [Vec<Pick>; 2]) {
     let [port, starboard] = sides;
     doubt_beyond(survey, first, [port, starboard], &|depth_m| farthest_m(depth_m));
 }
 
-/// Doubts first returns as [`doubt`] does by the scale of this log: where both sides see a level
-/// bottom, they show how ranges and depths differ.
+/// Doubts first returns as [`doubt`] does, with a limit measured on this log: the ratio of ranges
+/// to depths where both sides detect a level bottom.
 pub(super) fn doubt_by_own_scale(survey: &Survey, returns: &mut FirstReturns) {
     let Some(farthest) = farthest_share(survey, returns) else {
         return;
@@ -55,8 +57,8 @@ pub(super) fn doubt_by_own_scale(survey: &Survey, returns: &mut FirstReturns) {
     doubt_beyond(survey, 0, sides, &|depth_m| farthest_m(depth_m).min(farthest * depth_m));
 }
 
-/// Largest share of the depth at which the first returns of a level bottom lie in this log; `None`
-/// where too few of them show it.
+/// Returns the largest ratio of first return to depth over a level bottom in this log; `None` where
+/// too few pings determine it.
 fn farthest_share(survey: &Survey, returns: &FirstReturns) -> Option<f64> {
     let share = |ping: usize| {
         let picks = Side::BOTH.map(|side| &returns.side(side)[ping]);
@@ -76,7 +78,7 @@ fn farthest_share(survey: &Survey, returns: &FirstReturns) -> Option<f64> {
     Some(middle + OWN_SIGMAS * spread_about(&mut shares, middle))
 }
 
-/// Doubts first returns that lie beyond the range that a function of the depth returns.
+/// Doubts first returns beyond the range that `farthest_m` returns for the depth.
 fn doubt_beyond(
     survey: &Survey,
     first: usize,

@@ -1,14 +1,15 @@
-//! The bottom line: which bottom the picture is laid out by.
+//! Chooses the bottom line, the bottom that the picture is laid out by: the first returns or the
+//! recorded depths.
 //!
-//! Water column, ground range, gain normalisation and mosaic follow it. Points, calibration and
-//! residuals are those of the first returns, whatever the line: points at the recorded depth would
-//! be no measurements, and would agree with it to the digit.
+//! Water column, ground range, gain normalisation and mosaic follow the bottom line. Points,
+//! calibration and residuals always use the first returns: points at the recorded depth would be no
+//! measurements, and would agree with that depth exactly.
 
 use super::{FirstReturns, Pick};
 use bathyscope_log::survey::{Side, SideSpan, Survey};
 use serde::{Deserialize, Serialize};
 
-/// Source of the bottom line. Bottom edits stay on top of either.
+/// Source of the bottom line. Bottom edits replace either source.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum BottomLine {
@@ -20,10 +21,10 @@ pub enum BottomLine {
     Recorded,
 }
 
-/// The line at the recorded depths: manual picks stay, and where there is no depth to believe, or
-/// it lies beyond the recorded range, so do the first returns that were found. `sample_at` is the
-/// sample of a recorded side in whose place the echo of a depth lies, by the calibration in force.
-/// What was not taken from the recorder is said in a warning.
+/// Returns the bottom line at the recorded depths. Manual picks stay; the first returns stay where
+/// there is no depth to believe or the depth is beyond the recorded range. `sample_at` converts a
+/// depth into a sample of a recorded side, with the calibration in use. A warning counts the places
+/// without a recorded depth.
 pub fn at_recorded_depth(
     survey: &Survey,
     returns: &FirstReturns,

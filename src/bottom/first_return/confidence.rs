@@ -1,33 +1,33 @@
-//! Confidence of a first return: the chance that it lies within 25 cm of the nearest ground on its
-//! side.
+//! Computes the confidence of a first return: the probability that it is within 25 cm of the
+//! nearest ground on its side.
 //!
 //! Evidence for and against a pick ([`Evidence`]) is gathered from the method that found it, from
-//! the picks around it, from those of the other side and from the recorded depth. One law for each
-//! method makes a chance of it. Both were fitted to the picks of simulated ponds (seeds 101 to 120
-//! of each kind, all troubles on; 154 000 picks of the tracker and twice as many of the threshold
-//! on bytes and words), a third of them as if no depth had been recorded, and are checked on
-//! others: `cargo bench -- confidence`. Over weed, whose echo comes before that of the ground, no
-//! law can distinguish it from a boulder: a pick above the recorded depth gets the share of such
-//! picks that are the ground ([`ABOVE_BOTTOM_SHARE`]).
+//! the picks around it, from those of the other side and from the recorded depth. For each method,
+//! a law converts the evidence into a probability. Both laws were fitted to the picks of simulated
+//! ponds (seeds 101 to 120 of each kind, all troubles on; 154 000 picks of the tracker and twice as
+//! many of the threshold on bytes and words), a third of them as if no depth had been recorded, and
+//! are checked on other ponds: `cargo bench -- confidence`. Over weed, whose echo comes before that
+//! of the ground, no law can distinguish weed from a boulder: the confidence of a pick above the
+//! recorded depth is the share of such picks that are the ground ([`ABOVE_BOTTOM_SHARE`]).
 
 use super::{Method, Pick};
 use bathyscope_log::survey::{Side, Survey};
 use rayon::prelude::*;
 
-/// A place that a method found, and what the method itself says for it.
+/// First return that a method found, and the evidence of the method itself for it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MethodPick {
-    /// Samples outward from the middle; NaN where nothing was found.
+    /// Distance outward from the middle, samples; NaN where nothing was found.
     pub sample: f32,
-    /// The tracker: mean score of the line around the ping, and how much less the best line would
-    /// gather that passes nearer, or farther, here. The threshold: how far the pick moves towards
-    /// the boat and away from it when the level is moved by a tenth, as shares of its distance, and
-    /// nothing.
+    /// Evidence of the method. Tracker: mean score of the line around the ping, and the decrease of
+    /// the total score if the line must pass nearer, or farther, at this ping. Threshold: movement
+    /// of the pick towards the boat and away from it when the level is changed by a tenth, as
+    /// shares of its distance, and 0.
     pub signs: [f32; 3],
 }
 
 impl MethodPick {
-    /// Result where no place was found.
+    /// Result where no first return was found.
     pub(super) const NONE: MethodPick = MethodPick { sample: f32::NAN, signs: [0.0; 3] };
 }
 
@@ -36,58 +36,59 @@ impl MethodPick {
 pub struct Evidence {
     /// Slant range by the recorder's scale, metres; NaN without a pick.
     pub range_m: f32,
-    /// Signs of the method itself: mean score and margins of the tracker's line, or movements of
-    /// the threshold's pick when its level is changed.
+    /// Evidence of the method: mean score and margins of the tracker's line, or movements of the
+    /// threshold's pick when its level is changed.
     pub signs: [f32; 3],
-    /// Share of the neighbouring picks of the same side that lie on a line with this one, 0 to 1.
+    /// Share of the neighbouring picks of the same side that are on a line with this pick, 0 to 1.
     pub own: f32,
-    /// Share of the other side's picks around the ping that lie as far out, 0 to 1.
+    /// Share of the other side's picks around the ping that are about as far from the boat, 0 to 1.
     pub other: f32,
     /// Recorded depth, metres; NaN where there is none to believe.
     pub depth_m: f32,
-    /// Distance beyond the dead zone, metres.
+    /// Distance of the pick beyond the dead zone, metres.
     pub beyond_dead_zone_m: f32,
 }
 
-/// Pings to both sides that are evaluated.
+/// Number of pings before and after a ping that are evaluated with it.
 pub(super) const REACH: usize = 8;
-/// Largest distance of a neighbour on a line with a pick, metres, and its growth for each ping
-/// between them: a bed that slopes 20 degrees along the track moves 5 cm at every ping.
+/// Largest difference in range to a neighbour on a line with a pick, metres, and its growth for
+/// each ping between them: a bed that slopes 20 degrees along the track moves 5 cm at every ping.
 const ON_LINE_M: [f32; 2] = [0.10, 0.05];
-/// Largest distance between the two sides' ranges to agree, metres, and its growth as a share of
-/// the range.
+/// Largest difference at which the ranges of the two sides agree, metres, and its growth as a share
+/// of the range.
 const AS_FAR: [f32; 2] = [0.25, 0.15];
 
-/// Share of the picks more than 0.34 m above the recorded depth that are the ground, 0 to 1: on 12
-/// logs of two simulators, with weed, fish, boulders, mounds and slopes, 1.6 % of 1 430.
+/// Share of the picks more than 0.34 m above the recorded depth that are the ground, 0 to 1. It was
+/// 1.6 % of 1 430 picks on 12 logs of two simulators, with weed, fish, boulders, mounds and slopes.
 const ABOVE_BOTTOM_SHARE: f32 = 0.03;
-/// The same by the height above the recorded depth, metres: 98 % of 60 picks from 0.20 to 0.25 m,
-/// 33 % of 80 to 0.30 m, 6 % of 330 to 0.35 m.
+/// Share of the picks that are the ground, by the height above the recorded depth in metres: 98 %
+/// of 60 picks from 0.20 to 0.25 m, 33 % of 80 to 0.30 m, 6 % of 330 to 0.35 m.
 const ABOVE_BOTTOM: [(f32, f32); 3] = [(0.24, 1.0), (0.28, 0.25), (0.34, ABOVE_BOTTOM_SHARE)];
 
-/// The confidence if what lies above the recorded depth is ground; that of any other return is its
-/// own.
+/// Returns the confidence if a return above the recorded depth is ground; the confidence of any
+/// other return is not changed.
 pub(crate) fn ground_confidence(confidence: f32, above_bottom: bool) -> f32 {
     if above_bottom { (confidence / ABOVE_BOTTOM_SHARE).min(1.0) } else { confidence }
 }
 
-/// The picks around a stretch of the log, of both sides.
+/// Picks of both sides in a stretch of the log, with the data that their evidence needs.
 pub(super) struct Gathering<'a> {
     pub survey: &'a Survey,
-    /// The ping of the first pick.
+    /// Index of the ping of the first pick.
     pub first: usize,
-    /// Port and starboard.
+    /// Found first returns of port and starboard.
     pub found: &'a [Vec<MethodPick>; 2],
-    /// A depth a ping, NaN where there is none to believe.
+    /// Recorded depth of each ping, metres; NaN where there is none to believe.
     pub depths_m: &'a [f32],
-    /// A pick nearer than the depth by more than this lies above the bottom, metres.
+    /// Difference by which a pick must be nearer than the depth to count as above the bottom,
+    /// metres.
     pub margin_m: f64,
     pub dead_zone_m: f64,
     pub method: Method,
 }
 
 impl Gathering<'_> {
-    /// The evidence for every pick, port and starboard.
+    /// Returns the evidence for every pick, port and starboard.
     pub(super) fn evidence(&self) -> [Vec<Evidence>; 2] {
         let ranges = Side::BOTH.map(|side| self.ranges_m(side));
         Side::BOTH.map(|side| {
@@ -112,7 +113,7 @@ impl Gathering<'_> {
         })
     }
 
-    /// The rated picks, port and starboard.
+    /// Returns the picks with their confidence, port and starboard.
     pub(super) fn picks(&self) -> [Vec<Pick>; 2] {
         let evidence = self.evidence();
         [0, 1].map(|this| {
@@ -131,7 +132,7 @@ impl Gathering<'_> {
         })
     }
 
-    /// Slant ranges by the recorder's scale, metres; NaN without a pick.
+    /// Returns the slant ranges by the recorder's scale, metres; NaN without a pick.
     fn ranges_m(&self, side: Side) -> Vec<f32> {
         let found = self.found[side as usize].par_iter().enumerate().with_min_len(1024);
         found
@@ -143,20 +144,20 @@ impl Gathering<'_> {
     }
 }
 
-/// Share of the ranges around a ping, itself left out, that differ from `range_m` by no more than
-/// `allowed_m` returns for their distance in pings.
+/// Returns the share of the ranges around a ping, without that of the ping, that differ from
+/// `range_m` by no more than `allowed_m` returns for their distance in pings.
 fn support(ranges_m: &[f32], ping: usize, range_m: f32, allowed_m: impl Fn(usize) -> f32) -> f32 {
     let around = ping.saturating_sub(REACH)..ranges_m.len().min(ping + REACH + 1);
     let count = around.len() - 1;
     let on_line = around.filter(|&other| {
-        // Without a pick there this is NaN, and the comparison false.
+        // Without a pick at the other ping the difference is NaN, and the comparison false.
         other != ping && (ranges_m[other] - range_m).abs() <= allowed_m(other.abs_diff(ping))
     });
     on_line.count() as f32 / count.max(1) as f32
 }
 
 impl Evidence {
-    /// The chance that the pick lies within 25 cm of the nearest ground, 0 to 1.
+    /// Returns the probability that the pick is within 25 cm of the nearest ground, 0 to 1.
     pub fn chance(&self, method: Method) -> f32 {
         let of_first_return = match method {
             Method::Tracker => self.chance_of_line(),
@@ -165,8 +166,9 @@ impl Evidence {
         of_first_return * between(self.above_m(), &ABOVE_BOTTOM)
     }
 
-    /// The tracker is seldom wrong, and then for one reason: each sign takes its share. The shares
-    /// are those of the picks that are right at each value of the sign.
+    /// Returns the probability for a pick of the tracker: the product of a factor for each sign.
+    /// The tracker is seldom wrong, and then for one reason only. The factors are the shares of
+    /// right picks at each value of the sign.
     pub(crate) fn chance_of_line(&self) -> f32 {
         let [step, nearer, farther] = self.signs;
         let shares = [
@@ -183,7 +185,8 @@ impl Evidence {
         shares.into_iter().product()
     }
 
-    /// The threshold goes wrong in many ways, which hang together: a logistic law.
+    /// Returns the probability for a pick of the threshold, by a logistic law: the threshold is
+    /// wrong for many reasons, which depend on each other.
     pub(crate) fn chance_of_level(&self) -> f32 {
         let [nearer, farther, _] = self.signs;
         let is_unknown = f32::from(u8::from(self.depth_m.is_nan()));
@@ -200,20 +203,22 @@ impl Evidence {
         1.0 / (1.0 + (-odds).exp())
     }
 
-    /// Height above the recorded depth, metres; 0 without one.
+    /// Returns the height of the pick above the recorded depth, metres; 0 without a pick or a
+    /// depth.
     fn above_m(&self) -> f32 {
         let above_m = self.depth_m - self.range_m;
         if above_m.is_nan() { 0.0 } else { above_m }
     }
 
-    /// Range over recorded depth; 1 without one.
+    /// Returns the ratio of the range to the recorded depth; 1 without a pick or a depth.
     fn of_depth(&self) -> f32 {
         let share = self.range_m / self.depth_m;
         if share.is_nan() { 1.0 } else { share }
     }
 }
 
-/// A value on the straight lines between places; beyond the ends, that of the end.
+/// Returns the value at `at` by linear interpolation between places; beyond the ends, the value of
+/// the end.
 fn between(at: f32, places: &[(f32, f32)]) -> f32 {
     let after = places.partition_point(|(place, _)| *place <= at);
     match (after.checked_sub(1).and_then(|before| places.get(before)), places.get(after)) {
@@ -226,12 +231,13 @@ fn between(at: f32, places: &[(f32, f32)]) -> f32 {
 /// Returns true if a pick is nearer than the depth by more than `margin_m`, by the recorder's own
 /// scale.
 ///
-/// Boulders and banks are flagged with weed and fish. The echo does not distinguish them: on
-/// simulated ponds it grows behind weed and fades behind boulders (level 0.1 to 0.4 m behind the
-/// recorded depth against that of the first 0.1 m behind the pick), but over the boulders of the
-/// river of the tests it grows by 8 to 90 bytes, as behind weed, and neither the edge nor the
-/// plateau behind it differs more between the two than along either. What lies above the bottom for
-/// long is recognised by its length along the track ([`crate::cloud::CloudPoint::above_bottom_m`]).
+/// Boulders and banks are flagged like weed and fish, since the echo does not distinguish them. On
+/// simulated ponds the echo grows behind weed and fades behind boulders (level 0.1 to 0.4 m behind
+/// the recorded depth against that of the first 0.1 m behind the pick), but over the boulders of
+/// the river of the tests it grows by 8 to 90 bytes, as behind weed; neither the edge nor the
+/// plateau behind it differs more between weed and boulders than along either. Ground above the
+/// recorded depth over a long stretch is recognised by its length along the track
+/// ([`crate::cloud::CloudPoint::above_bottom_m`]).
 fn is_above(range_m: f32, depth_m: f32, margin_m: f64) -> bool {
     // Comparisons with NaN are false: without a depth or a pick nothing is flagged.
     f64::from(range_m) < f64::from(depth_m) - margin_m
@@ -241,7 +247,7 @@ fn is_above(range_m: f32, depth_m: f32, margin_m: f64) -> bool {
 mod tests {
     use super::*;
 
-    /// A pick that nothing speaks against.
+    /// Evidence with nothing against the pick.
     const SOUND: Evidence = Evidence {
         range_m: 3.0,
         signs: [5.0, 20.0, 20.0],

@@ -1,11 +1,11 @@
-//! Soundings that the first returns of both sides contradict.
+//! Finds false soundings: those that the first returns of both sides contradict.
 //!
-//! A first return is no farther away than the bottom below the boat, and over weed, boulders and
-//! fish nearer: that it is nearer says nothing against a sounding. Two faults of recorders leave
-//! marks that nothing in the water leaves. The second echo, from the bottom to the surface and back
-//! again, is twice as far: the depth leaps to double while neither side moves. A lost bottom is
-//! written as the last depth for as long as it is lost: it stays the same to the last digit while
-//! both sides move.
+//! A first return is no farther away than the bottom below the boat; over weed, boulders and fish
+//! it is nearer. A first return nearer than the sounding is therefore no evidence against the
+//! sounding. Two faults of recorders, however, leave patterns that nothing in the water leaves. The
+//! second echo, from the bottom to the surface and back again, is twice as far: the depth changes
+//! to twice its value while neither side moves. Where a recorder has lost the bottom, it repeats
+//! the last depth: the depth stays the same to the last digit while both sides move.
 
 use super::{FirstReturns, Pick};
 use bathyscope_log::support::statistics::{median, quantile};
@@ -14,49 +14,49 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Pings to both sides that the first returns are taken over.
+/// Number of pings before and after a sounding whose first returns are used.
 const REACH: usize = 10;
-/// Fewest of these pings that need a first return.
+/// Least number of these pings that must have a first return.
 const LEAST: usize = 5;
-/// Largest difference of the sides over one bottom, as a share: on a bank of 33 degrees they differ
-/// by a sixth.
+/// Largest difference of the two sides over the same bottom, as a share: on a bank of 33 degrees
+/// they differ by a sixth.
 const SIDES_AGREE: f64 = 0.25;
-/// Ratios of a second echo to the first return: twice, and more on a bank, where the first return
-/// comes from up the slope.
+/// Ratios of a second echo to the first return: two, and more on a bank, where the first return
+/// comes from higher on the slope.
 const SECOND_ECHO: Range<f64> = 1.75..2.6;
-/// Ratios by which the depth leaps at both ends of a stretch.
+/// Ratios by which the depth changes at both ends of a stretch of second echoes.
 const LEAP: Range<f64> = 1.75..2.25;
 /// Ratios of such a leap from one sounding to the next, for stretches without first returns, or
-/// with first returns near the depth at less than this share of the soundings.
+/// with first returns near the depth at less than a share of [`MOST_SEEN`] of the soundings.
 const EXACT_LEAP: Range<f64> = 1.9..2.1;
 const MOST_SEEN: f64 = 0.1;
-/// Largest change of the first returns over such a leap, as a share.
+/// Largest change of the first returns over a leap of the depth, as a share.
 const STAYS: f64 = 0.25;
-/// Soundings to both sides of an end that are compared: on a steep bank only the next ones are
-/// still at one depth.
+/// Number of soundings before and after an end that are compared; both values are tried: on a steep
+/// bank only the soundings next to the end are still at the same depth.
 const BESIDE: [usize; 2] = [3, 1];
-/// Fewest soundings of a stretch.
+/// Least number of soundings in a false stretch.
 const SHORTEST: usize = 5;
-/// Most soundings within a stretch that do not show the fault.
+/// Largest number of consecutive soundings within a stretch that do not show the fault.
 const LONGEST_PAUSE: usize = 8;
-/// A depth counts as held if it stays the same for more than this many soundings, and for more than
-/// this many times the usual length over a level bottom with the log's coarse steps.
+/// Number of soundings, and multiple of the usual length of constant depths over a level bottom
+/// with the log's coarse steps, that a constant depth must exceed to count as held.
 const HELD: usize = 12;
 const HELD_TIMES: usize = 3;
 /// Least movement of the first returns over a held depth, metres and share of the depth.
 const MOVES: (f64, f64) = (0.1, 0.015);
 
-/// A stretch of soundings that do not count.
+/// Stretch of soundings with a fault, which are not used.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FalseSoundings {
     /// Indices in [`Survey::soundings`].
     pub soundings: Range<usize>,
-    /// The fault.
+    /// Fault of the soundings.
     pub fault: SoundingFault,
 }
 
 impl FalseSoundings {
-    /// A sentence about them.
+    /// Returns a sentence about the stretch, for a warning.
     fn summary(&self, survey: &Survey) -> String {
         let time_s = |index: usize| survey.soundings.get(index).map_or(f64::NAN, |one| one.time_s);
         let [from_s, to_s] = [self.soundings.start, self.soundings.end - 1].map(time_s);
@@ -68,8 +68,9 @@ impl FalseSoundings {
     }
 }
 
-/// Sets [`FirstReturns::false_soundings`], with a warning for each stretch. Where a second echo is
-/// the depth, first returns lie above it and are the bottom all the same.
+/// Sets [`FirstReturns::false_soundings`], adds a warning for each stretch, and accepts the first
+/// returns at the pings of these soundings as bottom: first returns above a false depth, such as a
+/// second echo, are the bottom all the same.
 pub(super) fn judge(survey: &Survey, returns: &mut FirstReturns) {
     let found = find(&survey.soundings, &Witnesses::new(survey, returns));
     if found.is_empty() {
@@ -86,7 +87,7 @@ pub(super) fn judge(survey: &Survey, returns: &mut FirstReturns) {
     returns.false_soundings = Arc::new(found);
 }
 
-/// The pings whose depth is of false soundings.
+/// Returns the pings whose depth comes from false soundings.
 fn pings_of(survey: &Survey, false_soundings: &[FalseSoundings]) -> Vec<usize> {
     let is_false =
         |sounding: usize| false_soundings.iter().any(|one| one.soundings.contains(&sounding));
@@ -94,7 +95,8 @@ fn pings_of(survey: &Survey, false_soundings: &[FalseSoundings]) -> Vec<usize> {
     pings.filter(|&ping| sounding_of(survey, ping).is_some_and(is_false)).collect()
 }
 
-/// The stretches of some pings, in order, with those that the search draws on to both sides.
+/// Returns the ranges of pings, in order, that hold the given pings and the [`REACH`] pings on both
+/// sides of each.
 pub(super) fn ranges_around(survey: &Survey, pings: &[usize]) -> Vec<Range<usize>> {
     let mut ranges: Vec<Range<usize>> = Vec::new();
     for &ping in pings {
@@ -107,20 +109,22 @@ pub(super) fn ranges_around(survey: &Survey, pings: &[usize]) -> Vec<Range<usize
     ranges
 }
 
-/// Slant range of a first return by the recorder's scale, metres; NaN without one.
+/// Returns the slant range of the first return at a ping by the recorder's scale, metres; NaN
+/// without one.
 fn range_m(survey: &Survey, returns: &FirstReturns, ping: usize, side: Side) -> f64 {
     let pick = returns.side(side).get(ping);
     pick.map_or(f64::NAN, |pick| pick_range_m(survey, ping, side, pick))
 }
 
-/// Slant range of a given pick by the recorder's scale, metres; NaN without one.
+/// Returns the slant range of a given pick by the recorder's scale, metres; NaN without a pick or a
+/// recorded side.
 pub(super) fn pick_range_m(survey: &Survey, ping: usize, side: Side, pick: &Pick) -> f64 {
     let span = survey.span(ping, side).filter(|_| pick.is_some());
     span.map_or(f64::NAN, |span| span.range_m(f64::from(pick.sample)))
 }
 
-/// The survey with their fault given to the soundings that do not count; `None` where all have one
-/// already.
+/// Returns the survey with the false soundings and the depths of their pings marked with the fault;
+/// `None` where all these soundings have a fault already.
 pub(super) fn judged(survey: &Survey, false_soundings: &[FalseSoundings]) -> Option<Survey> {
     let is_marked = |one: &FalseSoundings| {
         let soundings = survey.soundings.get(one.soundings.clone()).unwrap_or_default();
@@ -145,8 +149,9 @@ pub(super) fn judged(survey: &Survey, false_soundings: &[FalseSoundings]) -> Opt
     Some(judged)
 }
 
-/// The survey with the depths that false soundings leave to expect: half of a second echo, and over
-/// a held depth what lies evenly between the soundings before and behind; and these pings.
+/// Returns the survey with the depths that are expected at false soundings, and the pings with such
+/// depths. For a second echo this is half of the depth; for a held depth it is interpolated between
+/// the soundings before and after the stretch.
 pub(super) fn explained(survey: &Survey, found: &[FalseSoundings]) -> (Survey, Vec<usize>) {
     let mut explained = survey.clone();
     let pings: &mut Vec<SidePing> = Arc::make_mut(&mut explained.side_scan);
@@ -170,19 +175,19 @@ pub(super) fn explained(survey: &Survey, found: &[FalseSoundings]) -> (Survey, V
     (explained, pings_of(survey, found))
 }
 
-/// The pings whose depth was held.
+/// Returns the pings whose depth was held.
 pub(super) fn held_pings(survey: &Survey, found: &[FalseSoundings]) -> Vec<usize> {
     let held = found.iter().filter(|one| one.fault == SoundingFault::Held);
     pings_of(survey, &held.cloned().collect::<Vec<_>>())
 }
 
-/// The sounding that a ping has its depth from.
+/// Returns the index of the sounding nearest in time to a ping, from which the ping has its depth.
 fn sounding_of(survey: &Survey, ping: usize) -> Option<usize> {
     nearest_in_time(&survey.soundings, survey.side_scan[ping].time_s, |one| one.time_s)
 }
 
-/// Slant ranges of the first returns of each side around the soundings, metres, one entry a
-/// sounding; NaN where there are too few.
+/// Median slant range of the first returns of each side around each sounding, metres; NaN where
+/// there are too few first returns.
 struct Witnesses {
     sides_m: [Vec<f64>; 2],
 }
@@ -207,9 +212,9 @@ impl Witnesses {
         Self { sides_m: Side::BOTH.map(of_side) }
     }
 
-    /// Slant range of the bottom below the boat at a sounding, metres: that of the deeper side, and
-    /// of the nearer one where the sides do not agree. A false depth draws the search away from the
-    /// boat, so that a side may follow it.
+    /// Returns the slant range of the bottom below the boat at a sounding, metres: the larger range
+    /// of both sides, or the smaller one where the sides do not agree, since a false depth may have
+    /// moved the first return of one side away from the boat.
     fn below_m(&self, sounding: usize) -> f64 {
         let [port_m, starboard_m] = [0, 1].map(|side| self.sides_m[side][sounding]);
         let deeper_m = port_m.max(starboard_m);
@@ -220,8 +225,8 @@ impl Witnesses {
         }
     }
 
-    /// True where every side with enough first returns moves by more than this over some soundings,
-    /// and one side has enough.
+    /// Returns true if the first returns of every side that has enough of them move by more than
+    /// `more_than_m` metres over these soundings, and at least one side has enough.
     fn move_over(&self, soundings: &Range<usize>, more_than_m: f64) -> bool {
         let moves = |side: &Vec<f64>| {
             let ranges = side[soundings.clone()].iter().copied();
@@ -235,7 +240,7 @@ impl Witnesses {
     }
 }
 
-/// The stretches of false soundings, in order.
+/// Returns the stretches of false soundings, in order.
 fn find(soundings: &[Sounding], witnesses: &Witnesses) -> Vec<FalseSoundings> {
     let mut found = second_echoes(soundings, witnesses);
     let is_known = |held: &Range<usize>, found: &[FalseSoundings]| {
@@ -250,8 +255,8 @@ fn find(soundings: &[Sounding], witnesses: &Witnesses) -> Vec<FalseSoundings> {
     found
 }
 
-/// Finds second echoes by both sides together, by each side alone where the other side's range is
-/// nearer, as at a wall, and at depths where no side has a first return.
+/// Finds second echoes in three ways: by both sides together; by each side alone where the range of
+/// the other side is nearer, as at a wall; and at depths where no side has a first return.
 fn second_echoes(soundings: &[Sounding], witnesses: &Witnesses) -> Vec<FalseSoundings> {
     let all = 0..soundings.len();
     let below_m = all.clone().map(|sounding| witnesses.below_m(sounding)).collect();
@@ -275,8 +280,9 @@ fn second_echoes(soundings: &[Sounding], witnesses: &Witnesses) -> Vec<FalseSoun
     found
 }
 
-/// The stretches between a leap to twice the depth and one back, of a sounding each, over which the
-/// sides have first returns and hardly any near the depth: a bottom there would be seen.
+/// Returns the stretches between a leap of the depth to twice its value and a leap back, each from
+/// one sounding to the next, over which the sides have first returns but hardly any near the depth:
+/// a bottom at that depth would give first returns.
 fn unseen_second_echoes(soundings: &[Sounding], witnesses: &Witnesses) -> Vec<FalseSoundings> {
     let depth_m = |index: usize| f64::from(soundings[index].depth_m);
     let times = |index: usize| depth_m(index) / depth_m(index - 1);
@@ -305,7 +311,8 @@ fn unseen_second_echoes(soundings: &[Sounding], witnesses: &Witnesses) -> Vec<Fa
     found.into_iter().map(|soundings| FalseSoundings { soundings, fault }).collect()
 }
 
-/// The stretches by ranges that are those of the bottom below the boat, metres, one a sounding.
+/// Returns the stretches of second echoes by `ranges_m`, the slant range of the bottom below the
+/// boat at each sounding, metres.
 fn second_echoes_by(soundings: &[Sounding], ranges_m: Vec<f64>) -> Vec<FalseSoundings> {
     let depth_m = |index: usize| f64::from(soundings[index].depth_m);
     let is_double = |index: usize| SECOND_ECHO.contains(&(depth_m(index) / ranges_m[index]));
@@ -346,8 +353,8 @@ fn second_echoes_by(soundings: &[Sounding], ranges_m: Vec<f64>) -> Vec<FalseSoun
     found
 }
 
-/// The sounding at which the depth leaps back to half, where no first return is seen from `end` up
-/// to there, as over a shallow bottom; `end` where it does not.
+/// Returns the sounding at which the depth leaps back to half of its value, if there is no first
+/// return from `end` up to it, as over a shallow bottom; `end` if there is no such sounding.
 fn unseen_end(soundings: &[Sounding], ranges_m: &[f64], end: usize) -> usize {
     let unseen = ranges_m[end..].iter().take_while(|range_m| range_m.is_nan()).count();
     let depth_m = |index: usize| f64::from(soundings[index].depth_m);
@@ -355,7 +362,7 @@ fn unseen_end(soundings: &[Sounding], ranges_m: &[f64], end: usize) -> usize {
     unseen.find(|&index| EXACT_LEAP.contains(&(depth_m(index - 1) / depth_m(index)))).unwrap_or(end)
 }
 
-/// Stretches of indices that follow each other with short pauses.
+/// Returns the ranges of indices that follow each other with gaps of at most [`LONGEST_PAUSE`].
 fn stretches(indices: impl Iterator<Item = usize>) -> Vec<Range<usize>> {
     let mut stretches: Vec<Range<usize>> = Vec::new();
     for index in indices {
@@ -368,7 +375,8 @@ fn stretches(indices: impl Iterator<Item = usize>) -> Vec<Range<usize>> {
     stretches
 }
 
-/// Stretches over which the depth stays the same to the last digit while the first returns move.
+/// Returns the stretches over which the depth stays the same to the last digit while the first
+/// returns move.
 fn held_depths(soundings: &[Sounding], witnesses: &Witnesses) -> Vec<Range<usize>> {
     let mut runs = Vec::new();
     let mut start = 0;
@@ -384,7 +392,7 @@ fn held_depths(soundings: &[Sounding], witnesses: &Witnesses) -> Vec<Range<usize
         let depth_m = f64::from(soundings[run.start].depth_m);
         witnesses.move_over(run, MOVES.0.max(MOVES.1 * depth_m))
     };
-    // The first one is true.
+    // The first sounding of a run was measured; those after it repeat it.
     let without_first = |run: Range<usize>| run.start + 1..run.end;
     runs.into_iter().filter(|run| run.len() > longest && moves(run)).map(without_first).collect()
 }
@@ -399,7 +407,7 @@ mod tests {
         depths_m.enumerate().map(one).collect()
     }
 
-    /// A bed that slopes, seen by both sides, with noise of the sounder.
+    /// Depth of a sloping bed, metres.
     fn bed_m(index: usize) -> f64 {
         5.0 + 0.01 * index as f64
     }
@@ -424,7 +432,7 @@ mod tests {
         let expected =
             FalseSoundings { soundings: doubled.clone(), fault: SoundingFault::SecondEcho };
         assert_eq!(found, [expected]);
-        // Weed as high as half the water: the sides leap, the depth does not.
+        // Weed up to half the depth: the first returns leap, the depth does not.
         let weedy = |index: usize| bed_m(index) * if doubled.contains(&index) { 0.5 } else { 1.0 };
         let ranges_m = seen((0..400).map(weedy));
         assert!(find(&soundings((0..400).map(|i| bed_m(i) + noise_m(i))), &ranges_m).is_empty());
@@ -446,10 +454,10 @@ mod tests {
             (found[0].soundings.clone(), found[0].fault),
             (doubled.clone(), SoundingFault::SecondEcho)
         );
-        // Where the other side has none, nothing is seen at the depth.
+        // The other side has no first return: nothing is detected at the depth.
         let alone = Witnesses { sides_m: [vec![2.5; 400], vec![f64::NAN; 400]] };
         assert_eq!(find(&depths_m(&bed), &alone), found);
-        // A basin that is twice as deep, as the other side sees.
+        // A basin that is twice as deep: the other side detects its bottom.
         let starboard_m =
             (0..400).map(|index| bed(index) * if doubled.contains(&index) { 2.0 } else { 1.0 });
         let basin = Witnesses { sides_m: [vec![2.5; 400], starboard_m.collect()] };
@@ -458,7 +466,7 @@ mod tests {
 
     #[test]
     fn a_second_echo_that_ends_where_no_side_sees_the_bottom_is_found() {
-        // A bank up to half a metre, over which the sides lose the bottom.
+        // A bank that rises to a depth of half a metre, over which both sides lose the bottom.
         let bank_m = |index: usize| (4.0 - 0.1 * index.saturating_sub(90) as f64).max(0.5);
         let ranges_m = seen((0..400).map(|i| if i < 110 { bank_m(i) } else { f64::NAN }));
         let depth_m = |doubled: Range<usize>| {
@@ -468,7 +476,7 @@ mod tests {
         let found = find(&depth_m(95..160), &ranges_m);
         assert_eq!(found.len(), 1, "{found:?}");
         assert_eq!(found[0].soundings, 95..160);
-        // Without a leap back, nothing tells how long it goes on.
+        // Without a leap back, the end of the second echo is unknown.
         assert!(find(&depth_m(95..400), &ranges_m).iter().all(|one| one.soundings.end <= 120));
     }
 
@@ -482,7 +490,7 @@ mod tests {
         let found = find(&soundings((0..400).map(depth_m)), &ranges_m);
         assert_eq!(found.len(), 1, "{found:?}");
         assert_eq!((found[0].soundings.clone(), found[0].fault), (201..280, SoundingFault::Held));
-        // Steps of half a metre, and a bed that moves within one of them under weed.
+        // Depths in steps of half a metre, and a bed that moves within one step, under weed.
         let coarse = (0..400).map(|index| 0.5 * (bed_m(index) / 0.5).round());
         assert!(find(&soundings(coarse), &ranges_m).is_empty());
     }

@@ -1,16 +1,16 @@
-//! The published picture: four stored bytes read as one little-endian int32.
+//! Reads the picture as the published code does: four stored bytes as one little-endian int32.
 //!
-//! The rows of a composite frame run from far port over the middle to far starboard, and a word
-//! takes four neighbours in that order. Seen outward from the middle, the most significant byte of
-//! word `k` is therefore sample `4 k + 3` on starboard and sample `4 k` on port. A word is negative
-//! when that byte is 128 or more.
+//! The rows of a composite picture run from far port over the middle to far starboard, and a word
+//! takes four neighbours in that order. Outward from the middle, the most significant byte of word
+//! `k` is therefore sample `4 k + 3` on starboard and sample `4 k` on port. A word is negative when
+//! that byte is 128 or more.
 
 use bathyscope_log::survey::{SampleOrder, Samples, Side};
 
 /// Samples in a word.
 pub(super) const WORD: usize = 4;
 
-/// The words of one side from the first one that lies wholly beyond `dead` samples, nearest first.
+/// Returns the words of one side that lie completely beyond `dead` samples, nearest first.
 pub(super) fn outward<'a>(
     samples: Samples<'a>,
     side: Side,
@@ -27,7 +27,7 @@ fn word(samples: &Samples, side: Side, index: usize) -> i32 {
     }
 }
 
-/// The stored bytes that lie more than `dead` samples outward, in stored order.
+/// Returns the stored bytes beyond `dead` samples outward, in stored order.
 pub(super) fn beyond(stored: &[u8], order: SampleOrder, dead: usize) -> &[u8] {
     let dead = dead.min(stored.len());
     match order {

@@ -1,5 +1,5 @@
-//! Manual picks (bottom edits): where the search is wrong and the analyst sees the ground, they
-//! replace what was found.
+//! Stores and applies manual picks (bottom edits): where the detected first return is wrong and the
+//! analyst recognises the ground, a manual pick replaces it.
 
 use super::{FirstReturns, Pick};
 use bathyscope_log::support::statistics::ends;
@@ -7,49 +7,50 @@ use bathyscope_log::survey::{Identity, Side, Survey};
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
 
-/// `bottom.*` settings: the edits of the first returns of one log. The window keeps them in
+/// `bottom.*` settings: the edits of the first returns of one log. Bathyscope keeps them in
 /// `LOG.bottom.toml`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct BottomSettings {
-    /// Bytes of the log that it was drawn on. Over another log it is left out.
+    /// Size in bytes of the log that the edits were drawn on. The edits are not applied to another
+    /// log.
     pub log_bytes: u64,
-    /// Side-scan pings of that log.
+    /// Number of side-scan pings of that log.
     pub pings: usize,
-    /// True if it was drawn with port and starboard exchanged against the recording
+    /// True if the edits were drawn with port and starboard exchanged against the recording
     /// (`mounting.swap_sides`).
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub swapped_sides: bool,
-    /// The stretches; no two cover the same ping of a side.
+    /// Edited stretches; no two cover the same ping of a side.
     pub lines: Vec<BottomEdit>,
 }
 
-/// A stretch of the bottom of one side.
+/// Edit of the bottom on one side over a stretch of pings.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BottomEdit {
-    /// The side.
+    /// Side of the boat.
     pub side: Side,
-    /// First and last ping.
+    /// First and last ping of the stretch.
     pub pings: [usize; 2],
-    /// Ping and slant range, metres by the recorder's scale; straight between them, level beyond
-    /// the ends. None where no bottom is detected.
+    /// Corners of the drawn line: ping and slant range, metres by the recorder's scale. The line is
+    /// straight between corners and level beyond the ends. No corners where no bottom is detected.
     #[serde(default)]
     pub corners: Vec<[f64; 2]>,
     /// True if the first returns stay where they were found, and are bottom whatever the recorded
-    /// depth. Such a stretch has no corners.
+    /// depth. Such an edit has no corners.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub accepted: bool,
 }
 
-/// Most edits of a file: more were not made by a person.
+/// Largest number of edits in a file: more were not made by a person.
 const MOST_LINES: usize = 100_000;
 
 impl BottomEdit {
-    /// Creates the line along a path of the pen, from ping to ping; `path` holds pings with their
-    /// fractions (ping 7 has 7.0 to 8.0) and slant ranges, metres. Where the pen went back, what it
-    /// drew last counts. Corners that lie on the line within `tolerance_m` are left out. Returns
-    /// `None` for a path that meets none of the `count` pings.
+    /// Creates the edit along a path of the pen. `path` holds pings with their fractions (ping 7 is
+    /// from 7.0 to 8.0) and slant ranges, metres; where the pen went back, the last value counts.
+    /// Corners within `tolerance_m` of the line are left out. Returns `None` for a path that meets
+    /// none of the `count` pings.
     pub fn along(
         path: &[[f64; 2]],
         side: Side,
@@ -94,7 +95,8 @@ impl BottomEdit {
         self.pings[0]..=self.pings[1]
     }
 
-    /// Slant range at a ping, metres by the recorder's scale; `None` where no bottom is detected.
+    /// Returns the slant range at a ping, metres by the recorder's scale; `None` where no bottom is
+    /// detected.
     pub fn range_m(&self, ping: usize) -> Option<f64> {
         let at = ping as f64;
         let after = self.corners.partition_point(|[corner, _]| *corner <= at);
@@ -117,21 +119,21 @@ impl BottomEdit {
     }
 }
 
-/// Bottom edits that belong to another log.
+/// Error for bottom edits that belong to another log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "it belongs to a log of {} bytes and {} pings, this one has {} and {}",
     drawn_on.0, drawn_on.1, log.0, log.1
 )]
 pub struct OtherLog {
-    /// Bytes and side-scan pings of the log that it was drawn on.
+    /// Bytes and side-scan pings of the log that the edits were drawn on.
     pub drawn_on: (u64, usize),
-    /// The same of the log that it is compared with.
+    /// Bytes and side-scan pings of the log that the edits were compared with.
     pub log: (u64, usize),
 }
 
 impl BottomSettings {
-    /// End of the name of the file that they are kept in, in place of the log's.
+    /// Extension of the sidecar file of the settings, in place of that of the log.
     pub const SIDECAR: &str = "bottom.toml";
 
     /// Creates empty settings for a log.
@@ -148,10 +150,10 @@ impl BottomSettings {
     /// Checks that the edits were drawn on this log.
     ///
     /// # Errors
-    /// When it was drawn on another log.
+    /// When the edits were drawn on another log.
     pub fn belongs_to(&self, survey: &Survey) -> Result<(), OtherLog> {
         let Self { log_bytes, pings, .. } = Self::of(survey);
-        // An earlier version counted the bytes of a track that was applied to the log.
+        // An earlier version also counted the bytes of a track that was applied to the log.
         let track = survey.track.external.as_ref().and(survey.bytes.last());
         let with_track = log_bytes + track.map_or(0, |track| track.len() as u64);
         if self.pings == pings && [log_bytes, with_track].contains(&self.log_bytes) {
@@ -160,15 +162,16 @@ impl BottomSettings {
         Err(OtherLog { drawn_on: (self.log_bytes, self.pings), log: (log_bytes, pings) })
     }
 
-    /// The same for the log whose sidecar file it is: what an earlier version kept while a track
-    /// was applied to the log counts the bytes of that, which may be gone.
+    /// Returns the edits of a sidecar file with the size and the sides of the log that it belongs
+    /// to. An earlier version also counted the bytes of a track that was applied to the log, which
+    /// may be gone.
     ///
     /// # Errors
-    /// When it was drawn on another log.
+    /// When the edits were drawn on another log.
     pub fn adopted(self, survey: &Survey) -> Result<Self, OtherLog> {
         let of = Self::of(survey);
         if survey.was(self.log_bytes, self.pings) {
-            // More of it was written since.
+            // The log has grown since the edits were drawn.
             return Ok(Self { log_bytes: of.log_bytes, pings: of.pings, ..self });
         }
         if self.pings != of.pings || self.log_bytes < of.log_bytes {
@@ -177,8 +180,8 @@ impl BottomSettings {
         Ok(Self { log_bytes: of.log_bytes, ..self }.with_sides(survey.swapped_sides))
     }
 
-    /// The same edits for a log whose port and starboard are exchanged or not: what was drawn on an
-    /// echo stays on it.
+    /// Returns the edits for a log with port and starboard exchanged or not: an edit stays on the
+    /// echoes that it was drawn on.
     #[must_use]
     pub fn with_sides(mut self, swapped_sides: bool) -> Self {
         if !self.is_empty() && self.swapped_sides != swapped_sides {
@@ -191,12 +194,12 @@ impl BottomSettings {
         self
     }
 
-    /// Returns true if nothing was drawn.
+    /// Returns true if there is no edit.
     pub fn is_empty(&self) -> bool {
         self.lines.is_empty()
     }
 
-    /// Returns the settings with one more line; it replaces all that was drawn in its pings before.
+    /// Returns the settings with one more edit; it replaces the earlier edits of its pings.
     pub fn with(&self, line: BottomEdit) -> Self {
         let mut all = self.without(line.side, line.pings);
         all.lines.push(line);
@@ -216,17 +219,18 @@ impl BottomSettings {
         Self { lines: lines.collect(), ..*self }
     }
 
-    /// The line over a ping, if one was drawn there.
+    /// Returns the edit that covers a ping; `None` if there is none.
     pub fn line_at(&self, side: Side, ping: usize) -> Option<&BottomEdit> {
         self.lines.iter().find(|line| line.covers(side, ping))
     }
 
-    /// Pings that were drawn, both sides counted.
+    /// Returns the number of pings with a manual pick, each side counted.
     pub fn ping_count(&self) -> usize {
         self.count(false)
     }
 
-    /// Pings that were drawn or accepted.
+    /// Returns the number of pings with a manual pick or an accepted first return, each side
+    /// counted.
     pub fn edited_count(&self) -> usize {
         self.ping_count() + self.accepted_count()
     }
@@ -236,10 +240,10 @@ impl BottomSettings {
         lines.map(|line| line.span().count()).sum()
     }
 
-    /// States in sentences for the log's report how many of its first returns were drawn and
-    /// accepted; empty where none was.
+    /// Returns sentences for the report of the log about its manual picks and accepted first
+    /// returns; empty where there are none, or they belong to another log.
     pub fn statement(&self, survey: &Survey) -> String {
-        // A drawing of another log is not even counted: it may claim any number of pings.
+        // Edits of another log are not even counted: they may claim any number of pings.
         if self.is_empty() || self.belongs_to(survey).is_err() {
             return String::new();
         }
@@ -257,10 +261,11 @@ impl BottomSettings {
         drawn + gap + &accepted
     }
 
-    /// Refuses edits that cannot be, in one sentence.
+    /// Checks that the edits are possible.
     ///
     /// # Errors
-    /// A sentence that says what cannot be.
+    /// When there are too many edits, pings are out of order or beyond the log, or corners are not
+    /// valid: a sentence about the first such edit.
     pub fn check(&self) -> Result<(), &'static str> {
         if self.lines.len() > MOST_LINES {
             return Err("bottom.lines may hold 100000 stretches at most");
@@ -288,9 +293,9 @@ impl BottomSettings {
         Ok(())
     }
 
-    /// Applies the edits to what was found; a manual pick is certain, and neither it nor an
-    /// accepted one is an above-bottom return. Drawn on another log, they are left out with a
-    /// warning.
+    /// Applies the edits to the first returns that were found. A manual pick has confidence 1, and
+    /// neither a manual pick nor an accepted first return counts as above the bottom. Edits of
+    /// another log are not applied, with a warning.
     pub fn apply(&self, survey: &Survey, returns: &mut FirstReturns) {
         if self.is_empty() {
             return;
@@ -328,8 +333,8 @@ impl BottomSettings {
     }
 }
 
-/// Fewest corners whose line stays within a tolerance of all (D. Douglas, T. Peucker, 1973,
-/// measured along the range).
+/// Returns corners whose line stays within a tolerance of all given corners, by the algorithm of D.
+/// Douglas and T. Peucker (1973), measured along the range.
 fn simplified(corners: &[[f64; 2]], tolerance_m: f64) -> Vec<[f64; 2]> {
     let Some(last) = corners.len().checked_sub(1) else {
         return Vec::new();
@@ -370,7 +375,7 @@ mod tests {
 
     #[test]
     fn a_path_of_the_pen_gives_each_ping_its_range_and_few_corners() {
-        // A straight way of 40 pings in 9 steps, then back over the last ten at 9 m.
+        // A straight path of 40 pings in 9 steps, then back over the last ten at 9 m.
         let mut path: Vec<[f64; 2]> = (0..10)
             .map(|step| [10.5 + f64::from(step) * 40.0 / 9.0, 4.0 + f64::from(step) * 0.4])
             .collect();

@@ -1,12 +1,15 @@
-//! The first sonar return: where, on each side of each ping, the bottom is first detected.
+//! Finds the first sonar return: on each side of each ping, the place where the bottom is first
+//! detected.
 //!
-//! In: a survey. Out: a first return for each ping and side, and these with the bottom edits.
+//! In: a survey. Out: a first return for each ping and side, with or without the bottom edits.
 //!
-//! `normalise` scales the picture, `int32_image` is the published int32 picture, `threshold` the
-//! plain method, `tracker` the one that follows the bottom as a whole line, `confidence` says how
-//! sure a pick is and whether it lies above the recorded depth, `false_soundings` which recorded
-//! depths both sides contradict, `manual_picks` holds what the analyst drew instead, `accepted`
-//! what was accepted as it was found, `bottom_line` which bottom the picture is laid out by.
+//! `normalise` scales the picture, and `int32_image` reads it as the published int32 picture.
+//! `threshold` is the simple method, `tracker` the one that follows the bottom as a whole line.
+//! `confidence` computes the confidence of a pick and whether it is above the recorded depth.
+//! `false_soundings` finds the recorded depths that both sides contradict, and `beyond_depth`
+//! lowers the confidence of first returns beyond the depth. `manual_picks` holds the edits of the
+//! analyst, `accepted` those that accept first returns as they were found. `bottom_line` chooses
+//! the bottom that the picture is laid out by.
 
 mod accepted;
 mod beyond_depth;
@@ -51,7 +54,7 @@ pub enum SampleMode {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ImageSettings {
-    /// Bytes, or the published int32 words.
+    /// Meaning of the samples: bytes, or the published int32 words.
     pub samples: SampleMode,
 }
 
@@ -75,10 +78,10 @@ pub struct FirstReturnSettings {
     pub threshold: f32,
     /// Slant range around the transducer that is ignored (ring-down), metres.
     pub dead_zone_m: f64,
-    /// A pick nearer than the recorded depth by more than this is flagged as an above-bottom
-    /// return, metres; not where the recorder had lost the bottom.
+    /// Difference by which a pick must be nearer than the recorded depth to be flagged as an
+    /// above-bottom return, metres. Nothing is flagged where the recorder had lost the bottom.
     pub above_bottom_margin_m: f64,
-    /// Least confidence of a first return whose point is kept, 0 to 1.
+    /// Least confidence at which the point of a first return is kept, 0 to 1.
     pub min_confidence: f32,
     /// Bottom line that the picture is laid out by.
     pub bottom_line: BottomLine,
@@ -91,8 +94,8 @@ impl Default for FirstReturnSettings {
             threshold: 0.3,
             dead_zone_m: 0.5,
             above_bottom_margin_m: 0.15,
-            // On ponds less than one in four threshold picks below it is right, weed counted; the
-            // tracker has hardly one there.
+            // On ponds, of the picks below this confidence less than one in four of the threshold
+            // is right, weed counted; the tracker has hardly any such picks.
             min_confidence: 0.2,
             bottom_line: BottomLine::Search,
         }
@@ -100,8 +103,8 @@ impl Default for FirstReturnSettings {
 }
 
 impl FirstReturnSettings {
-    /// Returns true if both find the same picks: the least confidence only decides which of them
-    /// are kept, and the bottom line which of them the picture is laid out by.
+    /// Returns true if both settings find the same picks: the least confidence only decides which
+    /// picks are kept, and the bottom line which bottom the picture is laid out by.
     pub fn finds_the_same(&self, other: &Self) -> bool {
         Self {
             min_confidence: other.min_confidence,
@@ -117,20 +120,20 @@ pub struct Pick {
     /// Distance outward from the middle in u8 samples, fractions allowed; NaN when there is no
     /// pick.
     pub sample: f32,
-    /// The chance that it lies within 25 cm of the nearest ground, 0 to 1, as measured on simulated
-    /// ponds ([`Evidence`]); 0 when there is no pick.
+    /// Probability that the pick is within 25 cm of the nearest ground, 0 to 1, as measured on
+    /// simulated ponds ([`Evidence`]); 0 when there is no pick.
     pub confidence: f32,
-    /// True if it is nearer than the recorded depth by more than the margin: an above-bottom return
-    /// (weed, fish, another obstacle).
+    /// True if the pick is nearer than the recorded depth by more than the margin: an above-bottom
+    /// return (weed, fish, another obstacle).
     pub above_bottom: bool,
 }
 
 impl Pick {
-    /// No return found.
+    /// Value where no return was found.
     pub const NONE: Pick = Pick { sample: f32::NAN, confidence: 0.0, above_bottom: false };
 
-    /// Takes the return for the bottom although it lies above the recorded depth: its confidence is
-    /// then that of ground.
+    /// Accepts the return as the bottom although it is above the recorded depth: its confidence
+    /// becomes that of ground.
     fn accept(&mut self) {
         self.confidence = ground_confidence(self.confidence, self.above_bottom);
         self.above_bottom = false;
@@ -142,35 +145,35 @@ impl Pick {
     }
 }
 
-/// The first return of every side-scan ping; the lists are shared by all copies.
+/// First returns of every side-scan ping; copies share the lists.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FirstReturns {
     /// One entry per [`Survey::side_scan`] ping.
     pub port: Arc<Vec<Pick>>,
     /// One entry per [`Survey::side_scan`] ping.
     pub starboard: Arc<Vec<Pick>>,
-    /// Warnings about the search (for example words whose sign bit defeats the threshold).
+    /// Warnings about the detection (for example words whose sign bit makes the threshold useless).
     pub warnings: Vec<String>,
-    /// Stretches of manual picks: first and last ping, and the side.
+    /// Stretches of manual picks: side, first and last ping.
     pub drawn: Vec<(Side, [usize; 2])>,
     /// Soundings that both sides contradict, in order.
     pub false_soundings: Arc<Vec<FalseSoundings>>,
 }
 
 impl FirstReturns {
-    /// The survey with the soundings that both sides contradict marked as those of a lost bottom,
-    /// which later stages are run over; `None` where there are none.
+    /// Returns the survey with the soundings that both sides contradict marked as a lost bottom,
+    /// for the later stages; `None` where there is nothing to mark.
     pub fn judged(&self, survey: &Survey) -> Option<Survey> {
         false_soundings::judged(survey, &self.false_soundings)
     }
 
-    /// Returns true if a ping's pick, or that it has none, is a bottom edit.
+    /// Returns true if a bottom edit determines the pick of a ping, or determines that it has none.
     pub fn is_drawn(&self, side: Side, ping: usize) -> bool {
         let covers = |[first, last]: [usize; 2]| (first..=last).contains(&ping);
         (self.drawn.iter()).any(|&(of, pings)| of == side && covers(pings))
     }
 
-    /// The same without picks at the pings that are excluded.
+    /// Returns the first returns without picks at the excluded pings.
     #[must_use]
     pub fn without(&self, exclusions: &Exclusions) -> Self {
         let mut counted = self.clone();
@@ -184,7 +187,7 @@ impl FirstReturns {
         counted
     }
 
-    /// The picks of one side, to change them.
+    /// Returns the picks of one side, to change them.
     fn side_mut(&mut self, side: Side) -> &mut Vec<Pick> {
         Arc::make_mut(match side {
             Side::Port => &mut self.port,
@@ -192,7 +195,7 @@ impl FirstReturns {
         })
     }
 
-    /// The picks of one side.
+    /// Returns the picks of one side.
     pub fn side(&self, side: Side) -> &[Pick] {
         match side {
             Side::Port => &self.port,
@@ -201,9 +204,9 @@ impl FirstReturns {
     }
 }
 
-/// Finds the first return on both sides of every ping. None is in the noise that a unit without a
-/// side-scan transducer records: whatever passed a threshold there would be a point at a made-up
-/// depth.
+/// Finds the first return on both sides of every ping. Without a side-scan transducer a unit
+/// records noise only, and nothing is found: a value above the threshold would become a point at a
+/// false depth.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -220,8 +223,8 @@ pub fn detect(
     detect_with(survey, image, settings, &normalisation, progress)
 }
 
-/// Detects as [`detect`] does, by a scale that was measured before, for example on a picture of
-/// which the survey is a part.
+/// Detects as [`detect`] does, with a normalisation that was measured before, for example on a
+/// picture of which the survey is a part.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -252,10 +255,10 @@ pub fn detect_with(
     Ok(returns)
 }
 
-/// Searches again where soundings are false: they had drawn the line to themselves, or took the
-/// confidence from what is right. What they leave to expect bounds it, and with it and the scale of
-/// the log all first returns are judged again. Over a held depth, what is nearer is the bottom all
-/// the same.
+/// Searches again around false soundings: they moved the line to themselves, or lowered the
+/// confidence of right picks. The expected depths then limit the line. Afterwards all first returns
+/// are compared with the expected depths, on the scale of the log. Over a held depth, first returns
+/// above the depth are accepted as the bottom.
 fn track_again(
     survey: &Survey,
     normalisation: &Normalisation,
@@ -288,8 +291,8 @@ fn none(survey: &Survey) -> FirstReturns {
     FirstReturns { port: none.clone(), starboard: none, ..FirstReturns::default() }
 }
 
-/// Returns the evidence for the picks that [`detect`] finds, port and starboard: the law of their
-/// confidence is fitted to it.
+/// Returns the evidence for the picks that [`detect`] finds, port and starboard; the laws of
+/// confidence are fitted to it.
 pub fn evidence(
     survey: &Survey,
     image: &ImageSettings,
@@ -323,7 +326,8 @@ pub fn evidence(
     Ok(gathering.evidence())
 }
 
-/// Places that a method found, with a depth a ping, NaN where there is none to believe.
+/// First returns that a method found, port and starboard, with the recorded depth of each ping in
+/// metres, NaN where there is none to believe.
 struct Settled {
     found: [Vec<MethodPick>; 2],
     depths_m: Vec<f32>,
@@ -334,11 +338,11 @@ fn locked_depths_m(survey: &Survey, pings: Range<usize>) -> Vec<f32> {
     pings.map(|ping| survey.good_depth_m(ping)).collect()
 }
 
-/// The tracker over some pings only; the same picks as over the whole survey.
+/// Runs the tracker over some pings only; the picks are the same as over the whole survey.
 ///
-/// For the preview while the threshold is dragged: `normalisation` is the one of the whole picture,
-/// kept by the caller ([`ThresholdIndex::normalisation`] has it). The result has one entry per ping
-/// of `pings`.
+/// This is for the preview while the threshold is dragged: `normalisation` is that of the whole
+/// picture, kept by the caller ([`ThresholdIndex::normalisation`] has it). The result has one entry
+/// for each of `pings`.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -349,7 +353,7 @@ pub fn track_range(
     pings: Range<usize>,
     progress: &Progress,
 ) -> Result<FirstReturns, Cancelled> {
-    // What speaks for a pick lies around it.
+    // The confidence of a pick depends on the pings around it.
     let around = pings.start.saturating_sub(confidence::REACH)
         ..survey.side_scan.len().min(pings.end + confidence::REACH);
     let found = tracker::track(survey, normalisation, settings, around.clone(), progress)?;

@@ -1,5 +1,5 @@
-//! Normalised intensity: the middle set to zero, then min-max over the whole picture, as the paper
-//! does it.
+//! Computes the normalised intensity as the paper does: the middle is set to zero, then the values
+//! are scaled from minimum to maximum of the whole picture.
 
 use super::int32_image;
 use super::{ImageSettings, SampleMode};
@@ -7,10 +7,10 @@ use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::{Side, SideSpan, Survey};
 use rayon::prelude::*;
 
-/// Pings that one parallel step works on.
+/// Number of pings in one parallel step.
 pub(super) const BLOCK: usize = 512;
 
-/// The scale between recorded and normalised intensity, measured over the whole masked picture.
+/// Scale between recorded and normalised intensity, measured over the whole masked picture.
 ///
 /// `normalised = (value - lowest) / (highest - lowest)`, where a value is a byte, or the signed
 /// word of [`SampleMode::Words`]. The middle of the picture (the dead zone) counts as zeros.
@@ -27,7 +27,7 @@ pub struct Normalisation {
 }
 
 impl Normalisation {
-    /// Reads the whole picture once.
+    /// Measures the scale in one pass over the whole picture.
     ///
     /// # Errors
     /// When the work was cancelled.
@@ -56,10 +56,10 @@ impl Normalisation {
         Ok(Self { samples: image.samples, dead_zone_m, lowest, highest })
     }
 
-    /// The scale over this picture and another part of it.
+    /// Returns the scale over this part of a picture and another.
     #[must_use]
     pub fn widened(&self, other: &Self) -> Self {
-        // A picture without a single value is black and says nothing.
+        // A picture without a single value is black and does not determine a scale.
         let is_black = |one: &Self| one.lowest == 0 && one.highest == 0;
         match (is_black(self), is_black(other)) {
             (true, _) => other.clone(),
@@ -72,27 +72,28 @@ impl Normalisation {
         }
     }
 
-    /// The smallest value whose normalised intensity reaches `level`; above every value when the
-    /// picture is empty.
+    /// Returns the smallest value whose normalised intensity reaches `level`; more than every value
+    /// when the picture is empty.
     pub(crate) fn raw_level(&self, level: f32) -> i64 {
         let span = i64::from(self.highest) - i64::from(self.lowest);
         if span <= 0 {
             return i64::MAX;
         }
-        // A level such as 0.2 is not exact in binary: without the slack, the value that is 0.2
-        // would miss it.
+        // A level such as 0.2 is not exact in binary: without the tolerance, a value of exactly 0.2
+        // would not reach it.
         let raw = (f64::from(level) - 1e-6) * span as f64;
         i64::from(self.lowest) + raw.ceil() as i64
     }
 
-    /// The normalised intensity of a value, 0 to 1.
+    /// Returns the normalised intensity of a value, 0 to 1.
     pub(crate) fn normalised(&self, value: i32) -> f32 {
         let span = (i64::from(self.highest) - i64::from(self.lowest)).max(1);
         ((i64::from(value) - i64::from(self.lowest)) as f64 / span as f64) as f32
     }
 
-    /// The normalised intensity of one side of a ping, nearest first, the dead zone masked: one
-    /// value a sample, or one a word of four. Empty where the side was not recorded.
+    /// Returns the normalised intensity of one side of a ping, nearest first, with the dead zone
+    /// masked: one value for each sample, or for each word of four samples. Empty where the side
+    /// was not recorded.
     pub fn profile(&self, survey: &Survey, ping: usize, side: Side) -> Vec<f32> {
         let span = survey.span(ping, side);
         let Some((span, samples)) = span.zip(survey.samples(ping, side)) else {
@@ -129,11 +130,11 @@ impl Normalisation {
     }
 }
 
-/// First sample beyond the dead zone.
+/// Returns the index of the first sample beyond the dead zone.
 pub(super) fn dead_samples(span: &SideSpan, dead_zone_m: f64) -> usize {
     // A dead zone of exactly n samples must not become n + 1 by rounding.
     let samples = (span.sample_at(dead_zone_m) - 1e-6).ceil();
-    // The cast saturates: a span without length gives no sample to search.
+    // The cast saturates: for a span without length, no sample is searched.
     (samples.max(0.0) as usize).min(span.count as usize)
 }
 

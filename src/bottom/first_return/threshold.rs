@@ -1,8 +1,9 @@
-//! The plain threshold, fast enough to follow a slider over any length of log.
+//! Finds first returns by the simple threshold, fast enough to follow a slider over any length of
+//! log.
 //!
-//! The first sample that reaches a level is always one that exceeds all samples before it. Those
-//! running maxima are few (six to ten of 1400 samples), so they are kept once per side of a ping,
-//! and any level is a search among them.
+//! The first sample that reaches a level is always greater than all samples before it. Such running
+//! maxima are few (six to ten of 1400 samples), so they are kept for each side of a ping, and a
+//! level is searched among them alone.
 
 use super::beyond_depth::doubt;
 use super::confidence::{Gathering, MethodPick};
@@ -13,11 +14,11 @@ use bathyscope_log::survey::{Side, Survey};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Answers where a threshold is first reached, for any threshold, without looking at the picture
-/// again.
+/// Index that finds where any threshold is first reached without reading the picture again.
 ///
-/// Made once for a survey, a sample mode and a dead zone. About 3 bytes for each running maximum:
-/// some 6 MB for 100 000 pings. Samples beyond the 65 535th of a side are not searched.
+/// An index is built once for a survey, a sample mode and a dead zone. It takes about 3 bytes for
+/// each running maximum: some 6 MB for 100 000 pings. Samples beyond the 65 535th of a side are not
+/// searched.
 #[derive(Clone, Debug)]
 pub struct ThresholdIndex {
     normalisation: Normalisation,
@@ -33,7 +34,8 @@ enum Maxima {
 }
 
 impl ThresholdIndex {
-    /// Reads the whole picture twice: once for its scale, once for the running maxima.
+    /// Builds the index in two passes over the picture: one for its normalisation, one for the
+    /// running maxima.
     ///
     /// # Errors
     /// When the work was cancelled.
@@ -47,7 +49,8 @@ impl ThresholdIndex {
         Self::by(survey, image, normalisation, progress)
     }
 
-    /// Reads the picture for the running maxima, its scale being known.
+    /// Builds the index with a known normalisation, in one pass over the picture for the running
+    /// maxima.
     pub(super) fn by(
         survey: &Survey,
         image: &ImageSettings,
@@ -74,8 +77,8 @@ impl ThresholdIndex {
         Ok(Self { normalisation, maxima, depths_m: depths_m.collect() })
     }
 
-    /// The first sample of every side of every ping, outward, whose normalised intensity reaches
-    /// `level`.
+    /// Returns the first sample of each side of each ping, outward, whose normalised intensity
+    /// reaches `level`.
     pub(super) fn found(&self, level: f32) -> Settled {
         let levels = ThresholdLevels::new(&self.normalisation, level);
         let side = |side: usize| {
@@ -92,8 +95,8 @@ impl ThresholdIndex {
         Settled { found: [side(0), side(1)], depths_m: self.depths_m.clone() }
     }
 
-    /// The first returns of the whole survey at one threshold. `survey` is the one that the index
-    /// was built from.
+    /// Returns the first returns of the whole survey at one threshold. `survey` must be the one
+    /// that the index was built from.
     pub fn detect(
         &self,
         survey: &Survey,
@@ -122,7 +125,8 @@ impl ThresholdIndex {
     }
 }
 
-/// A threshold as a value of the picture, with a tenth less and more, for the confidence.
+/// Threshold as a value of the picture, with the values of a threshold a tenth lower and a tenth
+/// higher, for the confidence.
 struct ThresholdLevels {
     level: i64,
     below: i64,
@@ -146,18 +150,18 @@ impl ThresholdLevels {
         };
         let sample = f32::from(sample);
         let near = f32::from(at[first(self.below).min(step)]);
-        // Where no sample is as bright as that, the bottom lies nowhere.
+        // Where no sample reaches the higher level, twice the distance is used.
         let far = at.get(first(self.above)).map_or(2.0 * sample, |&at| f32::from(at));
         let share = |samples: f32| (samples / sample.max(1.0)).min(1.0);
         MethodPick { sample, signs: [share(sample - near), share(far - sample), 0.0] }
     }
 }
 
-/// The running maxima of a block of rows; within a row, sample and value both rise.
+/// Running maxima of a block of rows; within a row, sample index and value both rise.
 struct Staircase<V> {
     at: Vec<u16>,
     value: Vec<V>,
-    /// Holds the row being climbed.
+    /// Buffer for the samples of the current row.
     row: Vec<u8>,
 }
 
@@ -173,7 +177,7 @@ impl<V: Copy + PartialOrd> Staircase<V> {
     }
 }
 
-/// The running maxima of all rows, packed: port then starboard of each ping.
+/// Running maxima of all rows, packed: port, then starboard, of each ping.
 #[derive(Clone, Debug)]
 struct Staircases<V> {
     starts: Vec<u32>,
@@ -239,7 +243,7 @@ impl<V: Copy + Send + Sync + PartialOrd> Staircases<V> {
     }
 }
 
-/// Samples that are first examined by their maximum alone; most hold no new one.
+/// Number of samples whose maximum is compared first; most groups hold no new maximum.
 const STRIDE: usize = 32;
 
 fn climb_bytes(

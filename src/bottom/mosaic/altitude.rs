@@ -1,4 +1,5 @@
-//! Height of the transducer over the ground, by side: the first return, made steady.
+//! Computes the height of the transducer over the ground on each side: the first returns, smoothed
+//! over neighbouring pings.
 
 use crate::calibration::Calibration;
 use crate::first_return::FirstReturns;
@@ -6,13 +7,14 @@ use bathyscope_log::support::statistics::median;
 use bathyscope_log::survey::{Side, Survey};
 use rayon::prelude::*;
 
-/// Pings before and behind whose middle value counts: a fish or a lost pick must not bend the
-/// ground.
+/// Number of pings before and after a ping that the median is taken over, so that a fish or a lost
+/// pick does not change the ground.
 const HALF_PINGS: usize = 6;
 
-/// Altitude of every ping on one side, metres: the median over nearby pings of the first returns,
-/// where one is none or lies above the bottom by the recorded depth; between such stretches linear
-/// in the ping. NaN throughout where there is neither.
+/// Returns the altitude of every ping on one side, metres: the median over nearby pings of the
+/// first returns, or of the recorded depth where there is no first return or it is an above-bottom
+/// return. Gaps are filled by linear interpolation over the pings. NaN for all pings where none has
+/// a first return or a depth.
 pub fn altitudes_m(
     survey: &Survey,
     returns: &FirstReturns,
@@ -35,7 +37,7 @@ pub fn altitudes_m(
     steady
 }
 
-/// The first return's slant range, or the recorded depth; NaN without either.
+/// Returns the slant range of the first return, or the recorded depth; NaN without either.
 fn altitude_m(
     survey: &Survey,
     returns: &FirstReturns,

@@ -1,4 +1,5 @@
-//! The cells of a window while strips are painted over each other, found row by row.
+//! Paints strips over each other on the cells of a window, and finds row by row the cells that each
+//! strip covers.
 
 use super::layout::MosaicRay;
 use super::line::MosaicLine;
@@ -8,26 +9,25 @@ use crate::bathymetry::Grid;
 use crate::vectors::{VectorLoop, vectorised};
 use std::ops::Range;
 
-/// Cells that are placed between rays at a time.
+/// Number of cells that are located between rays at a time.
 const RUN: usize = 8;
-/// Cells by which a span is too wide rather than too narrow: what lies on the edge of two polygons
-/// must be in one of them, however their corners are rounded.
+/// Length in cells by which a span is made longer at both ends: a cell on the edge between two
+/// polygons must be in one of them, however their corners are rounded.
 const MARGIN: f64 = 1e-6;
 
-/// A window of cells.
+/// Window of cells with the sums of their echoes.
 pub(super) struct Canvas {
     overlap: Overlap,
     /// Tangent of the angle from straight down within which nothing is shown.
     nadir_gap: f64,
     window: Grid,
-    /// Cells from a row to the next.
+    /// Number of cells from a row to the next.
     stride: usize,
     sums: Vec<CellSum>,
 }
 
 impl Canvas {
-    /// Creates a canvas for a window in the north-west corner of this many columns and rows of
-    /// cells.
+    /// Creates a canvas of `columns` by `rows` cells, with the window in its north-west corner.
     pub(super) fn new(
         window: Grid,
         [columns, rows]: [usize; 2],
@@ -42,8 +42,8 @@ impl Canvas {
         }
     }
 
-    /// Least and greatest distance on the ground, along a ray of a strip, at which the ray is no
-    /// farther than `apart_m` from a cell of the window; `None` where it is nowhere.
+    /// Returns the smallest and the largest ground distance along a ray of a strip at which the ray
+    /// is no farther than `apart_m` from a cell of the window; `None` if there is no such distance.
     pub(super) fn distances_m(&self, ray: &MosaicRay, apart_m: f64) -> Option<[f64; 2]> {
         let window = &self.window;
         let around_m = apart_m + window.cell_m;
@@ -66,7 +66,7 @@ impl Canvas {
         (distances_m[0] <= distances_m[1]).then_some(distances_m)
     }
 
-    /// Lays a strip over the cells whose middles lie in it.
+    /// Paints a strip on the cells whose centres are in it.
     pub(super) fn paint(
         &mut self,
         corners: &[[f64; 2]; 4],
@@ -85,12 +85,11 @@ impl Canvas {
         lines: [&MosaicLine; 2],
     ) {
         let window = self.window;
-        // Cells are taken in rows or in columns, whichever run along the rays: few runs, and long
-        // ones.
+        // Cells are processed along rows or along columns, whichever is closer to the direction of
+        // the rays: this gives few and long runs.
         let is_along_rows = strip[0].out[0].abs() >= strip[0].out[1].abs();
         let turned = |[x, y]: [f64; 2]| if is_along_rows { [x, y] } else { [y, x] };
-        // In cells from the window's north-west corner, rows southward; a cell's middle is at +
-        // 0.5.
+        // Corners in cells from the middle of the window's north-west cell, rows southward.
         let mut in_cells = *corners;
         for corner in &mut in_cells {
             *corner = turned([
@@ -143,7 +142,7 @@ impl Canvas {
         &self.sums
     }
 
-    /// 0 where nothing was seen, else 1 to 255.
+    /// Returns the levels of all cells: 0 where nothing was insonified, else 1 to 255.
     pub(super) fn finish(self) -> Vec<u8> {
         let mut levels = vec![0; self.sums.len()];
         vectorised(FinishCells { sums: &self.sums, levels: &mut levels });
@@ -151,7 +150,7 @@ impl Canvas {
     }
 }
 
-/// A strip that is laid over cells.
+/// Arguments of [`Canvas::paint`] for the vectorised loop.
 struct PaintStrip<'a> {
     canvas: &'a mut Canvas,
     corners: &'a [[f64; 2]; 4],
@@ -168,7 +167,7 @@ impl VectorLoop for PaintStrip<'_> {
     }
 }
 
-/// Cells that become levels.
+/// Arguments of [`Canvas::finish`] for the vectorised loop.
 struct FinishCells<'a> {
     sums: &'a [CellSum],
     levels: &'a mut [u8],
@@ -185,12 +184,12 @@ impl VectorLoop for FinishCells<'_> {
     }
 }
 
-/// The ground between two rays, on which one is turned and moved evenly into the other.
+/// Ground between two rays, on which a ray turns and moves evenly from the first to the second.
 ///
-/// The ray at share `u` starts at `p + u dp` and runs along `s + u ds`. The place `q` (from `p`)
-/// lies on it where `f(u) = (q - u dp) x (s + u ds) = 0`. `f` is quadratic in `u`, with `f(0) = q x
-/// s` and `f(1) = (q - dp) x (s + ds)`: on which side of each of both rays the place lies. Where
-/// the signs differ it lies between them.
+/// The ray at share `u` starts at `p + u dp` and runs along `s + u ds`. The place `q` (from `p`) is
+/// on this ray where `f(u) = (q - u dp) x (s + u ds) = 0`. `f` is quadratic in `u`. The signs of
+/// `f(0) = q x s` and `f(1) = (q - dp) x (s + ds)` give the side of the first and of the second ray
+/// that the place is on. Where they differ, the place is between the rays.
 struct GroundBetween {
     here: MosaicRay,
     next: MosaicRay,
@@ -217,14 +216,14 @@ impl GroundBetween {
         Self { here, next, dp, ds, bend: -cross(dp, ds) }
     }
 
-    /// Finds a place between the rays: returns the share of the way from the first to the second,
-    /// and the distance out along the ray there, metres on the ground; NaN where it does not lie
-    /// between them.
+    /// Finds a place between the rays: returns the share of the way from the first ray to the
+    /// second, and the ground distance outward along the ray there, metres; the distance is NaN
+    /// where the place is not between the rays.
     #[inline(always)]
     fn find(&self, place: [f64; 2]) -> [f64; 2] {
         let q = minus(place, self.here.at);
         let first = cross(q, self.here.out);
-        // The next strip computes the same of this ray: no place lies in both strips, or in
+        // The next strip computes the same sign for this ray, so no place is in both strips or in
         // neither.
         let second = cross(minus(place, self.next.at), self.next.out);
         let is_between = (first >= 0.0) != (second >= 0.0);
@@ -240,20 +239,19 @@ impl GroundBetween {
     }
 }
 
-/// The cells, within some columns and rows, whose middles lie in a polygon.
+/// Cells, within a number of columns and rows, whose centres are in a polygon.
 pub(super) struct Scan<'a> {
-    /// Counted in cells from the middle of the first.
+    /// Corners of the polygon, in cells from the middle of the first cell.
     corners: &'a [[f64; 2]; 4],
     columns: usize,
-    /// The rows that it lies in.
+    /// Rows that the polygon covers.
     pub rows: Range<usize>,
     low: f64,
     high: f64,
 }
 
 impl<'a> Scan<'a> {
-    /// Creates the scan of a polygon; its corners are counted in cells from the middle of the
-    /// first.
+    /// Creates the scan of a polygon; its corners are in cells from the middle of the first cell.
     #[inline(always)]
     pub(super) fn new(corners: &'a [[f64; 2]; 4], columns: usize, rows: usize) -> Self {
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
@@ -263,17 +261,17 @@ impl<'a> Scan<'a> {
         Self { corners, columns, rows: cells(low, high, rows), low, high }
     }
 
-    /// The columns that it lies in, in one of its rows.
+    /// Returns the columns that the polygon covers in one of its rows.
     #[inline(always)]
     pub(super) fn columns(&self, row: usize) -> Range<usize> {
-        // Of a row's middle that rounding puts beside the polygon, the edge.
+        // A row whose middle is outside the polygon by rounding is moved to the edge.
         let row = (row as f64).max(self.low).min(self.high);
         let [from, to] = crossing(self.corners, row);
         cells(from, to, self.columns)
     }
 }
 
-/// Whole cells whose middles lie between two places, within `0..count`.
+/// Returns the cells whose centres are between two places, within `0..count`.
 #[inline(always)]
 fn cells(from: f64, to: f64, count: usize) -> Range<usize> {
     let start = ((from - MARGIN).ceil().max(0.0) as usize).min(count);
@@ -281,8 +279,8 @@ fn cells(from: f64, to: f64, count: usize) -> Range<usize> {
     start..end.max(start)
 }
 
-/// Returns the first and the last place where a row crosses a polygon; the first is beyond the last
-/// where it does not.
+/// Returns the first and the last column at which a row crosses a polygon; the first is larger than
+/// the last where the row does not cross it.
 #[inline(always)]
 fn crossing(corners: &[[f64; 2]; 4], row: f64) -> [f64; 2] {
     let (mut first, mut last) = (f64::INFINITY, f64::NEG_INFINITY);

@@ -1,4 +1,4 @@
-//! The outline of the insonified ground.
+//! Computes the outline of the insonified ground.
 
 use super::MosaicLayout;
 use super::canvas::Scan;
@@ -7,13 +7,13 @@ use crate::bathymetry::isobaths::{Polygon, depth_areas};
 use crate::bathymetry::{Grid, Surface};
 use bathyscope_log::support::progress::{Cancelled, Progress};
 
-/// Side of the squares that the ground is sampled with, metres, unless that would make more than
-/// [`MOST_SQUARES`] along a side.
+/// Side of the squares that the ground is sampled with, metres; longer where there would be more
+/// than [`MOST_SQUARES`] along a side.
 const SQUARE_M: f64 = 0.5;
 const MOST_SQUARES: f64 = 2000.0;
 
-/// The ground that any strip of the logs covers, in the plane that their layouts share; to half a
-/// square. Empty where nothing is shown.
+/// Returns the polygons of the ground that the strips of all logs cover, in the plane that their
+/// layouts share, to half a square. Empty where nothing is shown.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -38,7 +38,7 @@ pub fn footprint(layouts: &[MosaicLayout], progress: &Progress) -> Result<Vec<Po
     Ok(areas.into_iter().flat_map(|area| area.polygons).collect())
 }
 
-/// A square more on every side, so that the outline closes within the grid.
+/// Returns the grid with one more square on every side, so that the outline closes within it.
 fn with_margin(grid: Grid) -> Grid {
     Grid {
         west_m: grid.west_m - grid.cell_m,
@@ -49,7 +49,7 @@ fn with_margin(grid: Grid) -> Grid {
     }
 }
 
-/// Marks the squares whose middle lies in a strip.
+/// Marks the squares whose centre is in a strip.
 fn cover(grid: &Grid, corners: [[f64; 2]; 4], covered: &mut [f32]) {
     let cells = |metres: f64| metres / grid.cell_m - 0.5;
     let corners = corners.map(|[x, y]| [cells(x - grid.west_m), cells(grid.north_m - y)]);
@@ -70,8 +70,8 @@ mod tests {
     fn strips_side_by_side_cover_all_between_them() {
         let grid = Grid::at([0.0, 20.0], 0.5, [80, 40]);
         let mut covered = vec![0.0; grid.len()];
-        // A fan of thin strips, 30 m long and slanting: the parallelogram from x = 1 to 9 at the
-        // bottom, 6 m to the right on top.
+        // Thin slanting strips side by side: the parallelogram from x = 1 to 9 at the bottom, 6 m
+        // to the right on top.
         for strip in 0..80 {
             let [from, to] = [strip, strip + 1].map(|edge| 1.0 + 0.1 * f64::from(edge));
             cover(

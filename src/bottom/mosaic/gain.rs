@@ -1,17 +1,18 @@
-//! Empirical gain normalisation: the level that the ground has on average, by range and by angle
-//! from straight down.
+//! Computes the empirical gain normalisation: factors from the mean level of the ground, by range
+//! and by angle from straight down.
 //!
-//! What is left of spreading, absorption, the beam's pattern and the recorder's own gain shows as
+//! Remains of spreading, absorption, the beam's pattern and the recorder's own gain appear as
 //! bright and dark bands along the track. Spreading, absorption and time-varied gain depend on the
 //! range alone, the beam's pattern and the backscatter of level ground on the angle alone, so the
-//! mean level of a side is taken as the product of two curves. Both are fitted to all pings of the
-//! survey at once. A range and angle that only a few pings reached then takes what other pings say
-//! of that range and of that angle; its own mean would divide away what lies there. A shadow or an
-//! object is rare at any one range and angle, so it hardly moves a curve and keeps its contrast.
+//! mean level of a side is modelled as the product of two curves. Both are fitted to all pings of
+//! the survey at once. At a range and angle that only a few pings reached, the curves come from
+//! other pings with this range or this angle; the mean of the few pings alone would remove the
+//! objects in them. A shadow or an object is rare at any one range and angle, so it hardly changes
+//! a curve and keeps its contrast.
 //!
-//! Each side has its own curves, since transducers differ, and both are brought to one level:
-//! ground looks the same to port and to starboard. What is bright in the whole survey is then
-//! brought to a fixed level, so that a quiet recorder's mosaic is not black.
+//! Each side has its own curves, since transducers differ, and both sides are scaled to one mean
+//! level: ground looks the same to port and to starboard. The brightest levels of the whole survey
+//! are then scaled to a fixed level, so that the mosaic of a quiet recorder is not black.
 
 use super::MosaicLayout;
 use super::layout::MosaicRay;
@@ -23,25 +24,25 @@ use std::ops::Range;
 const RANGE_BINS: usize = 48;
 const ANGLE_BINS: usize = 45;
 const BINS: usize = RANGE_BINS * ANGLE_BINS;
-/// A value of a curve counts as much as its samples, the mean of its neighbours as much as this
-/// many.
+/// Weight of the mean of its neighbours for a value of a curve, in samples.
 const NEIGHBOURS_COUNT: f64 = 2000.0;
-/// Rounds in which the two curves are fitted in turn. The change in the last is far below a level.
+/// Number of rounds in which the two curves are fitted in turn. The change in the last round is far
+/// below one level.
 const ROUNDS: usize = 60;
-/// Least mean level that is divided by.
+/// Least mean level that the goal is divided by.
 const LEAST_LEVEL: f64 = 0.5;
-/// Most pings that are read: more add nothing.
+/// Largest number of pings that are read: more improve nothing.
 const MOST_PINGS: usize = 20_000;
-/// Pings a worker sums between two looks at whether the work was cancelled.
+/// Number of pings that a thread sums between two checks for cancellation.
 const CHUNK: usize = 256;
-/// Bounds of the factor: beyond them there is only noise.
+/// Bounds of the product of the factors by range and by angle: beyond them there is only noise.
 const FACTORS: [f32; 2] = [0.25, 4.0];
-/// The level that this share of the normalised samples lies below, and the bounds of the factor
-/// that brings it there.
+/// Share of the normalised samples that are to be below [`BRIGHT_LEVEL`], that level, and the
+/// bounds of the factor that scales them to it.
 const BRIGHT_SHARE: f64 = 0.98;
 const BRIGHT_LEVEL: f32 = 210.0;
 const STRETCHES: [f32; 2] = [0.5, 8.0];
-/// Step between the pings of the table that determine what is bright.
+/// Step between the pings of the table that determine the bright level.
 const BRIGHT_EVERY: usize = 8;
 
 /// Factors on the recorded levels, by side, range and angle.
@@ -50,7 +51,7 @@ pub struct GainTable {
     far_m: f64,
     /// Factor on the whole mosaic.
     stretch: f32,
-    /// Port first.
+    /// Curves of both sides, port first.
     sides: [Curves; 2],
 }
 
@@ -61,7 +62,7 @@ struct Curves {
     by_angle: [f32; ANGLE_BINS],
 }
 
-/// Sum and count of the levels, by range and angle.
+/// Sum and count of the levels in each bin of range and angle.
 #[derive(Clone)]
 struct Sums(Vec<[f64; 2]>);
 
@@ -82,7 +83,7 @@ impl Sums {
         self.0.iter().fold([0.0; 2], add)
     }
 
-    /// Adds the samples of a ping that lie on the ground: a run within one bin at a time.
+    /// Adds the samples of a ping on the ground, one run of samples within a bin at a time.
     fn add(&mut self, far_m: f64, ray: &MosaicRay, levels: &[u8]) {
         let mut from = first_beyond(ray, ray.altitude_m).min(levels.len());
         while from < levels.len() {
@@ -108,20 +109,21 @@ impl Sums {
     }
 }
 
-/// The first sample whose middle lies beyond a range.
+/// Returns the first sample whose middle is beyond a range.
 #[inline(always)]
 fn first_beyond(ray: &MosaicRay, range_m: f64) -> usize {
     (ray.sample_at(range_m) - 0.5).ceil().max(0.0) as usize
 }
 
-/// The angle from straight down as `sqrt(1 - cos)`, 0 to 1: nearly in proportion to the angle,
-/// without an arc cosine.
+/// Returns the angle from straight down as `sqrt(1 - cos)`, 0 to 1: nearly in proportion to the
+/// angle, without an arc cosine.
 #[inline(always)]
 fn obliqueness(range_m: f64, altitude_m: f64) -> f64 {
     (1.0 - altitude_m / range_m).max(0.0).sqrt()
 }
 
-/// Means over the pings that the mosaic shows, at most 20 000 of them, evenly spread.
+/// Computes the gain table from the pings that the mosaic shows, at most 20 000 of them, evenly
+/// spread.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -177,8 +179,8 @@ fn each_ray(
 }
 
 impl Curves {
-    /// Factors that bring the mean level at every range and at every angle to `goal`: the two
-    /// curves of the levels are fitted in turn, each to what the other leaves (iterative
+    /// Fits the factors that scale the mean level at every range and at every angle to `goal`: the
+    /// two curves of the levels are fitted in turn, each to the remainder of the other (iterative
     /// proportional fitting).
     fn fitted(sums: &Sums, goal: f64) -> Self {
         let [sum, count] = sums.total();
@@ -204,13 +206,12 @@ impl Curves {
     }
 }
 
-/// Sums over the bins at one place of a curve.
+/// Sums over the bins of one value of a curve.
 #[derive(Clone, Copy, Default)]
 struct Weighed {
     /// Sum of the levels.
     sum: f64,
-    /// Sum that the levels would have if this curve were 1: each count times the value of the other
-    /// curve.
+    /// Sum of the levels if this curve were 1: each count times the value of the other curve.
     expected: f64,
     count: f64,
 }
@@ -223,8 +224,8 @@ fn weighed(bins: impl Iterator<Item = ([f64; 2], f64)>) -> Weighed {
     })
 }
 
-/// A curve's next values: what its bins say, and where these are few the mean of the values on both
-/// sides.
+/// Returns the next values of a curve: from its bins, and where these have few samples, mainly from
+/// the mean of the values on both sides.
 fn steadied<const COUNT: usize>(
     curve: [f64; COUNT],
     at: impl Fn(usize) -> Weighed,
@@ -243,13 +244,13 @@ fn steadied<const COUNT: usize>(
 }
 
 impl GainTable {
-    /// The same, with all levels times a factor.
+    /// Returns the table with all levels multiplied by a factor.
     #[must_use]
     pub fn brightened(self, factor: f32) -> Self {
         Self { stretch: self.stretch * factor, ..self }
     }
 
-    /// The factor that brings what is bright among some pings to one level.
+    /// Returns the factor that scales the bright samples of some pings to [`BRIGHT_LEVEL`].
     fn stretch(&self, survey: &Survey, layout: &MosaicLayout, pings: &[usize]) -> f32 {
         let mut counts = vec![0_u64; 1024];
         let mut factors = Vec::new();
@@ -274,8 +275,9 @@ impl GainTable {
         (BRIGHT_LEVEL / bright).clamp(STRETCHES[0], STRETCHES[1])
     }
 
-    /// Replaces `out` with the factors on some samples of a ray. Those of the water column have the
-    /// factor of straight down. `by_range` keeps what rays of this side and table have in common.
+    /// Replaces `out` with the factors of some samples of a ray. Samples of the water column have
+    /// the factor of straight down. `by_range` keeps the factors by range, which rays of this side
+    /// and table share.
     #[inline(always)]
     pub(super) fn factors(
         &self,
@@ -294,7 +296,7 @@ impl GainTable {
         let straight_down = self.factor_at(side, ray.altitude_m, ray.altitude_m);
         out[..ground - samples.start].fill(straight_down);
         let mut from = ground;
-        // As long as the curve stays in one piece, nothing has to be looked up.
+        // Within one piece of the curve, nothing has to be looked up.
         while from < samples.end {
             let angle = angle_place(ray.range_m(from as f64 + 0.5), ray.altitude_m);
             let by_angle = CurvePiece::of(&curves.by_angle, angle);
@@ -312,13 +314,13 @@ impl GainTable {
         }
     }
 
-    /// Bins of the curve by range in a metre.
+    /// Returns the number of bins of the curve by range in a metre.
     fn bins_per_m(&self) -> f64 {
         RANGE_BINS as f64 / self.far_m
     }
 
-    /// The factor at a slant range over ground that lies at an altitude, metres. The water column
-    /// has that of straight down.
+    /// Returns the factor at a slant range over ground at an altitude, metres. The water column has
+    /// the factor of straight down.
     pub fn factor(&self, side: Side, range_m: f32, altitude_m: f32) -> f32 {
         let altitude_m = f64::from(altitude_m);
         self.factor_at(side, f64::from(range_m).max(altitude_m), altitude_m)
@@ -333,39 +335,39 @@ impl GainTable {
         self.stretch * factor.clamp(FACTORS[0], FACTORS[1])
     }
 
-    /// The factors by range and by angle of a side, at the middles of even steps: in slant range
-    /// from 0 to [`GainTable::far_m`], in `sqrt(1 - altitude / range)` from 0 to 1.
+    /// Returns the factors by range and by angle of a side, at the middles of even steps: in slant
+    /// range from 0 to [`GainTable::far_m`], and in `sqrt(1 - altitude / range)` from 0 to 1.
     pub fn curves(&self, side: Side) -> (&[f32], &[f32]) {
         let curves = &self.sides[side as usize];
         (&curves.by_range, &curves.by_angle)
     }
 
-    /// Slant range where the curve by range ends, metres.
+    /// Returns the slant range where the curve by range ends, metres.
     pub fn far_m(&self) -> f64 {
         self.far_m
     }
 
-    /// Factor on all levels.
+    /// Returns the factor on all levels.
     pub fn brightness(&self) -> f32 {
         self.stretch
     }
 
     /// Bounds of the product of both curves.
     pub const BOUNDS: [f32; 2] = FACTORS;
-    /// Values of a curve by range.
+    /// Number of values of a curve by range.
     pub const RANGES: usize = RANGE_BINS;
-    /// Values of a curve by angle.
+    /// Number of values of a curve by angle.
     pub const ANGLES: usize = ANGLE_BINS;
 }
 
-/// Place on the curve by angle, in bins from the middle of the first.
+/// Returns the place on the curve by angle, in bins from the middle of the first.
 #[inline(always)]
 fn angle_place(range_m: f64, altitude_m: f64) -> f64 {
     obliqueness(range_m, altitude_m) * ANGLE_BINS as f64 - 0.5
 }
 
-/// Factors by range of the samples of a ray; rays that begin and step alike, as most of a line's
-/// do, have the same.
+/// Factors by range of the samples of a ray. Rays with the same start and step, as most rays of a
+/// line, share them.
 #[derive(Default)]
 pub(super) struct RangeFactors {
     start_m: f64,
@@ -374,7 +376,8 @@ pub(super) struct RangeFactors {
 }
 
 impl RangeFactors {
-    /// Replaces the factors by those of a ray, at least `count` of them.
+    /// Replaces the factors with those of a ray, at least `count` of them, unless they are these
+    /// already.
     #[inline(always)]
     fn reach(&mut self, curve: &[f32], bins_per_m: f64, ray: &MosaicRay, count: usize) {
         let is_like = (self.start_m, self.step_m) == (ray.start_m, ray.step_m);
@@ -402,7 +405,7 @@ impl RangeFactors {
 /// A curve between the middles of two bins, where it is linear, or beyond its ends, where it is
 /// constant.
 struct CurvePiece {
-    /// Places are counted in bins from the middle of the first.
+    /// Start of the piece; places are in bins from the middle of the first.
     start: f64,
     end: f64,
     value: f32,
@@ -410,7 +413,7 @@ struct CurvePiece {
 }
 
 impl CurvePiece {
-    /// The one that a place lies on.
+    /// Returns the piece that holds a place.
     #[inline(always)]
     fn of(curve: &[f32], place: f64) -> Self {
         let last = curve.len() - 1;
@@ -426,7 +429,7 @@ impl CurvePiece {
                     slope: curve[low + 1] - curve[low],
                 }
             }
-            // Of a number that is none, too.
+            // This is also the piece for NaN.
             _ => constant(curve[0], 0.0),
         }
     }
@@ -441,7 +444,7 @@ impl CurvePiece {
 mod tests {
     use super::*;
 
-    /// Mean level of a range and an angle.
+    /// Returns the mean level at a range and an angle.
     fn level(range: usize, angle: usize) -> f64 {
         100.0 * (1.0 - 0.01 * range as f64) * (1.0 + 0.02 * angle as f64)
     }
@@ -450,7 +453,7 @@ mod tests {
     fn a_bin_with_few_samples_takes_what_its_range_and_its_angle_say() {
         let mut sums = Sums::none();
         for range in 0..RANGE_BINS {
-            // Each range is seen at some angles, in a band, and none at all at a few ranges.
+            // Each range occurs at some angles, in a band; a few ranges do not occur at all.
             for angle in (range / 2)..(range / 2 + 12).min(ANGLE_BINS) {
                 if !(20..23).contains(&range) {
                     let bin = &mut sums.0[range * ANGLE_BINS + angle];

@@ -1,8 +1,9 @@
-//! One mosaic of several logs: its grid, and levels that are alike where logs show the same ground.
+//! Prepares one mosaic of several logs: its grid, and levels that match where the logs show the
+//! same ground.
 //!
-//! Each log is normalised by itself, to its own mean level. Where one went over gravel and another
-//! over mud, the same ground would be darker in the one than in the other, and the edge of a swath
-//! a step. What both show of the same cells tells by how much.
+//! Each log is normalised independently, to its own mean level. If one log covers gravel and
+//! another mud, the same ground is darker in the first than in the second, and the edge of a swath
+//! is a visible step. The cells that both logs show determine the difference.
 
 use super::layout::{Bounds, bounds_of, grid_over};
 use super::{Gain, MosaicLog, MosaicSettings, Overlap, window};
@@ -11,29 +12,30 @@ use crate::bathymetry::height_offsets::{Datum, LogOverlap, OverlapKind, adjust};
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use std::collections::BTreeMap;
 
-/// Side of the cells in which levels are compared, metres, and most such cells along a side:
-/// beyond, the cells are larger.
+/// Side of the cells in which levels are compared, metres, and largest number of such cells along a
+/// side: above it, the cells are larger.
 pub const LEVEL_CELL_M: f64 = 1.0;
 const MOST_CELLS: f64 = 2000.0;
-/// Cells of a block give one difference, since neighbours show the same echoes: its side in cells,
-/// and the fewest cells.
+/// Side in cells of a block, and the least number of cells in it. A block gives one difference,
+/// since neighbouring cells show the same echoes.
 const BLOCK_CELLS: usize = 10;
 const LEAST_CELLS: usize = 10;
-/// Bounds of the factor that makes logs alike: beyond them they show different things.
+/// Bounds of the factor on a log: beyond them the logs show different ground.
 const FACTORS: [f64; 2] = [0.25, 4.0];
 
-/// The factor on the levels of a log whose logarithm an adjustment of differences gives.
+/// Returns the factor on the levels of a log, within bounds; `ln` is its logarithm, from an
+/// adjustment of differences.
 pub fn level_factor(ln: f64) -> f64 {
     ln.exp().clamp(FACTORS[0], FACTORS[1])
 }
 
-/// Differences of the logarithms of levels where logs show the same ground. Each has all cells of a
-/// grid of about [`LEVEL_CELL_M`], 0 where it shows nothing; the overlaps name logs by their places
-/// in the list.
+/// Returns the differences of the logarithms of levels where logs show the same ground. Each
+/// element of `logs` holds the levels of all cells of a grid of about [`LEVEL_CELL_M`], 0 where the
+/// log shows nothing; the overlaps identify logs by their indices in `logs`.
 pub fn level_differences(logs: &[Vec<u8>], grid: &Grid) -> Vec<LogOverlap> {
     let band = BLOCK_CELLS * grid.columns;
     let mut found = Vec::new();
-    // A row of blocks at a time, which is little to hold of many logs.
+    // One row of blocks at a time takes little memory for many logs.
     for first in (0..grid.len()).step_by(band.max(1)) {
         let mut cells: BTreeMap<usize, Vec<(usize, u8)>> = BTreeMap::new();
         for (index, levels) in logs.iter().enumerate() {
@@ -47,19 +49,21 @@ pub fn level_differences(logs: &[Vec<u8>], grid: &Grid) -> Vec<LogOverlap> {
     found
 }
 
-/// Bounds of all logs: west, south, east and north, metres; `None` when nothing is shown.
+/// Returns the bounds of all logs: west, south, east and north, metres; `None` when nothing is
+/// shown.
 pub fn joint_bounds(logs: &[MosaicLog]) -> Option<Bounds> {
     bounds_of(logs.iter().map(|log| &*log.layout))
 }
 
-/// The grid that holds what all logs show, its edges at whole cells; `None` when nothing is shown.
+/// Returns the grid that holds the ground of all logs, its edges at whole cells; `None` when
+/// nothing is shown.
 pub fn joint_grid(logs: &[MosaicLog], cell_m: f64) -> Option<Grid> {
     joint_bounds(logs).map(|bounds| grid_over(bounds, cell_m))
 }
 
-/// Brings the levels of the logs to each other where they show the same ground, each by one factor:
-/// those whose logarithms fit the differences best by robust least squares, and which leave the
-/// mean brightness as it is. Nothing changes where levels are shown as recorded.
+/// Matches the levels of the logs where they show the same ground, by one factor for each log. The
+/// logarithms of the factors fit the differences best by robust least squares, with a mean of 0, so
+/// that the mean brightness stays. Nothing changes where levels are shown as recorded.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -94,7 +98,7 @@ pub fn match_levels(
     Ok(logs)
 }
 
-/// Differences of the logarithms of levels, one for each block that two logs show.
+/// Returns differences of the logarithms of levels, one for each block that two logs show.
 fn differences(cells: &BTreeMap<usize, Vec<(usize, u8)>>, grid: &Grid) -> Vec<LogOverlap> {
     let mut blocks: BTreeMap<([usize; 2], [usize; 2]), Vec<f64>> = BTreeMap::new();
     for (cell, logs) in cells {

@@ -1,4 +1,4 @@
-//! Places every ping's echoes in the plane of the map, and finds the tiles that they touch.
+//! Places the echoes of every ping in the plane of the map, and finds the tiles that they touch.
 
 mod thinned;
 
@@ -16,63 +16,65 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Cells along a tile's side.
+/// Number of cells along the side of a tile.
 pub const TILE_CELLS: usize = 256;
 
-/// Longest way and pause between two pings that are joined: beyond them the log was interrupted.
+/// Longest distance and pause between two pings with shown ground between them: beyond these the
+/// log was interrupted.
 const LONGEST_STEP_M: f64 = 3.0;
 const LONGEST_PAUSE_S: f64 = 2.0;
-/// Slant range in which an echo rises from the first return on, metres: about a pulse and the
+/// Slant range over which an echo rises from the first return on, metres: about a pulse and the
 /// scatter of first returns.
 const RISE_M: f64 = 0.05;
-/// Length over which the plane's scale and direction are taken, metres.
+/// Length over which the plane's scale and direction are measured, metres.
 const PROBE_M: f64 = 20.0;
 
 /// One side of one ping in the plane of the map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MosaicRay {
-    /// The boat.
+    /// Place of the boat.
     pub at: [f64; 2],
-    /// Vector of one metre on the ground, outward, in the plane.
+    /// Vector in the plane of one metre outward on the ground.
     pub out: [f64; 2],
-    /// Slant range of the first return, metres: height over level ground.
+    /// Slant range of the first return, metres; on level ground, the height over it.
     pub altitude_m: f64,
     /// Height over the ground under the boat, metres.
     pub under_m: f64,
-    /// The ground outward.
+    /// Shape of the ground across the track, outward.
     pub across: AcrossTrack,
-    /// Calibrated slant range of the near edge of the first sample, and what each sample adds,
+    /// Calibrated slant range of the near edge of the first sample, and length of each sample,
     /// metres.
     pub start_m: f64,
     /// See `start_m`.
     pub step_m: f64,
-    /// Samples.
+    /// Number of samples.
     pub count: usize,
-    /// [`MosaicRay::reach_m`] of what the layout shows.
+    /// [`MosaicRay::reach_m`] with or without the water column, as the layout shows it.
     pub shown_m: f64,
 }
 
 impl MosaicRay {
-    /// Slant range at a distance of `sample` samples, metres.
+    /// Returns the slant range at a distance of `sample` samples, metres.
     #[inline(always)]
     pub fn range_m(&self, sample: f64) -> f64 {
         self.start_m + self.step_m * sample
     }
 
-    /// Inverse of [`MosaicRay::range_m`].
+    /// Returns the distance in samples of a slant range: the inverse of [`MosaicRay::range_m`].
     #[inline(always)]
     pub fn sample_at(&self, range_m: f64) -> f64 {
         (range_m - self.start_m) / self.step_m
     }
 
-    /// Farthest distance on the ground, metres; the slant range itself with the water column.
+    /// Returns the farthest distance on the ground, metres; with the water column, the farthest
+    /// slant range itself.
     pub fn reach_m(&self, water_column: bool) -> f64 {
         let far_m = self.range_m(self.count as f64);
         if water_column { far_m.max(0.0) } else { self.across.ground_m(self.under_m, far_m) }
     }
 
-    /// The place on the ray, counted in samples, of the ground at a distance; the slant range
-    /// itself with the water column.
+    /// Returns the place on the ray, in samples, of the ground at a distance; with the water
+    /// column, the distance is the slant range itself.
     pub fn sample_of(&self, ground_m: f64, water_column: bool) -> f64 {
         if water_column {
             return self.sample_at(ground_m);
@@ -81,7 +83,7 @@ impl MosaicRay {
         self.sample_at(range_m.max(self.least_m()))
     }
 
-    /// Replaces growing distances by [`MosaicRay::sample_of`] them.
+    /// Replaces distances in rising order with their [`MosaicRay::sample_of`].
     #[inline(always)]
     pub(super) fn replace_by_samples(&self, grounds_m: &mut [f64], water_column: bool) {
         let mut least_m = f64::NEG_INFINITY;
@@ -94,20 +96,20 @@ impl MosaicRay {
         }
     }
 
-    /// Least slant range that is shown: where the bottom rises from under the boat, its foot is
-    /// broad and the water above it dark.
+    /// Returns the least slant range that is shown, metres. Where the bottom rises from under the
+    /// boat, the rising echo of the first return is broad and the water before it dark.
     #[inline(always)]
     fn least_m(&self) -> f64 {
         if self.under_m > self.altitude_m { self.altitude_m + RISE_M } else { 0.0 }
     }
 
-    /// The place at a distance on the ground.
+    /// Returns the place at a distance on the ground.
     pub fn place(&self, ground_m: f64) -> [f64; 2] {
         [0, 1].map(|axis| self.at[axis] + self.out[axis] * ground_m)
     }
 }
 
-/// Place and direction of a ping, as the layout keeps them.
+/// Place and direction of a ping in the plane of the map.
 #[derive(Clone, Copy, Debug)]
 struct Placed {
     at: [f64; 2],
@@ -122,27 +124,28 @@ struct Ranges {
     count: u32,
 }
 
-/// Pings whose strips share a box, which shows if the strips need to be examined.
+/// Number of pings whose strips share a box, which shows whether the strips need to be examined.
 const BOXED: usize = 64;
 
 /// West, south, east and north, metres in the plane of the map.
 pub type Bounds = [f64; 4];
 
-/// Pings in the plane of the map: all of a survey, or as many as a coarse picture shows.
+/// Pings in the plane of the map: all pings of a survey, or as many as a coarse picture needs.
 #[derive(Clone, Debug)]
 pub struct MosaicLayout {
-    /// Indices of these pings in the survey.
+    /// Index in the survey of each ping.
     pings: Vec<u32>,
-    /// Pings of the survey that each of these stands for: first, and one after the last.
+    /// Pings of the survey that each ping represents: the first, and one after the last.
     stands_for: Vec<[u32; 2]>,
     placed: Vec<Option<Placed>>,
     /// Slant ranges of each ping, by side, port first.
     ranges: [Vec<Option<Ranges>>; 2],
     altitudes_m: [Vec<f32>; 2],
-    /// Reach of each ray, metres: used again and again, and slow to compute on ground that is not
-    /// level. Empty until all else is known.
+    /// Reach of each ray, metres, stored since it is used often and slow to compute on ground that
+    /// is not level. Empty until all other fields are known.
     shown_m: [Vec<f64>; 2],
-    /// The ground across the track, and heights over it under the boat where it is not level.
+    /// Shape of the ground across the track, and heights over it under the boat; `None` where the
+    /// ground is level.
     relief: Option<(Arc<Relief>, [Vec<f32>; 2])>,
     /// True where the ground between a ping and the next is shown.
     joined: Vec<bool>,
@@ -153,8 +156,9 @@ pub struct MosaicLayout {
 }
 
 impl MosaicLayout {
-    /// Lays a survey out. `plane` takes metres east and north of the survey's origin to the plane
-    /// of the map (metres too: the survey's own plane, or a projection such as UTM).
+    /// Creates the layout of a survey. `plane` converts metres east and north of the survey's
+    /// origin to the plane of the map (metres too: the survey's own plane, or a projection such as
+    /// UTM).
     pub fn new(
         survey: &Survey,
         navigation: &Navigation,
@@ -183,7 +187,7 @@ impl MosaicLayout {
         Self { joined, ..Self::of_placed(survey, placed, returns, calibration, settings) }.boxed()
     }
 
-    /// Pings at their places, none joined to the next.
+    /// Creates a layout of pings at their places, with no ground shown between them.
     fn of_placed(
         survey: &Survey,
         placed: Vec<Option<Placed>>,
@@ -210,8 +214,8 @@ impl MosaicLayout {
         }
     }
 
-    /// Creates a layout with all pings at one place: for what depends on ranges and altitudes
-    /// alone, where the boat's place is not known.
+    /// Creates a layout with all pings at one place, for results that depend on ranges and
+    /// altitudes alone, where the place of the boat is not known.
     pub fn placeless(survey: &Survey, returns: &FirstReturns, calibration: &Calibration) -> Self {
         let here = Placed { at: [0.0; 2], starboard: [1.0, 0.0] };
         let placed = vec![Some(here); survey.side_scan.len()];
@@ -224,8 +228,8 @@ impl MosaicLayout {
         Side::BOTH.into_iter().any(rays)
     }
 
-    /// The same with all ranges times a factor: where sound runs at another speed than the recorder
-    /// took.
+    /// Returns the layout with all ranges multiplied by a factor: for a speed of sound other than
+    /// the one that the recorder assumed.
     pub fn with_range_factor(mut self, factor: f64) -> Self {
         for ranges in self.ranges.iter_mut().flatten().flatten() {
             ranges.start_m = (f64::from(ranges.start_m) * factor) as f32;
@@ -238,7 +242,8 @@ impl MosaicLayout {
         self.boxed()
     }
 
-    /// The same on ground that is not level; its depths are those of ranges with their factor.
+    /// Returns the layout on ground that is not level; the depths of `relief` must include the
+    /// range factor.
     #[must_use]
     pub fn with_relief(mut self, relief: &Arc<Relief>) -> Self {
         if relief.is_level() {
@@ -256,8 +261,8 @@ impl MosaicLayout {
         self.boxed()
     }
 
-    /// The same without the pings that are excluded, and without the ground between them and the
-    /// next.
+    /// Returns the layout without the excluded pings, and without the ground between them and their
+    /// neighbours.
     #[must_use]
     pub fn without(mut self, exclusions: &Exclusions) -> Self {
         if exclusions.is_empty() {
@@ -293,12 +298,12 @@ impl MosaicLayout {
         self
     }
 
-    /// Number of pings that are laid out.
+    /// Returns the number of pings in the layout.
     pub fn len(&self) -> usize {
         self.pings.len()
     }
 
-    /// Returns true if no ping is.
+    /// Returns true if the layout has no ping.
     pub fn is_empty(&self) -> bool {
         self.pings.is_empty()
     }
@@ -308,7 +313,8 @@ impl MosaicLayout {
         self.pings.get(index).map(|ping| *ping as usize)
     }
 
-    /// Returns the pings of the survey that a ping of this layout stands for, itself among them.
+    /// Returns the range of pings of the survey that a ping of this layout represents, including
+    /// itself.
     pub(crate) fn stands_for(&self, index: usize) -> std::ops::Range<usize> {
         let [from, to] = self.stands_for.get(index).copied().unwrap_or_default();
         from as usize..to as usize
@@ -321,8 +327,8 @@ impl MosaicLayout {
         (all[0] <= all[2]).then_some(all)
     }
 
-    /// The strips that touch some ground, in the order they were recorded: the ping of this layout
-    /// they begin at, and the side.
+    /// Returns the strips that touch some ground, in the order that they were recorded: the ping of
+    /// this layout at which a strip begins, and the side.
     pub fn strips_in(&self, ground: Bounds) -> impl Iterator<Item = (usize, Side)> {
         let boxes = self.boxes.iter().enumerate();
         let boxes = boxes.filter(move |(_, bounds)| boxes_meet(**bounds, ground));
@@ -339,7 +345,7 @@ impl MosaicLayout {
         })
     }
 
-    /// Longest slant range, metres.
+    /// Returns the longest slant range, metres.
     pub fn far_m(&self) -> f64 {
         self.far_m
     }
@@ -349,8 +355,8 @@ impl MosaicLayout {
         self.water_column
     }
 
-    /// One side of a ping; `None` where it was not recorded, has no place, heading or altitude, or
-    /// lies in a turn.
+    /// Returns the ray of one side of a ping; `None` where the side was not recorded, the ping has
+    /// no place, heading or altitude, or the boat turns.
     pub fn ray(&self, ping: usize, side: Side) -> Option<MosaicRay> {
         let placed = (*self.placed.get(ping)?)?;
         let ranges = (*self.ranges[side as usize].get(ping)?)?;
@@ -381,7 +387,8 @@ impl MosaicLayout {
         })
     }
 
-    /// The strip between a ping and the next on one side, where it is shown.
+    /// Returns the rays of the strip between a ping and the next on one side; `None` where it is
+    /// not shown.
     pub fn strip(&self, ping: usize, side: Side) -> Option<[MosaicRay; 2]> {
         if !*self.joined.get(ping)? {
             return None;
@@ -389,14 +396,15 @@ impl MosaicLayout {
         Some([self.ray(ping, side)?, self.ray(ping + 1, side)?])
     }
 
-    /// Corners of a strip, around it.
+    /// Returns the corners of a strip, in the order around it.
     pub fn corners(&self, strip: &[MosaicRay; 2]) -> [[f64; 2]; 4] {
         let reach_m = strip.iter().map(|ray| ray.shown_m).fold(0.0, f64::max);
         let [here, next] = strip;
         [here.at, here.place(reach_m), next.place(reach_m), next.at]
     }
 
-    /// All strips: the ping they begin at, and the side, in the order they were recorded.
+    /// Returns all strips in the order that they were recorded: the ping at which a strip begins,
+    /// the side and the rays.
     pub(super) fn strips(&self) -> impl Iterator<Item = (usize, Side, [MosaicRay; 2])> {
         let pings = 0..self.placed.len().saturating_sub(1);
         pings.flat_map(move |ping| {
@@ -406,7 +414,8 @@ impl MosaicLayout {
         })
     }
 
-    /// The grid that holds every strip, its edges at whole cells; `None` when nothing is shown.
+    /// Returns the grid that holds every strip, its edges at whole cells; `None` when nothing is
+    /// shown.
     pub fn grid(&self, cell_m: f64) -> Option<Grid> {
         self.bounds().map(|bounds| grid_over(bounds, cell_m))
     }
@@ -444,15 +453,15 @@ impl MosaicLayout {
         TileIndex { tiles }
     }
 
-    /// A box around each strip.
+    /// Returns a box around each strip.
     pub fn strip_bounds(&self) -> impl Iterator<Item = Bounds> {
         (self.strips()).map(|(_, _, strip)| bounds(self.corners(&strip)))
     }
 }
 
-/// Returns true if a strip may lie on some ground that its bounds touch: long, thin strips that run
-/// askew pass most of it by. They do where all of the ground lies on one side of the strip, seen
-/// along its rays.
+/// Returns true if a strip may be on some ground that its bounds touch. Long, thin strips that run
+/// diagonally are not on most of the ground in their bounds: all of that ground is on one side of
+/// the strip, seen along its rays.
 fn lies_on(
     strip: &[MosaicRay; 2],
     corners: &[[f64; 2]; 4],
@@ -471,7 +480,8 @@ fn lies_on(
     })
 }
 
-/// Slant range of the first sample and of each further one, for every ping of a side.
+/// Returns the slant range of the first sample and the length of each sample, for every ping of a
+/// side; `None` where these are not valid.
 fn side_ranges(survey: &Survey, calibration: &Calibration, side: Side) -> Vec<Option<Ranges>> {
     let ranges = |ping: usize| {
         let span = survey.span(ping, side)?;
@@ -499,8 +509,8 @@ fn joined(survey: &Survey, navigation: &Navigation, placed: &[Option<Placed>]) -
         .collect()
 }
 
-/// The way from a ping to the next, metres, where they are near enough to each other to show the
-/// ground between them.
+/// Returns the distance from a ping to the next, metres; `None` where they are too far apart, in
+/// distance or time, to show the ground between them.
 pub fn joined_way_m(survey: &Survey, navigation: &Navigation, ping: usize) -> Option<f64> {
     let (here, next) = (navigation.pings.get(ping)?, navigation.pings.get(ping + 1)?);
     let way_m = f64::hypot(next.east_m - here.east_m, next.north_m - here.north_m);
@@ -513,7 +523,7 @@ pub(super) fn bounds_of<'a>(layouts: impl Iterator<Item = &'a MosaicLayout>) -> 
     layouts.filter_map(MosaicLayout::bounds).reduce(box_around)
 }
 
-/// The grid over some ground, its edges at whole cells.
+/// Returns the grid over some ground, its edges at whole cells.
 pub(super) fn grid_over([west, south, east, north]: Bounds, cell_m: f64) -> Grid {
     let west_m = (west / cell_m).floor() * cell_m;
     let north_m = (north / cell_m).ceil() * cell_m;
@@ -521,19 +531,20 @@ pub(super) fn grid_over([west, south, east, north]: Bounds, cell_m: f64) -> Grid
     Grid { west_m, north_m, cell_m, columns: cells(east - west_m), rows: cells(north_m - south) }
 }
 
-/// The strips that touch each tile; tiles without any are not in it.
+/// Index of the strips that touch each tile, without the tiles that no strip touches.
 #[derive(Clone, Debug, Default)]
 pub struct TileIndex {
     tiles: BTreeMap<(u32, u32), Vec<u32>>,
 }
 
 impl TileIndex {
-    /// Tiles that show something, as row and column, from the north-west by rows.
+    /// Returns the tiles that show something, as row and column, from the north-west by rows.
     pub fn tiles(&self) -> impl Iterator<Item = (usize, usize)> {
         self.tiles.keys().map(|&(row, column)| (row as usize, column as usize))
     }
 
-    /// The strips of a tile, in the order they were recorded: the ping they begin at, and the side.
+    /// Returns the strips of a tile, in the order that they were recorded: the ping at which a
+    /// strip begins, and the side.
     pub fn strips(&self, row: usize, column: usize) -> impl Iterator<Item = (usize, Side)> {
         let key = u32::try_from(row).ok().zip(u32::try_from(column).ok());
         let strips = key.and_then(|key| self.tiles.get(&key));

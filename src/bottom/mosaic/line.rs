@@ -1,4 +1,4 @@
-//! The levels along one side of a ping, at even steps on the ground.
+//! Reads the levels along one side of a ping, at even steps on the ground.
 
 use super::gain::RangeFactors;
 use super::layout::MosaicRay;
@@ -8,10 +8,10 @@ use bathyscope_log::support::statistics::ends;
 use bathyscope_log::survey::{Side, SideSpan, Survey};
 use std::ops::Range;
 
-/// Steps of a line in a cell. Between steps a line is linear.
+/// Number of steps of a line in a cell. Between steps a line is linear.
 const STEPS: usize = 4;
-/// Most pings that a line of a coarse picture is the mean of: more of them would cost more than
-/// they smooth.
+/// Largest number of pings that a line of a coarse picture is the mean of: more would take more
+/// time than their smoothing is worth.
 const MOST_AVERAGED: usize = 16;
 
 /// Input and settings that all lines of a picture share.
@@ -19,10 +19,10 @@ const MOST_AVERAGED: usize = 16;
 pub(super) struct LineContext<'a> {
     survey: &'a Survey,
     layout: &'a MosaicLayout,
-    /// Gain table; `None` where levels are as recorded.
+    /// Gain table; `None` where levels are shown as recorded.
     gain: Option<&'a GainTable>,
     water_column: bool,
-    /// Steps in a metre on the ground.
+    /// Number of steps in a metre on the ground.
     steps_per_m: f64,
 }
 
@@ -45,20 +45,20 @@ impl<'a> LineContext<'a> {
     }
 }
 
-/// A part of one side of a ping: each level is the mean over a cell on the ground, and over at
-/// least one sample.
+/// Levels of a part of one side of a ping: each level is the mean over a cell on the ground, and
+/// over at least one sample.
 pub(super) struct MosaicLine {
     side: Side,
-    /// Index of its ping in the layout; `None` while the line is empty.
+    /// Index of the ping in the layout; `None` while the line is empty.
     of: Option<usize>,
-    /// The steps that it holds, and all steps of the ray.
+    /// Steps that the line holds, and number of all steps of the ray.
     steps: Range<usize>,
     reach: usize,
-    /// NaN where there is no sample.
+    /// Level at each step; NaN where there is no sample.
     levels: Vec<f32>,
-    /// Steps in a metre on the ground.
+    /// Number of steps in a metre on the ground.
     per_m: f64,
-    // Kept for their memory.
+    // Buffers, kept to reuse their memory.
     samples: Vec<u8>,
     totals: Vec<u32>,
     by_range: RangeFactors,
@@ -88,7 +88,7 @@ impl MosaicLine {
         }
     }
 
-    /// Level at a distance on the ground, NaN where none is known.
+    /// Returns the level at a distance on the ground; NaN where none is known.
     #[inline(always)]
     pub(super) fn at(&self, ground_m: f64) -> f32 {
         let place = (ground_m * self.per_m - self.steps.start as f64).max(0.0);
@@ -99,9 +99,9 @@ impl MosaicLine {
         }
     }
 
-    /// Reads the part of a ping's side that lies between two distances on the ground, unless it is
-    /// there: then that between the distances of `with_margin_m`, which holds it. False when there
-    /// is nothing to read.
+    /// Ensures that the line holds the part of a side of a ping between the two ground distances
+    /// `part_m`. If it does not hold this part yet, the larger part between the distances
+    /// `with_margin_m` is read. Returns false when there is nothing to read.
     pub(super) fn read(
         &mut self,
         lines: &LineContext<'_>,
@@ -130,11 +130,11 @@ impl MosaicLine {
         is_read
     }
 
-    /// Reads the steps that it is to hold; not vectorised.
+    /// Reads the levels of the steps in `self.steps`; not vectorised. Returns false when there is
+    /// nothing to read.
     #[inline(always)]
     fn read_steps(&mut self, lines: &LineContext<'_>, place: usize, ray: &MosaicRay) -> bool {
-        // Places on the ray, counted in samples, of the edges of all cells that are taken the mean
-        // of.
+        // Places on the ray, in samples, of the edges of all cells whose means are computed.
         self.edges.clear();
         self.edges.resize(self.steps.len() + STEPS, 0.0);
         for (index, edge) in self.edges.iter_mut().enumerate() {
@@ -142,7 +142,8 @@ impl MosaicLine {
             *edge = step.max(0.0) / lines.steps_per_m;
         }
         ray.replace_by_samples(&mut self.edges, lines.water_column);
-        // Where the bottom rises from under the boat, what is nearest is not the first.
+        // Where the bottom rises from under the boat, the nearest sample is not that of the first
+        // edge.
         let [low, high] = ends(self.edges.iter().copied());
         let samples =
             (low - 1.0).max(0.0) as usize..((high + 2.0).max(0.0) as usize).min(ray.count);
@@ -153,13 +154,13 @@ impl MosaicLine {
         true
     }
 
-    /// Takes the mean of each cell between its edges; `first` is the sample that the sums begin
-    /// with.
+    /// Computes the mean of each cell between its edges; `first` is the sample at which the sums
+    /// begin.
     #[inline(always)]
     fn take_means(&mut self, first: f64) {
         let last = (self.sums.len() - 1) as f64;
         let sums = self.sums.as_slice();
-        // Each edge is that of two cells.
+        // Each edge belongs to two cells.
         self.sums_at.clear();
         self.sums_at.resize(self.edges.len(), 0.0);
         for (sum, edge) in self.sums_at.iter_mut().zip(&mut self.edges) {
@@ -182,8 +183,8 @@ impl MosaicLine {
         }
     }
 
-    /// Normalises and sums some samples outward: `sums[n]` is the sum of the first n. False when
-    /// there are none.
+    /// Normalises and sums some samples outward: `sums[n]` is the sum of the first n. Returns false
+    /// when there are none.
     #[inline(always)]
     fn sum_up(
         &mut self,
@@ -208,7 +209,7 @@ impl MosaicLine {
             None => self.factors.resize(samples.len(), 1.0),
         }
         if lines.water_column {
-            // The water column has no ground to be normalised by.
+            // The water column is not normalised, since it has no ground.
             let ground = ray.sample_at(ray.altitude_m).max(0.0) as usize;
             let above = ground.saturating_sub(samples.start).min(self.factors.len());
             self.factors[..above].fill(1.0);
@@ -226,8 +227,8 @@ impl MosaicLine {
         length > 0
     }
 
-    /// Adds up some samples of a ping and of those `around` it that were recorded over the same
-    /// range; how many pings that were.
+    /// Adds up some samples of a ping and of those of `around` that were recorded over the same
+    /// range. Returns the number of pings that were added.
     fn add_up(
         &mut self,
         lines: &LineContext<'_>,
@@ -264,7 +265,7 @@ impl MosaicLine {
     }
 }
 
-/// A part of a ping that is read.
+/// Arguments of [`MosaicLine::read_steps`] for the vectorised loop.
 struct ReadSteps<'a> {
     line: &'a mut MosaicLine,
     lines: &'a LineContext<'a>,
@@ -281,8 +282,8 @@ impl VectorLoop for ReadSteps<'_> {
     }
 }
 
-/// Mean of the samples between two places counted in samples, by their running sums. At least one
-/// sample wide; NaN outside.
+/// Returns the mean of the samples between two places in samples, from their running sums. The mean
+/// is over at least one sample; NaN outside.
 #[inline(always)]
 fn mean(sums: &[f32], from: f64, to: f64) -> f32 {
     let last = (sums.len() - 1) as f64;
@@ -295,7 +296,7 @@ fn mean(sums: &[f32], from: f64, to: f64) -> f32 {
     (sum_at(sums, to) - sum_at(sums, from)) / (to - from) as f32
 }
 
-/// Sum up to a place counted in samples, by the running sums.
+/// Returns the sum up to a place in samples, from the running sums.
 #[inline(always)]
 fn sum_at(sums: &[f32], place: f64) -> f32 {
     let low = (place as usize).min(sums.len() - 2);

@@ -1,4 +1,4 @@
-//! The side-scan mosaic: every echo at its place on the ground, tile by tile.
+//! Draws the side-scan mosaic tile by tile: every echo at its place on the ground.
 //!
 //! In: a survey with its navigation, first returns, calibration and relief. Out: gain tables,
 //! layouts, and tiles of the mosaic.
@@ -12,13 +12,13 @@
 //!                            '--part--> what one log shows of a tile, to be joined with those of others later
 //! ```
 //!
-//! The ground to the side of the boat is that of the log's own depths
-//! ([`bathyscope_log::survey::Relief`]), held to the first return, which comes from what is
-//! nearest; where no depth is known, level at the altitude `h` of the first return, so an echo at
-//! slant range `r` comes from `g = sqrt(r^2 - h^2)` across-track. Between two pings the ray is
-//! turned and moved evenly, so that the strips close without gaps on the outer side of a bend. A
-//! tile costs time and memory in proportion to what it shows; nothing grows with the area of the
-//! mosaic.
+//! The ground to the side of the boat comes from the log's own depths
+//! ([`bathyscope_log::survey::Relief`]), adjusted to the first return, which comes from the nearest
+//! ground. Where no depth is known, the ground is level at the altitude `h` of the first return, so
+//! an echo at slant range `r` comes from `g = sqrt(r^2 - h^2)` across-track. Between two pings the
+//! ray turns and moves evenly, so that the strips close without gaps on the outer side of a bend.
+//! The time and memory for a tile are in proportion to the ground that it shows; nothing grows with
+//! the area of the mosaic.
 
 mod altitude;
 mod canvas;
@@ -49,8 +49,8 @@ use serde::{Deserialize, Serialize};
 pub enum Gain {
     /// Levels as recorded.
     Recorded,
-    /// Divided by the survey's own mean level of each side, a curve by range times a curve by angle
-    /// (empirical gain normalisation), and brought to one brightness. Shadows stay dark.
+    /// Levels divided by the survey's own mean level of each side, a curve by range times a curve
+    /// by angle (empirical gain normalisation), and scaled to one brightness. Shadows stay dark.
     #[default]
     Empirical,
 }
@@ -67,7 +67,7 @@ pub enum Colours {
 }
 
 impl Colours {
-    /// Colour of a level, transparent where nothing was seen (level 0).
+    /// Returns the colour of a level, transparent where nothing was insonified (level 0).
     pub fn rgba(self, level: u8) -> [u8; 4] {
         let [r, g, b] = match (level, self) {
             (0, _) => return [0; 4],
@@ -86,17 +86,17 @@ pub struct MosaicSettings {
     pub cell_m: f64,
     /// Colours of the exported picture.
     pub colours: Colours,
-    /// Rule for cells that were seen more than once.
+    /// Rule for cells that were insonified more than once.
     pub overlap: Overlap,
     /// Method of evening out the levels across the track.
     pub gain: Gain,
-    /// True if the water column stays in: slant ranges are then taken for distances on the ground.
+    /// True if the water column is shown: slant ranges are then used as distances on the ground.
     pub water_column: bool,
-    /// Ground nearer than this angle from straight down is left out, degrees; 0 fills the gap under
-    /// the boat with what little was insonified there.
+    /// Angle from straight down within which the ground is left out, degrees; 0 fills the gap under
+    /// the boat with the little ground that was insonified there.
     pub nadir_gap_deg: f64,
-    /// Pings where the boat turns faster are left out, degrees a second: their far ends sweep over
-    /// the ground.
+    /// Turn rate of the boat above which pings are left out, degrees a second: their far ends sweep
+    /// over the ground.
     pub most_turn_deg_s: f64,
 }
 
@@ -120,7 +120,7 @@ mod tests {
 
     #[test]
     fn the_mosaic_is_coloured_as_the_waterfall_is() {
-        // matplotlib.colormaps["copper"](206): red is all but full, and is full from the next on.
+        // matplotlib.colormaps["copper"](206): red is almost full, and is full from 207 on.
         assert_eq!(Colours::Copper.rgba(206), [254, 161, 102, 255]);
         assert_eq!(Colours::Grey.rgba(206), [206, 206, 206, 255]);
         assert_eq!(Colours::Copper.rgba(0), [0; 4]);

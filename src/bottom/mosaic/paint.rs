@@ -1,4 +1,4 @@
-//! Draws tiles and other windows: each cell takes the mean of the samples that it covers on the ray
+//! Draws tiles and other windows: each cell has the mean of the samples that it covers on the ray
 //! through its middle. The part of a tile that one log shows can be stored, and joined with those
 //! of other logs at any later time.
 
@@ -13,27 +13,27 @@ use bathyscope_log::survey::{Side, Survey};
 use std::convert::Infallible;
 use std::sync::Arc;
 
-/// A piece of the mosaic.
+/// Tile of the mosaic.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MosaicTile {
-    /// Rows of [`TILE_CELLS`] levels: 0 where nothing was seen, else 1 to 255.
+    /// Rows of [`TILE_CELLS`] levels: 0 where nothing was insonified, else 1 to 255.
     pub levels: Vec<u8>,
 }
 
 impl MosaicTile {}
 
-/// A log of a mosaic.
+/// Log in a mosaic.
 #[derive(Clone, Debug)]
 pub struct MosaicLog {
     /// The recording.
     pub survey: Arc<Survey>,
-    /// Places of its echoes, in the plane that all logs share.
+    /// Layout of its pings, in the plane that all logs share.
     pub layout: Arc<MosaicLayout>,
-    /// Table that its levels are normalised by.
+    /// Gain table that its levels are normalised with.
     pub gain: GainTable,
 }
 
-/// One log in a tile.
+/// Log in a tile, borrowed.
 #[derive(Clone, Copy)]
 struct Part<'a> {
     survey: &'a Survey,
@@ -48,7 +48,8 @@ impl<'a> Part<'a> {
     }
 }
 
-/// Draws the tile of a row and column of tiles. `gain` is used where the settings ask for it.
+/// Draws the tile at a row and column of tiles, `place`. `gain` is used only where the settings
+/// require it.
 pub fn tile(
     survey: &Survey,
     layout: &MosaicLayout,
@@ -62,8 +63,8 @@ pub fn tile(
     tile_of(std::iter::once(part), grid, settings, place)
 }
 
-/// The same of several logs, each with its index: one after the other by the rule of
-/// `mosaic.overlap`, so the last of them counts for the latest.
+/// Draws the tile as [`tile`] does, from several logs, each with its index. They are drawn one
+/// after the other by the rule of `mosaic.overlap`; the last log counts as the latest.
 pub fn joint_tile(
     logs: &[(&MosaicLog, &TileIndex)],
     grid: &Grid,
@@ -83,7 +84,7 @@ fn tile_of<'a>(
     MosaicTile { levels: painted(parts, grid, settings, place).finish() }
 }
 
-/// A tile of one log before it is finished.
+/// Paints a tile of one log on a canvas, without converting it to levels.
 fn painted_log(
     log: &MosaicLog,
     index: &TileIndex,
@@ -119,8 +120,8 @@ fn painted<'a>(
     canvas
 }
 
-/// Draws all cells of a grid, row by row: 0 where nothing was seen, else 1 to 255. With a thinned
-/// layout a coarse grid costs what it shows.
+/// Draws all cells of a grid, row by row: 0 where nothing was insonified, else 1 to 255. With a
+/// thinned layout, the time for a coarse grid is in proportion to the cells that it shows.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -135,7 +136,8 @@ pub fn window(
     joint_window(std::iter::once((survey, layout, gain)), grid, settings, progress)
 }
 
-/// The same of several logs, one after the other by the rule of `mosaic.overlap`.
+/// Draws all cells of a grid as [`window`] does, from several logs, one after the other by the rule
+/// of `mosaic.overlap`.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -155,7 +157,8 @@ pub fn joint_window<'a>(
     Ok(canvas.finish())
 }
 
-/// Lays strips over each other. `check` is asked before each whether to go on.
+/// Paints strips over each other on the canvas. `check` is called before each strip, and its error
+/// ends the drawing.
 fn draw<E>(
     canvas: &mut Canvas,
     layout: &MosaicLayout,
@@ -163,7 +166,7 @@ fn draw<E>(
     strips: impl Iterator<Item = (usize, Side)>,
     check: impl Fn() -> Result<(), E>,
 ) -> Result<(), E> {
-    // The last two pings of each side.
+    // Lines of the last two pings of each side.
     let none = |side| [MosaicLine::none(side), MosaicLine::none(side)];
     let mut kept = Side::BOTH.map(none);
     for (ping, side) in strips {
@@ -175,7 +178,7 @@ fn draw<E>(
         let apart_m = farthest_apart_m(&strip);
         let mut is_there = true;
         for (place, ray) in [ping, ping + 1].into_iter().zip(&strip) {
-            // A little more saves reading the ray again for the next strip.
+            // A part with a margin saves reading the ray again for the next strip.
             let parts = [1.0, 2.0].map(|times| canvas.distances_m(ray, times * apart_m));
             is_there &= match parts {
                 [Some(part), Some(with_margin)] => {
@@ -192,7 +195,8 @@ fn draw<E>(
     Ok(())
 }
 
-/// Largest distance between places equally far along both rays of a strip, in the plane of the map.
+/// Returns the largest distance between places equally far along both rays of a strip, in the plane
+/// of the map.
 fn farthest_apart_m(strip: &[MosaicRay; 2]) -> f64 {
     let [near, far] =
         [|ray: &MosaicRay| ray.at, |ray: &MosaicRay| ray.place(ray.range_m(ray.count as f64))]
@@ -204,20 +208,20 @@ fn farthest_apart_m(strip: &[MosaicRay; 2]) -> f64 {
 /// Part of a tile that one log shows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MosaicPart {
-    /// Rows of [`TILE_CELLS`] levels: 0 where nothing was seen, else 1 to 255.
+    /// Rows of [`TILE_CELLS`] levels: 0 where nothing was insonified, else 1 to 255.
     pub levels: Vec<u8>,
-    /// Weight of each level where it is joined with those of other logs, 0 where nothing was seen;
-    /// empty where `mosaic.overlap` uses no weights.
+    /// Weight of each level when it is joined with the levels of other logs, 0 where nothing was
+    /// insonified; empty where `mosaic.overlap` uses no weights.
     pub weights: Vec<f32>,
 }
 
 impl MosaicPart {
-    /// Returns true if no cell was seen.
+    /// Returns true if no cell was insonified.
     pub fn is_empty(&self) -> bool {
         self.levels.iter().all(|&level| level == 0)
     }
 
-    /// The same with all levels times a factor.
+    /// Returns the part with all levels multiplied by a factor.
     #[must_use]
     pub fn brightened(mut self, factor: f32) -> Self {
         for level in self.levels.iter_mut().filter(|level| **level > 0) {
@@ -227,7 +231,7 @@ impl MosaicPart {
     }
 }
 
-/// Draws what a log shows of the tile of a row and column of tiles.
+/// Draws the part of a log in the tile at a row and column of tiles, `place`.
 pub fn part(
     log: &MosaicLog,
     index: &TileIndex,
@@ -245,18 +249,18 @@ pub fn part(
     MosaicPart { levels: sums.iter().map(CellSum::level).collect(), weights }
 }
 
-/// A weight in whole steps. Levels times such weights add up exactly in 32 bits, those of 256 logs
-/// in any order, and such weights pack to a third of the size.
+/// Rounds a weight to whole steps. Sums of levels times such weights are exact in 32 bits for 256
+/// logs in any order, and such weights compress to a third of the size.
 fn stepped(weight: f32) -> f32 {
     const STEPS: f32 = 256.0;
     (weight * STEPS).round() / STEPS
 }
 
-/// A tile of several logs from the part of each, one after the other by the rule of
-/// `mosaic.overlap`: one of a single log is as [`super::tile`] draws it.
+/// Joins the parts of several logs to a tile, one after the other by the rule of `mosaic.overlap`;
+/// the part of a single log gives the same tile as [`super::tile`].
 ///
 /// # Errors
-/// Those of the parts.
+/// The first error of the parts.
 pub fn join_parts<E>(
     parts: impl Iterator<Item = Result<MosaicPart, E>>,
     overlap: Overlap,
@@ -296,7 +300,8 @@ mod tests {
 
     #[test]
     fn parts_are_joined_by_the_rule_of_the_mosaic() {
-        // The first log saw the first and the second cell, the second log the second and the third.
+        // The first log shows the first and the second cell, the second log the second and the
+        // third.
         let one: &[(u8, f32)] = &[(10, 0.5), (200, 0.9), (0, 0.0)];
         let other: &[(u8, f32)] = &[(0, 0.0), (100, 0.3), (7, 0.03)];
         assert_eq!(joined(Overlap::Later, &[one, other]), [10, 100, 7]);

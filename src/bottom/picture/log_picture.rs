@@ -1,5 +1,5 @@
-//! Data that the picture of one log is shown with, made once for its results, and the histogram of
-//! its levels, which chooses those that are shown as black and white.
+//! Computes the data that the picture of one log is shown with, once for its results, and the
+//! histogram of its levels, which determines the levels shown as black and white.
 
 use super::{Extremes, PingScales, Tone};
 use crate::mosaic::GainTable;
@@ -9,28 +9,30 @@ use bathyscope_log::survey::{Side, SideScanState, Survey};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Echoes that levels are counted over: enough for stable percentiles, few enough to be counted
-/// anew while a slider is dragged.
+/// Largest number of echoes that levels are counted over: enough for stable percentiles, few enough
+/// to be counted again while a slider is dragged.
 const MOST_ECHOES: usize = 1 << 17;
-/// Pings that the mean of a row of a tile is taken over, evenly spread: few enough to be read while
-/// it is drawn, however long the log.
+/// Largest number of pings, evenly spread, that the mean of a row of a tile is taken over: few
+/// enough to be read while the row is drawn, however long the log is.
 const MOST_PINGS_OF_ROW: usize = 64;
-/// Bars that a histogram is drawn with.
+/// Number of bars of a drawn histogram.
 const HISTOGRAM_BARS: usize = 128;
-/// Bins that quantiles are counted in; of bytes as recorded each has one.
+/// Number of bins that quantiles are counted in; levels as recorded have one bin for each byte
+/// instead.
 const BINS: usize = 2048;
-/// The levels reach to where this share of the echoes lies below, and beyond it by this factor.
+/// Share of the echoes below the level that determines the end of a histogram, and factor on this
+/// level.
 const REACHED_SHARE: f64 = 0.999;
 const BEYOND: f32 = 1.3;
-/// Least level that a histogram reaches to.
+/// Least end of a histogram.
 const LEAST_REACH: f32 = 64.0;
 
-/// An echo with all that its level depends on.
+/// Echo with all values that its shown level depends on.
 #[derive(Clone, Copy, Debug)]
 struct PictureEcho {
     level: f32,
     side: Side,
-    /// Slant range that gain is taken at, metres.
+    /// Slant range at which gain is computed, metres.
     range_m: f32,
     /// Factor of the gain table.
     gain: f32,
@@ -43,20 +45,21 @@ struct PictureEcho {
 pub struct LogPicture {
     /// Scales between recorded ranges and calibrated ranges, ping by ping.
     pub scales: Arc<PingScales>,
-    /// Least and greatest of the scales.
+    /// Smallest and largest values of the scales.
     pub extremes: Extremes,
-    /// Gain normalisation; `None` where it was not asked for, or nothing is known of the ground.
+    /// Gain normalisation; `None` where it was not requested, or nothing is known of the ground.
     pub gain: Option<Arc<GainTable>>,
-    /// Calibrated slant range where time-varied gain is 0 dB, metres: half of the farthest.
+    /// Calibrated slant range at which time-varied gain is 0 dB, metres: half of the farthest
+    /// range.
     pub middle_m: f32,
-    /// Factors of the stripe filter, by side, port first, if it was asked for.
+    /// Factors of the stripe filter, by side, port first; `None` if the filter was not requested.
     factors: Option<[Vec<f32>; 2]>,
     echoes: Vec<PictureEcho>,
     has_bottom: bool,
 }
 
 impl LogPicture {
-    /// Creates the picture of a log; `factors` are those of the stripe filter, if it was asked for.
+    /// Creates the picture of a log; `factors` are those of the stripe filter, if it was requested.
     ///
     /// # Errors
     /// When the work was cancelled.
@@ -89,9 +92,10 @@ impl LogPicture {
         })
     }
 
-    /// Returns what a row of a tile is brought to one level by: `[altitude, scale, offset, factor
-    /// of the stripe filter]` of a side, the mean over some pings, or [`MOST_PINGS_OF_ROW`] of
-    /// them. Beyond the end it is that of the last ping; without the filter the factor is 1.
+    /// Returns the values that normalise a row of a tile: `[altitude, scale, offset, factor of the
+    /// stripe filter]` of a side, as the mean over the pings of the row, or over at most
+    /// [`MOST_PINGS_OF_ROW`] of them. Beyond the end of the log these are the values of the last
+    /// ping; without the filter the factor is 1.
     pub fn row(&self, side: Side, pings: Range<usize>) -> [f32; 4] {
         let scales = self.scales.side(side);
         let factors = self.factors.as_ref().map(|sides| &sides[side as usize]);
@@ -109,7 +113,8 @@ impl LogPicture {
         sum.map(|part| (part / count) as f32)
     }
 
-    /// Levels of the sampled echoes with some tone, 255 for the largest byte as recorded.
+    /// Returns the levels of the sampled echoes with some tone; 255 is the largest byte as
+    /// recorded.
     pub fn levels(&self, tone: &Tone) -> impl Iterator<Item = f32> {
         self.echoes.iter().map(move |echo| {
             let gain = if tone.is_normalised { echo.gain } else { 1.0 };
@@ -118,14 +123,14 @@ impl LogPicture {
         })
     }
 
-    /// Returns true if the side-scan shows the bottom and is no noise.
+    /// Returns true if the side-scan shows the bottom, not only noise.
     fn has_bottom(&self) -> bool {
         self.has_bottom
     }
 }
 
-/// Samples the echoes in even steps, of pings spread evenly over the log, beyond the transmit
-/// pulse.
+/// Samples the echoes beyond the transmit pulse in even steps, from pings that are evenly spread
+/// over the log.
 fn echoes(
     survey: &Survey,
     scales: &PingScales,
@@ -174,16 +179,16 @@ fn echoes(
 /// The levels of a log's echoes after gain, stripe filter and balance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LevelHistogram {
-    /// Echoes in each of [`HISTOGRAM_BARS`] steps from 0 to `reach`.
+    /// Number of echoes in each of [`HISTOGRAM_BARS`] steps from 0 to `reach`.
     pub bars: Vec<u32>,
-    /// The level where the last bar ends; 255 is the largest byte.
+    /// Level where the last bar ends; 255 is the largest byte.
     pub reach: f32,
     /// Levels that suit the log.
     pub automatic: Levels,
 }
 
 impl LevelHistogram {
-    /// Creates the histogram of the echoes of a log, shown with some tone.
+    /// Creates the histogram of the echoes of a log with some tone.
     pub fn of(picture: &LogPicture, tone: &Tone) -> Self {
         let levels: Vec<f32> = picture.levels(tone).collect();
         if tone.is_plain() {
@@ -213,7 +218,7 @@ impl LevelHistogram {
     }
 }
 
-/// Returns the level where a histogram ends: beyond what nearly all levels lie below.
+/// Returns the level where a histogram ends: a little above nearly all levels.
 fn reach(levels: &mut [f32]) -> f32 {
     if levels.is_empty() {
         return 256.0;
@@ -232,7 +237,7 @@ mod tests {
     fn a_row_holds_the_mean_of_its_pings() {
         let ping = SidePing::with_depth(0.0, f32::NAN);
         let survey = Survey::of_pings(vec![ping; 5]);
-        // Factors to port count up.
+        // Factors of port rise from ping to ping.
         let factors = [vec![0.0, 1.0, 2.0, 3.0, 4.0], vec![1.0; 5]];
         let of = |scales, factors| {
             LogPicture::new(&survey, Arc::new(scales), None, factors, &Progress::new())
@@ -241,7 +246,7 @@ mod tests {
         let picture = of(PingScales::level(5, 7.0), Some(factors));
         let factor = |pings| picture.row(Side::Port, pings)[3];
         assert_eq!([factor(3..4), factor(0..2), factor(0..4)], [3.0, 0.5, 1.5]);
-        // Of those that there are, and of the last one beyond the end.
+        // The mean is over the pings that exist; beyond the end, the last ping counts.
         assert_eq!([factor(4..6), factor(4..8), factor(9..10)], [4.0; 3]);
         assert_eq!(picture.row(Side::Starboard, 0..4), [7.0, 1.0, 0.0, 1.0]);
         let plain = of(PingScales::level(5, 7.0), None);
@@ -255,7 +260,7 @@ mod tests {
 
     #[test]
     fn automatic_levels_are_percentiles_whatever_the_bins() {
-        // Levels 0 to 199.98, evenly.
+        // Evenly spaced levels from 0 to 199.98.
         let levels: Vec<f32> = (0..10_000).map(|index| index as f32 * 0.02).collect();
         let mut sorted = levels.clone();
         let reach = reach(&mut sorted);

@@ -1,5 +1,5 @@
-//! Display of the side-scan of one log: gain, stripes, levels, and the place of an echo across the
-//! track.
+//! Prepares the display of the side-scan of one log: gain, stripe filter, levels, and the place of
+//! an echo across the track.
 //!
 //! In: a survey with its first returns and calibration. Out: tables of gain and scale for each
 //! ping, and levels.
@@ -11,8 +11,8 @@
 //! echoes + PictureSettings --LevelHistogram--> Levels
 //! ```
 //!
-//! Nothing here is computed per texel of a tile: a change of gain costs a few numbers, not new
-//! tiles.
+//! Nothing here is computed for each texel of a tile: a change of gain changes a few numbers and
+//! needs no new tiles.
 
 mod log_picture;
 mod scales;

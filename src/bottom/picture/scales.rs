@@ -5,49 +5,50 @@ use crate::first_return::FirstReturns;
 use crate::mosaic::altitudes_m;
 use bathyscope_log::survey::{Side, Survey};
 
-/// Quantity that is measured across the track.
+/// Quantity that the picture shows across the track.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PictureGeometry {
-    /// Slant range as recorded, the water column among it.
+    /// Slant range as recorded, with the water column.
     #[default]
     Slant,
-    /// Slant range beyond the altitude: both sides meet at the first return.
+    /// Slant range less the altitude: both sides meet at the first return.
     SlantBeyondWater,
     /// Distance on level ground.
     Ground,
 }
 
-/// The scale of one side of a ping.
+/// Scale between recorded and calibrated ranges of one side of a ping.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PingScale {
     /// Height over the ground, metres; 0 where it is not known.
     pub altitude_m: f32,
     /// Calibrated metres for each recorded metre.
     pub scale: f32,
-    /// Calibrated metres where the recorded range is 0.
+    /// Calibrated range where the recorded range is 0, metres.
     pub offset_m: f32,
 }
 
 impl Default for PingScale {
-    /// Ranges as recorded over a bottom that is not known.
+    /// Returns the scale for ranges as recorded and an unknown altitude.
     fn default() -> Self {
         Self { altitude_m: 0.0, scale: 1.0, offset_m: 0.0 }
     }
 }
 
 impl PingScale {
-    /// Calibrated slant range of a recorded one, metres.
+    /// Converts a recorded range to a calibrated slant range, metres.
     pub fn slant_m(&self, recorded_m: f64) -> f64 {
         f64::from(self.scale) * recorded_m + f64::from(self.offset_m)
     }
 
-    /// Inverse of [`PingScale::slant_m`].
+    /// Converts a calibrated slant range to a recorded range, metres: the inverse of
+    /// [`PingScale::slant_m`].
     pub fn recorded_m(&self, slant_m: f64) -> f64 {
         (slant_m - f64::from(self.offset_m)) / f64::from(self.scale)
     }
 
-    /// Returns the distance of a recorded range from the middle, metres across the track; 0 for
-    /// what lies before the ground.
+    /// Returns the distance of a recorded range from the middle, metres across the track; without
+    /// the water column, 0 for ranges before the ground.
     pub fn across_m(&self, geometry: PictureGeometry, recorded_m: f64) -> f64 {
         let altitude_m = f64::from(self.altitude_m);
         match geometry {
@@ -60,8 +61,8 @@ impl PingScale {
         }
     }
 
-    /// Inverse of [`PingScale::across_m`] on the ground: the recorded range that is shown at a
-    /// distance from the middle.
+    /// Returns the recorded range that is shown at a distance from the middle, metres: the inverse
+    /// of [`PingScale::across_m`] on the ground.
     pub fn recorded_at_m(&self, geometry: PictureGeometry, across_m: f64) -> f64 {
         let altitude_m = f64::from(self.altitude_m);
         match geometry {
@@ -72,7 +73,7 @@ impl PingScale {
     }
 }
 
-/// Least and greatest of the scales of a log.
+/// Smallest and largest values of the scales of a log.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Extremes {
     least: PingScale,
@@ -80,8 +81,8 @@ pub struct Extremes {
 }
 
 impl Extremes {
-    /// Returns every combination of least and greatest: a value that is monotonic in each is least
-    /// and greatest at one of them.
+    /// Returns every combination of smallest and largest values: a result that is monotonic in each
+    /// value has its minimum and maximum at one of these.
     fn corners(&self) -> impl Iterator<Item = PingScale> {
         let Self { least, most } = *self;
         (0..8).map(move |corner| {
@@ -90,16 +91,16 @@ impl Extremes {
         })
     }
 
-    /// Returns the nearest and the farthest distance across the track at which recorded ranges from
-    /// `near_m` to `far_m` can lie, at any ping.
+    /// Returns the smallest and the largest distance across the track, at any ping, of recorded
+    /// ranges from `near_m` to `far_m`.
     pub fn across_m(&self, geometry: PictureGeometry, [near_m, far_m]: [f64; 2]) -> [f64; 2] {
         let nearest = self.corners().map(|one| one.across_m(geometry, near_m));
         let farthest = self.corners().map(|one| one.across_m(geometry, far_m));
         [nearest.fold(f64::MAX, f64::min), farthest.fold(0.0, f64::max)]
     }
 
-    /// Returns the nearest and the farthest recorded range that can be shown between two distances
-    /// from the middle, at any ping.
+    /// Returns the smallest and the largest recorded range, at any ping, that is shown between two
+    /// distances from the middle.
     pub fn recorded_m(&self, geometry: PictureGeometry, [near_m, far_m]: [f64; 2]) -> [f64; 2] {
         let nearest = self.corners().map(|one| one.recorded_at_m(geometry, near_m));
         let farthest = self.corners().map(|one| one.recorded_at_m(geometry, far_m));
@@ -107,7 +108,7 @@ impl Extremes {
     }
 }
 
-/// The scales of all pings of a log, by side, port first.
+/// Scales of all pings of a log, by side, port first.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PingScales {
     sides: [Vec<PingScale>; 2],
@@ -115,7 +116,8 @@ pub struct PingScales {
 
 impl PingScales {
     /// Creates the scales of a log from its first returns and its calibration, with all ranges
-    /// times `range_factor`: for sound that runs at another speed than the recorder took.
+    /// multiplied by `range_factor`: for a speed of sound other than the one that the recorder
+    /// assumed.
     pub fn new(
         survey: &Survey,
         returns: &FirstReturns,
@@ -164,14 +166,15 @@ impl PingScales {
         &self.sides[side as usize]
     }
 
-    /// Returns the scale of a side at a ping; that of the last ping beyond the end.
+    /// Returns the scale of a side at a ping; beyond the end, the scale of the last ping, or the
+    /// default if there is none.
     pub fn at(&self, side: Side, ping: usize) -> PingScale {
         let scales = self.side(side);
         let known = scales.get(ping).or(scales.last());
         known.copied().unwrap_or_default()
     }
 
-    /// Least and greatest altitude and scale over both sides.
+    /// Returns the smallest and largest altitude, scale and offset over both sides.
     pub fn extremes(&self) -> Extremes {
         let all = self.sides.iter().flatten();
         let mut found: Option<Extremes> = None;

@@ -1,10 +1,10 @@
-//! The settings of a log's picture, and the factor that they make of a range.
+//! Defines the settings of a log's picture, and computes the factor on echoes from them.
 
 use crate::mosaic::Gain;
 use bathyscope_log::survey::Side;
 use serde::{Deserialize, Serialize};
 
-/// `picture.*` settings: of one log each, and part of no result.
+/// `picture.*` settings. Each log has its own; they change no result.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PictureSettings {
@@ -13,23 +13,25 @@ pub struct PictureSettings {
     pub gain: Gain,
     /// Time-varied gain for spreading, dB for each decade of slant range: `k log10 r`.
     pub spreading_db: f64,
-    /// Time-varied gain for absorption, dB for each metre that sound goes: `2 alpha r`.
+    /// Time-varied gain for absorption, dB for each metre of the path of sound: `2 alpha r`.
     pub absorption_db_m: f64,
     /// Brightening of starboard against port, dB.
     pub balance_db: f64,
-    /// True if each echo is replaced by the median of the 3 x 3 about it.
+    /// True if each echo is replaced by the median of the 3 x 3 echoes around it.
     pub despeckle: bool,
-    /// True if pings that are brighter or darker than those about them are brought to their level.
+    /// True if pings that are brighter or darker than the pings around them are scaled to their
+    /// level.
     pub stripe_filter: bool,
-    /// Level shown as 0, of 255; automatic without one.
+    /// Level shown as 0, of 255; `None` for an automatic level.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub black: Option<f64>,
-    /// Level shown as 1, of 255; automatic without one.
+    /// Level shown as 1, of 255; `None` for an automatic level.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub white: Option<f64>,
-    /// Gamma: what is shown is raised to 1 / gamma, so that above 1 it lifts the dark.
+    /// Gamma: the shown brightness is raised to 1 / gamma, so that a gamma above 1 brightens dark
+    /// echoes.
     pub gamma: f64,
-    /// True if later pings stand to the left, or above.
+    /// True if later pings are shown to the left, or above.
     pub flip: bool,
     /// True if port is shown where starboard is, and starboard where port is. The data stay as they
     /// are.
@@ -54,24 +56,23 @@ impl Default for PictureSettings {
     }
 }
 
-/// Effect of the settings on the echoes of a log, in numbers: the part of them that a histogram
-/// depends on.
+/// Numbers of the settings for the echoes of a log: those that a histogram depends on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tone {
-    /// True if the gain table acts.
+    /// True if levels are multiplied by the gain table.
     pub is_normalised: bool,
-    /// True if the stripe filter acts.
+    /// True if levels are multiplied by the factors of the stripe filter.
     pub is_even: bool,
-    /// dB for each decade of slant range.
+    /// Time-varied gain for spreading, dB for each decade of slant range.
     pub spreading_db: f32,
-    /// dB for each metre of the way there and back, as one way counts twice.
+    /// Time-varied gain for absorption, dB for each metre of the path of sound, there and back.
     pub absorption_db_m: f32,
-    /// Factors of port and starboard.
+    /// Balance: factors of port and starboard.
     pub sides: [f32; 2],
 }
 
 impl PictureSettings {
-    /// The numbers of the settings.
+    /// Returns the numbers of the settings for the echoes.
     pub fn tone(&self) -> Tone {
         let half = 10f64.powf(self.balance_db / 40.0) as f32;
         Tone {
@@ -83,7 +84,8 @@ impl PictureSettings {
         }
     }
 
-    /// The same with the levels, gain and filters of a fresh log: what `Reset` gives.
+    /// Returns the settings after `Reset`: levels, gain and filters as for a new log, with the
+    /// arrangement of the picture kept.
     pub fn reset(&self) -> Self {
         Self { flip: self.flip, starboard_first: self.starboard_first, ..Self::default() }
     }
@@ -102,8 +104,8 @@ impl Tone {
             }
     }
 
-    /// Factor of time-varied gain and balance on echoes of a side at a slant range, metres: `k
-    /// log10 r + 2 alpha r` dB of amplitude, 0 dB at `middle_m`.
+    /// Returns the factor of time-varied gain and balance on echoes of a side at a slant range,
+    /// metres: `k log10 r + 2 alpha r` dB of amplitude, 0 dB at `middle_m`.
     pub fn factor(&self, side: Side, range_m: f32, middle_m: f32) -> f32 {
         let range_m = range_m.max(LEAST_RANGE_M);
         let spreading = self.spreading_db * (range_m / middle_m).log10();
@@ -113,8 +115,8 @@ impl Tone {
     }
 }
 
-/// Slant range below which time-varied gain does not change any more, metres: nothing is detected
-/// there but the pulse.
+/// Slant range below which time-varied gain is constant, metres: only the transmit pulse is
+/// detected there.
 pub const LEAST_RANGE_M: f32 = 0.05;
 
 #[cfg(test)]

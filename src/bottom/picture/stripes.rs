@@ -1,10 +1,11 @@
-//! The stripe filter: a factor for every ping that is brighter or darker than those about it.
+//! Computes the stripe filter: a factor for every ping that is brighter or darker than the pings
+//! around it.
 //!
-//! Interference of another sonar, a wave that tilts the boat or a hand on the recorder's gain makes
-//! a whole ping brighter or darker; the ground does not change from one ping to the next. The level
-//! of a ping is the mean of the middle of its echoes, which an object or a shadow in it does not
-//! move, and it is brought to the median of the pings about it, which keeps the edge between two
-//! grounds.
+//! Interference of another sonar, a wave that tilts the boat or a change of the recorder's gain
+//! makes a whole ping brighter or darker; the ground does not change from one ping to the next. The
+//! level of a ping is the mean of the middle part of its sorted echoes, which an object or a shadow
+//! hardly changes. It is scaled to the median of the pings around it, which keeps the edge between
+//! two kinds of ground.
 
 use super::PingScales;
 use bathyscope_log::support::progress::{Cancelled, Progress};
@@ -12,21 +13,21 @@ use bathyscope_log::support::statistics::median;
 use bathyscope_log::survey::{Side, Survey};
 use rayon::prelude::*;
 
-/// Pings before and behind that a ping is brought to the level of.
+/// Number of pings before and after a ping to whose median level it is scaled.
 const HALF_PINGS: usize = 8;
-/// Shares of a ping's echoes between which those count that make its level.
+/// Quantiles of the echoes of a ping between which they count for its level.
 const MIDDLE: [f64; 2] = [0.2, 0.8];
 /// Bounds of the factor.
 const FACTORS: [f32; 2] = [0.25, 4.0];
-/// Echoes on the ground below which a ping has no level of its own.
+/// Least number of echoes on the ground for which a ping has a level.
 const LEAST_ECHOES: u32 = 16;
-/// Least level that is divided by.
+/// Least level in the ratio of levels.
 const LEAST_LEVEL: f32 = 0.5;
-/// Pings between two looks at whether the work was cancelled.
+/// Number of pings between two checks for cancellation.
 const CHUNK: usize = 512;
 
-/// Factors that bring the pings of a log to the levels of those about them, by side, port first; 1
-/// where nothing was recorded.
+/// Returns the factors that scale the pings of a log to the levels of the pings around them, by
+/// side, port first; 1 where nothing was recorded.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -51,7 +52,8 @@ pub fn stripe_factors(
     Ok([side(Side::Port)?, side(Side::Starboard)?])
 }
 
-/// Mean of the middle of the echoes on the ground; NaN of a ping without enough of them.
+/// Returns the mean of the middle part of the sorted echoes on the ground; NaN for a ping with too
+/// few echoes.
 fn level(
     survey: &Survey,
     scales: &PingScales,
@@ -69,7 +71,8 @@ fn level(
     middle_mean(echoes)
 }
 
-/// Mean of the echoes between two quantiles, counted by their levels.
+/// Returns the mean of the echoes between two quantiles, computed from counts of the levels; NaN
+/// for too few echoes.
 fn middle_mean(echoes: &[u8]) -> f32 {
     let mut counts = [0_u32; 256];
     for &echo in echoes {
@@ -90,7 +93,7 @@ fn middle_mean(echoes: &[u8]) -> f32 {
     (sum / (to - from)) as f32
 }
 
-/// Returns the factors that bring every level to the median of those about it.
+/// Returns the factors that scale every level to the median of the levels around it.
 fn factors(levels: &[f32]) -> Vec<f32> {
     let factor = |(ping, &level): (usize, &f32)| {
         if level.is_nan() {

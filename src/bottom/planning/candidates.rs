@@ -1,5 +1,5 @@
-//! Lines that could be sailed: over many headings and offsets, each with the stretch that reduces
-//! the uncertainty most for its time.
+//! Finds lines that could be sailed: over many headings and offsets, the stretch of each line that
+//! reduces the uncertainty most for its time.
 
 use super::ground::PlanningGrid;
 use super::turns::{Leg, apart_m};
@@ -9,29 +9,29 @@ use std::collections::VecDeque;
 use std::f64::consts::PI;
 use std::ops::Range;
 
-/// Headings that are tried over half a turn.
+/// Number of headings that are tried, over half a turn.
 const HEADINGS: usize = 18;
-/// Lines of one heading that are evaluated closely.
+/// Number of lines of one heading that are returned as candidates.
 const BEST_OF_HEADING: usize = 6;
 /// Least distance between lines of one heading, metres.
 const LEAST_OFFSET_M: f64 = 1.0;
-/// Worth of a line across an object that was seen from one side only: that of depths for this many
-/// square metres of which nothing is known.
+/// Worth of a line past an object that was seen from one side only, as square metres of ground
+/// without any known depth.
 const OBJECT_M2: f64 = 150.0;
-/// Length of a line beside an object, to either side, metres: its shadow and its ends are in the
-/// picture then.
+/// Length of a line before and after the place beside an object, metres, so that its shadow and its
+/// ends are in the picture.
 const BESIDE_M: f64 = 5.0;
-/// Rounds of Dinkelbach's method: three or four are usual.
+/// Largest number of rounds of Dinkelbach's method: three or four are usual.
 const ROUNDS: usize = 12;
 
-/// Limits of a line.
+/// Speed, turn radius and length that limit a line.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits {
-    /// Metres a second.
+    /// Speed of the boat, metres a second.
     pub speed_mps: f64,
     /// Least radius of a turn, metres.
     pub radius_m: f64,
-    /// Longest line, metres.
+    /// Greatest length of a line, metres.
     pub most_m: f64,
 }
 
@@ -42,23 +42,25 @@ impl Limits {
     }
 }
 
-/// A line that could be sailed.
+/// Line that could be sailed.
 #[derive(Clone, Debug)]
 pub(super) struct CandidateLine {
     from: [f64; 2],
-    /// Unit vector.
+    /// Unit vector along the line.
     course: [f64; 2],
     step_m: f64,
-    /// Reduction of the uncertainty by each step: metres of standard deviation times square metres.
+    /// Reduction of the uncertainty by each step of the line: metres of standard deviation times
+    /// square metres.
     gains: Vec<f32>,
     /// Sum of the gains of all steps.
     pub gain: f64,
-    /// Estimated gain in a second, with the way to its start as the crow flies.
+    /// Estimated gain in a second, including the time of a turn and of the straight way to the
+    /// line.
     rate: f64,
 }
 
 impl CandidateLine {
-    /// The line.
+    /// Returns the line from its start to its end.
     pub(super) fn leg(&self) -> Leg {
         let length_m = self.step_m * self.gains.len() as f64;
         Leg {
@@ -67,8 +69,8 @@ impl CandidateLine {
         }
     }
 
-    /// The same without some metres, from whichever end mends less; `None` where too little is
-    /// left.
+    /// Returns the line shortened by some metres at its ends, where this loses least gain; `None`
+    /// where less than `least_m` would remain.
     pub(super) fn shortened(&self, by_m: f64, least_m: f64) -> Option<Self> {
         let steps = (by_m / self.step_m).ceil().max(1.0) as usize;
         let left = self.gains.len().checked_sub(steps)?;
@@ -90,8 +92,8 @@ impl CandidateLine {
     }
 }
 
-/// The lines that promise most for their time, best first. `ends` are those of the lines that are
-/// planned already: from one of them the boat comes.
+/// Returns the lines with the largest gain for their time, best first. `ends` are the ends of the
+/// lines that are already planned: the boat comes from one of them.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -113,14 +115,14 @@ pub(super) fn candidates(
     Ok(found)
 }
 
-/// Parallel lines over the water, with the gain of each of their steps.
+/// Parallel lines over the water, with the gain of each step.
 struct ParallelLines {
     /// Unit vectors along the lines and across them.
     along: [f64; 2],
     across: [f64; 2],
-    /// Beginning of the first step of the first line, along and across, metres.
+    /// Start of the first step of the first line, along and across, metres.
     origin: [f64; 2],
-    /// Length of a step and distance of two lines, metres.
+    /// Length of a step, and distance between neighbouring lines, metres.
     step_m: f64,
     offset_m: f64,
     steps: usize,
@@ -157,7 +159,7 @@ impl ParallelLines {
         sheet
     }
 
-    /// Adds the gain of every line from the cells on both sides of it.
+    /// Adds the gain of every line at the cells on both sides of it.
     fn add_ground(&mut self, ground: &PlanningGrid) {
         let cell_m2 = ground.cell_m2() as f32;
         for cell in &ground.cells {
@@ -214,7 +216,7 @@ impl ParallelLines {
         [0, 1].map(|axis| a * self.along[axis] + b * self.across[axis])
     }
 
-    /// The best stretches of its lines.
+    /// Returns the best stretches of the lines, best first, at most [`BEST_OF_HEADING`].
     fn best(
         &self,
         ground: &PlanningGrid,
@@ -255,7 +257,7 @@ impl ParallelLines {
         found
     }
 
-    /// Steps of a line in open water, with room to turn at both ends.
+    /// Returns the runs of steps of a line in open water, with room to turn at both ends.
     fn runs(&self, ground: &PlanningGrid, line: usize, radius_m: f64) -> Vec<Range<usize>> {
         let room = (radius_m / self.step_m).ceil() as usize + 1;
         let mut runs = Vec::new();
@@ -276,17 +278,18 @@ impl ParallelLines {
     }
 }
 
-/// A place along and across.
+/// Returns the coordinates of a place along and across the lines.
 fn turned(place: [f64; 2], along: [f64; 2], across: [f64; 2]) -> [f64; 2] {
     [along, across].map(|axis| place[0] * axis[0] + place[1] * axis[1])
 }
 
-/// The stretch of `gains`, `least` to `most` steps long, with the largest gain for its time, each
-/// step taking `step_s` and the whole `extra_s` more; with that gain. `None` where there is nothing
-/// to gain, or no such stretch.
+/// Returns the stretch of `gains`, `least` to `most` steps long, with the largest gain for its
+/// time, and that gain. Each step takes `step_s`, and the whole stretch `extra_s` more. `None`
+/// where there is no gain, or no such stretch.
 ///
-/// W. Dinkelbach (On nonlinear fractional programming, 1967): what is best for its time at a rate
-/// is found as a sum, and gives a better rate, until that stays.
+/// The method is that of W. Dinkelbach (On nonlinear fractional programming, 1967): at a given
+/// rate, the best stretch is found as a largest sum; this stretch gives a better rate, until the
+/// rate no longer grows.
 fn best_stretch(
     gains: &[f32],
     least: usize,
@@ -317,11 +320,11 @@ fn best_stretch(
     best
 }
 
-/// The stretch with the largest sum less `cost` a step.
+/// Returns the stretch with the largest sum less `cost` for each step.
 fn largest(sums: &[f64], least: usize, most: usize, cost: f64) -> Option<Range<usize>> {
     let at = |index: usize| sums[index] - cost * index as f64;
-    // Starts that may still be the best one, in the order of place and of what stands there, both
-    // rising.
+    // Starts that may still be the best one, in order of their place; their values rise in this
+    // order too.
     let mut starts: VecDeque<usize> = VecDeque::new();
     let mut best: Option<(f64, Range<usize>)> = None;
     for end in least..sums.len() {

@@ -1,5 +1,5 @@
-//! The ground cell by cell: how far the nearest sounding is, how often it was insonified, and what
-//! that leaves in doubt.
+//! Describes each cell of the ground: its distance to the nearest sounding, the number of passes
+//! that insonified it, and the uncertainty of its depth.
 
 use super::known::{Doubt, SeenObject, SigmaLaw, SurveyCoverage};
 use super::turns::apart_m;
@@ -7,56 +7,58 @@ use super::water::{Water, thinned};
 use crate::nearest::Nearest;
 use rayon::prelude::*;
 
-/// A doubt lies on the cells within this distance of a crossing, metres, and a pass within it
-/// helps.
+/// Distance from a crossing within which its doubt applies to cells, and within which a pass
+/// reduces the doubt of a cell, metres.
 const DOUBT_M: f64 = 5.0;
-/// Least difference that counts as a doubt, in standard deviations of a depth at a sounding.
+/// Least difference of two passes that counts as a doubt, in standard deviations of a depth at a
+/// sounding.
 const DOUBT_SIGMAS: f64 = 2.0;
-/// Most doubts that are evaluated.
+/// Largest number of doubts that are evaluated.
 const MOST_DOUBTS: usize = 500;
-/// Share that a third pass leaves of the standard deviation of the mean of two passes that differ:
-/// the root of two thirds.
+/// Factor of a third pass on the standard deviation of the mean of two passes that differ: the root
+/// of two thirds.
 const THIRD_PASS: f32 = 0.816_5;
 /// Worth of the first and the second look of the side-scan at a place, as shares of the standard
-/// deviation where nothing is known: less than a depth, since a plan is for depths, and enough that
-/// lines keep to distances at which the range covers the ground twice.
+/// deviation where nothing is known. A look is worth less than a depth, since a plan is for depths,
+/// and enough to keep lines at distances at which the range covers the ground twice.
 const LOOK_WORTH: [f32; 2] = [0.05, 0.025];
 
-/// A cell of the water.
+/// Cell of the water.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct WaterCell {
-    /// Its centre.
+    /// Centre of the cell.
     pub place: [f64; 2],
     /// Distance to the nearest sounding, metres.
     pub distance_m: f32,
-    /// Standard deviation from passes that disagree here, metres.
+    /// Standard deviation from passes that disagree at this cell, metres.
     pub doubt_m: f32,
-    /// Passes that insonified it, up to 2.
+    /// Number of passes that insonified the cell, up to 2.
     pub looks: u8,
 }
 
-/// Knowledge of each cell of the water, and the objects on it.
+/// State of each cell of the water, and objects on it.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct PlanningGrid {
     /// The water.
     pub water: Water,
-    /// Its cells, in the order of [`Water::cells`].
+    /// Cells of the water, in the order of [`Water::cells`].
     pub cells: Vec<WaterCell>,
-    /// The objects in it or near it.
+    /// Objects in the water or near it.
     pub objects: Vec<SeenObject>,
     /// Standard deviation of a depth by the distance to the nearest sounding.
     pub sigma: SigmaLaw,
-    /// Ground nearer to a sounding than this counts as mended, metres: half of the spacing that was
-    /// asked for.
+    /// Distance to a sounding below which the uncertainty of the ground does not fall any further,
+    /// metres: half of the requested spacing.
     pub mended_m: f32,
-    /// Distance across the track that side-scan insonifies, metres; 0 without any.
+    /// Distance across the track that side-scan insonifies, metres; 0 without side-scan.
     pub swath_m: f64,
-    /// Distances across the track from and to which an object shows echo and shadow, metres.
+    /// Smallest and largest distance across the track at which an object shows echo and shadow,
+    /// metres.
     pub useful_m: [f64; 2],
 }
 
 impl PlanningGrid {
-    /// Creates the grid from what a survey knows, in some water.
+    /// Creates the grid of some water from the coverage of a survey.
     pub(super) fn new(known: &SurveyCoverage, water: Water, spacing_m: Option<f64>) -> Self {
         let soundings = Nearest::of(&thinned(&known.soundings, 0.25 * water.grid.cell_m));
         let doubts = largest(known);
@@ -65,7 +67,7 @@ impl PlanningGrid {
         let cell = |&(index, place): &(usize, [f64; 2])| {
             let distance_m = soundings.as_ref().map(|near| near.distance_m(place));
             let near = doubts.iter().filter(|doubt| apart_m(doubt.place, place) < DOUBT_M);
-            // The mean of two passes is off by half of their difference.
+            // The error of the mean of two passes is half of their difference.
             let doubt_m = near.map(|doubt| 0.5 * doubt.difference_m.abs()).fold(0.0, f64::max);
             WaterCell {
                 place,
@@ -83,12 +85,12 @@ impl PlanningGrid {
             sigma: known.sigma.clone(),
             mended_m: spacing_m.map_or(0.0, |spacing_m| (0.5 * spacing_m) as f32),
             swath_m,
-            // Nearer than the depth an object is below the boat, and has no shadow to speak of.
+            // At less than the depth an object is below the boat, and has hardly any shadow.
             useful_m: [known.depth_m.min(0.5 * swath_m), 0.8 * swath_m],
         }
     }
 
-    /// Standard deviation of the depth of a cell, metres.
+    /// Returns the standard deviation of the depth of a cell, metres.
     pub(super) fn sigma_m(&self, cell: &WaterCell) -> f32 {
         self.sigma_at(cell.distance_m, cell.doubt_m)
     }
@@ -98,7 +100,8 @@ impl PlanningGrid {
         if doubt_m > 0.0 { sigma_m.hypot(doubt_m).min(self.sigma.limit_m()) } else { sigma_m }
     }
 
-    /// Returns the reduction of the standard deviation of a cell by a pass at a distance, metres.
+    /// Returns the reduction of the standard deviation `sigma_m` of a cell by a pass at a distance
+    /// of `pass_m`, metres, with the worth of a look of the side-scan.
     pub(super) fn mended_by(&self, cell: &WaterCell, sigma_m: f32, pass_m: f32) -> f32 {
         let doubt_m =
             if pass_m < DOUBT_M as f32 { THIRD_PASS * cell.doubt_m } else { cell.doubt_m };
@@ -115,7 +118,7 @@ impl PlanningGrid {
         fall_m + look.map_or(0.0, |share| share * self.sigma.limit_m())
     }
 
-    /// The farthest that a pass can be to mend a cell at all, metres.
+    /// Returns the largest distance at which a pass can improve a cell, metres.
     pub(super) fn reach_m(&self, cell: &WaterCell) -> f64 {
         let depth_m = f64::from(cell.distance_m).min(self.sigma.reach_m());
         let doubt_m = if cell.doubt_m > 0.0 { DOUBT_M } else { 0.0 };
@@ -123,8 +126,8 @@ impl PlanningGrid {
         depth_m.max(doubt_m).max(look_m)
     }
 
-    /// The ground after a straight pass from one place to another; `is_line` where its side-scan
-    /// counts, which that of a turn does not.
+    /// Updates the cells and objects after a straight pass from one place to another. `is_line` is
+    /// true if its side-scan counts, which is not used in turns.
     pub(super) fn sail(&mut self, from: [f64; 2], to: [f64; 2], is_line: bool) {
         let way = [to[0] - from[0], to[1] - from[1]];
         let length_m = way[0].hypot(way[1]);
@@ -132,7 +135,7 @@ impl PlanningGrid {
             return;
         }
         let swath_m = if is_line { self.swath_m } else { 0.0 };
-        // How far along the way a place lies, and how far beside it.
+        // Distances of a place along the way and across it.
         let off_m = |place: [f64; 2]| {
             let [x, y] = [0, 1].map(|axis| place[axis] - from[axis]);
             let along_m = (x * way[0] + y * way[1]) / length_m;
@@ -162,13 +165,13 @@ impl PlanningGrid {
         }
     }
 
-    /// Square metres of a cell.
+    /// Returns the area of a cell, square metres.
     pub(super) fn cell_m2(&self) -> f64 {
         self.water.grid.cell_m.powi(2)
     }
 }
 
-/// The doubts that noise does not explain, the largest of them.
+/// Returns the largest of the doubts that noise does not explain.
 fn largest(known: &SurveyCoverage) -> Vec<Doubt> {
     let least_m = DOUBT_SIGMAS * f64::from(known.sigma.at(0.0));
     let doubts = known.doubts.iter().copied();
@@ -180,12 +183,12 @@ fn largest(known: &SurveyCoverage) -> Vec<Doubt> {
     doubts
 }
 
-/// Distance across the track on a level bottom.
+/// Returns the distance across the track of a slant range on a level bottom, metres.
 fn across_m(range_m: f64, depth_m: f64) -> f64 {
     (range_m * range_m - depth_m * depth_m).max(0.0).sqrt()
 }
 
-/// Number of passes that insonified each cell of the grid, up to 2.
+/// Returns the number of passes that insonified each cell of the grid, up to 2.
 fn counted(water: &Water, looks: &[super::known::InsonifiedSide]) -> Vec<u8> {
     let grid = &water.grid;
     let mut counts = vec![0_u8; grid.len()];

@@ -1,70 +1,71 @@
-//! Knowledge of a survey about its ground, as far as a plan needs it. All in one plane, metres east
-//! and north.
+//! Defines the survey coverage that a plan needs. All places are in one plane, metres east and
+//! north.
 
 use crate::bathymetry::SigmaByDistance;
 
-/// Survey coverage: places that were sailed over, and what is known from them.
+/// Survey coverage: places of the soundings, and results from them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SurveyCoverage {
     /// Places of the soundings.
     pub soundings: Vec<[f64; 2]>,
-    /// Standard deviation of a depth by the distance from them.
+    /// Standard deviation of a depth by the distance from the nearest sounding.
     pub sigma: SigmaLaw,
     /// Ground that side-scan pings insonified.
     pub looks: Vec<InsonifiedSide>,
-    /// Objects with the directions that they were seen from.
+    /// Objects with the headings at which they were detected.
     pub objects: Vec<SeenObject>,
     /// Places where passes disagree about the depth.
     pub doubts: Vec<Doubt>,
     /// Usual depth, metres.
     pub depth_m: f64,
-    /// Usual slant range of the side-scan, metres; 0 without any.
+    /// Usual slant range of the side-scan, metres; 0 without side-scan.
     pub range_m: f64,
     /// Usual speed of the boat, metres a second; NaN where it is not known.
     pub speed_mps: f64,
-    /// Widest gap between soundings that the depth map spans (`surface.max_gap_m`), metres.
+    /// Widest gap between soundings that the depth map closes (`surface.max_gap_m`), metres.
     pub max_gap_m: f64,
 }
 
-/// The ground that one ping insonified on one side.
+/// Ground that one ping insonified on one side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InsonifiedSide {
     /// Place below the boat.
     pub from: [f64; 2],
     /// Place at the end of the range.
     pub to: [f64; 2],
-    /// Pings of one pass have the same number.
+    /// Number of the pass, the same for all its pings.
     pub pass: u32,
 }
 
-/// An object on the bottom.
+/// Object on the bottom.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SeenObject {
-    /// Its place.
+    /// Place of the object.
     pub place: [f64; 2],
-    /// Headings of the boat when it was seen, radians.
+    /// Headings of the boat when the object was detected, radians.
     pub headings_rad: Vec<f64>,
 }
 
-/// A place where two passes differ.
+/// Place where two passes differ in depth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Doubt {
-    /// Place where they cross.
+    /// Place where the passes cross.
     pub place: [f64; 2],
-    /// Difference of their depths, metres.
+    /// Difference of the depths of both passes, metres.
     pub difference_m: f64,
 }
 
 impl SeenObject {
-    /// Returns how well the directions that it was seen from complete each other: the largest sine
-    /// squared of an angle between two of them, 1 at right angles, 0 from one side only.
+    /// Returns how well the headings at which the object was detected complement each other: the
+    /// largest sine squared of an angle between two of them, 1 at right angles, 0 with one heading
+    /// only.
     pub fn crossing(&self) -> f64 {
         let each = self.headings_rad.iter().enumerate();
         each.map(|(index, heading)| crossed(&self.headings_rad[..index], *heading))
             .fold(0.0, f64::max)
     }
 
-    /// The same with one more heading.
+    /// Returns [`SeenObject::crossing`] with one more heading.
     pub(crate) fn crossing_with(&self, heading_rad: f64) -> f64 {
         self.crossing().max(crossed(&self.headings_rad, heading_rad))
     }
@@ -75,28 +76,29 @@ fn crossed(headings_rad: &[f64], other_rad: f64) -> f64 {
     sines.map(|sine| sine * sine).fold(0.0, f64::max)
 }
 
-/// The standard deviation of a depth's error by the distance to the nearest sounding, up to what it
-/// is where nothing is known.
+/// Standard deviation of the error of a depth by the distance to the nearest sounding, up to the
+/// limit where nothing is known.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SigmaLaw {
-    /// Standard deviations at multiples of [`STEP_M`]; the last is that of all distances beyond.
+    /// Standard deviations at multiples of [`STEP_M`]; the last one applies to all larger
+    /// distances.
     steps_m: Vec<f32>,
 }
 
-/// Distances between the steps of a law, metres.
+/// Distance between the steps of a law, metres.
 const STEP_M: f64 = 0.1;
 /// Farthest distance of any law, metres.
 const FARTHEST_M: f64 = 500.0;
 /// Standard deviation at a sounding, metres, and its rise for each metre from it, for a survey with
-/// too few soundings to leave some out. The ponds of `cargo bench -- surface` have 0.01 to 0.06 a
-/// metre.
+/// too few soundings for a cross-validation. The ponds of `cargo bench -- surface` have 0.01 to
+/// 0.06 for each metre.
 const USUAL_SIGMA_M: f64 = 0.05;
 const USUAL_RISE: f64 = 0.04;
 /// Least limit of a law, metres; the limit is the standard deviation of a guess of the mean depth.
 const LEAST_LIMIT_M: f64 = 0.1;
 
 impl SigmaLaw {
-    /// Creates the law from left-out soundings where there were enough, else with a usual rise;
+    /// Creates the law from left-out soundings; without them (`None`), from a usual rise. It is
     /// nowhere more than `limit_m`, the spread of the depths of the survey, which is the error of
     /// the mean depth.
     pub fn new(left_out: Option<&SigmaByDistance>, limit_m: f64) -> Self {

@@ -1,17 +1,17 @@
 //! Plans the lines to sail next: those that reduce the uncertainty of a survey most in a number of
 //! minutes.
 //!
-//! In: survey coverage, and where water is. Out: lines in the order of sailing, with the reduction
-//! of the uncertainty.
+//! In: survey coverage, and the water. Out: lines in the order of sailing, with the reduction of
+//! the uncertainty.
 //!
-//! `known` is what a survey knows of its ground, `water` where a boat may sail, `ground` what each
-//! cell of it lacks: depths (by the distance to the nearest sounding, `known::SigmaLaw`), a first
+//! `known` holds the survey coverage, `water` where a boat may sail. `ground` holds what each cell
+//! of the water lacks: depths (by the distance to the nearest sounding, `known::SigmaLaw`), a first
 //! or second look of the side-scan, a third pass where two disagree, another side of an object.
-//! `candidates` are straight lines over many headings, each with the stretch that
-//! reduces the uncertainty most for its time; the best by far, counted with the turns to it, is
-//! taken, what it mends is taken off, and so on until the minutes are used or no line is worth its
-//! time. `route` orders the lines, with `turns` that the boat can make and that stay in the water.
-//! `plan` is what comes out.
+//! `candidates` finds straight lines over many headings, each with the stretch that reduces the
+//! uncertainty most for its time. The best line, counted with the turns to it, is taken, and its
+//! reduction is subtracted from the ground; this is repeated until the minutes are used or no line
+//! is worth its time. `route` orders the lines, with `turns` that the boat can make and that stay
+//! in the water. `plan` holds the resulting plan.
 
 mod candidates;
 mod ground;
@@ -31,42 +31,42 @@ use ground::PlanningGrid;
 use route::{Insertion, Route};
 use water::Water;
 
-/// Times the widest gap of a depth map that an outline of what was sailed closes to either side: a
-/// strip of three gaps between two lines is water.
+/// Distance to either side over which the outline of the sailed water closes gaps, in widest gaps
+/// of the depth map: a strip of three gaps between two lines is water.
 const CLOSED_GAPS: f64 = 1.5;
-/// Candidates that a turn leads to, of which the best is taken.
+/// Number of candidates with a turn to them of which the best is chosen.
 const LOOKED_AT: usize = 40;
-/// Most lines of a plan.
+/// Largest number of lines in a plan.
 const MOST_LINES: usize = 400;
-/// A line that mends less than this share of what the first does in the same time is not worth
-/// sailing: the plan ends before it.
+/// Least gain of a line for its length, as a share of that of the first line: the plan ends before
+/// a line with less.
 const WORTH: f64 = 0.03;
 
 /// Reason why there is no plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum PlanError {
-    /// No log to plan from.
+    /// There is no log to plan from.
     #[error("there is no log to plan from")]
     NoLog,
-    /// A survey without soundings.
+    /// The survey has no soundings.
     #[error(
         "the survey has no depths to plan from; process logs that hold soundings or side-scan with positions"
     )]
     NoDepths,
-    /// Less time than any line takes.
+    /// The time is too short for any line.
     #[error(
         "no line fits into the time; give more minutes, a faster boat or a smaller turn radius"
     )]
     NoTime,
-    /// A polygon with nothing in it.
+    /// The polygon holds no water to sail on.
     #[error(
         "the area holds no water to sail on: it has no extent, or is narrower than a few metres everywhere"
     )]
     NoArea,
-    /// A polygon elsewhere.
+    /// The polygon is away from the survey.
     #[error("the area lies away from the survey; give one that the logs lie in or beside")]
     AreaElsewhere,
-    /// Water without room for a line.
+    /// The water has no room for a line.
     #[error(
         "no line fits into the water with room to turn at its ends; give a smaller turn radius or a larger area"
     )]
@@ -74,7 +74,7 @@ pub enum PlanError {
     /// Everything is known as well as it can be.
     #[error("there is nothing left to mend in the area")]
     NothingToMend,
-    /// A number out of bounds.
+    /// A setting is out of bounds.
     #[error("{0}")]
     Settings(&'static str),
     /// The work was cancelled.
@@ -83,14 +83,15 @@ pub enum PlanError {
 }
 
 impl PlanError {
-    /// Returns true if it is about the area that was given.
+    /// Returns true if the error is about the area that was given.
     pub fn is_about_area(&self) -> bool {
         matches!(self, PlanError::NoArea | PlanError::AreaElsewhere)
     }
 }
 
-/// Plans lines that mend the most of a survey in the time of the settings, in the water within
-/// `area` (rings in the survey's plane, metres) or within the outline of what was sailed.
+/// Plans the lines that reduce the uncertainty of a survey most in the time of the settings, in the
+/// water within `area` (rings in the survey's plane, metres), or within the outline of the sailed
+/// water if `area` is `None`.
 ///
 /// The same input gives the same plan.
 ///
@@ -118,7 +119,7 @@ pub fn plan(
     Ok(Plan::new(whole, legs, settings, speed_mps))
 }
 
-/// The water of an area that the survey lies in or beside.
+/// Returns the water of an area; an error if the survey is not in or near it.
 fn within(rings: &[Vec<[f64; 2]>], known: &SurveyCoverage) -> Result<Water, PlanError> {
     let water = Water::within(rings).ok_or(PlanError::NoArea)?;
     let near_m = known.sigma.reach_m().max(known.max_gap_m);
@@ -133,7 +134,7 @@ fn within(rings: &[Vec<[f64; 2]>], known: &SurveyCoverage) -> Result<Water, Plan
     if known.soundings.iter().any(is_near) { Ok(water) } else { Err(PlanError::AreaElsewhere) }
 }
 
-/// The lines in the order of sailing.
+/// Chooses the lines, and returns them in the order of sailing.
 fn sailed(
     whole: &PlanningGrid,
     settings: &PlanSettings,
@@ -159,7 +160,7 @@ fn sailed(
         }
         let Some((rate, insertion, leg)) = best(&found, &mut route, budget_m - used_m, &limits)
         else {
-            // What the order wastes may be enough for one more.
+            // A better order may save enough length for one more line.
             if route.improve() < 0.5 * radius_m {
                 break;
             }
@@ -180,7 +181,7 @@ fn sailed(
     if legs.is_empty() { Err(PlanError::NoTime) } else { Ok(legs) }
 }
 
-/// Returns the reason why no line was found in ground that none was planned in yet.
+/// Returns the reason why not even a first line was found.
 fn why_none(ground: &PlanningGrid, limits: &Limits) -> PlanError {
     let is_mendable = |cell: &ground::WaterCell| {
         let sigma_m = ground.sigma_m(cell);
@@ -193,8 +194,9 @@ fn why_none(ground: &PlanningGrid, limits: &Limits) -> PlanError {
     }
 }
 
-/// The candidate that reduces the uncertainty most for its time, counted with the turns to it, that
-/// fits into the rest of the way, shortened where it must be; with what it mends a metre.
+/// Returns the candidate that reduces the uncertainty most for its length, counted with the turns
+/// to it, with its gain for each metre and its place in the route; `None` if no candidate fits into
+/// the remaining length. Candidates are shortened where they must be.
 fn best(
     found: &[CandidateLine],
     route: &mut Route<'_>,
@@ -212,7 +214,7 @@ fn best(
     best
 }
 
-/// Times that a line is made shorter to fit into the rest of the way.
+/// Largest number of times that a line is shortened to fit into the remaining length.
 const SHORTENED: usize = 4;
 
 fn fitted(

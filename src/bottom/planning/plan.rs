@@ -1,4 +1,4 @@
-//! A plan: its lines, the way through them, and what it will leave of the doubt.
+//! Computes a plan from its lines: the way through them, and the uncertainty that remains after it.
 
 use super::ground::PlanningGrid;
 use super::route::link;
@@ -6,9 +6,10 @@ use super::turns::{Leg, turns};
 use super::{PlanError, SeenObject, SurveyCoverage};
 use crate::bathymetry::Grid;
 
-/// Usual speed of a boat, where the survey does not determine it, metres a second.
+/// Speed of a boat where neither the settings nor the survey determine it, metres a second.
 const USUAL_SPEED_MPS: f64 = 1.5;
-/// A straight piece between two turns has no places but its ends.
+/// Distance between places on a straight piece of the way, metres: so long that a piece has no
+/// places but its ends.
 const STRAIGHT_M: f64 = 1e9;
 
 /// Time, speed and limits that a plan is made for.
@@ -16,12 +17,12 @@ const STRAIGHT_M: f64 = 1e9;
 pub struct PlanSettings {
     /// Time from the start of the first line to the end of the last, minutes.
     pub minutes: f64,
-    /// Speed over ground, metres a second; the survey's own where it is not given.
+    /// Speed over ground, metres a second; `None` for the usual speed of the survey.
     pub speed_mps: Option<f64>,
-    /// Least radius that the boat turns with, metres.
+    /// Least turn radius of the boat, metres.
     pub turn_radius_m: f64,
-    /// Distance between lines that is close enough, metres; where it is not given, lines come
-    /// closer as long as that mends more than all else.
+    /// Distance between lines that is close enough, metres. `None`: lines come closer as long as
+    /// that reduces the uncertainty most.
     pub spacing_m: Option<f64>,
 }
 
@@ -32,10 +33,10 @@ impl Default for PlanSettings {
 }
 
 impl PlanSettings {
-    /// Refuses what no boat does.
+    /// Checks that the numbers are possible for a boat.
     ///
     /// # Errors
-    /// A sentence about the first number that is out of bounds.
+    /// When a number is out of bounds: a sentence about the first one.
     pub fn check(&self) -> Result<(), PlanError> {
         let within = |value: f64, least: f64, most: f64| (least..=most).contains(&value);
         let optional = |value: Option<f64>, least: f64, most: f64| {
@@ -56,53 +57,54 @@ impl PlanSettings {
         Ok(())
     }
 
-    /// The speed, from the survey where it is not given.
+    /// Returns the speed in the settings, or else that of the survey if it is possible, or else a
+    /// usual speed, metres a second.
     pub(super) fn speed_of(&self, known: &SurveyCoverage) -> f64 {
         let own = Some(known.speed_mps).filter(|speed| (0.1..=20.0).contains(speed));
         self.speed_mps.or(own).unwrap_or(USUAL_SPEED_MPS)
     }
 }
 
-/// Kind of a place of the way.
+/// Kind of a place on the way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WaypointKind {
-    /// The start of a line, counted from 0.
+    /// The start of the line with this index.
     Start(usize),
-    /// The end of a line.
+    /// The end of the line with this index.
     End(usize),
-    /// A place of a turn between two lines.
+    /// A corner of a turn between two lines.
     Turn,
 }
 
-/// A place of the way.
+/// Place on the way.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Waypoint {
-    /// Metres east and north.
+    /// Place, metres east and north.
     pub place: [f64; 2],
     /// Kind of the place.
     pub station: WaypointKind,
 }
 
-/// Uncertainty of the water's depths, and its coverage by side-scan.
+/// Uncertainty of the depths of the water, and its coverage by side-scan.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WaterState {
-    /// Predicted standard deviation of the depth by cell, metres; NaN outside of the water.
+    /// Predicted standard deviation of the depth of each cell, metres; NaN outside the water.
     pub sigma_m: Vec<f32>,
-    /// Mean of it over the water, metres.
+    /// Mean of the standard deviation over the water, metres.
     pub mean_sigma_m: f64,
-    /// Ground that no pass insonified, and that one did, square metres.
+    /// Area of the ground that no pass insonified, and of that which one pass did, square metres.
     pub looked_m2: [f64; 2],
-    /// Objects seen from one side only.
+    /// Number of objects seen from one side only.
     pub one_sided: usize,
 }
 
-/// Lines to sail, and what they are good for.
+/// Lines to sail, and their effect on the uncertainty.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
     ground: PlanningGrid,
     /// The lines in the order and direction of sailing.
     pub lines: Vec<Leg>,
-    /// The way through them: corners of the turns between the ends of lines.
+    /// The way through the lines: their ends, and the corners of the turns between them.
     pub way: Vec<Waypoint>,
     /// Length of the lines alone, metres.
     pub lines_m: f64,
@@ -112,9 +114,9 @@ pub struct Plan {
     pub speed_mps: f64,
     /// Least radius of the turns, metres.
     pub turn_radius_m: f64,
-    /// Turns that leave the water, since lines were drawn by hand so that none stays in it.
+    /// Number of turns that leave the water: of lines drawn by hand, no turn may stay in it.
     pub turns_outside: usize,
-    /// Square metres of the water.
+    /// Area of the water, square metres.
     pub area_m2: f64,
     /// State of the water after the survey.
     pub before: WaterState,
@@ -146,7 +148,7 @@ impl Plan {
         plan.with_lines(lines)
     }
 
-    /// The same with other lines, in their order.
+    /// Returns the plan with other lines, in their order.
     #[must_use]
     pub fn with_lines(&self, lines: Vec<Leg>) -> Self {
         let radius_m = self.turn_radius_m;
@@ -185,17 +187,17 @@ impl Plan {
         }
     }
 
-    /// Time from the start of the first line to the end of the last, minutes.
+    /// Returns the time from the start of the first line to the end of the last, minutes.
     pub fn minutes(&self) -> f64 {
         self.length_m / self.speed_mps / 60.0
     }
 
-    /// The cells of [`WaterState::sigma_m`].
+    /// Returns the grid of the cells of [`WaterState::sigma_m`].
     pub fn grid(&self) -> &Grid {
         &self.ground.water.grid
     }
 
-    /// Returns true if a place lies in the water that was planned for.
+    /// Returns true if a place is in the water of the plan.
     pub fn is_water(&self, place: [f64; 2]) -> bool {
         self.ground.water.holds(place)
     }
@@ -224,6 +226,6 @@ impl WaterState {
     }
 }
 
-/// An object whose looks cross at less than 30 degrees was seen from one side only: the sine
-/// squared of that.
+/// Crossing of the headings below which an object counts as seen from one side only: the sine
+/// squared of 30 degrees.
 const ONE_SIDED: f64 = 0.25;

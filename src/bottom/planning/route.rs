@@ -4,21 +4,21 @@ use super::turns::{Leg, Turn, TurnPose, apart_m, turns};
 use super::water::Water;
 use std::collections::HashMap;
 
-/// Rounds of improvement: each looks at all pairs of lines.
+/// Largest number of rounds of improvement; each round examines all pairs of lines.
 const ROUNDS: usize = 30;
-/// An improvement of less than this is none, metres.
+/// Least improvement that counts, metres.
 const LEAST_M: f64 = 1e-6;
-/// The nearest lines to a new one that it may be sailed before or after.
+/// Number of nearest lines that a new line may be sailed before or after.
 const NEAREST: usize = 12;
 
-/// The shortest turn between two poses that stays in the water; `None` where none does.
+/// Returns the shortest turn between two poses that stays in the water; `None` where none does.
 pub(super) fn link(water: &Water, from: TurnPose, to: TurnPose, radius_m: f64) -> Option<Turn> {
     let step_m = 0.5 * water.grid.cell_m;
     let stays = |turn: &Turn| water.holds_all(&turn.places(step_m));
     turns(from, to, radius_m).into_iter().find(stays)
 }
 
-/// A line by its number, and whether it is sailed from its end to its start.
+/// Index of a line; true if it is sailed from its end to its start.
 type Sailed = (usize, bool);
 
 /// Lines in the order of sailing.
@@ -28,7 +28,7 @@ pub(super) struct Route<'a> {
     radius_m: f64,
     lines: Vec<Leg>,
     order: Vec<Sailed>,
-    /// Lengths of links that were asked for; infinite where no turn stays in the water.
+    /// Lengths of the links computed so far, metres; infinite where no turn stays in the water.
     links: HashMap<(Sailed, Sailed), f64>,
 }
 
@@ -38,12 +38,12 @@ impl<'a> Route<'a> {
         Self { water, radius_m, lines: Vec::new(), order: Vec::new(), links: HashMap::new() }
     }
 
-    /// The lines in the order and the direction that they are sailed in.
+    /// Returns the lines in the order and direction of sailing.
     pub(super) fn legs(&self) -> Vec<Leg> {
         self.order.iter().map(|line| self.leg(*line)).collect()
     }
 
-    /// Length of all lines and the turns between them, metres.
+    /// Returns the length of all lines and the turns between them, metres.
     pub(super) fn length_m(&mut self) -> f64 {
         let lines_m: f64 = self.lines.iter().map(Leg::length_m).sum();
         let order = self.order.clone();
@@ -51,8 +51,8 @@ impl<'a> Route<'a> {
         lines_m + links.sum::<f64>()
     }
 
-    /// Returns the growth of the route by a line at its best place, metres, and that place; `None`
-    /// where no turn leads there.
+    /// Returns the growth of the route by a new line at its best place, metres, and that place;
+    /// `None` where no turn leads to the line.
     pub(super) fn growth(&mut self, leg: Leg) -> Option<(f64, Insertion)> {
         if self.order.is_empty() {
             return Some((leg.length_m(), Insertion { at: 0, leg }));
@@ -76,15 +76,15 @@ impl<'a> Route<'a> {
         best
     }
 
-    /// Puts a line where [`Route::growth`] found its place.
+    /// Inserts a line at the place that [`Route::growth`] found.
     pub(super) fn insert(&mut self, insertion: Insertion) {
         let Insertion { at, leg } = insertion;
         self.lines.push(leg);
         self.order.insert(at, (self.lines.len() - 1, false));
     }
 
-    /// Shortens the turns: stretches of the order are sailed backwards (2-opt), and single lines
-    /// elsewhere or the other way (or-opt). Gives the metres that this saves.
+    /// Shortens the turns: it reverses stretches of the order (2-opt), and moves or reverses single
+    /// lines (or-opt). Returns the saved length, metres.
     pub(super) fn improve(&mut self) -> f64 {
         let before_m = self.length_m();
         for _ in 0..ROUNDS {
@@ -95,8 +95,8 @@ impl<'a> Route<'a> {
         before_m - self.length_m()
     }
 
-    /// Reverses stretches while that shortens the way. A turn is as long the other way, so that
-    /// those within a stretch stay.
+    /// Reverses stretches of the order that shorten the way; returns true if any did. A turn has
+    /// the same length in both directions, so that the turns within a stretch stay.
     fn reverse_a_stretch(&mut self) -> bool {
         let count = self.order.len();
         let mut is_better = false;
@@ -121,7 +121,7 @@ impl<'a> Route<'a> {
         is_better
     }
 
-    /// Moves single lines while that shortens the way.
+    /// Moves or reverses single lines that shorten the way; returns true if any did.
     fn move_a_line(&mut self) -> bool {
         let mut is_better = false;
         for from in 0..self.order.len() {
@@ -156,13 +156,14 @@ impl<'a> Route<'a> {
         is_better
     }
 
-    /// The line before a place in the order, and the one at another.
+    /// Returns the line before `first` and the line at `next` in the order; `None` beyond its ends.
     fn around(&self, first: usize, next: usize) -> (Option<Sailed>, Option<Sailed>) {
         let before = first.checked_sub(1).map(|index| self.order[index]);
         (before, self.order.get(next).copied())
     }
 
-    /// Places in the order beside the lines whose ends are nearest to those of a new one.
+    /// Returns the places in the order before and after the lines whose ends are nearest to those
+    /// of a new line.
     fn places_near(&self, leg: &Leg) -> Vec<usize> {
         let away_m = |line: &Leg| {
             let ends = [line.from, line.to];
@@ -185,19 +186,19 @@ impl<'a> Route<'a> {
         if is_turned { self.lines[line].turned() } else { self.lines[line] }
     }
 
-    /// Length of the turn between two lines; 0 at the ends of the way.
+    /// Returns the length of the turn between two lines, metres; 0 at the ends of the way.
     fn joined_m(&mut self, from: Option<Sailed>, to: Option<Sailed>) -> f64 {
         from.zip(to).map_or(0.0, |(from, to)| self.link_m(from, to))
     }
 
-    /// Lower bound of that length: the way as the crow flies.
+    /// Returns a lower bound of [`Route::joined_m`]: the straight distance, metres.
     fn least_m(&self, from: Option<Sailed>, to: Option<Sailed>) -> f64 {
         let ends = from.zip(to);
         ends.map_or(0.0, |(from, to)| apart_m(self.leg(from).to, self.leg(to).from))
     }
 
     fn link_m(&mut self, from: Sailed, to: Sailed) -> f64 {
-        // The way back from the other end is the same way.
+        // The turn in the opposite direction has the same length.
         let key = std::cmp::min((from, to), (other_way(to), other_way(from)));
         if let Some(length_m) = self.links.get(&key) {
             return *length_m;
@@ -213,7 +214,7 @@ impl<'a> Route<'a> {
     }
 }
 
-/// Place of a line in the order, and its direction.
+/// Place of a new line in the order, and the line in the direction of sailing.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Insertion {
     at: usize,
@@ -233,7 +234,7 @@ mod tests {
         let ring = vec![[-50.0, -50.0], [250.0, -50.0], [250.0, 150.0], [-50.0, 150.0]];
         let water = Water::within(&[ring]).unwrap();
         let mut route = Route::new(&water, 5.0);
-        // Ten lines 10 m apart in a mixed order, all drawn eastwards, each put at the end.
+        // Ten lines 10 m apart in a mixed order, all drawn eastwards, each appended at the end.
         for rank in [3, 9, 0, 6, 1, 8, 4, 2, 7, 5] {
             let north = 10.0 * f64::from(rank);
             let leg = Leg { from: [0.0, north], to: [200.0, north] };
@@ -241,7 +242,7 @@ mod tests {
             route.insert(Insertion { at, leg });
         }
         let saved_m = route.improve();
-        // Half a circle of 5 m between neighbours.
+        // A half circle of 5 m radius between neighbouring lines.
         let best_m = 10.0 * 200.0 + 9.0 * std::f64::consts::PI * 5.0;
         let length_m = route.length_m();
         assert!(saved_m > 0.0 && length_m < 1.03 * best_m, "{length_m} {best_m}");
@@ -255,7 +256,7 @@ mod tests {
         let water = Water::within(&[ring]).unwrap();
         let pose =
             |east: f64, north: f64, course_rad: f64| TurnPose { place: [east, north], course_rad };
-        // Half a circle to the line beside, with room for it and without.
+        // A half circle to the neighbouring line, with room for it and without.
         let beside = |north: f64| {
             let up = std::f64::consts::FRAC_PI_2;
             link(&water, pose(0.0, north, up), pose(10.0, north, -up), 5.0)

@@ -1,17 +1,17 @@
-//! Turns that a boat can make: the shortest way between two poses with a least radius.
+//! Computes turns that a boat can make: the shortest ways between two poses with a least radius.
 //!
-//! L. E. Dubins (On curves of minimal length with a constraint on average curvature, 1957): it is
-//! two arcs with a straight piece between them, or three arcs. The equations are those of A. M.
-//! Shkel and V. Lumelsky (Classification of the Dubins set, 2001).
+//! The shortest way is two arcs with a straight piece between them, or three arcs (L. E. Dubins, On
+//! curves of minimal length with a constraint on average curvature, 1957). The equations are those
+//! of A. M. Shkel and V. Lumelsky (Classification of the Dubins set, 2001).
 
 use Piece::{Left, Right, Straight};
 use std::f64::consts::{PI, TAU};
 
-/// Angle between the corners that an arc is drawn with, radians: the chord leaves it by 1.5 % of
-/// the radius.
+/// Angle between the corners of a drawn arc, radians: the chord is up to 1.5 % of the radius away
+/// from the arc.
 const STEP_RAD: f64 = 20.0 * PI / 180.0;
 
-/// A straight line, from its start to its end.
+/// Straight line with a direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Leg {
     /// Metres east and north.
@@ -21,29 +21,29 @@ pub struct Leg {
 }
 
 impl Leg {
-    /// Metres.
+    /// Returns the length, metres.
     pub fn length_m(&self) -> f64 {
         apart_m(self.from, self.to)
     }
 
-    /// Radians clockwise from north.
+    /// Returns the heading, radians clockwise from north.
     pub fn heading_rad(&self) -> f64 {
         let [east, north] = self.way();
         east.atan2(north)
     }
 
-    /// The same line sailed the other way.
+    /// Returns the line in the opposite direction.
     #[must_use]
     pub fn turned(self) -> Self {
         Self { from: self.to, to: self.from }
     }
 
-    /// Place and course at its start.
+    /// Returns place and course at the start of the line.
     pub(super) fn start(&self) -> TurnPose {
         self.pose(self.from)
     }
 
-    /// Place and course at its end.
+    /// Returns place and course at the end of the line.
     pub(super) fn end(&self) -> TurnPose {
         self.pose(self.to)
     }
@@ -58,21 +58,21 @@ impl Leg {
     }
 }
 
-/// Distance of two places, metres.
+/// Returns the distance of two places, metres.
 pub(super) fn apart_m(a: [f64; 2], b: [f64; 2]) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1])
 }
 
-/// A place and the direction that the boat moves in.
+/// Place and direction of movement of the boat.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct TurnPose {
     /// Metres east and north.
     pub place: [f64; 2],
-    /// Radians counter-clockwise from east.
+    /// Course, radians counter-clockwise from east.
     pub course_rad: f64,
 }
 
-/// A piece of the way.
+/// Piece of a turn: an arc in radians, or a straight piece in radii.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Piece {
     Left(f64),
@@ -80,17 +80,17 @@ enum Piece {
     Right(f64),
 }
 
-/// One way between two poses.
+/// Way between two poses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Turn {
     from: TurnPose,
     radius_m: f64,
-    /// Arcs in radians, the straight piece in radii.
+    /// Pieces in order: arcs in radians, straight pieces in radii.
     pieces: [Piece; 3],
 }
 
-/// All ways between two poses that are two arcs and a straight piece, or three arcs, the shortest
-/// first.
+/// Returns all ways between two poses of two arcs and a straight piece, or of three arcs, the
+/// shortest first.
 pub(super) fn turns(from: TurnPose, to: TurnPose, radius_m: f64) -> Vec<Turn> {
     let [east, north] = [0, 1].map(|axis| to.place[axis] - from.place[axis]);
     let direction = north.atan2(east);
@@ -102,21 +102,22 @@ pub(super) fn turns(from: TurnPose, to: TurnPose, radius_m: f64) -> Vec<Turn> {
     turns
 }
 
-/// An angle from 0 to a full turn; what is a rounding short of a full turn is none.
+/// Reduces an angle to the range from 0 to a full turn; an angle that is less than a full turn by
+/// rounding only becomes 0.
 fn turned(angle: f64) -> f64 {
     let angle = angle.rem_euclid(TAU);
     if TAU - angle < 1e-9 { 0.0 } else { angle }
 }
 
-/// The six words of Dubins, for a distance in radii and both courses from the direction between the
-/// places.
+/// Returns the six words of Dubins for a distance `d` in radii and the courses `a` and `b`,
+/// relative to the direction between the places; `None` for a word that does not exist.
 fn words(d: f64, a: f64, b: f64) -> [Option<[Piece; 3]>; 6] {
     let ((sin_a, cos_a), (sin_b, cos_b)) = (a.sin_cos(), b.sin_cos());
     let cos_ab = (a - b).cos();
-    // A rounding below zero is zero.
+    // A square below zero by rounding counts as zero.
     let root = |square: f64| (square >= -1e-12).then(|| square.max(0.0).sqrt());
     let same = |sign: f64| root(2.0 + d * d - 2.0 * cos_ab + 2.0 * d * sign * (sin_a - sin_b));
-    // One arc alone has no straight piece whose direction could be told.
+    // A single arc has no straight piece with a direction.
     let straight = |p: f64, [y, x]: [f64; 2]| if p < 1e-6 { b } else { y.atan2(x) };
     let lsl = same(1.0).map(|p| {
         let middle = straight(p, [cos_b - cos_a, d + sin_a - sin_b]);
@@ -150,7 +151,7 @@ fn words(d: f64, a: f64, b: f64) -> [Option<[Piece; 3]>; 6] {
 }
 
 impl Turn {
-    /// Length of the way, metres.
+    /// Returns the length of the way, metres.
     pub(super) fn length_m(&self) -> f64 {
         let [first, middle, last] = self.pieces.map(|piece| match piece {
             Left(part) | Straight(part) | Right(part) => part,
@@ -158,9 +159,8 @@ impl Turn {
         self.radius_m * (first + middle + last)
     }
 
-    /// Returns places along the way without those at its ends: the ends of its pieces, enough
-    /// places within arcs that they are drawn round, and a place every `straight_m` metres on
-    /// straight pieces.
+    /// Returns places along the way, without its ends: the ends of its pieces, enough places within
+    /// arcs to draw them round, and a place every `straight_m` metres on straight pieces.
     pub(super) fn places(&self, straight_m: f64) -> Vec<[f64; 2]> {
         let mut pose = self.from;
         let mut places = Vec::new();
@@ -183,7 +183,7 @@ impl Turn {
         places
     }
 
-    /// The pose after a part of a piece.
+    /// Returns the pose after a part of a piece that begins at `from`.
     fn after(&self, from: TurnPose, piece: Piece, part: f64) -> TurnPose {
         let TurnPose { place: [east, north], course_rad } = from;
         let radius_m = self.radius_m;
@@ -206,7 +206,7 @@ impl Turn {
         }
     }
 
-    /// The pose at its end.
+    /// Returns the pose at the end of the turn.
     #[cfg(test)]
     fn end(&self) -> TurnPose {
         self.pieces.into_iter().fold(self.from, |pose, piece| {
@@ -247,7 +247,7 @@ mod tests {
     #[test]
     fn known_ways_have_known_lengths() {
         let shortest = |from, to| turns(from, to, 2.0)[0].length_m();
-        // Straight on; a half circle to the line two radii beside; a quarter to the left.
+        // Straight ahead; a half circle to the line at two radii; a quarter circle to the left.
         for (to, length_m) in [
             (pose(7.0, 0.0, 0.0), 7.0),
             (pose(0.0, 4.0, PI), 2.0 * PI),
@@ -271,8 +271,8 @@ mod tests {
                 let (a, b, c) = (side(0, 1), side(1, 2), side(0, 2));
                 let cross = (corner[1][0] - corner[0][0]) * (corner[2][1] - corner[0][1])
                     - (corner[1][1] - corner[0][1]) * (corner[2][0] - corner[0][0]);
-                // Heron: the radius of the circle through three places is a b c over twice the
-                // cross product.
+                // The radius of the circle through three places is a b c over twice the cross
+                // product.
                 let radius_m = a * b * c / (2.0 * cross.abs()).max(1e-12);
                 assert!(radius_m > 2.49, "{turn:?}: {radius_m}");
             }

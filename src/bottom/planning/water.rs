@@ -1,16 +1,19 @@
-//! The water that a plan may use: within a polygon, or within the outline of what was sailed.
+//! Finds the water that a plan may use: within a polygon, or within the outline of the sailed
+//! water.
 
 use crate::bathymetry::Grid;
 use crate::nearest::Nearest;
 use bathyscope_log::support::outline::{self, between, edges};
 use rayon::prelude::*;
 
-/// Cells are no smaller than this, metres: a boat keeps no line any better.
+/// Least side of a cell, metres: a boat cannot follow a line any better.
 const LEAST_CELL_M: f64 = 0.5;
-/// Most cells of the water, and of the rectangle around it: beyond them cells are larger.
+/// Largest number of cells of the water, and of the rectangle around it: above these, the cells are
+/// larger.
 const MOST_OPEN: usize = 10_000;
 const MOST_CELLS: f64 = 400_000.0;
-/// Times that cells are made larger: each time makes them fit but for a rounding.
+/// Largest number of times that cells are made larger: each time their number fits, except for
+/// rounding.
 const ATTEMPTS: usize = 12;
 
 /// Cells of open water on a grid.
@@ -22,15 +25,15 @@ pub(super) struct Water {
 }
 
 impl Water {
-    /// The cells that lie within rings wholly (a place within an even number of them is outside, so
-    /// that islands are rings too); `None` where there are none.
+    /// Returns the cells that are completely within rings (a place within an even number of rings
+    /// is outside, so that islands are rings too); `None` where there are none.
     pub(super) fn within(rings: &[Vec<[f64; 2]>]) -> Option<Self> {
         let bounds = bounds(rings.iter().flatten().copied())?;
         fitting(bounds, |grid| within_rings(grid, rings))
     }
 
-    /// The ground about soundings with gaps of up to `2 reach_m` closed: every place that cannot be
-    /// reached by a circle of that radius which holds no sounding. `None` without soundings.
+    /// Returns the ground around soundings with gaps of up to `2 reach_m` closed: every place that
+    /// no circle of radius `reach_m` without a sounding in it covers. `None` without soundings.
     pub(super) fn around(soundings: &[[f64; 2]], reach_m: f64) -> Option<Self> {
         let [west, south, east, north] = bounds(soundings.iter().copied())?;
         let pad_m = 1.2 * reach_m;
@@ -38,32 +41,33 @@ impl Water {
         fitting(bounds, |grid| closed(grid, soundings, reach_m))
     }
 
-    /// Returns true if a place lies in open water.
+    /// Returns true if a place is in open water.
     pub(super) fn holds(&self, [east_m, north_m]: [f64; 2]) -> bool {
         let cell = self.grid.index_at(east_m, north_m);
         cell.is_some_and(|cell| self.open[cell])
     }
 
-    /// Returns true if all places lie in open water.
+    /// Returns true if all places are in open water.
     pub(super) fn holds_all(&self, places: &[[f64; 2]]) -> bool {
         places.iter().all(|place| self.holds(*place))
     }
 
-    /// Indices and centres of the open cells.
+    /// Returns indices and centres of the open cells.
     pub(super) fn cells(&self) -> impl Iterator<Item = (usize, [f64; 2])> {
         let open = (0..).zip(&self.open).filter(|(_, open)| **open);
         open.map(|(cell, _)| (cell, self.grid.centre_of(cell)))
     }
 }
 
-/// West, south, east, north; `None` without a finite place.
+/// Returns west, south, east and north of the places; `None` without a finite place.
 fn bounds(places: impl Iterator<Item = [f64; 2]>) -> Option<[f64; 4]> {
     let finite = places.filter(|place| place.iter().all(|value| value.is_finite()));
     let bounds = outline::bounds(finite);
     (bounds != outline::NOWHERE).then_some(bounds)
 }
 
-/// The water on the finest grid that has not too many cells.
+/// Returns the water on the finest grid that does not have too many cells; `None` where there is
+/// none.
 fn fitting(
     [west, south, east, north]: [f64; 4],
     open: impl Fn(&Grid) -> Vec<bool>,
@@ -90,8 +94,8 @@ fn fitting(
     None
 }
 
-/// Cells whose centre lies in the rings, but those that a ring passes or that are next to one: what
-/// is left is inside to its corners.
+/// Marks the cells whose centre is in the rings, except those that a ring crosses and their
+/// neighbours: the remaining cells are completely inside.
 fn within_rings(grid: &Grid, rings: &[Vec<[f64; 2]>]) -> Vec<bool> {
     let mut open = vec![false; grid.len()];
     let rows = open.par_chunks_mut(grid.columns.max(1)).enumerate();
@@ -128,7 +132,7 @@ fn crossed(ring: &[[f64; 2]], north_m: f64) -> impl Iterator<Item = f64> {
     })
 }
 
-/// Closes the cell of a place and those around it.
+/// Marks the cell of a place and the cells around it as closed.
 fn close_about(grid: &Grid, [east_m, north_m]: [f64; 2], open: &mut [bool]) {
     let Some(cell) = grid.index_at(east_m, north_m) else {
         return;
@@ -140,8 +144,8 @@ fn close_about(grid: &Grid, [east_m, north_m]: [f64; 2], open: &mut [bool]) {
     }
 }
 
-/// The closing of the soundings by a circle: cells within its radius of a sounding, without those
-/// within its radius of others.
+/// Computes the morphological closing of the soundings by a circle: the cells within its radius of
+/// a sounding, except those within its radius of a cell outside.
 fn closed(grid: &Grid, soundings: &[[f64; 2]], reach_m: f64) -> Vec<bool> {
     let Some(near) = Nearest::of(&thinned(soundings, 0.5 * grid.cell_m)) else {
         return vec![false; grid.len()];
@@ -164,8 +168,8 @@ fn closed(grid: &Grid, soundings: &[[f64; 2]], reach_m: f64) -> Vec<bool> {
     let Some(rim) = Nearest::of(&rim) else {
         return reached;
     };
-    // The outermost lines themselves are a boundary, which half a cell of rounding must not take
-    // away.
+    // The outermost lines themselves are on the boundary, and must not be lost by half a cell of
+    // rounding.
     let inner_m = reach_m - 0.5 * grid.cell_m;
     let cells = reached.par_iter().enumerate();
     cells
@@ -173,7 +177,8 @@ fn closed(grid: &Grid, soundings: &[[f64; 2]], reach_m: f64) -> Vec<bool> {
         .collect()
 }
 
-/// Returns one of the places in each square with sides of `side_m` metres.
+/// Returns one of the places in each square with sides of `side_m` metres, without places that are
+/// not finite.
 pub(super) fn thinned(places: &[[f64; 2]], side_m: f64) -> Vec<[f64; 2]> {
     let square = |place: &[f64; 2]| place.map(|metres| (metres / side_m).floor() as i64);
     let finite = |place: &&[f64; 2]| place.iter().all(|value| value.is_finite());
@@ -210,7 +215,7 @@ mod tests {
             }
         }
         let all_m2 = 80.0 * 84.0 - 16.0 * 16.8;
-        // Along the sides, two cells wide, nothing is open.
+        // A strip of two cells along the sides is not open.
         let sides_m = rings.iter().flat_map(|ring| edges(ring));
         let sides_m: f64 = sides_m.map(|[[x, y], [to_x, to_y]]| (to_x - x).hypot(to_y - y)).sum();
         let closed_m2 = 2.0 * water.grid.cell_m * sides_m;

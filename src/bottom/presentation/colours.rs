@@ -1,10 +1,11 @@
-//! Tables of colours: of depths, of echoes, of differences, and of what else a raster holds.
+//! Converts values to colours: depths, echoes, differences, uncertainties and other values of
+//! rasters and points.
 //!
 //! In: a value and the ends of its scale. Out: a colour.
 
 use super::ticks;
 
-/// Red, green and blue, sRGB.
+/// Colour: red, green and blue, sRGB.
 pub type Rgb = [u8; 3];
 
 /// Colours of the echo strengths 0 to 255, in gamma space.
@@ -16,8 +17,8 @@ const YELLOW_TO_RED: [Rgb; 5] =
 /// ColorBrewer's `Purples` in five classes.
 const PURPLES: [Rgb; 5] =
     [[242, 240, 247], [203, 201, 226], [158, 154, 200], [117, 107, 177], [84, 39, 143]];
-/// cmocean's `deep` (Thyng et al. 2016) in steps of a tenth of the way from shallow to deep, as
-/// sRGB. It ends before the original's near-black, so that the deepest stays visible on a dark
+/// cmocean's `deep` (Thyng et al. 2016) in steps of a tenth from shallow to deep, as sRGB. It ends
+/// before the near-black of the original, so that the deepest ground stays visible on a dark
 /// canvas.
 const DEEP: [Rgb; 11] = [
     [253, 253, 204],
@@ -47,8 +48,8 @@ const VIRIDIS: &[Rgb] = &[
     [170, 220, 50],
     [253, 231, 37],
 ];
-/// Moreland's "cool to warm" (2009) at every sixteenth of the way, as sRGB: even to the eye, safe
-/// for the colour-blind, and its middle is neither that of a dark canvas nor that of a light one.
+/// Moreland's "cool to warm" (2009) in steps of a sixteenth, as sRGB: even to the eye, safe for the
+/// colour-blind, and its middle differs from both a dark and a light canvas.
 const COOL_TO_WARM: [Rgb; 17] = [
     [59, 76, 192],
     [77, 104, 215],
@@ -68,10 +69,11 @@ const COOL_TO_WARM: [Rgb; 17] = [
     [203, 62, 56],
     [180, 4, 38],
 ];
-/// The least end of a scale, metres.
+/// Least end of a scale of differences, metres.
 const LEAST_M: f64 = 0.01;
 
-/// Returns the place of a depth between the ends of the colour scale, 0 (shallow) to 1 (deep).
+/// Returns the place of a depth between the ends of the colour scale, 0 (shallow) to 1 (deep); 0.5
+/// without a span.
 pub fn depth_share(depth_m: f32, range_m: [f32; 2]) -> f32 {
     let [shallow_m, deep_m] = range_m;
     if deep_m > shallow_m {
@@ -81,7 +83,7 @@ pub fn depth_share(depth_m: f32, range_m: [f32; 2]) -> f32 {
     }
 }
 
-/// sRGB colour of a share of the scale, 0 (shallow) to 1 (deep); grey for NaN.
+/// Returns the sRGB colour of a share of the scale, 0 (shallow) to 1 (deep); grey for NaN.
 ///
 /// The colours of depth are the same in Bathyscope, on the report's map and in the style of
 /// `depth.tif`: shallow light to deep dark, even to the eye.
@@ -92,34 +94,35 @@ pub fn depth_colour(share: f32) -> Rgb {
     ramp(&DEEP, share)
 }
 
-/// Colour of a depth under a light that leaves level ground as it is.
+/// Returns the colour of a depth, multiplied by `light`, which is 1 on level ground.
 pub fn lit_depth_colour(depth_m: f32, range_m: [f32; 2], light: f32) -> Rgb {
     depth_colour(depth_share(depth_m, range_m))
         .map(|channel| (f32::from(channel) * light).round().min(255.0) as u8)
 }
 
-/// Black to copper, the classic of fish-finders: red saturates at 81 % (Matplotlib's `copper`).
+/// Returns the colour of a level from black to copper, the classic of fish-finders: red saturates
+/// at 81 % (Matplotlib's `copper`).
 pub fn copper(level: u8) -> Rgb {
     const SLOPES: [f32; 3] = [1.2346, 0.7812, 0.4975];
     SLOPES.map(|slope| (slope * f32::from(level)).round().min(255.0) as u8)
 }
 
-/// Black to white.
+/// Returns the colour of a level from black to white.
 pub fn grey(level: u8) -> Rgb {
     [level; 3]
 }
 
-/// White to black.
+/// Returns the colour of a level from white to black.
 pub fn inverse_grey(level: u8) -> Rgb {
     [255 - level; 3]
 }
 
-/// Black over brown to yellow.
+/// Returns the colour of a level from black over brown to yellow.
 pub fn gold(level: u8) -> Rgb {
     ramp(GOLD, share(level))
 }
 
-/// Perceptually even.
+/// Returns the colour of a level on Matplotlib's `viridis`, which is perceptually even.
 pub fn viridis(level: u8) -> Rgb {
     ramp(VIRIDIS, share(level))
 }
@@ -128,19 +131,21 @@ fn share(level: u8) -> f32 {
     f32::from(level) / 255.0
 }
 
-/// The colours of all levels.
+/// Returns the colours of all levels.
 pub fn palette(colour: fn(u8) -> Rgb) -> EchoPalette {
     std::array::from_fn(|level| colour(level as u8))
 }
 
-/// sRGB colour of a share of a scale that is symmetric about zero, 0 (lowest) to 1 (highest).
+/// Returns the sRGB colour of a share of a scale that is symmetric about zero, 0 (lowest) to 1
+/// (highest).
 ///
-/// Differences are blue below zero and red above, and light grey where there is none.
+/// Differences are blue below zero, red above and light grey at zero.
 pub fn difference_colour(share: f32) -> Rgb {
     ramp(&COOL_TO_WARM, share)
 }
 
-/// A round end of a scale that reaches as far as a difference does, a centimetre at least, metres.
+/// Returns a round end of a scale for differences up to `difference_m`, at least a centimetre,
+/// metres.
 pub fn difference_reach_m(difference_m: f64) -> f64 {
     let needed_m = difference_m.abs();
     if !(needed_m.is_finite() && needed_m > LEAST_M) {
@@ -149,26 +154,28 @@ pub fn difference_reach_m(difference_m: f64) -> f64 {
     ticks::scale_end(needed_m)
 }
 
-/// Colour of a share of a scale of uncertainty, 0 (lowest) to 1 (highest).
+/// Returns the colour of a share of a scale of uncertainty, 0 (lowest) to 1 (highest).
 pub fn uncertainty_colour(share: f32) -> Rgb {
     ramp(&YELLOW_TO_RED, share)
 }
 
-/// Colour of a share of a scale of distance, 0 (near) to 1 (far).
+/// Returns the colour of a share of a scale of distance, 0 (near) to 1 (far).
 pub fn distance_colour(share: f32) -> Rgb {
     ramp(&PURPLES, share)
 }
 
-/// Colours of the sources of a depth: a sounding, a first return, nothing but its neighbours.
+/// Colours of the sources of a depth, in this order: a sounding, a first return, the levels of
+/// echoes, interpolation between neighbours.
 pub const SOURCES: [Rgb; 4] = [[0, 90, 160], [230, 130, 0], [170, 130, 200], [205, 205, 200]];
 
-/// Colour of a share of a scale of anything that a point has, 0 (lowest) to 1 (highest):
-/// perceptually even.
+/// Returns the colour of a share of a scale of any other property of points, 0 (lowest) to 1
+/// (highest): perceptually even.
 pub fn share_colour(share: f32) -> Rgb {
     ramp(VIRIDIS, share)
 }
 
-/// Colour of a value of a scale with these ends; grey where there is no value, or no scale.
+/// Returns the colour of a value on a scale with these ends; grey where there is no value, or no
+/// scale.
 pub fn value_colour(value: f32, ends: Option<[f32; 2]>) -> Rgb {
     const NONE: Rgb = [128; 3];
     let Some([low, high]) = ends.filter(|_| value.is_finite()) else {
@@ -178,8 +185,8 @@ pub fn value_colour(value: f32, ends: Option<[f32; 2]>) -> Rgb {
     share_colour(share)
 }
 
-/// The colour at a share, 0 to 1, of the way through colours at even distances, linear between
-/// them. There are two colours at least.
+/// Returns the colour at a share, 0 to 1, of the way through at least two colours at even
+/// distances, linear between them.
 fn ramp(colours: &[Rgb], share: f32) -> Rgb {
     let position = share.clamp(0.0, 1.0) * (colours.len() - 1) as f32;
     let below = (position as usize).min(colours.len() - 2);
@@ -208,7 +215,7 @@ mod tests {
         (1.0, [179, 3, 38]),
     ];
 
-    /// CIE lightness of an sRGB colour.
+    /// Returns the CIE lightness of an sRGB colour.
     fn lightness(colour: [u8; 3]) -> f64 {
         let linear = colour.map(|c| {
             let c = f64::from(c) / 255.0;

@@ -1,5 +1,5 @@
-//! Presentation of results, the same in Bathyscope, in the report, in files and in the evaluation:
-//! colours, numbers in words, round steps, the graticule and plots. Nothing here depends on a
+//! Presents results in the same way in Bathyscope, in the report, in files and in the evaluation:
+//! colours, numbers as text, round steps, the graticule and plots. Nothing here depends on a
 //! widget, the GPU or a survey.
 //!
 //! In: plain numbers. Out: colours, texts, ticks and SVG.

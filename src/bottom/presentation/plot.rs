@@ -1,28 +1,29 @@
-//! Plots of curves over two axes, as SVG for pages, and the axes for whoever draws them otherwise.
+//! Draws plots of curves over two axes as SVG for pages, and provides the axes for other ways of
+//! drawing.
 
 use super::ticks;
 use bathyscope_log::support::printable::xml;
 use std::fmt::Write as _;
 
-/// Room for numbers and names, pixels: left, below, above, and right without and with a key.
+/// Margins for numbers and names, pixels: left, below, above, and right without and with a key.
 const LEFT: f64 = 48.0;
 const BELOW: f64 = 48.0;
 const ABOVE: f64 = 10.0;
 const RIGHT: f64 = 36.0;
 const KEY: f64 = 150.0;
-/// Points nearer to each other than this share of both axes are one.
+/// Share of both axes within which points count as one.
 const NEAR: f64 = 1e-3;
-/// Colours by Okabe and Ito, which colour-blind readers can distinguish; the first is the
-/// strongest.
+/// Colours of the curves, by Okabe and Ito, which colour-blind readers can distinguish; the first
+/// is the strongest.
 const COLOURS: [&str; 8] =
     ["#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8a8a00"];
 
-/// An axis.
+/// Axis of a plot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
     /// Name of the quantity on the axis.
     pub name: String,
-    /// Values at its beginning, on the left or below, and at its end.
+    /// Values at the beginning of the axis, on the left or below, and at its end.
     pub ends: [f64; 2],
     /// Values with a line and a label.
     pub ticks: Vec<(f64, String)>,
@@ -43,16 +44,16 @@ impl Axis {
     }
 }
 
-/// A curve.
+/// Curve of a plot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlotCurve {
     /// Name of the curve in the key.
     pub name: String,
-    /// Across and up; points that are not numbers are left out.
+    /// Points, across and up; points that are not finite are left out.
     pub points: Vec<[f64; 2]>,
 }
 
-/// A picture of curves.
+/// Plot of curves.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plot {
     /// Description of the plot, for readers who cannot see it.
@@ -61,11 +62,11 @@ pub struct Plot {
     pub across: Axis,
     /// Axis that grows upwards.
     pub up: Axis,
-    /// The curves; the first is drawn strongest. A single one needs no key.
+    /// Curves; the first is drawn strongest. A single curve has no key.
     pub curves: Vec<PlotCurve>,
-    /// A place of interest, with its name.
+    /// Marked place, with its name.
     pub mark: Option<([f64; 2], String)>,
-    /// An upright line, with its name.
+    /// Value on the across axis with a vertical line, and the name of the line.
     pub limit: Option<(f64, String)>,
 }
 
@@ -136,7 +137,7 @@ impl Drawing<'_> {
         )
     }
 
-    /// The curve, and its line in the key.
+    /// Writes a curve, and its entry in the key.
     fn curve(&self, curve: &PlotCurve, index: usize, out: &mut String) -> WriteResult {
         let colour = COLOURS[index % COLOURS.len()];
         let width = if index == 0 { 2.5 } else { 1.25 };
@@ -193,7 +194,8 @@ impl Drawing<'_> {
         Ok(())
     }
 
-    /// Returns the points without those that are no numbers or lie on the one before.
+    /// Returns the points without those that are not finite or are at the same place as the one
+    /// before; the last finite point is kept.
     fn thinned(&self, points: &[[f64; 2]]) -> Vec<[f64; 2]> {
         let Plot { across, up, .. } = self.plot;
         let mut kept: Vec<[f64; 2]> = Vec::new();
@@ -260,7 +262,7 @@ mod tests {
         let deeper = plot([8.0, 2.0], vec![curve("depth", &[[0.0, 2.0], [1.0, 8.0]])]);
         let drawn = deeper.svg([100.0, 60.0]);
         assert!(drawn.contains("M48.00 10.00L148.00 70.00"), "{drawn}");
-        // Depth 2 above, and its line.
+        // The grid line of depth 2 is at the top.
         assert!(drawn.contains("M48 10.0H148"), "{drawn}");
         assert_eq!(Axis::new("level", [3.0, 3.0]).share(3.0), 0.5);
     }

@@ -1,4 +1,4 @@
-//! Numbers, places and times as text, in Bathyscope and in the report.
+//! Formats numbers, places and times as text, for Bathyscope and for the report.
 
 use bathyscope_log::support::calendar;
 use bathyscope_log::support::geo::{CoordinateFormat, LonLat};
@@ -6,13 +6,13 @@ use bathyscope_log::support::geo::{CoordinateFormat, LonLat};
 /// Text in place of a missing value.
 pub const NONE: &str = "–";
 
-/// A count in groups of three: `12 345`.
+/// Formats a count in groups of three digits: `12 345`.
 pub fn count(number: usize) -> String {
     grouped(number, ' ')
 }
 
-/// A count for a page that breaks its lines: the groups are set apart by a thin space that none
-/// breaks at.
+/// Formats a count for a page with line breaks: groups of three digits, divided by a thin space at
+/// which no line breaks.
 pub fn typeset_count(number: usize) -> String {
     grouped(number, '\u{202f}')
 }
@@ -29,13 +29,13 @@ fn grouped(number: usize, separator: char) -> String {
     text
 }
 
-/// A number, or a dash when it is not a number.
+/// Formats a number with a number of decimals; a dash when it is not finite.
 pub fn decimal(value: f64, decimals: usize) -> String {
     if value.is_finite() { format!("{value:.decimals$}") } else { NONE.to_owned() }
 }
 
-/// A way that was sailed, no finer than a boat's track is: metres, from two kilometres on
-/// kilometres.
+/// Formats the length of a sailed way, no finer than a boat's track is: metres, from two kilometres
+/// on kilometres.
 pub fn way(length_m: f64) -> String {
     if length_m < 2000.0 {
         format!("{length_m:.0} m")
@@ -44,7 +44,8 @@ pub fn way(length_m: f64) -> String {
     }
 }
 
-/// A course, `214°`, behind a comma; nothing where two places are one.
+/// Formats a course behind a comma, `, 214°`; empty when it is not finite, as between two equal
+/// places.
 pub fn and_course(course_rad: f64) -> String {
     if course_rad.is_finite() {
         format!(", {:.0}°", course_rad.to_degrees())
@@ -53,8 +54,8 @@ pub fn and_course(course_rad: f64) -> String {
     }
 }
 
-/// An area on the ground: square metres, from two hectares on hectares, from two square kilometres
-/// on square kilometres.
+/// Formats an area on the ground: square metres, from two hectares on hectares, from two square
+/// kilometres on square kilometres.
 pub fn area(value_m2: f64) -> String {
     match value_m2 {
         _ if !value_m2.is_finite() => NONE.to_owned(),
@@ -65,14 +66,14 @@ pub fn area(value_m2: f64) -> String {
     }
 }
 
-/// A number with its sign for print, `+0.25` or `\u{2212}0.25`; no minus stands before a zero.
+/// Formats a number with its sign for print, `+0.25` or `−0.25` (U+2212); zero never has a minus.
 pub fn typeset_signed(value: f64, decimals: usize) -> String {
     let factor = 10_f64.powi(decimals as i32);
     let rounded = (value * factor).round() / factor + 0.0;
     format!("{rounded:+.decimals$}").replace('-', "\u{2212}")
 }
 
-/// Minutes and seconds, with hours when there are any: `2:30`, `1:02:30`.
+/// Formats minutes and seconds, with hours from one hour on: `2:30`, `1:02:30`.
 pub fn duration(seconds: f64) -> String {
     if !seconds.is_finite() {
         return NONE.to_owned();
@@ -87,7 +88,7 @@ pub fn duration(seconds: f64) -> String {
     }
 }
 
-/// `17 min`, `2 h 05 min`, `48 s`.
+/// Formats a duration in words: `17 min`, `2 h 05 min`, `48 s`.
 pub fn long_duration(seconds: f64) -> String {
     let whole = seconds.max(0.0).round() as u64;
     match whole {
@@ -97,19 +98,20 @@ pub fn long_duration(seconds: f64) -> String {
     }
 }
 
-/// `8 September 2014`.
+/// Formats a date: `8 September 2014`.
 pub fn long_date(unix_s: f64) -> String {
     calendar::moment(unix_s).format("%-d %B %Y").to_string()
 }
 
-/// `36.932541° N, 111.488102° W`: a tenth of a metre.
+/// Formats a position to a tenth of a metre: `36.932541° N, 111.488102° W`.
 pub fn position(at: LonLat) -> String {
     let format = CoordinateFormat::Degrees;
     let (latitude, longitude) = (format.latitude(at.lat_deg), format.longitude(at.lon_deg));
     format!("{latitude}, {longitude}")
 }
 
-/// Time of day in UTC when the recorder knew the time, else the time since the start of the log.
+/// Formats the time of day in UTC when the recorder knew the time, or else the time since the start
+/// of the log.
 pub fn clock(start_unix_s: Option<f64>, time_s: f64) -> String {
     match start_unix_s {
         Some(start_unix_s) => format!("{} UTC", calendar::time_of_day(start_unix_s + time_s)),
@@ -117,7 +119,7 @@ pub fn clock(start_unix_s: Option<f64>, time_s: f64) -> String {
     }
 }
 
-/// Bytes in the unit that leaves one to three digits before the point.
+/// Formats a number of bytes in the unit that leaves one to three digits before the point.
 pub fn bytes(count: u64) -> String {
     match count {
         0..1_000 => format!("{count} B"),
@@ -127,7 +129,7 @@ pub fn bytes(count: u64) -> String {
     }
 }
 
-/// `1 warning`, `2 warnings`.
+/// Formats a number with the right form of a noun: `1 warning`, `2 warnings`.
 pub fn plural(number: usize, one: &str, many: &str) -> String {
     format!("{} {}", count(number), if number == 1 { one } else { many })
 }

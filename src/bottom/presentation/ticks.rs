@@ -1,23 +1,25 @@
-//! Round numbers, and the ticks, scale bars, levels and cells that lie at them.
+//! Computes round numbers, for ticks, scale bars, levels and cells.
 
 /// Numbers that count as round within a decade.
 const ONE_TWO_FIVE: [f64; 4] = [1.0, 2.0, 5.0, 10.0];
-/// Numbers at which a scale may end: closer together, so that little of it stays empty.
+/// Numbers at which a scale may end, within a decade: closer together than [`ONE_TWO_FIVE`], so
+/// that little of a scale stays empty.
 const ENDS: [f64; 10] = [1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0];
-/// Round in time, seconds; beyond, whole days.
+/// Steps that count as round in time, seconds; above them, whole days are round.
 const TIMES_S: [f64; 12] =
     [1.0, 5.0, 10.0, 30.0, 60.0, 300.0, 600.0, 1800.0, 3600.0, 7200.0, 21_600.0, 86_400.0];
-/// Share by which a number may miss a round one and still be it: what the last bits of a quotient
-/// are off.
+/// Share by which a number may differ from a round one and still be equal to it: the rounding error
+/// of a quotient.
 const HAIR: f64 = 1e-9;
 
-/// The smallest of 1, 2, 5, 10, 20 ... and 0.5, 0.2, 0.1 ... that is at least `least`; no smaller
-/// than 1e-9, also where `least` is no number.
+/// Returns the smallest of 1, 2, 5, 10, 20 ... and 0.5, 0.2, 0.1 ... that is at least `least`; at
+/// least 1e-9, also where `least` is NaN.
 pub fn round_up(least: f64) -> f64 {
     next_of(&ONE_TWO_FIVE, least)
 }
 
-/// The largest of 1, 2, 5 times a power of ten that is at most `most`; 0 where there is none.
+/// Returns the largest of 1, 2, 5 times a power of ten that is at most `most`; 0 where there is
+/// none.
 pub fn round_down(most: f64) -> f64 {
     if !(most > 0.0 && most.is_finite()) {
         return 0.0;
@@ -30,12 +32,13 @@ pub fn round_down(most: f64) -> f64 {
         .unwrap_or_else(|| decimal(1.0, exponent))
 }
 
-/// The nearest end of a scale, a little finer than [`round_up`], that is at least `least`.
+/// Returns the smallest end of a scale that is at least `least`; the ends are closer together than
+/// the numbers of [`round_up`].
 pub(crate) fn scale_end(least: f64) -> f64 {
     next_of(&ENDS, least)
 }
 
-/// The round step in time that is at least `least_s` long, seconds.
+/// Returns the smallest round step in time that is at least `least_s`, seconds.
 pub fn time_step_s(least_s: f64) -> f64 {
     let found = TIMES_S.into_iter().find(|step_s| *step_s >= least_s);
     found.unwrap_or(86_400.0 * (least_s / 86_400.0).ceil().max(1.0))
@@ -52,19 +55,20 @@ fn next_of(digits: &[f64], least: f64) -> f64 {
     enough.next().unwrap_or_else(|| decimal(10.0, exponent))
 }
 
-/// `digit` times a power of ten, as near as its decimal notation is: five thousandths are 0.005 to
-/// the last bit.
+/// Returns `digit` times a power of ten, rounded as its decimal notation is: five thousandths are
+/// 0.005 to the last bit.
 fn decimal(digit: f64, exponent: i32) -> f64 {
     if exponent < 0 { digit / 10f64.powi(-exponent) } else { digit * 10f64.powi(exponent) }
 }
 
-/// The round step that divides `span` into at most `most` parts; 1 where there is no span.
+/// Returns the smallest round step that divides `span` into at most `most` parts; 1 where there is
+/// no span.
 pub fn round_step(span: f64, most: f64) -> f64 {
     let least = span / most;
     if least > 0.0 && least.is_finite() { round_up(least) } else { 1.0 }
 }
 
-/// The multiples of `step` from `low` to `high`, at most a thousand.
+/// Returns the multiples of `step` from `low` to `high`, at most a thousand.
 pub fn multiples(low: f64, high: f64, step: f64) -> impl Iterator<Item = f64> {
     let first = (low / step - HAIR).ceil();
     let count = ((high / step + HAIR).floor() - first + 1.0).clamp(0.0, 1000.0) as usize;
@@ -72,8 +76,8 @@ pub fn multiples(low: f64, high: f64, step: f64) -> impl Iterator<Item = f64> {
     (0..count).map(move |index| (first + index as f64) * step + 0.0)
 }
 
-/// Ticks from `low` to `high`, four to eight of them, each with its label; none where there is no
-/// span.
+/// Returns about four to eight ticks from `low` to `high`, each with its label; none where there is
+/// no span.
 pub fn ticks(low: f64, high: f64) -> Vec<(f64, String)> {
     let step = round_down((high - low) / 4.0);
     if step <= 0.0 {
@@ -83,15 +87,16 @@ pub fn ticks(low: f64, high: f64) -> Vec<(f64, String)> {
     values.map(|value| (value, label(value, step))).collect()
 }
 
-/// A number with as many decimals as its step needs.
+/// Formats a number with as many decimals as its step needs.
 pub fn label(value: f64, step: f64) -> String {
     let decimals = (-step.log10() - HAIR).ceil().clamp(0.0, 6.0) as usize;
-    // Rounded first, so that a hair below zero does not print as minus zero.
+    // The number is rounded first, so that a value slightly below zero does not print as minus
+    // zero.
     let rounded = (value / step * 1e3).round() * 1e-3 * step;
     format!("{:.decimals$}", rounded + 0.0)
 }
 
-/// The length that a scale bar stands for, itself a round one: `20 m`, `5 km`.
+/// Formats the round length of a scale bar: `20 m`, `5 km`.
 pub fn bar_label(length_m: f64) -> String {
     if length_m >= 1000.0 {
         format!("{} km", label(length_m / 1000.0, length_m / 1000.0))
@@ -122,7 +127,7 @@ mod tests {
             for digit in ["1", "2", "5"] {
                 let round: f64 = format!("{digit}e{exponent}").parse().unwrap();
                 assert_eq!([round_up(round), round_down(round)], [round; 2]);
-                // The last bits of a quotient make no other number of it.
+                // Rounding errors of a quotient do not change the result.
                 assert_eq!(round_up(round * (1.0 + 1e-12)), round);
                 assert_eq!(round_down(round * (1.0 - 1e-12)), round);
                 assert!(round_up(round * 1.01) > round && round_down(round * 1.01) == round);

@@ -1,5 +1,5 @@
-//! The units that lengths, depths, areas and speeds are shown in. Results, settings and files are
-//! in metres and seconds; only what is shown is turned.
+//! Converts lengths, depths, areas and speeds to the units that they are shown in. Results,
+//! settings and files are in metres and seconds; only shown values are converted.
 
 mod sentence;
 
@@ -9,11 +9,11 @@ use bathyscope_log::named;
 use bathyscope_log::support::geo::{METRES_PER_FOOT, MPS_PER_KNOT};
 use serde::{Deserialize, Serialize};
 
-/// Feet in a fathom.
+/// Number of feet in a fathom.
 const FEET_PER_FATHOM: f64 = 6.0;
-/// Metres in a nautical mile (1929).
+/// Number of metres in a nautical mile (1929).
 const METRES_PER_NAUTICAL_MILE: f64 = 1852.0;
-/// Square feet in an acre.
+/// Number of square feet in an acre.
 const SQUARE_FEET_PER_ACRE: f64 = 43_560.0;
 
 /// Unit that lengths and depths are shown in.
@@ -25,7 +25,7 @@ pub enum LengthUnit {
     Metres,
     /// International feet of 0.3048 m.
     Feet,
-    /// Depths in fathoms of six feet, as on older charts; so are all other lengths.
+    /// Fathoms of six feet, as for depths on older charts, for all lengths.
     Fathoms,
 }
 
@@ -40,7 +40,7 @@ pub enum SpeedUnit {
     Knots,
 }
 
-/// The units in use.
+/// Units that values are shown in.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Units {
@@ -51,7 +51,7 @@ pub struct Units {
 }
 
 named! {
-    /// All of them in the order of the menu.
+    /// All units of length, in the order of the menu.
     pub LengthUnit {
         Metres: "metres",
         Feet: "feet",
@@ -60,7 +60,7 @@ named! {
 }
 
 impl LengthUnit {
-    /// Metres in one of it.
+    /// Returns the length of the unit, metres.
     pub fn metres(self) -> f64 {
         match self {
             Self::Metres => 1.0,
@@ -69,7 +69,7 @@ impl LengthUnit {
         }
     }
 
-    /// `m`, `ft` or `fm`.
+    /// Returns the symbol of the unit: `m`, `ft` or `fm`.
     pub fn symbol(self) -> &'static str {
         match self {
             Self::Metres => "m",
@@ -78,8 +78,8 @@ impl LengthUnit {
         }
     }
 
-    /// Returns the decimals that are worth about as much as `of_metres` decimals of metres:
-    /// hundredths of a metre are tenths of a foot, but whole feet are too coarse for what is known
+    /// Returns the number of decimals about as precise as `of_metres` decimals of metres:
+    /// hundredths of a metre are tenths of a foot, but whole feet are too coarse for a length known
     /// to a tenth of a metre; a fathom is about two metres.
     fn decimals(self, of_metres: usize) -> usize {
         match (self, of_metres) {
@@ -88,14 +88,15 @@ impl LengthUnit {
         }
     }
 
-    /// Returns [`LengthUnit::decimals`] for small lengths: two at least where metres have two.
+    /// Returns [`LengthUnit::decimals`] for small lengths: at least two where metres have two or
+    /// more.
     fn fine_decimals(self, of_metres: usize) -> usize {
         self.decimals(of_metres).max(of_metres.min(2))
     }
 }
 
 named! {
-    /// All of them in the order of the menu.
+    /// All units of speed, in the order of the menu.
     pub SpeedUnit {
         MetresPerSecond: "metres a second",
         Knots: "knots",
@@ -103,7 +104,7 @@ named! {
 }
 
 impl SpeedUnit {
-    /// Metres a second in one of it.
+    /// Returns the speed of one unit, metres a second.
     pub fn metres_per_second(self) -> f64 {
         match self {
             Self::MetresPerSecond => 1.0,
@@ -111,7 +112,7 @@ impl SpeedUnit {
         }
     }
 
-    /// `m/s` or `kn`.
+    /// Returns the symbol of the unit: `m/s` or `kn`.
     pub fn symbol(self) -> &'static str {
         match self {
             Self::MetresPerSecond => "m/s",
@@ -121,24 +122,24 @@ impl SpeedUnit {
 }
 
 impl Units {
-    /// A length in the unit in use, without its name.
+    /// Converts a length to the unit in use.
     pub fn in_unit(self, value_m: f64) -> f64 {
         value_m / self.length.metres()
     }
 
-    /// The name of the unit of lengths: `m`.
+    /// Returns the symbol of the unit of lengths, such as `m`.
     pub fn symbol(self) -> &'static str {
         self.length.symbol()
     }
 
-    /// Returns a length without its unit, with decimals worth those of metres; a dash where there
-    /// is none.
+    /// Formats a length without its unit, as precise as `decimals_of_metres` decimals of metres; a
+    /// dash when it is not finite.
     pub fn number(self, value_m: f64, decimals_of_metres: usize) -> String {
         text::decimal(self.in_unit(value_m), self.length.decimals(decimals_of_metres))
     }
 
-    /// Returns a length with its unit, with decimals worth those of metres; a dash where there is
-    /// none.
+    /// Formats a length with its unit, as precise as `decimals_of_metres` decimals of metres; a
+    /// dash when it is not finite.
     pub fn measure(self, value_m: f64, decimals_of_metres: usize) -> String {
         if value_m.is_finite() {
             format!("{} {}", self.number(value_m, decimals_of_metres), self.symbol())
@@ -147,8 +148,8 @@ impl Units {
         }
     }
 
-    /// A length and its standard deviation with one unit: `0.51 ± 0.12 m`; a dash where there is no
-    /// length.
+    /// Formats a length and its standard deviation with one unit: `0.51 ± 0.12 m`; without the
+    /// standard deviation when it is not finite, and a dash when the length is not.
     pub fn with_sigma(self, value_m: f64, sigma_m: f64, decimals_of_metres: usize) -> String {
         let measure = self.measure(value_m, decimals_of_metres);
         if value_m.is_finite() && sigma_m.is_finite() {
@@ -162,19 +163,19 @@ impl Units {
         }
     }
 
-    /// A small length with its sign also above 0.
+    /// Formats a small length with its unit and its sign, also above 0.
     pub fn signed(self, value_m: f64, decimals_of_metres: usize) -> String {
         let decimals = self.length.fine_decimals(decimals_of_metres);
         format!("{:+.decimals$} {}", self.in_unit(value_m), self.symbol())
     }
 
-    /// Error of such a length, without its unit.
+    /// Formats the error of a small length, without its unit.
     pub fn spread(self, value_m: f64, decimals_of_metres: usize) -> String {
         let decimals = self.length.fine_decimals(decimals_of_metres);
         text::decimal(self.in_unit(value_m), decimals)
     }
 
-    /// A small length and how far it may be off: `+0.12 ±0.05 m`.
+    /// Formats a small length and its possible error: `+0.12 ±0.05 m`.
     pub fn signed_within(self, value_m: f64, spread_m: f64, decimals_of_metres: usize) -> String {
         let decimals = self.length.fine_decimals(decimals_of_metres);
         let spread = self.spread(spread_m, decimals_of_metres);
@@ -182,7 +183,7 @@ impl Units {
         format!("{value:+.decimals$} ±{spread} {}", self.symbol())
     }
 
-    /// Two lengths with one unit: `1.2 to 3.4 m`.
+    /// Formats two lengths with one unit: `1.2 to 3.4 m`.
     pub fn span(self, [low_m, high_m]: [f64; 2], decimals_of_metres: usize) -> String {
         format!(
             "{} to {}",
@@ -191,7 +192,7 @@ impl Units {
         )
     }
 
-    /// A speed with its unit; a dash where there is none.
+    /// Formats a speed with its unit; a dash when it is not finite.
     pub fn speed(self, value_mps: f64, decimals: usize) -> String {
         let value = value_mps / self.speed.metres_per_second();
         if value.is_finite() {
@@ -201,8 +202,8 @@ impl Units {
         }
     }
 
-    /// A length that was measured on the ground: metres, from a kilometre on kilometres; feet or
-    /// fathoms, from a nautical mile on nautical miles.
+    /// Formats a length that was measured on the ground: metres, from a kilometre on kilometres;
+    /// feet or fathoms, from a nautical mile on nautical miles.
     pub fn ground_length(self, value_m: f64) -> String {
         let is_long = value_m >= METRES_PER_NAUTICAL_MILE;
         match self.length {
@@ -214,7 +215,7 @@ impl Units {
         }
     }
 
-    /// A way that was sailed, no finer than a boat's track is.
+    /// Formats the length of a sailed way, no finer than a boat's track is.
     pub fn way(self, length_m: f64) -> String {
         match self.length {
             LengthUnit::Metres => text::way(length_m),
@@ -225,8 +226,8 @@ impl Units {
         }
     }
 
-    /// An area on the ground: square metres, hectares and square kilometres, or square feet and
-    /// acres.
+    /// Formats an area on the ground: square metres, hectares and square kilometres, or square feet
+    /// and acres.
     pub fn area(self, value_m2: f64) -> String {
         let square_feet = value_m2 / (METRES_PER_FOOT * METRES_PER_FOOT);
         match self.length {
@@ -239,7 +240,7 @@ impl Units {
         }
     }
 
-    /// A difference of depths: centimetres below a metre, inches below a foot.
+    /// Formats a difference of depths: centimetres below a metre, inches below a foot.
     pub fn difference(self, value_m: f64) -> String {
         let feet = value_m / METRES_PER_FOOT;
         match self.length {
@@ -251,14 +252,13 @@ impl Units {
         }
     }
 
-    /// [`Units::difference`] with its sign also above 0.
+    /// Formats a difference as [`Units::difference`] does, with its sign also above 0.
     pub fn signed_difference(self, value_m: f64) -> String {
         let sign = if value_m > 0.0 { "+" } else { "" };
         format!("{sign}{}", self.difference(value_m))
     }
 
-    /// A difference too small for its own unit as a whole number of centimetres or inches, with its
-    /// sign.
+    /// Formats a small difference as a whole number of centimetres or inches, with its sign.
     pub fn small_difference(self, value_m: f64) -> String {
         match self.length {
             LengthUnit::Metres => format!("{:+.0} cm", 100.0 * value_m),
@@ -266,36 +266,35 @@ impl Units {
         }
     }
 
-    /// A length as it was chosen, with no more decimals than it needs: three at most.
+    /// Formats a length that was chosen in the settings, with no more decimals than needed: at most
+    /// three.
     pub fn chosen(self, value_m: f64) -> String {
         let value = (self.in_unit(value_m) * 1e3).round() / 1e3 + 0.0;
         format!("{value} {}", self.symbol())
     }
 
-    /// Returns the smallest round length that is at least `least_m`, in metres: round in the unit
-    /// in use.
+    /// Returns the smallest length of at least `least_m` that is round in the unit in use, metres.
     pub fn round_up_m(self, least_m: f64) -> f64 {
         ticks::round_up(self.in_unit(least_m)) * self.length.metres()
     }
 
-    /// Returns a round step, in metres, that divides a span of metres into at most `most` parts:
-    /// round in the unit in use.
+    /// Returns the smallest step that is round in the unit in use and divides a span into at most
+    /// `most` parts; both in metres.
     pub fn round_step_m(self, span_m: f64, most: f64) -> f64 {
         ticks::round_step(self.in_unit(span_m), most) * self.length.metres()
     }
 
-    /// The number at a tick, with as many decimals as the step between ticks needs.
+    /// Formats the number at a tick, with as many decimals as the step between ticks needs.
     pub fn tick(self, value_m: f64, step_m: f64) -> String {
         ticks::label(self.in_unit(value_m), self.in_unit(step_m))
     }
 
-    /// The number at a tick with its unit.
+    /// Formats the number at a tick with its unit.
     pub fn tick_with_unit(self, value_m: f64, step_m: f64) -> String {
         format!("{} {}", self.tick(value_m, step_m), self.symbol())
     }
 
-    /// A round length for a scale bar that is at least so long: its length in metres, and what it
-    /// says.
+    /// Returns a round length of at least `least_m` for a scale bar, in metres, and its label.
     pub fn scale_bar(self, least_m: f64) -> (f64, String) {
         let is_far = least_m >= METRES_PER_NAUTICAL_MILE && self.length != LengthUnit::Metres;
         if is_far {

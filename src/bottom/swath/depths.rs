@@ -1,4 +1,5 @@
-//! The rounds: the curves learnt on a sample of tiles, and the depths of all tiles with them.
+//! Runs the rounds of the solution: learns the curves on a sample of tiles, then finds the depths
+//! of all tiles with these curves.
 
 use super::echoes::WeedPlaces;
 use super::layout::{LaidOutLog, PingChunk};
@@ -13,51 +14,52 @@ use bathyscope_log::survey::Side;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// Rounds in which curves are learnt: from those that fit triangles, and from those of another
-/// learning.
+/// Number of rounds in which curves are learnt: the first time, from curves that fit the levels on
+/// triangles, and further times, from curves that were learnt before.
 pub(super) const LEARNING_ROUNDS: [usize; 2] = [3, 2];
-/// Side of the squares that measured depths are merged in, metres.
+/// Side of the squares in which measured depths are merged, metres.
 const MEASURED_M: f64 = 0.5;
-/// Bins that the first curves are fitted to: metres of range, degrees of angle, and independent
-/// samples that each needs.
+/// Bins that the first curves are fitted to: length in range, metres; width in angle, degrees; and
+/// least number of independent samples in each.
 const FIT_RANGE_M: f64 = 0.25;
 const FIT_ANGLE_DEG: f64 = 2.0;
 const FIT_LEAST: f64 = 100.0;
-/// Fewest bins that determine curves.
+/// Least number of bins that determine curves.
 const LEAST_BINS: usize = 40;
 
 /// Input that depths are found from.
 pub(super) struct SwathInput<'a> {
     /// Looks of all logs.
     pub looks: Vec<SideChunk>,
-    /// The recorder and the range setting of each set of curves.
+    /// Recorder and range setting of each set of curves.
     pub sets: Vec<(u32, i32)>,
-    /// Measured depths, one a square.
+    /// Measured depths, one for each square.
     pub measured: Vec<Node>,
-    /// Bends of the triangles between these; `None` where they are straight.
+    /// Bends of the triangles between the measured depths; `None` where the triangles are flat.
     pub bends: Option<Bends>,
-    /// The logs.
+    /// The logs that the looks come from.
     pub logs: &'a [LaidOutLog<'a>],
     weed: WeedPlaces,
 }
 
-/// Depths that were found at the nodes, with their uncertainty.
+/// Depths found at the nodes, with their uncertainty.
 pub(super) struct NodeDepths {
     /// Places of the nodes.
     pub nodes: Nodes,
-    /// Depth at each, metres.
+    /// Depth at each node, metres.
     pub depth_m: Vec<f64>,
-    /// Natural logarithm of the bed's own brightness.
+    /// Natural logarithm of the bed's own brightness at each node.
     pub ln_brightness: Vec<f64>,
-    /// Standard deviation by what is unknown of the depth, metres.
+    /// Standard deviation of the depth by the equations, metres.
     pub sd_m: Vec<f64>,
-    /// Share of the tiles there in which an observation lies next to the node, 0 to 1.
+    /// Share of the tiles at each node in which an observation is next to the node, 0 to 1,
+    /// weighted as the depths are.
     pub seen: Vec<f64>,
 }
 
 impl<'a> SwathInput<'a> {
-    /// Creates the input from the logs whose law is known; `recorders` gives for each log the log
-    /// whose curves it shares.
+    /// Creates the input from the logs whose law is known; `recorders` holds for each log the index
+    /// of the log whose curves it shares.
     ///
     /// # Errors
     /// When the work was cancelled.
@@ -104,7 +106,8 @@ impl<'a> SwathInput<'a> {
         })
     }
 
-    /// The tiles in which most looks begin, most first.
+    /// Returns the tiles in which most looks begin, those with most looks first; at most `most` of
+    /// them.
     pub(super) fn busiest(&self, tiling: &Tiling, most: usize) -> Vec<usize> {
         let begin = |tile: &usize| {
             let nodes = &tiling.tiles[*tile].nodes;
@@ -118,7 +121,7 @@ impl<'a> SwathInput<'a> {
         counted.into_iter().map(|(_, tile)| tile).collect()
     }
 
-    /// The depths of all tiles by known curves; `None` where no observation lies in any.
+    /// Finds the depths of all tiles with known curves; `None` where no tile can be solved.
     ///
     /// # Errors
     /// When the work was cancelled.
@@ -184,24 +187,24 @@ impl<'a> SwathInput<'a> {
     }
 }
 
-/// The measured depths, one a square.
+/// Returns the measured depths, merged to one for each square.
 pub(super) fn merged(measured: &[DepthPoint]) -> Vec<Node> {
     merge_repeated(measured, MEASURED_M)
 }
 
-/// Some tiles that curves are learnt on, together with the depths there.
+/// Tiles on which curves are learnt, together with their depths.
 pub(super) struct Sample {
-    /// The tiles.
+    /// State of each tile.
     pub states: Vec<TileSolution>,
-    /// The curves of each set, where they are known.
+    /// Curves of each set; `None` where they are unknown.
     pub curves: Vec<Option<LawCurves>>,
     resolution: Resolution,
     is_learnt: bool,
 }
 
 impl Sample {
-    /// Creates the sample of some tiles, with some curves, or those that fit the levels on
-    /// triangles between the measured depths.
+    /// Creates the sample of some tiles with the given curves, or with the curves that fit the
+    /// levels on the triangles between the measured depths.
     pub(super) fn new(
         input: &SwathInput<'_>,
         tiling: &Tiling,
@@ -222,7 +225,8 @@ impl Sample {
         }
     }
 
-    /// Learns curves and depths from where they are; false where they cannot be learnt.
+    /// Learns curves and depths, starting from the present ones; returns false where they cannot be
+    /// learnt.
     ///
     /// # Errors
     /// When the work was cancelled.
@@ -263,7 +267,8 @@ impl Sample {
     }
 }
 
-/// The curves that fit the levels on the beds of some tiles; `None` of a set with too few.
+/// Returns the curves that fit the levels on the beds of some tiles; `None` for a set with too few
+/// bins.
 fn first_curves(
     input: &SwathInput<'_>,
     states: &[TileSolution],

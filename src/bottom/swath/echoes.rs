@@ -1,21 +1,21 @@
-//! Data that the method reads of a log: the place of every ping, the range of its samples and its
-//! first returns; and the stretches of weed by them.
+//! Defines the data that the method reads of a log (the place of every ping, the ranges of its
+//! samples and its first returns), and finds the stretches of weed from them.
 
 use crate::nearest::Nearest;
 use bathyscope_log::survey::{Side, Survey};
 
-/// Source of the samples of a log, read a ping at a time.
+/// Source of the samples of a log, which are read one ping at a time.
 pub trait SampleSource: Sync {
-    /// Replaces `out` with the samples of a side of a ping, nearest first; none where there are
-    /// none.
+    /// Replaces `out` with the samples of a side of a ping, nearest first; `out` is empty where
+    /// there are none.
     fn read(&self, ping: usize, side: Side, out: &mut Vec<u8>);
 }
 
-/// Pings that are evaluated together.
+/// Number of pings that are evaluated together for weed.
 const PINGS: usize = 15;
-/// Share of them above the bottom from which on they are weed.
+/// Share of these pings with above-bottom returns from which on a ping is in weed.
 const SHARE: f64 = 0.5;
-/// Echoes nearer than this to such a ping are left out, metres.
+/// Distance from a ping in weed within which echoes are left out, metres.
 const REACH_M: f64 = 3.5;
 
 impl SampleSource for Survey {
@@ -27,32 +27,32 @@ impl SampleSource for Survey {
     }
 }
 
-/// A log in the plane of a surface.
+/// Log with its pings in the plane of a surface.
 #[derive(Clone)]
 pub struct LogEchoes<'a> {
-    /// The recording.
+    /// Source of the levels of the recording.
     pub levels: &'a dyn SampleSource,
-    /// One entry a side-scan ping.
+    /// One entry for each side-scan ping.
     pub pings: Vec<PingPlace>,
 }
 
 /// Place of a ping, and the ranges of its samples.
 #[derive(Clone, Copy, Debug)]
 pub struct PingPlace {
-    /// Seconds of the log.
+    /// Time of the ping in the log, seconds.
     pub time_s: f64,
-    /// East and north in the plane, metres; NaN where the place is unknown or the ping counts for
-    /// nothing.
+    /// Place in the plane, east and north, metres; NaN where the place is unknown or the ping is
+    /// excluded.
     pub place_m: [f64; 2],
     /// Unit vector to starboard, east and north; NaN without a heading.
     pub starboard: [f64; 2],
-    /// The transducer's depth below the level that the surface's depths count from, metres.
+    /// Depth of the transducer below the zero level of the surface's depths, metres.
     pub transducer_m: f64,
-    /// Port first.
+    /// Ranges and first returns of both sides, port first.
     pub sides: [SideEchoes; 2],
 }
 
-/// One side of a ping.
+/// Ranges and first return of one side of a ping.
 #[derive(Clone, Copy, Debug)]
 pub struct SideEchoes {
     /// Slant range of the near edge of the first sample, metres; NaN where the side was not
@@ -60,20 +60,20 @@ pub struct SideEchoes {
     pub near_m: f64,
     /// Slant range that a sample covers, metres.
     pub step_m: f64,
-    /// The first return, counted in samples; NaN where there is none.
+    /// First return, in samples; NaN where there is none.
     pub first_return: f64,
-    /// True if it lies above the recorded depth.
+    /// True if the first return is above the recorded depth.
     pub above_bottom: bool,
 }
 
 impl PingPlace {
-    /// Returns true if its echoes have a place.
+    /// Returns true if the echoes of the ping have a place.
     pub fn is_placed(&self) -> bool {
         let numbers = [self.place_m, self.starboard, [self.transducer_m, self.time_s]];
         numbers.as_flattened().iter().all(|number| number.is_finite())
     }
 
-    /// Unit vector outward on a side, east and north.
+    /// Returns the unit vector outward on a side, east and north.
     pub fn outward(&self, side: Side) -> [f64; 2] {
         self.starboard.map(|part| side.to_starboard(part))
     }
@@ -85,26 +85,26 @@ impl PingPlace {
 }
 
 impl SideEchoes {
-    /// Returns true if its samples have ranges.
+    /// Returns true if the samples have ranges.
     pub(crate) fn has_ranges(&self) -> bool {
         self.near_m.is_finite() && self.step_m.is_finite() && self.step_m > 0.0
     }
 }
 
 impl LogEchoes<'_> {
-    /// Replaces `out` with the samples of a side of a ping, nearest first; false where there are
-    /// none.
+    /// Replaces `out` with the samples of a side of a ping, nearest first; returns false where
+    /// there are none.
     pub fn read(&self, ping: usize, side: Side, out: &mut Vec<u8>) -> bool {
         self.levels.read(ping, side, out);
         !out.is_empty()
     }
 }
 
-/// Places of pings in stretches of weed.
+/// Places of pings in stretches of weed; `None` without such pings.
 pub(super) struct WeedPlaces(Option<Nearest>);
 
 impl WeedPlaces {
-    /// Creates the places from some logs, each with true for each of its pings that is in a stretch
+    /// Creates the places from some logs, each with a list that is true for its pings in a stretch
     /// of weed.
     pub(super) fn of<'a>(logs: impl Iterator<Item = (&'a LogEchoes<'a>, &'a [bool])>) -> Self {
         let in_weed = |(log, is_weed): (&LogEchoes<'_>, &[bool])| -> Vec<[f64; 2]> {
@@ -123,10 +123,11 @@ impl WeedPlaces {
     }
 }
 
-/// Returns for each ping of a log true if it is in a stretch of weed. A slope makes the first
-/// returns of one side alone nearer than the recorded depth, so both sides are required.
+/// Returns a list that is true for each ping of a log in a stretch of weed. A slope makes the first
+/// returns of one side alone nearer than the recorded depth, so above-bottom returns on both sides
+/// are required.
 ///
-/// The brightness of weed says nothing of the bed's slope.
+/// The brightness of weed holds no information about the slope of the bed.
 pub(super) fn is_weed(log: &LogEchoes<'_>) -> Vec<bool> {
     let [port, starboard] = Side::BOTH.map(|side| {
         let above = |ping: &PingPlace| ping.side(side).above_bottom;
@@ -136,7 +137,8 @@ pub(super) fn is_weed(log: &LogEchoes<'_>) -> Vec<bool> {
     both.map(|(port, starboard)| port.min(starboard) > SHARE).collect()
 }
 
-/// Share of the pings around each; beyond both ends none lies above the bottom.
+/// Returns the share of above-bottom returns in the pings around each ping; pings beyond both ends
+/// count as without.
 fn running_share(above: &[bool]) -> Vec<f64> {
     let half = PINGS / 2;
     let around =

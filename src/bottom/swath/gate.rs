@@ -1,5 +1,5 @@
-//! Tests whether levels determine depths: stretches of the soundings are left out and predicted
-//! with levels and without.
+//! Tests whether levels determine depths, by cross-validation: stretches of the soundings are left
+//! out and predicted with and without levels.
 
 use super::depths::{LEARNING_ROUNDS, Sample, SwathInput, merged};
 use super::looks::SeenOctants;
@@ -11,27 +11,29 @@ use crate::bathymetry::{BentSampler, DepthPoint, Tin};
 use crate::nearest::Nearest;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 
-/// Length of a stretch, metres, and number of stretches of which one is left out.
+/// Length of a stretch, metres, and number of consecutive stretches of which one is left out.
 const STRETCH_M: f64 = 8.0;
 const ONE_OF: u64 = 3;
-/// Soundings nearer than this to the end of a stretch have others beside them, metres.
+/// Distance from the ends of a left-out stretch within which soundings are not tested, metres: kept
+/// soundings are too near.
 const END_M: f64 = 1.0;
-/// Least share of the ground that must be seen from two sides.
+/// Least share of the seen ground that must be seen from two sides.
 const LEAST_TWICE: f64 = 0.2;
-/// Fewest left-out soundings for a test.
+/// Least number of left-out soundings for a test.
 const LEAST_SOUNDINGS: usize = 40;
-/// Changes of the bed's brightness that are tried.
+/// Priors of the change of the bed's brightness that are tried.
 const TRIED: [Brightness; 3] =
     [Brightness::Slow(0.05), Brightness::Patches(0.35), Brightness::Patches(0.8)];
 
 /// Errors in the prediction of left-out soundings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct LeftOut {
-    /// Root mean square of the errors of triangles, metres.
+    /// Root mean square of the errors without levels, by triangles, metres.
     pub without_m: f64,
-    /// The same with levels.
+    /// Root mean square of the errors with levels, metres.
     pub with_m: f64,
-    /// The geometric mean of both in standard deviations of what the equations leave unknown there.
+    /// Geometric mean of both errors, in standard deviations of the depth by the equations at these
+    /// soundings.
     pub error_sds: f64,
 }
 
@@ -62,14 +64,15 @@ pub(super) fn is_seen_from_two_sides(
     twice as f64 >= LEAST_TWICE * seen as f64
 }
 
-/// Depths that are left out and depths that are kept.
+/// Measured depths, divided into those that are kept and those that are left out and predicted.
 struct Split {
     kept: Vec<DepthPoint>,
     asked: Vec<DepthPoint>,
 }
 
 impl Split {
-    /// Splits the depths by the way of the boat up to the ping next to each.
+    /// Divides the depths by the distance that the boat had sailed up to the ping nearest to each;
+    /// `None` without placed pings.
     fn of(input: &SwathInput<'_>, measured: &[DepthPoint]) -> Option<Self> {
         let (mut places, mut ways_m) = (Vec::new(), Vec::new());
         for log in input.logs {
@@ -101,22 +104,22 @@ impl Split {
     }
 }
 
-/// Shares of the error of triangles that the relief between lines is taken for, and its bounds,
-/// metres.
+/// Relief between the lines as a multiple of the error of triangles, and its bounds, metres.
 const RELIEF_SHARE: f64 = 1.1;
 const RELIEF_M: [f64; 2] = [0.15, 0.4];
 
-/// Prior that predicts left-out soundings best.
+/// Prior that predicts left-out soundings best, with its results.
 pub(super) struct PriorChoice {
-    /// Prior knowledge of the bed, as it predicts left-out soundings best.
+    /// Prior knowledge of the bed.
     pub prior: Prior,
-    /// Errors of this prediction.
+    /// Errors of the prediction of left-out soundings.
     pub left_out: LeftOut,
-    /// The curves that it predicts them by.
+    /// Curves that were learnt with this prior.
     pub curves: Vec<Option<LawCurves>>,
 }
 
-/// The best of what is tried; `None` where too few soundings can be left out.
+/// Returns the best of the priors that are tried; `None` where too few soundings can be left out,
+/// or no curves can be learnt.
 pub(super) fn choose(
     input: &SwathInput<'_>,
     measured: &[DepthPoint],
@@ -176,13 +179,13 @@ pub(super) fn choose(
     Ok(best)
 }
 
-/// A sounding that was left out.
+/// Left-out sounding to predict.
 struct Asked {
     place: [f64; 2],
     depth_m: f64,
     /// Depth by the triangles between the kept depths, metres.
     triangles_m: f64,
-    /// The tile of the sample in whose core it lies.
+    /// Index of the tile of the sample whose core holds the sounding.
     state: usize,
 }
 

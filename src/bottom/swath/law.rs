@@ -1,15 +1,15 @@
-//! Determines the law by which a recorder writes an echo: its decibels, or a power of its
+//! Determines the law by which a recorder writes an echo: as decibels, or as a power of its
 //! intensity.
 //!
 //! Where many scatterers share a sample, its intensity is exponentially distributed whatever its
-//! mean (speckle). So the spread of the levels in a small window determines the law: a recorder of
-//! decibels shows the same spread everywhere, one of a power (an amplitude is the power 1/2) a
-//! spread in proportion to the level. Noise fills up the lower half of the spread, and the upper
-//! half is what is measured.
+//! mean (speckle). The spread of the levels in a small window therefore determines the law: with
+//! decibels the spread is the same everywhere, with a power (an amplitude is the power 1/2) it is
+//! in proportion to the level. Noise changes the lower half of the spread, so the upper half is
+//! measured.
 //!
-//! Neighbouring samples are alike where the pulse is longer than a sample, which leaves the spread
-//! as it is, or where the recorder smooths its levels, which makes it smaller and more even: of the
-//! two, the one is taken whose spread has the shape that is found.
+//! Neighbouring samples are alike for one of two reasons: the pulse is longer than a sample, which
+//! does not change the spread, or the recorder smooths its levels, which makes the spread smaller
+//! and more symmetric. The reason is chosen whose spread has the shape that is found.
 
 use super::echoes::LogEchoes;
 use crate::sparse::Normal;
@@ -18,48 +18,48 @@ use bathyscope_log::support::statistics::{median, quantile};
 use bathyscope_log::survey::Side;
 use serde::{Deserialize, Serialize};
 
-/// Pings and samples of a window.
+/// Numbers of pings and of samples in a window.
 const PINGS: usize = 3;
 const SAMPLES: usize = 15;
-/// Windows begin and end at these multiples of the first return: on the bed, and before the echo is
+/// Multiples of the first return at which windows begin and end: on the bed, and before the echo is
 /// lost in noise.
 const FROM_FIRST_RETURN: [f64; 2] = [1.2, 1.7];
-/// Most groups of pings that are read.
+/// Largest number of groups of pings that are read.
 const MOST_GROUPS: usize = 2_000;
-/// Share of clipped samples from which on a window is left out.
+/// Share of clipped samples above which a window is left out.
 const MOST_CLIPPED: f64 = 0.03;
-/// Fewest windows that determine a law.
+/// Least number of windows that determine a law.
 const LEAST_WINDOWS: usize = 120;
-/// Bins that windows are put into, sorted by their mean.
+/// Number of bins that the windows are divided into, sorted by their mean.
 const BINS: usize = 12;
 /// Slope of the logarithm of the spread over that of the mean below which levels count as decibels;
-/// a power has 1.
+/// the slope of a power is 1.
 const MOST_SLOPE_OF_DECIBELS: f64 = 0.3;
-/// Echoes that the spread of smoothed levels is found from.
+/// Number of simulated means from which the spread of smoothed levels is computed.
 const DRAWN: usize = 20_000;
-/// Exponents that a power is looked for between.
+/// Bounds of the search for the exponent of a power.
 const EXPONENTS: [f64; 2] = [0.02, 2.0];
-/// Samples that are alike below this are independent.
+/// Number of samples alike in a row below which samples count as independent.
 const LEAST_GRAIN: f64 = 1.3;
-/// Lags over which neighbouring samples are correlated at most.
+/// Largest lag at which samples may be correlated.
 const LAGS: usize = 12;
-/// Correlations below this are chance.
+/// Least correlation that is not chance.
 const LEAST_CORRELATION: f64 = 0.03;
-/// Laws that differ by less than this share are those of one recorder.
+/// Largest difference of the laws of one recorder, natural logarithm of their ratio.
 const SAME_LAW: f64 = 0.15;
-/// Power 0 has no logarithm: levels count as at least this.
+/// Least level that a logarithm is taken of, since 0 has none.
 const LEAST_LEVEL: f64 = 0.05;
 
-/// Conversion of the levels of a log into logarithms of power.
+/// Law that converts the levels of a log into logarithms of power.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Law {
     /// Quantity that the recorder writes.
     pub kind: LawKind,
-    /// Samples in a row that are worth one independent sample: those in a pulse. Smoothing takes
-    /// nothing away.
+    /// Number of samples in a row that count as one independent sample: those in a pulse. Smoothing
+    /// does not change it.
     pub grain_samples: f64,
-    /// Highest level that occurs more often than by chance: the recorder cannot distinguish
-    /// stronger echoes.
+    /// Highest level in the sampled pings of a log: the recorder cannot distinguish stronger
+    /// echoes.
     pub most_level: u8,
 }
 
@@ -67,15 +67,15 @@ pub struct Law {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LawKind {
-    /// Decibels: the natural logarithm of power for a step of the level.
+    /// Decibels: the natural logarithm of power that one step of the level represents.
     Decibels(f64),
-    /// The exponent of the intensity.
+    /// A power of the intensity: its exponent.
     Power(f64),
 }
 
 impl Law {
-    /// Natural logarithm of power, but for a constant, of every level. Of a power it is the mean
-    /// over the values that a level stands for.
+    /// Returns the natural logarithm of power, except for a constant, of every level. For a power
+    /// it is the mean over the values that a level represents.
     pub fn table(&self) -> [f32; 256] {
         std::array::from_fn(|level| {
             let level = level as f64;
@@ -87,7 +87,8 @@ impl Law {
     }
 }
 
-/// The first log of the same recorder, of each: of one whose law is about the same.
+/// Returns for each log the index of the first log of the same recorder: the first with about the
+/// same law.
 pub(super) fn recorders(laws: impl Iterator<Item = Option<Law>>) -> Vec<u32> {
     let mut found: Vec<(u32, Option<Law>)> = Vec::new();
     for (number, law) in (0..).zip(laws) {
@@ -108,7 +109,7 @@ impl LawKind {
     }
 }
 
-/// Mean of `ln max(x, LEAST_LEVEL)` between two values.
+/// Returns the mean of `ln max(x, LEAST_LEVEL)` between two values.
 fn mean_ln(from: f64, to: f64) -> f64 {
     let antiderivative = |x: f64| x * x.ln() - x;
     let start = from.max(LEAST_LEVEL);
@@ -116,13 +117,13 @@ fn mean_ln(from: f64, to: f64) -> f64 {
     (antiderivative(to) - antiderivative(start) + below * LEAST_LEVEL.ln()) / (to - from)
 }
 
-/// A window: its levels less their mean, and the mean.
+/// Levels of a window less their mean, and the mean.
 struct LevelWindow {
     mean: f64,
     about: Vec<f64>,
 }
 
-/// Determines the law of a log; `None` where too few echoes determine it.
+/// Determines the law of a log; `None` where its echoes do not determine it.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -162,7 +163,7 @@ pub(super) fn law_of(log: &LogEchoes<'_>, progress: &Progress) -> Result<Option<
     }))
 }
 
-/// The highest level of a log, of some of its pings.
+/// Returns the highest level in some pings of a log.
 fn most_level(log: &LogEchoes<'_>) -> u8 {
     let mut most = 1;
     let mut levels = Vec::new();
@@ -171,7 +172,7 @@ fn most_level(log: &LogEchoes<'_>) -> u8 {
         for side in Side::BOTH {
             let first_return = log.pings[ping].side(side).first_return;
             if first_return.is_finite() && log.read(ping, side, &mut levels) {
-                // Nearer than the bed the transducer rings.
+                // Nearer samples hold the ring-down of the transducer.
                 let beyond = levels.iter().skip((1.1 * first_return.max(0.0)) as usize);
                 most = most.max(beyond.copied().max().unwrap_or(0));
             }
@@ -198,8 +199,8 @@ fn window(rows: &[&[u8]; PINGS], most_level: u8) -> Option<LevelWindow> {
 struct LevelSpread {
     /// Slope of the logarithm of the spread over that of the mean.
     slope: f64,
-    /// Levels at 10, 50 and 90 % in the brighter half of the windows, less their mean, and the
-    /// mean: there noise counts for less.
+    /// Levels at 10, 50 and 90 %, less their mean, and the mean, of each bin in the brighter half
+    /// of the windows, where noise matters less.
     bright: Vec<[f64; 4]>,
 }
 
@@ -226,13 +227,14 @@ impl LevelSpread {
         Some(Self { slope, bright })
     }
 
-    /// The median of something over the brighter windows.
+    /// Returns the median of a function over the bins of brighter windows.
     fn usual(&self, of: impl Fn(&[f64; 4]) -> f64) -> f64 {
         median(&mut self.bright.iter().map(of).collect::<Vec<_>>())
     }
 
-    /// Returns the quantity that is written, and the number of samples that it is smoothed over;
-    /// `alike` samples in a row are alike.
+    /// Returns the quantity that the recorder writes, and the number of samples that it smooths
+    /// over; `alike` is the number of samples in a row that are alike. `None` where it cannot be
+    /// determined.
     fn kind(&self, alike: f64) -> Option<(LawKind, usize)> {
         let shape = self.usual(|[low, middle, high, _]| (high - middle) / (middle - low));
         let smoothed = (alike.round() as usize).clamp(1, LAGS);
@@ -248,8 +250,8 @@ impl LevelSpread {
         }
     }
 
-    /// Returns the quantity that is written if it is smoothed over this many samples, and the shape
-    /// of the spread that it then has.
+    /// Returns the quantity that the recorder writes if it smooths over this number of samples, and
+    /// the shape of the spread that would follow.
     fn kind_smoothed(&self, smoothed: usize) -> Option<(LawKind, f64)> {
         let shape = |[low, middle, high]: [f64; 3]| (high - middle) / (middle - low);
         if self.slope < MOST_SLOPE_OF_DECIBELS {
@@ -275,8 +277,8 @@ impl LevelSpread {
     }
 }
 
-/// Returns the levels that 10, 50 and 90 % of the means of `smoothed` levels do not exceed; `level`
-/// is that of a power, which is exponentially distributed.
+/// Returns the quantiles at 10, 50 and 90 % of simulated means of `smoothed` levels; `level`
+/// converts a power, which is exponentially distributed, into a level.
 fn drawn(smoothed: usize, level: impl Fn(f64) -> f64) -> [f64; 3] {
     let mut normal = Normal::new(3);
     let mut one = || level(0.5 * (normal.draw().powi(2) + normal.draw().powi(2)));
@@ -286,7 +288,7 @@ fn drawn(smoothed: usize, level: impl Fn(f64) -> f64) -> [f64; 3] {
     [0.1, 0.5, 0.9].map(|share| quantile(&means, share))
 }
 
-/// Least-squares slope of `ln y` over `ln x`; `None` where a number is not positive.
+/// Returns the least-squares slope of `ln y` over `ln x`; `None` where a number is not positive.
 fn slope_of_logs(points: impl Iterator<Item = (f64, f64)>) -> Option<f64> {
     let logs: Vec<(f64, f64)> = points.map(|(x, y)| (x.ln(), y.ln())).collect();
     let count = logs.len() as f64;
@@ -295,13 +297,13 @@ fn slope_of_logs(points: impl Iterator<Item = (f64, f64)>) -> Option<f64> {
     let (xx, xy) = logs.iter().fold((0.0, 0.0), |(xx, xy), (x, y)| {
         (xx + (x - x_mean).powi(2), xy + (x - x_mean) * (y - y_mean))
     });
-    // Where all windows are equally bright nothing tells a power from decibels: most recorders
-    // write these.
+    // Where all windows are equally bright, a power cannot be distinguished from decibels, which
+    // most recorders write.
     let slope = if xx < 1e-4 * count { 0.0 } else { xy / xx };
     slope.is_finite().then_some(slope)
 }
 
-/// Sums of products of levels some samples apart.
+/// Sums and counts of products of levels, by their distance in samples.
 #[derive(Default)]
 struct Lags {
     products: [f64; LAGS + 1],
@@ -310,7 +312,7 @@ struct Lags {
 
 impl Lags {
     fn add(&mut self, row: &[u8], most_level: u8) {
-        // Over a long row the trend would count as correlation: it is taken off window by window.
+        // Over a long row the trend would count as correlation: it is subtracted part by part.
         for part in row.chunks_exact(4 * LAGS) {
             if part.iter().any(|level| *level == 0 || *level >= most_level) {
                 continue;
@@ -334,7 +336,8 @@ impl Lags {
         }
     }
 
-    /// `1 + 2 (sum of the correlations up to the first that is chance)`.
+    /// Returns the number of samples in a row that are alike: `1 + 2 (sum of the correlations up to
+    /// the first that is chance)`.
     fn alike_samples(&self) -> f64 {
         let covariance = |lag: usize| self.products[lag] / self.counts[lag];
         let correlations = (1..=LAGS).map(|lag| covariance(lag) / covariance(0));
@@ -347,8 +350,8 @@ impl Lags {
 mod tests {
     use super::*;
 
-    /// Windows of a recorder over a bed that grows brighter from one to the next; `level` is what
-    /// it writes of a power.
+    /// Simulates windows of a recorder over a bed that becomes brighter from one window to the
+    /// next; `level` converts a power into the level that is written.
     fn windows(smoothed: usize, level: impl Fn(f64) -> f64) -> Vec<LevelWindow> {
         let mut normal = Normal::new(5);
         let window = |index: usize| {

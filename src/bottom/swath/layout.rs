@@ -1,5 +1,5 @@
-//! Determines properties of a whole log before any part of it is used: its law, the pings that can
-//! be used, in chunks, and their gain.
+//! Determines properties of a whole log before any part of it is used: its law, its usable pings in
+//! chunks, and their gain.
 
 use super::echoes::{LogEchoes, PingPlace, is_weed};
 use super::law::{Law, law_of};
@@ -10,25 +10,25 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// Pings of a chunk, and at most of a stretch of one gain.
+/// Largest number of pings in a chunk, and in a stretch with one gain.
 const CHUNK_PINGS: usize = 3;
 const STRETCH_PINGS: usize = 30;
-/// Ranges that differ by less than this share count as one setting of the recorder.
+/// Step of the logarithm of the sample length by which range settings are distinguished.
 const SAME_RANGE: f64 = 0.02;
 /// Longest pause within a chunk, seconds.
 const LONGEST_PAUSE_S: f64 = 0.5;
-/// Step between the samples that are compared with the usual ones at their range, and multiple of
-/// the first return from which on they are.
+/// Step between the samples that are compared with the usual levels at their range, and multiple of
+/// the first return at which the comparison begins.
 const STRIDE: usize = 4;
 const FROM_FIRST_RETURN: f64 = 1.2;
-/// Pings that the gain is the median of.
+/// Number of pings whose median is the gain.
 const GAIN_PINGS: usize = 7;
-/// A change of the gain over six pings that counts as a step, natural logarithm of power, and pings
-/// on both sides of it that are left out.
+/// Change of the gain over six pings that counts as a step, natural logarithm of power; and number
+/// of pings before and after the step that are left out.
 const GAIN_STEP: f64 = 1.0;
 const BESIDE_STEP: usize = 6;
-/// A ping of which more than this share of the samples stands so far over the usual ones shows
-/// another sonar.
+/// Share of the samples of a ping, and excess over the usual levels, natural logarithm of power: a
+/// ping with a larger share above this excess shows another sonar.
 const INTERFERENCE: (f64, f32) = (0.02, 3.0);
 
 /// Pings in a row that are averaged.
@@ -36,20 +36,21 @@ const INTERFERENCE: (f64, f32) = (0.02, 3.0);
 pub struct PingChunk {
     /// Number of the chunk in its log.
     pub number: u32,
-    /// Its pings, all of which can be used.
+    /// Range of the pings of the chunk, all of them usable.
     pub pings: Range<usize>,
-    /// Number of the recorder's range setting: the length of a sample in steps of [`SAME_RANGE`],
-    /// the same whatever the recorder rounds.
+    /// Number of the recorder's range setting: the logarithm of the length of a sample in steps of
+    /// [`SAME_RANGE`], so that rounding by the recorder does not change it.
     pub range_setting: i32,
-    /// Number of the stretch of the log: the gain of a stretch is taken as one. Stretches next to
-    /// each other without a step of the gain have numbers in a row.
+    /// Number of the stretch of the log; a stretch has one gain. Neighbouring stretches without a
+    /// step of the gain between them have consecutive numbers.
     pub stretch: u32,
-    /// Gain, natural logarithm of power over the usual one.
+    /// Gain: natural logarithm of power over the usual power.
     pub gain: f64,
 }
 
 impl PingChunk {
-    /// Chunks with as many as `together` joined to one where they follow each other.
+    /// Returns the chunks with up to `together` of them joined into one where they follow each
+    /// other.
     pub(crate) fn joined(chunks: &[Self], together: usize) -> Vec<Self> {
         let mut joined: Vec<Self> = Vec::with_capacity(chunks.len() / together + 1);
         for chunk in chunks {
@@ -68,16 +69,16 @@ impl PingChunk {
     }
 }
 
-/// A log whose echoes can be used, all of it or a part.
+/// Log whose echoes can be used: the whole log or a part of it.
 #[derive(Clone)]
 pub struct LaidOutLog<'a> {
-    /// Its echoes.
+    /// Echoes of the log.
     pub echoes: LogEchoes<'a>,
-    /// Its chunks, in order.
+    /// Chunks of usable pings, in order.
     pub chunks: Vec<PingChunk>,
     /// Law of its levels; `None` where too few levels determine it.
     pub law: Option<Law>,
-    /// True where a ping is in a stretch of weed.
+    /// True for each ping in a stretch of weed.
     pub is_weed: Vec<bool>,
 }
 
@@ -100,14 +101,14 @@ impl<'a> LaidOutLog<'a> {
     }
 }
 
-/// The gain of every ping, the stretches between its steps, and the pings that can be used.
+/// Gain of every ping, number of the segment between steps of the gain, and true for usable pings.
 struct Gains {
     gain: Vec<f64>,
     segment: Vec<u32>,
     is_usable: Vec<bool>,
 }
 
-/// Median logarithm of power at every `STRIDE`th sample of each range setting.
+/// Median logarithm of power at every `STRIDE`th sample, by range setting.
 type UsualLevels = BTreeMap<i32, Vec<f32>>;
 
 impl Gains {
@@ -151,8 +152,8 @@ impl Gains {
     }
 }
 
-/// The pings at which the gain steps: the steepest of each run over which it changes by more than
-/// [`GAIN_STEP`].
+/// Returns the pings at which the gain steps: in each run over which it changes by more than
+/// [`GAIN_STEP`], the ping with the steepest change.
 fn steps(gain: &[f64]) -> Vec<usize> {
     let change = |ping: usize| match (ping.checked_sub(3), gain.get(ping + 3)) {
         (Some(before), Some(behind)) => (behind - gain[before]).abs(),
@@ -173,8 +174,8 @@ fn steps(gain: &[f64]) -> Vec<usize> {
     found
 }
 
-/// Returns the median logarithm of power at every `STRIDE`th sample of each range setting; NaN
-/// where no bed was ever seen.
+/// Returns the median logarithm of power at every `STRIDE`th sample, by range setting; NaN where
+/// there is no echo of the bed.
 fn usual_levels(
     log: &LogEchoes<'_>,
     ln_power: &[f32; 256],
@@ -226,8 +227,8 @@ fn on_bed(
     (from.next_multiple_of(STRIDE)..count).step_by(STRIDE)
 }
 
-/// The median of what a ping's levels are over the usual ones, NaN without any; and whether another
-/// sonar shows in it.
+/// Returns the median excess of a ping's levels over the usual ones, NaN without any, and true if
+/// another sonar shows in the ping.
 fn compared(log: &LogEchoes<'_>, ping: usize, ln_power: &[f32; 256], usual: &[f32]) -> (f64, bool) {
     let mut over: Vec<f32> = Vec::new();
     let mut levels = Vec::new();
@@ -254,7 +255,8 @@ fn chunks(pings: &[PingPlace], gains: &Gains, is_weed: &[bool]) -> Vec<PingChunk
             continue;
         }
         let setting = range_setting(place);
-        // Neither ever falls, so the sum tells both; a step of the gain leaves a number out.
+        // Neither number ever falls, so their sum changes when one of them does; a step of the gain
+        // leaves a number out.
         let stretch = 2 * gains.segment[ping] + (ping / STRETCH_PINGS) as u32;
         let goes_on = |chunk: &PingChunk| {
             chunk.pings.end == ping
@@ -265,7 +267,7 @@ fn chunks(pings: &[PingPlace], gains: &Gains, is_weed: &[bool]) -> Vec<PingChunk
         match found.last_mut() {
             Some(chunk) if goes_on(chunk) => chunk.pings.end += 1,
             _ => {
-                // Pings that cannot be used part chunks that are then not next to each other.
+                // Unusable pings separate chunks, whose numbers are then not consecutive.
                 number = (ping / CHUNK_PINGS).max(number + 1);
                 found.push(PingChunk {
                     number: number as u32,

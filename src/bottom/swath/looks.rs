@@ -1,64 +1,65 @@
-//! The levels of a chunk of pings on one side, averaged in ranges so short that the bed under each
-//! is even: what is read of a log once, and placed on the bed again as that becomes known.
+//! Averages the levels of a chunk of pings on one side in ranges so short that the bed under each
+//! is even. These means (a look) are read from a log once, and placed on the bed again as its
+//! depths become known.
 
 use super::layout::{LaidOutLog, PingChunk};
 use bathyscope_log::survey::Side;
 
-/// Share of clipped samples from which on a range says nothing.
+/// Share of clipped samples above which a range is not used.
 const MOST_CLIPPED: f64 = 0.1;
-/// Length of the mean of the unit vectors outward: below it the boat turns.
+/// Least length of the mean of the unit vectors outward: below it the boat turns.
 const LEAST_STRAIGHT: f64 = 0.997;
 
-/// A chunk of pings on one side.
+/// Averaged levels of a chunk of pings on one side: a look.
 #[derive(Clone, Debug)]
 pub(super) struct SideChunk {
-    /// The place of its log among all, and which stretch of it.
+    /// Index of the log, and number of the stretch in the log.
     pub stretch: (u32, u32),
-    /// The place of its curves among all.
+    /// Index of the set of curves.
     pub curves: usize,
-    /// -1 to port, 1 to starboard.
+    /// Side of the boat: -1 is port, 1 is starboard.
     pub side: f64,
-    /// Mean place, east and north, metres.
+    /// Mean place of the pings, east and north, metres.
     pub place_m: [f64; 2],
     /// Unit vector outward, east and north.
     pub outward: [f64; 2],
     /// Mean depth of the transducer, metres.
     pub transducer_m: f64,
-    /// Slant range of the middle of the first range, and from one to the next, metres.
+    /// Slant range of the middle of the first range, and length of each range, metres.
     pub first_m: f64,
     /// See `first_m`.
     pub step_m: f64,
-    /// Independent samples in a range.
+    /// Number of independent samples in a range.
     pub independent: f64,
-    /// Mean logarithm of power of each range less the gain; NaN where it says nothing.
+    /// Mean logarithm of power of each range less the gain; NaN where the range is not used.
     pub ln_power: Vec<f32>,
 }
 
-/// Eighths of the circle from which a place is seen, a bit each.
+/// Eighths of the circle from which a place is seen, with one bit for each.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct SeenOctants(u8);
 
 impl SeenOctants {
-    /// Adds a look along a unit vector, east and north.
+    /// Adds the direction of a look, a unit vector east and north.
     pub(super) fn add(&mut self, [east, north]: [f64; 2]) {
         let eighth = (east.atan2(north) / std::f64::consts::FRAC_PI_4).round() as i32;
         self.0 |= 1 << eighth.rem_euclid(8);
     }
 
-    /// Returns true if it is seen from any.
+    /// Returns true if the place is seen from any eighth.
     pub(super) fn is_any(&self) -> bool {
         self.0 != 0
     }
 
-    /// Returns true if it is seen from two that face each other, more or less.
+    /// Returns true if the place is seen from two eighths that are about opposite to each other.
     pub(super) fn are_two(&self) -> bool {
         [3, 4, 5].iter().any(|by| self.0 & self.0.rotate_left(*by) != 0)
     }
 }
 
 impl SideChunk {
-    /// Creates the look of a side of a chunk, in ranges of a length in metres, or samples where
-    /// these are longer; `None` where nothing was recorded, or the boat turns.
+    /// Creates the look of a side of a chunk, in ranges of `length_m` metres, or of one sample
+    /// where samples are longer; `None` where nothing was recorded, or the boat turns.
     pub(super) fn new(
         log: &LaidOutLog<'_>,
         number: usize,
@@ -116,7 +117,7 @@ impl SideChunk {
             first_m: echoes.near_m + 0.5 * each as f64 * echoes.step_m,
             step_m: each as f64 * echoes.step_m,
             independent: (each * pings.len()) as f64 / law.grain_samples,
-            // Not in place of the sums, which take three times the memory.
+            // Collected anew, since the sums take three times the memory.
             ln_power: sums.iter().copied().map(mean).collect(),
         })
     }

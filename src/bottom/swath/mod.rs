@@ -1,20 +1,21 @@
-//! Depth between the lines: the levels of the side-scan echoes say how the bed slopes.
+//! Corrects depths between the lines from the levels of the side-scan echoes, which depend on the
+//! slope of the bed.
 //!
-//! In: a surface, and the echo levels of the logs over it. Out: the same surface with depths
-//! between the lines, where levels predict these better.
+//! In: a surface, and the echo levels of the logs over it. Out: the same surface with corrected
+//! depths between the lines, where levels predict these better.
 //!
 //! An echo is stronger where the bed faces the boat and weaker where it turns away. From two sides,
 //! as from neighbouring lines, the effect of a slope changes its sign and that of the bed's own
-//! brightness does not, so the two can be told apart. Depths, brightness, the curves of beam, range
-//! and noise and the gain are found together, and hold to the depths that were measured. What is
-//! found is inferred, not measured.
+//! brightness does not, so the two can be distinguished. Depths, brightness, gain, and the curves
+//! of beam, range and noise are solved for together, and agree with the measured depths. The
+//! resulting depths are inferred, not measured.
 //!
-//! `echoes` is what is read of a log, and where these are none of the bed, and `layout` what is
-//! found of all of it: its `law` turns levels into logarithms of power. `looks` are
-//! averaged levels, `observations` those placed on the bed; `model` says what they should be.
-//! `tiling` parts a survey, or what a part of a larger map depends on, into tiles of `nodes`;
-//! `solve` solves one, `depths` runs the rounds, and `gate` decides
-//! by left-out soundings whether levels are used.
+//! `echoes` defines the data that is read of a log, and finds weed; `layout` determines the
+//! properties of a whole log, such as its `law`, which converts levels into logarithms of power.
+//! `looks` are averaged levels, `observations` are looks placed on the bed; `model` predicts their
+//! levels. `tiling` divides a survey, or a part of a larger map, into tiles of `nodes`; `solve`
+//! solves a tile, `depths` runs the rounds, and `gate` decides by left-out soundings whether levels
+//! are used.
 
 mod depths;
 mod echoes;
@@ -43,34 +44,36 @@ use serde::{Deserialize, Serialize};
 use solve::{Brightness, Prior};
 use tiling::{Resolution, Tiling};
 
-/// Tiles that curves are learnt on, and left-out soundings predicted, at most.
+/// Largest number of tiles on which curves are learnt and left-out soundings predicted.
 const MOST_LEARNT: usize = 2;
 /// Largest ratio of the error of left-out soundings with levels to that by triangles at which
-/// levels are used. From place to place the smaller error counts more.
+/// levels are used. At each place the smaller error has the larger weight.
 const MOST_RATIO: f64 = 0.95;
-/// Sets of curves, one for each recorder and range setting, that `auto` learns at most: the time
-/// grows with their square.
+/// Largest number of sets of curves, one for each recorder and range setting, that `auto` learns:
+/// the time grows with the square of their number.
 const MOST_SETS: usize = 8;
-/// Distances from a measured depth up to which the surface holds it alone, and from which on levels
-/// count in full, metres.
+/// Distances from a measured depth up to which levels have no weight, and from which on they have
+/// full weight, metres.
 const HELD_M: [f64; 2] = [0.5, 1.5];
-/// Prior knowledge of a bed where it was not tested.
+/// Prior knowledge of a bed where no prior was tested by left-out soundings.
 const UNTESTED: Prior = Prior { brightness: Brightness::Patches(0.35), relief_m: 0.15 };
-/// Standard deviations, in usual ones, from which on levels count less, and from which on for
-/// nothing: at the edge of a survey, where one line looks and no depth was measured beyond.
+/// Ratios of a standard deviation to the usual one from which on the weight of levels falls, and
+/// from which on it is 0: at the edge of a survey, where one line looks and no depth was measured
+/// beyond.
 const UNSURE_SDS: [f64; 2] = [2.2, 3.2];
-/// Errors without levels, in usual ones, from which on and in full an error of levels is no smaller
-/// against them than left-out soundings show.
+/// Ratios of the error without levels to the usual one between which a lower limit of the error
+/// with levels rises to its full value. The limit, as a share of the error without levels, is the
+/// ratio of both errors at left-out soundings.
 const UNUSUAL_ERRORS: [f64; 2] = [1.5, 2.5];
-/// The error that is stated of depths from levels, in geometric means of the errors of left-out
-/// soundings with levels and by triangles: on ponds of both simulators this holds. And in standard
-/// deviations of what the equations leave unknown, where it was not tested.
+/// Factors for the stated error of depths from levels. The first is on the geometric mean of the
+/// errors of left-out soundings with levels and by triangles: this is valid on ponds of both
+/// simulators. The second is on the standard deviation by the equations, where there was no test.
 const STATED: f64 = 1.15;
 const UNTESTED_SDS: f64 = 0.7;
 
-/// Corrects the depths of a surface between those measured by the levels of the echoes of its logs,
-/// in the surface's plane, and says in [`Surface::levels`] what became of it. `measured` are the
-/// depths that the surface was made of.
+/// Corrects the depths of a surface between the measured depths, from the levels of the echoes of
+/// its logs in the surface's plane, and records the result in [`Surface::levels`]. `measured` are
+/// the depths that the surface was made of.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -163,7 +166,7 @@ fn found(
     Ok(found.map(|found| (found, left_out)).ok_or(LevelsRefused::NotSolved))
 }
 
-/// Law and curves of the levels of a log, so that a part of a map needs no more of it.
+/// Law and curves of the levels of a log: a part of a map needs nothing else of the whole log.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LearntLevels {
     law: law::Law,
@@ -172,8 +175,8 @@ pub struct LearntLevels {
 }
 
 impl LearntLevels {
-    /// Learns from a whole log and the depths that it measured; `None` where its levels cannot be
-    /// used.
+    /// Learns the law and the curves from a whole log and its measured depths; `None` where its
+    /// levels cannot be used.
     ///
     /// # Errors
     /// When the work was cancelled.
@@ -200,7 +203,7 @@ impl LearntLevels {
         Ok((!curves.is_empty()).then_some(Self { law, curves }))
     }
 
-    /// Returns the law by which an echo is written.
+    /// Returns the law by which the recorder writes an echo.
     pub fn law(&self) -> law::Law {
         self.law
     }
@@ -211,12 +214,12 @@ impl LearntLevels {
     }
 }
 
-/// Corrects as [`correct`] does, for a part of a larger map: `around` is its surface, `edges_m` are
-/// its edges, `logs` have the pings within [`PART_PINGS_M`] with what was learnt of each,
-/// `measured` are the depths within [`PART_DEPTHS_M`], and depths are right within 32 m of the
-/// edges, the same to the bit as those of a neighbouring part. Places count in a plane that all
-/// parts share, and the order of logs and depths must be the same for all. No hardness results:
-/// each part would count it from another zero.
+/// Corrects depths as [`correct`] does, for a part of a larger map. `around` is the surface of the
+/// part with its surroundings, and `edges_m` are the edges of the part. `logs` have the pings
+/// within [`PART_PINGS_M`], `learnt` the law and curves of each log, and `measured` are the depths
+/// within [`PART_DEPTHS_M`]. Depths up to 32 m outside the edges are valid too, and equal to the
+/// bit to those of the neighbouring part. All parts share a plane, and must have logs and depths in
+/// the same order. Hardness is not computed, since it would have another zero in each part.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -244,26 +247,26 @@ pub fn correct_part(
     Ok(())
 }
 
-/// Returns the weight of levels against the surface without them, 0 to 1, at a distance from the
-/// nearest measured depth, metres.
+/// Returns the weight of depths from levels against the surface without them, 0 to 1, at a distance
+/// from the nearest measured depth, metres.
 fn share_of_levels(distance_m: f64) -> f64 {
     rise(distance_m, HELD_M)
 }
 
-/// Returns a value that rises from 0 at the first of two values to 1 at the second, without a kink.
+/// Returns a smooth step from 0 at the first of two values to 1 at the second.
 fn rise(value: f64, [from, to]: [f64; 2]) -> f64 {
     let along = ((value - from) / (to - from)).clamp(0.0, 1.0);
     along * along * (3.0 - 2.0 * along)
 }
 
-/// The error that is stated of depths from levels.
+/// Stated error of depths from levels.
 #[derive(Clone, Copy)]
 struct StatedByLevels {
-    /// Standard deviations of the equations that the depths miss by.
+    /// Error of the depths in standard deviations by the equations.
     error_sds: f64,
-    /// Least stated error, as a share of the error without levels, where that is far above the
-    /// usual: levels are not better against it there than left-out soundings show them to be. Where
-    /// the bed bends between the lines by more than the equations expect, their error is larger
+    /// Least stated error, as a share of the error without levels, where the latter is far above
+    /// the usual: there, levels do not reduce the error more than they do at left-out soundings.
+    /// Where the bed bends between the lines by more than the equations assume, the error is larger
     /// than they predict.
     least_share: f64,
 }
@@ -275,8 +278,8 @@ impl StatedByLevels {
     }
 }
 
-/// Merges the depths that were found into a surface; they count the more the smaller their error is
-/// against the surface's own.
+/// Merges the depths from levels into a surface; their weight grows with the ratio of the surface's
+/// own error to theirs.
 fn add(found: &NodeDepths, stated: StatedByLevels, surface: &mut Surface) {
     let nodes = &found.nodes;
     let both = found.sd_m.iter().zip(&found.seen);
@@ -299,7 +302,7 @@ fn add(found: &NodeDepths, stated: StatedByLevels, surface: &mut Surface) {
             * nodes.value_at(&found.seen, centre);
         if surface.spread_is == Spread::OfError {
             let [own, other] = [without_error_m, error_m].map(|error_m| error_m * error_m);
-            // Levels hold to the triangles already: their own part counts half.
+            // Depths from levels depend on the triangles already: their own error has half weight.
             share *= own / (own + 0.5 * other);
         }
         if share.is_nan() || share <= 0.0 {
@@ -314,7 +317,8 @@ fn add(found: &NodeDepths, stated: StatedByLevels, surface: &mut Surface) {
     }
 }
 
-/// The median spread of the cells where levels count in full, metres; NaN where there are none.
+/// Returns the median spread of the cells where levels have full weight by their distance, metres;
+/// NaN where there are none.
 fn usual_between_m(surface: &Surface) -> f64 {
     let cells = surface.spread_m.iter().zip(&surface.distance_m);
     let far =
@@ -323,8 +327,8 @@ fn usual_between_m(surface: &Surface) -> f64 {
     if spreads_m.is_empty() { f64::NAN } else { median(&mut spreads_m) }
 }
 
-/// The brightness of the bed in the cells with a depth that echoes say something of, decibels over
-/// their median; `None` where that is none.
+/// Returns the brightness of the bed in each cell with a depth and observations, decibels over the
+/// median; NaN in other cells; `None` where there are no such cells.
 fn hardness_db(found: &NodeDepths, surface: &Surface) -> Option<Vec<f32>> {
     let nodes = &found.nodes;
     let of_cell = |(cell, depth_m): (usize, &f32)| {

@@ -1,21 +1,22 @@
-//! Predicts the level of a sample: the echo of a bed of given depth, slope and brightness, and the
-//! noise under the recorder's gain.
+//! Predicts the level of a sample from the echo of a bed of given depth, slope and brightness, and
+//! from the noise under the recorder's gain.
 //!
-//! `ln P = ln(echo + noise)` with `ln echo = beam(phi) + f(t) + h ln(r / r0) + brightness + gain`,
-//! where `phi` is the angle from straight down, `t = phi + atan(slope)` that from the bed's normal
-//! and `f(t) = ln(cos^2 t / sin t)`: Lambert's law over the area that a pulse covers; and `ln noise
-//! = n + m ln(r / r0) + b (r / r0 - 1)`: a floor that the gain raises with range. The beam's curve
-//! takes up what the law lacks.
+//! The model is `ln P = ln(echo + noise)` with `ln echo = beam(phi) + f(t) + h ln(r / r0) +
+//! brightness + gain`, where `phi` is the angle from straight down, `t = phi + atan(slope)` that
+//! from the bed's normal and `f(t) = ln(cos^2 t / sin t)`: Lambert's law over the area that a pulse
+//! covers; and `ln noise = n + m ln(r / r0) + b (r / r0 - 1)`: a floor that the gain raises with
+//! range. The curve of the beam also corrects errors of the law.
 
 use crate::sparse::solve_dense;
 use faer::Mat;
 
-/// Angles from straight down at which the beam's curve has a value, degrees: every 5 from 15 to 90.
+/// Angles from straight down at which the curve of the beam has a value, degrees: every 5 from 15
+/// to 90.
 const KNOTS: usize = 16;
 const FIRST_KNOT_DEG: f64 = 15.0;
 const KNOT_DEG: f64 = 5.0;
-/// Parameters of the curves: the beam's, the slope over range, level, slope and bend of the noise,
-/// and what starboard is brighter by, all over and by angle.
+/// Number of parameters of the curves: values of the beam; the slope over range; level, slope and
+/// bend of the noise; and the excess brightness of starboard, constant and by angle.
 pub(super) const PARAMETERS: usize = KNOTS + 6;
 const RANGE: usize = KNOTS;
 const NOISE: usize = KNOTS + 1;
@@ -23,61 +24,62 @@ const NOISE_SLOPE: usize = KNOTS + 2;
 const NOISE_BEND: usize = KNOTS + 3;
 const SIDE: usize = KNOTS + 4;
 const TILT: usize = KNOTS + 5;
-/// The range that curves count from, metres.
+/// Reference range of the curves, metres.
 const REFERENCE_M: f64 = 6.0;
-/// The angle that a tilt turns about, and what it counts, degrees.
+/// Angle at which a tilt is 0, and unit of the angle from it, degrees.
 const TILT_DEG: [f64; 2] = [45.0, 15.0];
-/// Angles from the bed's normal that the law is taken at, radians: beyond them it would run away.
+/// Bounds of the angle from the bed's normal in the law, radians: beyond these the law diverges.
 const LAW_RAD: [f64; 2] = [0.05, 1.52];
-/// Standard deviations of the beam's second differences, of the slope over range, and of slope and
-/// bend of the noise about those of a floor under a gain of 30 log r with a little absorption.
+/// Standard deviations of the second differences of the beam and of the slope over range; then
+/// means and standard deviations of slope and bend of the noise, for a floor under a gain of 30 log
+/// r with a little absorption.
 const SD_BEAM_BEND: f64 = 0.12;
 const SD_RANGE: f64 = 0.3;
 const NOISE_PRIOR: [(usize, f64, f64); 2] = [(NOISE_SLOPE, 3.0, 0.5), (NOISE_BEND, 0.3, 0.15)];
-/// Standard deviation of what starboard is brighter by, and of its tilt.
+/// Standard deviations of the excess brightness of starboard, and of its tilt.
 const SD_SIDE: f64 = 0.5;
 const SD_TILT: f64 = 0.3;
 
-/// Standard deviation of how the curves of one transducer differ between range settings.
+/// Standard deviation of the difference of the curves of one transducer between range settings.
 const SD_TIE: f64 = 0.03;
 
-/// Place of a sample, and slope of the bed there.
+/// Range and angle of a sample, and slope of the bed at its place.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Incidence {
     /// Slant range, metres.
     pub range_m: f64,
     /// Angle from straight down, radians.
     pub phi_rad: f64,
-    /// Growth of the depth outward, metres a metre.
+    /// Growth of the depth outward, metres for each metre.
     pub slope: f64,
-    /// -1 to port, 1 to starboard.
+    /// Side of the boat: -1 is port, 1 is starboard.
     pub side: f64,
 }
 
-/// The level of a sample and what it changes by.
+/// Expected level of a sample, and its derivatives.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Expected {
-    /// Natural logarithm of power.
+    /// Expected natural logarithm of power.
     pub ln_power: f64,
-    /// The echo's share of the power.
+    /// Share of the echo in the power.
     pub share: f64,
-    /// Change for a unit of slope.
+    /// Change of the level for a unit of slope.
     pub per_slope: f64,
-    /// Change for a metre of depth at the same range.
+    /// Change of the level for a metre of depth at the same range.
     pub per_depth: f64,
 }
 
-/// The curves of one log at one range setting.
+/// Curves of one recorder at one range setting.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct LawCurves(pub [f64; PARAMETERS]);
 
-/// `f(t)`.
+/// Returns `f(t)`, Lambert's law.
 fn lambert(angle_rad: f64) -> f64 {
     let (sin, cos) = angle_rad.clamp(LAW_RAD[0], LAW_RAD[1]).sin_cos();
     (cos * cos / sin).ln()
 }
 
-/// `f'(t)`; 0 beyond the angles of the law.
+/// Returns `f'(t)`; 0 beyond the bounds of the law.
 fn lambert_slope(angle_rad: f64) -> f64 {
     if angle_rad > LAW_RAD[0] && angle_rad < LAW_RAD[1] {
         -2.0 * angle_rad.tan() - 1.0 / angle_rad.tan()
@@ -86,7 +88,7 @@ fn lambert_slope(angle_rad: f64) -> f64 {
     }
 }
 
-/// The knot before an angle, and the share of the next one.
+/// Returns the knot before an angle, and the share of the next knot.
 fn knot(phi_rad: f64) -> (usize, f64) {
     let at = (phi_rad.to_degrees() - FIRST_KNOT_DEG) / KNOT_DEG;
     let at = at.clamp(0.0, KNOTS as f64 - 1.001);
@@ -129,8 +131,8 @@ impl LawCurves {
         }
     }
 
-    /// Adds to `sums` what the level of a sample changes by for each parameter; `share` is the
-    /// echo's.
+    /// Adds the derivatives of the level of a sample by each parameter to `sums`; `share` is the
+    /// share of the echo in the power.
     pub(super) fn add_derivatives(at: &Incidence, share: f64, sums: &mut [f64; PARAMETERS]) {
         let (below, right) = knot(at.phi_rad);
         let ln_range = (at.range_m / REFERENCE_M).ln();
@@ -144,8 +146,8 @@ impl LawCurves {
         sums[TILT] += share * tilt(at);
     }
 
-    /// Adds to a system of normal equations for a step of the parameters what is known of them
-    /// beforehand.
+    /// Adds the prior knowledge of the parameters to a system of normal equations for a step of
+    /// them.
     pub(super) fn add_prior(
         &self,
         normal: &mut Mat<f64>,
@@ -174,8 +176,8 @@ impl LawCurves {
         add(&[(TILT, 1.0)], 0.0, SD_TILT);
     }
 
-    /// Adds to such a system that two sets of curves are of one transducer: the beam has one shape,
-    /// and starboard is brighter by as much.
+    /// Adds to a system of normal equations that two sets of curves are of one transducer: the beam
+    /// has the same shape, and starboard the same excess brightness.
     pub(super) fn add_tie(
         one: (&Self, usize),
         other: (&Self, usize),
@@ -207,14 +209,14 @@ impl LawCurves {
         }
     }
 
-    /// The same a step on.
+    /// Returns the curves after a step of their parameters.
     #[must_use]
     pub(super) fn stepped(&self, step: &[f64]) -> Self {
         Self(std::array::from_fn(|at| self.0[at] + step[at]))
     }
 
-    /// The curves that fit the mean levels of some places of many samples best, by a damped
-    /// Gauss-Newton method with robust weights.
+    /// Fits curves to the mean levels of some places with many samples, by a damped Gauss-Newton
+    /// method with robust weights; `None` without places or a solution.
     pub(super) fn fit(places: &[FitPlace]) -> Option<Self> {
         let mut levels: Vec<f64> = places.iter().map(|place| place.ln_power).collect();
         levels.sort_by(f64::total_cmp);
@@ -281,22 +283,22 @@ impl LawCurves {
     }
 }
 
-/// Steps of a fit, and the most that a parameter changes in one.
+/// Largest number of steps of a fit, and largest change of a parameter in a step.
 const FIT_STEPS: usize = 60;
 const MOST_FIT_STEP: f64 = 2.0;
-/// Misfit beyond which observations count less, in standard deviations.
+/// Misfit above which the weight of observations falls, in standard deviations.
 const SOFT: f64 = 2.0;
 /// Factor on the standard deviations of the noise prior in the first fit.
 const FIT_LOOSENESS: f64 = 4.0;
 
-/// The mean level of many samples at about the same range and angle.
+/// Mean level of many samples at about the same range and angle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FitPlace {
-    /// Range, angle and slope of the samples.
+    /// Mean range, angle and slope of the samples.
     pub at: Incidence,
-    /// Their mean.
+    /// Mean logarithm of power of the samples.
     pub ln_power: f64,
-    /// Its standard deviation.
+    /// Standard deviation of the mean.
     pub sd: f64,
 }
 

@@ -1,41 +1,41 @@
-//! The places of the unknowns: nodes at even steps, with values bilinear between them.
+//! Defines the places of the unknowns: nodes at even steps, with bilinear values between them.
 
 use crate::bathymetry::Grid;
 
-/// Nodes beside its core over which a tile fades into the next.
+/// Number of nodes around its core over which a tile fades into the next.
 const BLEND: usize = 6;
 
 /// Nodes in rows from south to north, each from west to east.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Nodes {
-    /// East and north that they are counted from, metres: a place is the same number of steps, to
-    /// the bit, for all parts that count from there.
+    /// Origin of the nodes, east and north, metres: parts of a map with the same origin have the
+    /// same nodes to the bit.
     pub zero_m: [f64; 2],
-    /// Steps from there to the first, east and north.
+    /// Number of steps from the origin to the first node, east and north.
     pub first: [i64; 2],
     /// Distance from one node to the next, metres.
     pub step_m: f64,
-    /// Nodes of a row, and number of rows; at least two each.
+    /// Number of nodes in a row, and number of rows; at least two each.
     pub counts: [usize; 2],
 }
 
-/// Four nodes around a place, each with its share: index and share.
+/// Four nodes around a place: index and share of each.
 pub(super) type Shares = [(usize, f64); 4];
 
-/// A part of the nodes: those that are solved for together.
+/// Part of the nodes that is solved for together.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct NodeTile {
-    /// The first node in a row and the first row that are solved for.
+    /// Column and row of the first node of the tile among all nodes.
     pub first: [usize; 2],
-    /// Its nodes.
+    /// Nodes of the tile.
     pub nodes: Nodes,
-    /// First and beyond the last node in a row, and the same of the rows, that no other tile has in
-    /// its core, counted in its own nodes.
+    /// Columns and rows of the core, each as the first one and one after the last, counted in the
+    /// nodes of the tile. No node is in two cores.
     pub core: [[usize; 2]; 2],
 }
 
-/// Values of several tiles brought together: where tiles overlap the mean, weighted towards the
-/// nearer core, so that no seam shows.
+/// Joined values of several tiles: where tiles overlap, their mean, weighted towards the nearer
+/// core, so that no seam shows.
 #[derive(Clone, Debug)]
 pub(super) struct Blend {
     sums: Vec<f64>,
@@ -43,7 +43,7 @@ pub(super) struct Blend {
 }
 
 impl Blend {
-    /// Creates an empty blend at some nodes.
+    /// Creates a blend at some nodes without any tile.
     pub(super) fn none(nodes: &Nodes) -> Self {
         Self { sums: vec![0.0; nodes.len()], weights: vec![0.0; nodes.len()] }
     }
@@ -58,7 +58,7 @@ impl Blend {
         }
     }
 
-    /// The values at all nodes; 0 where no tile was added.
+    /// Returns the values at all nodes; 0 where no tile was added.
     pub(super) fn values(self) -> Vec<f64> {
         let both = self.sums.into_iter().zip(self.weights);
         let value = |(sum, weight)| if weight > 0.0 { sum / weight } else { 0.0 };
@@ -84,12 +84,12 @@ impl Nodes {
         (place[axis] - self.zero_m[axis]) / self.step_m - self.first[axis] as f64
     }
 
-    /// Number of nodes.
+    /// Returns the number of nodes.
     pub(super) fn len(&self) -> usize {
         self.counts[0] * self.counts[1]
     }
 
-    /// West, south, east and north of the outermost nodes, metres.
+    /// Returns west, south, east and north of the outermost nodes, metres.
     pub(super) fn bounds_m(&self) -> [f64; 4] {
         let at = |axis: usize, step: usize| {
             self.zero_m[axis] + (self.first[axis] + step as i64) as f64 * self.step_m
@@ -98,7 +98,7 @@ impl Nodes {
         [at(0, 0), at(1, 0), last(0), last(1)]
     }
 
-    /// The place of a node, east and north, metres.
+    /// Returns the place of a node, east and north, metres.
     pub(super) fn place_m(&self, node: usize) -> [f64; 2] {
         let steps = [node % self.counts[0], node / self.counts[0]];
         [0, 1].map(|axis| {
@@ -106,7 +106,7 @@ impl Nodes {
         })
     }
 
-    /// Returns true if a place east and north lies between the outermost nodes.
+    /// Returns true if a place, east and north, is between the outermost nodes.
     pub(super) fn holds(&self, place: [f64; 2]) -> bool {
         (0..2).all(|axis| {
             let steps = self.steps(place, axis);
@@ -114,8 +114,8 @@ impl Nodes {
         })
     }
 
-    /// The four nodes around a place and their shares, which sum to 1; beyond the outermost nodes
-    /// as on them.
+    /// Returns the four nodes around a place and their shares, which sum to 1; places beyond the
+    /// outermost nodes count as on them.
     pub(super) fn shares(&self, place: [f64; 2]) -> Shares {
         let [(column, right), (row, up)] = [0, 1].map(|axis| {
             let steps = self.steps(place, axis);
@@ -138,7 +138,7 @@ impl Nodes {
         sum(values, &self.shares(place))
     }
 
-    /// The node nearest to a place.
+    /// Returns the node nearest to a place.
     pub(super) fn nearest(&self, place: [f64; 2]) -> usize {
         let [column, row] = [0, 1].map(|axis| {
             let steps = self.steps(place, axis).round();
@@ -147,7 +147,8 @@ impl Nodes {
         row * self.counts[0] + column
     }
 
-    /// The nodes west, east, south and north of one; itself where there is none.
+    /// Returns the nodes west, east, south and north of a node; the node itself where there is
+    /// none.
     pub(super) fn neighbours(&self, node: usize) -> [usize; 4] {
         let [columns, rows] = self.counts;
         let (row, column) = (node / columns, node % columns);
@@ -160,8 +161,8 @@ impl Nodes {
         ]
     }
 
-    /// Parts with cores of about even size and at most `core` nodes a side, and a halo of `halo`
-    /// nodes around each; one part where all nodes are at most `most`.
+    /// Divides the nodes into tiles with cores of about the same size, at most `core` nodes a side,
+    /// and a halo of `halo` nodes around each core; one tile if there are at most `most` nodes.
     pub(super) fn tiles(&self, most: usize, core: usize, halo: usize) -> Vec<NodeTile> {
         let cores = self.counts.map(|count| {
             if self.len() <= most { count } else { count.div_ceil(count.div_ceil(core)) }
@@ -169,8 +170,8 @@ impl Nodes {
         self.tiles_within(0, cores, halo)
     }
 
-    /// Divides the nodes into tiles with cores of `cores` nodes in a row and rows, the outermost
-    /// `margin` nodes being in no core, and a halo of `halo` nodes around each.
+    /// Divides the nodes into tiles with cores of `cores` nodes in a row and rows, and a halo of
+    /// `halo` nodes around each core; the outermost `margin` nodes are in no core.
     pub(super) fn tiles_within(
         &self,
         margin: usize,
@@ -207,7 +208,7 @@ impl Nodes {
 }
 
 impl NodeTile {
-    /// The nodes of its core.
+    /// Returns the nodes of the core.
     pub(super) fn core_nodes(&self) -> Nodes {
         let [columns, rows] = self.core;
         Nodes {
@@ -217,7 +218,7 @@ impl NodeTile {
         }
     }
 
-    /// Returns the weight of a node against those of other tiles: 1 in the core, down to 0 at
+    /// Returns the weight of a node of the tile in a [`Blend`]: 1 in the core, down to 0 at
     /// [`BLEND`] nodes from it.
     fn weight(&self, node: usize) -> f64 {
         let columns = self.nodes.counts[0];
@@ -228,7 +229,7 @@ impl NodeTile {
         along(node % columns, self.core[0]) * along(node / columns, self.core[1])
     }
 
-    /// The place of one of its nodes among all.
+    /// Returns the index among all nodes of a node of the tile.
     pub(super) fn index_in(&self, all: &Nodes, node: usize) -> usize {
         let columns = self.nodes.counts[0];
         let (row, column) = (node / columns, node % columns);
@@ -236,7 +237,7 @@ impl NodeTile {
     }
 }
 
-/// The sum of some values by their shares.
+/// Returns the sum of values, each multiplied by its share.
 pub(super) fn sum(values: &[f64], shares: &Shares) -> f64 {
     shares.iter().map(|&(node, share)| share * values[node]).sum()
 }
@@ -248,7 +249,7 @@ mod tests {
     const NODES: Nodes =
         Nodes { zero_m: [1.0, -3.0], first: [4, 2], step_m: 0.5, counts: [41, 23] };
 
-    /// The values at the nodes of a tile out of those at all nodes.
+    /// Returns the values at the nodes of a tile from the values at all nodes.
     fn cut(tile: &NodeTile, values: &[f64]) -> Vec<f64> {
         let value = |node| values[tile.index_in(&NODES, node)];
         (0..tile.nodes.len()).map(value).collect()
@@ -291,7 +292,7 @@ mod tests {
             let found = part.nodes.value_at(&cut(part, &values), place);
             assert_eq!(found.to_bits(), expected.to_bits());
         }
-        // The last core of a row is cut short by the margin.
+        // The margin makes the last core of a row shorter.
         assert_eq!(parts[6].core[0], [2, 7]);
         assert_eq!(parts[21].core[1], [2, 4]);
     }

@@ -1,5 +1,6 @@
-//! Levels placed on the bed as it is known so far: averaged over level cells: a chunk of pings by a
-//! length of ground each, with what each says of depth, slope, brightness and curves.
+//! Places levels on the bed as it is known so far: averages them over level cells (a chunk of pings
+//! by a length of ground each), and computes how each mean depends on depth, slope, brightness and
+//! curves.
 
 use super::looks::SideChunk;
 use super::model::{Incidence, LawCurves};
@@ -7,25 +8,26 @@ use super::nodes::Nodes;
 use crate::bathymetry::{Bends, BentSampler, Node, Tin};
 use crate::nearest::Nearest;
 
-/// Ground range from which on level cells lie, metres: nearer the beam looks straight down, and
-/// depths were measured.
+/// Least ground range of level cells, metres: nearer, the beam looks straight down, and depths were
+/// measured.
 const NEAREST_M: f64 = 1.2;
-/// Ground range up to which level cells lie, metres.
+/// Largest ground range of level cells, metres.
 pub(super) const FARTHEST_M: f64 = 40.0;
-/// Steps in which a ray is followed along the ground, metres, and half the steps that its slope is
-/// taken over.
+/// Step in which a ray is followed along the ground, metres, and number of steps before and after a
+/// place over which its slope is computed.
 const RAY_STEP_M: f64 = 0.125;
 const SLOPE_STEPS: usize = 2;
-/// Greatest angle from straight down, and least from the bed's normal, degrees.
+/// Largest angle from straight down, and least angle from the bed's normal, of the used samples,
+/// degrees.
 const FLATTEST_DEG: f64 = 88.0;
 const STEEPEST_DEG: f64 = 24.0;
-/// Level cells of fewer independent samples say too little.
+/// Least number of independent samples in a level cell.
 const LEAST_INDEPENDENT: f64 = 8.0;
 /// Farthest distance from a measured depth at which the bed is known, metres.
 const KNOWN_M: f64 = 20.0;
-/// Most that a depth changes in a round, metres.
+/// Largest change of a depth in a round, metres.
 const MOST_STEP_M: f64 = 0.4;
-/// Least altitude over the bed that a slant range is turned into an angle by, metres.
+/// Least altitude over the bed at which slant ranges are converted to angles, metres.
 const LEAST_ALTITUDE_M: f64 = 0.1;
 
 /// Depth and brightness of the bed at nodes.
@@ -33,23 +35,23 @@ const LEAST_ALTITUDE_M: f64 = 0.1;
 pub(super) struct Bed {
     /// Places of the nodes.
     pub nodes: Nodes,
-    /// Depth at each, metres.
+    /// Depth at each node, metres.
     pub depth_m: Vec<f64>,
-    /// Natural logarithm of the bed's own brightness at each.
+    /// Natural logarithm of the bed's own brightness at each node.
     pub ln_brightness: Vec<f64>,
-    /// Standard deviation of the depth by what the equations leave unknown of it at each, metres; 0
-    /// before they were solved.
+    /// Standard deviation of the depth at each node by the equations, metres; 0 before they are
+    /// solved.
     pub sd_m: Vec<f64>,
-    /// Depth by triangles between the measured depths at each, bent or straight, metres; the
-    /// nearest one beyond them.
+    /// Depth at each node by the triangles between the measured depths, bent or flat, metres;
+    /// beyond the triangles, the nearest measured depth.
     pub triangles_m: Vec<f64>,
-    /// True where a measured depth is near enough to a node for anything to be known.
+    /// True for each node with a measured depth near enough for its own depth to be known.
     pub is_known: Vec<bool>,
 }
 
 impl Bed {
-    /// Creates the bed from the triangles between some measured depths, and the nearest depth
-    /// beyond them; `None` without any.
+    /// Creates the bed from the triangles between the measured depths, and from the nearest
+    /// measured depth beyond them; `None` without measured depths.
     pub(super) fn new(nodes: Nodes, measured: &[Node], bends: Option<Bends>) -> Option<Self> {
         let places: Vec<[f64; 2]> = measured.iter().map(Node::place).collect();
         let nearest = Nearest::of(&places)?;
@@ -75,7 +77,8 @@ impl Bed {
         Some(bed)
     }
 
-    /// Moves the bed to the values of a solution: depths at all nodes, then brightness.
+    /// Moves the bed to a solution, each depth by [`MOST_STEP_M`] at most; `values` are depths at
+    /// all nodes, then brightness.
     pub(super) fn step(&mut self, values: &[f64]) {
         let (depths, others) = values.split_at(self.nodes.len());
         for (depth_m, value) in self.depth_m.iter_mut().zip(depths) {
@@ -84,7 +87,7 @@ impl Bed {
         self.ln_brightness.copy_from_slice(&others[..self.nodes.len()]);
     }
 
-    /// Adds some values, depths at all nodes and then brightness, `times` times.
+    /// Adds `values` (depths at all nodes, then brightness), multiplied by `times`, to the bed.
     pub(super) fn add(&mut self, values: &[f64], times: f64) {
         let (depths, others) = values.split_at(self.nodes.len());
         for (sum, value) in self.depth_m.iter_mut().zip(depths) {
@@ -96,24 +99,25 @@ impl Bed {
     }
 }
 
-/// The mean level of a cell over the expected one, and what that changes by.
+/// Mean level of a level cell, its excess over the expected level, and the derivatives of the
+/// latter.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SlopeObservation {
-    /// Mean logarithm of power over the expected one.
+    /// Mean excess of the logarithm of power over the expected one.
     pub over: f64,
-    /// The mean itself.
+    /// Mean logarithm of power.
     pub ln_power: f64,
-    /// Independent samples.
+    /// Number of independent samples.
     pub independent: f64,
-    /// Means over its samples.
+    /// Mean range, angle and slope of the samples.
     pub at: Incidence,
-    /// The echo's share of the power.
+    /// Share of the echo in the power.
     pub share: f64,
-    /// Change for a unit of slope.
+    /// Change of the expected level for a unit of slope.
     pub per_slope: f64,
-    /// Change for a metre of depth.
+    /// Change of the expected level for a metre of depth.
     pub per_depth: f64,
-    /// Middle, east and north, metres.
+    /// Middle of the cell, east and north, metres.
     pub place_m: [f64; 2],
 }
 
@@ -131,17 +135,19 @@ struct Sums {
     per_depth: f64,
 }
 
-/// The bed under a look: depth, slope and slant range at even steps of ground range.
+/// Bed under a look: slope and slant range at even steps of ground range.
 struct Ray {
-    /// The ground range of the first step, metres.
+    /// Ground range of the first step, metres.
     from_m: f64,
-    /// Slant range, never falling: of two places at one range the nearer one comes first.
+    /// Slant range at each step, metres, rising: of two places at the same range, the nearer one
+    /// counts.
     range_m: Vec<f64>,
     slope: Vec<f64>,
 }
 
 impl Ray {
-    /// Follows a look between two ground ranges in metres. What lies nearer casts no shadow on it.
+    /// Creates the ray of a look between two ground ranges in metres. Shadows of nearer ground are
+    /// ignored.
     fn new(look: &SideChunk, bed: &Bed, [from_m, to_m]: [f64; 2]) -> Self {
         let steps = ((to_m - from_m) / RAY_STEP_M) as usize + 1 + SLOPE_STEPS;
         let mut depth_m = Vec::with_capacity(steps + 1);
@@ -165,7 +171,7 @@ impl Ray {
                 break;
             }
             most_m2 = most_m2.max(ground_m * ground_m + altitude_m * altitude_m);
-            // Strictly growing, so that each range has one place.
+            // The ranges rise strictly, so that each range has one place.
             ray.range_m.push(most_m2.sqrt() + 1e-9 * step as f64);
             let from = step.saturating_sub(SLOPE_STEPS);
             let over_m = (step + SLOPE_STEPS - from) as f64 * RAY_STEP_M;
@@ -176,13 +182,13 @@ impl Ray {
 }
 
 impl SideChunk {
-    /// The place at a ground range, east and north, metres.
+    /// Returns the place at a ground range, east and north, metres.
     pub(super) fn at(&self, ground_m: f64) -> [f64; 2] {
         [0, 1].map(|axis| self.place_m[axis] + ground_m * self.outward[axis])
     }
 
-    /// The ground ranges between which level cells may lie within some nodes, metres; `None` where
-    /// there are none.
+    /// Returns the ground ranges between which level cells may be within some nodes, metres; `None`
+    /// where there are none.
     pub(super) fn within(&self, nodes: &Nodes) -> Option<[f64; 2]> {
         let last_m = self.first_m + self.step_m * self.ln_power.len() as f64;
         let [west_m, south_m, east_m, north_m] = nodes.bounds_m();
@@ -190,7 +196,8 @@ impl SideChunk {
         for (axis, [low_m, high_m]) in
             [[west_m, east_m], [south_m, north_m]].into_iter().enumerate()
         {
-            // Along the other axis both are infinite: of one sign outside, of two inside.
+            // For a look along the other axis both ends are infinite: with the same sign outside
+            // the bounds, with different signs inside.
             let ends =
                 [low_m, high_m].map(|edge_m| (edge_m - self.place_m[axis]) / self.outward[axis]);
             from_m = from_m.max(ends[0].min(ends[1]));
@@ -199,8 +206,9 @@ impl SideChunk {
         (from_m < to_m).then_some([from_m, to_m])
     }
 
-    /// Hands the observations of the level cells of this look that lie within some nodes to
-    /// `found`; the bed's nodes may reach farther. Without curves only what is measured is said.
+    /// Calls `found` with the observations of the level cells of this look that are within some
+    /// nodes; the nodes of the bed may reach farther. Without curves, expected levels and
+    /// derivatives are 0.
     pub(super) fn read(
         &self,
         bed: &Bed,
@@ -254,7 +262,7 @@ impl SideChunk {
         finish(&mut sums);
     }
 
-    /// `None` of too few samples.
+    /// Returns the observation of a level cell; `None` for too few samples.
     fn observation(&self, sums: &Sums) -> Option<SlopeObservation> {
         let mean = |sum: f64| sum / sums.count;
         let independent = sums.count * self.independent;

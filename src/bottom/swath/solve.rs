@@ -1,11 +1,11 @@
-//! One round: depth, brightness, gain and, where they are to be learnt, the curves, from all
-//! observations and all measured depths together, by least squares.
+//! Solves one round by least squares: depth, brightness, gain and, while they are learnt, the
+//! curves, from all observations and all measured depths together.
 //!
-//! Unknown are depth `d` and logarithm of brightness `a` at the nodes and the gain of every stretch
-//! of a log. An observation at `x` that looks outward along `o` says `J_s (d(x + u o) - d(x - u o))
-//! / 2u + J_d d(x) + q a(x) + gain + J_c c = over + J d' + q a'` with the values `'` of the round
-//! before. The curves `c` occur in every observation, so they are solved for by the Schur
-//! complement.
+//! The unknowns are depth `d` and logarithm of brightness `a` at the nodes, and the gain of every
+//! stretch of a log. An observation at `x` that looks outward along `o` gives the equation `J_s
+//! (d(x + u o) - d(x - u o)) / 2u + J_d d(x) + q a(x) + gain + J_c c = over + J d' + q a'` with the
+//! values `'` of the round before. The curves `c` occur in every observation, so they are solved
+//! for by the Schur complement.
 
 use super::looks::SideChunk;
 use super::model::{LawCurves, PARAMETERS};
@@ -19,33 +19,35 @@ use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::ops::Range;
 
-/// Standard deviation of what the model lacks, natural logarithm of power, and variance of the
+/// Standard deviation of the errors of the model, natural logarithm of power, and variance of the
 /// logarithm of a single echo's power.
 const SD_MODEL: f64 = 0.12;
 const SPECKLE_VARIANCE: f64 = 1.7;
 /// Least standard deviation of a measured depth, metres.
 const SD_MEASURED_M: f64 = 0.025;
-/// Reciprocal of the length over which the depth about the triangles hangs together, a metre.
+/// Reciprocal of the correlation length of the depth about the triangles, a metre.
 const KAPPA_PER_M: f64 = 0.6;
-/// Standard deviation of the brightness itself.
+/// Standard deviation of the brightness at a node.
 const SD_BRIGHTNESS: f64 = 1.0;
-/// Standard deviations of the gain of a stretch of a log, and from one to the next.
+/// Standard deviations of the change of the gain from one stretch of a log to the next, and of the
+/// gain of a stretch.
 const SD_GAIN_STEP: f64 = 0.05;
 const SD_GAIN: f64 = 1.0;
-/// Misfit beyond which observations count less, in their standard deviations.
+/// Misfit above which the weight of observations falls, in their standard deviations.
 const ROBUST: f64 = 2.5;
-/// Most that a parameter of a curve changes in a round.
+/// Largest change of a parameter of a curve in a round.
 const MOST_CURVE_STEP: f64 = 0.7;
-/// Draws of what is unknown of the depths, for their standard deviation.
+/// Number of random draws of the depths, for their standard deviation.
 const DRAWS: usize = 8;
-/// Damping of the curves in a round, against steps beyond where they are nearly linear.
+/// Damping of the curves in a round, against steps beyond the range where the equations are nearly
+/// linear.
 const CURVE_DAMPING: f64 = 4.0;
-/// Rows that part two sides.
+/// Number of rows or columns of nodes that separate two sides.
 const BETWEEN: usize = 2;
-/// Parts of no more rows and columns are not parted further.
+/// Largest number of rows and columns of a part that is not divided further.
 const LEAST_PARTED: usize = 5;
 
-/// Possible change of the bed's brightness.
+/// Assumed change of the bed's brightness.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Brightness {
     /// Slow change: standard deviation of the change over half a metre.
@@ -57,15 +59,16 @@ pub(super) enum Brightness {
 /// Prior knowledge of a bed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Prior {
-    /// Change of its brightness.
+    /// Change of the bed's brightness.
     pub brightness: Brightness,
-    /// Standard deviation of its depth about the triangles between the measured depths, metres.
+    /// Standard deviation of the bed's depth about the triangles between the measured depths,
+    /// metres.
     pub relief_m: f64,
 }
 
-/// The length over which patches hang together, metres.
+/// Correlation length of patches, metres.
 const PATCH_M: f64 = 3.0;
-/// The length that [`Brightness::Slow`] counts by, metres.
+/// Length that the change in [`Brightness::Slow`] refers to, metres.
 const SLOW_M: f64 = 0.5;
 
 /// Input that a tile is solved from.
@@ -73,49 +76,49 @@ const SLOW_M: f64 = 0.5;
 pub(super) struct TileInput<'a> {
     /// All looks.
     pub looks: &'a [SideChunk],
-    /// The curves of each, `None` where they are unknown.
+    /// Curves of each set; `None` where they are unknown.
     pub curves: &'a [Option<LawCurves>],
     /// Ground range of a level cell, metres.
     pub level_cell_m: f64,
-    /// Returns true if echoes of a place are those of the bed.
+    /// Function that returns true if the echoes of a place come from the bed.
     pub is_bed: &'a (dyn Fn([f64; 2]) -> bool + Sync),
     /// Prior knowledge of the bed.
     pub prior: Prior,
-    /// True if misfits count less.
+    /// True if observations with large misfits have less weight.
     pub is_robust: bool,
 }
 
 /// Results of a round, other than the bed.
 pub(super) struct Solved {
-    /// True where an observation lies next to a node.
+    /// True for each node with an observation next to it.
     pub is_seen: Vec<bool>,
-    /// Equations of the curves, if they are to be learnt.
+    /// Equations of the curves; `None` if the curves are not learnt.
     pub border: Option<Border>,
 }
 
-/// Equations of the curves by one tile, and the effect of the curves on its bed.
+/// Equations of the curves from one tile, and the effect of the curves on its bed.
 pub(super) struct Border {
-    /// The Schur complement, of the parameters of all sets of curves in a row.
+    /// Schur complement for the parameters of all sets of curves, one set after the other.
     normal: Mat<f64>,
-    /// Its right side.
+    /// Right side of these equations.
     right: Vec<f64>,
-    /// Decrease of depth and brightness for a unit step of each parameter that occurs.
+    /// Parameters that occur, each with the decrease of depth and brightness for a unit step of it.
     columns: Vec<(usize, Vec<f64>)>,
 }
 
-/// A tile between its rounds.
+/// State of a tile between its rounds.
 pub(super) struct TileSolution {
     /// Index of the tile.
     pub tile: usize,
-    /// Its bed as it is known so far.
+    /// Bed of the tile as it is known so far.
     pub bed: Bed,
     measured: Vec<Node>,
     looks: Vec<usize>,
 }
 
 impl TileSolution {
-    /// Creates the state of a tile before its first round; `None` where no depth was measured in
-    /// it.
+    /// Creates the state of a tile before its first round; `None` where the tile has no measured
+    /// depth.
     pub(super) fn new(
         tile: usize,
         nodes: &Nodes,
@@ -130,8 +133,8 @@ impl TileSolution {
         Some(Self { tile, looks: touching.map(|(look, _)| look).collect(), measured, bed })
     }
 
-    /// The next round; `None` where no observation lies in the tile, or where the equations have no
-    /// solution.
+    /// Solves the next round, and moves the bed to its solution. `None` where the tile has no
+    /// observation, or the equations have no solution.
     pub(super) fn solve(&mut self, given: &TileInput<'_>, learns: bool) -> Option<Solved> {
         let nodes = self.bed.nodes;
         let mut system = System::new(&nodes);
@@ -178,7 +181,7 @@ impl TileSolution {
         })
     }
 
-    /// Takes over a step of the curves.
+    /// Moves the bed by the effect of a step of the curves.
     pub(super) fn follow(&mut self, border: &Border, steps: &[f64]) {
         for (parameter, column) in &border.columns {
             self.bed.add(column, -steps[*parameter]);
@@ -186,9 +189,9 @@ impl TileSolution {
     }
 }
 
-/// The terms of `(kappa^2 - Laplace)` at a node, whose values are independent in a Matern field
-/// (Lindgren et al. 2011, doi 10.1111/j.1467-9868.2011.00777.x), and their standard deviation for a
-/// field of standard deviation `sd`.
+/// Returns the terms of `(kappa^2 - Laplace)` at a node, whose values are independent in a Matern
+/// field (Lindgren et al. 2011, doi 10.1111/j.1467-9868.2011.00777.x), and their standard deviation
+/// for a field of standard deviation `sd`.
 fn innovation(
     nodes: &Nodes,
     node: usize,
@@ -205,7 +208,7 @@ struct System<'a> {
     nodes: Nodes,
     equations: Equations,
     observations: Vec<(&'a SideChunk, SlopeObservation)>,
-    /// The unknown of the gain of each stretch of a log.
+    /// Index of the unknown gain of each stretch of a log.
     gains: BTreeMap<(u32, u32), usize>,
 }
 
@@ -262,7 +265,8 @@ impl<'a> System<'a> {
         }
     }
 
-    /// The depth varies about the triangles: their own bends are not asked for.
+    /// Adds the equations of the prior of the depth, which varies about the triangles; the bends of
+    /// the triangles themselves have no cost.
     fn add_relief(&mut self, triangles_m: &[f64], relief_m: f64) {
         for (node, depth_m) in triangles_m.iter().enumerate() {
             let (terms, sd) = innovation(&self.nodes, node, KAPPA_PER_M, relief_m);
@@ -276,7 +280,7 @@ impl<'a> System<'a> {
             match brightness {
                 Brightness::Slow(sd) => {
                     let [_, east, _, north] = self.nodes.neighbours(node);
-                    // Over so short a step the change is in proportion to it.
+                    // Over such a short step the change is in proportion to its length.
                     let sd = sd * self.nodes.step_m / SLOW_M;
                     for other in [east, north].into_iter().filter(|other| *other != node) {
                         self.equations.add([(count + node, 1.0), (count + other, -1.0)], 0.0, sd);
@@ -310,20 +314,20 @@ impl<'a> System<'a> {
         is_seen
     }
 
-    /// Returns the equations of `sets` sets of curves by the observations, which are the first of
-    /// the system's equations.
+    /// Returns the equations of `sets` sets of curves from the observations, which are the first
+    /// equations of the system.
     fn border(&self, sets: usize, factor: &Factor, values: &[f64]) -> Border {
         let parameters = sets * PARAMETERS;
         let mut normal = Mat::<f64>::zeros(parameters, parameters);
         let mut right = vec![0.0; parameters];
-        // Of sets that no observation of the tile belongs to there is no column to solve for.
+        // Sets without an observation in the tile have no column to solve for.
         let mut occurring: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
         for (equation, (look, observation)) in self.observations.iter().enumerate() {
             let mut by = [0.0; PARAMETERS];
             LawCurves::add_derivatives(&observation.at, observation.share, &mut by);
             let weight = self.equations.weight(equation).powi(2);
             let first = PARAMETERS * look.curves;
-            // What the solution without a step of the curves leaves.
+            // The residual of the solution without a step of the curves.
             let left = -self.equations.residual(equation, values) / self.equations.weight(equation);
             for (row, of_row) in by.iter().enumerate().filter(|(_, by)| **by != 0.0) {
                 right[first + row] += weight * of_row * left;
@@ -350,8 +354,9 @@ impl<'a> System<'a> {
     }
 }
 
-/// Returns the step of the parameters of all sets of curves that the tiles of a sample determine
-/// together, and replaces the curves by those a step on. `recorders` are those of the curves.
+/// Moves the curves by the step of the parameters of all sets that the tiles of a sample determine
+/// together, and returns the step; `None` where there is no solution. `recorders` holds the
+/// recorder of each set.
 pub(super) fn learn(
     curves: &mut [Option<LawCurves>],
     recorders: &[u32],
@@ -387,13 +392,13 @@ pub(super) fn learn(
     Some(steps)
 }
 
-/// Returns an order of `unknowns` unknowns: `each` of every node come first, those of one kind
-/// before those of the next.
+/// Returns the order in which `unknowns` unknowns are eliminated: first `each` unknowns of every
+/// node, numbered by kind and then by node; then the others.
 ///
-/// The order is that of nested dissection (George 1973). Equations tie nodes at most two steps
-/// apart, so two rows or columns of nodes part the others into sides that share no equation. Each
-/// side is eliminated first, in the same way, and the two rows after both. What is of no node,
-/// which is tied to many, comes last.
+/// The order is that of nested dissection (George 1973). Equations connect nodes that are at most
+/// two steps apart, so two rows or columns of nodes separate the others into two sides that share
+/// no equation. Each side is eliminated first, in the same way, and the two rows after both.
+/// Unknowns that belong to no node, which are connected to many, come last.
 fn order(nodes: &Nodes, each: usize, unknowns: usize) -> Vec<u32> {
     let mut of_nodes = Vec::with_capacity(nodes.len());
     part(nodes, nodes.counts.map(|count| 0..count), &mut of_nodes);
@@ -402,7 +407,7 @@ fn order(nodes: &Nodes, each: usize, unknowns: usize) -> Vec<u32> {
     all.chain(each * nodes.len()..unknowns).map(|unknown| unknown as u32).collect()
 }
 
-/// Adds the nodes of some columns and rows.
+/// Adds the nodes of some columns and rows to the order, in nested dissection.
 fn part(nodes: &Nodes, spans: [Range<usize>; 2], order: &mut Vec<usize>) {
     let axis = usize::from(spans[1].len() > spans[0].len());
     let Range { start, end } = spans[axis];

@@ -1,19 +1,19 @@
-//! Chooses the resolution that a survey is solved at, and divides its nodes, or those of a part of
-//! a larger map, into tiles that are solved one by one.
+//! Chooses the resolution for a survey, and divides its nodes, or those of a part of a larger map,
+//! into tiles that are solved one by one.
 //!
-//! The tiles of a part of a map are those of a lattice that all parts share: so each part finds, to
-//! the bit, what its neighbours find where they meet.
+//! The tiles of a part of a map belong to a lattice that all parts share, so that neighbouring
+//! parts find the same depths, to the bit, where they meet.
 
 use super::nodes::{NodeTile, Nodes};
 use super::observations::FARTHEST_M;
 use crate::bathymetry::Grid;
 
-/// Nodes along the side of a tile's core, and around it.
+/// Number of nodes along the side of a tile's core, and in the halo on each side of it.
 const CORE: usize = 64;
 const HALO: usize = 8;
-/// Nodes that are solved for together where all are no more.
+/// Largest number of nodes that are solved for in a single tile.
 const MOST_TOGETHER: usize = 24_000;
-/// Nodes that a survey may have: of a metre they are eight square kilometres.
+/// Largest number of nodes of a survey: at a step of a metre they cover eight square kilometres.
 const MOST_NODES: usize = 8_000_000;
 
 /// Resolution of depths and levels.
@@ -23,16 +23,16 @@ pub(super) struct Resolution {
     pub node_m: f64,
     /// Ground range of a level cell, metres.
     pub level_cell_m: f64,
-    /// Length of the ranges that levels are averaged over, metres.
+    /// Length in slant range that levels are averaged over, metres.
     pub range_m: f64,
-    /// Chunks of pings that are averaged together.
+    /// Number of chunks of pings that are averaged together.
     pub chunks: usize,
-    /// Rounds in which depths are found once the curves are known.
+    /// Number of rounds in which depths are found once the curves are known.
     pub rounds: usize,
 }
 
 impl Resolution {
-    /// Resolution of a survey of at most [`MOST_FINE`] such nodes.
+    /// Resolution of a survey of at most [`MOST_FINE`] nodes at this resolution.
     pub(super) const FINE: Self =
         Self { node_m: 0.5, level_cell_m: 0.5, range_m: 0.06, chunks: 1, rounds: 2 };
     /// Resolution of a larger survey, and of the parts of a map.
@@ -41,7 +41,7 @@ impl Resolution {
         level_cell_m: 1.0,
         range_m: 0.12,
         chunks: 2,
-        // On ponds a second one takes off a twentieth of the error, in a third more time.
+        // On ponds a second round reduces the error by a twentieth, and takes a third more time.
         rounds: 1,
     };
 
@@ -52,23 +52,24 @@ impl Resolution {
     }
 }
 
-/// Most nodes of the fine resolution.
+/// Largest number of nodes at the fine resolution.
 const MOST_FINE: usize = 40_000;
-/// Edges of parts are multiples of this, metres.
+/// Step of the edges of parts, which are multiples of it, metres.
 pub const PART_STEP_M: f64 = CORE as f64 * Resolution::COARSE.node_m;
 /// Width around a part in which measured depths must be known, metres: a core and the halo.
 pub const PART_DEPTHS_M: f64 = (CORE + HALO) as f64 * Resolution::COARSE.node_m;
-/// Width around a part in which the pings must be known, metres: as far as they look into these.
+/// Width around a part in which the pings must be known, metres: the width of the measured depths
+/// and the largest ground range from which a ping looks at them.
 pub const PART_PINGS_M: f64 = PART_DEPTHS_M + FARTHEST_M;
 
-/// Nodes that are solved for, in tiles.
+/// Nodes of a survey or of a part of a map, in tiles.
 #[derive(Clone)]
 pub(super) struct Tiling {
     /// Resolution of the nodes and levels.
     pub resolution: Resolution,
     /// All nodes.
     pub nodes: Nodes,
-    /// The parts of them that are solved for together.
+    /// Tiles of the nodes.
     pub tiles: Vec<NodeTile>,
 }
 
@@ -90,8 +91,9 @@ impl Tiling {
         Self { resolution, tiles: nodes.tiles(MOST_TOGETHER, CORE, HALO), nodes }
     }
 
-    /// Creates the tiling of a part with some edges west, south, east and north, metres: multiples
-    /// of [`PART_STEP_M`]. A core lies around it on all sides.
+    /// Creates the tiling of a part of a map with the given edges, west, south, east and north,
+    /// metres, which are multiples of [`PART_STEP_M`]. The tiling has one further core around the
+    /// part on all sides.
     pub(super) fn of_part([west_m, south_m, east_m, north_m]: [f64; 4]) -> Self {
         let resolution = Resolution::COARSE;
         let cores = |metres: f64| (metres / PART_STEP_M).round() as i64;
@@ -119,7 +121,7 @@ mod tests {
         let place = |tile: &NodeTile| (tile.nodes.first, tile.nodes.counts, tile.core);
         assert_eq!(place(&one.tiles[0]), ([-72, 952], [80, 80], [[8, 72], [8, 72]]));
         let is_shared = |tile: &&NodeTile| other.tiles.iter().any(|one| place(one) == place(tile));
-        // A column of tiles on both sides of the edge.
+        // There is a column of tiles on both sides of the edge.
         assert_eq!(one.tiles.iter().filter(is_shared).count(), 20);
     }
 

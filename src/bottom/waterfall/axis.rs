@@ -1,50 +1,49 @@
-//! The one range axis that all pings of a survey are drawn on, and the distance that the boat moves
-//! from one ping to the next.
+//! Computes the common range axis of all pings of a survey, and the usual distance that the boat
+//! moves from one ping to the next.
 
 use super::{Level, TILE};
 use bathyscope_log::survey::{Fix, Side, SideSpan, Survey};
 
-/// Ranges beyond this are a damaged header, not a sonar: no side-scan of this class reaches a tenth
-/// of it.
+/// Largest range that is believed, metres: no side-scan of this class reaches a tenth of it, so a
+/// larger one comes from a damaged header.
 const FARTHEST_M: f32 = 5_000.0;
-/// Bins of the finest level at most, whatever the headers say, so that no header can ask for
-/// unbounded memory.
+/// Largest number of bins of the finest level, so that no header can request unbounded memory.
 const MAX_BINS: f64 = 65_536.0;
-/// The store of the far-out levels takes at most this part of the samples' bytes.
+/// Ratio of the samples' bytes to the largest size of the store of the coarse levels.
 const STORE_SHARE: u64 = 48;
-/// Stretches of the track whose lengths are compared, at most.
+/// Largest number of stretches of the track whose lengths are compared.
 const STRETCHES: usize = 400;
-/// Length of a stretch, seconds: fixes repeat, and their scatter adds to the way of a shorter one.
+/// Length of a stretch, seconds: fixes repeat, and their scatter makes a shorter stretch seem
+/// longer.
 const STRETCH_S: f64 = 10.0;
-/// A boat that moves less than this in a stretch lies still, metres.
+/// Distance in a stretch below which the boat does not count as moving, metres.
 const STILL_M: f64 = 1.0;
-/// Bounds of what is believed, metres a ping.
+/// Bounds of a plausible movement, metres a ping.
 const BELIEVED_M: [f64; 2] = [1e-3, 50.0];
 
-/// Ping and range extent of a survey's picture, and the metres that one bin of its finest level
-/// covers.
+/// Extent of a survey's picture in pings and range, with the length of a bin of its finest level.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RangeAxis {
-    /// Side-scan pings.
+    /// Number of side-scan pings.
     pub pings: usize,
-    /// Samples of both sides of all pings together.
+    /// Number of samples of both sides of all pings together.
     pub samples: u64,
-    /// Slant range that one bin covers, metres: that of the survey's finest samples.
+    /// Slant range that one bin covers, metres: that of the survey's shortest samples.
     pub bin_m: f64,
-    /// Bins from the boat to the farthest range.
+    /// Number of bins from the boat to the farthest range.
     pub bins: u32,
     /// Farthest slant range of any ping, metres.
     pub far_m: f64,
-    /// Level of the store that far-out tiles are reduced from.
+    /// Level of the store that coarse tiles are reduced from.
     pub store: Level,
-    /// Usual movement of the boat from one ping to the next, metres; `None` where its track does
-    /// not show it.
+    /// Usual movement of the boat from one ping to the next, metres; `None` where the track does
+    /// not determine it.
     pub ping_m: Option<f64>,
 }
 
 impl RangeAxis {
-    /// The axis of a survey; `None` when no ping has a usable span. One pass over the spans, none
-    /// over the samples.
+    /// Creates the axis of a survey in one pass over the spans, without reading the samples; `None`
+    /// when no ping has a usable span.
     pub fn of(survey: &Survey) -> Option<Self> {
         let (mut finest_m, mut far_m, mut samples) = (f64::INFINITY, 0.0_f64, 0_u64);
         for ping in survey.side_scan.iter() {
@@ -73,14 +72,14 @@ impl RangeAxis {
         })
     }
 
-    /// Returns true if tiles of the other axis are tiles of this one: only the number of pings
-    /// differs.
+    /// Returns true if tiles of the other axis are valid for this one: only the number of pings and
+    /// samples may differ.
     pub(crate) fn is_as_fine(&self, other: &Self) -> bool {
         let Self { bin_m, bins, far_m, store, .. } = *self;
         (bin_m, bins, far_m, store) == (other.bin_m, other.bins, other.far_m, other.store)
     }
 
-    /// The reductions at which the whole survey fits one tile a side.
+    /// Returns the level at which the whole survey fits into one tile for each side.
     pub fn coarsest(&self) -> Level {
         let halvings = |extent: usize| {
             let tiles = extent.div_ceil(TILE).max(1);
@@ -89,8 +88,8 @@ impl RangeAxis {
         self.drawable(Level { along: halvings(self.pings), across: halvings(self.bins as usize) })
     }
 
-    /// The level itself where its tiles are quick to make, else the nearest one that the store can
-    /// give.
+    /// Returns the level itself where its tiles are quick to draw, or else the nearest level that
+    /// the store can give.
     pub fn drawable(&self, level: Level) -> Level {
         if level.is_near() {
             return level;
@@ -102,9 +101,10 @@ impl RangeAxis {
     }
 }
 
-/// 16 pings x 8 bins, both sides, two bytes each: finer tiles than that come from the samples.
-/// Where a log's range changed, the far pings are finer than their samples on the common axis; the
-/// reduction across grows until the store is small all the same.
+/// Returns the level of the store: 16 pings x 8 bins a texel, for both sides, with two bytes each;
+/// finer tiles come from the samples. Where the range of a log changed, the bins of the common axis
+/// are shorter than the samples of the longer ranges; the reduction across then grows until the
+/// store is small enough.
 fn store_level(pings: usize, bins: u32, samples: u64) -> Level {
     let mut level = Level { along: 4, across: 3 };
     let rows = pings.div_ceil(level.pings()) as u64;
@@ -115,13 +115,14 @@ fn store_level(pings: usize, bins: u32, samples: u64) -> Level {
     level
 }
 
-/// Returns true if a span's scale can be drawn: finite, growing, not absurd.
+/// Returns true if a span can be drawn: it has samples, and its range is finite, rises and is not
+/// absurdly large.
 pub(super) fn is_usable(span: &SideSpan) -> bool {
     span.count > 0 && span.near_m >= 0.0 && span.near_m < span.far_m && span.far_m <= FARTHEST_M
 }
 
-/// Median over the moving stretches of a track of the metres that the boat moved for each ping;
-/// `None` where it does not say.
+/// Returns the median, over the moving stretches of a track, of the distance that the boat moved
+/// for each ping, metres; `None` where the track does not determine it.
 fn ping_spacing_m(survey: &Survey) -> Option<f64> {
     let (first, last) = (survey.side_scan.first()?, survey.side_scan.last()?);
     let span_s = last.time_s - first.time_s;
@@ -146,7 +147,7 @@ fn ping_spacing_m(survey: &Survey) -> Option<f64> {
     (BELIEVED_M[0]..=BELIEVED_M[1]).contains(&metres).then_some(metres)
 }
 
-/// The last fix up to a time, or the first.
+/// Returns the last fix up to a time, or else the first; `None` without fixes.
 fn at(fixes: &[Fix], time_s: f64) -> Option<&Fix> {
     let after = fixes.partition_point(|fix| fix.time_s <= time_s);
     fixes.get(after.saturating_sub(1))
@@ -158,7 +159,8 @@ mod tests {
     use bathyscope_log::support::geo::{LocalFrame, LonLat};
     use bathyscope_log::survey::{SidePing, Track};
 
-    /// A boat at 2 m/s that lies still for a third of the time; ten pings and one fix a second.
+    /// Survey of a boat at 2 m/s that stays in one place for a third of the time; ten pings and one
+    /// fix a second.
     #[test]
     fn stops_do_not_shorten_the_spacing() {
         let origin = LonLat::new(-111.5, 36.8);

@@ -1,9 +1,10 @@
-//! Tiles that were drawn lately, bounded by their bytes.
+//! Caches the tiles that were drawn most recently, up to a number of bytes.
 
 use std::collections::HashMap;
 use std::hash::Hash;
 
-/// Keeps what was used last, up to a number of bytes; what the current frame used is never dropped.
+/// Cache of the values that were used most recently, up to a number of bytes; values used in the
+/// current frame are never dropped.
 pub struct Lru<K, V> {
     entries: HashMap<K, CacheEntry<V>>,
     bytes: usize,
@@ -18,12 +19,12 @@ struct CacheEntry<V> {
 }
 
 impl<K: Copy + Eq + Hash, V> Lru<K, V> {
-    /// An empty cache of at most `budget` bytes.
+    /// Creates an empty cache of at most `budget` bytes.
     pub fn new(budget: usize) -> Self {
         Self { entries: HashMap::new(), bytes: 0, budget, frame: 0 }
     }
 
-    /// Begins a frame: drops what was not used for longest until the budget is kept.
+    /// Begins a frame: drops the least recently used values until the cache is within its budget.
     pub fn begin_frame(&mut self) {
         if self.bytes > self.budget {
             let mut by_age: Vec<(u64, K)> = self
@@ -45,7 +46,7 @@ impl<K: Copy + Eq + Hash, V> Lru<K, V> {
         self.frame += 1;
     }
 
-    /// Adds or replaces a value that takes `bytes`.
+    /// Adds or replaces a value of a size of `bytes` bytes.
     pub fn insert(&mut self, key: K, value: V, bytes: usize) {
         let entry = CacheEntry { value, bytes, used: self.frame };
         if let Some(old) = self.entries.insert(key, entry) {
@@ -54,26 +55,26 @@ impl<K: Copy + Eq + Hash, V> Lru<K, V> {
         self.bytes += bytes;
     }
 
-    /// A value, marked as used in this frame.
+    /// Returns a value, and marks it as used in this frame.
     pub fn use_now(&mut self, key: &K) -> Option<&mut V> {
         let entry = self.entries.get_mut(key)?;
         entry.used = self.frame;
         Some(&mut entry.value)
     }
 
-    /// Changes values in place.
+    /// Calls a function with every key and value, to change values in place.
     pub fn change(&mut self, mut change: impl FnMut(&K, &mut V)) {
         for (key, entry) in &mut self.entries {
             change(key, &mut entry.value);
         }
     }
 
-    /// A value, without marking it.
+    /// Returns a value without marking it as used.
     pub fn peek(&self, key: &K) -> Option<&V> {
         self.entries.get(key).map(|entry| &entry.value)
     }
 
-    /// Bytes of all values.
+    /// Returns the size of all values in bytes.
     #[cfg(test)]
     pub fn byte_count(&self) -> usize {
         self.bytes

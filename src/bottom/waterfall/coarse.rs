@@ -1,21 +1,22 @@
-//! The store behind the far-out levels: the whole survey at 16 pings x 8 bins a texel, or a little
-//! coarser.
+//! Builds the store that the coarse levels are reduced from: the whole survey at 16 pings x 8 bins
+//! a texel, or a little coarser.
 
 use super::resample::resample;
 use super::{Level, RangeAxis, TILE, WaterfallTile, WaterfallTileKey};
 use bathyscope_log::survey::{Side, Survey};
 
-/// Chunks of `TILE` rows, one a side and `TILE * 16` pings, each over the whole range axis.
+/// Store in chunks of `TILE` rows, each of one side and `TILE * 16` pings over the whole range
+/// axis.
 pub(super) struct Coarse {
     level: Level,
     width: usize,
-    /// Port and starboard of each stretch, as far as they are built.
+    /// Chunks of port and starboard of each stretch that is built so far.
     chunks: Vec<[Vec<[u8; 2]>; 2]>,
     chunk_count: usize,
 }
 
 impl Coarse {
-    /// An empty store.
+    /// Creates an empty store.
     pub(super) fn new(axis: &RangeAxis) -> Self {
         let level = axis.store;
         Self {
@@ -26,14 +27,15 @@ impl Coarse {
         }
     }
 
-    /// Goes on with a longer log: stretches that reach beyond the pings that stay are built again.
+    /// Adapts the store to a longer log: stretches that reach beyond the unchanged pings will be
+    /// built again.
     pub(super) fn grow(&mut self, axis: &RangeAxis, unchanged: usize) {
         let stretch = TILE * self.level.pings();
         self.chunks.truncate(unchanged / stretch);
         self.chunk_count = axis.pings.div_ceil(stretch);
     }
 
-    /// Returns true if all of it is built.
+    /// Returns true if the whole store is built.
     pub(super) fn is_complete(&self) -> bool {
         self.chunks.len() == self.chunk_count
     }
@@ -57,8 +59,8 @@ impl Coarse {
             }));
     }
 
-    /// A tile of this level or coarser, from what is built; its completeness says how much that
-    /// was.
+    /// Returns a tile of the level of the store or a coarser one, from the stretches that are
+    /// built; its completeness is the share of the store that existed.
     pub(super) fn tile(&self, axis: &RangeAxis, key: WaterfallTileKey) -> WaterfallTile {
         let (width, height) = size(axis, key);
         let step = Level {
@@ -84,7 +86,7 @@ impl Coarse {
         WaterfallTile { key, width, height, texels, completeness: self.completeness() }
     }
 
-    /// A row of the store; empty beyond the survey and where it is not built.
+    /// Returns a row of the store; empty beyond the survey and where it is not built.
     fn row(&self, side: Side, row: usize) -> &[[u8; 2]] {
         let chunk = self.chunks.get(row / TILE);
         let texels = chunk.map_or(&[][..], |sides| &sides[side as usize]);
@@ -93,7 +95,8 @@ impl Coarse {
     }
 }
 
-/// Texels of a tile that the survey fills: width over range, height over pings.
+/// Returns the size of the part of a tile that the survey fills, texels: width over range, height
+/// over pings.
 pub(super) fn size(axis: &RangeAxis, key: WaterfallTileKey) -> (usize, usize) {
     let left = |extent: usize, first: usize, step: usize| {
         extent.saturating_sub(first).div_ceil(step).min(TILE)
@@ -141,7 +144,8 @@ mod tests {
 
     #[test]
     fn tiles_from_the_store_equal_those_from_the_samples() {
-        // Two chunks and a bit of the store; full texels, so that a mean of means is the mean.
+        // A little more than two chunks of the store, with full texels, so that a mean of means is
+        // the mean.
         let survey = even(18_000, 200);
         let (axis, coarse) = complete(&survey);
         for (along, across) in [(4, 3), (5, 3), (6, 5)] {

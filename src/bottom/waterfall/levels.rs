@@ -1,41 +1,41 @@
-//! Chooses the echoes of a survey that are shown darkest and brightest.
+//! Chooses the echo levels of a survey that are shown as black and white.
 
 use super::axis::is_usable;
 use bathyscope_log::survey::{Side, SideScanState, SideSpan, Survey};
 
-/// Most pings that are read, spread evenly over the survey: enough for stable quantiles, few enough
-/// to read at once.
+/// Largest number of pings that are read, evenly spread over the survey: enough for stable
+/// quantiles, few enough to be read at once.
 pub(crate) const MOST_SAMPLED_PINGS: usize = 256;
-/// Part of each side next to the boat that is left out: there the transmit pulse rings, which says
-/// nothing of the bottom.
+/// Share of each side next to the boat that is left out: there the transmit pulse rings, which
+/// holds no information about the bottom.
 const NEAR_SHARE: f64 = 0.1;
-/// Share of the echoes that lie at or below black.
+/// Share of the echoes that are at or below black.
 const BLACK_QUANTILE: f64 = 0.01;
-/// Share of the echoes that lie at or below [`WHITE_REACH`].
+/// Share of the echoes that are at or below [`WHITE_REACH`].
 const WHITE_QUANTILE: f64 = 0.99;
-/// Brightness at which the white quantile is shown; what lies above it keeps its differences.
+/// Brightness at which the white quantile is shown; brighter echoes keep their differences.
 const WHITE_REACH: f64 = 0.9;
-/// White is never below this, so that a log of next to nothing is not blown up into noise.
+/// Least level of white, so that the noise of a log with hardly any echoes is not amplified.
 const LEAST_WHITE: f64 = 32.0;
 
-/// Echoes shown as 0 and as 1, as shares of the largest byte. A property of the survey, not of what
-/// is in view.
+/// Echo levels shown as 0 and as 1, as shares of the largest byte. They depend on the survey, not
+/// on the visible part of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Levels {
-    /// Shown as 0.
+    /// Level shown as 0.
     pub black: f32,
-    /// Shown as 1; above `black`.
+    /// Level shown as 1; above `black`.
     pub white: f32,
 }
 
 impl Levels {
-    /// Bytes as recorded: 0 is black, 255 white.
+    /// Levels of bytes as recorded: 0 is black, 255 is white.
     pub const RECORDED: Self = Self { black: 0.0, white: 1.0 };
 
-    /// Levels at which a survey's echoes fill the colours: the 1st and 99th percentile of the
-    /// echoes of up to 256 pings, away from the transmit pulse, with a little headroom. The same
-    /// survey always gives the same levels. Noise without a bottom stays as recorded: amplified, it
-    /// would pass for a picture.
+    /// Returns the levels at which the echoes of a survey use the whole range of colours: the 1st
+    /// and 99th percentile of the echoes of up to 256 pings, away from the transmit pulse, with a
+    /// little headroom. The same survey always gives the same levels. Noise without a bottom stays
+    /// as recorded: amplified, it would look like a picture.
     pub fn of(survey: &Survey) -> Self {
         if survey.side_scan_state != SideScanState::Usable {
             return Self::RECORDED;
@@ -44,7 +44,8 @@ impl Levels {
         Self { black, white: white.min(1.0) }
     }
 
-    /// Levels at which echoes fill the colours that were counted in steps of `step`, from 0.
+    /// Returns the levels at which echoes use the whole range of colours; `counts` are their
+    /// numbers in bins of `step`, from 0.
     pub(crate) fn of_counts(counts: &[u64], step: f32) -> Self {
         let [Some(low), Some(high)] =
             [BLACK_QUANTILE, WHITE_QUANTILE].map(|share| quantile(counts, share))
@@ -53,13 +54,15 @@ impl Levels {
         };
         let level = |bin: usize| bin as f64 * f64::from(step);
         let white = (level(high) / WHITE_REACH).max(LEAST_WHITE);
-        // At most half of white: a survey of one grey is grey, not black.
+        // Black is at most half of white, so that a survey of a single grey is shown grey, not
+        // black.
         let black = level(low).min(white / 2.0);
         Self { black: (black / 255.0) as f32, white: (white / 255.0) as f32 }
     }
 }
 
-/// The first sample of a side beyond the transmit pulse; `None` where its scale cannot be drawn.
+/// Returns the first sample of a side beyond the transmit pulse; `None` where the span cannot be
+/// drawn.
 pub(crate) fn beyond_pulse(span: &SideSpan) -> Option<usize> {
     is_usable(span).then_some((f64::from(span.count) * NEAR_SHARE) as usize)
 }
@@ -86,8 +89,8 @@ fn histogram(survey: &Survey) -> [u64; 256] {
     counts
 }
 
-/// The smallest bin that at least this share of all counted ones does not exceed; `None` when
-/// nothing was counted.
+/// Returns the smallest bin that at least this share of all counted echoes does not exceed; `None`
+/// when nothing was counted.
 fn quantile(counts: &[u64], share: f64) -> Option<usize> {
     let total: u64 = counts.iter().sum();
     let rank = ((total as f64 * share).ceil() as u64).max(1);
@@ -103,7 +106,7 @@ mod tests {
     use super::*;
     use crate::waterfall::testing::{noise, span, survey};
 
-    /// One side of 1000 samples a ping.
+    /// Survey with one side of 1000 samples a ping.
     fn of_pings(pings: usize, sample: impl Fn(usize, usize) -> u8) -> Survey {
         let bytes = (0..pings * 1000).map(|index| sample(index / 1000, index % 1000));
         let spans = (0..pings).map(|ping| [Some(span(ping * 1000, 1000, 20.0)), None]);
@@ -129,7 +132,8 @@ mod tests {
 
     #[test]
     fn dim_echoes_fill_the_colours_whatever_the_pulse_does() {
-        // A pulse of 255 over the nearest tenth, then bytes that climb from 10 to 99 with range.
+        // Echoes: a pulse of 255 over the nearest tenth, then bytes that rise from 10 to 99 with
+        // range.
         let dim = of_pings(40, |_, sample| match sample {
             0..100 => 255,
             _ => (sample / 10) as u8,

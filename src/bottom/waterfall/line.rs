@@ -1,30 +1,33 @@
-//! Lines over the picture: first return and recorded depth, with the extremes of every stretch of
-//! pings at hand, so that a line over a whole log costs no more to draw than one over a screenful.
+//! Computes the lines over the picture, first return and recorded depth, with stored extremes of
+//! every stretch of pings, so that a line over a whole log takes no longer to draw than one over a
+//! screenful.
 
 use crate::first_return::FirstReturns;
 use bathyscope_log::survey::{Side, Survey};
 use std::sync::Arc;
 
-/// Halvings of the finest stored stretch (16 pings); below it, values are read one by one.
+/// Number of halvings of the finest stored stretch (16 pings); in shorter stretches, values are
+/// read one by one.
 const STORED: u8 = 4;
 
 /// Smallest and largest slant range of a stretch of pings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LineSpan {
-    /// Metres; infinite when the stretch has no value.
+    /// Smallest slant range, metres; infinite when the stretch has no value.
     pub min_m: f32,
-    /// Metres; minus infinity when the stretch has no value.
+    /// Largest slant range, metres; minus infinity when the stretch has no value.
     pub max_m: f32,
-    /// True if all values of the stretch are doubtful: above-bottom returns, depths with a fault.
+    /// True if all values of the stretch are doubtful: above-bottom returns, or depths with a
+    /// fault.
     pub doubtful: bool,
 }
 
 impl LineSpan {
-    /// No value: a gap in the line.
+    /// Stretch without a value: a gap in the line.
     pub const GAP: LineSpan =
         LineSpan { min_m: f32::INFINITY, max_m: f32::NEG_INFINITY, doubtful: true };
 
-    /// One value, a gap when it is not finite.
+    /// Creates the stretch of one value; a gap when it is not finite.
     fn value(range_m: f32, doubtful: bool) -> Self {
         if !range_m.is_finite() {
             return Self::GAP;
@@ -32,12 +35,13 @@ impl LineSpan {
         Self { min_m: range_m, max_m: range_m, doubtful }
     }
 
-    /// Returns true if there is no value.
+    /// Returns true if the stretch has no value.
     pub fn is_gap(&self) -> bool {
         self.min_m > self.max_m
     }
 
-    /// Both ends, drawn out until they touch those of the stretch before, metres.
+    /// Returns both ends of the stretch, extended until they touch those of the stretch before,
+    /// metres.
     pub fn reaching(&self, before: &Self) -> [f32; 2] {
         if before.is_gap() {
             return [self.min_m, self.max_m];
@@ -45,7 +49,7 @@ impl LineSpan {
         [self.min_m.min(before.max_m), self.max_m.max(before.min_m)]
     }
 
-    /// Returns the stretch with both ends moved; a gap stays a gap.
+    /// Returns the stretch with both ends converted by a function; a gap stays a gap.
     pub fn moved(&self, to: impl Fn(f32) -> f32) -> Self {
         if self.is_gap() {
             return *self;
@@ -62,8 +66,8 @@ impl LineSpan {
     }
 }
 
-/// Extremes of a line over every aligned stretch of 16, 32, 64 ... pings. Takes about 1.5 bytes a
-/// ping.
+/// Extremes of a line over every aligned stretch of 16, 32, 64 ... pings. They take about 1.5 bytes
+/// a ping.
 #[derive(Debug)]
 pub struct RangeLine {
     levels: Vec<Vec<LineSpan>>,
@@ -87,7 +91,7 @@ impl RangeLine {
         Self { levels }
     }
 
-    /// The recorded depth of every ping.
+    /// Creates the line of recorded depths.
     pub(crate) fn depth(survey: &Survey) -> Self {
         Self::new(survey.side_scan.len(), |ping| depth_at(survey, ping))
     }
@@ -103,7 +107,7 @@ fn join(spans: impl Iterator<Item = LineSpan>) -> LineSpan {
     spans.fold(LineSpan::GAP, LineSpan::join)
 }
 
-/// The first returns of both sides, ready to draw at any zoom.
+/// Lines of the first returns of both sides, ready to be drawn at any zoom.
 #[derive(Debug)]
 pub struct PickLines {
     /// First returns that the lines were made from.
@@ -112,7 +116,7 @@ pub struct PickLines {
 }
 
 impl PickLines {
-    /// Makes the lines: one pass over the picks.
+    /// Creates the lines in one pass over the picks.
     pub fn new(survey: &Survey, returns: Arc<FirstReturns>) -> Self {
         let line = |side| {
             RangeLine::new(survey.side_scan.len(), |ping| pick_at(survey, &returns, side, ping))
@@ -122,27 +126,27 @@ impl PickLines {
     }
 }
 
-/// Source that a line is drawn from: the values themselves where few pings share a column, else the
-/// stored extremes.
+/// Source of a drawn line: the values themselves where few pings share a column, or else the stored
+/// extremes.
 #[derive(Clone, Copy)]
 pub enum LineStep<'a> {
-    /// First returns of a side. The stored extremes may be those of older picks while the threshold
-    /// is dragged.
+    /// First returns of a side. While the threshold is dragged, the stored extremes may be those of
+    /// older picks.
     Picks {
-        /// The picks to draw.
+        /// First returns to draw.
         returns: &'a FirstReturns,
-        /// Their extremes, once they are made.
+        /// Stored extremes of first returns; `None` until they are made.
         lines: Option<&'a PickLines>,
         /// Side of the boat.
         side: Side,
     },
-    /// Recorded depths, with their extremes, once they are made.
+    /// Recorded depths, with their stored extremes; `None` until they are made.
     Depth(Option<&'a RangeLine>),
 }
 
 impl LineStep<'_> {
-    /// Extremes over the aligned stretch number `index` of `2^halvings` pings. Reads 8 pings at
-    /// most.
+    /// Returns the extremes over the aligned stretch number `index` of `2^halvings` pings. Reads at
+    /// most 8 pings.
     pub fn span(&self, survey: &Survey, halvings: u8, index: usize) -> LineSpan {
         if halvings >= STORED {
             return match self {

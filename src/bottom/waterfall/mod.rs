@@ -1,14 +1,15 @@
-//! Picture tiles of the side-scan: a mean-and-max pyramid over ping and range, built where it is
-//! viewed.
+//! Draws picture tiles of the side-scan: a pyramid of means and maxima over ping and range, built
+//! where it is viewed.
 //!
 //! In: a survey with its first returns. Out: a range axis, picture tiles, and lines over them.
 //!
 //! A picture is laid out over ping (across the rows of a tile) and slant range (along a row), each
-//! side on its own, near to far. Its range axis has one scale for the whole survey ([`RangeAxis`]),
-//! so that every ping is placed by its metres even where the recorder's range changed mid-log.
+//! side separately, near to far. Its range axis has one scale for the whole survey ([`RangeAxis`]),
+//! so that every ping is placed by its metres even where the recorder's range changed within a log.
 //! Tiles of at most [`TILE`] x [`TILE`] texels exist at every pair of power-of-two reductions along
-//! the track and across it. Fine ones are resampled from the mapped file when they come into view;
-//! the far-out ones come from a store of 16 pings x 8 bins or more that a worker builds once.
+//! the track and across it. Fine tiles are resampled from the mapped file when they become visible;
+//! coarse tiles come from a store of 16 pings x 8 bins or more a texel, which a worker thread
+//! builds once.
 
 mod axis;
 mod cache;

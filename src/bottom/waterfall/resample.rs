@@ -6,19 +6,20 @@ use super::{Level, RangeAxis};
 use bathyscope_log::survey::{Side, SideSpan, Survey};
 use std::ops::Range;
 
-/// Samples in each bin, for spans of one scale.
+/// Table of the samples in each bin, for spans of one scale.
 struct Bins {
-    /// `(near_m, far_m, count)` that the table is for.
+    /// Scale of the table, `(near_m, far_m, count)`; `None` while it is empty.
     scale: Option<(f32, f32, u32)>,
-    /// Sample range of each bin; empty where the span does not reach.
+    /// Range of samples of each bin; empty where the span does not reach the bin.
     samples: Vec<Range<u32>>,
-    /// First sample, and samples in every bin, when the bins follow each other in even steps (all
-    /// but the last).
+    /// First sample, and number of samples in every bin (except the last), when the bins follow
+    /// each other in even steps.
     even: Option<(usize, usize)>,
 }
 
 impl Bins {
-    /// Refills the table for a span of another scale; spans of a log mostly share theirs.
+    /// Fills the table for a span, unless it has the scale already: most spans of a log share one
+    /// scale.
     fn fit(&mut self, span: &SideSpan, first_bin_m: f64, bin_m: f64) {
         let scale = (span.near_m, span.far_m, span.count);
         if self.scale == Some(scale) {
@@ -34,8 +35,8 @@ impl Bins {
 
     /// Adds the samples of a ping to the texels that they fall into.
     fn add(&self, outward: &[u8], row: &mut [Sum]) {
-        // Steps of a known size are summed several times faster than ranges; they are what nearly
-        // every log has.
+        // Sums over steps of a constant size are several times faster than over ranges; nearly
+        // every log has such steps.
         match self.even {
             Some((first, 1)) => add_even::<1>(outward, first, row),
             Some((first, 2)) => add_even::<2>(outward, first, row),
@@ -50,8 +51,8 @@ impl Bins {
     }
 }
 
-/// First sample and step of bins that follow each other without gap, all of one size but the last
-/// that has samples.
+/// Returns first sample and step of bins that follow each other without gaps, all of one size
+/// except the last one with samples; `None` for other bins.
 fn even_steps(bins: &[Range<u32>]) -> Option<(usize, usize)> {
     let first = bins.first()?;
     let (step, mut next) = (first.len(), first.start);
@@ -75,8 +76,8 @@ fn add_even<const STEP: usize>(outward: &[u8], first: usize, row: &mut [Sum]) {
     }
 }
 
-/// The samples whose centres lie between two ranges; the one under the middle where bins are finer
-/// than samples.
+/// Returns the samples whose centres are between two ranges; where bins are shorter than samples,
+/// the sample in the middle of the bin.
 fn samples_between(span: &SideSpan, near_m: f64, far_m: f64) -> Range<u32> {
     let count = f64::from(span.count);
     let edge = |range_m: f64| (span.sample_at(range_m) + 0.5).floor().clamp(0.0, count) as u32;
@@ -115,8 +116,9 @@ impl Sum {
     }
 }
 
-/// The texels of one side over `pings` and `width` texels of range from `first_bin` outward, row by
-/// row. The last row covers fewer pings when `pings` is no multiple of the level's.
+/// Returns the texels of one side over `pings` and `width` texels of range from `first_bin`
+/// outward, row by row. The last row covers fewer pings when their number is not a multiple of the
+/// level's.
 pub(super) fn resample(
     survey: &Survey,
     axis: &RangeAxis,
@@ -160,7 +162,7 @@ mod tests {
         Level { along, across }
     }
 
-    /// Mean and maximum of a block of samples, counted one by one.
+    /// Computes mean and maximum of a block of samples, one sample at a time.
     fn block(survey: &Survey, side: Side, pings: Range<usize>, samples: Range<usize>) -> [u8; 2] {
         let (mut total, mut count, mut max) = (0.0, 0.0, 0);
         for ping in pings {
@@ -194,8 +196,8 @@ mod tests {
 
     #[test]
     fn a_target_stays_at_its_metres_where_range_and_sample_count_change() {
-        // A bright sample at 5 m in pings of 0-10 m by 100, 0-40 m by 100 and 0-20 m by 640
-        // samples.
+        // Each ping has a bright sample at 5 m; the pings have 0-10 m in 100, 0-40 m in 100 and
+        // 0-20 m in 640 samples.
         let scales = [(100_u32, 10.0_f32), (100, 40.0), (640, 20.0)];
         let (mut bytes, mut spans) = (Vec::new(), Vec::new());
         for (count, far_m) in scales {

@@ -1,8 +1,8 @@
-//! Surveys for the tests of this room: pings over a buffer of bytes.
+//! Creates surveys for the tests of this module: pings over a buffer of bytes.
 
 use bathyscope_log::survey::{Bytes, SidePing, SideScanState, SideSpan, Survey};
 
-/// A survey whose pings have the given spans of port and starboard.
+/// Creates a survey whose pings have the given spans of port and starboard.
 pub(super) fn survey(bytes: Vec<u8>, spans: Vec<[Option<SideSpan>; 2]>) -> Survey {
     let side_scan = spans.into_iter().enumerate().map(|(ping, [port, starboard])| SidePing {
         port,
@@ -16,12 +16,12 @@ pub(super) fn survey(bytes: Vec<u8>, spans: Vec<[Option<SideSpan>; 2]>) -> Surve
     }
 }
 
-/// `count` samples from `offset`, near to far, over 0 to `far_m`.
+/// Creates a span of `count` samples from `offset`, near to far, over 0 to `far_m`.
 pub(super) fn span(offset: usize, count: u32, far_m: f32) -> SideSpan {
     SideSpan { offset: offset as u64, ..SideSpan::of_bytes(count, [0.0, far_m]) }
 }
 
-/// Bytes that look random and are the same every time (a multiplicative congruential generator).
+/// Returns bytes that look random and are always the same (a linear congruential generator).
 pub(super) fn noise(count: usize) -> Vec<u8> {
     let mut state = 12_345_u32;
     let next = |_| {
@@ -31,7 +31,8 @@ pub(super) fn noise(count: usize) -> Vec<u8> {
     (0..count).map(next).collect()
 }
 
-/// `pings` of `count` noisy samples a side, all of one scale: 64 samples a metre, exact in binary.
+/// Creates a survey of `pings` pings with `count` noisy samples a side, all of one scale: 64
+/// samples a metre, exact in binary.
 pub(super) fn even(pings: usize, count: usize) -> Survey {
     let far_m = count as f32 / 64.0;
     let spans = (0..pings).map(|ping| {

@@ -1,32 +1,32 @@
-//! Tiles of the picture: their places and their texels.
+//! Defines the tiles of the picture: their places and their texels.
 
 use bathyscope_log::survey::Side;
 
-/// Texels of a tile along each axis, at most.
+/// Largest number of texels of a tile along each axis.
 pub const TILE: usize = 512;
 
-/// Power-of-two reductions: a texel covers `2^along` pings and `2^across` bins.
+/// Level of detail as power-of-two reductions: a texel covers `2^along` pings and `2^across` bins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Level {
-    /// Halvings along the track.
+    /// Number of halvings along the track.
     pub along: u8,
-    /// Halvings of the range axis.
+    /// Number of halvings of the range axis.
     pub across: u8,
 }
 
 impl Level {
-    /// Pings in a texel.
+    /// Returns the number of pings in a texel.
     pub fn pings(self) -> usize {
         1 << self.along
     }
 
-    /// Bins in a texel.
+    /// Returns the number of bins in a texel.
     pub fn bins(self) -> usize {
         1 << self.across
     }
 
-    /// Returns true if a tile of this level is quick to make from the samples: 64 million of them
-    /// at most, 0.1 s or so.
+    /// Returns true if a tile of this level is quick to make from the samples: from at most 64
+    /// million of them, in about 0.1 s.
     pub fn is_near(self) -> bool {
         self.along + self.across <= 8
     }
@@ -37,16 +37,17 @@ impl Level {
     }
 }
 
-/// A tile's place in the pyramid.
+/// Place of a tile in the pyramid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct WaterfallTileKey {
     /// Side of the boat.
     pub side: Side,
-    /// Its reduction.
+    /// Reduction of the tile.
     pub level: Level,
-    /// Index of its stretch of `TILE * level.pings()` pings.
+    /// Index of the tile along the track, in stretches of `TILE * level.pings()` pings.
     pub column: u32,
-    /// Index of its stretch of `TILE * level.bins()` bins, 0 at the boat.
+    /// Index of the tile across the track, in stretches of `TILE * level.bins()` bins, 0 at the
+    /// boat.
     pub row: u32,
 }
 
@@ -57,55 +58,56 @@ impl WaterfallTileKey {
         Self { side, level: Level { along, across }, column, row: 0 }
     }
 
-    /// First ping of the tile.
+    /// Returns the first ping of the tile.
     pub fn first_ping(&self) -> usize {
         self.column as usize * TILE * self.level.pings()
     }
 
-    /// One past the last ping that the tile can hold.
+    /// Returns the ping after the last one that the tile can hold.
     pub fn end_ping(&self) -> usize {
         self.first_ping() + TILE * self.level.pings()
     }
 
-    /// First bin of the tile.
+    /// Returns the first bin of the tile.
     pub fn first_bin(&self) -> usize {
         self.row as usize * TILE * self.level.bins()
     }
 }
 
-/// A tile that a view would like to draw.
+/// Tile that a view requests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Want {
     /// Place of the tile.
     pub key: WaterfallTileKey,
-    /// Completeness of the tile that the view has ([`WaterfallTile::completeness`]); `None` when it
-    /// has none.
+    /// Completeness of the tile that the view already has ([`WaterfallTile::completeness`]); `None`
+    /// when it has none.
     pub have: Option<u8>,
 }
 
-/// Echo strength over ping and range, two bytes a texel: mean and maximum.
+/// Tile of echo strength over ping and range, two bytes a texel: mean and maximum.
 ///
-/// 0 means that nothing was recorded there; a recorded 0 is stored as 1. The rows are pings, and
-/// within a row the texels go outward from the boat.
+/// A texel of 0 means that nothing was recorded there; a recorded 0 is stored as 1. The rows are
+/// pings, and within a row the texels go outward from the boat.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WaterfallTile {
-    /// Its place.
+    /// Place of the tile.
     pub key: WaterfallTileKey,
-    /// Texels in a row.
+    /// Number of texels in a row.
     pub width: usize,
-    /// Rows.
+    /// Number of rows.
     pub height: usize,
     /// `[mean, max]` of each texel, row by row.
     pub texels: Vec<[u8; 2]>,
-    /// 0 to [`WaterfallTile::COMPLETE`]: how much of the store that it was reduced from existed.
+    /// Completeness, 0 to [`WaterfallTile::COMPLETE`]: the share of the store that existed when the
+    /// tile was reduced from it.
     pub completeness: u8,
 }
 
 impl WaterfallTile {
-    /// [`WaterfallTile::completeness`] of a tile that will not change any more.
+    /// Value of [`WaterfallTile::completeness`] for a tile that will not change any more.
     pub const COMPLETE: u8 = 16;
 
-    /// Bytes of its texels.
+    /// Returns the size of the texels in bytes.
     pub fn byte_count(&self) -> usize {
         self.texels.len() * 2
     }

@@ -1,5 +1,5 @@
-//! The worker that makes tiles and lines in a background thread: what is requested now comes first,
-//! the far-out store next.
+//! Runs the worker that makes tiles and lines in a background thread: requested tiles first, then
+//! the store of the coarse levels.
 
 use super::coarse::{Coarse, size};
 use super::resample::resample;
@@ -9,34 +9,35 @@ use bathyscope_log::survey::Survey;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, mpsc};
 use std::thread::JoinHandle;
 
-/// Pings before the end of a log that more is written of whose tiles are made again.
+/// Number of pings before the old end of a growing log whose tiles are made again.
 const UNSETTLED: usize = 256;
 
-/// Something that the worker finished.
+/// Result of the worker.
 pub enum Made {
-    /// The picture's extent; comes first. `None`, and nothing after it, when no side-scan ping has
-    /// a usable range.
+    /// Extent of the picture; the first result. `None`, with no further result, when no side-scan
+    /// ping has a usable range.
     Axis(Option<RangeAxis>),
-    /// The levels that suit the survey; come before the first tile, so that no picture changes its
-    /// tone.
+    /// Levels of black and white for the survey; sent before the first tile, so that the picture
+    /// does not change its tone.
     Levels(Levels),
-    /// A tile.
+    /// Tile.
     WaterfallTile(WaterfallTile),
-    /// The extent of a log that has grown; tiles that reach to its old end are to be asked for
-    /// again, or all of them where the axis is another one.
+    /// Extent of a log that has grown. The view must request again the tiles beyond `unchanged`, or
+    /// all tiles where it is `None`.
     Grown {
-        /// The new extent.
+        /// New extent.
         axis: RangeAxis,
-        /// Pings whose tiles stay; `None` where no tile does.
+        /// Number of pings from the start whose tiles stay valid; `None` where no tile does.
         unchanged: Option<usize>,
     },
     /// Lines of first returns.
     Picks(Arc<PickLines>),
-    /// The line of recorded depths.
+    /// Line of recorded depths.
     Depth(RangeLine),
 }
 
-/// Makes what a waterfall draws, on a thread of its own that ends when this is dropped.
+/// Maker of the tiles and lines of a waterfall, on a thread of its own that ends when this value is
+/// dropped.
 pub struct Tiler {
     shared: Arc<Shared>,
     made: mpsc::Receiver<Made>,
@@ -65,7 +66,7 @@ impl Shared {
 }
 
 impl Tiler {
-    /// Starts the worker. It calls `waker` whenever there is something to poll.
+    /// Starts the worker. The worker calls `waker` whenever there is a result to poll.
     pub fn start(survey: Arc<Survey>, waker: impl Fn() + Send + 'static) -> Self {
         let shared = Arc::new(Shared::default());
         let (sender, made) = mpsc::channel();
@@ -83,13 +84,13 @@ impl Tiler {
         Self { shared, made, thread }
     }
 
-    /// Returns true if the worker makes nothing any more: there was no picture to make, or it died.
+    /// Returns true if the worker thread has ended: there was no picture to make, or it panicked.
     pub fn has_ended(&self) -> bool {
         self.thread.is_finished()
     }
 
-    /// Replaces the list of requested tiles, most requested first. Ones that were requested before
-    /// and are not any more are forgotten, so a fast scroll leaves no queue behind.
+    /// Replaces the list of requested tiles, most urgent first. Earlier requests that are not in
+    /// the new list are dropped, so that fast scrolling leaves no queue behind.
     pub fn want(&self, mut tiles: Vec<Want>) {
         let mut orders = self.shared.lock();
         tiles.retain(|want| Some(want.key) != orders.making);
@@ -99,19 +100,20 @@ impl Tiler {
         }
     }
 
-    /// Asks for lines of these picks; the newest request wins.
+    /// Requests lines of these picks; only the newest request counts.
     pub fn want_picks(&self, returns: Arc<FirstReturns>) {
         self.shared.lock().picks = Some(returns);
         self.shared.changed.notify_one();
     }
 
-    /// Goes on with a later state of the log; the newest wins.
+    /// Replaces the log with a later state of it; only the newest state counts.
     pub fn grow(&self, survey: Arc<Survey>) {
         self.shared.lock().grown = Some(survey);
         self.shared.changed.notify_one();
     }
 
-    /// The picture's extent, which the worker makes first: outer `None` where it died before.
+    /// Waits for the extent of the picture, which is the first result of the worker. The outer
+    /// `None` means that the worker ended before; the inner `None` that there is no picture.
     pub fn wait_for_axis(&self) -> Option<Option<RangeAxis>> {
         match self.made.recv() {
             Ok(Made::Axis(axis)) => Some(axis),
@@ -119,7 +121,7 @@ impl Tiler {
         }
     }
 
-    /// The next finished thing.
+    /// Returns the next result; `None` when there is none yet.
     pub fn poll(&self) -> Option<Made> {
         self.made.try_recv().ok()
     }
@@ -139,7 +141,7 @@ struct Out<W> {
 
 impl<W: Fn()> Out<W> {
     fn send(&self, made: Made) {
-        // A dropped receiver means that the view is gone; the stop flag ends the thread.
+        // A dropped receiver means that the view no longer exists; the stop flag ends the thread.
         self.sender.send(made).ok();
         (self.waker)();
     }
@@ -176,12 +178,13 @@ impl Work {
         }
     }
 
-    /// Takes a longer log. What is built of it stays, as far as the new pings do not change it.
+    /// Replaces the log with a longer one. The finished parts of the store stay, as far as the new
+    /// pings do not change them.
     fn grow(&mut self, survey: Arc<Survey>, out: &Out<impl Fn()>) {
         let Some(axis) = RangeAxis::of(&survey) else {
             return;
         };
-        // A little before the end sides of pings may have come since.
+        // A little before the old end, further sides of pings may have been recorded since.
         let unchanged = self.axis.pings.min(axis.pings).saturating_sub(UNSETTLED);
         let is_same_scale = axis.is_as_fine(&self.axis);
         if is_same_scale {
@@ -195,7 +198,7 @@ impl Work {
         out.send(Made::Depth(RangeLine::depth(&self.survey)));
     }
 
-    /// Waits until there is something to do; `None` when the worker is to stop.
+    /// Waits for the next task; `None` when the worker must stop.
     fn next_task(&self, shared: &Shared) -> Option<WorkerTask> {
         let mut orders = shared.lock();
         orders.making = None;
@@ -204,7 +207,7 @@ impl Work {
                 return None;
             }
             if let Some(survey) = orders.grown.take() {
-                // Asked for again by who knows the new extent.
+                // The view requests its tiles again when it has the new extent.
                 orders.tiles.clear();
                 return Some(WorkerTask::Grow(survey));
             }
@@ -223,7 +226,7 @@ impl Work {
         }
     }
 
-    /// Returns true if making the tile now gives more than the view has.
+    /// Returns true if making the tile now gives a more complete one than the view has.
     fn can_improve(&self, want: &Want) -> bool {
         let now = if self.is_from_samples(want.key) {
             WaterfallTile::COMPLETE
@@ -233,7 +236,8 @@ impl Work {
         want.have.map_or(now > 0, |have| now > have)
     }
 
-    /// Near levels always come from the samples; middling ones do until the store is complete.
+    /// Returns true if the tile is made from the samples: always at levels finer than the store,
+    /// and at other near levels until the store is complete.
     fn is_from_samples(&self, key: WaterfallTileKey) -> bool {
         let stored = self.axis.store.is_finer_or_equal(key.level);
         key.level.is_near() && !(stored && self.coarse.is_complete())

@@ -1,5 +1,5 @@
-//! `bathyscope adjust`: the height offsets of the logs of an archive, and how their positions are
-//! corrected.
+//! `bathyscope adjust`: finds the height offsets of the logs of an archive, and the corrections of
+//! their positions.
 
 use crate::cli::status_line::StatusLine;
 use crate::cli::{Failure, output};
@@ -46,7 +46,7 @@ struct Printed<'a> {
     level_ties: usize,
 }
 
-/// Finds the offsets, writes the table and prints it.
+/// Finds the offsets of the archive, writes its table of offsets and prints them.
 pub(crate) fn run(args: &AdjustArgs) -> Result<(), Failure> {
     let archive = Archive::open(&args.archive)?;
     let wanted = Wanted { shifts: args.positions, latencies: args.latency };
@@ -85,7 +85,8 @@ pub(super) fn adjusted(archive: &Archive, wanted: Wanted) -> Result<Adjusted, Ar
     adjust(archive, wanted, &progress)
 }
 
-/// Names what offsets cannot settle.
+/// Prints warnings about the differences that no offset explains, and the logs that no tie connects
+/// to another log.
 pub(super) fn tell(adjusted: &Adjusted) {
     for ([one, other], left_m) in &adjusted.contradictions {
         output::notify(format_args!(
@@ -108,7 +109,7 @@ pub(super) fn tell(adjusted: &Adjusted) {
     }
 }
 
-/// Number of logs that are tied.
+/// Returns the numbers of tied, untied and pinned logs as a line of text.
 pub(super) fn summary(adjusted: &Adjusted) -> String {
     let rows = adjusted.offsets.rows();
     let pinned = rows.iter().filter(|row| row.is_pinned).count();

@@ -1,4 +1,4 @@
-//! `bathyscope coverage`: which logs cover a place.
+//! `bathyscope coverage`: lists the logs that cover a place.
 
 use crate::cli::status_line::StatusLine;
 use crate::cli::{Failure, output};
@@ -34,7 +34,7 @@ pub(crate) struct CoverageArgs {
     json: bool,
 }
 
-/// A place and how far around it.
+/// Place and the radius around it.
 #[derive(Clone, Copy, Debug)]
 struct SearchPlace {
     at: LonLat,
@@ -67,7 +67,7 @@ impl FromStr for SearchPlace {
     }
 }
 
-/// Prints which logs cover the place.
+/// Prints the logs that cover the place.
 pub(crate) fn run(args: &CoverageArgs) -> Result<(), Failure> {
     let archive = Archive::open(&args.archive)?;
     let area = args.area.as_deref().map(read_area).transpose()?;
@@ -87,7 +87,7 @@ pub(crate) fn run(args: &CoverageArgs) -> Result<(), Failure> {
     }
 }
 
-/// A side of a ping as it is printed in JSON.
+/// One side of a ping, as printed in JSON.
 #[derive(Serialize)]
 struct Printed<'a> {
     log: &'a str,
@@ -125,7 +125,7 @@ fn utc(unix_us: i64) -> String {
     calendar::whole_seconds(unix_us as f64 * 1e-6)
 }
 
-/// A line for each pass of a log: pings in a row that cover the place to the same side.
+/// Returns a line for each pass of a log: consecutive pings that cover the place to the same side.
 fn in_words(found: &[PingCoverage]) -> String {
     if found.is_empty() {
         return "no ping of this archive covers ground there".to_owned();

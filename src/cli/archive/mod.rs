@@ -21,10 +21,11 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::thread;
 
-/// Tiles of which each worker has one in memory.
+/// Most tiles that are in memory at the same time, one for each worker thread.
 const MOST_AT_ONCE: usize = 4;
 
-/// Names logs that the table of offsets does not have, where there is one.
+/// Prints a warning that names the logs missing from the table of offsets; no warning if the table
+/// is empty.
 fn tell_of_missing(offsets: &Offsets, logs: &[LogRecord]) {
     let missing = offsets.missing(logs);
     if !offsets.rows().is_empty() && !missing.is_empty() {
@@ -36,7 +37,7 @@ fn tell_of_missing(offsets: &Offsets, logs: &[LogRecord]) {
     }
 }
 
-/// Makes the maps of some tiles and says what became of each.
+/// Makes the maps of some tiles and prints the result for each tile.
 fn make_maps(
     archive: &Archive,
     tiles: &[TileId],
@@ -76,10 +77,10 @@ fn of_tile(tile: TileId, record: &TileRecord) -> String {
     format!("{tile}: {depths}, {mosaic}")
 }
 
-/// Does some work on each of many things, on as many threads as there are processors and at most
-/// `most`; results are in the order of the things. The threads are not those of rayon, where one
-/// that waits for a part of its own work would begin the next thing meanwhile, so that there is
-/// never more than one in the memory of each.
+/// Calls `work` on each of many things, on as many threads as there are processors and at most
+/// `most`; the results are in the order of the things. The threads are not those of rayon: a rayon
+/// thread that waits for a part of its own work would begin the next thing meanwhile. Here each
+/// thread has never more than one thing in memory.
 pub(super) fn each_in_parallel<T: Sync, R: Send>(
     things: &[T],
     most: usize,

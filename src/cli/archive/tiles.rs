@@ -1,5 +1,5 @@
-//! `bathyscope tiles`, `tile` and `archive`: what exists of an archive, the map of some tiles, and
-//! everything that is out of date.
+//! `bathyscope tiles`, `tile` and `archive`: list the tiles of an archive, make the maps of some
+//! tiles, and bring the whole archive up to date.
 
 use super::adjust::{adjusted, summary, tell};
 use super::{make_maps, tell_of_missing};
@@ -93,7 +93,7 @@ pub(crate) struct TileArgs {
     tiles: Vec<TileId>,
 }
 
-/// Makes the maps of the tiles, whether they are stale or not.
+/// Makes the maps of the tiles, even if they are up to date.
 pub(crate) fn run_tile(args: &TileArgs) -> Result<(), Failure> {
     let archive = Archive::open(&args.archive)?;
     let logs = archive.logs_of_maps(&args.tiles)?;
@@ -112,7 +112,7 @@ pub(crate) struct ArchiveArgs {
     archive: PathBuf,
 }
 
-/// Finds the offsets, makes the maps that are stale or missing, and the index of all.
+/// Finds the offsets, makes the maps that are stale or missing, and writes the index of all tiles.
 pub(crate) fn run_archive(args: &ArchiveArgs) -> Result<(), Failure> {
     let archive = Archive::open(&args.archive)?;
     let logs = archive.logs()?;

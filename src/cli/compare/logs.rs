@@ -1,5 +1,5 @@
-//! Logs on either side of a comparison, one or those of a folder or project: processed as
-//! `bathyscope process` would.
+//! Compares logs with a reference: one log, or those of a folder or project, processed as by
+//! `bathyscope process`.
 
 use super::{CompareArgs, table};
 use crate::cli::process::all_processed;
@@ -15,7 +15,7 @@ use std::ffi::OsStr;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Compares the points that the depth map of some logs is made of, and prints the statistics.
+/// Compares the points from which the depth map of some logs is made, and prints the statistics.
 pub(super) fn run(args: &CompareArgs) -> Result<(), Failure> {
     let opened = opened(&args.measured, &args.settings)?;
     let Some(first) = opened.first() else {
@@ -49,7 +49,8 @@ pub(super) fn run(args: &CompareArgs) -> Result<(), Failure> {
     }
 }
 
-/// The same points of logs as a file of points would hold them.
+/// Returns the points from which the depth map of some logs is made, as if read from a file of
+/// points.
 pub(super) fn elevations(argument: &OsStr, settings: &SettingsArgs) -> Result<Elevations, Failure> {
     let opened = opened(argument, settings)?;
     let progress = Progress::new();
@@ -65,7 +66,7 @@ pub(super) fn elevations(argument: &OsStr, settings: &SettingsArgs) -> Result<El
     })
 }
 
-/// The logs that an argument names, in one frame.
+/// Opens the logs that an argument names, in one local coordinate frame.
 fn opened(argument: &OsStr, settings: &SettingsArgs) -> Result<Vec<OpenedLog>, Failure> {
     let inputs = inputs(&[PathBuf::from(argument)], settings, None)?;
     let (opened, failed) = open(&inputs)?;

@@ -1,5 +1,5 @@
-//! `bathyscope compare`: residual statistics of points, or of a log, against a reference; and what
-//! changed between two depth maps.
+//! `bathyscope compare`: prints residual statistics of points, or of a log, against a reference; or
+//! how the bottom changed between two depth maps.
 //!
 //! In: arguments of the command. Out: lines of text, and files of the differences.
 
@@ -98,7 +98,7 @@ struct Printed<'a> {
 
 const SIGN: &str = "measured minus reference elevation, metres; positive is shallower";
 
-/// Compares and prints the statistics.
+/// Runs the comparison that the arguments ask for and prints its statistics.
 pub(super) fn run(args: CompareArgs) -> Result<(), Failure> {
     if let Some(folder) = args.change.folder() {
         return change::run(&args, folder);
@@ -107,7 +107,7 @@ pub(super) fn run(args: CompareArgs) -> Result<(), Failure> {
     if is_named_as_points(&args.measured) { points(&args) } else { logs::run(&args) }
 }
 
-/// Refuses to write the points over a file that they are made from.
+/// Refuses to write the output over a file that is compared.
 fn refuse_overwrite_of_inputs(args: &CompareArgs) -> Result<(), Failure> {
     let inputs = [&args.measured, &args.reference];
     let output = args.output.as_deref();
@@ -126,7 +126,7 @@ fn refuse_overwrite_of_inputs(args: &CompareArgs) -> Result<(), Failure> {
     }
 }
 
-/// Compares a file of points.
+/// Compares a file of points with the reference.
 fn points(args: &CompareArgs) -> Result<(), Failure> {
     let mut measured = read(&args.measured)?;
     let mut reference = if is_named_as_points(&args.reference) {
@@ -163,9 +163,9 @@ fn points(args: &CompareArgs) -> Result<(), Failure> {
     })
 }
 
-/// Puts both files into one plane: metres that say nothing else of themselves are taken as those of
-/// the other file; degrees, and metres of different systems, become metres about the first
-/// reference point.
+/// Transforms both files into one plane: metres of an unknown coordinate system are taken as metres
+/// of the other file's system; degrees, and metres of different systems, become metres about the
+/// first reference point.
 fn into_one_plane(measured: &mut Elevations, reference: &mut Elevations) -> Result<(), Failure> {
     match (measured.plane, reference.plane) {
         (PointPlane::Degrees, PointPlane::Metres) | (PointPlane::Metres, PointPlane::Degrees) => {
@@ -194,7 +194,8 @@ fn into_one_plane(measured: &mut Elevations, reference: &mut Elevations) -> Resu
     Ok(())
 }
 
-/// `None` for degrees.
+/// Returns the coordinate system of a file in metres; `None` for degrees and for metres of an
+/// unknown system.
 fn system(file: &Elevations) -> Result<Option<Crs>, Failure> {
     let epsg = match file.plane {
         PointPlane::Utm(zone) => zone.epsg() as u16,

@@ -1,5 +1,5 @@
-//! The files that a desktop, `man` and the shells look for in a `share` folder, a user's or that of
-//! a package.
+//! Makes the files that a desktop, `man` and the shells search for in a `share` folder: of a user,
+//! or of a package.
 
 use bathyscope_log::formats::FORMATS;
 use clap_complete::{Shell, generate};
@@ -8,31 +8,31 @@ use clap_mangen::Man;
 const ENTRY: &str = include_str!("../../../assets/desktop/bathyscope.desktop");
 const TYPES: &str = include_str!("../../../assets/desktop/bathyscope.xml");
 const ICON: &str = include_str!("../../../assets/desktop/bathyscope.svg");
-/// The line of the entry that names the program, which lies anywhere when it was not installed by a
-/// package.
+/// Beginning of the line of the entry that names the program; its path is not known before the
+/// command runs, unless a package installed it.
 const PROGRAM: &str = "Exec=bathyscope ";
-/// The lines of the entry that end with what the formats of logs add to them: words to search for,
-/// and file types.
+/// Beginnings of the lines of the entry to which the formats of logs add their search words and
+/// file types.
 const KEYWORDS: &str = "Keywords=sonar;side-scan;bathymetry;";
 const OPENED: &str = "MimeType=application/x-bathyscope;";
 /// Tag before which the file types of the formats of logs are inserted.
 const END_OF_TYPES: &str = "</mime-info>";
-/// Name of the program in a shell.
+/// Name of the program on a command line.
 const NAME: &str = "bathyscope";
-/// Files in which the shells look for completions.
+/// Files in which the shells search for completions.
 const COMPLETIONS: [(Shell, &str); 3] = [
     (Shell::Bash, "bash-completion/completions/bathyscope"),
     (Shell::Fish, "fish/vendor_completions.d/bathyscope.fish"),
     (Shell::Zsh, "zsh/site-functions/_bathyscope"),
 ];
-/// The folder of desktop entries.
+/// Folder of desktop entries.
 pub(super) const APPLICATIONS: &str = "applications";
-/// The folder of file types.
+/// Folder of file types.
 pub(super) const MIME: &str = "mime";
 
-/// A file and its place within the folder.
+/// File and its path within the `share` folder.
 pub(super) struct ShareFile {
-    /// Names with `/` between them.
+    /// Path within the folder, with `/` between the names.
     pub path: String,
     /// Content of the file.
     pub content: Vec<u8>,
@@ -45,8 +45,8 @@ impl ShareFile {
     }
 }
 
-/// Desktop entry, file types, icon, manual pages and completions of a command; the entry starts the
-/// program at a path, or by its name.
+/// Returns desktop entry, file types, icon, manual pages and completions of a command; the entry
+/// starts the program at a path, or without one by its name.
 pub(super) fn files(program: Option<&str>, command: clap::Command) -> Vec<ShareFile> {
     let entry = match program {
         Some(path) => entry().replace(PROGRAM, &format!("Exec={} ", quoted(path))),
@@ -66,7 +66,7 @@ pub(super) fn files(program: Option<&str>, command: clap::Command) -> Vec<ShareF
     files
 }
 
-/// The desktop entry with the formats of logs in it.
+/// Returns the desktop entry, with the search words and file types of the formats of logs.
 fn entry() -> String {
     let (mut words, mut opened) = (KEYWORDS.to_owned(), OPENED.to_owned());
     for format in FORMATS {
@@ -81,7 +81,8 @@ fn entry() -> String {
     ENTRY.replace(KEYWORDS, &words).replace(OPENED, &opened)
 }
 
-/// The file types, of projects and of those formats of logs whose endings no other files have.
+/// Returns the file types: of projects, and of the formats of logs whose endings no other files
+/// have.
 fn types() -> String {
     let mut types = String::new();
     for format in FORMATS {
@@ -98,7 +99,7 @@ fn types() -> String {
     TYPES.replace(END_OF_TYPES, &(types + END_OF_TYPES))
 }
 
-/// A page of the program, and one of each of its commands: `bathyscope-process.1`.
+/// Returns a manual page of the program, and one of each of its commands: `bathyscope-process.1`.
 fn manual_pages(command: clap::Command) -> Vec<ShareFile> {
     let mut command = command.disable_help_subcommand(true);
     command.build();
@@ -114,8 +115,8 @@ fn manual_pages(command: clap::Command) -> Vec<ShareFile> {
     all.map(page).collect()
 }
 
-/// A path as an argument of an `Exec` line: quoted, and escaped once for the quotes and once for
-/// the file.
+/// Returns a path as an argument of an `Exec` line: quoted, and escaped once for the quotes and
+/// once for the file.
 fn quoted(path: &str) -> String {
     let mut text = String::from("\"");
     for letter in path.chars() {

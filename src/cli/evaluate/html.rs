@@ -1,4 +1,4 @@
-//! Everything on one page: figures, curves, matrix and the list of mistakes.
+//! Writes the evaluation as one HTML page: figures, curves, matrix and the list of mistakes.
 
 use super::{Outcome, table};
 use bathyscope_bottom::presentation::plot::{Axis, Plot, PlotCurve};
@@ -6,9 +6,9 @@ use bathyscope_log::support::printable::xml;
 use bathyscope_objects::Rect;
 use bathyscope_objects::metrics::CurvePoint;
 
-/// Area of the curves, pixels.
+/// Size of the plot of the curves, pixels.
 const PLOT_PX: [f64; 2] = [360.0, 360.0];
-/// Longest list on the page; JSON lists all.
+/// Most rows of a list on the page; the JSON lists all.
 const MOST_ROWS: usize = 2000;
 
 const STYLE: &str = "body{font:14px sans-serif;color:#1a1a1a;margin:24px;max-width:1200px}h2{font-size:16px;margin-top:28px}\
@@ -16,7 +16,7 @@ pre{font-size:12px;background:#f4f4f4;padding:12px;overflow-x:auto}table{border-
 td,th{border:1px solid #cccccc;padding:3px 8px;text-align:right;font-weight:normal}th{background:#f4f4f4}\
 td.text,th.text{text-align:left}td.found{background:#cfe8df}td.mistaken{background:#f6d5cf}figure{display:inline-block;margin:0 24px 0 0}";
 
-/// The page.
+/// Returns the page as HTML.
 pub(super) fn of(outcome: &Outcome) -> String {
     let mut page = format!(
         "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Boxes against the truth</title><style>{STYLE}</style></head><body>\n<h1>Boxes against the truth</h1>\n"
@@ -69,7 +69,8 @@ fn curves(outcome: &Outcome) -> String {
     page + &format!("<figure>{}</figure>\n", plot.svg(PLOT_PX))
 }
 
-/// A share over the score: between two scores that occur, the boxes shown stay the same.
+/// Returns a share as a step function of the score: between two scores that occur, the boxes shown
+/// stay the same.
 fn steps(curve: &[CurvePoint], of: fn(&CurvePoint) -> f64) -> Vec<[f64; 2]> {
     let mut points = Vec::with_capacity(2 * curve.len());
     for (index, point) in curve.iter().enumerate() {
@@ -118,7 +119,7 @@ fn figures(outcome: &Outcome) -> String {
     page
 }
 
-/// A line of the list.
+/// Line of the list of mistakes.
 struct MistakeLine<'a> {
     what: &'static str,
     picture: usize,
@@ -127,7 +128,7 @@ struct MistakeLine<'a> {
     rect: &'a Rect,
 }
 
-/// False alarms by falling score, then misses by falling size.
+/// Lists false alarms by falling score, then misses by falling size.
 fn list<'a>(outcome: &'a Outcome) -> Vec<MistakeLine<'a>> {
     let (paired, evaluation) = (&outcome.paired, &outcome.darknet);
     let alarms = evaluation.false_alarms.iter().map(|one| {

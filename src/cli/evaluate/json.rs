@@ -1,11 +1,11 @@
-//! The figures as JSON. What has nothing to divide by is null.
+//! Writes the figures as JSON. A ratio whose denominator is 0 is null.
 
 use super::{BoxSource, Outcome};
 use bathyscope_objects::Rect;
 use bathyscope_objects::metrics::{CurvePoint, MatchCounts};
 use serde_json::{Value, json};
 
-/// Everything, with the lists of mistakes and the curve.
+/// Returns all figures, with the lists of mistakes and the curve.
 pub(super) fn of(outcome: &Outcome) -> Value {
     let (darknet, coco) = (&outcome.darknet, &outcome.coco);
     let classes: Vec<Value> = (0..outcome.paired.classes.len())
@@ -64,7 +64,7 @@ fn counts(counts: &MatchCounts) -> Value {
     })
 }
 
-/// Columns of a list each, by falling score.
+/// Returns the columns of a curve, one list for each, by falling score.
 fn curve(points: &[CurvePoint]) -> Value {
     let column = |of: fn(&CurvePoint) -> f64| -> Vec<f64> { points.iter().map(of).collect() };
     json!({

@@ -1,4 +1,4 @@
-//! `bathyscope evaluate`: proposed boxes against true ones, of label files or of whole logs.
+//! `bathyscope evaluate`: compares proposed boxes with true ones, of label files or of whole logs.
 //!
 //! In: arguments of the command. Out: lines of text, and files of the figures.
 
@@ -47,7 +47,7 @@ pub(super) struct EvaluateArgs {
     score: Option<f64>,
 }
 
-/// Score of labels from which boxes are counted, as Darknet has it.
+/// Score from which boxes of label files are counted, the default of Darknet.
 const LABEL_SCORE: f64 = 0.25;
 
 fn parse_share(text: &str) -> Result<f64, &'static str> {
@@ -80,8 +80,8 @@ struct Boxes {
     truth: BoxSource,
     predicted: BoxSource,
     paired: Paired,
-    /// The same pictures with the boxes that average precision and curves are made of, where these
-    /// are others.
+    /// Same pictures with the boxes for average precision and curves; `None` if these are the boxes
+    /// of `paired`.
     ranked: Option<Vec<Image>>,
     score: f64,
 }
@@ -93,17 +93,17 @@ struct Outcome {
     paired: Paired,
     iou: f64,
     score: f64,
-    /// Darknet's rule, all points.
+    /// Evaluation by Darknet's rule, with the average precision over all points.
     darknet: Evaluation,
-    /// Darknet's rule, 11 points.
+    /// Evaluation by Darknet's rule, with the average precision over 11 points.
     eleven: Evaluation,
-    /// COCO's rule.
+    /// Evaluation by COCO's rule.
     coco: Evaluation,
 }
 
 impl Outcome {
-    /// Counts, confusion and mistakes are of the boxes that are shown; average precision and curves
-    /// of the ranked ones.
+    /// Evaluates the boxes. Counts, confusion and mistakes are of the boxes that are shown; average
+    /// precision and curves of the ranked ones.
     fn of(boxes: Boxes, iou: f64) -> Self {
         let classes = boxes.paired.classes.len();
         let measure = |settings: MetricSettings| {
@@ -128,7 +128,7 @@ impl Outcome {
     }
 }
 
-/// Measures, prints and draws.
+/// Evaluates the boxes, prints the figures and writes the page.
 pub(super) fn run(args: EvaluateArgs) -> Result<(), Failure> {
     if let Some(page) = &args.output {
         check_page(page)?;
@@ -164,7 +164,8 @@ fn of_labels(truth: &Path, predicted: &Path, score: Option<f64>) -> Result<Boxes
     })
 }
 
-/// Refuses a name that is no page's before any work: labels of that name would be replaced.
+/// Refuses, before any work, a path whose ending is not that of a page: a labels file would be
+/// replaced.
 fn check_page(path: &Path) -> Result<(), Failure> {
     let suffix = path.extension().unwrap_or_default();
     if ["html", "htm"].iter().any(|known| suffix.eq_ignore_ascii_case(known)) {

@@ -1,4 +1,5 @@
-//! Logs whose objects are known: searched as `bathyscope detect` does, and compared with them.
+//! Searches logs whose objects are known, as `bathyscope detect` does, and pairs the boxes with the
+//! known objects.
 
 use super::{BoxSource, Boxes};
 use crate::cli::Failure;
@@ -15,12 +16,12 @@ use bathyscope_products::pipeline::Settings;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Confidence from which boxes take part in average precision, as in `training/evaluate.py`.
+/// Score from which boxes take part in average precision, as in `training/evaluate.py`.
 const LEAST_SCORE: f32 = 0.01;
 
-/// Searches every log twice: at the score, by the model's own rule of which boxes hide which, for
-/// what an analyst is shown; and for average precision down to [`LEAST_SCORE`], where a box hides
-/// only others of its class, as Darknet and COCO have it.
+/// Searches every log twice. The boxes shown are those from `score` on, by the model's own rule of
+/// which boxes suppress which. The boxes for average precision are those from [`LEAST_SCORE`] on,
+/// where a box suppresses only others of its class, as in Darknet and COCO.
 pub(super) fn search(
     logs: &[PathBuf],
     truth: Option<&Path>,
@@ -49,7 +50,7 @@ pub(super) fn search(
     Ok(found.finish(logs, score))
 }
 
-/// A log and what lies in it.
+/// Log and its known objects.
 struct Known {
     survey: Survey,
     navigation: Navigation,
@@ -77,11 +78,11 @@ impl Known {
         Ok(Self { survey, navigation, raster, on_raster })
     }
 
-    /// The boxes of a search, by side.
+    /// Searches the log and returns the boxes of each side.
     fn search(&self, model: &Model, score: f32) -> Result<[Vec<Scored>; 2], DetectError> {
         let settings = DetectorSettings {
             score: Some(score),
-            // How well it names is part of what is evaluated.
+            // The quality of the class names is part of what is evaluated.
             name_score: Some(0.0),
             ..DetectorSettings::default()
         };
@@ -117,7 +118,7 @@ impl Found {
         }
     }
 
-    /// Searches a log with both.
+    /// Searches a log with both models: first for the ranked boxes, then for the shown ones.
     fn add(&mut self, known: &Known, searches: &[(Model, f32); 2]) -> Result<(), DetectError> {
         let name = known.survey.name();
         let images = known.on_raster.images(&mut self.classes);

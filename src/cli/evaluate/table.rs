@@ -1,9 +1,9 @@
-//! The figures as text.
+//! Writes the figures as text.
 
 use super::{BoxSource, Outcome};
 use bathyscope_objects::metrics::{Cause, MatchCounts};
 
-/// Everything, table by table.
+/// Returns all figures, table by table.
 pub(super) fn of(outcome: &Outcome) -> String {
     let mut text = String::new();
     for part in [read, counts, precisions, sizes, confusion, mistakes] {
@@ -13,12 +13,12 @@ pub(super) fn of(outcome: &Outcome) -> String {
     text
 }
 
-/// `0.812`, or a dash where there is nothing to divide by.
+/// Returns a share as text such as `0.812`, or a dash if it is NaN.
 fn share(value: f64) -> String {
     if value.is_nan() { "-".into() } else { format!("{value:.3}") }
 }
 
-/// Characters of the widest class name.
+/// Returns the number of characters of the widest class name.
 fn width(outcome: &Outcome) -> usize {
     let names = outcome.paired.classes.iter();
     names.map(|name| name.chars().count()).max().unwrap_or(0).max("background".len())

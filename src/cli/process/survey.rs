@@ -1,4 +1,4 @@
-//! The logs of one survey, one or several: processed and written.
+//! Processes the logs of one survey, one or several, and writes the products.
 
 use crate::cli::detect::proposed_in_words;
 use crate::cli::status_line::StatusLine;
@@ -24,24 +24,26 @@ use std::sync::Arc;
 pub(crate) struct How<'a> {
     /// Detector that searches for objects; `None` for no search.
     pub model: Option<&'a Model>,
-    /// The products.
+    /// Products to write.
     pub requested: &'a [Product],
-    /// Points or logs that the survey is also compared with.
+    /// Points or logs with which the survey is also compared; `None` for no comparison.
     pub reference: Option<&'a OsStr>,
     /// True if the height offsets of several logs are applied.
     pub adjust: bool,
-    /// The log whose height stays then, by name; without it the mean of connected logs.
+    /// Name of the log whose height stays when offsets are applied; `None` for the mean of
+    /// connected logs.
     pub held: Option<&'a str>,
     /// Further corrections of positions and times.
     pub wanted: Wanted,
 }
 
 impl How<'_> {
-    /// Runs the pipeline on the logs of a survey, which lie in one frame, searches them with the
-    /// model if one is given, writes their products and reports in a few lines what came out.
+    /// Runs the pipeline on the logs of a survey, which are in one local coordinate frame, searches
+    /// them with the model if one is given, writes their products and prints a short report.
     ///
     /// # Errors
-    /// When something cannot be done.
+    /// When the reference cannot be used, no log is called as `held`, a file cannot be written, or
+    /// the work was cancelled.
     pub(crate) fn process_into(&self, opened: &[OpenedLog], folder: &Path) -> Result<(), Failure> {
         let Some(first) = opened.first() else {
             return Ok(());
@@ -62,7 +64,7 @@ impl How<'_> {
             status.step("sounding lag");
             logs = timed(opened, &logs, &mut corrections, &status, &progress)?;
         }
-        // A shift of one log alone shows nowhere.
+        // The shift of the positions of a single log cannot be found.
         let wanted = Wanted { shifts: self.wanted.shifts && logs.len() > 1, ..self.wanted };
         if wanted.is_anything() {
             status.step("positions");
@@ -104,7 +106,7 @@ impl How<'_> {
 /// Runs the pipeline on every log of a survey with its own settings.
 ///
 /// # Errors
-/// When a log was cut or changed meanwhile, or the work was cancelled.
+/// When a log was cut or changed after it was opened, or the work was cancelled.
 pub(crate) fn all_processed(
     opened: &[OpenedLog],
     status: &StatusLine,
@@ -126,7 +128,7 @@ pub(crate) fn all_processed(
     logs
 }
 
-/// Runs the pipeline on a log; what does not depend on the settings that changed is taken from
+/// Runs the pipeline on a log; results that do not depend on the changed settings are taken from
 /// `previous`.
 ///
 /// # Errors
@@ -145,8 +147,8 @@ fn processed(
     Ok(ProcessedLog::new(survey.clone(), products))
 }
 
-/// The logs with their soundings as early as first returns show them to be; what that is goes to
-/// `corrections`.
+/// Returns the logs with their soundings corrected for the lag that first returns show; adds the
+/// corrections to `corrections`.
 fn timed(
     opened: &[OpenedLog],
     logs: &[ProcessedLog],
@@ -169,7 +171,8 @@ fn timed(
     opened.iter().zip(logs).zip(&names).map(with).collect()
 }
 
-/// The logs with what their crossings tell of their positions; what that is goes to `corrections`.
+/// Returns the logs with their positions corrected as crossings show; adds the corrections to
+/// `corrections`.
 fn placed(
     logs: &[ProcessedLog],
     wanted: Wanted,
@@ -202,7 +205,7 @@ fn placed(
     logs.iter().zip(&found).map(with).collect()
 }
 
-/// Returns the datum of the logs' heights: the log that is held, by the name of its file with or
+/// Returns the datum of the logs' heights: the log named `held`, by the name of its file with or
 /// without its ending, or the mean of the logs.
 fn datum(held: Option<&str>, opened: &[OpenedLog]) -> Result<Datum, Failure> {
     let Some(held) = held else {
@@ -216,8 +219,8 @@ fn datum(held: Option<&str>, opened: &[OpenedLog]) -> Result<Datum, Failure> {
     })
 }
 
-/// The logs with the height offsets that their overlaps show, and without the soundings that others
-/// show to be false; these go to `corrections`.
+/// Returns the logs with the height offsets that their overlaps show, and without the soundings
+/// that other logs show to be false; adds both to `corrections`.
 fn adjusted(
     logs: &[ProcessedLog],
     datum: Datum,

@@ -1,4 +1,4 @@
-//! `bathyscope process --products tiles`: the rows of logs into an archive.
+//! `bathyscope process --products tiles`: adds the rows of logs to an archive.
 
 use super::ProcessArgs;
 use crate::cli::archive::each_in_parallel;
@@ -9,12 +9,12 @@ use bathyscope_bottom::presentation::text;
 use bathyscope_log::support::progress::Progress;
 use bathyscope_products::archive::{Added, Archive, LogRecord, add};
 
-/// Logs of which each worker has one in memory: more of them at once than this only take memory,
-/// since the work on a log is parallel too.
+/// Most logs that are in memory at the same time, one for each worker thread. More would only need
+/// more memory, since the work on one log is parallel, too.
 const MOST_AT_ONCE: usize = 4;
 
-/// Adds every log to the archive of the folder. One that cannot be used does not keep the others
-/// out.
+/// Adds every log to the archive of the folder. A log that cannot be used does not prevent the
+/// others from being added.
 pub(super) fn run(inputs: &[LogInput], args: &ProcessArgs) -> Result<(), Failure> {
     let folder = args.output.as_deref().ok_or(
         "tiles go into the folder of an archive, which many runs share; name it with -o DIR",
@@ -60,7 +60,7 @@ pub(super) fn run(inputs: &[LogInput], args: &ProcessArgs) -> Result<(), Failure
 }
 
 fn added(archive: &Archive, input: &LogInput) -> Result<Added, Failure> {
-    // Each log of a project has settings of its own.
+    // Checked for each log, since each log of a project has its own settings.
     archive.check(&input.logs.settings)?;
     let log = input.open()?;
     let added = add(archive, &log.survey, &log.settings, &Progress::new());

@@ -1,5 +1,5 @@
-//! `bathyscope simulate --dataset`: pictures of random simulated surveys, with labels for YOLO and
-//! COCO tools.
+//! `bathyscope simulate --dataset`: makes pictures of random simulated surveys, with labels for
+//! YOLO and COCO tools.
 
 use super::write;
 use crate::cli::status_line::StatusLine;
@@ -45,12 +45,12 @@ pub(super) struct DatasetArgs {
 
 /// Side of a pixel, metres.
 const PIXEL_M: f64 = 0.04;
-/// Columns that a tile holds of the range at least.
+/// Least number of columns of the range in a tile.
 const LEAST_COLUMNS: usize = 316;
 /// Most pictures in a dataset.
 const MOST_IMAGES: usize = 1_000_000;
 
-/// Pictures for training, validation and test.
+/// Numbers of pictures for training, validation and test.
 #[derive(Clone, Copy, Debug)]
 struct Split([usize; 3]);
 
@@ -65,7 +65,8 @@ impl Split {
         Ok(Self(parts))
     }
 
-    /// The split in pictures, scaled to a sum; what rounding leaves goes to training.
+    /// Returns the numbers of pictures, scaled to a sum; the remainder of the rounding goes to the
+    /// first part that is not empty.
     fn of(self, images: Option<usize>) -> [usize; 3] {
         let sum: usize = self.0.iter().sum();
         let Some(images) = images else {
@@ -81,7 +82,7 @@ impl Split {
     }
 }
 
-/// Makes the dataset.
+/// Makes the dataset and writes it into its folder.
 pub(super) fn run(args: &DatasetArgs, seed: u64) -> Result<(), Failure> {
     let Some(folder) = &args.dataset else {
         return Err("nothing to do; name an output with -o or --dataset".into());
@@ -131,7 +132,7 @@ pub(super) fn run(args: &DatasetArgs, seed: u64) -> Result<(), Failure> {
     ))
 }
 
-/// An old dataset is never mixed with a new one.
+/// Refuses a folder that is not empty, so that an old dataset is never mixed with a new one.
 fn refuse_in_use(folder: &Path) -> Result<(), Failure> {
     let in_use = fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_some());
     if in_use {
@@ -141,7 +142,7 @@ fn refuse_in_use(folder: &Path) -> Result<(), Failure> {
     }
 }
 
-/// Makes one part of the dataset.
+/// Maker of one part of the dataset.
 struct Maker<'a> {
     dataset: &'a DatasetFolder,
     part: DatasetPart,
@@ -159,7 +160,7 @@ struct PartRecord {
     #[serde(flatten)]
     part: PartSummary,
     scenes: usize,
-    /// The seed of each scene, in the order of the pictures.
+    /// Seed of each scene, in the order of the pictures.
     scene_seeds: Vec<u64>,
 }
 
@@ -208,7 +209,7 @@ impl Maker<'_> {
     }
 }
 
-/// The first `requested` pictures of a scene.
+/// Returns the first `requested` pictures of a scene.
 fn chips(
     training: &TrainingScene,
     simulated: &Simulated,
@@ -230,7 +231,7 @@ fn chip(survey: &Survey, raster: &Raster, look: &TrainingPlace, known: &[KnownOb
     Chip::new(raster.tile(survey, look.side, row, column), raster, known)
 }
 
-/// The truth about all objects of a simulated survey, as boxes in it.
+/// Returns the true boxes of all objects of a simulated survey, one for each sighting.
 pub fn known_objects(simulated: &Simulated) -> Vec<KnownObject> {
     let count = simulated.pings.len();
     let mut known = Vec::new();
@@ -261,7 +262,7 @@ fn of_sighting(class: usize, sighting: &ObjectPass, count: usize) -> KnownObject
     }
 }
 
-/// Manifest of a dataset, with enough to make the dataset again.
+/// Manifest of a dataset, with the values needed to make the dataset again.
 #[derive(Serialize)]
 struct Manifest<'a> {
     program: &'static str,

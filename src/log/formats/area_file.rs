@@ -1,4 +1,4 @@
-//! A polygon of water: GeoJSON, KML or GPX.
+//! Reads the polygon of a water body from a GeoJSON, KML or GPX file.
 
 use super::xml::{attribute, is, text_of};
 use crate::support::file_error::FileError;
@@ -12,52 +12,52 @@ use sha2::{Digest as _, Sha256};
 use std::io;
 use std::path::Path;
 
-/// Longer than any shoreline that a boat sails along.
+/// Size of the largest area file that is read, bytes; enough for any shoreline that a boat follows.
 const LONGEST: u64 = 1 << 26;
-/// Most corners of all rings.
+/// Most corners that all rings of an area may have together.
 const MOST_CORNERS: usize = 100_000;
-/// Rings with fewer corners have no area.
+/// Fewest corners of a ring; a ring with fewer corners has no area and is left out.
 const LEAST_CORNERS: usize = 3;
 
-/// A file that holds no area.
+/// Error of a file from which no area can be read.
 pub type AreaError = FileError<AreaFault>;
 
 /// Fault of an area, as a sentence without the path.
 #[derive(Debug, thiserror::Error)]
 pub enum AreaFault {
-    /// The system does not give it.
+    /// The operating system cannot read the file.
     #[error("cannot read the area: {0}")]
     Io(#[from] io::Error),
-    /// It is no JSON and does not begin as XML does.
+    /// The file is not JSON and does not begin with `<` as XML does.
     #[error("the area is neither GeoJSON nor KML nor GPX: {0}")]
     NotJson(#[from] serde_json::Error),
-    /// It begins as XML does and is none.
+    /// The file begins with `<` as XML does but is not well-formed.
     #[error("the area is damaged at byte {at}: {source}")]
     NotXml {
-        /// The byte.
+        /// Offset of the damage, bytes.
         at: u64,
         /// Error of the parser.
         source: quick_xml::Error,
     },
-    /// A corner has no such longitude and latitude as there are.
+    /// A corner is outside the range of longitudes and latitudes.
     #[error(
         "a corner of the area is no longitude and latitude ({}, {}); write it in degrees of WGS84",
         .0.lon_deg, .0.lat_deg
     )]
     NotOnEarth(LonLat),
-    /// No ring has corners enough.
+    /// No ring has enough corners.
     #[error("the area has no polygon; draw one, and save it as GeoJSON, KML or GPX")]
     NoPolygon,
-    /// Its rings have so many corners.
+    /// The rings have more than `MOST_CORNERS` corners; the field is their number.
     #[error("the area has {0} corners; simplify it to {MOST_CORNERS} at most")]
     TooManyCorners(usize),
 }
 
-/// Reads the polygons of a GeoJSON or KML, or the tracks and routes of a GPX, each of which is
-/// taken as a ring.
+/// Reads the polygons of a GeoJSON or KML file, or the tracks and routes of a GPX file; each track
+/// segment and each route becomes a ring.
 ///
 /// # Errors
-/// When the file cannot be read, or holds no polygon.
+/// When the file cannot be read, is damaged, contains no polygon or has too many corners.
 pub fn read_area(path: &Path) -> Result<WaterArea, AreaError> {
     let fail = AreaError::at(path);
     let text = regular_file::read_text(path, LONGEST).map_err(|error| fail(error.into()))?;
@@ -75,7 +75,8 @@ pub fn read_area(path: &Path) -> Result<WaterArea, AreaError> {
 
 type Rings = Vec<Vec<[f64; 2]>>;
 
-/// The rings with places that exist and corners enough.
+/// Returns the rings that have enough corners, without repeated corners; fails where a corner is
+/// not on Earth, no ring is left or there are too many corners.
 fn checked(rings: Rings) -> Result<Vec<Vec<LonLat>>, AreaFault> {
     let mut made = Vec::new();
     for ring in rings {
@@ -100,7 +101,7 @@ fn checked(rings: Rings) -> Result<Vec<Vec<LonLat>>, AreaFault> {
     }
 }
 
-/// The rings of all polygons in a GeoJSON, whatever they are wrapped in.
+/// Returns the rings of all polygons in a GeoJSON text, at any level of its collections.
 fn of_geojson(text: &str) -> Result<Rings, AreaFault> {
     let root: Value = serde_json::from_str(text)?;
     let mut rings = Vec::new();
@@ -135,12 +136,12 @@ fn add_polygon(polygon: &Value, rings: &mut Rings) {
     }));
 }
 
-/// The rings of a KML, or the tracks and routes of a GPX.
+/// Returns the rings of a KML text, or the tracks and routes of a GPX text.
 fn of_xml(text: &str) -> Result<Rings, AreaFault> {
     let mut reader = Reader::from_str(text);
     reader.config_mut().allow_dangling_amp = true;
     let mut rings: Rings = Vec::new();
-    // Whether the text that comes is the coordinates of a ring.
+    // True while the reader is inside a ring, and inside the coordinates of a ring.
     let (mut in_ring, mut in_coordinates) = (false, false);
     let mut coordinates = String::new();
     loop {
@@ -176,7 +177,7 @@ fn gpx_place(element: &BytesStart<'_>) -> Option<[f64; 2]> {
     Some([number("lon")?, number("lat")?])
 }
 
-/// `lon,lat[,height]`, separated by blanks.
+/// Parses places of the form `lon,lat[,height]`, separated by white space.
 fn kml_places(text: &str) -> Vec<[f64; 2]> {
     let place = |tuple: &str| {
         let mut numbers = tuple.split(',').map(|number| number.trim().parse::<f64>().ok());

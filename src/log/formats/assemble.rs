@@ -1,5 +1,5 @@
-//! Assembles a [`Survey`] from channels in file order: sides joined, soundings chosen, depths
-//! matched by time, noise named.
+//! Assembles a [`Survey`] from channels in file order: joins the sides, chooses the soundings,
+//! assigns depths by time and recognises noise.
 
 use super::collected::{Collected, CollectedPair, HalfPing};
 use super::log_format::Reading;
@@ -11,17 +11,18 @@ use crate::survey::{
 };
 use std::sync::Arc;
 
-/// The warning about positions in metres of a system that nobody named.
+/// Warning about positions in metres of a coordinate system that the log does not name.
 pub(super) const UNNAMED_SYSTEM: &str = "positions are metres of a coordinate system that the log does not name, and are shown around longitude 0, latitude 0; set source.crs to its EPSG number, EPSG:32633 for UTM zone 33 north";
-/// Lowrance units without a side-scan transducer record 5 ft of noise (1.524 m); no unit has so
-/// short a range in use.
+/// Longest range of stuck pings, metres: Lowrance units without a side-scan transducer record 5 ft
+/// of noise (1.524 m), and no unit in use has a range this short.
 const STUCK_RANGE_M: f32 = 1.6;
-/// Share of stuck pings from which the side-scan is noise.
+/// Share of stuck pings from which on the side-scan counts as noise.
 const STUCK_SHARE: f64 = 0.95;
-/// Two halves without any other measure of the ping rate belong together within this time, seconds.
+/// Longest time between two halves of the same ping where no ping rate can be measured, seconds.
 const HALVES_TOGETHER_S: f64 = 0.1;
 
-/// Puts the pieces of a log together; those of its tail as they were put together before.
+/// Assembles a survey from the parts of a log; for the tail of a log, with the choices that were
+/// made for the log before.
 pub(super) fn assemble(mut log: Collected, reading: &Reading<'_>) -> Survey {
     let known = reading.known();
     let pairs = show_first(&mut log);
@@ -79,7 +80,7 @@ pub(super) fn assemble(mut log: Collected, reading: &Reading<'_>) -> Survey {
     survey
 }
 
-/// Makes the first of several pairs the sides of the log; the others stay with what they hold.
+/// Moves the halves of the first of several pairs to the sides of the log and returns all pairs.
 fn show_first(log: &mut Collected) -> Vec<CollectedPair> {
     if let Some(shown) = log.pairs.first_mut() {
         log.port = std::mem::take(&mut shown.port);
@@ -88,7 +89,7 @@ fn show_first(log: &mut Collected) -> Vec<CollectedPair> {
     std::mem::take(&mut log.pairs)
 }
 
-/// The pairs of a log that has several; of the first `survey` has the pings.
+/// Returns the pairs of a log that has several; the first pair shares the pings of `survey`.
 fn side_pairs(pairs: Vec<CollectedPair>, survey: &Survey) -> Vec<SidePair> {
     if pairs.len() < 2 {
         return Vec::new();
@@ -107,8 +108,9 @@ fn side_pairs(pairs: Vec<CollectedPair>, survey: &Survey) -> Vec<SidePair> {
     pairs.into_iter().enumerate().map(pair).collect()
 }
 
-/// Side-scan pings in time order. A unit that records both layouts says everything twice: the
-/// fuller one is kept, and of the tail of a log that which is kept of the log.
+/// Returns the side-scan pings in time order. A unit that records both layouts stores each ping
+/// twice: the layout with more pings is kept, and for the tail of a log the layout that was kept
+/// for the log before.
 fn join_sides(log: &mut Collected, known: Option<&Survey>) -> Vec<SidePing> {
     let composite = std::mem::take(&mut log.composite);
     let port = std::mem::take(&mut log.port);
@@ -139,7 +141,7 @@ fn join_sides(log: &mut Collected, known: Option<&Survey>) -> Vec<SidePing> {
     pings
 }
 
-/// Pings of sides that came apart, in time order.
+/// Returns the pings of sides that were recorded separately, in time order.
 fn joined(mut port: Vec<HalfPing>, mut starboard: Vec<HalfPing>) -> Vec<SidePing> {
     for halves in [&mut port, &mut starboard] {
         halves.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
@@ -149,8 +151,8 @@ fn joined(mut port: Vec<HalfPing>, mut starboard: Vec<HalfPing>) -> Vec<SidePing
     pings
 }
 
-/// Joins the port and the starboard halves of pings that a recorder writes apart, where they were
-/// recorded at the same time (within half a ping); the others stay alone.
+/// Joins the port and the starboard halves that a recorder writes separately, where both have the
+/// same time (within half a ping interval); the other halves become pings with one side.
 fn join_halves(port: &[HalfPing], starboard: &[HalfPing]) -> Vec<SidePing> {
     let within_s =
         interval_s(port).or(interval_s(starboard)).map_or(HALVES_TOGETHER_S, |s| s / 2.0);
@@ -158,7 +160,8 @@ fn join_halves(port: &[HalfPing], starboard: &[HalfPing]) -> Vec<SidePing> {
     let (mut p, mut s) = (0, 0);
     while let (Some(left), Some(right)) = (port.get(p), starboard.get(s)) {
         let apart_s = apart_s(left, right);
-        // A half whose partner is damaged must not take the neighbour's: the closer pair wins.
+        // A half whose partner is damaged must not be joined with a half of the next ping: of two
+        // candidates the closer in time is joined.
         let left_is_alone = nearer(port.get(p + 1), right, apart_s);
         let right_is_alone = nearer(starboard.get(s + 1), left, apart_s);
         let too_far = apart_s > within_s;
@@ -197,7 +200,8 @@ fn ping(port: Option<&HalfPing>, starboard: Option<&HalfPing>) -> SidePing {
     }
 }
 
-/// The median time between pings; `None` below three pings.
+/// Returns the median time between pings, seconds; `None` below three pings, or where the median is
+/// not positive.
 fn interval_s(halves: &[HalfPing]) -> Option<f64> {
     let mut steps: Vec<f64> =
         halves.windows(2).map(|pair| pair[1].time_s - pair[0].time_s).collect();
@@ -207,7 +211,8 @@ fn interval_s(halves: &[HalfPing]) -> Option<f64> {
     upper_median(&mut steps, f64::total_cmp).filter(|median| *median > 0.0)
 }
 
-/// Channels that look down, each in time order, the ones that show most of the bottom first.
+/// Returns the channels that look down, each in time order; channels that show more of the bottom
+/// come first.
 fn echograms(log: &mut Collected) -> Vec<Echogram> {
     let mut echograms = std::mem::take(&mut log.echograms);
     for echogram in &mut echograms {
@@ -217,10 +222,10 @@ fn echograms(log: &mut Collected) -> Vec<Echogram> {
     echograms
 }
 
-/// Chooses the soundings among the recorded depths: those of one channel, in time order. It is the
-/// traditional sonar's, unless another knows four times as many; of the tail of a log those of the
-/// channel that was chosen for the log. All channels repeat the same bottom lock, so that two of
-/// them would only say it twice.
+/// Chooses the soundings among the recorded depths: those of one channel, in time order. The
+/// traditional sonar is preferred, unless another channel has more than four times as many depths;
+/// for the tail of a log the channel that was chosen for the log before is used. All channels
+/// repeat the same bottom lock, so that soundings of two channels would only be duplicates.
 fn choose(
     mut depths: Vec<(ChannelKind, Vec<Sounding>)>,
     chosen: Option<ChannelKind>,
@@ -235,8 +240,8 @@ fn choose(
     let best = depths.into_iter().find(|(kind, soundings)| {
         let is_down =
             matches!(kind, ChannelKind::Primary | ChannelKind::Secondary | ChannelKind::DownScan);
-        // Side-scan channels ping faster than the lock: their count says nothing against a slower
-        // channel.
+        // Side-scan channels ping faster than the bottom lock changes: their larger count is no
+        // reason to drop a slower channel.
         soundings.len() * if is_down { 4 } else { 1 } >= most
     });
     let (kind, mut soundings) =
@@ -246,7 +251,7 @@ fn choose(
     (kind, soundings)
 }
 
-/// Says which of the recorder's depths are false: a warning for each fault.
+/// Adds a warning for each fault that soundings of the recorder have.
 fn warn_of_lost_bottom(soundings: &[Sounding], report: &WarningReport) {
     for fault in SoundingFault::ALL {
         let mut with = soundings.iter().filter(|sounding| sounding.fault == Some(fault));
@@ -262,7 +267,7 @@ fn warn_of_lost_bottom(soundings: &[Sounding], report: &WarningReport) {
     }
 }
 
-/// Fixes in time order, without those where the boat cannot have been.
+/// Returns the fixes in time order, without fixes where the boat cannot have been.
 fn clean_track(log: &mut Collected) -> Vec<Fix> {
     let mut fixes = std::mem::take(&mut log.fixes);
     fixes.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
@@ -272,7 +277,8 @@ fn clean_track(log: &mut Collected) -> Vec<Fix> {
     fixes
 }
 
-/// Says how much has no place because no fix was recorded then.
+/// Adds a warning about soundings and side-scan pings without a position because no fix was
+/// recorded around them.
 fn warn_of_lost_fixes(
     track: &Track,
     soundings: &[Sounding],
@@ -295,7 +301,7 @@ fn warn_of_lost_fixes(
     }
 }
 
-/// Returns the usability of the side-scan; warns where it is not usable.
+/// Returns the usability of the side-scan; adds a warning where the side-scan is not usable.
 fn judge(pings: &[SidePing], log: &mut Collected) -> SideScanState {
     if pings.is_empty() {
         let has_echoes = |(_, channel): &(u16, Channel)| channel.sample_count.1 > 0;
@@ -342,7 +348,7 @@ mod tests {
         times_s.iter().map(|&time_s| HalfPing { time_s, span }).collect()
     }
 
-    /// `b` for both sides, `p` and `s` for one.
+    /// Joins pings and returns a letter for each: `b` for both sides, `p` and `s` for one side.
     fn joined(port_s: &[f64], starboard_s: &[f64]) -> String {
         let letter = |ping: &SidePing| match (ping.port, ping.starboard) {
             (Some(_), Some(_)) => 'b',
@@ -359,7 +365,7 @@ mod tests {
         assert_eq!(joined(&[0.1, 0.2], &[0.0, 0.1, 0.2, 0.3]), "sbbs");
         assert_eq!(joined(&[0.0, 0.1, 0.2], &[]), "ppp");
         assert_eq!(joined(&[], &[5.0]), "s");
-        // Interleaved, the later side 40 % of a ping behind: still the same ping.
+        // The later side is 40 % of a ping interval behind: both halves are still the same ping.
         assert_eq!(joined(&[0.0, 1.0, 2.0], &[0.4, 1.4, 2.4]), "bbb");
     }
 }

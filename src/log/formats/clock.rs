@@ -1,18 +1,18 @@
-//! Times that can be believed: records are written in time order, give or take the delays inside a
+//! Checks the times of records, which are written in time order apart from delays inside a
 //! recorder.
 
 use std::collections::VecDeque;
 
-/// Frames of different channels are written up to this much out of order, seconds. Real logs show
-/// 0.5.
+/// Longest time by which frames of different channels are written out of order, seconds. Real logs
+/// show 0.5.
 const SLACK_S: f64 = 2.0;
-/// The first and the last frame have one neighbour only; a pause next to them may be this long,
-/// seconds.
+/// Longest pause beside the first and the last frame, which have only one neighbour, seconds.
 const END_SLACK_S: f64 = 60.0;
 
-/// Looks two records ahead. A record whose time fits neither neighbour, while they fit each other,
-/// is damaged. Where the time is set back for good (the unit was restarted while it recorded), it
-/// goes on from where it was, so that the pings of both parts do not end up between each other.
+/// Judges the time of each record by the two records after it. A record whose time fits neither
+/// neighbour, while the neighbours fit each other, is damaged. Where the time is set back
+/// permanently (the unit was restarted while it recorded), the times continue from the last one, so
+/// that the pings of both parts are not interleaved.
 #[derive(Debug)]
 pub(super) struct Clock<T> {
     before_s: Option<f64>,
@@ -23,14 +23,14 @@ pub(super) struct Clock<T> {
 /// Verdict of the clock on a record.
 #[derive(Debug, PartialEq)]
 pub(super) enum ClockVerdict<T> {
-    /// Its time fits.
+    /// The time of the record fits.
     Sound {
         /// The record.
         record: T,
-        /// Its time, seconds; later than recorded after a restart.
+        /// Time of the record, seconds; later than recorded after a restart.
         time_s: f64,
     },
-    /// Its time cannot be.
+    /// The time of the record is impossible.
     Damaged(T),
 }
 
@@ -41,13 +41,13 @@ impl<T> Default for Clock<T> {
 }
 
 impl<T> Clock<T> {
-    /// Takes the next record in file order; gives the verdict on the one two before it.
+    /// Adds the next record in file order; returns the verdict on the record two before it, if any.
     pub(super) fn push(&mut self, time_s: f64, record: T) -> Option<ClockVerdict<T>> {
         self.waiting.push_back((time_s, record));
         (self.waiting.len() > 2).then(|| self.next()).flatten()
     }
 
-    /// The verdict on the oldest record that still waits; call it until there is none.
+    /// Returns the verdict on the oldest record that still waits; `None` when no record waits.
     pub(super) fn next(&mut self) -> Option<ClockVerdict<T>> {
         let (time_s, record) = self.waiting.pop_front()?;
         let ahead = |index: usize| self.waiting.get(index).map(|(time_s, _)| *time_s);
@@ -77,12 +77,12 @@ fn follows(earlier_s: f64, later_s: f64, longest_pause_s: f64) -> bool {
     !is_set_back(earlier_s, later_s) && later_s <= earlier_s + longest_pause_s
 }
 
-/// Returns true if a time can stand between the last sound one and the next two.
+/// Returns true if a time fits between the last sound one and the next two.
 fn fits(before_s: Option<f64>, time_s: f64, next_s: Option<f64>, after_s: Option<f64>) -> bool {
     match (before_s, next_s) {
         (Some(before_s), Some(next_s)) if is_set_back(before_s, next_s) => {
-            // For good, if the one after agrees: then this may belong to either side. Else the next
-            // is damaged.
+            // The clock is set back permanently if the record after the next agrees; then this
+            // record may belong to either part. Otherwise the next is damaged.
             after_s.is_none_or(|after_s| is_set_back(before_s, after_s))
                 || follows(before_s, time_s, END_SLACK_S)
         }
@@ -90,7 +90,7 @@ fn fits(before_s: Option<f64>, time_s: f64, next_s: Option<f64>, after_s: Option
             follows(before_s, time_s, f64::INFINITY) && follows(time_s, next_s, f64::INFINITY)
         }
         (Some(before_s), None) => follows(before_s, time_s, END_SLACK_S),
-        // The first is only doubted when the next two agree against it.
+        // The first record is only rejected if the next two agree with each other and not with it.
         (None, Some(next_s)) => {
             follows(time_s, next_s, END_SLACK_S)
                 || after_s.is_none_or(|after_s| !follows(next_s, after_s, END_SLACK_S))
@@ -103,7 +103,7 @@ fn fits(before_s: Option<f64>, time_s: f64, next_s: Option<f64>, after_s: Option
 mod tests {
     use super::*;
 
-    /// Times that were believed, and indices of the damaged records.
+    /// Returns the times of the sound records, and the indices of the damaged records.
     fn judge(times_s: &[f64]) -> (Vec<f64>, Vec<usize>) {
         let mut clock = Clock::default();
         let mut verdicts: Vec<ClockVerdict<usize>> = Vec::new();

@@ -1,4 +1,4 @@
-//! Data of a log as a reader hands them over, before they become a
+//! Holds the data that a reader collects from a log, before they become a
 //! [`Survey`](crate::survey::Survey): channels apart, in file order.
 
 use super::log_format::Reading;
@@ -10,12 +10,12 @@ use crate::survey::{
 };
 use std::sync::Arc;
 
-/// Depths beyond this are damage: the deepest sea is 11 km.
+/// Limit of depths, metres; deeper ones are damage: the deepest sea is 11 km.
 const DEEPEST_M: f32 = 12_000.0;
-/// Ranges beyond this are damage: no side-scan sees 5 km.
+/// Limit of ranges, metres; longer ones are damage: no side-scan sees 5 km.
 const FARTHEST_M: f32 = 5_000.0;
 
-/// Ranges shorter than this are damage: not even a bucket is a tenth of a metre deep.
+/// Shortest range, metres; shorter ones are damage: not even a bucket is a tenth of a metre deep.
 const NEAREST_M: f32 = 0.1;
 
 /// One side of one ping.
@@ -23,77 +23,80 @@ const NEAREST_M: f32 = 0.1;
 pub(super) struct HalfPing {
     /// Seconds after the log's time zero.
     pub(super) time_s: f64,
-    /// Its samples.
+    /// Samples of this side.
     pub(super) span: SideSpan,
 }
 
 /// A pair of side-scan channels, where a recorder has several.
 #[derive(Debug)]
 pub(super) struct CollectedPair {
-    /// The recorder's name for it, the same whenever the log is read.
+    /// Recorder's name for the pair; it must not change when the log is read again.
     pub(super) name: String,
-    /// Frequency where it is stated.
+    /// Frequency, kHz; `None` where it is not stated.
     pub(super) frequency_khz: Option<f32>,
-    /// Its port halves.
+    /// Port halves of the pair.
     pub(super) port: Vec<HalfPing>,
-    /// Its starboard halves.
+    /// Starboard halves of the pair.
     pub(super) starboard: Vec<HalfPing>,
 }
 
 /// Properties of a ping that are counted for its channel.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Counted {
-    /// Index of its file, and where its record ends there.
+    /// Index of the file of the record, and offset of the record's end in that file.
     pub(super) record: (usize, usize),
     /// Seconds after the log's time zero.
     pub(super) time_s: f64,
-    /// Samples of one side.
+    /// Number of samples of one side.
     pub(super) samples: usize,
-    /// Near and far limit, where the recorder states them.
+    /// Near and far limit of the range, metres; `None` where the recorder does not state them.
     pub(super) range_m: Option<(f32, f32)>,
 }
 
-/// A log as read.
+/// Data of a log as a reader collected them.
 #[derive(Debug)]
 pub(super) struct Collected {
-    /// The files.
+    /// Description of the files of the log.
     pub(super) source: Source,
-    /// Their bytes.
+    /// Bytes of the files.
     pub(super) bytes: Vec<Bytes>,
-    /// Unix seconds of the log's time zero.
+    /// Unix seconds of the log's time zero; `None` where unknown.
     pub(super) start_unix_s: Option<f64>,
-    /// True where the records have times; else they are assumed.
+    /// True if the records have times; otherwise the times are assumed.
     pub(super) has_times: bool,
-    /// Summary of each channel so far, under its number.
+    /// Summary of each channel so far, with the number of the channel.
     pub(super) channels: Vec<(u16, Channel)>,
-    /// Side-scan pings whose two sides came together.
+    /// Side-scan pings whose two sides were recorded together.
     pub(super) composite: Vec<SidePing>,
-    /// Port halves that came alone.
+    /// Port halves that were recorded separately.
     pub(super) port: Vec<HalfPing>,
-    /// Starboard halves that came alone.
+    /// Starboard halves that were recorded separately.
     pub(super) starboard: Vec<HalfPing>,
-    /// Pairs of side-scan channels in place of `port` and `starboard`, the one that is shown first.
+    /// Pairs of side-scan channels, used instead of `port` and `starboard`; the shown pair comes
+    /// first.
     pub(super) pairs: Vec<CollectedPair>,
     /// Pings of channels that look down.
     pub(super) echograms: Vec<Echogram>,
-    /// Depths by the channel that carried them.
+    /// Depths, by the kind of channel that recorded them.
     pub(super) depths: Vec<(ChannelKind, Vec<Sounding>)>,
     /// Depths across the track.
     pub(super) swath: Vec<SwathPing>,
-    /// Positions.
+    /// Fixes of the boat.
     pub(super) fixes: Vec<Fix>,
-    /// System of the positions, where they are metres of a system that the log does not name.
+    /// Coordinate system of the positions, where they are metres of a system that the log does not
+    /// name.
     pub(super) projected: Option<ProjectedTrack>,
     /// Source of the slant ranges.
     pub(super) range_source: RangeSource,
     /// Warnings about the log.
     pub(super) report: WarningReport,
-    /// Records that end here or before, one entry a file, were counted when the log was shorter.
+    /// Offsets in bytes, one for each file: records that end there or before were already counted
+    /// when the log was shorter.
     pub(super) counted_to: Vec<u64>,
 }
 
 impl Collected {
-    /// An empty log.
+    /// Creates an empty log.
     pub(super) fn new(source: Source, bytes: Vec<Bytes>, reading: &Reading<'_>) -> Self {
         Self {
             source,
@@ -116,8 +119,8 @@ impl Collected {
         }
     }
 
-    /// Counts a ping of the channel that the recorder (or the order of the files) gives this
-    /// number.
+    /// Counts a ping of the channel with this number, which the recorder or the order of the files
+    /// gives.
     pub(super) fn count(&mut self, number: u16, ping: Counted) {
         let (file, end) = ping.record;
         if self.counted_to.get(file).is_some_and(|known| end as u64 <= *known) {
@@ -138,12 +141,12 @@ impl Collected {
         }
     }
 
-    /// Returns true if a channel of this number was introduced.
+    /// Returns true if a channel with this number was introduced.
     pub(super) fn knows(&self, number: u16) -> bool {
         self.channels.iter().any(|(known, _)| *known == number)
     }
 
-    /// Introduces a channel before its first ping is counted.
+    /// Adds a channel; must be called before its first ping is counted.
     pub(super) fn introduce(
         &mut self,
         number: u16,
@@ -163,7 +166,7 @@ impl Collected {
         self.channels.push((number, channel));
     }
 
-    /// Keeps a depth if it is one: recorders write 0 where there is none.
+    /// Adds a depth if it is plausible: recorders write 0 where there is none.
     pub(super) fn add_depth(&mut self, kind: ChannelKind, time_s: f64, depth_m: f32) {
         if !(depth_m > 0.0 && depth_m < DEEPEST_M) {
             return;
@@ -175,8 +178,7 @@ impl Collected {
         }
     }
 
-    /// Keeps a ping of a channel that looks down, if it can hold a picture; says so where it
-    /// cannot.
+    /// Adds a ping of a channel that looks down; warns where the ping cannot be shown as a picture.
     pub(super) fn add_echogram(&mut self, kind: ChannelKind, time_s: f64, span: SideSpan) {
         let looks_down =
             matches!(kind, ChannelKind::Primary | ChannelKind::Secondary | ChannelKind::DownScan);
@@ -194,7 +196,7 @@ impl Collected {
         }
     }
 
-    /// Says that a ping holds no picture.
+    /// Adds a warning that a ping cannot be shown as a picture.
     pub(super) fn report_no_picture(&self, kind: ChannelKind, span: &SideSpan) {
         let text = format!(
             "a ping ({}) has {} samples over {} to {} m, which is no picture; it was dropped",
@@ -207,7 +209,8 @@ impl Collected {
         self.report.at(WarningKind::Value, file, offset, text);
     }
 
-    /// Keeps a fix if it is one. Channels that ping together carry the same fix: it is kept once.
+    /// Adds a fix if it is on Earth. Channels that ping together repeat the same fix: it is added
+    /// once.
     pub(super) fn add_fix(&mut self, fix: Fix) {
         let LonLat { lon_deg, lat_deg } = fix.position;
         let on_earth = lon_deg.abs() <= 180.0 && lat_deg.abs() < 89.0;
@@ -221,7 +224,7 @@ impl Collected {
     }
 }
 
-/// Returns true if a span can hold a picture: it has samples, and a range that a sonar can have.
+/// Returns true if a span can be shown: it has samples, and a range that a sonar can have.
 pub(super) fn is_sound(span: &SideSpan) -> bool {
     span.count > 0 && is_range(span.near_m, span.far_m)
 }

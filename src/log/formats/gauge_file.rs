@@ -1,4 +1,4 @@
-//! Tables of water levels: CSV with the columns `time` and `level_m`.
+//! Reads tables of water levels: CSV with the columns `time` and `level_m`.
 
 use crate::support::calendar::unix_from_text;
 use crate::support::file_error::FileError;
@@ -8,59 +8,60 @@ use sha2::{Digest as _, Sha256};
 use std::io;
 use std::path::Path;
 
-/// Longer than the readings of a survey: one a second of a year take as much.
+/// Size of the largest table that is read, bytes; enough for a reading every second of a year.
 const LONGEST: u64 = 1 << 30;
 
-/// A table of water levels that cannot be used.
+/// Error of a table of water levels that cannot be used.
 pub type GaugeError = FileError<GaugeFault>;
 
 /// Fault of a table of water levels, as a sentence without the path.
 #[derive(Debug, thiserror::Error)]
 pub enum GaugeFault {
-    /// The system does not give it.
+    /// The operating system cannot read the file.
     #[error("cannot read the water levels: {0}")]
     Io(#[from] io::Error),
-    /// It is no CSV.
+    /// The file is no CSV.
     #[error("the water levels are no table: {0}")]
     NotATable(#[from] csv::Error),
-    /// It has no column of this name.
+    /// The table has no column of this name.
     #[error("the water levels have no column `{0}`; name the columns time and level_m")]
     NoColumn(&'static str),
-    /// A time is none.
+    /// A text in the column `time` is no time.
     #[error(
         "line {line} of the water levels: `{text}` is no time; write 2021-10-12T00:53:20Z or Unix seconds"
     )]
     NoTime {
-        /// Counted from 1.
+        /// Line number, counted from 1.
         line: u64,
-        /// Text in place of a time.
+        /// The text in the column `time`.
         text: String,
     },
-    /// A level is none.
+    /// A text in the column `level_m` is no plausible level.
     #[error(
         "line {line} of the water levels: `{text}` is no level in metres between -1000 and 10000"
     )]
     NoLevel {
-        /// Counted from 1.
+        /// Line number, counted from 1.
         line: u64,
-        /// Text in place of a level.
+        /// The text in the column `level_m`.
         text: String,
     },
-    /// The readings of this line and the one before are not in the order of time.
+    /// The time in this line is not after the time of the reading before; the field is the line
+    /// number.
     #[error(
         "line {0} of the water levels: its time is not after the one before; sort the readings"
     )]
     Unsorted(u64),
-    /// It has a header only.
+    /// The table has no reading.
     #[error("the water levels hold no reading")]
     Empty,
 }
 
-/// Reads a table with the columns `time` (ISO 8601, UTC unless it says otherwise, or Unix seconds)
-/// and `level_m`, separated by commas or semicolons; other columns are left alone.
+/// Reads a table with the columns `time` (ISO 8601, UTC unless a zone is given, or Unix seconds)
+/// and `level_m`, separated by commas or semicolons; other columns are ignored.
 ///
 /// # Errors
-/// When the file cannot be read, or holds anything else.
+/// When the file cannot be read, or is not such a table with readings in time order.
 pub fn read_gauge(path: &Path) -> Result<Gauge, GaugeError> {
     let fail = GaugeError::at(path);
     let bytes = regular_file::read(path, LONGEST).map_err(|error| fail(error.into()))?;
@@ -74,7 +75,7 @@ pub fn read_gauge(path: &Path) -> Result<Gauge, GaugeError> {
     })
 }
 
-/// Unix seconds and metres of every line.
+/// Returns the time (Unix seconds) and the level (metres) of every line.
 fn parse(bytes: &[u8]) -> Result<Vec<(f64, f64)>, GaugeFault> {
     let mut lines = bytes.split(|byte| *byte == b'\n');
     let header = lines.find(|line| !line.starts_with(b"#"));

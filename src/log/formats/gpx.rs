@@ -1,36 +1,36 @@
-//! The track points of GPX, 1.0 or 1.1.
+//! Reads the track points of GPX 1.0 and 1.1.
 
 use super::xml::{attribute, is, text_of};
 use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
 
-/// A track point as it is written.
+/// A track point as written in the file.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct GpxPoint {
-    /// Longitude and latitude, degrees, where they are numbers.
+    /// Longitude and latitude, degrees; `None` where they are no numbers.
     pub lon_lat: Option<[f64; 2]>,
-    /// Its time, empty where it has none.
+    /// Time of the point as text; empty where it has none.
     pub time: String,
 }
 
-/// A text that is no XML.
+/// Error of a text that is no XML.
 #[derive(Debug, thiserror::Error)]
 #[error("the GPX is damaged at byte {at}: {source}")]
 pub struct GpxError {
-    /// The byte.
+    /// Offset of the damage, bytes.
     pub at: u64,
     /// Error of the parser.
     pub source: quick_xml::Error,
 }
 
-/// Reads the track points of a text one after the other, whatever prefix the elements have. A file
-/// that ends before its root does, because the receiver went off, has those that are whole.
+/// Reads the track points of a text one after the other, with any prefix of the elements. A file
+/// that ends early, because the receiver was switched off, gives its whole points.
 ///
 /// # Errors
 /// When the text is no XML.
 pub(super) fn gpx_points(text: &str) -> Result<Vec<GpxPoint>, GpxError> {
     let mut reader = Reader::from_str(text);
-    // Receivers write `Tom & Jerry` as a name.
+    // Receivers write names such as `Tom & Jerry` without escaping `&`.
     reader.config_mut().allow_dangling_amp = true;
     let mut points = Vec::new();
     let mut open: Option<Open> = None;
@@ -61,12 +61,12 @@ pub(super) fn gpx_points(text: &str) -> Result<Vec<GpxPoint>, GpxError> {
     }
 }
 
-/// A track point whose end has not come yet.
+/// A track point whose end tag is not read yet.
 struct Open {
     point: GpxPoint,
-    /// Elements that are open within it.
+    /// Number of open elements within the point.
     depth: usize,
-    /// True if the innermost of them is its time.
+    /// True if the innermost open element is the time of the point.
     in_time: bool,
 }
 
@@ -86,7 +86,7 @@ impl Open {
 mod tests {
     use super::*;
 
-    /// Longitude, latitude and time of each point.
+    /// Returns the longitude, the latitude and the time of each point.
     fn read(text: &str) -> Vec<(f64, f64, String)> {
         let points = gpx_points(text).unwrap().into_iter();
         let point = |point: GpxPoint| {

@@ -1,10 +1,10 @@
-//! A log that is being written, read without trusting the file to stay: its bytes are copied as
-//! they come.
+//! Follows a log that is being written. The bytes are copied as they are added, because the file
+//! itself may change at any time.
 //!
-//! A map of a file that its writer cuts short loses its bytes ([`MappedFile`]). A log that is being
-//! recorded may be cut short, replaced, or be gone with its card at any time, so what is read of it
-//! is a private copy in the folder for temporary files, which nothing shortens. The log itself is
-//! only ever read.
+//! A memory map of a file loses its bytes when another program shortens the file ([`MappedFile`]).
+//! A log that is being recorded may be shortened, replaced, or removed with its card at any time.
+//! Bathyscope therefore reads a private copy in the folder for temporary files, which nothing
+//! shortens. The log itself is only ever read.
 
 use super::table::{FileRole, role_by_name};
 use crate::support::mapped_file::MappedFile;
@@ -17,54 +17,55 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::SystemTime;
 
-/// Bytes before the end of what is known that have to be the same when the file is longer.
+/// Bytes before the end of the known part that must be unchanged when the file is longer.
 const COMPARED: u64 = 4096;
-/// Bytes copied between two looks at whether the work was cancelled.
+/// Bytes that are copied between two checks for cancellation.
 const CHUNK: u64 = 1 << 20;
-/// The description of a recording of several files is small and written anew.
+/// Most bytes of the description of a recording of several files; recorders rewrite this file as a
+/// whole.
 const LONGEST_DESCRIPTION: u64 = 1 << 17;
 
-/// Reason why a log cannot be followed any further. The part that was read before stays.
+/// Reason why a log cannot be followed any further. The part that was read before remains usable.
 #[derive(Debug, thiserror::Error)]
 pub enum GrowingError {
-    /// There is less of it than before.
+    /// The file is shorter than before.
     #[error("it became shorter: {path}")]
     Shorter {
         /// Path of the file.
         path: PathBuf,
     },
-    /// It does not begin with what was read of it.
+    /// The file does not begin with the bytes that were read before.
     #[error("another recording lies in its place: {path}")]
     Replaced {
         /// Path of the file.
         path: PathBuf,
     },
-    /// It cannot be read any more.
+    /// The file cannot be read any more.
     #[error("it cannot be read any more: {source}: {path}")]
     Gone {
         /// Path of the file.
         path: PathBuf,
-        /// The system's error.
+        /// Error of the operating system.
         source: io::Error,
     },
-    /// There is no room for the copy.
+    /// The copy cannot be written or read, for example because the disk is full.
     #[error("there is no room for a copy of it in the folder for temporary files: {source}")]
     NoRoom {
-        /// The system's error.
+        /// Error of the operating system.
         source: io::Error,
     },
-    /// It is no file: the demo survey, a log in memory.
+    /// The log is no file, as the demo survey or a log in memory.
     #[error("only a log that is a file can be followed")]
     NoFile,
-    /// Its samples are packed, and can only be read as a whole.
+    /// The samples are packed in a picture, which can only be read as a whole.
     #[error("a log in a picture is read as a whole; open it again when the picture is longer")]
     Packed,
-    /// It was stopped.
+    /// The user cancelled the work.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }
 
-/// A log that is being written, and the copy of what was read of it.
+/// A log that is being written, and the copy of the part that was read.
 pub struct GrowingLog {
     files: Vec<GrowingFile>,
 }
@@ -72,22 +73,24 @@ pub struct GrowingLog {
 struct GrowingFile {
     path: PathBuf,
     copied: Copied,
-    /// Length and time of the last change, when it was last looked at.
+    /// Length of the file and time of its last change at the last look; `None` before the first.
     seen: Option<(u64, Option<SystemTime>)>,
 }
 
 enum Copied {
-    /// The bytes of a file that is added to, in a file without a name.
+    /// Bytes of a file that grows at its end, copied into a file without a name.
     Log { copy: File, length: u64 },
-    /// A description.
+    /// Bytes of a description, which is read as a whole.
     Whole(Arc<Vec<u8>>),
 }
 
 impl GrowingLog {
-    /// Copies the files of a log as they are now; what was read of them has to be their beginning.
+    /// Copies the files of a log as they are now; the part that was read for `survey` must be their
+    /// beginning.
     ///
     /// # Errors
-    /// When there is nothing to follow, or the log is not what it was any more.
+    /// When the log is packed in a picture or is no file, has changed other than by growing, or
+    /// cannot be read or copied; or when the work was cancelled.
     pub fn start(survey: &Survey, progress: &Progress) -> Result<Self, GrowingError> {
         if survey.bytes.iter().any(Bytes::is_packed) {
             return Err(GrowingError::Packed);
@@ -110,10 +113,11 @@ impl GrowingLog {
         if files.is_empty() { Err(GrowingError::NoFile) } else { Ok(Self { files }) }
     }
 
-    /// Takes in what was added since it was last looked at; returns how many bytes that was.
+    /// Copies the bytes that were added since the last look; returns their number.
     ///
     /// # Errors
-    /// When it is not what it was any more; what was taken in before stays.
+    /// When the log has changed other than by growing, or cannot be read or copied, or the work was
+    /// cancelled; the bytes copied before remain.
     pub fn look(&mut self, progress: &Progress) -> Result<u64, GrowingError> {
         let mut added = 0;
         for file in &mut self.files {
@@ -122,11 +126,12 @@ impl GrowingLog {
         Ok(added)
     }
 
-    /// Copies a log anew of which `known` was read: a recorder may have written its header once
-    /// more at the end. Side files that came since are taken along.
+    /// Copies a log again from its beginning; `known` are its files as read before. This is needed
+    /// because a recorder may rewrite its header at the end. Files that were added to the recording
+    /// since then are copied too.
     ///
     /// # Errors
-    /// As [`GrowingLog::look`].
+    /// When a file is shorter than before or cannot be read or copied, or the work was cancelled.
     pub fn again(known: &[(PathBuf, Bytes)], progress: &Progress) -> Result<Self, GrowingError> {
         let mut paths: Vec<PathBuf> = known.iter().map(|(path, _)| path.clone()).collect();
         for (path, _) in known.iter().filter(|(path, _)| is_part(path)) {
@@ -151,26 +156,26 @@ impl GrowingLog {
         Ok(Self { files })
     }
 
-    /// Bytes of all files.
+    /// Returns the number of bytes of all files.
     pub fn byte_count(&self) -> u64 {
         self.files.iter().map(GrowingFile::length).sum()
     }
 
-    /// The bytes of what was known of the log when it was begun with, `lengths` of each file: no
-    /// map of the log itself.
+    /// Returns the first bytes of each file from the copy, as many as `lengths` gives: the part
+    /// that was read before. No memory map of the log itself is used.
     ///
     /// # Errors
-    /// What the system says of the copy.
+    /// When the copy cannot be read.
     pub fn beginning(&self, lengths: &[usize]) -> Result<Vec<Bytes>, GrowingError> {
         let each = self.files.iter().zip(lengths);
         each.map(|(file, known)| file.bytes(*known as u64)).collect()
     }
 
-    /// The files with their bytes, the one to open first. The bytes stay as they are, whatever
-    /// becomes of the log.
+    /// Returns the files with their copied bytes; the first is the file to open. The bytes remain
+    /// unchanged, whatever happens to the log.
     ///
     /// # Errors
-    /// What the system says of the copy.
+    /// When the copy cannot be read.
     pub fn bytes(&self) -> Result<Vec<(PathBuf, Bytes)>, GrowingError> {
         let each = self.files.iter();
         each.map(|file| Ok((file.path.clone(), file.bytes(u64::MAX)?))).collect()
@@ -190,7 +195,8 @@ impl GrowingFile {
         Ok(Self { path: path.to_owned(), copied, seen: None })
     }
 
-    /// Returns the first `most` bytes of the copy, or as many as there are; all of a description.
+    /// Returns the first `most` bytes of the copy, or fewer if it is shorter; a description is
+    /// returned as a whole.
     fn bytes(&self, most: u64) -> Result<Bytes, GrowingError> {
         match &self.copied {
             Copied::Log { copy, length } => MappedFile::beginning(copy, most.min(*length))
@@ -237,7 +243,7 @@ impl GrowingFile {
         Ok(added)
     }
 
-    /// Returns true if the file still has the bytes that were copied last, in the same place.
+    /// Returns true if the file still has the bytes that were copied last, at the same offset.
     fn goes_on(&self, file: &mut File) -> io::Result<bool> {
         let Copied::Log { copy, length } = &self.copied else {
             return Ok(true);
@@ -263,7 +269,7 @@ impl GrowingFile {
         if copied == known[from..] { Ok(()) } else { Err(GrowingError::Replaced { path }) }
     }
 
-    /// Copies what lies behind the known bytes.
+    /// Copies the bytes after the known ones; returns their number.
     fn take(&mut self, mut file: File, progress: &Progress) -> Result<u64, GrowingError> {
         let path = self.path.clone();
         let gone = |source| GrowingError::Gone { path: path.clone(), source };
@@ -297,7 +303,7 @@ fn part(file: &mut (impl Read + io::Seek), from: u64, length: u64) -> io::Result
     Ok(bytes)
 }
 
-/// Returns true if other files of the recording may come beside it.
+/// Returns true if the recording may have other files beside this one.
 fn is_part(path: &Path) -> bool {
     role_by_name(path) == Some(FileRole::Part)
 }
@@ -344,7 +350,7 @@ mod tests {
         fs::write(&path, &all[..200]).expect("a log");
         let error = log.look(&progress).expect_err("it is shorter");
         assert!(matches!(error, GrowingError::Shorter { .. }), "{error}");
-        // A map of the log itself would have lost its bytes here.
+        // A memory map of the log itself would have lost its bytes here.
         assert_eq!(&last[0].1[..], &all[..]);
         assert_eq!(&first[0].1[..], &all[..100]);
     }
@@ -356,7 +362,8 @@ mod tests {
         let progress = Progress::new();
         fs::write(&path, [1; 5_000]).expect("a log");
         let mut log = GrowingLog::start(&survey_of(&path, &[1; 5_000]), &progress).expect("a log");
-        // A program that syncs folders puts a longer file with the same beginning in its place.
+        // A program that synchronises folders replaces the file by a longer one with the same
+        // beginning.
         let other = folder.path().join("other");
         fs::write(&other, [[1; 5_000], [2; 5_000]].concat()).expect("a log");
         fs::rename(&other, &path).expect("a log");

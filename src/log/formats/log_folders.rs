@@ -1,5 +1,5 @@
-//! The folders of a card or drive that hold logs, found by the names of files only: nothing is
-//! opened, so that a slow card is not read.
+//! Finds the folders of a card or drive that contain logs. Only the names of files are used: no
+//! file is opened, because reading a slow card would take too long.
 
 use super::table::{FileRole, role_by_name};
 use crate::support::progress::Progress;
@@ -8,36 +8,36 @@ use std::fs::{self, DirEntry};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-/// Folders between the top of the drive and a log. Recorders write three deep at most:
+/// Most levels of folders between the top of the drive and a log. Recorders use at most three:
 /// `Garmin/Sonar/2026`.
 const DEPTH: usize = 4;
-/// Folders looked into, so that a backup of a whole computer comes to an end.
+/// Most folders that are searched, so that the search in a backup of a whole computer ends.
 const FOLDERS: usize = 2_000;
-/// Files looked at in all.
+/// Most files that are checked.
 const FILES: usize = 200_000;
 
-/// A folder that holds logs.
+/// A folder that contains logs.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LogFolder {
     /// Path of the folder.
     pub path: PathBuf,
-    /// Path of the folder from the name of its card on: `NO NAME/Sonar`.
+    /// Path of the folder beginning with the name of its card: `NO NAME/Sonar`.
     pub on_card: PathBuf,
-    /// Its logs, the newest first.
+    /// Logs in the folder, the newest first.
     pub logs: Vec<FoundLog>,
 }
 
-/// A file that is a log by its name.
+/// A file whose name is that of a log.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FoundLog {
     /// Path of the file.
     pub path: PathBuf,
-    /// Time of its last change, where the drive states it.
+    /// Time of its last change; `None` where the drive does not state it.
     pub written: Option<SystemTime>,
 }
 
-/// The folders below `top` that hold logs, that with the newest log first. What cannot be read is
-/// passed over, links too.
+/// Returns the folders below `top` that contain logs; the folder with the newest log comes first.
+/// Unreadable folders and links are skipped.
 pub fn log_folders(top: &Path, progress: &Progress) -> Vec<LogFolder> {
     let mut found = Vec::new();
     let mut ahead = VecDeque::from([(top.to_owned(), 0)]);
@@ -73,8 +73,8 @@ pub fn log_folders(top: &Path, progress: &Progress) -> Vec<LogFolder> {
     found
 }
 
-/// Files of other programs have the endings of descriptions, but no folder of the same name beside
-/// them.
+/// Returns true if a file is a log by its name. Descriptions count only with a folder of the same
+/// name beside them, because files of other programs have the same endings.
 fn is_log(path: &Path) -> bool {
     match role_by_name(path) {
         Some(FileRole::Log) => true,
@@ -96,7 +96,7 @@ mod tests {
     use std::fs::File;
     use std::time::Duration;
 
-    /// Writes a file that was written so many seconds after 1970.
+    /// Creates a file whose last change was `written_s` seconds after 1970.
     fn write(path: &Path, written_s: u64) {
         fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
         let file = File::create(path).expect("a file");

@@ -1,5 +1,6 @@
-//! Trait of the readers of formats: each recognises a recording by content, and reads it. A reader
-//! is given a source of files, the disk or memory, and the part of the log that is to be read.
+//! Defines the trait of the readers of formats, which recognise a recording by its content and read
+//! it, and the two inputs of a reader: a source of files, disk or memory, and the part of the log
+//! to read.
 
 use super::{OpenError, Opened};
 use crate::support::mapped_file::MappedFile;
@@ -9,60 +10,61 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Reads the recording that was recognised.
+/// Function that reads a recording after it was recognised.
 pub(super) type ReadRecording =
     Box<dyn FnOnce(&Reading<'_>, &Progress) -> Result<Survey, OpenError>>;
 
-/// A format of recorders' logs. Its row in [`super::table::FORMATS`] names it.
+/// Format of recorders' logs that can be read. The row in [`super::table::FORMATS`] has its name.
 pub(super) trait LogFormat: Sync {
-    /// Recognises a file by its content, never by its name alone. A format of several files looks
-    /// for the others beside it in `files`. `None` when the file is of another format: this says
-    /// nothing of damage.
+    /// Recognises a file by its content, never by its name alone. A format of several files
+    /// searches for the other files in `files`. `None` where the file is of another format, whether
+    /// damaged or not.
     fn recognise(&self, files: &FileSource, opened: &Opened) -> Option<ReadRecording>;
 
-    /// Recognises the recording in a folder, or the first of several; of use only to formats of
+    /// Recognises the recording in a folder, or the first of several; only needed for formats of
     /// several files.
     fn recognise_folder(&self, _files: &FileSource, _folder: &Path) -> Option<ReadRecording> {
         None
     }
 
     /// Returns true if all files in a folder are parts of one recording, so that the folder is
-    /// opened in their place.
+    /// opened instead of its files.
     fn is_recording(&self, _files: &FileSource, _folder: &Path) -> bool {
         false
     }
 
-    /// Returns true if a file is only read where it is named, and not where it lies in a folder of
-    /// logs: tables of other kinds look the same, or another file of the recording stands for it.
+    /// Returns true if a file is only read where the user names it, and not as part of a folder of
+    /// logs: tables with other content look the same, or another file of the recording is opened
+    /// instead.
     fn is_read_by_name_only(&self, _path: &Path) -> bool {
         false
     }
 }
 
-/// Part of a log that is read: all of it, or the records added to a log that is known. The default
-/// one is all of a log that is whole.
+/// Part of a log to read: the whole log, or the records that were added to a known log. The default
+/// is the whole of a finished log.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Reading<'a> {
-    /// More of it is being written: a record that is cut at its end comes later and is no damage.
+    /// True if the log is still being written: a truncated last record is then no damage.
     pub(super) is_growing: bool,
-    /// The log as it was read before, and from where on it is read now.
+    /// The log as read before, and the offsets from which it is read now; `None` to read all of it.
     pub(super) tail: Option<(&'a Survey, &'a Seam)>,
 }
 
 impl<'a> Reading<'a> {
-    /// The log as it was read before; `None` where all of it is read.
+    /// Returns the log as read before; `None` where all of it is read.
     pub(super) fn known(&self) -> Option<&'a Survey> {
         self.tail.map(|(known, _)| known)
     }
 
-    /// Bytes of a file before which nothing is read; `None` where all of it is.
+    /// Returns the offset in a file from which it is read; `None` where the whole file is read.
     pub(super) fn from(&self, file: usize) -> Option<usize> {
         let (_, seam) = self.tail?;
         let from = seam.from.get(file).copied().unwrap_or(0);
         usize::try_from(from).ok().filter(|from| *from > 0)
     }
 
-    /// Returns for each file the number of bytes whose records were counted before.
+    /// Returns, for each file, the number of bytes whose records were already counted.
     pub(super) fn counted_to(&self) -> Vec<u64> {
         let bytes = self.tail.map(|(known, _)| known.bytes.iter());
         let lengths = bytes.into_iter().flatten().map(|file| file.len() as u64);
@@ -70,28 +72,28 @@ impl<'a> Reading<'a> {
     }
 }
 
-/// Source of a log and its sidecar files: reads files and lists folders. Files in memory are those
-/// of tests and of the demo survey.
+/// Source of a log and its sidecar files: reads files and lists folders. Files in memory are used
+/// by tests and the demo survey.
 pub(super) enum FileSource {
-    /// The file system; files are mapped.
+    /// The file system; files are memory-mapped.
     Disk,
-    /// Files in memory, under the paths given.
+    /// Files in memory, with their paths.
     Held(Vec<(PathBuf, Bytes)>),
 }
 
 impl FileSource {
-    /// Files in memory.
+    /// Creates a source of files in memory from their bytes.
     pub(super) fn held(files: Vec<(PathBuf, Vec<u8>)>) -> Self {
         let hold = |(path, bytes): (PathBuf, Vec<u8>)| (path, Bytes::Held(Arc::from(bytes)));
         Self::Held(files.into_iter().map(hold).collect())
     }
 
-    /// Files whose bytes are at hand.
+    /// Creates a source of files whose bytes are already available.
     pub(super) fn at_hand(files: Vec<(PathBuf, Bytes)>) -> Self {
         Self::Held(files)
     }
 
-    /// The bytes of a file.
+    /// Returns the bytes of a file.
     pub(super) fn read(&self, path: &Path) -> io::Result<Bytes> {
         match self {
             FileSource::Disk => MappedFile::open(path).map(Bytes::from),
@@ -103,7 +105,7 @@ impl FileSource {
         }
     }
 
-    /// The bytes of a file, to recognise it and put them away.
+    /// Returns the bytes of a file for a short use, such as recognition.
     pub(super) fn look_at(&self, path: &Path) -> io::Result<Bytes> {
         match self {
             FileSource::Disk => MappedFile::open_briefly(path).map(Bytes::from),
@@ -121,7 +123,7 @@ impl FileSource {
         }
     }
 
-    /// The files and folders in a folder, by name; none when it cannot be read.
+    /// Returns the files and folders in a folder, sorted by name; none where it cannot be read.
     pub(super) fn children(&self, folder: &Path) -> Vec<PathBuf> {
         let mut children: Vec<PathBuf> = match self {
             FileSource::Disk => std::fs::read_dir(folder_or_here(folder))
@@ -141,7 +143,8 @@ impl FileSource {
     }
 }
 
-/// The parent of a bare file name is the empty path, which no system lists.
+/// Returns the folder, or `.` for the empty path, which is the parent of a bare file name and
+/// cannot be listed.
 fn folder_or_here(folder: &Path) -> &Path {
     if folder.as_os_str().is_empty() { Path::new(".") } else { folder }
 }

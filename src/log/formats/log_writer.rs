@@ -1,5 +1,5 @@
-//! Trait of the writers of formats, and the data of a log that all writers use: its records in the
-//! order of time, and the fix of each.
+//! Defines the trait of the writers of formats, and the data of a log that all writers use: its
+//! records in time order, and the fix of each.
 
 use crate::support::progress::Progress;
 use crate::survey::{
@@ -7,16 +7,18 @@ use crate::survey::{
 };
 use std::io::{self, Write};
 
-/// A fix counts for this long after it, seconds. Recorders repeat the last one until the next
-/// comes; a longer pause is a loss.
+/// Longest time for which a fix is valid, seconds. Recorders repeat the last fix until the next; a
+/// longer pause is a loss of fixes.
 const LONGEST_VALID_S: f64 = 10.0;
 
-/// A format of recorders' logs that is written too. Its row in [`super::table::FORMATS`] names it.
+/// Format of recorders' logs that can be written. The row in [`super::table::FORMATS`] has its
+/// name.
 pub trait LogWriter: Sync {
-    /// Writes a log. Returns a sentence for each thing in the log that has no place in the format.
+    /// Writes a log. Returns a sentence for each kind of data in the log that the format cannot
+    /// store.
     ///
     /// # Errors
-    /// When writing fails, the work is cancelled, or the log cannot be in the format at all.
+    /// When writing fails, the work is cancelled, or the format cannot store the log at all.
     fn write(
         &self,
         log: &LogToWrite<'_>,
@@ -30,7 +32,7 @@ pub trait LogWriter: Sync {
 pub struct LogToWrite<'a> {
     /// Recorded data.
     pub survey: &'a Survey,
-    /// Places of the boat by the fitted track, in the survey's east-north plane.
+    /// Positions of the boat on the fitted track, in the survey's east-north plane.
     pub navigation: &'a Navigation,
 }
 
@@ -41,21 +43,21 @@ pub enum Recorded<'a> {
     Side(usize, &'a SidePing),
     /// A ping of a channel that looks down.
     Down {
-        /// The channel.
+        /// Kind of the channel.
         kind: ChannelKind,
-        /// Index in its channel.
+        /// Index of the ping in its channel.
         index: usize,
         /// Seconds after the log's time zero.
         time_s: f64,
-        /// Its samples.
+        /// Samples of the ping.
         span: &'a SideSpan,
     },
-    /// A depth, and its index.
+    /// A depth: its index, and its time in seconds after the log's time zero.
     Sounding(usize, f64),
 }
 
 impl Recorded<'_> {
-    /// Seconds after the log's time zero.
+    /// Returns the time, seconds after the log's time zero.
     pub fn time_s(&self) -> f64 {
         match self {
             Recorded::Side(_, ping) => ping.time_s,
@@ -65,8 +67,8 @@ impl Recorded<'_> {
 }
 
 impl<'a> LogToWrite<'a> {
-    /// All records in the order of time; of one moment depths come first, then channels that look
-    /// down, as recorders write them.
+    /// Returns all records in time order; at the same time depths come first, then channels that
+    /// look down, as recorders write them.
     pub fn records(&self) -> Vec<Recorded<'a>> {
         let survey = self.survey;
         let soundings = survey.soundings.iter().enumerate();
@@ -87,7 +89,7 @@ impl<'a> LogToWrite<'a> {
         records
     }
 
-    /// The fix that is valid at a time: the last one, unless it is long ago.
+    /// Returns the fix that is valid at a time: the last fix, unless it is too old.
     pub fn fix(&self, time_s: f64) -> Option<&'a Fix> {
         let fixes = &self.survey.track.fixes;
         let after = fixes.partition_point(|fix| fix.time_s <= time_s);
@@ -95,7 +97,7 @@ impl<'a> LogToWrite<'a> {
         (time_s - last.time_s <= LONGEST_VALID_S).then_some(last)
     }
 
-    /// Returns the place of the boat by the fitted track at the record nearest to a time; `None`
+    /// Returns the position of the boat on the fitted track at the record nearest to a time; `None`
     /// without a record.
     pub fn place(&self, time_s: f64) -> Option<&'a PingNav> {
         let (survey, navigation) = (self.survey, self.navigation);
@@ -109,8 +111,8 @@ impl<'a> LogToWrite<'a> {
         }
     }
 
-    /// The recorded depth nearest to a time, metres below the transducer; NaN where there is none
-    /// within two seconds.
+    /// Returns the recorded depth nearest to a time, metres below the transducer; NaN where there
+    /// is none within two seconds.
     pub fn depth_m(&self, time_s: f64) -> f32 {
         const LONGEST_APART_S: f64 = 2.0;
         let soundings = &self.survey.soundings;

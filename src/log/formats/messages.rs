@@ -5,23 +5,24 @@ use super::report::{WarningKind, WarningReport};
 use crate::support::progress::{Cancelled, Progress};
 use std::ops::Range;
 
-/// Messages between two looks at the progress.
+/// Number of messages between two updates of the progress.
 const MESSAGES_A_CHECK: usize = 1024;
 
 /// Marker and length of the messages of a format.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MessageFormat {
-    /// Word of the format for a message.
+    /// Word for a message of the format, used in warnings.
     pub(super) noun: &'static str,
-    /// The two bytes that each begins with.
+    /// First two bytes of each message.
     pub(super) marker: [u8; 2],
-    /// Bytes of the whole message at an offset, at least 2; `None` where no message can begin. The
-    /// message may end past the bytes.
+    /// Returns the bytes of the whole message at an offset, at least 2; `None` where no message can
+    /// begin. The message may exceed the bytes.
     pub(super) length: fn(&[u8], usize) -> Option<usize>,
 }
 
 impl MessageFormat {
-    /// The message at an offset, which may end past the bytes; `None` where none can begin.
+    /// Returns the range of the message at an offset, which may exceed the bytes; `None` where none
+    /// can begin.
     fn message(self, bytes: &[u8], at: usize) -> Option<Range<usize>> {
         let length = (self.length)(bytes, at)?;
         Some(at..at.checked_add(length)?)
@@ -32,8 +33,8 @@ impl MessageFormat {
         at == bytes.len() || self.message(bytes, at).is_some()
     }
 
-    /// The first message that begins in `from..to` and is followed by another or by the end of the
-    /// bytes: a marker alone would be found by chance.
+    /// Returns the offset of the first message that begins in `from..to` and is followed by another
+    /// message or by the end of the bytes: a marker alone may occur by chance.
     pub(super) fn next(self, bytes: &[u8], from: usize, to: usize) -> Option<usize> {
         let searched = bytes.get(from..to.min(bytes.len()))?;
         let marked = searched.windows(2).enumerate();
@@ -54,14 +55,14 @@ pub(super) struct MessageWalk<'a> {
     pub(super) bytes: &'a [u8],
     /// Report for warnings.
     pub(super) report: &'a WarningReport,
-    /// True if the file is still being written: a message that is cut at its end is no damage.
+    /// True if the file is still being written: a truncated last message is then no damage.
     pub(super) is_growing: bool,
     /// Progress of the walk.
     pub(super) progress: &'a Progress,
 }
 
 impl MessageWalk<'_> {
-    /// Calls `take` with the place of every whole message from `start` on.
+    /// Calls `take` with the range of every whole message from `start` on; fails only if cancelled.
     pub(super) fn run(
         &self,
         start: usize,
@@ -85,8 +86,8 @@ impl MessageWalk<'_> {
         Ok(())
     }
 
-    /// Takes a message, unless it is damaged or cut; returns where to go on. `longest` is the
-    /// length of the longest before it.
+    /// Passes a message to `take`, unless it is damaged or truncated; returns the offset at which
+    /// to continue. `longest` is the length of the longest message before.
     fn step(
         &self,
         message: Range<usize>,
@@ -95,16 +96,16 @@ impl MessageWalk<'_> {
     ) -> usize {
         let (len, noun) = (self.bytes.len(), self.format.noun);
         let Range { start, end } = message;
-        // A damaged length may end where another message does. Only one that is longer than all
-        // before is looked through for that.
+        // A damaged length may end at the start of another message by chance. Only a message that
+        // is longer than all before is searched for messages inside it.
         let is_usual = end - start <= *longest || self.inside(&message).is_none();
         if is_usual && self.format.is_border(self.bytes, end) {
             *longest = (*longest).max(end - start);
             take(start..end);
             return end;
         }
-        // Something is damaged: the length of this message if another begins inside it, else what
-        // follows.
+        // Something is damaged: the length of this message if another message begins inside it,
+        // otherwise the bytes after it.
         if let Some(found) = self.format.next(self.bytes, start + 2, end) {
             let text = format!(
                 "a {noun} says that it is {} bytes long, but the next begins after {}; it was dropped",
@@ -129,8 +130,8 @@ impl MessageWalk<'_> {
         end
     }
 
-    /// Returns the offset inside of a message from which on other messages follow each other up to
-    /// its end; `None` where there are none, as in a message that is whole.
+    /// Returns the offset inside a message from which other messages follow each other up to its
+    /// end; `None` where there are none, as in a whole message.
     fn inside(&self, message: &Range<usize>) -> Option<usize> {
         let first = self.format.next(self.bytes, message.start + 2, message.end)?;
         let mut at = first;
@@ -158,7 +159,7 @@ impl MessageWalk<'_> {
 mod tests {
     use super::*;
 
-    /// Messages of a marker, a byte for the length, and zeros.
+    /// Format of messages with a marker, a byte for the length, and zeros.
     const SMALL: MessageFormat = MessageFormat {
         noun: "message",
         marker: [0xAB, 0xCD],
@@ -168,7 +169,7 @@ mod tests {
         },
     };
 
-    /// The lengths of the messages that a walk takes, and how many warnings it leaves.
+    /// Returns the lengths of the messages that a walk finds, and the number of warnings.
     fn walked(bytes: &[u8]) -> (Vec<usize>, usize) {
         let (report, progress) = (WarningReport::default(), Progress::new());
         let walk = MessageWalk {
@@ -192,7 +193,7 @@ mod tests {
         let mut harmed = whole.clone();
         harmed[32] = 50;
         assert_eq!(walked(&harmed), (vec![20, 10, 30], 1));
-        // The first of all.
+        // The first message of the file is damaged too.
         harmed[2] = 30;
         assert_eq!(walked(&harmed), (vec![10, 30], 2));
     }

@@ -1,35 +1,35 @@
-//! Bytes to [`Survey`]: every recorder's format, recognised by content; and the files of other
-//! instruments and programs.
+//! Reads files as a [`Survey`]: logs of every supported recorder, recognised by content, and the
+//! files of other instruments and programs.
 //!
 //! In: files of recorders, instruments and other programs. Out: surveys, tracks, water levels,
 //! areas, points and rasters; and the bytes of the formats that are also written.
 //!
 //! To add a format of recorders' logs:
-//! 1. Make a folder of its own here, whose `mod.rs` names in its comment where the facts come from;
-//!    add its `mod` line below.
+//! 1. Create a folder here, whose `mod.rs` names the sources of the facts in its comment; add its
+//!    `mod` line below.
 //! 2. Implement [`log_format::LogFormat`] there: `recognise` by content, and read into a
-//!    `Collected`; the folder of `xtf` is an example.
+//!    `Collected`; the folder `xtf` is an example.
 //! 3. Add its row to [`table::FORMATS`], at its place in the order of recognition. Nothing else
-//!    names a format. A format that is written too implements [`log_writer::LogWriter`]; the row
+//!    names a format. A format that is also written implements [`log_writer::LogWriter`]; the row
 //!    names its ending.
 //! 4. Write its test in its folder or in `src/log/tests/suite/formats`, with a small writer of the
-//!    format in `tests/support`: whole, cut, damaged.
-//! 5. Run the tests: they print the table for README.md and the line for the flow of archives. Take
-//!    its row out of `KNOWN` in `table`, if it has one.
+//!    format in `tests/support`: whole, truncated, damaged.
+//! 5. Run the tests: they print the table for README.md and the line for the flow of archives.
+//!    Remove its row from `KNOWN` in `table`, if it has one.
 //!
 //! `lowrance`, `garmin`, `xtf`, `edgetech`, `cerulean`, `klein`, `nmea`, `picture_table`,
-//! `sounding_table` and `humminbird` walk over the records of their format, mend what is damaged
-//! and give it meaning in SI units; all fill one `collected` log, with `clock` to recognise damaged
-//! times and `report` to say what was wrong. `log_format` says what a reader of a format is, brings
-//! it the bytes, and says which part of a log is read: the tail of one that is being written is
-//! read as a log of its own. `assemble` turns what was read into the survey: it pairs the sides and
-//! chooses the soundings. `log_folders` finds the folders of a card that hold logs, `messages`
-//! walks over logs of messages, `nmea` reads logs of sentences, and sentences in other logs,
-//! `growing_log` copies one that is being written as it comes, `table` lists the formats that are
-//! read and recognises some that are not. `track_file` reads the track of another receiver,
-//! `gauge_file` the height of the water, `area_file` a polygon of water, [`open_reference`]
-//! whatever a survey is compared with, `points` and `geotiff` what other programs say of depths;
-//! both also lay out what is written so, as `parquet_table` does tables of columns.
+//! `sounding_table` and `humminbird` read the records of their format, skip or repair damaged parts
+//! and convert the values to SI units. All of them fill one `collected` log; `clock` recognises
+//! damaged times, and `report` collects warnings. `log_format` defines the trait of a reader, its
+//! source of files and the part of a log to read: the tail of a growing log is read like a separate
+//! log. `assemble` builds the survey from the collected log: it pairs the sides and chooses the
+//! soundings. `log_folders` finds the folders of a card that contain logs, `messages` walks over
+//! logs of messages, `nmea` reads logs of sentences and sentences in other logs, `growing_log`
+//! copies a growing log while it is written, `table` lists the formats that are read and recognises
+//! some that are not. `track_file` reads the track of another receiver, `gauge_file` water levels,
+//! `area_file` a polygon of water, [`open_reference`] the file that a survey is compared with,
+//! `points` and `geotiff` depths of other programs; `points` and `geotiff` also write such files,
+//! as `parquet_table` writes tables of columns.
 
 mod area_file;
 mod assemble;
@@ -85,12 +85,12 @@ use xtf::read_multibeam;
 #[cfg(target_endian = "big")]
 compile_error!("the raw records of the readers are laid over little-endian bytes");
 
-/// Most names that a message lists.
+/// Most names that an error message lists.
 const MOST_NAMES: usize = 8;
-/// Suffix to the name of an XTF file whose multibeam depths are meant.
+/// Suffix that is added to the name of an XTF file to select its multibeam depths.
 const MULTIBEAM: &str = ":multibeam";
 
-/// Reason why a log cannot be opened. Each sentence says what is wrong, where, and what to do.
+/// Reason why a log cannot be opened. Each sentence states the fault, its place, and what to do.
 #[derive(Debug, thiserror::Error)]
 pub enum OpenError {
     /// The file cannot be read at all.
@@ -98,36 +98,37 @@ pub enum OpenError {
     Io {
         /// Path of the file.
         path: PathBuf,
-        /// The system's error.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// No reader knows these bytes.
+    /// No reader recognises the content.
     #[error("not a sonar log that Bathyscope knows ({looked_for}): {path}")]
     NotRecognised {
         /// Path of the file.
         path: PathBuf,
-        /// The formats that were tried, in words.
+        /// The formats that were tried, for the user.
         looked_for: &'static str,
     },
-    /// A folder with several logs.
+    /// The path is a folder with several logs.
     #[error("this is a folder of {} logs; name one of them: {}: {path}", .logs.len(), some(.logs))]
     Folder {
         /// Path of the folder.
         path: PathBuf,
-        /// The names of the logs in it.
+        /// Names of the logs in the folder.
         logs: Vec<String>,
     },
-    /// The format is known, but nothing in the file can be used.
+    /// The format is recognised, but nothing in the file can be used.
     #[error("{format} log is damaged: {what}: {path}")]
     Broken {
         /// Path of the file.
         path: PathBuf,
-        /// The recognised format.
+        /// Name of the recognised format.
         format: String,
         /// Fault, its place, and what to do.
         what: String,
     },
-    /// The format is known but cannot hold side-scan.
+    /// The format is recognised, but the file cannot be used, for example because it contains no
+    /// side-scan.
     #[error("{what}: {path}")]
     Unsupported {
         /// Path of the file.
@@ -135,15 +136,15 @@ pub enum OpenError {
         /// Advice on what to record or open instead.
         what: String,
     },
-    /// A file did not stay what it was while it was read.
+    /// A file changed while it was read.
     #[error(transparent)]
     Changed(#[from] FileError<FileFault>),
-    /// The user stopped it.
+    /// The user cancelled the opening.
     #[error(transparent)]
     Cancelled(#[from] crate::support::progress::Cancelled),
 }
 
-/// A file whose bytes are at hand.
+/// A file with its bytes.
 #[derive(Clone, Debug)]
 struct Opened {
     path: PathBuf,
@@ -161,29 +162,30 @@ impl Opened {
     }
 }
 
-/// Opens a log of any format that is read, a file or the folder of a recording of several files:
-/// README.md lists them. The files are only ever read.
+/// Opens a log of any supported format, which may be a file or the folder of a recording of several
+/// files; README.md lists the formats. The files are only ever read.
 ///
 /// # Errors
-/// When the files cannot be read or are no log; the error names the file.
+/// When the files cannot be read, are no log that can be used, or change meanwhile, or when the
+/// user cancelled; the error names the file.
 pub fn open(path: &Path, progress: &Progress) -> Result<Survey, OpenError> {
     open_on(&FileSource::Disk, path, &Reading::default(), progress)
 }
 
-/// Reads a log that is already in memory (the bundled demo survey, a simulated one, a test).
-/// `name` stands for the file in messages.
+/// Reads a log that is already in memory (the bundled demo survey, a simulated log, a test). `name`
+/// is used as the file name in messages.
 ///
 /// # Errors
-/// When the files cannot be read or are no log; the error names the file.
+/// When the bytes are no log that can be used, or the user cancelled; the error names the file.
 pub fn open_bytes(name: &str, bytes: Vec<u8>, progress: &Progress) -> Result<Survey, OpenError> {
     open_files(vec![(PathBuf::from(name), bytes)], progress)
 }
 
-/// Reads a log of several files in memory, as a Humminbird recording is; the first is the one to
+/// Reads a log of several files in memory, such as a Humminbird recording; the first is the file to
 /// open.
 ///
 /// # Errors
-/// When the files cannot be read or are no log; the error names the file.
+/// When the files are no log that can be used, or the user cancelled; the error names the file.
 pub fn open_files(
     files: Vec<(PathBuf, Vec<u8>)>,
     progress: &Progress,
@@ -193,8 +195,8 @@ pub fn open_files(
     open_on(&files, &path, &Reading::default(), progress)
 }
 
-/// Reads files in memory as the format with an ending, without looking at the others, for the
-/// fuzzer; `None` where they are of another.
+/// Reads files in memory as the format with this ending only, for the fuzzer; `None` where no
+/// format has the ending or the files are not recognised as this format.
 pub fn open_as_format(
     ending: &str,
     files: Vec<(PathBuf, Vec<u8>)>,
@@ -209,16 +211,16 @@ pub fn open_as_format(
     Some(read(&Reading::default(), progress))
 }
 
-/// The path of the first file, which is the one to open; empty where there is none.
+/// Returns the path of the first file, which is the file to open; empty where there is none.
 fn first_path<T>(files: &[(PathBuf, T)]) -> PathBuf {
     files.first().map_or_else(PathBuf::new, |(path, _)| path.clone())
 }
 
-/// Reads a log that is being written; the first file is the one to open. What is cut at the end of
-/// a file is no damage: the rest of it comes later.
+/// Reads a log that is being written; the first file is the file to open. A truncated end of a file
+/// is no damage: the rest will be added later.
 ///
 /// # Errors
-/// When the files are no log; the error names the file.
+/// When the files are no log that can be used, or the user cancelled; the error names the file.
 pub fn open_growing(
     files: Vec<(PathBuf, Bytes)>,
     progress: &Progress,
@@ -227,10 +229,10 @@ pub fn open_growing(
     open_as(files, &reading, progress)
 }
 
-/// Reads a log whose bytes are at hand; the first file is the one to open.
+/// Reads a log whose bytes are already available; the first file is the file to open.
 ///
 /// # Errors
-/// When the files are no log; the error names the file.
+/// When the files are no log that can be used, or the user cancelled; the error names the file.
 pub fn open_at_hand(
     files: Vec<(PathBuf, Bytes)>,
     progress: &Progress,
@@ -238,12 +240,13 @@ pub fn open_at_hand(
     open_as(files, &Reading::default(), progress)
 }
 
-/// Reads what was added to the files of a log since it was read, and a little before that, as a log
-/// of its own: [`Survey::extended`] adds it. `files` are those of [`crate::survey::Source::files`],
-/// longer than they were.
+/// Reads the bytes that were added to the files of a log since it was read, and some bytes before,
+/// as a separate log, for [`Survey::extended`]. `files` are the files of
+/// [`crate::survey::Source::files`], which have become longer.
 ///
 /// # Errors
-/// When the files are no log any more; the error names the file.
+/// When the files are no longer a log that can be used, or the user cancelled; the error names the
+/// file.
 pub fn open_tail(
     known: &Survey,
     seam: &Seam,
@@ -277,7 +280,7 @@ fn open_on(
         files.read(path).map_err(|source| OpenError::Io { path: path.to_owned(), source })?;
     let opened = Opened { path: path.to_owned(), bytes: bytes.clone() };
     let read = read_by_content(files, opened, reading, progress);
-    // What was cut while it was read looks like a damaged log, or one of no format.
+    // A file that was shortened during reading looks like a damaged log, or like no log at all.
     if let (Err(_), Some(fault)) = (&read, bytes.fault(path)) {
         return Err(FileError::new(fault, path).into());
     }
@@ -312,14 +315,14 @@ fn open_folder(
     }
 }
 
-/// The logs in a folder, by name: what is to be opened one by one. The folder itself where it is
-/// one recording; nothing for what is no folder.
+/// Returns the logs in a folder, sorted by name, each of which is opened separately. The folder
+/// itself where it is one recording; empty where the path is no folder.
 pub fn logs_in(folder: &Path) -> Vec<PathBuf> {
     if folder.is_dir() { logs_on(&FileSource::Disk, folder) } else { Vec::new() }
 }
 
-/// The files in a folder of logs that are named as no other file is, and are no log that can be
-/// opened: a card that broke, a recording that never began.
+/// Returns the files in a folder of logs that have the name of a log but cannot be opened as one,
+/// for example from a broken card or an aborted recording.
 pub fn unusable_in(folder: &Path) -> Vec<PathBuf> {
     let logs = logs_in(folder);
     if !folder.is_dir() || logs == [folder] {
@@ -337,7 +340,7 @@ fn logs_on(files: &FileSource, folder: &Path) -> Vec<PathBuf> {
         return vec![folder.to_owned()];
     }
     let is_log = |path: &PathBuf| {
-        // A pipe may never begin: it is not opened.
+        // A named pipe could block the reader, so it is not opened.
         let is_file = matches!(files, FileSource::Held(_)) || path.is_file();
         let bytes = is_file.then(|| files.look_at(path).ok()).flatten();
         bytes.filter(|bytes| !bytes.is_empty()).is_some_and(|bytes| {
@@ -385,16 +388,16 @@ fn not_recognised(path: &Path, looked_for: &'static str) -> OpenError {
     OpenError::NotRecognised { path: path.to_owned(), looked_for }
 }
 
-/// Content of a file that a survey is compared with.
+/// Content of a file with which a survey is compared.
 #[derive(Debug)]
 pub enum ReferenceFile {
     /// Points with elevations.
     Points(Elevations),
-    /// The log of another mission over the same water.
+    /// Log of another survey of the same water.
     Log(Box<Survey>),
 }
 
-/// Reason why there is nothing to compare a survey with, in one sentence.
+/// Reason why the file to compare a survey with cannot be read, in one sentence.
 #[derive(Debug, thiserror::Error)]
 pub enum ReferenceError {
     /// The points cannot be read.
@@ -405,22 +408,22 @@ pub enum ReferenceError {
     Log(#[from] OpenError),
 }
 
-/// Returns true if an argument names points: a file of them, or the multibeam depths of a log,
+/// Returns true if an argument names points: a file of points, or the multibeam depths of a log,
 /// `FILE.xtf:multibeam`.
 pub fn is_named_as_points(argument: &OsStr) -> bool {
     multibeam_of(argument).is_some() || is_named_as_elevations(argument)
 }
 
-/// The file whose multibeam depths are meant.
+/// Returns the path of the file in an argument `FILE.xtf:multibeam`; `None` for other arguments.
 pub fn multibeam_of(argument: &OsStr) -> Option<PathBuf> {
     let file = argument.to_str()?.strip_suffix(MULTIBEAM)?;
     Some(PathBuf::from(file))
 }
 
-/// Reads what [`is_named_as_points`] says are points.
+/// Reads the points that an argument names, for which [`is_named_as_points`] is true.
 ///
 /// # Errors
-/// When they cannot be read, or there are none.
+/// When the points cannot be read, or there are none.
 pub fn read_points(argument: &OsStr, progress: &Progress) -> Result<Elevations, ReferenceError> {
     Ok(match multibeam_of(argument) {
         Some(path) => read_multibeam(&path, progress)?,
@@ -428,11 +431,11 @@ pub fn read_points(argument: &OsStr, progress: &Progress) -> Result<Elevations, 
     })
 }
 
-/// Opens `FILE` or `FILE.csv:x,y,z` of points, `FILE.xtf:multibeam`, or a log. Which of them it is
-/// its name says.
+/// Opens `FILE` or `FILE.csv:x,y,z` of points, `FILE.xtf:multibeam`, or a log; the name decides
+/// which.
 ///
 /// # Errors
-/// When it cannot be read as what its name says that it is.
+/// When the file cannot be read as the kind that its name indicates.
 pub fn open_reference(
     argument: &OsStr,
     progress: &Progress,

@@ -1,23 +1,23 @@
-//! Collects what is wrong with a log while the rest is read.
+//! Collects the warnings about a log while it is read.
 
 use crate::survey::Warning;
 use std::cell::RefCell;
 use std::rc::Rc;
 
-/// Most warnings of a kind that are kept; a log with ten thousand broken frames needs one sentence
-/// more, not as many.
+/// Most warnings of a kind that are kept: for a log with ten thousand broken frames, one more
+/// sentence with their number is enough.
 const KEPT_OF_A_KIND: usize = 20;
 
-/// Kinds of warnings: what is counted together once there are many.
+/// Kind of a warning; warnings of a kind are counted together beyond `KEPT_OF_A_KIND`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum WarningKind {
-    /// Bytes between frames that belong to none.
+    /// Bytes between frames that belong to no frame.
     Gap,
-    /// A frame that lies about itself.
+    /// A frame that contradicts itself.
     Frame,
-    /// A value in a frame that cannot be.
+    /// An implausible value in a frame.
     Value,
-    /// Something about the log as a whole.
+    /// A remark about the log as a whole.
     Log,
 }
 
@@ -32,8 +32,8 @@ impl WarningKind {
     }
 }
 
-/// The warnings of one log. Clones write into the same report, so that the walk over the bytes and
-/// the decoding of what it finds can both complain.
+/// Warnings about one log. Clones share the same report, so that both the walk over the bytes and
+/// the decoding can add warnings.
 #[derive(Clone, Debug, Default)]
 pub(super) struct WarningReport {
     shared: Rc<RefCell<Collection>>,
@@ -46,7 +46,7 @@ struct Collection {
 }
 
 impl WarningReport {
-    /// Adds a warning about a place: index of the file and byte offset.
+    /// Adds a warning about a place: index of the file and offset in bytes.
     pub(super) fn at(
         &self,
         kind: WarningKind,
@@ -62,7 +62,7 @@ impl WarningReport {
         self.add(WarningKind::Log, None, text.into());
     }
 
-    /// Says that the recorder's clock was set back by so many seconds, if it was.
+    /// Adds a warning that the recorder's clock was set back by `seconds`, if this is above 0.
     pub(super) fn set_back(&self, seconds: f64) {
         if seconds > 0.0 {
             self.log(format!(
@@ -88,8 +88,8 @@ impl WarningReport {
         }
     }
 
-    /// Returns the warnings about the whole log, then those that were kept in the order of the
-    /// bytes, then sentences about how many more there were.
+    /// Removes and returns all warnings: those about the whole log first, then the kept ones in the
+    /// order of the bytes, then sentences with the number of those that were not kept.
     pub(super) fn finish(&self) -> Vec<Warning> {
         let Collection { warnings, counts } = self.shared.take();
         let mut sorted = warnings;

@@ -1,8 +1,8 @@
-//! The table of the formats of recorders' logs, and what other modules derive from it; and formats
-//! that are recognised but not read.
+//! Defines the table of the formats of recorders' logs and functions that derive data from it, and
+//! recognises some formats that are not read.
 //!
-//! The messages, the dialogs for files, the desktop entry with its file types, `bathyscope
-//! info --formats` and the table in README.md are all made from [`FORMATS`].
+//! The messages, the file dialogs, the desktop entry with its file types, `bathyscope info
+//! --formats` and the table in README.md are all made from [`FORMATS`].
 
 use super::cerulean::Cerulean;
 use super::edgetech::EdgeTech;
@@ -23,23 +23,23 @@ use std::sync::LazyLock;
 /// Role of a file in its recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileRole {
-    /// The whole recording. Files of other programs have other endings.
+    /// The whole recording. No other programs use this ending.
     Log,
-    /// The description of a recording of several files. It is small, and the recorder writes it
-    /// anew. Files of other programs may have the same ending.
+    /// The description of a recording of several files. It is small, and the recorder rewrites it
+    /// as a whole. Other programs may use the same ending.
     Description,
-    /// One of the files that hold the pings of a recording. The recorder adds to it.
+    /// One of several files with the pings of a recording. The recorder appends to it.
     Part,
-    /// The whole recording, in a file whose ending files of many other programs have: only its
-    /// content says what it is.
+    /// The whole recording, in a file whose ending is used by many other programs: only its content
+    /// identifies it.
     Shared,
-    /// One of two files that make a recording together, and have the same name. Files of many other
-    /// programs have the same ending.
+    /// One of two files that form a recording and have the same name. Many other programs use the
+    /// same ending.
     Paired,
 }
 
 impl FileRole {
-    /// A word for scripts.
+    /// Returns the word for scripts.
     pub fn name(self) -> &'static str {
         match self {
             FileRole::Log => "log",
@@ -51,25 +51,25 @@ impl FileRole {
     }
 }
 
-/// Kind of data that is read from a log, where the recorder wrote it.
+/// Kind of data that is read from a log if the recorder wrote it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Carried {
     /// Echoes of port and starboard.
     SideScan,
-    /// Echoes of the sonar that looks down.
+    /// Echoes of a sonar that looks down.
     DownScan,
-    /// Depths as the recorder found them.
+    /// Depths that the recorder determined.
     Soundings,
     /// Depths across the track.
     Swath,
-    /// Positions.
+    /// Positions of the boat or the sonar.
     Positions,
-    /// Heading of a compass.
+    /// Heading from a compass.
     Heading,
 }
 
 impl Carried {
-    /// A word for lists.
+    /// Returns the word for lists.
     pub fn name(self) -> &'static str {
         match self {
             Carried::SideScan => "side-scan",
@@ -82,48 +82,47 @@ impl Carried {
     }
 }
 
-/// A file type of the desktop; files of the role [`FileRole::Log`] are of it.
+/// A file type of the desktop, for files with the role [`FileRole::Log`].
 #[derive(Clone, Copy, Debug)]
 pub struct FileType {
-    /// `application/x-xtf`.
+    /// MIME type, as `application/x-xtf`.
     pub mime: &'static str,
-    /// Name of such a file in the desktop.
+    /// Name of the file type for users.
     pub comment: &'static str,
 }
 
-/// One format.
+/// A format of recorders' logs.
 pub struct FormatEntry {
-    /// The name in lists, with `and` between the last two of several kinds: `Lowrance SLG, SL2 and
+    /// Name in lists, with `and` between the last two of several kinds: `Lowrance SLG, SL2 and
     /// SL3`.
     pub name: &'static str,
-    /// The recorders that write it, in words.
+    /// Recorders that write the format, for users.
     pub recorders: &'static str,
-    /// The endings of its files as recorders write them, without the dot, and what each file is.
-    /// Letters of either case are the same.
+    /// Endings of its files as recorders write them, without the dot, and the role of each file.
+    /// Upper and lower case are equivalent.
     pub endings: &'static [(&'static str, FileRole)],
-    /// The bytes that it is recognised by, in words.
+    /// Bytes by which the format is recognised, for users.
     pub magic: &'static str,
-    /// Data that are read from it.
+    /// Kinds of data that are read from the format.
     pub carries: &'static [Carried],
-    /// The real recordings that it was tried on, in words; `None` where it is written from the
-    /// specification and was tried on none.
+    /// Real recordings on which the reader was tried, for users; `None` where it was written from
+    /// the specification and not tried on any.
     pub tried_on: Option<&'static str>,
     /// Notes for users.
     pub notes: &'static str,
-    /// The desktop's file type; `None` where files of other programs have the same endings.
+    /// File type of the desktop; `None` where other programs use the same endings.
     pub file_type: Option<FileType>,
-    /// Words that the desktop's search finds the program by, beside the endings of the role
-    /// [`FileRole::Log`].
+    /// Words for the desktop's search, in addition to the endings with the role [`FileRole::Log`].
     pub keywords: &'static [&'static str],
-    /// Reader that recognises and reads it.
+    /// Reader of the format.
     pub(super) reader: &'static dyn LogFormat,
-    /// The ending of the files that are written in it, without the dot, and what writes them;
-    /// `None` where it is only read.
+    /// Ending of written files, without the dot, and the writer of the format; `None` where the
+    /// format is only read.
     pub(super) writer: Option<(&'static str, &'static dyn LogWriter)>,
 }
 
-/// Every format that is read, in the order of recognition: first those that are sure by their first
-/// bytes, last those that list folders.
+/// All formats that are read, in the order of recognition: first those that their first bytes
+/// identify with certainty, last those that must list folders.
 pub const FORMATS: &[FormatEntry] = &[
     FormatEntry {
         name: "Lowrance SLG, SL2 and SL3",
@@ -278,7 +277,7 @@ pub const FORMATS: &[FormatEntry] = &[
         writer: None,
     },
 ];
-/// Formats that are recognised but not read: the first bytes, the name, and what to do with it.
+/// Formats that are recognised but not read: the first bytes, and a text with the name and advice.
 const KNOWN: &[(&[u8], &str)] = &[
     (b"PK\x03\x04", "a zip archive; unpack it and open the log in it"),
     (b"\x1f\x8b", "a gzip archive; unpack it and open the log in it"),
@@ -299,8 +298,8 @@ const KNOWN: &[(&[u8], &str)] = &[
 const PICTURE: &str = "a picture alone is no sonar log; where it is a side-scan waterfall, put a CSV of the same name beside it, with a row a ping and the columns lon, lat and range_m";
 
 impl FormatEntry {
-    /// Names the files to open, each name as `mark` writes it: `.sl2, .sl3`; `the .DAT, the folder
-    /// or one .SON`.
+    /// Returns the files that can be opened, each ending formatted by `mark`: `.sl2, .sl3`; `the
+    /// .DAT, the folder or one .SON`.
     pub fn opened_as(&self, mark: impl Fn(&str) -> String) -> String {
         let of = |role: FileRole, before: &str| {
             let endings = self.endings.iter().filter(|(_, its)| *its == role);
@@ -320,24 +319,24 @@ impl FormatEntry {
         }
     }
 
-    /// Names the data that are read from it: `side-scan, positions`.
+    /// Returns the kinds of data that are read: `side-scan, positions`.
     pub fn carried(&self) -> String {
         let names: Vec<&str> = self.carries.iter().map(|one| one.name()).collect();
         names.join(", ")
     }
 
-    /// Names the recordings that it was tried on, in words.
+    /// Returns the recordings on which the reader was tried, or a sentence that there are none.
     pub fn tried(&self) -> &'static str {
         let untried = "from the specification, not tried on a real recording";
         self.tried_on.unwrap_or(untried)
     }
 
-    /// The ending of the files that are written in it, without the dot.
+    /// Returns the ending of written files, without the dot; `None` where the format is only read.
     pub fn written_as(&self) -> Option<&'static str> {
         self.writer.map(|(ending, _)| ending)
     }
 
-    /// The endings of files that are a log by themselves, in small letters.
+    /// Returns the endings of files that are a log by themselves, in lower case.
     pub fn log_endings(&self) -> impl Iterator<Item = String> {
         let logs = self.endings.iter();
         let logs = logs.filter(|(_, role)| *role == FileRole::Log);
@@ -345,8 +344,7 @@ impl FormatEntry {
     }
 }
 
-/// Returns the writer of files with an ending, in letters of either case; `None` where there is
-/// none.
+/// Returns the writer for an ending, in upper or lower case; `None` where there is none.
 pub fn writer_for(ending: &OsStr) -> Option<&'static dyn LogWriter> {
     let mut writers = FORMATS.iter().filter_map(|format| format.writer);
     let (_, writer) = writers.find(|(own, _)| ending.eq_ignore_ascii_case(own))?;
@@ -358,33 +356,34 @@ fn names() -> String {
     names.join(", ")
 }
 
-/// Returns the words of a message for the formats that were looked for.
+/// Returns the part of an error message that lists the formats that were tried.
 pub(super) fn looked_for() -> &'static str {
     static TEXT: LazyLock<String> = LazyLock::new(|| format!("looked for {}", names()));
     &TEXT
 }
 
-/// Returns the words of a message about a folder without a log.
+/// Returns the part of an error message about a folder without a log.
 pub(super) fn looked_for_in_folder() -> &'static str {
     static TEXT: LazyLock<String> =
         LazyLock::new(|| format!("a folder without a log; {}", looked_for()));
     &TEXT
 }
 
-/// Returns advice about a file of a format that is recognised but not read.
+/// Returns advice about a file of a format that is recognised but not read; `None` for other files.
 pub(super) fn advice(bytes: &[u8]) -> Option<&'static str> {
     let known = KNOWN.iter().find(|(magic, _)| bytes.starts_with(magic));
     known.map(|(_, advice)| *advice)
 }
 
-/// The formats to choose from, in words: `Lowrance SLG, SL2 or SL3, XTF, Humminbird DAT or SON`.
+/// Returns the formats to choose from, as text: `Lowrance SLG, SL2 or SL3, XTF, Humminbird DAT or
+/// SON`.
 pub fn formats_to_open() -> &'static str {
     static TEXT: LazyLock<String> = LazyLock::new(|| names().replace(" and ", " or "));
     &TEXT
 }
 
-/// The endings of all files that a dialog shows, in small and in capital letters: a dialog may tell
-/// them apart.
+/// Returns the endings of all files that a dialog shows, in lower and in upper case, because a
+/// dialog may distinguish them.
 pub fn endings_to_show() -> Vec<String> {
     let endings = FORMATS.iter().flat_map(|format| format.endings);
     let both =
@@ -412,7 +411,7 @@ mod tests {
         for format in FORMATS {
             let said = [format.name, format.recorders, format.magic, format.notes];
             assert!(said.iter().all(|text| !text.is_empty()), "{}", format.name);
-            // A table of Markdown has its bars between the columns.
+            // A table in Markdown uses bars as separators.
             let bars = said.iter().chain(&format.tried_on).any(|text| text.contains('|'));
             assert!(!bars, "{}", format.name);
             assert!(!format.carries.is_empty(), "{}", format.name);

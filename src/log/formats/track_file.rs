@@ -1,4 +1,4 @@
-//! Tracks that another receiver recorded, RTK or an autopilot: CSV with named columns, or GPX.
+//! Reads tracks of another receiver, such as RTK or an autopilot: CSV with named columns, or GPX.
 
 use super::gpx::{GpxError, gpx_points};
 use crate::support::calendar::unix_from_text;
@@ -11,21 +11,22 @@ use std::path::Path;
 use std::str::Utf8Error;
 use std::sync::Arc;
 
-/// A track from a file.
+/// A track that was read from a file.
 #[derive(Clone, Debug)]
 pub struct TrackFile {
     external: ExternalTrack,
     bytes: Bytes,
-    /// Unix seconds, or seconds of the log, with their places, at rising times.
+    /// Time (Unix seconds, or seconds of the log), position, and heading in radians (NaN where
+    /// unknown) of each fix, in time order.
     fixes: Vec<(f64, LonLat, f32)>,
 }
 
-/// Times below this, seconds, count from the beginning of the log: no receiver has recorded
+/// Lowest Unix time, seconds; lower times count from the beginning of the log: no receiver recorded
 /// in 1973.
 const LEAST_UNIX_S: f64 = 1e8;
-/// Longer than any track: ten fixes a second of a month take as much.
+/// Size of the largest track that is read, bytes; enough for ten fixes a second for a month.
 const LONGEST: u64 = 1 << 31;
-/// Names of the columns, in lower case; the first that is there is taken.
+/// Names of the columns, in lower case; the first name in the header is used.
 pub(super) const TIME: &[&str] = &["time", "timestamp", "utc", "unix_s", "time_s"];
 pub(super) const LON: &[&str] = &["lon", "longitude", "lon_deg", "lng"];
 pub(super) const LAT: &[&str] = &["lat", "latitude", "lat_deg"];
@@ -33,10 +34,10 @@ pub(super) const HEADING: &[&str] = &["heading_deg", "yaw_deg", "heading"];
 
 impl TrackFile {
     /// Reads a track. CSV has the columns `time` (ISO 8601, Unix seconds, or seconds of the log),
-    /// `lon` and `lat`, degrees, and perhaps `heading_deg`; GPX its track points.
+    /// `lon` and `lat`, degrees, and optionally `heading_deg`; of GPX the track points are read.
     ///
     /// # Errors
-    /// When the file cannot be read, or holds no track.
+    /// When the file cannot be read, or contains fewer than two fixes.
     pub fn read(path: &Path) -> Result<Self, TrackError> {
         let fail = TrackError::at(path);
         let bytes = regular_file::read(path, LONGEST).map_err(|error| fail(error.into()))?;
@@ -54,17 +55,18 @@ impl TrackFile {
         })
     }
 
-    /// The file that it was read from.
+    /// Returns the path of the file.
     pub fn path(&self) -> &Path {
         &self.external.path
     }
 
-    /// Lays the track over a survey in place of the recorder's, each place `offset_s` later than
-    /// the file says. The file joins the survey's sources. What the track does not cover has no
-    /// place from then on, and a warning says so.
+    /// Replaces the track of a survey by this one, with all times `offset_s` later than in the
+    /// file. The file is added to the survey's sources. Pings and soundings outside the track's
+    /// times have no position afterwards, and a warning states their number.
     ///
     /// # Errors
-    /// When nothing of the log is covered, or nobody knows when it was recorded.
+    /// When the track covers no ping or sounding, has too few plausible fixes, or the start time of
+    /// the log is needed but unknown.
     pub fn apply(&self, survey: &mut Survey, offset_s: f64) -> Result<(), TrackError> {
         let fail = TrackError::at(self.path());
         let zero_s = match (self.fixes[0].0 < LEAST_UNIX_S, survey.start_unix_s) {
@@ -81,7 +83,7 @@ impl TrackFile {
         };
         let mut fixes: Vec<Fix> = self.fixes.iter().map(fix).collect();
         let stray = drop_false_fixes(&mut fixes, true);
-        // Two places far apart, and the one between them is near none.
+        // With two fixes far apart and a third between them, none is near another: no fix is left.
         let (Some(first), Some(last)) = (fixes.first(), fixes.last()) else {
             return Err(fail(TrackFault::TooShort));
         };
@@ -119,42 +121,43 @@ impl TrackFile {
 /// Error of a track that cannot be used.
 pub type TrackError = FileError<TrackFault>;
 
-/// Reason why a track cannot be used, in a sentence without the path.
+/// Reason why a track cannot be used, as a sentence without the path.
 #[derive(Debug, thiserror::Error)]
 pub enum TrackFault {
-    /// The system does not give it.
+    /// The operating system cannot read the file.
     #[error("cannot read the track: {0}")]
     Io(#[from] io::Error),
-    /// It is not text.
+    /// The file is no text.
     #[error("the track is neither CSV nor GPX")]
     NotText(#[from] Utf8Error),
-    /// It does not begin as XML does and is no CSV.
+    /// The file does not begin with `<` as XML does and is no CSV.
     #[error("the track is no table: {0}")]
     NotATable(#[from] csv::Error),
-    /// It begins as XML does and is none.
+    /// The file begins with `<` as XML does but is damaged.
     #[error(transparent)]
     Gpx(#[from] GpxError),
-    /// The table has these columns only.
+    /// The table lacks columns; the field is the names that it has.
     #[error(
         "the track has no columns time, lon and lat, only {}; name them so in the first line",
         .0.join(", ")
     )]
     NoColumns(Vec<String>),
-    /// This line of the table holds something else.
+    /// This line of the table has no readable time and position.
     #[error("line {0} of the track has no time, longitude and latitude that can be read")]
     NoFix(u64),
-    /// This point of the GPX, counted from 1, holds something else.
+    /// This track point of the GPX, counted from 1, has no readable position.
     #[error("track point {0} has no place that can be read")]
     NoPlace(usize),
-    /// It has one place or none.
+    /// The track has fewer than two fixes.
     #[error("the track has fewer than two places with a time")]
     TooShort,
-    /// It has dates and the log has none.
+    /// The track has Unix times, but the start time of the log is unknown.
     #[error(
         "the log does not know the time, so the track cannot be applied to it; give its times in seconds of the log"
     )]
     UnknownTime,
-    /// It is of another time: its first and its last fix, seconds of the log.
+    /// The track covers no ping of the log; the field is its first and last time, seconds of the
+    /// log.
     #[error(
         "the track covers no ping of the log: it goes from {:.1} to {:.1} s of the log; set track.offset_s if its clock was wrong, mounting.clock_offset_s if that of the log was", .0[0], .0[1]
     )]
@@ -198,14 +201,14 @@ fn from_csv(text: &str) -> Fixes {
     Ok(fixes)
 }
 
-/// Degrees that exist.
+/// Returns the position; `None` where a coordinate is missing or not plausible.
 fn position(lon_deg: Option<f64>, lat_deg: Option<f64>) -> Option<LonLat> {
     let (lon_deg, lat_deg) = (lon_deg?, lat_deg?);
     let exists = lon_deg.abs() <= 360.0 && lat_deg.abs() < 90.0;
     exists.then_some(LonLat { lon_deg, lat_deg })
 }
 
-/// The track points of a GPX file; those without a time are left out.
+/// Returns the track points of a GPX text; those without a time are left out.
 fn from_gpx(text: &str) -> Fixes {
     let mut fixes = Vec::new();
     for (index, point) in gpx_points(text)?.into_iter().enumerate() {
@@ -254,7 +257,7 @@ mod tests {
         csv.apply(&mut survey, -2.0).unwrap();
         assert_eq!(survey.track.fixes[1].time_s, 8.0);
         assert_eq!(survey.source.files.len(), survey.bytes.len());
-        // The last sounding comes a second after the last fix.
+        // The last sounding is a second after the last fix.
         assert!(survey.warnings[0].text.contains("1 of 10"), "{:?}", survey.warnings);
     }
 

@@ -1,38 +1,40 @@
-//! Unix seconds, as logs count them, and the dates that people write, in UTC. It depends on no
-//! other module; any may use it.
+//! Converts between Unix seconds, which logs count in, and written dates, in UTC. This module
+//! depends on no other module of the crate.
 
 use chrono::{DateTime, NaiveDateTime, SecondsFormat, Utc};
 
-/// The moment of some Unix seconds, to the nanosecond; what no calendar reaches is the epoch.
+/// Returns the moment of some Unix seconds, to the nanosecond; the epoch where the seconds are
+/// outside of what `chrono` can represent.
 pub fn moment(unix_s: f64) -> DateTime<Utc> {
     let nanoseconds = (unix_s - unix_s.floor()) * 1e9;
     DateTime::from_timestamp(unix_s.floor() as i64, nanoseconds as u32).unwrap_or_default()
 }
 
-/// The date of some Unix seconds, `2014-09-08`.
+/// Formats the date of some Unix seconds: `2014-09-08`.
 pub fn date(unix_s: f64) -> String {
     moment(unix_s).format("%F").to_string()
 }
 
-/// The time of day of some Unix seconds, whole seconds passed, `12:57:01`.
+/// Formats the time of day of some Unix seconds, rounded down to whole seconds: `12:57:01`.
 pub fn time_of_day(unix_s: f64) -> String {
     moment(unix_s).format("%T").to_string()
 }
 
-/// Some Unix seconds as ISO 8601 writes them, whole seconds passed, `2014-09-08T12:57:01Z`.
+/// Formats some Unix seconds in ISO 8601, rounded down to whole seconds: `2014-09-08T12:57:01Z`.
 pub fn whole_seconds(unix_s: f64) -> String {
     moment(unix_s).format("%FT%TZ").to_string()
 }
 
-/// Some Unix seconds as ISO 8601 writes them, `2014-09-08T12:57:01.250Z`.
+/// Formats some Unix seconds in ISO 8601, rounded to milliseconds: `2014-09-08T12:57:01.250Z`.
 pub fn timestamp(unix_s: f64) -> String {
     let moment = DateTime::from_timestamp_millis((unix_s * 1e3).round() as i64);
     let moment = moment.unwrap_or_default();
     moment.to_rfc3339_opts(SecondsFormat::Millis, true)
 }
 
-/// Unix seconds of `2021-10-12T00:53:20.5Z`: a date, `T` or a space, hours and minutes, perhaps
-/// seconds, and perhaps `Z` or an offset as `+01:00`; UTC without one. `None` for anything else.
+/// Parses a time such as `2021-10-12T00:53:20.5Z` into Unix seconds: a date, `T` or a space, hours
+/// and minutes, optional seconds, and an optional `Z` or offset such as `+01:00`; without an offset
+/// the time is UTC. `None` for anything else.
 pub fn unix_from_iso(text: &str) -> Option<f64> {
     const FORMS: [(&str, &str); 2] = [
         ("%Y-%m-%dT%H:%M:%S%.f", "%Y-%m-%dT%H:%M:%S%.f%:z"),
@@ -49,29 +51,30 @@ pub fn unix_from_iso(text: &str) -> Option<f64> {
     Some(moment.timestamp() as f64 + f64::from(moment.timestamp_subsec_nanos()) * 1e-9)
 }
 
-/// Unix seconds of a number, or of a text that [`unix_from_iso`] knows.
+/// Parses Unix seconds from a finite number, or from a text that [`unix_from_iso`] can read; `None`
+/// for anything else.
 pub(crate) fn unix_from_text(text: &str) -> Option<f64> {
     let number = text.parse().ok().filter(|seconds: &f64| seconds.is_finite());
     number.or_else(|| unix_from_iso(text))
 }
 
-/// The order of the numbers in a date that is written with slashes.
+/// Order of day and month in dates that are written with slashes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum DateOrder {
-    /// None is known: no date was seen.
+    /// Unknown: there was no date with slashes.
     #[default]
     Unknown,
-    /// 08/07/2021: no number tells which is the day. The month is taken to come first, as programs
-    /// that write slashes have it.
+    /// Ambiguous, as in 08/07/2021: no number is above 12. The month is assumed to come first, as
+    /// most programs that write slashes do.
     Ambiguous,
-    /// 26/08/2021.
+    /// Day first: 26/08/2021.
     DayFirst,
-    /// 08/26/2021.
+    /// Month first: 08/26/2021.
     MonthFirst,
 }
 
 impl DateOrder {
-    /// The order that some dates are in: a number above 12 is a day.
+    /// Determines the order of some dates: a number above 12 is a day.
     pub(crate) fn of<'a>(dates: impl IntoIterator<Item = &'a str>) -> Self {
         let mut order = Self::Unknown;
         for date in dates {
@@ -89,8 +92,8 @@ impl DateOrder {
     }
 }
 
-/// Unix seconds of `08/26/2021 09:39:00`, in the order that is given, or of `26.08.2021 09:39`,
-/// UTC; `None` for anything else.
+/// Parses a date such as `08/26/2021 09:39:00`, with day and month in `order`, or such as
+/// `26.08.2021 09:39`, into Unix seconds, UTC; `None` for anything else.
 pub(crate) fn unix_from_date(text: &str, order: DateOrder) -> Option<f64> {
     let date = match order {
         DateOrder::DayFirst => "%d/%m/%Y",

@@ -1,7 +1,7 @@
-//! Panics turned into errors. It depends on no other module; any may use it.
+//! Turns panics into errors. This module depends on no other module of the crate.
 //!
-//! A library sets no hook for the whole process: what a panic prints is the program's business,
-//! which asks [`is_to_be_printed`] from the hook that it sets.
+//! A library does not set the panic hook of the whole process: the program sets a hook, and the
+//! hook calls [`is_to_be_printed`] to decide whether a panic is printed.
 
 use std::any::Any;
 use std::cell::Cell;
@@ -12,20 +12,20 @@ thread_local! {
     static CATCHING: Cell<bool> = const { Cell::new(false) };
 }
 
-/// The work whose panics become one error.
+/// State of the work that [`panic_as_error`] runs, whose panics become one error.
 #[derive(Debug, Default)]
 enum Reporting {
-    /// None is under way.
+    /// No such work is running.
     #[default]
     Not,
-    /// Work is under way; the cause and the place of its first panic.
+    /// The work is running; cause and place of its first panic, `None` before one.
     Under(Option<String>),
 }
 
 static REPORTING: Mutex<Reporting> = Mutex::new(Reporting::Not);
 
-/// Runs `work`; `None` when it panicked. For work that leaves nothing behind when it stops half
-/// way: what it borrowed mutably may be half changed.
+/// Runs `work`; `None` when it panicked. Values that `work` borrows mutably may be half changed
+/// after a panic and must not be used then.
 pub fn catch_panic<T>(work: impl FnOnce() -> T) -> Option<T> {
     let outer = CATCHING.replace(true);
     let outcome = panic::catch_unwind(AssertUnwindSafe(work));
@@ -33,16 +33,16 @@ pub fn catch_panic<T>(work: impl FnOnce() -> T) -> Option<T> {
     outcome.ok()
 }
 
-/// A panic: its cause, and its place in the source where that is known.
+/// Error that a panic became: the cause of the panic, and its place in the source where known.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct Panicked(pub String);
 
-/// Runs all of a program's work. A panic becomes an error that names its cause, and its place in
-/// the source where the program's hook asked [`is_to_be_printed`].
+/// Runs all of a program's work. A panic becomes an error that names its cause, and also its place
+/// in the source if the program's panic hook called [`is_to_be_printed`].
 ///
 /// # Errors
-/// When it panicked.
+/// When `work` panicked.
 pub fn panic_as_error<T>(work: impl FnOnce() -> T) -> Result<T, Panicked> {
     *reporting() = Reporting::Under(None);
     let outcome = panic::catch_unwind(AssertUnwindSafe(work));
@@ -53,9 +53,10 @@ pub fn panic_as_error<T>(work: impl FnOnce() -> T) -> Result<T, Panicked> {
     outcome.map_err(|payload| Panicked(first.unwrap_or_else(|| cause(payload.as_ref()).to_owned())))
 }
 
-/// Returns true if a panic is to be printed, asked by the hook of a program: not where other
-/// people's code panicked on damaged bytes, which is an error like any other, and not where it
-/// becomes the error of the whole work, unless `RUST_BACKTRACE` asks for it.
+/// Returns true if a panic is to be printed; to be called from the panic hook of a program. Panics
+/// inside [`catch_panic`] are not printed: a dependency panicked on damaged bytes, which is an
+/// ordinary error. Panics inside [`panic_as_error`] become its error and are printed only if
+/// `RUST_BACKTRACE` is set; the first of them is recorded.
 pub fn is_to_be_printed(fault: &PanicHookInfo<'_>) -> bool {
     if is_caught() {
         return false;
@@ -69,7 +70,8 @@ pub fn is_to_be_printed(fault: &PanicHookInfo<'_>) -> bool {
     std::env::var_os("RUST_BACKTRACE").is_some()
 }
 
-/// Returns true if a panic of this thread becomes nothing, or an error about damaged bytes.
+/// Returns true while this thread runs inside [`catch_panic`], so that a panic does not end the
+/// program.
 pub fn is_caught() -> bool {
     CATCHING.get()
 }

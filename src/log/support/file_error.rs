@@ -3,11 +3,11 @@
 use std::error::Error;
 use std::path::Path;
 
-/// A file that cannot be used: one sentence, the path last.
+/// Error of a file that cannot be used; its text is one sentence that ends with the path.
 #[derive(Debug, thiserror::Error)]
 #[error("{what}: {}", path.display())]
 pub struct FileError<Fault: Error + 'static> {
-    /// Fault, with the line or the byte where it is known.
+    /// Fault, with its line or byte in the file where known.
     #[source]
     pub what: Fault,
     /// Path of the file.
@@ -21,7 +21,7 @@ impl<Fault: Error> FileError<Fault> {
         Self { what, path }
     }
 
-    /// Names the file in which something is wrong.
+    /// Returns a function that turns a fault into the error of the file at `path`, for `map_err`.
     pub fn at(path: &Path) -> impl Fn(Fault) -> Self + Copy {
         |what| Self::new(what, path)
     }

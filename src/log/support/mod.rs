@@ -1,5 +1,5 @@
-//! Positions and planes, times, progress, statistics, files and their faults: plain values that all
-//! crates use, and that know nothing of logs.
+//! Provides positions and planes, times, progress, statistics, files and their faults to all
+//! crates, independent of logs.
 
 pub mod calendar;
 pub mod catch_panic;
@@ -14,8 +14,8 @@ pub mod regular_file;
 pub mod statistics;
 pub mod versions;
 
-/// Names the variants of an enum: gives it `ALL`, in the order of the list, and `name`. The doc
-/// comment is that of `ALL`.
+/// Adds `ALL`, the variants in the order of the list, and `name` to an enum. The doc comment
+/// becomes that of `ALL`.
 #[macro_export]
 macro_rules! named {
     ($(#[$doc:meta])* $vis:vis $kind:ident { $($variant:ident: $name:literal,)+ }) => {
@@ -23,7 +23,7 @@ macro_rules! named {
             $(#[$doc])*
             $vis const ALL: [Self; [$($name),+].len()] = [$(Self::$variant),+];
 
-            /// Its name, in words and in files.
+            /// Returns the name, as shown to users and written to files.
             $vis fn name(self) -> &'static str {
                 match self {
                     $(Self::$variant => $name,)+

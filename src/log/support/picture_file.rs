@@ -1,40 +1,41 @@
-//! Pictures of other programs, PNG and JPEG, unpacked within a bound of memory, whatever they state
-//! of themselves. It depends on no other module; any may use it.
+//! Decodes pictures of other programs, PNG and JPEG, within a limit of memory, whatever size their
+//! headers state. This module depends on no other module of the crate.
 
 use image::{ColorType, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 use std::io::{self, BufRead, Seek};
 
-/// Reason why a picture cannot be unpacked, in a sentence without the path.
+/// Reason why a picture cannot be decoded; its text is a sentence without the path.
 #[derive(Debug, thiserror::Error)]
 pub enum PictureFault {
-    /// The system does not give it.
+    /// The system cannot read the picture.
     #[error(transparent)]
     Io(#[from] io::Error),
-    /// The decoder refuses it.
+    /// The decoder refuses the picture.
     #[error(transparent)]
     Undecodable(#[from] ImageError),
-    /// It ends too early, or contradicts itself.
+    /// The picture ends too early, or contradicts itself.
     #[error("it is cut or damaged")]
     Damaged,
-    /// It takes too much memory.
+    /// The picture needs too much memory.
     #[error(
         "its {width} by {height} pixels take more than {} MiB to unpack; cut it into pieces, or save it as grey with 8 bits", .most_bytes >> 20
     )]
     TooLarge {
-        /// Pixels across.
+        /// Width, pixels.
         width: u32,
-        /// Pixels down.
+        /// Height, pixels.
         height: u32,
-        /// Bytes that it may take.
+        /// Allowed number of bytes.
         most_bytes: u64,
     },
 }
 
-/// The decoder of a picture that takes so many bytes at most while it is unpacked. `copied` says
-/// how many bytes a pixel takes in copies that are made beside the picture, by its colours.
+/// Creates the decoder of a picture that needs `most_bytes` at most while it is decoded. `copied`
+/// returns, by the colours of the picture, the bytes per pixel of the copies that the caller makes
+/// of it.
 ///
 /// # Errors
-/// When its header cannot be read, or it is too large.
+/// When the header of the picture cannot be read, or the picture needs more than `most_bytes`.
 pub fn bounded_decoder<'a>(
     from: impl BufRead + Seek + 'a,
     most_bytes: u64,
@@ -51,7 +52,7 @@ pub fn bounded_decoder<'a>(
     let mut bytes = (u64::from(width) * u64::from(height)).saturating_mul(copies);
     bytes = bytes.saturating_add(decoder.total_bytes());
     if format == Some(ImageFormat::Jpeg) {
-        // A progressive one is held as 16-bit coefficients.
+        // The decoder keeps a progressive JPEG as 16-bit coefficients.
         bytes = bytes.saturating_add(decoder.total_bytes().saturating_mul(2));
     }
     if bytes > most_bytes {

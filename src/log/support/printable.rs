@@ -1,17 +1,17 @@
-//! Text from anywhere as text that is shown and does nothing: a name in a file may hold the escape
-//! sequences that move a terminal's cursor, recolour it or type for its owner, and a library may
-//! explain itself over a thousand lines.
+//! Makes text from untrusted sources safe to show: a name in a file may contain escape sequences
+//! that move a terminal's cursor, change its colours or type commands, and the error of a library
+//! may have a thousand lines.
 
 use std::fmt::Write as _;
 
-/// Letters of a sentence, after which its middle is left out.
+/// Largest number of letters of a sentence; of a longer one the middle is left out.
 const LONGEST: usize = 1000;
-/// Letters kept at the end of a shortened sentence, out of [`LONGEST`]: a sentence names its file
-/// there.
+/// Number of letters, out of [`LONGEST`], that are kept at the end of a shortened sentence:
+/// sentences name their file at the end.
 const END: usize = 300;
 
-/// One line of at most a thousand letters: line ends become spaces, what cannot be seen is written
-/// as its number (`\u{1b}`), and of what is longer the middle is left out.
+/// Returns a text as one line of at most a thousand letters: line ends become spaces, invisible
+/// letters are written as their number (`\u{1b}`), and the middle of a longer text is left out.
 pub fn one_line(text: &str) -> String {
     let mut line = String::with_capacity(text.len().min(4 * LONGEST));
     let mut words = text.split(is_line_end).map(str::trim);
@@ -23,22 +23,22 @@ pub fn one_line(text: &str) -> String {
     shortened(line.trim())
 }
 
-/// A name in a sentence: between “ and ” where it holds a space, so that it is seen where it ends,
-/// and that no `5 m` of it is taken for a figure.
+/// Returns a name for use in a sentence: between “ and ” where it contains a space, so that its end
+/// is visible, and a name such as `5 m` is not read as a measure.
 pub fn quoted(name: &str) -> String {
     if name.contains(char::is_whitespace) { format!("“{name}”") } else { name.to_owned() }
 }
 
-/// Shortens and escapes each line of a text as [`one_line`] does; each stays a line of its own. A
-/// table's columns stay where they are.
+/// Shortens and escapes each line of a text as [`one_line`] does, and keeps the lines apart. The
+/// columns of a table stay aligned.
 pub fn lines(text: &str) -> String {
     let lines = text.split('\n');
     let lines = lines.map(|line| shortened(&shown(line.trim_end_matches('\r'))));
     lines.collect::<Vec<_>>().join("\n")
 }
 
-/// JSON that says the same and holds nothing that a terminal obeys: what the standard lets stand
-/// within strings is escaped.
+/// Returns JSON of the same meaning without anything that a terminal interprets: invisible letters,
+/// which JSON allows within strings, are escaped.
 pub fn json(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for letter in text.chars() {
@@ -54,7 +54,7 @@ pub fn json(text: &str) -> String {
     escaped
 }
 
-/// Text between the tags of an XML or HTML file: markup escaped, characters that XML 1.0 forbids
+/// Escapes a text for an XML or HTML file: markup is escaped, characters that XML 1.0 forbids are
 /// left out.
 pub fn xml(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
@@ -77,8 +77,8 @@ fn is_line_end(letter: char) -> bool {
     matches!(letter, '\n' | '\r' | '\t' | '\u{b}' | '\u{c}' | '\u{85}' | '\u{2028}' | '\u{2029}')
 }
 
-/// Returns true if a letter is seen as itself: neither a control character nor one that turns the
-/// direction of the text around it, joins, or has no width.
+/// Returns true if a letter is visible as itself: neither a control character nor one that changes
+/// the direction of the text around it, joins letters, or has no width.
 fn is_shown(letter: char) -> bool {
     let hidden = matches!(
         letter,
@@ -97,7 +97,7 @@ fn shown(text: &str) -> String {
 }
 
 fn shortened(line: &str) -> String {
-    // Bytes are at least as many as letters.
+    // A line has at least as many bytes as letters.
     if line.len() <= LONGEST || line.chars().count() <= LONGEST {
         return line.to_owned();
     }
@@ -117,7 +117,7 @@ mod tests {
             one_line("TOML parse error\n  |\n1 | a\u{1b}[31m = \u{9b}5n\r\n\tbad: x.toml\n"),
             "TOML parse error | 1 | a\\u{1b}[31m = \\u{9b}5n bad: x.toml"
         );
-        // A name that is shown from right to left ends in another suffix than it seems to.
+        // A name that is shown from right to left seems to have another suffix than it has.
         assert_eq!(one_line("pond\u{202e}2ls.exe"), "pond\\u{202e}2ls.exe");
         assert_eq!(one_line("Größe  12 m³, 深さ"), "Größe  12 m³, 深さ");
         assert_eq!(one_line("\n"), "");

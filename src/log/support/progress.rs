@@ -1,27 +1,27 @@
-//! Progress of a running stage, and its cancellation.
+//! Reports the progress of a running stage, and cancels it.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// A stage was cancelled; its partial result is dropped.
+/// Error of a stage that was cancelled; its partial result is dropped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("cancelled")]
 pub struct Cancelled;
 
-/// Shared between the thread that works (sets, checks) and the one that shows and cancels. Clones
-/// are the same progress.
+/// Progress of a stage, shared between the thread that works (sets, checks) and the thread that
+/// shows the progress and cancels. Clones share the same progress.
 #[derive(Clone, Debug, Default)]
 pub struct Progress {
     shared: Arc<Shared>,
     cancellation: Arc<Cancellation>,
 }
 
-/// Cancellation of some work, apart from the data shown about it, so that a part does not keep the
-/// whole, which keeps its parts.
+/// Cancellation of some work. It is separate from [`Shared`], so that a part of a stage does not
+/// keep the data of the whole stage alive, which holds its parts.
 #[derive(Debug, Default)]
 struct Cancellation {
     is_asked_for: AtomicBool,
-    /// Cancellation of the whole that this is a part of; it cancels the part as well.
+    /// Cancellation of the whole stage, if this is a part of one; it cancels the part as well.
     whole: Option<Arc<Cancellation>>,
 }
 
@@ -36,7 +36,7 @@ impl Cancellation {
 struct Shared {
     done: AtomicU64,
     total: AtomicU64,
-    /// Parts of the stage, where it has any, each with its weight.
+    /// Parts of the stage, each with its weight; empty where it has none.
     parts: Mutex<Vec<(f32, Progress)>>,
 }
 
@@ -47,7 +47,7 @@ impl Shared {
 }
 
 impl Progress {
-    /// A fresh progress: nothing done, not cancelled.
+    /// Creates a progress with nothing done, not cancelled.
     pub fn new() -> Self {
         Self::default()
     }
@@ -59,14 +59,14 @@ impl Progress {
         self.shared.total.store(total, Ordering::Relaxed);
     }
 
-    /// Counts `steps` more as done. Callable from many threads.
+    /// Counts `steps` more steps as done. Can be called from many threads.
     pub fn advance(&self, steps: u64) {
         self.shared.done.fetch_add(steps, Ordering::Relaxed);
     }
 
-    /// Starts a stage of parts that are done beside each other, one for each weight: the share of
-    /// it that is done is the mean of theirs. To cancel the whole cancels them; each can be
-    /// cancelled alone.
+    /// Starts a stage of parts that run at the same time, one for each weight: the done share of
+    /// the stage is the weighted mean of those of the parts. Cancelling the stage cancels all
+    /// parts; each part can also be cancelled alone.
     pub fn start_parts(&self, weights: impl IntoIterator<Item = f32>) -> Vec<Self> {
         let part = |weight| {
             let cancellation =
@@ -79,13 +79,13 @@ impl Progress {
         parts.into_iter().map(|(_, part)| part).collect()
     }
 
-    /// Counts all as done.
+    /// Counts the whole stage as done.
     pub fn finish(&self) {
         self.start(1);
         self.advance(1);
     }
 
-    /// Done share, 0 to 1; 0 while the total is unknown.
+    /// Returns the done share, 0 to 1; 0 while the total is unknown.
     pub fn fraction(&self) -> f32 {
         let parts = self.shared.parts();
         let weight: f32 = parts.iter().map(|(weight, _)| weight).sum();
@@ -100,18 +100,19 @@ impl Progress {
         (self.shared.done.load(Ordering::Relaxed) as f32 / total as f32).min(1.0)
     }
 
-    /// Asks the worker to stop at its next check.
+    /// Cancels the work: it stops at its next check.
     pub fn cancel(&self) {
         let asked = &self.cancellation.is_asked_for;
         asked.store(true, Ordering::Relaxed);
     }
 
-    /// Returns true if [`Progress::cancel`] was called.
+    /// Returns true if [`Progress::cancel`] was called on this progress, or on the stage that it is
+    /// a part of.
     pub fn is_cancelled(&self) -> bool {
         self.cancellation.is_in_force()
     }
 
-    /// `Err` once cancelled, so that a loop can stop with `?`.
+    /// Returns an error once the work was cancelled, so that a loop can stop with `?`.
     ///
     /// # Errors
     /// When the work was cancelled.
@@ -134,7 +135,7 @@ mod tests {
         parts[1].start(4);
         parts[1].advance(2);
         assert_eq!(progress.fraction(), 0.625);
-        // A part that starts its next stage, and the next stage of all.
+        // First a part starts its next stage, then the whole does.
         parts[1].start(2);
         assert_eq!(progress.fraction(), 0.25);
         progress.start(10);
@@ -152,7 +153,7 @@ mod tests {
         assert!(one.is_cancelled() && !other.is_cancelled() && !progress.is_cancelled());
         progress.cancel();
         assert!(other.check().is_err());
-        // A part outlives the whole without keeping it.
+        // A part can outlive the whole without keeping the data of the whole alive.
         let whole = Arc::downgrade(&progress.shared);
         drop(progress);
         assert!(whole.upgrade().is_none() && other.is_cancelled());

@@ -1,5 +1,5 @@
-//! Files that a user names: opened only where they are files, and read no further than they can
-//! sensibly reach. It depends on no other module; any may use it.
+//! Opens and reads files that a user names, only if they are regular files, and only up to a limit
+//! of bytes. This module depends on no other module of the crate.
 
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read as _};
@@ -8,8 +8,8 @@ use std::path::Path;
 /// Opens a file for reading.
 ///
 /// # Errors
-/// What the system says; a folder, a pipe and a device are refused before they are opened, for a
-/// pipe may never begin and a device never end.
+/// The system's error when the file cannot be opened; a folder, a pipe and a device are refused
+/// before they are opened, because a pipe may never begin and a device never end.
 pub fn open(path: &Path) -> io::Result<File> {
     let found = fs::metadata(path)?;
     if found.is_dir() {
@@ -21,10 +21,11 @@ pub fn open(path: &Path) -> io::Result<File> {
     File::open(path)
 }
 
-/// All bytes of a file that holds `most` bytes at most.
+/// Reads all bytes of a file that has `most` bytes at most.
 ///
 /// # Errors
-/// Those of [`open`]; [`ErrorKind::FileTooLarge`] where there are more bytes.
+/// The errors of [`open`], and of reading; [`ErrorKind::FileTooLarge`] where the file has more
+/// bytes.
 pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     if let Some(bytes) = held::get(path) {
         return Ok(bytes);
@@ -32,8 +33,8 @@ pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     let file = open(path)?;
     let length = file.metadata()?.len();
     let mut bytes = Vec::new();
-    // One byte more than allowed tells a file that is too long from one that just fits, also while
-    // somebody adds to it.
+    // One byte more than allowed is read, so that a file that is too long is noticed even if it
+    // grows meanwhile.
     if length <= most {
         bytes.try_reserve_exact(usize::try_from(length).map_err(io::Error::other)?)?;
         file.take(most.saturating_add(1)).read_to_end(&mut bytes)?;
@@ -45,17 +46,17 @@ pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The text of a file that holds `most` bytes at most.
+/// Reads the text of a file that has `most` bytes at most.
 ///
 /// # Errors
-/// Those of [`read`]; bytes that are no UTF-8.
+/// The errors of [`read`]; [`ErrorKind::InvalidData`] where the bytes are not UTF-8.
 pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
     String::from_utf8(read(path, most)?)
         .map_err(|_| io::Error::new(ErrorKind::InvalidData, "it is not text in UTF-8"))
 }
 
-/// One file in memory that [`read`] takes for one on disk, for the fuzzer, which reads millions of
-/// them.
+/// Holds one file in memory that [`read`] returns instead of the file on disk, for the fuzzer,
+/// which reads millions of files.
 pub mod held {
     use std::cell::RefCell;
     use std::path::{Path, PathBuf};
@@ -64,7 +65,7 @@ pub mod held {
         static HELD: RefCell<Option<(PathBuf, Vec<u8>)>> = const { RefCell::new(None) };
     }
 
-    /// The bytes that are held for a path.
+    /// Returns the bytes that are held for a path; `None` where there are none.
     pub(super) fn get(path: &Path) -> Option<Vec<u8>> {
         HELD.with_borrow(|held| {
             let held = held.as_ref().filter(|(name, _)| name == path);
@@ -72,7 +73,7 @@ pub mod held {
         })
     }
 
-    /// Runs `work` on this thread with a file of these bytes at a path.
+    /// Runs `work` on this thread, while [`read`](super::read) returns `bytes` for a path.
     pub fn with<T>(path: &Path, bytes: &[u8], work: impl FnOnce() -> T) -> T {
         HELD.replace(Some((path.to_owned(), bytes.to_vec())));
         let outcome = work();

@@ -1,13 +1,13 @@
-//! Middles and spreads that a few bad values cannot move. It depends on no other module; any may
-//! use it.
+//! Computes medians, quantiles and spreads that a few bad values hardly change. This module depends
+//! on no other module of the crate.
 
 use std::cmp::Ordering;
 
 /// Ratio of the standard deviation of normal noise to its median absolute deviation.
 pub const SIGMA_PER_MAD: f64 = 1.4826;
 
-/// The 2nd and the 98th percentile of some values, which a few odd ones do not move: the ends of a
-/// scale of colours. `None` without any finite value.
+/// Returns the 2nd and the 98th percentile of some values, as the ends of a colour scale, which a
+/// few odd values do not change. `None` without a finite value.
 pub fn colour_ends(values: impl IntoIterator<Item = f32>) -> Option<[f32; 2]> {
     let finite = values.into_iter().filter(|value| value.is_finite());
     let mut values: Vec<f32> = finite.collect();
@@ -19,13 +19,14 @@ pub fn colour_ends(values: impl IntoIterator<Item = f32>) -> Option<[f32; 2]> {
     Some([at(0.02), at(0.98)])
 }
 
-/// The least and the greatest of some values; the first above the second without any.
+/// Returns the least and the greatest of some values; without values, the first is above the
+/// second.
 pub fn ends(values: impl IntoIterator<Item = f64>) -> [f64; 2] {
     let values = values.into_iter();
     values.fold([f64::MAX, f64::MIN], |[least, most], value| [least.min(value), most.max(value)])
 }
 
-/// Returns the smallest range around two ranges, or the only one that is given.
+/// Returns the smallest range around two ranges; where only one is given, that range.
 pub fn wider(one: Option<[f32; 2]>, other: Option<[f32; 2]>) -> Option<[f32; 2]> {
     match (one, other) {
         (Some([a, b]), Some([c, d])) => Some([a.min(c), b.max(d)]),
@@ -33,7 +34,8 @@ pub fn wider(one: Option<[f32; 2]>, other: Option<[f32; 2]>) -> Option<[f32; 2]>
     }
 }
 
-/// Median, the mean of the middle two of an even count; NaN for an empty slice. Reorders `values`.
+/// Returns the median, for an even count the mean of the middle two values; NaN for an empty slice.
+/// Reorders `values`.
 pub fn median(values: &mut [f64]) -> f64 {
     if values.is_empty() {
         return f64::NAN;
@@ -47,16 +49,16 @@ pub fn median(values: &mut [f64]) -> f64 {
     (lower + upper) / 2.0
 }
 
-/// The value at which half of the weight lies on either side: the mean of two neighbours where it
-/// falls between them, so that equal weights give the [`median`]; NaN for an empty slice. Each
-/// entry is a value and its weight, above 0. Sorts `values`.
+/// Returns the value with half of the weight on either side; where half of the weight is reached
+/// exactly between two neighbours, their mean, so that equal weights give the [`median`]; NaN for
+/// an empty slice. Each entry is a value and its weight, above 0. Sorts `values`.
 pub fn weighted_median(values: &mut [(f64, f64)]) -> f64 {
     values.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
     let half = 0.5 * values.iter().map(|(_, weight)| weight).sum::<f64>();
     let mut below = 0.0;
     for (index, &(value, weight)) in values.iter().enumerate() {
         below += weight;
-        // A sum of weights is rounded.
+        // The tolerance allows for the rounding of the sums.
         if (below - half).abs() <= 1e-9 * half {
             let next = values.get(index + 1).map_or(value, |(next, _)| *next);
             return 0.5 * (value + next);
@@ -68,8 +70,8 @@ pub fn weighted_median(values: &mut [(f64, f64)]) -> f64 {
     f64::NAN
 }
 
-/// The middle one in the order of `compare`, the upper of the middle two of an even count: always
-/// one of the values. `None` for an empty slice. Reorders `values`.
+/// Returns the middle value in the order of `compare`, for an even count the upper of the middle
+/// two. `None` for an empty slice. Reorders `values`.
 pub fn upper_median<T: Copy>(
     values: &mut [T],
     compare: impl FnMut(&T, &T) -> Ordering,
@@ -78,8 +80,8 @@ pub fn upper_median<T: Copy>(
     (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, compare).1)
 }
 
-/// Robust standard deviation about `centre`: 1.4826 times the median absolute deviation. Overwrites
-/// `values`.
+/// Returns the robust standard deviation about `centre`: 1.4826 times the median absolute
+/// deviation. Overwrites `values`.
 pub fn spread_about(values: &mut [f64], centre: f64) -> f64 {
     for value in values.iter_mut() {
         *value = (*value - centre).abs();
@@ -87,14 +89,14 @@ pub fn spread_about(values: &mut [f64], centre: f64) -> f64 {
     SIGMA_PER_MAD * median(values)
 }
 
-/// The standard deviation that the sizes of errors, in order, speak of: the mean of what holds 68 %
-/// of them and half of what holds 95 %. NaN of none.
+/// Estimates the standard deviation of errors from their sizes, in ascending order: the mean of the
+/// 68 % quantile and of half the 95 % quantile. NaN for an empty slice.
 pub fn sigma_of_sizes(sorted: &[f64]) -> f64 {
     0.5 * (quantile(sorted, 0.683) + 0.5 * quantile(sorted, 0.954))
 }
 
-/// The value below which a share (0 to 1) lies, linear between order statistics as numpy's default
-/// is; NaN for an empty slice. `sorted` ascends.
+/// Returns the value below which a share (0 to 1) of the values is, interpolated linearly as numpy
+/// does by default; NaN for an empty slice. `sorted` is in ascending order.
 pub fn quantile(sorted: &[f64], share: f64) -> f64 {
     let Some(last) = sorted.len().checked_sub(1) else {
         return f64::NAN;

@@ -1,16 +1,17 @@
-//! Lists that grow in versions: each has the entries of the one before up to some place, and new
-//! ones behind it.
+//! Builds successive versions of a growing list without copying all of it each time. Each version
+//! has the first entries of the version before, and new entries behind them.
 
 use std::sync::Arc;
 
-/// Last two versions of a list that grows, kept so that a new version takes time for its new
-/// entries and not for the whole.
+/// The last two versions of a growing list, kept so that the time for a new version depends on the
+/// number of its new entries only.
 ///
-/// A new version is written over the one before the last, which has all of it but what the last two
-/// steps added. Where that one is read still, the known entries are copied.
+/// A new version is written over the version before the last, which lacks only what the last two
+/// steps added. Where that version is still in use, the known entries are copied instead.
 #[derive(Debug)]
 pub struct Versions<T> {
-    /// The version made last, and how many of its first entries the one before has as well.
+    /// The last version, and the number of its first entries that are the same in the version
+    /// before.
     last: Option<(Arc<Vec<T>>, usize)>,
     before: Option<Arc<Vec<T>>>,
 }
@@ -22,13 +23,13 @@ impl<T> Default for Versions<T> {
 }
 
 impl<T: Copy> Versions<T> {
-    /// The first `kept` entries of `known`, and `added` behind them.
+    /// Returns the next version: the first `kept` entries of `known`, and `added` behind them.
     pub fn next(&mut self, known: &Arc<Vec<T>>, kept: usize, added: &[T]) -> Arc<Vec<T>> {
         self.next_changed(known, kept, added, |all| all.len())
     }
 
     /// Returns the next version as [`Versions::next`] does, with entries changed by `change`, which
-    /// returns the first that it touched.
+    /// returns the index of the first entry that it changed.
     pub fn next_changed(
         &mut self,
         known: &Arc<Vec<T>>,
@@ -47,8 +48,8 @@ impl<T: Copy> Versions<T> {
         all
     }
 
-    /// The first entries of `known`, at most `kept`: as many as there are in a list that nobody
-    /// reads any more.
+    /// Returns the list to write the next version into, with the first entries of `known`, at most
+    /// `kept`: the version before the last if it is not in use any more, otherwise an empty list.
     fn start(&mut self, known: &Arc<Vec<T>>, kept: usize) -> Vec<T> {
         let last = self.last.take();
         let same = last.and_then(|(last, same)| Arc::ptr_eq(&last, known).then_some(same));

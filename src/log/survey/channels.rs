@@ -1,28 +1,29 @@
-//! Channels of a log beside the side-scan that is shown: pairs of side-scan channels, and channels
-//! that look down.
+//! Holds the channels of a log other than the side-scan that is shown: further pairs of side-scan
+//! channels, and channels that look down.
 //!
-//! A sonar of several frequencies records one pair for each, of which one is shown. A channel that
-//! looks down is kept ping by ping, and a log can be shown with one.
+//! A sonar of several frequencies records one pair of side-scan channels for each frequency, and
+//! one pair is shown. A channel that looks down can be shown in place of the side-scan
+//! ([`Survey::looking_down`]).
 
 use super::{ChannelKind, SidePing, SideScanState, SideSpan, Survey, give_depths, nearest_in_time};
 use std::sync::Arc;
 
-/// A ping of another channel farther off in time than this is none of the same moment, seconds.
+/// Largest difference in time between pings of two channels that belong together, seconds.
 const LONGEST_APART_S: f64 = 1.0;
 
-/// A pair of side-scan channels.
+/// A pair of side-scan channels, port and starboard.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SidePair {
-    /// The recorder's name for it.
+    /// The recorder's name of the pair.
     pub name: String,
-    /// Frequency where it is stated, kHz.
+    /// Frequency, kHz; `None` where the log does not state one.
     pub frequency_khz: Option<f32>,
-    /// Its pings, in time order, with depths as those of [`Survey::side_scan`].
+    /// Pings of the pair in time order, with depths as in [`Survey::side_scan`].
     pub side_scan: Arc<Vec<SidePing>>,
 }
 
 impl SidePair {
-    /// `400 kHz, PORT HF`.
+    /// Describes the pair: `400 kHz, PORT HF`.
     pub fn summary(&self) -> String {
         match self.frequency_khz {
             Some(khz) => format!("{khz} kHz, {}", self.name),
@@ -32,7 +33,8 @@ impl SidePair {
 }
 
 impl Survey {
-    /// The last side of a ping of each pair, that of the pair that is shown first.
+    /// Returns the last recorded side (port, or starboard where the ping has no port) of each pair,
+    /// first that of the pair that is shown.
     pub(crate) fn last_spans(&self) -> impl Iterator<Item = SideSpan> {
         let others = self.pairs.iter().skip(1).map(|pair| &pair.side_scan);
         let last = |pings: &Arc<Vec<SidePing>>| {
@@ -62,8 +64,8 @@ impl Survey {
         ))
     }
 
-    /// The same log, showing the pair of channels whose frequency is nearest to one in kHz;
-    /// unchanged where no pair states one.
+    /// Returns the log with the pair of channels shown whose frequency is nearest to
+    /// `frequency_khz`; unchanged where no pair states a frequency.
     #[must_use]
     pub fn with_frequency(mut self, frequency_khz: f64) -> Self {
         let off_khz = |pair: &SidePair| {
@@ -90,14 +92,14 @@ impl Survey {
         self
     }
 
-    /// Returns true if a pair began that the log did not hold.
+    /// Returns true if `tail` has a pair that the log does not have.
     pub(super) fn has_new_pair(&self, tail: &Survey) -> bool {
         let is_known = |new: &SidePair| self.pairs.iter().any(|pair| pair.name == new.name);
         !tail.pairs.iter().all(is_known)
     }
 
-    /// The pairs of the log with what `tail` added to them from a time on. `longer` has the pings
-    /// of the pair that is shown, and all soundings.
+    /// Returns the pairs of the log with the pings of `tail` added from a time on. `longer` is the
+    /// extended log, with the pings of the pair that is shown, and all soundings.
     pub(super) fn extended_pairs(
         &self,
         tail: &Survey,
@@ -125,29 +127,29 @@ impl Survey {
 pub struct EchogramPing {
     /// Seconds after the log's time zero; may be negative.
     pub time_s: f64,
-    /// Its samples, from the transducer down.
+    /// Samples of the ping, from the transducer down.
     pub span: SideSpan,
 }
 
 /// A channel that looks down.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Echogram {
-    /// Primary, secondary or down-scan.
+    /// Kind of the channel: primary, secondary or down-scan.
     pub kind: ChannelKind,
-    /// Its pings in time order; shared by all copies of a survey.
+    /// Pings of the channel in time order; shared by all copies of a survey.
     pub pings: Arc<Vec<EchogramPing>>,
 }
 
 impl Survey {
-    /// Returns true if the log has a channel that looks down.
+    /// Returns true if the log has the channel `kind`, looking down.
     pub fn has_echogram(&self, kind: ChannelKind) -> bool {
         self.echograms.iter().any(|echogram| echogram.kind == kind)
     }
 
-    /// The same log with the echoes of a channel that looks down in the place of those to
-    /// starboard, and none to port: ping by ping the nearest in time, so that its pings are those
-    /// of the side-scan. In a log without side-scan they are the channel's own. `None` where there
-    /// is no such channel.
+    /// Returns the log with the echoes of a channel that looks down in place of the starboard
+    /// samples, and without port samples. Each side-scan ping gets the echo of the ping of the
+    /// channel nearest in time; in a log without side-scan the pings are those of the channel.
+    /// `None` where the log does not have the channel.
     pub fn looking_down(&self, kind: ChannelKind) -> Option<Self> {
         let echogram = self.echograms.iter().find(|one| one.kind == kind)?;
         let recorded = &echogram.pings;
@@ -170,7 +172,8 @@ impl Survey {
         })
     }
 
-    /// A ping of its own, with the depth that was recorded then.
+    /// Makes a side-scan ping of a ping of a channel that looks down, with the recorded depth
+    /// nearest in time.
     fn below(&self, ping: &EchogramPing) -> SidePing {
         let soundings = &self.soundings;
         let nearest = nearest_in_time(soundings, ping.time_s, |other| other.time_s);
@@ -222,7 +225,7 @@ mod tests {
         let down = log.looking_down(ChannelKind::DownScan).expect("a channel");
         assert_eq!(down.side_scan.len(), 9);
         let offset = |ping| down.span(ping, Side::Starboard).map(|span| span.offset);
-        // At 2 s those of 2.1 s; at 4 s the last, of 3.6 s; at 5 s none is near.
+        // At 2 s the echo of 2.1 s; at 4 s the last echo, of 3.6 s; at 5 s there is none near.
         assert_eq!([0, 2, 4, 5].map(offset), [Some(0), Some(4), Some(7), None]);
         assert!(down.span(2, Side::Port).is_none());
         assert_eq!(down.side_scan[2].depth_m, 3.0);

@@ -1,6 +1,6 @@
-//! Stretches of a log that are excluded from every result: turns, stops, and what an analyst takes
-//! for bad. `edit` changes what an analyst says of them, `verdict` is how a stretch of the settings
-//! says whether it counts.
+//! Determines the stretches of a log that are excluded from every result: turns, stops, and
+//! stretches that an analyst names. `edit` changes the decisions of the analyst, `verdict` reads
+//! and writes the reason of a stretch in the settings.
 
 mod edit;
 mod verdict;
@@ -16,18 +16,18 @@ use std::sync::Arc;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ExclusionReason {
-    /// The boat turns: far echoes sweep over the ground.
+    /// The boat turns, so that far echoes sweep over the ground.
     Turn,
-    /// The boat lies still or drifts.
+    /// The boat is at rest or drifts.
     Stop,
     /// The recording cannot be used.
     Bad,
-    /// The analyst wants it so.
+    /// The analyst drew the stretch as excluded.
     Drawn,
 }
 
 impl ExclusionReason {
-    /// `turn`, `stop`, `bad` or `drawn`, as in settings and tables.
+    /// Returns the name in settings and tables: `turn`, `stop`, `bad` or `drawn`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Turn => "turn",
@@ -38,29 +38,29 @@ impl ExclusionReason {
     }
 }
 
-/// A stretch that the settings name: by its pings, or by its time where the log has no side-scan.
+/// A stretch in the settings, given by its pings, or by its times where the log has no side-scan.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Stretch {
-    /// First and last side-scan ping.
+    /// First and last side-scan ping; `None` for a stretch given by times.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pings: Option<[usize; 2]>,
-    /// First and last time, seconds of the log.
+    /// First and last time, seconds of the log; `None` for a stretch given by pings.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time_s: Option<[f64; 2]>,
-    /// Reason of the exclusion; `None`, written `kept`, where the stretch counts although a turn or
-    /// a stop is found there.
+    /// Reason of the exclusion. `None`, written as `kept`, means that the stretch counts although a
+    /// turn or a stop is found there.
     #[serde(with = "verdict")]
     pub reason: Option<ExclusionReason>,
-    /// True where its soundings count although they were taken for those of a lost bottom or of a
-    /// fault of the sounder.
+    /// True if the soundings of the stretch count although they were marked as those of a lost
+    /// bottom or of another fault.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub trusted: bool,
 }
 
 impl Stretch {
-    /// Returns the first and last time of the stretch, seconds of the log; `None` where the log has
-    /// no such ping.
+    /// Returns the first and last time of the stretch, seconds of the log; `None` where its first
+    /// ping is not in the log.
     fn span_s(&self, ping_times: &[f64]) -> Option<[f64; 2]> {
         match self.pings {
             Some([first, last]) => {
@@ -72,26 +72,25 @@ impl Stretch {
     }
 }
 
-/// `excluded.*` settings. Without any of them nothing is excluded.
+/// The `excluded.*` settings. By default nothing is excluded.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ExclusionSettings {
-    /// Stretches in which the boat turns faster than this are excluded, degrees a second; none are
-    /// when not given.
+    /// Turn rate above which stretches are excluded, degrees a second; `None` excludes no turns.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_turn_deg_s: Option<f64>,
-    /// Stretches in which the boat is slower than this are excluded, metres a second; none are when
-    /// not given.
+    /// Speed below which stretches are excluded, metres a second; `None` excludes no stops.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub min_speed_mps: Option<f64>,
-    /// Shorter turns and stops stay in, seconds; and the way between two of them that is shorter
-    /// goes with them.
+    /// Shortest turn or stop that is excluded, seconds. Turns, or stops, with no more time than
+    /// this between them are joined.
     pub min_duration_s: f64,
-    /// The log that `stretches` were named for; over another they are not applied. Over any when
-    /// not given.
+    /// The log that `stretches` belong to; they are not applied to another log. With `None` they
+    /// are applied to any log.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub log: Option<Identity>,
-    /// Stretches of one log. Where they meet a turn or a stop, theirs is the reason.
+    /// Stretches of one log. Where they overlap a turn or a stop, the reason is that of the
+    /// stretch.
     pub stretches: Vec<Stretch>,
 }
 
@@ -107,14 +106,15 @@ impl Default for ExclusionSettings {
     }
 }
 
-/// More stretches than this are no work of a hand.
+/// Largest number of stretches, more than anyone draws by hand.
 const MOST_STRETCHES: usize = 100_000;
 
 impl ExclusionSettings {
-    /// Refuses what cannot be, in one sentence.
+    /// Checks the stretches.
     ///
     /// # Errors
-    /// The rule that is broken.
+    /// The broken rule as a sentence, when there are too many stretches, or a stretch has neither
+    /// or both of pings and times, or ends before it begins.
     pub fn check(&self) -> Result<(), &'static str> {
         let is_span = |stretch: &Stretch| match (stretch.pings, stretch.time_s) {
             (Some([first, last]), None) => first <= last,
@@ -134,8 +134,8 @@ impl ExclusionSettings {
         rules.iter().find(|(holds, _)| !holds).map_or(Ok(()), |(_, rule)| Err(*rule))
     }
 
-    /// The survey with the soundings of trusted stretches taken for right, and so the depths of its
-    /// pings; `None` where all of them are, or no stretch is trusted.
+    /// Returns the survey without faults of the soundings, and of the depths of pings, in trusted
+    /// stretches; `None` where that changes no sounding.
     pub fn trusted(&self, survey: &Survey) -> Option<Survey> {
         let spans = self.trusted_spans_s(survey);
         let inside =
@@ -154,7 +154,7 @@ impl ExclusionSettings {
         Some(trusted)
     }
 
-    /// Returns true where a trusted stretch meets a time span of the log, seconds.
+    /// Returns true if a trusted stretch overlaps a time span of the log, seconds.
     pub fn trusts(&self, survey: &Survey, [from_s, to_s]: [f64; 2]) -> bool {
         let spans = self.trusted_spans_s(survey);
         spans.iter().any(|[first_s, last_s]| *first_s <= to_s && from_s <= *last_s)
@@ -177,54 +177,54 @@ impl ExclusionSettings {
     }
 }
 
-/// A stretch that is excluded.
+/// An excluded stretch of a log.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ExcludedStretch {
-    /// First and last side-scan ping; `None` where it holds none.
+    /// First and last side-scan ping; `None` where the log has no side-scan.
     pub pings: Option<[usize; 2]>,
     /// First and last time, seconds of the log.
     pub time_s: [f64; 2],
-    /// Why.
+    /// Reason of the exclusion.
     pub reason: ExclusionReason,
 }
 
 impl ExcludedStretch {
-    /// Returns the part of the log that the stretch covers: its pings, or its times where it holds
-    /// none.
+    /// Returns the part of the log that the stretch covers: its pings, or its times where it has no
+    /// pings.
     pub fn part(&self) -> LogPart {
         self.pings.map_or(LogPart::Time(self.time_s), LogPart::Pings)
     }
 
-    /// Its length along the track, metres.
+    /// Returns the length of the stretch along the track, metres.
     pub fn length_m(&self, survey: &Survey, navigation: &Navigation) -> f64 {
         self.part().length_m(survey, navigation)
     }
 }
 
-/// Exclusions of a log: the reason for every excluded side-scan ping, sounding and ping of a swath.
+/// Exclusions of a log: the reason for each excluded side-scan ping, sounding and ping of a swath.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Exclusions {
-    /// One entry a side-scan ping; none at all where nothing is excluded.
+    /// One entry per side-scan ping; empty where no ping is excluded.
     pings: Vec<Option<ExclusionReason>>,
-    /// One entry a sounding; none at all where nothing is excluded.
+    /// One entry per sounding; empty where no sounding is excluded.
     soundings: Vec<Option<ExclusionReason>>,
-    /// One entry a ping of the swath; none at all where nothing is excluded.
+    /// One entry per ping of the swath; empty where none is excluded.
     swath: Vec<Option<ExclusionReason>>,
-    /// The stretches in time order.
+    /// Excluded stretches in time order.
     pub stretches: Vec<ExcludedStretch>,
-    /// Settings that could not be applied, in sentences.
+    /// Sentences about settings that could not be applied.
     pub warnings: Vec<String>,
 }
 
 impl Exclusions {
-    /// Finds what the settings exclude.
+    /// Determines the exclusions of a log by the settings.
     pub fn new(survey: &Survey, navigation: &Navigation, settings: &ExclusionSettings) -> Self {
         if settings.is_empty() {
             return Self::default();
         }
         let ping_times: Vec<f64> = survey.side_scan.iter().map(|ping| ping.time_s).collect();
         let sounding_times: Vec<f64> = survey.soundings.iter().map(|one| one.time_s).collect();
-        // Turns and stops are the boat's, whichever record tells them.
+        // Turns and stops are found at the pings, or at the soundings where the log has no pings.
         let (times_s, places) = if !ping_times.is_empty() {
             (&ping_times, &navigation.pings)
         } else {
@@ -233,7 +233,7 @@ impl Exclusions {
         let mut spans = automatic(times_s, places, settings);
         let mut made = Self::default();
         match named(survey, settings, &ping_times) {
-            // The later in the list win.
+            // Later spans replace earlier ones, so that named stretches replace turns and stops.
             Ok(named) => spans.extend(named),
             Err(other) => made.warnings.push(other.to_string()),
         }
@@ -249,7 +249,8 @@ impl Exclusions {
         made
     }
 
-    /// Returns true if the middle of some side-scan pings, those of a box, is excluded.
+    /// Returns true if the ping in the middle of a range of side-scan pings, such as a box, is
+    /// excluded.
     pub fn is_middle_excluded(&self, pings: &Range<usize>) -> bool {
         self.ping(usize::midpoint(pings.start, pings.end)).is_some()
     }
@@ -269,12 +270,12 @@ impl Exclusions {
         self.swath.get(ping).copied().flatten()
     }
 
-    /// Side-scan pings that are excluded.
+    /// Returns the number of excluded side-scan pings.
     pub fn ping_count(&self) -> usize {
         self.pings.iter().flatten().count()
     }
 
-    /// The stretch that a side-scan ping lies in, by its place in [`Exclusions::stretches`]; `None`
+    /// Returns the index in [`Exclusions::stretches`] of the stretch with a side-scan ping; `None`
     /// where the ping counts.
     pub fn stretch_at(&self, ping: usize) -> Option<usize> {
         self.ping(ping)?;
@@ -283,7 +284,7 @@ impl Exclusions {
         self.stretches.partition_point(begun).checked_sub(1)
     }
 
-    /// Soundings that are excluded.
+    /// Returns the number of excluded soundings.
     pub fn sounding_count(&self) -> usize {
         self.soundings.iter().flatten().count()
     }
@@ -297,7 +298,7 @@ impl Exclusions {
 /// First and last time of a span, seconds, and the reason of its exclusion; `None` where it counts.
 type TimeSpan = ([f64; 2], Option<ExclusionReason>);
 
-/// Turns and stops.
+/// Finds the turns and stops that the settings exclude.
 fn automatic(times_s: &[f64], places: &[PingNav], settings: &ExclusionSettings) -> Vec<TimeSpan> {
     let min_s = settings.min_duration_s;
     let mut spans = Vec::new();
@@ -308,15 +309,15 @@ fn automatic(times_s: &[f64], places: &[PingNav], settings: &ExclusionSettings) 
         spans.extend(runs(times_s, is_out, ExclusionReason::Turn, min_s));
     }
     if let Some(min_mps) = settings.min_speed_mps {
-        // A speed that is not known is no stop.
+        // An unknown speed, NaN, is not a stop.
         let is_out = |index: usize| places.get(index).is_some_and(|at| at.speed_mps < min_mps);
         spans.extend(runs(times_s, is_out, ExclusionReason::Stop, min_s));
     }
     spans
 }
 
-/// Runs of records that are out; those that are nearer to each other than `min_s` are one, and
-/// shorter ones stay in.
+/// Returns the time spans of runs of records for which `is_out` is true. Runs at most `min_s` apart
+/// are joined; runs shorter than `min_s` are left out.
 fn runs(
     times_s: &[f64],
     is_out: impl Fn(usize) -> bool,
@@ -337,7 +338,7 @@ fn runs(
     long.map(|span| (span, Some(reason))).collect()
 }
 
-/// Stretches of another log.
+/// Error of stretches that belong to another log.
 #[derive(Debug, thiserror::Error)]
 #[error(
     "excluded.stretches are not applied: they belong to {}, a log of {} bytes and {} pings",
@@ -345,10 +346,10 @@ fn runs(
 )]
 struct StretchesOfOtherLog<'a>(&'a Identity);
 
-/// The stretches that the settings name, as spans of time.
+/// Returns the stretches in the settings as time spans.
 ///
 /// # Errors
-/// Where they belong to another log.
+/// When the stretches belong to another log.
 fn named<'a>(
     survey: &Survey,
     settings: &'a ExclusionSettings,
@@ -362,7 +363,7 @@ fn named<'a>(
     Ok(settings.stretches.iter().filter_map(span).collect())
 }
 
-/// The reason at every time; empty where there is none at all.
+/// Returns the reason of the exclusion at each time; empty where no time is excluded.
 fn flags(times_s: &[f64], spans: &[TimeSpan]) -> Vec<Option<ExclusionReason>> {
     let mut flags = vec![None; times_s.len()];
     for ([from_s, to_s], reason) in spans {
@@ -375,7 +376,7 @@ fn flags(times_s: &[f64], spans: &[TimeSpan]) -> Vec<Option<ExclusionReason>> {
     if flags.iter().any(Option::is_some) { flags } else { Vec::new() }
 }
 
-/// Runs of the same reason.
+/// Returns the stretches: runs of records that are excluded for the same reason.
 fn stretches(
     times_s: &[f64],
     flags: &[Option<ExclusionReason>],
@@ -403,8 +404,8 @@ mod tests {
     use crate::survey::{SidePing, Sounding};
     use std::sync::Arc;
 
-    /// A minute at ten pings a second: 20 s north at 2 m/s, a turn of 12 degrees a second for 15 s,
-    /// 15 s straight, 10 s at rest.
+    /// Creates a log of a minute at ten pings a second: 20 s north at 2 m/s, a turn of 12 degrees a
+    /// second for 15 s, 15 s straight, 10 s at rest.
     pub(super) fn sailed(with_pings: bool) -> (Survey, Navigation) {
         let times_s: Vec<f64> = (0..600).map(|index| 0.1 * f64::from(index)).collect();
         let (mut at, mut heading_rad) = ([0.0, 0.0], 0.0_f64);
@@ -452,7 +453,7 @@ mod tests {
             let [turn, stop] = out.stretches[..] else { panic!("{:?}", out.stretches) };
             assert_eq!(turn.reason, ExclusionReason::Turn);
             assert_eq!(stop.reason, ExclusionReason::Stop);
-            // The rate is a mean over two seconds to both sides.
+            // The turn rate is a mean over two seconds before and after.
             for (found_s, true_s) in turn.time_s.iter().zip([20.0, 35.0]) {
                 assert!((found_s - true_s).abs() < 1.5, "{turn:?}");
             }
@@ -510,7 +511,7 @@ mod tests {
         let (survey, navigation) = sailed(true);
         let out = Exclusions::new(&survey, &navigation, &ExclusionSettings::default());
         assert_eq!(out, Exclusions::default());
-        // A turn that is shorter than the shortest stays.
+        // A turn that is shorter than `min_duration_s` is not excluded.
         let mut settings = turns_and_stops();
         settings.min_duration_s = 20.0;
         assert!(Exclusions::new(&survey, &navigation, &settings).is_empty());

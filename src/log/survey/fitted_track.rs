@@ -1,65 +1,68 @@
-//! A smooth track through coarse fixes.
+//! Fits a smooth track to coarse fixes, for the position and the velocity of the boat at any time.
 //!
 //! Recorders round positions to about a metre and repeat them for most pings, so a difference of
-//! two recorded positions points to one of eight directions, or nowhere. A line fitted over a few
-//! seconds is good to about a degree.
+//! two recorded positions points to one of eight directions, or nowhere. The direction of a line
+//! fitted over a few seconds is accurate to about a degree.
 
 use super::Track;
 use super::local_fit::{LocalFit, TimedPosition};
 use crate::support::statistics::quantile;
 use std::ops::Range;
 
-/// Fixes farther apart than this are not joined by a fit, seconds (or three fix intervals, where
-/// those are longer).
+/// Longest time between two fixes that one fit covers, seconds (or three fix intervals, where those
+/// are longer).
 const MAX_GAP_S: f64 = 5.0;
-/// A position that stays for longer than this counts as several measurements: the boat is slow or
-/// at rest.
+/// Longest time for which an unchanged position counts as one measurement, seconds; a longer stay
+/// counts as several, because the boat is slow or at rest.
 const LONG_STAY_S: f64 = 2.0;
-/// A stay counts as no more measurements than this: a damaged clock makes one that lasts for weeks.
+/// Largest number of measurements that a stay counts as: with a damaged clock a stay may last for
+/// weeks.
 const MOST_PARTS: f64 = 10_000.0;
-/// A step of this length after a long stay means that the stay was a lost position, metres.
+/// Step after a long stay, metres, beyond which the receiver is assumed to have lost its position
+/// during the stay.
 const STALE_JUMP_M: f64 = 5.0;
-/// A fit is trusted this far beyond the fixes, seconds.
+/// Time beyond the fixes for which a fit is used, seconds.
 const REACH_S: f64 = 2.0;
-/// Slower than this the boat is at rest, metres a second.
+/// Speed below which the boat is at rest, metres a second.
 const REST_SPEED_MPS: f64 = 0.2;
 /// Shares of the window that are tried one after the other where the track bends.
 const NARROWING: [f64; 2] = [1.0, 0.5];
-/// A curve that the places miss by more than this share of their resolution does not follow the
-/// boat.
+/// Largest misfit of a curve that follows the boat, as a share of the resolution of the places.
 const MISFIT: f64 = 0.5;
-/// A boat at rest whose rounded position toggles between neighbours seems to travel up to twice
-/// their distance in a window: only more than this many times the resolution of the fixes is
-/// motion.
+/// Shortest way within a window that counts as motion, in resolutions of the fixes: a boat at rest
+/// whose rounded position toggles between two neighbours seems to travel up to twice their
+/// distance.
 const MOVED: f64 = 2.6;
 /// Fix intervals that receivers are known to use, seconds, longest first.
 const KNOWN_INTERVALS_S: [f64; 9] = [30.0, 15.0, 10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1];
-/// A position does not change more often than its receiver gives fixes, but for the beat of records
-/// against fixes: nearly all changes are at least this share of an interval apart.
+/// Least time between nearly all changes of position, as a share of the fix interval: a position
+/// does not change more often than the receiver gives fixes, apart from the beat of records against
+/// fixes.
 const LEAST_CHANGE: f64 = 0.8;
-/// Records closer together than this share of a fix interval repeat fixes.
+/// Share of a fix interval; records closer together than this repeat fixes.
 const REPEATS: f64 = 0.9;
-/// The share of the fixes that nearly all stands for.
+/// Share of the fixes that counts as nearly all.
 const NEARLY_ALL: f64 = 0.95;
 /// Longest time between two fixes over which the place of the boat is interpolated, seconds (or six
 /// fix intervals, where those are longer).
 const LONGEST_BRIDGE_S: f64 = 10.0;
 /// Longest distance between two fixes over which the place of the boat is interpolated where times
-/// are assumed, metres (or three times as far as nearly all fixes are, where that is farther): in a
-/// longer gap rows are missing.
+/// are assumed, metres (or three times the distance between nearly all fixes, where that is
+/// farther): in a longer gap rows are missing.
 const LONGEST_BRIDGE_M: f64 = 30.0;
 
-/// Places whose windows tell how much of the rounding is left in a fit.
+/// Largest number of places whose windows are used to estimate the rounding that is left in a fit.
 const MOST_PLACES_TRIED: usize = 4_000;
-/// Steps along an axis shorter than this come from the curvature of the earth, metres.
+/// Shortest step along an axis that is a step of the recorded positions, metres; shorter ones come
+/// from the curvature of the earth.
 const LEAST_STEP_M: f64 = 1e-3;
 
-/// Place and motion of the boat at a time.
+/// Place and motion of the boat at a time; NaN where unknown.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Motion {
     pub(super) east_m: f64,
     pub(super) north_m: f64,
-    /// Metres a second east and north; NaN where nothing can be fitted.
+    /// Velocity to the east and north, metres a second; NaN where nothing can be fitted.
     pub(super) velocity: [f64; 2],
     /// True if the boat moves by more than its fixes can resolve.
     pub(super) moving: bool,
@@ -74,23 +77,24 @@ impl Motion {
     }
 }
 
-/// The distinct fixes of a track, ready for local fits.
+/// Distinct fixes of a track, prepared for local fits.
 #[derive(Debug)]
 pub(super) struct FittedTrack {
     places: Vec<TimedPosition>,
-    /// Stretches of `places` without a gap.
+    /// Index ranges of `places` without a gap.
     segments: Vec<Range<usize>>,
     half_window_s: f64,
     reach_s: f64,
     bridge_s: f64,
     bridge_m: f64,
-    /// Smallest step between two recorded positions, metres: what the recorder's rounding lets
-    /// through.
+    /// Smallest step between two recorded positions, metres, at most 1: the resolution that the
+    /// recorder's rounding leaves.
     resolution_m: f64,
 }
 
 impl FittedTrack {
-    /// `window_s` is widened where the fixes come too rarely for it.
+    /// Prepares a track for fits over `window_s` seconds; the window is widened to four fix
+    /// intervals where these are longer.
     pub(super) fn new(track: &Track, window_s: f64) -> Self {
         let stays = stays(track);
         if track.has_assumed_times
@@ -112,9 +116,9 @@ impl FittedTrack {
         }
     }
 
-    /// A track whose times are assumed and whose records repeat fixes: each fix is true at its
-    /// first record, and how long it is repeated says nothing. `None` where each record has a place
-    /// of its own.
+    /// Prepares a track whose times are assumed and whose records repeat fixes: each fix counts at
+    /// its first record, with equal weights, as the time for which it is repeated has no meaning.
+    /// `None` where the records do not repeat fixes.
     fn in_order(track: &Track, stays: &[Stay], window_s: f64) -> Option<Self> {
         let mut between_s: Vec<f64> =
             stays.windows(2).map(|pair| pair[1].first_s - pair[0].first_s).collect();
@@ -146,9 +150,9 @@ impl FittedTrack {
         })
     }
 
-    /// Position and velocity at a time. In short gaps of the fixes the position is interpolated and
-    /// there is no velocity; in long ones, before the first fix and after the last there is
-    /// neither.
+    /// Returns position and velocity at a time. In short gaps of the fixes the position is
+    /// interpolated and the velocity is NaN; in long gaps, before the first fix and after the last,
+    /// both are NaN.
     pub(super) fn at(&self, time_s: f64) -> Motion {
         match self.fit(time_s) {
             Some((fit, half_window_s)) => {
@@ -166,12 +170,12 @@ impl FittedTrack {
         }
     }
 
-    /// Standard deviation of places along the axis where it is larger, metres, that rounding
-    /// leaves in the fit; the whole of it with `is_fitted` false.
+    /// Returns the standard deviation of places that rounding leaves in the fit, along the axis
+    /// where it is larger, metres; with `is_fitted` false, that of the recorded places.
     ///
     /// Rounding to multiples of `r` has a variance of `r²/12`. A fit over a window in which the
-    /// recorded values of an axis take `n` steps averages `n + 1` of them; of a track along the
-    /// lines that positions are rounded to, all are off by the same, however many there are.
+    /// recorded values of an axis take `n` steps averages `n + 1` values; on a track along the
+    /// lines that positions are rounded to, all values have the same error, however many there are.
     pub(super) fn rounding_m(&self, is_fitted: bool) -> f64 {
         let step = self.places.len().div_ceil(MOST_PLACES_TRIED).max(1);
         let tried = || self.places.iter().step_by(step);
@@ -190,7 +194,7 @@ impl FittedTrack {
         sigmas_m[0].max(sigmas_m[1])
     }
 
-    /// True where the place at a time is known.
+    /// Returns true if the place of the boat at a time is known.
     fn is_known(&self, time_s: f64) -> bool {
         let next = self.places.partition_point(|place| place.time_s < time_s);
         let sides = [next.checked_sub(1), Some(next)];
@@ -202,13 +206,13 @@ impl FittedTrack {
         }
     }
 
-    /// True where fixes that follow each other are close enough to know the way between them.
+    /// Returns true if two consecutive fixes are close enough to interpolate between them.
     fn is_bridged(&self, before: &TimedPosition, after: &TimedPosition) -> bool {
         after.time_s - before.time_s <= self.bridge_s && apart_m(before, after) <= self.bridge_m
     }
 
-    /// The fit over the whole window, or over a narrower one where the boat turns, and half the
-    /// width of its window.
+    /// Returns the fit over the whole window, or over a narrower one where the boat turns, and half
+    /// the width of the window that was used; `None` where nothing can be fitted.
     fn fit(&self, time_s: f64) -> Option<(LocalFit, f64)> {
         let mut best = None;
         for half_window_s in NARROWING.map(|share| share * self.half_window_s) {
@@ -226,7 +230,8 @@ impl FittedTrack {
         best
     }
 
-    /// The places within the window around a time, none across a gap; empty in a gap.
+    /// Returns the places within the window around a time, without those across a gap; empty in a
+    /// gap.
     fn window(&self, time_s: f64, half_window_s: f64) -> &[TimedPosition] {
         let index = self
             .segments
@@ -243,8 +248,8 @@ impl FittedTrack {
         &places[start..end]
     }
 
-    /// Straight between the places around a time; held for a moment beyond the first and the last,
-    /// and beside a gap.
+    /// Interpolates linearly between the places around a time. Before the first place, after the
+    /// last, and in a gap that is not bridged the nearest place is returned.
     fn between(&self, time_s: f64) -> Motion {
         let next = self.places.partition_point(|place| place.time_s < time_s);
         let Some(after) = self.places.get(next).or(self.places.last()) else {
@@ -263,7 +268,7 @@ impl FittedTrack {
     }
 }
 
-/// One recorded position and the records that repeat it.
+/// A recorded position, and the times of the first and the last record that repeat it.
 #[derive(Clone, Copy, Debug)]
 struct Stay {
     first_s: f64,
@@ -296,8 +301,8 @@ fn stays(track: &Track) -> Vec<Stay> {
     stays
 }
 
-/// A position shown for long that ends in a jump was not true all that time: the receiver had lost
-/// its satellites.
+/// Shortens long stays that end in a jump to their first record: the receiver had lost its
+/// satellites, and the position was not true all that time.
 fn drop_stale_repeats(stays: &mut [Stay]) {
     for index in 1..stays.len() {
         let [before, after] = [stays[index - 1], stays[index]];
@@ -308,11 +313,11 @@ fn drop_stale_repeats(stays: &mut [Stay]) {
     }
 }
 
-/// Seconds between two fixes of the receiver: the longest known interval whose beat the changes of
-/// position keep.
+/// Estimates the seconds between two fixes of the receiver: the longest known interval that the
+/// times of the position changes are in step with.
 ///
-/// The time between changes does not show it: at 2 m/s and 10 fixes a second a position rounded to
-/// a metre changes only every third or fourth fix.
+/// The time between changes does not show the interval: at 2 m/s and 10 fixes a second a position
+/// rounded to a metre changes only every third or fourth fix.
 fn fix_interval_s(stays: &[Stay]) -> f64 {
     if stays.len() < 8 {
         return 0.0;
@@ -335,7 +340,7 @@ fn fix_interval_s(stays: &[Stay]) -> f64 {
     known.unwrap_or_else(|| between[between.len() / 20].clamp(0.0, 0.1))
 }
 
-/// Seconds between two records that carry a position.
+/// Returns the median time between two records with a position, seconds.
 fn record_interval_s(track: &Track) -> f64 {
     let fixes = &track.fixes[..track.fixes.len().min(400)];
     let mut between: Vec<f64> =
@@ -344,10 +349,10 @@ fn record_interval_s(track: &Track) -> f64 {
     if between.is_empty() { f64::INFINITY } else { quantile(&between, 0.5) }
 }
 
-/// Each stay becomes a measurement at its middle: there the rounding error is as likely ahead as
-/// behind. A recorder that repeats the latest fix in each of its records shows it when it is half a
-/// fix interval old on average: `repeats_s` is that interval. A fix that comes once has a time of
-/// its own: `repeats_s` is 0.
+/// Makes one or more measurements of each stay, around its middle, where the rounding error is as
+/// likely ahead as behind. Where a recorder repeats the latest fix in each record, a fix is half a
+/// fix interval old on average: `repeats_s` is that interval. Where each fix is recorded once, at
+/// its own time, `repeats_s` is 0.
 fn places(stays: &[Stay], repeats_s: f64) -> Vec<TimedPosition> {
     let mut places = Vec::with_capacity(stays.len());
     for stay in stays {
@@ -385,19 +390,18 @@ fn segments(places: &[TimedPosition], max_gap_s: f64, max_gap_m: f64) -> Vec<Ran
     segments
 }
 
-/// Tells which times have a place on a track.
+/// Checks which times have a known place on a track; `None` inside for a track without fixes.
 #[derive(Debug)]
 pub(crate) struct KnownTimes(Option<FittedTrack>);
 
 impl KnownTimes {
-    /// Returns the known times of a track. Without a fix nothing is determined: all times count as
-    /// known.
+    /// Creates the check for a track. For a track without fixes all times count as known.
     pub(crate) fn of(track: &Track) -> Self {
         Self((!track.fixes.is_empty()).then(|| FittedTrack::new(track, 0.0)))
     }
 
-    /// The number of some times, which are in order, around which no fix was recorded, and the
-    /// first and the last of them; `None` where there are none.
+    /// Returns the number of times, of some times in order, at which the place is not known, and
+    /// the first and the last of these; `None` where all are known.
     pub(crate) fn unknown(&self, times: impl Iterator<Item = f64>) -> Option<(usize, [f64; 2])> {
         let fitted = self.0.as_ref()?;
         let lost = times.filter(|time_s| !fitted.is_known(*time_s));
@@ -413,13 +417,13 @@ fn resolution_m(stays: &[Stay]) -> f64 {
     steps.fold(1.0, f64::min)
 }
 
-/// Smallest step of the recorded positions along an axis, metres; 1 at most.
+/// Returns the smallest step of the recorded positions along an axis, metres; at most 1.
 fn axis_resolution_m(places: &[TimedPosition], axis: usize) -> f64 {
     let steps = places.windows(2).map(|pair| (pair[1].axis_m(axis) - pair[0].axis_m(axis)).abs());
     steps.filter(|step_m| *step_m > LEAST_STEP_M).fold(1.0, f64::min)
 }
 
-/// Length that some places cover along an axis, metres.
+/// Returns the length that some places cover along an axis, metres.
 fn span_m(places: &[TimedPosition], axis: usize) -> f64 {
     let values = places.iter().map(|place| place.axis_m(axis));
     let ends = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {

@@ -1,5 +1,5 @@
-//! A log that is still being written: where its tail begins, the log with what was added to it, and
-//! a stretch of it as a log of its own.
+//! Follows a log that is still being written: finds where its tail begins, joins the log with a new
+//! tail, and cuts a stretch out of it as a log.
 
 use super::NEAREST_SOUNDING_S;
 use super::observations::mark_faults_from;
@@ -12,20 +12,19 @@ use std::collections::BTreeMap;
 use std::mem::discriminant;
 use std::sync::Arc;
 
-/// Recorders write records this much out of order at most, seconds: the slack that the readers
-/// allow.
+/// Largest time by which recorders write records out of order, seconds; the readers allow as much.
 const DISORDER_S: f64 = 2.0;
-/// The last seconds of a log are read again with what follows: the second half of a ping, or what
-/// speaks for or against a time, may have come since.
+/// Time at the end of a log that is read again with the tail, seconds: the second side of a ping,
+/// or records that confirm or refute a time, may have been written since.
 const UNSETTLED_S: f64 = 3.0;
-/// A channel whose last ping is older than this has ended, seconds.
+/// Age of the last ping of a channel beyond which the channel has ended, seconds.
 const ENDED_S: f64 = 30.0;
-/// A side that was not recorded in so many pings has ended.
+/// Number of pings without a side after which that side has ended.
 const ENDED_PINGS: usize = 1000;
 
-/// Pings around one that may lie out of order.
+/// Number of neighbouring pings that may be out of order in the file.
 const NEIGHBOURS: usize = 16;
-/// Bytes of a record at most.
+/// Largest number of bytes of a record.
 const MOST_OF_A_PING: u64 = 1 << 17;
 
 /// Beginning of the tail of a log.
@@ -33,7 +32,7 @@ const MOST_OF_A_PING: u64 = 1 << 17;
 pub struct Seam {
     /// Records of this time or later are taken from the tail, seconds after the log's time zero.
     pub time_s: f64,
-    /// Byte offset in each file of the log before which nothing of that time or later was written.
+    /// Byte offset in each file of the log before which no record of `time_s` or later was written.
     pub from: Vec<u64>,
 }
 
@@ -43,7 +42,7 @@ struct RecordPlace {
     /// Seconds after the log's time zero.
     time_s: f64,
     file: usize,
-    /// Bytes.
+    /// Byte offset of the samples in the file.
     offset: u64,
 }
 
@@ -57,17 +56,17 @@ impl RecordPlace {
     }
 }
 
-/// Beginning of a stretch of a log in its records other than side-scan ([`Survey::stretch_from`]).
+/// Beginning of a stretch of a log ([`Survey::stretch_from`]), in the records other than side-scan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StretchStart {
-    /// Soundings before it.
+    /// Number of soundings before the stretch.
     pub sounding: usize,
-    /// Pings of the swath before it.
+    /// Number of pings of the swath before the stretch.
     pub swath: usize,
 }
 
-/// The lists of a log that is extended again and again ([`Survey::extended`]), so that each time
-/// takes as long as what is new.
+/// Versions of the lists of a log that is extended again and again ([`Survey::extended`]), so that
+/// the time of an extension depends on the number of new records only.
 #[derive(Debug, Default)]
 pub struct SurveyVersions {
     side_scan: Versions<SidePing>,
@@ -78,9 +77,9 @@ pub struct SurveyVersions {
 }
 
 impl Survey {
-    /// Returns the beginning of the log's tail, for when more is written; `None` where all of it
-    /// has to be read again: it has no pings yet, its samples are packed, or its track is another
-    /// receiver's.
+    /// Returns the place from which the log has to be read when more of it is written; `None` where
+    /// all of it has to be read again: the log has no pings yet, its samples are packed, or its
+    /// track is another receiver's.
     pub fn seam(&self) -> Option<Seam> {
         let is_packed = self.bytes.iter().any(Bytes::is_packed);
         let has_others = self.bytes.len() != self.source.files.len();
@@ -92,8 +91,8 @@ impl Survey {
         let is_live = |last: &&RecordPlace| newest_s - last.time_s < ENDED_S;
         let live = lasts.iter().filter(is_live);
         let slowest_s = live.fold(newest_s, |least_s, last| least_s.min(last.time_s));
-        // Recorders count milliseconds: between two of them there is no ping that could be taken
-        // for one of either part.
+        // Recorders count whole milliseconds: a time between two of them is not the time of a ping,
+        // so every ping is clearly before or after the seam.
         let time_s = (slowest_s * 1e3).floor() / 1e3 - UNSETTLED_S - 0.0005;
         let settled_s = time_s - 2.0 * DISORDER_S;
         let settled: Vec<RecordPlace> = self.lasts_before(settled_s).collect();
@@ -104,8 +103,8 @@ impl Survey {
                 let those = those.filter(|last| (settled_s - last.time_s > ENDED_S) == has_ended);
                 those.map(|last| last.offset).reduce(u64::min)
             };
-            // A file of which nothing is settled yet, or that holds no pings at all, is read from
-            // its beginning.
+            // A file of which no record is settled yet, or that has no pings, is read from its
+            // beginning.
             let ended = || {
                 offsets(&settled, true)
                     .filter(|_| !lasts.iter().filter(here).any(|last| is_live(&last)))
@@ -115,7 +114,7 @@ impl Survey {
         Some(Seam { time_s, from: from.collect() })
     }
 
-    /// The last record of each channel before a time.
+    /// Returns the last record of each channel before a time.
     fn lasts_before(&self, time_s: f64) -> impl Iterator<Item = RecordPlace> {
         let before = self.side_scan.partition_point(|ping| ping.time_s < time_s);
         let pings = &self.side_scan[..before];
@@ -133,9 +132,10 @@ impl Survey {
         sides.chain(down).chain(swath.map(RecordPlace::of_swath))
     }
 
-    /// The log with what was added to it: `tail` is what was read from `seam` on, with the bytes of
-    /// the longer files. The frame, the time zero and the scale of 16-bit samples stay. `None`
-    /// where the tail does not continue the log: all of it has to be read again.
+    /// Returns the log extended by `tail`, which was read from `seam` on and has the bytes of the
+    /// longer files. The local coordinate frame, the time zero and the scale of 16-bit samples
+    /// stay. `None` where the tail does not continue the log, which then has to be read again as a
+    /// whole.
     pub fn extended(
         &self,
         mut tail: Survey,
@@ -200,7 +200,7 @@ impl Survey {
         Some(longer)
     }
 
-    /// Returns a survey without records that has the facts known of the log as a whole.
+    /// Returns a survey without records, with the properties of the log as a whole.
     fn without_records(&self) -> Survey {
         Survey {
             start_unix_s: self.start_unix_s,
@@ -213,9 +213,9 @@ impl Survey {
         }
     }
 
-    /// Returns true if the log had so many side-scan pings when so many bytes of it were written:
-    /// what was decided about it then holds still. Of a recording in several files this is known to
-    /// two seconds.
+    /// Returns true if the log had `pings` side-scan pings when `byte_count` bytes of it were
+    /// written, so that decisions about the shorter log still apply. For a recording in several
+    /// files this is known to two seconds.
     pub fn was(&self, byte_count: u64, pings: usize) -> bool {
         let is_packed = self.bytes.iter().any(Bytes::is_packed);
         if byte_count > self.source.byte_count || pings > self.side_scan.len() || is_packed {
@@ -239,7 +239,7 @@ impl Survey {
             let most = bytes_at(next_s + DISORDER_S) + MOST_OF_A_PING * self.bytes.len() as u64;
             return (bytes_at(first_s - DISORDER_S)..=most).contains(&byte_count);
         }
-        // Pings lie in the order of their times, but for a few neighbours.
+        // Pings are in time order in the file, except for a few neighbours.
         let from = pings.saturating_sub(NEIGHBOURS);
         let near = || self.side_scan.iter().skip(from).take(2 * NEIGHBOURS);
         let ends = |ping: &super::SidePing| {
@@ -253,21 +253,22 @@ impl Survey {
         let begun =
             near().filter(|ping| ends(ping).into_iter().flatten().any(|end| end <= byte_count));
         let whole = near().filter(|ping| ends(ping).into_iter().all(is_in));
-        // A side that comes in a record of its own makes a ping; of one record with both, all has
-        // to be there, and what follows them in it.
+        // Where each side has its own record, one side makes a ping; a record with both sides has
+        // to be complete, including the bytes behind the samples.
         let least = (from + whole.count()).saturating_sub(1);
         (least..=from + begun.count()).contains(&pings)
     }
 
-    /// Returns true if something that was made on a recording was made on this log, now or when
-    /// less of it was written. A shorter one has to bear its name.
+    /// Returns true if `log` identifies this log, now or when less of it was written. A shorter log
+    /// must have the same file name.
     pub fn is_or_was(&self, log: &Identity) -> bool {
         let own = Identity::of(self);
         own.is_same_log(log) || (own.file == log.file && self.was(log.byte_count, log.pings))
     }
 
-    /// Returns the seconds by which the times of a tail are too early: the recorder's clock was set
-    /// back before it. `None` where the tail does not hold the log's last settled ping.
+    /// Returns the seconds by which the times of a tail are too early, because the recorder's clock
+    /// was set back before it. `None` where the tail does not contain the log's last settled ping,
+    /// unless the tail was read from the beginning (0 then).
     fn clock_shift_s(&self, tail: &Survey, seam: &Seam) -> Option<f64> {
         let sides = tail.side_scan.iter().flat_map(|ping| {
             let place = |span: &SideSpan| RecordPlace::of(ping.time_s, span);
@@ -305,8 +306,9 @@ impl Survey {
         Arc::make_mut(&mut self.track.fixes).iter_mut().for_each(|fix| later(&mut fix.time_s));
     }
 
-    /// Shows the same bits of 16-bit samples as the log so far. Samples with a scale for each ping
-    /// have the log's scale already: their readers look it up.
+    /// Gives 16-bit samples the encoding that the log has so far, so that the same bits are shown.
+    /// Samples with a scale for each ping already have the scale of the log, which their reader
+    /// uses.
     fn scale_like(&mut self, log: &Survey) {
         let spans = log.side_scan.iter().rev().take(ENDED_PINGS);
         let mut spans = spans.flat_map(|ping| [ping.port, ping.starboard]).flatten();
@@ -323,9 +325,9 @@ impl Survey {
         }
     }
 
-    /// Its last pings from `first` on as a log of its own, in the same frame and over the same
-    /// bytes, and where it begins in the other records: what stages are run over where only the end
-    /// of a log is new.
+    /// Returns the pings from `first` on as a log, in the same local coordinate frame and over the
+    /// same bytes, and the beginning of this stretch in the other records. Stages run over the
+    /// stretch where only the end of a log is new.
     pub fn stretch_from(&self, first: usize) -> (Survey, StretchStart) {
         let from_s = self.stretch_from_s(first);
         let start = self.stretch_start(first);
@@ -351,8 +353,8 @@ impl Survey {
         }
     }
 
-    /// The time of a ping that a stretch begins with; the first of all stretches has no beginning,
-    /// in a log without pings either.
+    /// Returns the time of the first ping of a stretch; minus infinity for a stretch from ping 0
+    /// on, infinity where the ping is not in the log.
     fn stretch_from_s(&self, first: usize) -> f64 {
         match first {
             0 => f64::NEG_INFINITY,
@@ -361,11 +363,12 @@ impl Survey {
     }
 }
 
-/// A log and its tail meet at this time, seconds.
+/// Time at which a log and its tail meet, seconds.
 struct Join(f64);
 
 impl Join {
-    /// Number of the log's records that are older, and the first of the tail's that is not.
+    /// Returns the number of records of the log before the time, and the index of the first record
+    /// of the tail that is not before it.
     fn of<T>(&self, log: &[T], tail: &[T], time_s: impl Fn(&T) -> f64) -> [usize; 2] {
         [log, tail].map(|records| records.partition_point(|one| time_s(one) < self.0))
     }
@@ -393,7 +396,7 @@ fn joined_echograms(
     each.collect()
 }
 
-/// Channels with what the tail counted beyond the records that were known.
+/// Returns the channels of a log extended by those of its tail.
 fn joined_channels(log: &[Channel], tail: &[Channel], later_s: f64) -> Vec<Channel> {
     let mut channels = log.to_vec();
     for added in tail.iter().filter(|channel| channel.ping_count > 0) {
@@ -433,8 +436,8 @@ mod tests {
     use crate::survey::{Bytes, SidePing};
     use std::path::PathBuf;
 
-    /// A log of one record a ping: 100 bytes of header and two sides of 200 samples, the port one
-    /// first.
+    /// Creates a log of one record per ping: 100 bytes of header, 200 port and 200 starboard
+    /// samples.
     fn log(pings: u64) -> Survey {
         let span = |offset| SideSpan { offset, ..SideSpan::of_bytes(200, [0.0, 10.0]) };
         let ping = |index: u64| SidePing {

@@ -1,28 +1,28 @@
-//! Least squares over the fixes around a time.
+//! Fits lines and parabolas to the fixes around a time by least squares.
 
-/// One position with the time at which it was true.
+/// A position with the time at which it was true.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TimedPosition {
     pub(super) time_s: f64,
     pub(super) east_m: f64,
     pub(super) north_m: f64,
-    /// Time for which the recorder showed it, seconds.
+    /// Weight in the fit: the time for which the recorder repeated the position, seconds.
     pub(super) weight: f64,
 }
 
 impl TimedPosition {
-    /// Metres along an axis: east for 0, north for 1.
+    /// Returns the coordinate along an axis, metres: east for 0, north for 1.
     pub(super) fn axis_m(&self, axis: usize) -> f64 {
         [self.east_m, self.north_m][axis]
     }
 }
 
-/// Weighted least squares around a time: a line for the velocity, a parabola for the position (in a
-/// turn a line lies inside the curve by up to a metre).
+/// Weighted least-squares fit around a time: a line for the velocity, a parabola for the position
+/// (in a turn a line is inside the curve by up to a metre).
 pub(super) struct LocalFit {
-    /// Metres east and north at the time.
+    /// Position at the time, metres east and north.
     pub(super) position: [f64; 2],
-    /// Metres a second east and north.
+    /// Velocity at the time, metres a second east and north.
     pub(super) velocity: [f64; 2],
     /// Root mean square distance of the places from the curve, metres.
     pub(super) misfit_m: f64,
@@ -56,7 +56,7 @@ impl Moments {
         moments
     }
 
-    /// Coefficients of the least-squares line; `None` when the places span no time.
+    /// Returns the coefficients of the least-squares line; `None` when the places span no time.
     fn line(&self, axis: usize) -> Option<[f64; 3]> {
         let ([s0, s1, s2, ..], [m0, m1, _]) = (self.time, self.place[axis]);
         let determinant = s0 * s2 - s1 * s1;
@@ -64,7 +64,8 @@ impl Moments {
             .then(|| [(s2 * m0 - s1 * m1) / determinant, (s0 * m1 - s1 * m0) / determinant, 0.0])
     }
 
-    /// Coefficients of the least-squares parabola; `None` when the places lie at too few times.
+    /// Returns the coefficients of the least-squares parabola; `None` when the places have too few
+    /// distinct times.
     fn parabola(&self, axis: usize) -> Option<[f64; 3]> {
         let ([s0, s1, s2, s3, s4], [m0, m1, m2]) = (self.time, self.place[axis]);
         let determinant = determinant([[s0, s1, s2], [s1, s2, s3], [s2, s3, s4]]);
@@ -89,7 +90,7 @@ fn determinant([[a, b, c], [d, e, f], [g, h, i]]: [[f64; 3]; 3]) -> f64 {
 }
 
 impl LocalFit {
-    /// `None` when the places do not span any time.
+    /// Fits places within half a window around a time; `None` when the places do not span any time.
     pub(super) fn over(places: &[TimedPosition], time_s: f64, half_window_s: f64) -> Option<Self> {
         let moments = Moments::over(places, time_s, half_window_s);
         let [east, north] = [moments.line(0)?, moments.line(1)?];

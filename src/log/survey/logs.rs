@@ -1,30 +1,31 @@
-//! Logs among others: identifies the recording on which a sidecar file was made, names the logs of
-//! one survey so that no two have the same name, and finds those that do not belong to the survey
-//! of the others because they lie too far away, or are too short to show anything.
+//! Identifies the recording to which a sidecar file belongs, gives the logs of one survey distinct
+//! names, and finds logs that do not belong to the survey of the others because they are too far
+//! away, or too short to show anything.
 
 use super::Survey;
 use crate::support::geo::{LonLat, distance_m};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// Logs farther apart than this are of different waters, metres.
+/// Distance beyond which logs belong to different waters, metres.
 const FAR_M: f64 = 50_000.0;
-/// A log of fewer pings, soundings and pings of a swath was switched on and off again.
+/// Fewest pings, soundings or pings of a swath of a log; in a shorter one the recorder was only
+/// switched on and off again.
 const FEWEST: usize = 20;
 
-/// Identifies one log in its sidecar files: decisions about boxes, bottom edits. It depends on the
-/// log's own bytes only, whatever is applied to the log. A log that was renamed or moved is still
-/// the same.
+/// Identity of a log in its sidecar files (decisions about boxes, bottom edits). It depends on the
+/// log's own bytes only, not on settings that are applied to the log. A log that was renamed or
+/// moved is still the same log.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Identity {
     /// File name of the log, without its folder.
     pub file: String,
-    /// Bytes of all its files.
+    /// Number of bytes of all files of the log.
     pub byte_count: u64,
-    /// Side-scan pings.
+    /// Number of side-scan pings.
     pub pings: usize,
-    /// True if port and starboard are exchanged against the recording: sides that are named with it
-    /// are those.
+    /// True if port and starboard were exchanged against the recording: the sides in the sidecar
+    /// file are then the exchanged ones.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub swapped_sides: bool,
 }
@@ -42,7 +43,8 @@ impl Identity {
         }
     }
 
-    /// Returns true if both are the same recording.
+    /// Returns true if both identities are of the same recording, by the numbers of bytes and
+    /// pings.
     pub fn is_same_log(&self, other: &Self) -> bool {
         self.byte_count == other.byte_count && self.pings == other.pings
     }
@@ -51,14 +53,14 @@ impl Identity {
 /// Reason why a log does not belong to the survey of the other logs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Apart {
-    /// It lies far from the others.
+    /// The log is far from the others.
     Far {
-        /// Distance to the nearest of them, metres.
+        /// Distance to the nearest of the other logs, metres.
         distance_m: f64,
     },
-    /// It is too short.
+    /// The log is too short.
     Short {
-        /// Its side-scan pings.
+        /// Number of its side-scan pings.
         pings: usize,
     },
 }
@@ -75,9 +77,9 @@ impl std::fmt::Display for Apart {
     }
 }
 
-/// A name for each log: the stem of its file; where others have that too, the file name; where
-/// others have that too, with its folder; where others have even that, with a number. Recorders
-/// begin each card with `Rec00001`.
+/// Returns a name for each log: the stem of its file. Where other logs have the same name, it
+/// becomes the file name, then the file name with the folder, then that with a number. Names often
+/// collide, as recorders begin each card with `Rec00001`.
 pub fn distinct_names<'a>(logs: impl Iterator<Item = &'a Survey>) -> Vec<String> {
     let logs: Vec<&Survey> = logs.collect();
     let mut names: Vec<String> = logs.iter().map(|log| log.name()).collect();
@@ -108,20 +110,20 @@ fn shared(names: &[String]) -> Vec<bool> {
     names.iter().map(|name| count(name) > 1).collect()
 }
 
-/// `Rec00001.DAT`.
+/// Returns the name of a file: `Rec00001.DAT`.
 fn file_name(file: &Path) -> Option<String> {
     Some(file.file_name()?.to_string_lossy().into_owned())
 }
 
-/// `Rec00001.DAT (card 2)`.
+/// Returns the name of a file with its folder: `Rec00001.DAT (card 2)`.
 fn with_folder(file: &Path) -> Option<String> {
     let folder = file.parent()?.file_name()?;
     Some(format!("{} ({})", file_name(file)?, folder.to_string_lossy()))
 }
 
 /// Returns for each log the reason why it does not belong to the survey; `None` where it does. The
-/// survey is the logs near those of `known`, or, where none of these has a place, the near ones
-/// with most pings. One log is a survey, and so are logs that are all too short.
+/// survey is the group of neighbouring logs with a log that is `known` to belong to it, otherwise
+/// the group with most pings. A single log is a survey, and so are logs that are all too short.
 pub fn apart(logs: &[&Survey], known: &[bool]) -> Vec<Option<Apart>> {
     let is_short = |log: &&Survey| {
         let counts = [log.side_scan.len(), log.soundings.len(), log.swath.len()];
@@ -154,13 +156,13 @@ pub fn apart(logs: &[&Survey], known: &[bool]) -> Vec<Option<Apart>> {
     why
 }
 
-/// The place in the middle of a log.
+/// Returns the position of the fix in the middle of a log; `None` without fixes.
 fn place(log: &Survey) -> Option<LonLat> {
     let fixes = &log.track.fixes;
     fixes.get(fixes.len() / 2).map(|fix| fix.position)
 }
 
-/// Logs in groups: each log of a group lies near another one of it.
+/// Groups logs, so that each log of a group is near another log of the group.
 fn groups(mut placed: Vec<(usize, LonLat)>) -> Vec<Vec<(usize, LonLat)>> {
     let mut groups = Vec::new();
     while let Some(first) = placed.pop() {

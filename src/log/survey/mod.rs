@@ -1,18 +1,18 @@
-//! A survey as it was recorded: channels, pings, samples and track; immutable after load, whatever
-//! the file format.
+//! Represents a survey as it was recorded, whatever the file format: channels, pings, samples and
+//! track. A survey is not changed after it was read.
 //!
-//! In: pings, samples and fixes, as a format gives them. Out: a survey, and the places of its
+//! In: pings, samples and fixes from the reader of a format. Out: a survey, and the places of its
 //! pings.
 //!
-//! `samples` reads echoes where they lie in the file, `track` holds the fixes, and how far two
-//! tracks of one boat lie apart, `observations` says which positions and recorded depths can be
-//! believed, `mounting` says how the recorder is mounted on its boat, and by how much its positions
-//! are off, `logs` identifies and names a log among others, `channels` holds the side-scan of
-//! several frequencies and the channels that look down, `exclusions` which stretches count for
-//! nothing, `relief` how the bottom lies across the track, `growing` what becomes of a log that is
-//! still being written, `swath` the depths across the track, `water` the area and the level of the
-//! water, `part` cuts a log. [`navigate`] places every ping on the ground, by `fitted_track` and
-//! its `local_fit` where a track is fitted; [`turn_rates_deg_s`] says how fast the boat turns.
+//! `samples` reads echoes from the bytes of the file, `track` holds the fixes and compares two
+//! tracks of one boat, `observations` finds false positions and recorded depths, `mounting` has the
+//! settings of the recorder's mounting on its boat and of the error of its positions, `logs`
+//! identifies and names a log among others, `channels` holds the side-scan of several frequencies
+//! and the channels that look down, `exclusions` determines the excluded stretches, `relief` holds
+//! the shape of the bottom across the track, `growing` extends a log that is still being written,
+//! `swath` reads the depths across the track, `water` holds the area and the level of the water,
+//! `part` cuts a log. [`navigate`] places every ping on the ground, by `fitted_track` and
+//! `local_fit` where a track is fitted; [`turn_rates_deg_s`] computes the turn rate of the boat.
 
 mod channels;
 mod exclusions;
@@ -71,10 +71,11 @@ pub enum Side {
 }
 
 impl Side {
-    /// Both sides, port first: the order of what is kept for each side, by `side as usize`.
+    /// Both sides, port first: the order of arrays with an entry for each side, indexed by `side as
+    /// usize`.
     pub const BOTH: [Side; 2] = [Side::Port, Side::Starboard];
 
-    /// A distance outward on this side as one to starboard, and one to starboard as one outward.
+    /// Converts a distance outward on this side to a distance to starboard, and back.
     pub fn to_starboard<T: std::ops::Neg<Output = T>>(self, outward: T) -> T {
         match self {
             Side::Port => -outward,
@@ -82,7 +83,7 @@ impl Side {
         }
     }
 
-    /// The other one.
+    /// Returns the other side.
     #[must_use]
     pub fn other(self) -> Self {
         match self {
@@ -91,7 +92,7 @@ impl Side {
         }
     }
 
-    /// `port` or `starboard`.
+    /// Returns the name: `port` or `starboard`.
     pub fn name(self) -> &'static str {
         match self {
             Side::Port => "port",
@@ -117,12 +118,13 @@ pub enum ChannelKind {
     Composite,
     /// Depths across the track, measured by the recorder.
     Swath,
-    /// A channel that Bathyscope counts but does not use, with the recorder's number for it.
+    /// A channel that Bathyscope counts but does not use, with the number that the recorder gives
+    /// it.
     Other(u16),
 }
 
 impl ChannelKind {
-    /// A word or two for tables and messages.
+    /// Returns the name for tables and messages.
     pub fn name(self) -> String {
         match self {
             ChannelKind::Primary => "primary".into(),
@@ -137,26 +139,28 @@ impl ChannelKind {
     }
 }
 
-/// One channel of the log: a summary for `info` and the open dialog.
+/// Summary of a channel of the log, for `info` and the open dialog.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Channel {
     /// Kind of the recorded data.
     pub kind: ChannelKind,
     /// The recorder's own number or name of the channel, as text.
     pub recorder_name: String,
-    /// Frequency in kHz where the recorder states it.
+    /// Frequency, kHz; `None` where the recorder does not state it.
     pub frequency_khz: Option<f32>,
-    /// Pings read.
+    /// Number of pings read.
     pub ping_count: usize,
-    /// First and last time, seconds after the log's time zero; may be negative.
+    /// First and last time, seconds after the log's time zero; may be negative. `None` where the
+    /// channel has no times.
     pub time_span_s: Option<(f64, f64)>,
-    /// Fewest and most samples in a ping (of one side, for side-scan).
+    /// Smallest and largest number of samples in a ping (of one side, for side-scan).
     pub sample_count: (usize, usize),
-    /// Smallest near and largest far limit of the recorded range, metres.
+    /// Smallest near and largest far limit of the recorded range, metres; `None` where there is
+    /// none.
     pub range_m: Option<(f32, f32)>,
 }
 
-/// One side-scan ping: what was recorded on one or both sides at one time.
+/// A side-scan ping: the samples of one or both sides at one time, with the recorded depth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SidePing {
     /// Seconds after the log's time zero; may be negative.
@@ -164,26 +168,26 @@ pub struct SidePing {
     /// Recorded depth below the transducer, metres, from the sounding nearest in time; NaN when
     /// there is none.
     pub depth_m: f32,
-    /// The fault of that sounding ([`Sounding::fault`]).
+    /// The fault of the sounding that `depth_m` is from ([`Sounding::fault`]).
     pub depth_fault: Option<SoundingFault>,
-    /// The port samples, if that side was recorded for this ping.
+    /// Span of the port samples; `None` where that side was not recorded for this ping.
     pub port: Option<SideSpan>,
-    /// The starboard samples, if that side was recorded for this ping.
+    /// Span of the starboard samples; `None` where that side was not recorded for this ping.
     pub starboard: Option<SideSpan>,
 }
 
 impl SidePing {
-    /// A ping without echoes, and a depth without a fault.
+    /// Creates a ping without echoes, with a depth without a fault.
     pub fn with_depth(time_s: f64, depth_m: f32) -> Self {
         Self { time_s, depth_m, depth_fault: None, port: None, starboard: None }
     }
 
-    /// The recorded depth, metres; NaN without one, or where it has a fault.
+    /// Returns the recorded depth, metres; NaN where there is none, or where it has a fault.
     pub fn good_depth_m(&self) -> f32 {
         if self.depth_fault.is_none() && self.depth_m > 0.0 { self.depth_m } else { f32::NAN }
     }
 
-    /// The samples of one side.
+    /// Returns the span of the samples of one side; `None` where the side was not recorded.
     pub fn side(&self, side: Side) -> Option<&SideSpan> {
         match side {
             Side::Port => self.port.as_ref(),
@@ -192,16 +196,17 @@ impl SidePing {
     }
 }
 
-/// One depth that the recorder's own bottom lock gave, per ping of the channel that it runs on (the
-/// traditional sonar where there is one). The copies that other channels carry are left out by the
-/// reader.
+/// A depth from the recorder's own bottom lock, one per ping of the channel that the bottom lock
+/// uses (the traditional sonar where there is one). The readers leave out the copies in other
+/// channels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sounding {
     /// Seconds after the log's time zero.
     pub time_s: f64,
-    /// Metres below the transducer (keel offset removed where the log states one).
+    /// Depth below the transducer, metres (keel offset removed where the log states one).
     pub depth_m: f32,
-    /// The fault that makes it false: found by [`mark_faults`], or by what the side-scan shows.
+    /// The fault that makes the depth false, found by [`mark_faults`] or from the side-scan; `None`
+    /// where no fault is known.
     pub fault: Option<SoundingFault>,
 }
 
@@ -211,7 +216,7 @@ impl Sounding {
         Self { time_s, depth_m, fault: None }
     }
 
-    /// Returns true where no fault of it is known.
+    /// Returns true if no fault of the sounding is known.
     pub fn is_good(&self) -> bool {
         self.fault.is_none()
     }
@@ -220,13 +225,13 @@ impl Sounding {
 /// Usability of the survey's side-scan.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum SideScanState {
-    /// There is a picture.
+    /// The side-scan has a picture.
     Usable,
     /// The log holds no side-scan frames.
     #[default]
     Absent,
-    /// There are frames but no picture: no transducer was connected, the range is stuck (metres
-    /// given).
+    /// There are side-scan frames but no picture: no transducer was connected, and the range is
+    /// stuck.
     Noise {
         /// The stuck range, metres.
         range_m: f32,
@@ -236,12 +241,12 @@ pub enum SideScanState {
 /// Source of the slant ranges in a log's headers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum RangeSource {
-    /// The range that a fish-finder shows. Where in it the first sample begins is not stated, nor
-    /// what its filters delay.
+    /// The range that a fish-finder shows. The log states neither the range of the first sample nor
+    /// the delay of the filters.
     #[default]
     FishFinder,
-    /// The log states none: the range is estimated from the size of the transducer (Humminbird),
-    /// and may be off by some percent.
+    /// The log states no range: it is estimated from the size of the transducer (Humminbird), and
+    /// may be wrong by some percent.
     Estimated,
     /// The range that a survey recorder states, from the time since the transmission and the speed
     /// of sound (XTF).
@@ -251,20 +256,21 @@ pub enum RangeSource {
 /// Files of a log, their format and the recorder.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Source {
-    /// The files read, the one that was opened first.
+    /// The files that were read, first the one that the user opened.
     pub files: Vec<PathBuf>,
     /// Format in words, for example `Lowrance SL2 (version 1)`.
     pub format: String,
     /// Name of the unit that recorded the log, as the log states it, for example `EdgeTech 4200`;
     /// empty where it states none.
     pub device: String,
-    /// Bytes of the log's own files together, without those of a track that was applied to it.
+    /// Number of bytes of the log's own files together, without those of a track that was applied
+    /// to it.
     pub byte_count: u64,
 }
 
 impl Source {
-    /// Returns a name of the recorder, as far as the log states it: its format, and the device
-    /// where it names one. Logs of one recorder have the same words.
+    /// Returns a name of the recorder, as far as the log states it: the format, and the device
+    /// where the log names one. Logs of the same recorder return the same name.
     pub fn recorder(&self) -> String {
         if self.device.is_empty() {
             self.format.clone()
@@ -274,23 +280,23 @@ impl Source {
     }
 }
 
-/// Something that is wrong with the log but did not keep the rest from being read.
+/// A fault of the log that did not prevent the rest of it from being read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Warning {
-    /// Index into [`Source::files`] and byte offset, where there is a place.
+    /// Index into [`Source::files`] and byte offset; `None` for a fault without a place.
     pub place: Option<(usize, u64)>,
-    /// One sentence: what, and what was done about it.
+    /// One sentence: the fault, and what the reader did about it.
     pub text: String,
 }
 
-/// A recorded survey. All vectors are in time order. The default one holds nothing; a survey is
-/// built by filling it. A clone shares the bytes.
+/// A recorded survey. All vectors are in time order. The default survey is empty, and readers fill
+/// its fields. A clone shares the bytes.
 #[derive(Clone, Debug, Default)]
 pub struct Survey {
     /// Files that the survey was read from.
     pub source: Source,
-    /// Unix seconds of the log's time zero, when the recorder knew the time; with the clock offset
-    /// that is in force.
+    /// Unix seconds of the log's time zero, with the clock offset added; `None` where the recorder
+    /// did not know the time.
     pub start_unix_s: Option<f64>,
     /// Seconds added to the recorder's clock ([`MountingSettings::clock_offset_s`]).
     pub clock_offset_s: f64,
@@ -299,34 +305,34 @@ pub struct Survey {
     pub swapped_sides: bool,
     /// Summary of each channel.
     pub channels: Vec<Channel>,
-    /// The side-scan pings, both sides joined; shared by all copies of a survey, of which a change
-    /// of the track makes one.
+    /// The side-scan pings, both sides joined; shared by all copies of a survey, such as those with
+    /// another track.
     pub side_scan: Arc<Vec<SidePing>>,
-    /// All pairs of side-scan channels where the sonar has several frequencies, that which is shown
-    /// first; none where there is one pair.
+    /// All pairs of side-scan channels where the sonar has several frequencies, first the pair that
+    /// is shown; empty where there is only one pair.
     pub pairs: Vec<SidePair>,
     /// Usability of the side-scan.
     pub side_scan_state: SideScanState,
-    /// Source of its slant ranges.
+    /// Source of the slant ranges.
     pub range_source: RangeSource,
     /// Channels that look down.
     pub echograms: Vec<Echogram>,
-    /// Depths under the boat; shared likewise.
+    /// Depths under the boat; shared by all copies of a survey.
     pub soundings: Arc<Vec<Sounding>>,
-    /// The channel that they are of.
+    /// The channel that the soundings are from; `None` where that is not known.
     pub sounding_channel: Option<ChannelKind>,
-    /// Depths across the track, where the recorder measures them; shared likewise.
+    /// Depths across the track, where the recorder measures them; shared by all copies of a survey.
     pub swath: Arc<Vec<SwathPing>>,
     /// Positions, courses and compass headings.
     pub track: Track,
     /// Faults of the log that were found when it was read.
     pub warnings: Vec<Warning>,
-    /// The bytes of the files and of the samples in them, one entry a file.
+    /// The bytes of the files and of the samples in them, one entry per file.
     pub bytes: Vec<Bytes>,
 }
 
 impl Survey {
-    /// Creates a survey of side-scan pings and nothing else.
+    /// Creates a survey with side-scan pings and nothing else.
     pub fn of_pings(pings: impl IntoIterator<Item = SidePing>) -> Self {
         Self { side_scan: Arc::new(pings.into_iter().collect()), ..Self::default() }
     }
@@ -337,55 +343,55 @@ impl Survey {
         self.side_scan.get(ping)?.side(side)
     }
 
-    /// The samples of one side of one ping; `None` when the ping or the side was not recorded, or
-    /// lies outside the bytes.
+    /// Returns the samples of one side of one ping; `None` when the ping or the side was not
+    /// recorded, or its samples are outside of the bytes.
     pub fn samples(&self, ping: usize, side: Side) -> Option<Samples<'_>> {
         self.samples_of(self.span(ping, side)?)
     }
 
-    /// The samples of a span of any channel; `None` where it lies outside the bytes.
+    /// Returns the samples of a span of any channel; `None` where the span is outside of the bytes.
     pub fn samples_of(&self, span: &SideSpan) -> Option<Samples<'_>> {
         Samples::new(self.bytes.get(usize::from(span.file))?.samples(), span)
     }
 
-    /// Checks that the files still hold the data that was read from them. Asks their disks, so it
-    /// may wait for one that does not answer.
+    /// Checks that the files still have the data that was read from them. The check reads the state
+    /// of the files from their disks, so it may block on a disk that does not answer.
     ///
     /// # Errors
-    /// Names the first that was cut or overwritten since the log was opened, or that could not be
-    /// read to its end.
+    /// Names the first file that was cut or overwritten since the log was opened, or that could not
+    /// be read to its end.
     pub fn check_files(&self) -> Result<(), FileError<FileFault>> {
         let mut files = self.source.files.iter().zip(&self.bytes);
         let fault = files.find_map(|(path, bytes)| Some(FileError::new(bytes.fault(path)?, path)));
         fault.map_or(Ok(()), Err)
     }
 
-    /// [`SidePing::good_depth_m`] of a ping; NaN beyond the last.
+    /// Returns [`SidePing::good_depth_m`] of a ping; NaN beyond the last ping.
     pub fn good_depth_m(&self, ping: usize) -> f32 {
         self.side_scan.get(ping).map_or(f32::NAN, SidePing::good_depth_m)
     }
 
-    /// The survey's name for people: the opened file's stem.
+    /// Returns the name of the survey for users: the stem of the opened file, or `survey`.
     pub fn name(&self) -> String {
         let stem = self.source.files.first().and_then(|file| file.file_stem());
         stem.map_or_else(|| "survey".into(), |stem| stem.to_string_lossy().into_owned())
     }
 
-    /// The same log in a frame that it shares with others: all logs of one survey lie in the frame
-    /// of the first one's track, so that places of one are places of all. The samples are shared,
-    /// not copied.
+    /// Returns the log in a local coordinate frame that it shares with other logs: all logs of one
+    /// survey are in the frame of the first log's track, so that their coordinates agree. The
+    /// samples are shared, not copied.
     #[must_use]
     pub fn in_frame(self, frame: &LocalFrame) -> Self {
         Self { track: self.track.in_frame(frame), ..self }
     }
 
-    /// Returns the log in the frame that a project keeps, as [`Survey::in_frame`] does. Where the
-    /// project's logs were exchanged for those of other waters, so far away that the plane of the
-    /// frame would bend their tracks, the log stays in its own frame.
+    /// Returns the log in the local coordinate frame that a project stores, as [`Survey::in_frame`]
+    /// does. Where the logs of the project were replaced by logs of other waters, so far away that
+    /// the plane of the frame would distort their tracks, the log stays in its own frame.
     #[must_use]
     pub fn in_frame_if_near(self, frame: &LocalFrame) -> Self {
-        // Lengths are short by 0.05 % there, `d^2 / 2 R^2`; a quarter of the Earth away all places
-        // lie on one line.
+        // At this distance lengths are short by 0.05 %, `d^2 / 2 R^2`; a quarter of the Earth away
+        // all places are on one line.
         const FARTHEST_M: f64 = 200_000.0;
         let first = self.track.fixes.first();
         if first.is_some_and(|fix| distance_m(fix.position, frame.origin()) > FARTHEST_M) {
@@ -395,13 +401,14 @@ impl Survey {
         }
     }
 
-    /// First and last time over all channels, seconds after the log's time zero.
+    /// Returns the first and last time over all channels, seconds after the log's time zero; `None`
+    /// where no channel has times.
     pub fn time_span_s(&self) -> Option<(f64, f64)> {
         let spans = self.channels.iter().filter_map(|channel| channel.time_span_s);
         spans.reduce(|(from, to), (other_from, other_to)| (from.min(other_from), to.max(other_to)))
     }
 
-    /// Returns true if the recording says anywhere where it was.
+    /// Returns true if the recording has a position.
     pub fn has_place(&self) -> bool {
         !self.track.fixes.is_empty()
     }
@@ -412,8 +419,8 @@ impl Survey {
     }
 }
 
-/// Index of the item nearest to `time_s`, the earlier of two equally near; `None` without items.
-/// `items` are in the order of `time_of`, seconds.
+/// Returns the index of the item nearest to `time_s`, the earlier of two equally near; `None`
+/// without items. `items` are in the order of `time_of`, seconds.
 pub fn nearest_in_time<T>(items: &[T], time_s: f64, time_of: impl Fn(&T) -> f64) -> Option<usize> {
     let after = items.partition_point(|item| time_of(item) < time_s);
     let before = after.saturating_sub(1);

@@ -1,26 +1,26 @@
-//! Settings of a recorder's mounting on its boat: place of the transducer relative to the antenna,
-//! which cable is port, errors of compass, clock and positions.
+//! Defines the settings of a recorder's mounting on its boat (place of the transducer relative to
+//! the antenna, exchanged sides, errors of compass and clock) and of the error of its positions.
 
 use super::observations::give_depths;
 use super::{Channel, ChannelKind, SidePing, Survey};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// `mounting.*` settings: of one log each. All zero is a recorder whose antenna is right above its
-/// transducer.
+/// The `mounting.*` settings of one log. The default is a recorder without errors whose antenna is
+/// right above its transducer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MountingSettings {
-    /// True if what was recorded as port is starboard, and the other way round.
+    /// True if the side recorded as port is starboard, and the other way round.
     pub swap_sides: bool,
     /// Distance from the antenna to the transducer along the boat, metres; positive forward.
     pub forward_m: f64,
     /// Distance from the antenna to the transducer across the boat, metres; positive to starboard.
     pub right_m: f64,
-    /// Added to the recorded compass heading, degrees: how the compass is turned on the boat, and
-    /// the magnetic variation.
+    /// Added to the recorded compass heading, degrees: the sum of the turn of the compass on the
+    /// boat and the magnetic variation.
     pub heading_offset_deg: f64,
-    /// Added to the log's clock, seconds: how far it is behind UTC.
+    /// Added to the log's clock, seconds: the time by which the clock is behind UTC.
     pub clock_offset_s: f64,
     /// Delay of the recorded positions after the echoes recorded with them, seconds.
     pub latency_s: f64,
@@ -29,19 +29,19 @@ pub struct MountingSettings {
 }
 
 impl MountingSettings {
-    /// Returns true if nothing is to be put right.
+    /// Returns true if there is nothing to correct.
     pub fn is_none(&self) -> bool {
         *self == Self::default()
     }
 
     /// Returns the distances from antenna to transducer, metres forward and to starboard; `None`
-    /// where they are at one place.
+    /// where both are 0.
     pub fn lever_arm_m(&self) -> Option<[f64; 2]> {
         let arm = [self.forward_m, self.right_m];
         (arm != [0.0; 2]).then_some(arm)
     }
 
-    /// Describes the corrections in sentences; empty where there are none. `compass` says whether
+    /// Describes the corrections in sentences; empty where there are none. `compass` is true if
     /// headings come from the compass.
     pub fn statement(&self, compass: bool) -> String {
         let mut said = Vec::new();
@@ -86,9 +86,9 @@ impl MountingSettings {
     }
 }
 
-/// `position_shift.*` settings: of one log each, the correction of an error that all its positions
-/// share. A receiver without corrections is off by a metre or two, which changes little in an hour:
-/// what crossings with other logs show of it.
+/// The `position_shift.*` settings of one log: the correction of an error that all its positions
+/// share. A receiver without corrections is off by a metre or two, which changes little in an hour;
+/// crossings with other logs show this error.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PositionShift {
@@ -99,7 +99,7 @@ pub struct PositionShift {
 }
 
 impl PositionShift {
-    /// East and north, metres; `None` where nothing is moved.
+    /// Returns the shift, metres east and north; `None` where it is 0.
     pub(crate) fn by_m(&self) -> Option<[f64; 2]> {
         let by_m = [self.east_m, self.north_m];
         (by_m != [0.0; 2]).then_some(by_m)
@@ -113,13 +113,13 @@ impl PositionShift {
     }
 }
 
-/// A lever arm in words, `1.2 m forward and 0.3 m to port`; the lengths as `length` writes them.
+/// Describes a lever arm in words, `1.2 m forward and 0.3 m to port`; `length` formats the lengths.
 pub fn arm_in_words([forward_m, right_m]: [f64; 2], length: impl Fn(f64) -> String) -> String {
     let ways = [["forward", "aft"], ["to starboard", "to port"]];
     ways_in_words([forward_m, right_m], ways, length)
 }
 
-/// Two distances in words, each with the name of the way that it goes: `1.2 m east and 0.3 m
+/// Describes two distances in words, each with the name of its direction: `1.2 m east and 0.3 m
 /// south`; empty where both are 0.
 fn ways_in_words(
     distances_m: [f64; 2],
@@ -136,8 +136,9 @@ fn ways_in_words(
 }
 
 impl Survey {
-    /// The log that was read, with its sides, its clock and the times of its soundings as it is
-    /// mounted. Lever arm and heading act where pings are placed ([`super::navigate`]).
+    /// Returns the log with its sides, its clock and the times of its soundings corrected by the
+    /// mounting. Lever arm, latency and heading offset are applied where pings are placed
+    /// ([`super::navigate_with`]).
     #[must_use]
     pub fn mounted(mut self, mounting: &MountingSettings) -> Self {
         if mounting.swap_sides {

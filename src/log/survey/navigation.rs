@@ -1,5 +1,5 @@
-//! Position and heading of every side-scan ping, from one of four sources; and the turn rate of the
-//! boat.
+//! Computes the position and the heading of every side-scan ping, from one of four sources, and the
+//! turn rate of the boat.
 
 use super::fitted_track::{FittedTrack, Motion};
 use super::{Fix, MountingSettings, PositionShift, Side, Survey, Track};
@@ -9,11 +9,11 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// Records placed by a worker between two looks at whether the work was cancelled.
+/// Number of records that a worker places between two checks for cancellation.
 const CHUNK: usize = 4096;
-/// Time to look back and ahead, seconds.
+/// Time before and after a ping over which its turn rate is computed, seconds.
 const LOOK_S: f64 = 2.0;
-/// Shortest way that has a direction, metres.
+/// Shortest way whose direction is used for the turn rate, metres.
 const LEAST_WAY_M: f64 = 0.3;
 
 /// Source of the heading.
@@ -31,7 +31,7 @@ pub enum HeadingSource {
     Compass,
 }
 
-/// `heading.*` settings.
+/// The `heading.*` settings.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct HeadingSettings {
@@ -47,11 +47,11 @@ impl Default for HeadingSettings {
     }
 }
 
-/// The plane that the cloud is built in.
+/// The plane that the point cloud is built in.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Projection {
-    /// Metres on the ground in the survey's local east-north frame.
+    /// Metres on the ground in the survey's local coordinate frame, east and north.
     #[default]
     Enu,
     /// Spherical pseudo-Mercator metres relative to the first fix, as published: stretched by 1 /
@@ -66,7 +66,7 @@ pub struct PingNav {
     pub east_m: f64,
     /// Metres north of the survey's origin, in the chosen projection; NaN without any fix.
     pub north_m: f64,
-    /// Radians clockwise from the north of the plane; NaN when there is none.
+    /// Heading, radians clockwise from the north of the plane; NaN where there is none.
     pub heading_rad: f64,
     /// Speed over ground, metres a second; NaN when unknown.
     pub speed_mps: f64,
@@ -83,25 +83,25 @@ pub struct Navigation {
     pub soundings: Arc<Vec<PingNav>>,
     /// One entry per ping of a swath.
     pub swath: Arc<Vec<PingNav>>,
-    /// Places of the antenna at the side-scan pings, metres east and north; empty where it is right
-    /// above the transducer.
+    /// Places of the antenna at the side-scan pings, metres east and north; empty where the antenna
+    /// is right above the transducer.
     pub antenna: Arc<Vec<[f64; 2]>>,
     /// The plane that the metres are in.
     pub projection: Projection,
     /// Standard deviation of the places along an axis that the rounding of fixes leaves in them,
     /// metres.
     pub rounding_m: f64,
-    /// Pings without a heading.
+    /// Number of side-scan pings without a heading.
     pub zero_heading: usize,
-    /// Pings at which the boat moves: faster than 0.2 m/s by the fitted track, and by more than its
-    /// rounded fixes can resolve (0.4 m/s over the default window of a recorder that rounds to a
-    /// metre).
+    /// Number of side-scan pings at which the boat moves: at 0.2 m/s or more by the fitted track,
+    /// and farther than its rounded fixes can resolve (0.4 m/s over the default window of a
+    /// recorder that rounds to a metre).
     pub moving: usize,
 }
 
 impl Navigation {
-    /// Creates the navigation of side-scan pings in the survey's plane, at all of which the boat
-    /// moves.
+    /// Creates the navigation of side-scan pings in the survey's plane; the boat counts as moving
+    /// at all of them.
     pub fn of_pings(pings: impl IntoIterator<Item = PingNav>) -> Self {
         let pings: Vec<PingNav> = pings.into_iter().collect();
         Self {
@@ -126,14 +126,15 @@ impl PingNav {
     const UNKNOWN: Self =
         Self { east_m: f64::NAN, north_m: f64::NAN, heading_rad: f64::NAN, speed_mps: f64::NAN };
 
-    /// East and north, metres; NaN where unknown.
+    /// Returns the place, metres east and north; NaN where unknown.
     pub fn place(&self) -> [f64; 2] {
         [self.east_m, self.north_m]
     }
 
-    /// Unit vector to starboard in the plane, `(h_y, -h_x) / |h|`; `None` without a heading.
+    /// Returns the unit vector to starboard in the plane, `(h_y, -h_x) / |h|`; `None` without a
+    /// heading.
     ///
-    /// The paper prints `h x (-z)`, which is port in a frame with z up.
+    /// The paper prints `h x (-z)`, which is port in a coordinate frame with z up.
     pub fn starboard(&self) -> Option<[f64; 2]> {
         let (sin, cos) = self.heading_rad.sin_cos();
         self.heading_rad.is_finite().then_some([cos, -sin])
@@ -141,7 +142,7 @@ impl PingNav {
 }
 
 impl PingNav {
-    /// The place so far out on a side of the boat; `None` without a heading.
+    /// Returns the place `out_m` outward on a side of the boat; `None` without a heading.
     pub fn abeam(&self, side: Side, out_m: f64) -> Option<[f64; 2]> {
         let [x, y] = self.starboard()?;
         let right_m = side.to_starboard(out_m);
@@ -150,7 +151,7 @@ impl PingNav {
 }
 
 impl Projection {
-    /// Metres from the track's origin in this plane.
+    /// Returns the place of a position in this plane, metres east and north of the track's origin.
     fn place(self, track: &Track, position: LonLat) -> [f64; 2] {
         match self {
             Projection::Enu => track.frame.to_enu(position),
@@ -164,13 +165,13 @@ impl Projection {
 }
 
 impl Navigation {
-    /// Metres east and north of a WGS84 position in this navigation's plane; inverse of
-    /// [`Navigation::to_lon_lat`].
+    /// Converts a WGS84 position to metres east and north in the plane of this navigation; inverse
+    /// of [`Navigation::to_lon_lat`].
     pub fn to_plane(&self, track: &Track, position: LonLat) -> [f64; 2] {
         self.projection.place(track, position)
     }
 
-    /// The WGS84 position of a place in this navigation's plane.
+    /// Converts a place in the plane of this navigation to a WGS84 position.
     pub fn to_lon_lat(&self, track: &Track, east_m: f64, north_m: f64) -> LonLat {
         match self.projection {
             Projection::Enu => track.frame.to_lon_lat(east_m, north_m),
@@ -209,9 +210,9 @@ pub struct PositionSettings<'a> {
     pub heading: &'a HeadingSettings,
     /// Mounting of the recorder on the boat.
     pub mounting: &'a MountingSettings,
-    /// Errors of positions.
+    /// Correction of the error of the positions.
     pub shift: &'a PositionShift,
-    /// The plane that they are laid out in.
+    /// The plane of the positions.
     pub projection: Projection,
 }
 
@@ -222,13 +223,14 @@ pub struct PositionSettings<'a> {
 /// fitted heading.
 ///
 /// Fixes are those of the antenna. The transducer is `forward_m` along the heading `h` and
-/// `right_m` to starboard of it: `east += forward sin h + right cos h`, `north += forward cos h -
-/// right sin h`. The heading is that of the source, but for [`HeadingSource::Steps`], whose
-/// headings are multiples of 45 degrees: there it is that of the fitted track. Where the boat rests
-/// and has none, the last one before holds, so that the track does not jump by the length of the
-/// arm at every stop. Places, courses and fitted headings are those of `latency_s` later, the
-/// compass heading is not. `heading_offset_deg` is added to the compass heading alone: a course is
-/// that of the boat's motion, and no instrument is turned on it. The shift moves everything.
+/// `right_m` to starboard of the antenna: `east += forward sin h + right cos h`, `north += forward
+/// cos h - right sin h`. `h` is the heading of the source, except for [`HeadingSource::Steps`],
+/// whose headings are multiples of 45 degrees: there `h` is the heading of the fitted track. Where
+/// the boat is at rest and has no heading, the last heading before is used, so that the track does
+/// not jump by the length of the arm at every stop. Places, courses and fitted headings are read
+/// `latency_s` later than the echo, the compass heading is not. `heading_offset_deg` is added to
+/// the compass heading alone: a course is the direction of the boat's motion and does not depend on
+/// how an instrument is turned. The shift is added to all places.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -278,8 +280,8 @@ pub fn navigate_with(
     })
 }
 
-/// `h_i = p_(i+1) - p_i`; the last ping has no next one, and a repeated position gives no
-/// direction.
+/// Sets headings along the steps, `h_i = p_(i+1) - p_i`. The last ping, and those whose next
+/// position is the same, keep theirs.
 fn head_along_steps(places: &mut [PingNav]) {
     for index in 0..places.len().saturating_sub(1) {
         let east = places[index + 1].east_m - places[index].east_m;
@@ -294,18 +296,19 @@ struct Navigator<'a> {
     track: &'a Track,
     fitted: FittedTrack,
     source: HeadingSource,
-    /// Added to the compass heading.
+    /// Added to the compass heading, radians.
     compass_offset_rad: f64,
     /// Delay of the recorded positions, seconds: the position of the boat at a time is recorded
     /// this much later.
     latency_s: f64,
-    /// Added to every place, metres east and north.
+    /// Added to every place, metres east and north; `None` for no shift.
     shift_m: Option<[f64; 2]>,
     projection: Projection,
 }
 
 impl Navigator<'_> {
-    /// Moves places from the antenna to the transducer, `arm_m` forward and to starboard of it.
+    /// Moves places from the antenna to the transducer, by metres forward and to starboard. Places
+    /// stay where no record has a heading.
     fn move_by<T: Sync>(
         &self,
         [forward_m, right_m]: [f64; 2],
@@ -321,7 +324,7 @@ impl Navigator<'_> {
             if motion.moving { motion.velocity[0].atan2(motion.velocity[1]) } else { f64::NAN }
         });
         let headings: Vec<f64> = headings.collect();
-        // Before the first heading, that one.
+        // Before the first known heading, that heading is used.
         let mut heading_rad = headings.iter().copied().find(|rad| rad.is_finite());
         for (place, own_rad) in places.iter_mut().zip(headings) {
             if own_rad.is_finite() {
@@ -335,7 +338,7 @@ impl Navigator<'_> {
         }
     }
 
-    /// A place of the plane, moved by metres on the ground.
+    /// Returns a place of the plane, moved by metres on the ground.
     fn moved(&self, [east_m, north_m]: [f64; 2], by_m: [f64; 2]) -> [f64; 2] {
         match self.projection {
             Projection::Enu => [east_m + by_m[0], north_m + by_m[1]],
@@ -349,7 +352,7 @@ impl Navigator<'_> {
         }
     }
 
-    /// One entry a record, and at how many of them the boat moves.
+    /// Returns one place per record, and the number of records at which the boat moves.
     fn place_all<T: Sync>(
         &self,
         records: &[T],
@@ -408,7 +411,8 @@ impl Navigator<'_> {
         (place, motion.moving)
     }
 
-    /// The last fix recorded at or before a time (the first fix before the first).
+    /// Returns the index of the last fix recorded at or before a time (the first fix where the time
+    /// is before it); `None` without fixes.
     fn recorded_at(&self, time_s: f64) -> Option<usize> {
         let after = self.track.fixes.partition_point(|fix| fix.time_s <= time_s);
         (!self.track.fixes.is_empty()).then(|| after.saturating_sub(1))
@@ -425,8 +429,8 @@ impl Navigator<'_> {
     }
 
     /// Returns the heading in the plane, radians; NaN where there is none. A compass heading is
-    /// taken from the fix `compass`, which was recorded with the echo: the compass is an instrument
-    /// of its own, and not late.
+    /// taken from the fix `compass`, which was recorded with the echo: the compass is a separate
+    /// instrument without the latency of the receiver.
     fn heading_rad(&self, motion: &Motion, recorded: Option<usize>, compass: Option<usize>) -> f64 {
         let index = match self.source {
             HeadingSource::Compass => compass,
@@ -448,8 +452,8 @@ impl Navigator<'_> {
         }
     }
 
-    /// Recorded headings count from true north, which is not the north of a plane whose origin lies
-    /// kilometres east or west.
+    /// Returns the direction of true north in the plane, radians: recorded headings count from true
+    /// north, which is not the north of a plane whose origin is kilometres east or west.
     fn true_north_rad(&self, position: LonLat) -> f64 {
         match self.projection {
             Projection::Enu => self.track.frame.true_north_rad(position),
@@ -458,8 +462,8 @@ impl Navigator<'_> {
     }
 }
 
-/// Turn rate at every place, from those a little before and a little after, degrees a second; 0
-/// where the boat hardly moves. Times rise, one for each place.
+/// Returns the turn rate at every place, degrees a second, from the places two seconds before and
+/// after; 0 where the boat hardly moves. `times_s` are in ascending order, one for each place.
 pub fn turn_rates_deg_s(times_s: &[f64], places: &[PingNav]) -> Vec<f32> {
     let (mut before, mut after) = (0, 0);
     (0..times_s.len().min(places.len()))
@@ -471,14 +475,15 @@ pub fn turn_rates_deg_s(times_s: &[f64], places: &[PingNav]) -> Vec<f32> {
                 after += 1;
             }
             let turn_rad = turn_rad(&places[before], &places[ping], &places[after]);
-            // The mean directions of both ways are half the whole time apart.
+            // The mean directions of the ways before and after are half of the whole time apart.
             let apart_s = 0.5 * (times_s[after] - times_s[before]);
             (turn_rad.to_degrees() / apart_s.max(0.1)) as f32
         })
         .collect()
 }
 
-/// Angle between the way to a place and the way on from it, 0 to pi.
+/// Returns the angle between the way to a place and the way on from there, radians, 0 to pi; 0
+/// where one of the ways is too short.
 fn turn_rad(before: &PingNav, here: &PingNav, after: &PingNav) -> f64 {
     let way = |from: &PingNav, to: &PingNav| [to.east_m - from.east_m, to.north_m - from.north_m];
     let (come, go) = (way(before, here), way(here, after));

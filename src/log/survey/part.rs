@@ -1,12 +1,12 @@
-//! A part of a log: some of its pings, and what was recorded meanwhile.
+//! Cuts a part out of a log: some of its pings, and everything that was recorded during their time.
 
 use super::{Echogram, Navigation, Survey};
 use std::ops::Range;
 use std::sync::Arc;
 
 impl Survey {
-    /// Times of the records that a part is chosen by: the side-scan pings, or the soundings of a
-    /// log without them.
+    /// Returns the times of the records by which a part is chosen: the side-scan pings, or the
+    /// soundings of a log without side-scan.
     pub fn record_times_s(&self) -> Vec<f64> {
         if !self.side_scan.is_empty() {
             self.side_scan.iter().map(|ping| ping.time_s).collect()
@@ -15,9 +15,10 @@ impl Survey {
         }
     }
 
-    /// The stretches `records` of [`Survey::record_times_s`], in order and apart, with all that was
-    /// recorded from the first record of each to the one after its last; and their navigation. The
-    /// samples are shared, not copied.
+    /// Returns a part of the log, and its navigation: the stretches `records`, indices into
+    /// [`Survey::record_times_s`] in order and without overlap, with everything that was recorded
+    /// from the first record of each stretch to the record after its last. The samples are shared,
+    /// not copied.
     pub fn part(&self, navigation: &Navigation, records: &[Range<usize>]) -> (Survey, Navigation) {
         let times_s = self.record_times_s();
         let spans: Vec<Range<f64>> =
@@ -67,7 +68,8 @@ impl Survey {
     }
 }
 
-/// The time of a stretch of records: to the one after it, without end after the last.
+/// Returns the time span of a stretch of records: up to the record after it, and without limit
+/// before the first record and after the last.
 fn span_s(times_s: &[f64], stretch: &Range<usize>) -> Range<f64> {
     let time_s = |index: usize| times_s.get(index).copied();
     let start = match stretch.start {
@@ -77,7 +79,7 @@ fn span_s(times_s: &[f64], stretch: &Range<usize>) -> Range<f64> {
     start..time_s(stretch.end).unwrap_or(f64::INFINITY)
 }
 
-/// The stretches of items, which are in the order of time, that lie in some spans.
+/// Returns the index ranges of the items in some time spans; the items are in time order.
 fn indices<T>(items: &[T], spans: &[Range<f64>], time_s: impl Fn(&T) -> f64) -> Vec<Range<usize>> {
     let before = |at_s: f64| items.partition_point(|item| time_s(item) < at_s);
     let stretches = spans.iter().map(|span| before(span.start)..before(span.end));
@@ -88,7 +90,7 @@ fn within<T: Clone>(items: &[T], spans: &[Range<f64>], time_s: impl Fn(&T) -> f6
     taken(items, &indices(items, spans, time_s))
 }
 
-/// The items of some stretches; what lies beyond the last item is none.
+/// Returns the items of some index ranges; indices beyond the last item are ignored.
 fn taken<T: Clone>(items: &[T], stretches: &[Range<usize>]) -> Vec<T> {
     let parts = stretches.iter().flat_map(|stretch| {
         let end = stretch.end.min(items.len());
@@ -106,8 +108,8 @@ mod tests {
     };
     use std::sync::Arc;
 
-    /// Ten side-scan pings a second apart, soundings and down-scan half a second after each, a fix
-    /// every three seconds.
+    /// Creates a log of ten side-scan pings a second apart (if `has_sides`), a sounding and a
+    /// down-scan ping half a second after each, and a fix every three seconds.
     fn log(has_sides: bool) -> (Survey, Navigation) {
         let times = (0..10).map(f64::from);
         let sounding = |time_s: f64| Sounding::new(time_s + 0.5, 3.0);

@@ -1,22 +1,22 @@
-//! Shape of the bottom across the track, on which echoes and objects are placed.
+//! Holds the shape of the bottom across the track, on which echoes and objects are placed.
 //!
-//! At a distance `g` across the track the bottom lies `v(g) = H + deeper(g)` below the transducer,
-//! with `H` its altitude under the boat. Its echo has the slant range `r(g) = sqrt(g^2 + v(g)^2)`:
-//! on a level bottom `g = sqrt(r^2 - H^2)`.
+//! At a distance `g` across the track the bottom is `v(g) = H + deeper(g)` below the transducer,
+//! with `H` the altitude of the transducer above the bottom under the boat. The echo of the bottom
+//! there has the slant range `r(g) = sqrt(g^2 + v(g)^2)`: on a level bottom `g = sqrt(r^2 - H^2)`.
 
 use super::Side;
 use rayon::prelude::*;
 
-/// Distances across the track at which the bottom is known, the closer the nearer they are to the
-/// boat: the n-th is `(n / 16)^1.5` of the farthest.
+/// Number of distances across the track at which the bottom is stored; near the boat they are
+/// closer together: the n-th is `(n / 16)^1.5` of the farthest.
 const NODES: usize = 16;
-/// Pings that have one bottom across the track.
+/// Number of consecutive pings that share one shape of the bottom.
 const PINGS: usize = 4;
-/// Steps in which the altitude is found: each leaves less than a tenth of what is missing on slopes
-/// up to 25 degrees.
+/// Number of iterations that find the altitude: on slopes up to 25 degrees each reduces the error
+/// to less than a tenth.
 const STEPS: usize = 5;
 
-/// Depth of the bottom to one side of the boat, less that under it.
+/// Depth of the bottom to one side of the boat, by distance, minus the depth under the boat.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AcrossTrack {
     farthest_m: f32,
@@ -27,13 +27,13 @@ impl AcrossTrack {
     /// A level bottom.
     pub const LEVEL: Self = Self { farthest_m: 1.0, deeper_m: [0.0; NODES] };
 
-    /// Distance of a node, metres; that of the first is under the boat.
+    /// Returns the distance of a node across the track, metres; node 0 is under the boat.
     fn ground_of(&self, node: usize) -> f64 {
         let share = node as f64 / NODES as f64;
         f64::from(self.farthest_m) * share * share.sqrt()
     }
 
-    /// Depth of the bottom at a node, less that under the boat.
+    /// Returns the depth of the bottom at a node minus the depth under the boat, metres.
     fn deeper_at(&self, node: usize) -> f64 {
         match node.checked_sub(1) {
             Some(behind) => f64::from(self.deeper_m[behind]),
@@ -41,8 +41,8 @@ impl AcrossTrack {
         }
     }
 
-    /// Returns the depth of the bottom at a distance, less that under the boat, metres; beyond the
-    /// farthest that is known as there.
+    /// Returns the depth of the bottom at a distance minus the depth under the boat, metres; beyond
+    /// the farthest node, the value of that node.
     pub fn deeper_m(&self, ground_m: f64) -> f64 {
         let share = (ground_m / f64::from(self.farthest_m)).clamp(0.0, 1.0);
         let before = ((NODES as f64 * (share * share).cbrt()) as usize).min(NODES - 1);
@@ -51,15 +51,15 @@ impl AcrossTrack {
         from + (to - from) * ((ground_m - from_m) / (to_m - from_m)).clamp(0.0, 1.0)
     }
 
-    /// Slant range of the bottom at a distance, metres, from a transducer so high above the bottom
-    /// under it.
+    /// Returns the slant range of the bottom at a distance, metres, from a transducer `altitude_m`
+    /// above the bottom under it.
     pub fn range_m(&self, altitude_m: f64, ground_m: f64) -> f64 {
         let deeper_m = if self.is_level() { 0.0 } else { self.deeper_m(ground_m) };
         length(ground_m, altitude_m + deeper_m)
     }
 
-    /// Replaces growing distances by the slant ranges of the bottom there, metres, from a
-    /// transducer so high above the bottom under it.
+    /// Replaces distances, in ascending order, by the slant ranges of the bottom there, metres,
+    /// from a transducer `altitude_m` above the bottom under it.
     #[inline(always)]
     pub fn replace_by_ranges_m(&self, altitude_m: f64, grounds_m: &mut [f64]) {
         if self.is_level() {
@@ -88,19 +88,21 @@ impl AcrossTrack {
         }
     }
 
-    /// Returns true if it is: most pings of a single pass are, and a mosaic asks for millions of
-    /// places.
+    /// Returns true if the bottom is level, as it is for most pings of a single pass. The check
+    /// saves time: a mosaic computes the ranges of millions of places.
     fn is_level(&self) -> bool {
         self.deeper_m == [0.0; NODES]
     }
 
-    /// Pieces of the bottom between nodes: distance and depth below the transducer of both ends.
+    /// Returns the pieces of the bottom between nodes: distance and depth below the transducer of
+    /// both ends, metres.
     fn pieces(&self, altitude_m: f64) -> impl Iterator<Item = [[f64; 2]; 2]> {
         let end = move |node| [self.ground_of(node), altitude_m + self.deeper_at(node)];
         (0..NODES).map(move |node| [end(node), end(node + 1)])
     }
 
-    /// Distance and slant range of what is nearest to the transducer, metres.
+    /// Returns the distance across the track and the slant range of the place of the bottom nearest
+    /// to the transducer, metres.
     fn nearest(&self, altitude_m: f64) -> [f64; 2] {
         let foots = self.pieces(altitude_m).map(|[from, to]| {
             let way = [to[0] - from[0], to[1] - from[1]];
@@ -113,8 +115,8 @@ impl AcrossTrack {
         foots.reduce(nearer).unwrap_or([0.0, altitude_m])
     }
 
-    /// Altitude over the bottom under the boat, metres, of a transducer whose first return comes
-    /// from so far.
+    /// Returns the altitude above the bottom under the boat, metres, of a transducer whose first
+    /// return has the slant range `first_return_m`.
     pub fn altitude_m(&self, first_return_m: f64) -> f64 {
         if self.is_level() {
             return first_return_m.max(0.0);
@@ -123,8 +125,9 @@ impl AcrossTrack {
         (0..STEPS).fold(first_return_m, step).max(0.0)
     }
 
-    /// Distance across the track at which the bottom has a slant range, metres: the first one
-    /// beyond what is nearest to the transducer; that place itself where the range is shorter.
+    /// Returns the distance across the track at which the bottom has a slant range, metres: the
+    /// first one outward from the place of the bottom nearest to the transducer; the distance of
+    /// that place where the range is shorter.
     pub fn ground_m(&self, altitude_m: f64, range_m: f64) -> f64 {
         if self.is_level() {
             return (range_m * range_m - altitude_m * altitude_m).max(0.0).sqrt();
@@ -139,7 +142,8 @@ impl AcrossTrack {
                 continue;
             }
             if length(to[0], to[1]) >= range_m {
-                // Along the piece g^2 + v^2 = r^2 is a square of the way from its beginning.
+                // Along the piece, g^2 + v^2 = r^2 is a quadratic equation for the way from its
+                // beginning.
                 let slope = (to[1] - last[1]) / (to[0] - last[0]);
                 let [a, b] = [1.0 + slope * slope, last[0] + slope * last[1]];
                 let c = last[0] * last[0] + last[1] * last[1] - range_m * range_m;
@@ -151,15 +155,14 @@ impl AcrossTrack {
     }
 }
 
-/// Length of a way with these two sides. `f64::hypot` minds numbers that no survey has, and took a
-/// sixth of a run.
+/// Returns the hypotenuse of two sides. `f64::hypot` handles very large and small numbers, which no
+/// survey has, and took a sixth of the time of a run.
 #[inline(always)]
 fn length(across_m: f64, down_m: f64) -> f64 {
     (across_m * across_m + down_m * down_m).sqrt()
 }
 
-/// Shape of the bottom across the track, for all pings of a log. The default one is level
-/// everywhere.
+/// Shape of the bottom across the track, for all pings of a log. The default is level everywhere.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Relief {
     farthest_m: f32,
@@ -169,9 +172,9 @@ pub struct Relief {
 }
 
 impl Relief {
-    /// Creates the bottom along some pings, up to a distance across the track. `deeper_m` is called
-    /// for the ping in the middle of a few; where it returns nothing, the bottom goes on as it last
-    /// was, outward from the boat.
+    /// Creates the shape for `pings` pings, up to a distance across the track. `deeper_m` returns
+    /// the depth at a distance minus the depth under the boat; it is called for the middle one of
+    /// each group of pings. Where it returns `None`, the last value nearer to the boat is used.
     pub fn new(
         pings: usize,
         farthest_m: f64,
@@ -193,7 +196,7 @@ impl Relief {
         Self { farthest_m: farthest_m as f32, sides: Side::BOTH.map(of_side) }
     }
 
-    /// Returns true if it is level everywhere.
+    /// Returns true if the bottom is level everywhere.
     pub fn is_level(&self) -> bool {
         self.sides.iter().all(Vec::is_empty)
     }
@@ -212,7 +215,7 @@ impl Relief {
 mod tests {
     use super::*;
 
-    /// Deeper by so much a metre, to 40 m.
+    /// Returns a bottom that is `deeper` metres deeper per metre of distance, up to 40 m.
     fn slope(deeper: f64) -> AcrossTrack {
         let relief = Relief::new(1, 40.0, |_, _, ground_m| Some(deeper * ground_m));
         relief.across(Side::Port, 0)
@@ -249,8 +252,8 @@ mod tests {
 
     #[test]
     fn the_first_return_of_a_slope_comes_from_its_foot() {
-        // The foot of the perpendicular lies H cos(slope) away on the rising side; on the falling
-        // side the nearest is below the boat.
+        // On the rising side the foot of the perpendicular is at the slant range H cos(slope); on
+        // the falling side the nearest place is below the boat.
         let cos = 1.0 / f64::hypot(1.0, 0.25);
         assert!((slope(-0.25).altitude_m(4.0 * cos) - 4.0).abs() < 1e-3);
         assert!((slope(0.25).altitude_m(4.0) - 4.0).abs() < 1e-9);

@@ -1,20 +1,20 @@
-//! Echo samples of one side of a ping, borrowed from the mapped file, or from what was unpacked of
-//! it.
+//! Reads the echo samples of one side of a ping from the mapped file, or from the samples unpacked
+//! from it.
 
 use crate::support::mapped_file::{FileFault, MappedFile};
 use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
-/// The bytes of one file: mapped, or held in memory (a simulated survey, a test). They are those of
-/// the file, whatever its samples lie in.
+/// The bytes of one file: mapped, or held in memory (a simulated survey, a test). Dereferencing
+/// returns the bytes of the file, even if its samples are stored elsewhere.
 #[derive(Clone, Debug)]
 pub enum Bytes {
-    /// A read-only memory map. What of it cannot be read any more is zero.
+    /// A read-only memory map; bytes that cannot be read any more are zero.
     Mapped(Arc<MappedFile>),
     /// Bytes in memory.
     Held(Arc<Vec<u8>>),
-    /// Bytes of a file whose samples are packed, as those of a picture are.
+    /// Bytes of a file whose samples are compressed, such as a picture.
     Packed {
         /// The file.
         file: Box<Bytes>,
@@ -24,8 +24,8 @@ pub enum Bytes {
 }
 
 impl Bytes {
-    /// Returns the fault that makes the bytes, and the data that was read from them, wrong since
-    /// the file at `path` was opened; see [`MappedFile::fault`].
+    /// Returns the fault that has made the bytes, or the data that was read from them, wrong since
+    /// the file at `path` was opened; `None` while they are right. See [`MappedFile::fault`].
     pub fn fault(&self, path: &Path) -> Option<FileFault> {
         match self {
             Bytes::Mapped(map) => map.fault(path),
@@ -34,7 +34,7 @@ impl Bytes {
         }
     }
 
-    /// Returns true if they lie in a file that other programs can reach.
+    /// Returns true if the bytes are in a file that other programs can reach.
     pub fn is_shared(&self) -> bool {
         match self {
             Bytes::Mapped(map) => map.is_shared(),
@@ -43,7 +43,7 @@ impl Bytes {
         }
     }
 
-    /// Returns true if the sample spans point elsewhere than into the file.
+    /// Returns true if the sample spans point into unpacked samples, not into the file.
     pub(crate) fn is_packed(&self) -> bool {
         matches!(self, Bytes::Packed { .. })
     }
@@ -56,8 +56,9 @@ impl Bytes {
         }
     }
 
-    /// Returns the fault of bytes that could not be read, with the first such byte: from there on
-    /// they are zero. `None` while all could be read. Asks no disk.
+    /// Returns the fault of bytes that could not be read, with the offset of the first of them:
+    /// from there on the bytes are zero. `None` while all could be read. The call does not access
+    /// the disk.
     pub fn lost(&self) -> Option<FileFault> {
         match self {
             Bytes::Mapped(map) => map.lost(),
@@ -99,23 +100,23 @@ pub enum SampleOrder {
 pub enum Encoding {
     /// One byte.
     U8,
-    /// Two bytes, little-endian, of which `value >> shift` fits a byte.
+    /// Two bytes, little-endian; the level is `value >> shift`, which fits a byte.
     U16 {
         /// Bits to drop.
         shift: u8,
     },
-    /// Two bytes, little-endian, on the scale of their own ping: `base + step * value` is the level
-    /// in units of 2^-[`LEVEL_BITS`].
+    /// Two bytes, little-endian, with a scale for each ping: the level is `base + step * value`, in
+    /// units of 2^-[`LEVEL_BITS`].
     ScaledU16 {
         /// Level of the value 0.
         base: i32,
-        /// Levels from one value to the next.
+        /// Difference of level from one value to the next.
         step: u32,
     },
     /// Four bytes: real and imaginary part, little-endian i16. The level is their magnitude times
     /// `step`, in units of 2^-[`LEVEL_BITS`].
     ScaledComplex {
-        /// Levels from one magnitude to the next.
+        /// Difference of level from one magnitude to the next.
         step: u32,
     },
     /// A number, little-endian, whose magnitude times 2^`exponent` is the level.
@@ -127,7 +128,7 @@ pub enum Encoding {
     },
 }
 
-/// Numbers that are stored as samples.
+/// Type of the numbers that are stored as samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NumberKind {
     /// One byte.
@@ -150,7 +151,7 @@ pub enum NumberKind {
 }
 
 impl NumberKind {
-    /// Bytes of a number.
+    /// Returns the number of bytes of a number.
     pub fn width(self) -> usize {
         match self {
             NumberKind::U8 | NumberKind::I8 => 1,
@@ -159,7 +160,8 @@ impl NumberKind {
         }
     }
 
-    /// The magnitude of a number of [`NumberKind::width`] bytes; NaN where they are none.
+    /// Returns the magnitude of a number of [`NumberKind::width`] bytes; NaN for another count of
+    /// bytes.
     pub(crate) fn magnitude(self, stored: &[u8]) -> f64 {
         match (self, stored) {
             (NumberKind::U8, &[a]) => f64::from(a),
@@ -171,7 +173,7 @@ impl NumberKind {
         }
     }
 
-    /// The magnitude of a number of four bytes.
+    /// Returns the magnitude of a number of four bytes.
     fn magnitude_of(self, bits: u32) -> f64 {
         match self {
             NumberKind::I32 => f64::from(bits.cast_signed().unsigned_abs()),
@@ -185,16 +187,16 @@ impl NumberKind {
     }
 }
 
-/// 2^`exponent`, of which no sample needs one beyond 1000.
+/// Returns 2^`exponent`, with the exponent limited to -1000 to 1000, which suffices for samples.
 fn power_of_two(exponent: i16) -> f64 {
     f64::from_bits(u64::from((i16::clamp(exponent, -1000, 1000) + 1023).cast_unsigned()) << 52)
 }
 
-/// Bits after the point of the levels of an [`Encoding`].
+/// Number of bits after the binary point of the levels of an [`Encoding`].
 pub const LEVEL_BITS: u32 = 20;
 
 impl Encoding {
-    /// Bytes of a sample.
+    /// Returns the number of bytes of a sample.
     pub fn width(self) -> usize {
         match self {
             Encoding::U8 => 1,
@@ -225,8 +227,8 @@ pub struct SideSpan {
 }
 
 impl SideSpan {
-    /// Bytes from the near to the far one, at the start of the first file: what tests of ranges
-    /// need.
+    /// Creates a span of `count` samples of one byte, nearest first, at the start of the first
+    /// file, as tests of ranges need.
     pub fn of_bytes(count: u32, [near_m, far_m]: [f32; 2]) -> Self {
         Self {
             file: 0,
@@ -239,12 +241,12 @@ impl SideSpan {
         }
     }
 
-    /// Metres of slant range that one sample covers, as the recorder states it.
+    /// Returns the metres of slant range that one sample covers, as the recorder states them.
     pub fn metres_per_sample(&self) -> f64 {
         f64::from(self.far_m - self.near_m) / f64::from(self.count.max(1))
     }
 
-    /// Slant range at a distance of `sample` samples outward from the nearest edge, metres, by the
+    /// Returns the slant range `sample` samples outward from the near edge, metres, by the
     /// recorder's scale.
     pub fn range_m(&self, sample: f64) -> f64 {
         f64::from(self.near_m) + sample * self.metres_per_sample()
@@ -256,7 +258,8 @@ impl SideSpan {
     }
 }
 
-/// The samples of one side of a ping; index 0 is nearest to the boat whatever the file's order.
+/// The samples of one side of a ping; index 0 is nearest to the boat, whatever the order in the
+/// file.
 #[derive(Clone, Copy, Debug)]
 pub struct Samples<'a> {
     stored: &'a [u8],
@@ -265,7 +268,7 @@ pub struct Samples<'a> {
 }
 
 impl<'a> Samples<'a> {
-    /// `None` when the span lies outside the bytes.
+    /// Creates the samples of a span of `bytes`; `None` when the span is outside of the bytes.
     pub fn new(bytes: &'a [u8], span: &SideSpan) -> Option<Self> {
         let width = span.encoding.width();
         let start = usize::try_from(span.offset).ok()?;
@@ -274,7 +277,7 @@ impl<'a> Samples<'a> {
         Some(Self { stored, encoding: span.encoding, order: span.order })
     }
 
-    /// Number of samples.
+    /// Returns the number of samples.
     pub fn len(&self) -> usize {
         self.stored.len() / self.encoding.width()
     }
@@ -284,7 +287,8 @@ impl<'a> Samples<'a> {
         self.stored.is_empty()
     }
 
-    /// The sample `index` steps outward from the boat. Panics beyond the last, as a slice does.
+    /// Returns the level of the sample `index` steps outward from the boat. Panics beyond the last
+    /// sample, as a slice does.
     pub fn get(&self, index: usize) -> u8 {
         let stored = self.stored_index(index);
         match self.encoding {
@@ -294,16 +298,16 @@ impl<'a> Samples<'a> {
                 let level = self.level(stored, base, step);
                 (level >> LEVEL_BITS).clamp(0, 255) as u8
             }
-            // The conversion keeps to 0..=255.
+            // The conversion limits the value to 0..=255.
             Encoding::ScaledComplex { step } => self.magnitude(stored, step) as u8,
-            // The same; of what is no number it makes 0.
+            // As above; NaN becomes 0.
             Encoding::Number { kind, exponent } => self.number(stored, kind, exponent) as u8,
         }
     }
 
-    /// The sample `index` steps outward from the boat in as many bits as it was stored in, up to
-    /// 16; of one on a scale of its ping the level times 256. Panics beyond the last, as a slice
-    /// does.
+    /// Returns the sample `index` steps outward from the boat with all stored bits, up to 16; for
+    /// samples that are scaled to levels, the level times 256. Panics beyond the last sample, as a
+    /// slice does.
     pub fn wide(&self, index: usize) -> u16 {
         let stored = self.stored_index(index);
         match self.encoding {
@@ -327,32 +331,32 @@ impl<'a> Samples<'a> {
         }
     }
 
-    /// The level of [`Encoding::ScaledU16`], in units of 2^-[`LEVEL_BITS`].
+    /// Returns the level of [`Encoding::ScaledU16`], in units of 2^-[`LEVEL_BITS`].
     fn level(&self, stored: usize, base: i32, step: u32) -> i64 {
         i64::from(base) + i64::from(step) * i64::from(self.pair(2 * stored))
     }
 
-    /// The level of [`Encoding::ScaledComplex`].
+    /// Returns the level of [`Encoding::ScaledComplex`].
     fn magnitude(&self, stored: usize, step: u32) -> f32 {
         let part = |at| f32::from(self.pair(at).cast_signed());
         let magnitude = part(4 * stored).hypot(part(4 * stored + 2));
         magnitude * step as f32 / (1 << LEVEL_BITS) as f32
     }
 
-    /// The level of [`Encoding::Number`].
+    /// Returns the level of [`Encoding::Number`].
     fn number(&self, stored: usize, kind: NumberKind, exponent: i16) -> f64 {
         let width = kind.width();
         let stored = &self.stored[width * stored..width * (stored + 1)];
         kind.magnitude(stored) * power_of_two(exponent)
     }
 
-    /// Two stored bytes as a number.
+    /// Returns two stored bytes as a number.
     fn pair(&self, at: usize) -> u16 {
         u16::from_le_bytes([self.stored[at], self.stored[at + 1]])
     }
 
-    /// The stored bytes when they are one byte a sample, with their order; the fast way for
-    /// whole-survey passes.
+    /// Returns the stored bytes and their order if each sample is one byte, otherwise `None`;
+    /// faster than [`Samples::get`] for passes over the whole survey.
     pub fn stored_u8(&self) -> Option<(&'a [u8], SampleOrder)> {
         (self.encoding == Encoding::U8).then_some((self.stored, self.order))
     }
@@ -406,7 +410,7 @@ mod tests {
         assert_eq!(levels(NumberKind::F32, 8, &floats), [128, 64, 0, 255, 255, 0]);
         assert_eq!(levels(NumberKind::F32, i16::MIN, &floats), [0, 0, 0, 255, 0, 0]);
         assert_eq!(levels(NumberKind::F32, i16::MAX, &floats)[..2], [255, 255]);
-        // 118.625 is 0x76A000 * 16^2 / 2^24, as IBM's own example of the format has it.
+        // 118.625 is 0x76A000 * 16^2 / 2^24, as in IBM's own example of the format.
         let floats = [0xC276_A000_u32, 0x4276_A000, 0x7FFF_FFFF, 0];
         let floats = floats.map(u32::to_le_bytes).concat();
         assert_eq!(levels(NumberKind::IbmF32, 0, &floats), [118, 118, 255, 0]);

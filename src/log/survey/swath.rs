@@ -1,20 +1,20 @@
-//! Depths across the track of a sonar that measures them itself (interferometry): a swath.
+//! Reads the depths across the track, a swath, of sonars that measure them (interferometry).
 //!
-//! They stay where they lie in the file, as samples do: pairs of little-endian f32, distance
+//! The depths stay in the bytes of the file, as samples do: pairs of little-endian f32, distance
 //! outward from the boat and depth below the transducer, both in feet, as Lowrance writes them.
 
 use super::{Side, Survey};
 use crate::support::geo::METRES_PER_FOOT;
 use std::ops::{Range, RangeInclusive};
 
-/// Bytes of a pair of distance and depth.
+/// Number of bytes of a pair of distance and depth.
 pub(crate) const SWATH_PAIR: usize = 8;
-/// Distances outward that can be, feet.
+/// Plausible distances outward, feet.
 const OUT_FT: RangeInclusive<f32> = 0.001..=1000.0;
-/// Depths that can be, feet.
+/// Plausible depths, feet.
 const DEPTH_FT: RangeInclusive<f32> = 1.0..=250.0;
 
-/// The depths of one ping. Those of port come first, then those of starboard, then those that the
+/// The depths of one ping: first those to port, then those to starboard, then those that the
 /// recorder marks as unreliable.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SwathPing {
@@ -24,26 +24,26 @@ pub struct SwathPing {
     pub offset: u64,
     /// Index into [`Survey::bytes`].
     pub file: u16,
-    /// Pairs that were recorded to port.
+    /// Number of pairs that were recorded to port.
     pub port: u16,
-    /// Pairs that were recorded to starboard.
+    /// Number of pairs that were recorded to starboard.
     pub starboard: u16,
-    /// Pairs that the recorder marks as unreliable. They are counted and not used.
+    /// Number of pairs that the recorder marks as unreliable; they are not used.
     pub unreliable: u16,
 }
 
 impl SwathPing {
-    /// Pairs of both sides.
+    /// Returns the number of pairs of both sides, without the unreliable ones.
     pub fn len(&self) -> usize {
         usize::from(self.port) + usize::from(self.starboard)
     }
 
-    /// Returns true if it has no pair of either side.
+    /// Returns true if the ping has no pair of either side.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Bytes of a pair; `None` beyond what a file can have.
+    /// Returns the byte range of a pair by its number; `None` where the offset overflows.
     fn bytes_of(&self, number: usize) -> Option<Range<usize>> {
         let start = usize::try_from(self.offset).ok()?.checked_add(SWATH_PAIR * number)?;
         Some(start..start.checked_add(SWATH_PAIR)?)
@@ -53,17 +53,17 @@ impl SwathPing {
 /// A depth across the track.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SwathSounding {
-    /// Its number among the pairs of its ping.
+    /// Number of the pair in its ping, from 0.
     pub number: usize,
-    /// The side of the boat.
+    /// Side of the boat.
     pub side: Side,
     /// Horizontal distance outward from the boat, metres.
     pub out_m: f64,
-    /// Metres below the transducer.
+    /// Depth below the transducer, metres.
     pub depth_m: f64,
 }
 
-/// Distance outward and depth of a pair, metres; `None` where they cannot be.
+/// Reads distance outward and depth of a pair, metres; `None` where they are not plausible.
 pub(crate) fn swath_pair_m(pair: [u8; SWATH_PAIR]) -> Option<[f64; 2]> {
     let [a, b, c, d, e, f, g, h] = pair;
     let out_ft = f32::from_le_bytes([a, b, c, d]);
@@ -73,8 +73,8 @@ pub(crate) fn swath_pair_m(pair: [u8; SWATH_PAIR]) -> Option<[f64; 2]> {
 }
 
 impl Survey {
-    /// A depth of a swath ping by its number; `None` where it cannot be a depth, is one of the
-    /// unreliable ones, or lies outside the bytes.
+    /// Returns a depth of a swath ping by its number; `None` where the depth is not plausible, is
+    /// marked as unreliable, or is outside of the bytes.
     pub fn swath_sounding(&self, ping: &SwathPing, number: usize) -> Option<SwathSounding> {
         let bytes = self.bytes.get(usize::from(ping.file))?;
         let pair = bytes.get(ping.bytes_of(number)?)?;
@@ -88,7 +88,7 @@ impl Survey {
         })
     }
 
-    /// The depths of a swath ping, those that can be.
+    /// Returns the plausible depths of a swath ping.
     pub fn swath_soundings<'a>(
         &'a self,
         ping: &'a SwathPing,
@@ -118,7 +118,7 @@ mod tests {
             let all = survey.swath_soundings(&ping);
             all.map(|one| (one.number, one.side, one.out_m)).collect()
         };
-        // The second is no number, the last is unreliable.
+        // The second pair has a NaN, the last is unreliable.
         let [near_m, far_m] = [10.0, 30.0].map(|feet| feet * METRES_PER_FOOT);
         let expected = [(0, Side::Port, near_m), (2, Side::Starboard, far_m)];
         assert_eq!(read(&survey), expected);

@@ -1,5 +1,5 @@
-//! Track of the boat: the fixes as recorded; and distances at the same times between two tracks of
-//! one boat that two receivers recorded, which are least where their clocks agree.
+//! Holds the recorded fixes of the boat, and compares two tracks of one boat that two receivers
+//! recorded: the distances at equal times are smallest where the clocks agree.
 
 use crate::support::geo::{Crs, CrsError, LocalFrame, LonLat, distance_m};
 use crate::support::statistics;
@@ -7,10 +7,11 @@ use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Most places of [`TracksApart::line`].
+/// Largest number of places of [`TracksApart::line`], approximately.
 const PLACES: usize = 2000;
 
-/// One recorded position with what came with it. Recorders repeat the last fix for many pings.
+/// A recorded position with course, heading and speed. Recorders repeat the last fix for many
+/// pings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fix {
     /// Seconds after the log's time zero.
@@ -26,7 +27,7 @@ pub struct Fix {
 }
 
 impl Fix {
-    /// A position with nothing else.
+    /// Creates a fix with a position only.
     pub fn at(time_s: f64, position: LonLat) -> Self {
         Self { time_s, position, cog_rad: f32::NAN, compass_rad: f32::NAN, speed_mps: f32::NAN }
     }
@@ -38,36 +39,38 @@ pub struct Track {
     /// One entry per record that carries a position, repeats included, in time order; shared by all
     /// copies.
     pub fixes: Arc<Vec<Fix>>,
-    /// Local frame that all `east_m`, `north_m` of the log are in: its origin is the first fix,
-    /// unless the log was put into the frame of another ([`Track::in_frame`]).
+    /// Local coordinate frame of all `east_m`, `north_m` of the log: its origin is the first fix,
+    /// unless the log shares the frame of another log ([`Track::in_frame`]).
     pub frame: LocalFrame,
-    /// File and times of the track, when it is not the recorder's.
+    /// File and times of a track of another receiver; `None` for the recorder's own track.
     pub external: Option<ExternalTrack>,
-    /// System of the recorder's positions, where it wrote metres of a system that the log does not
-    /// name.
+    /// System of positions that the recorder wrote in metres of a system that the log does not
+    /// name; `None` for positions in degrees or of a named system.
     pub projected: Option<ProjectedTrack>,
-    /// True where the log holds no times, and its records are taken as one second apart: they tell
-    /// no speed, and nothing of how long a gap lasted.
+    /// True if the log has no times and its records are assumed to be one second apart: speeds and
+    /// the durations of gaps are then unknown.
     pub has_assumed_times: bool,
 }
 
-/// Positions that the recorder wrote in metres of a system that the log does not name. Until
-/// somebody names it they lie around longitude 0, latitude 0, so that their distances are right.
+/// Positions that the recorder wrote in metres of a system that the log does not name. Until the
+/// user names the system they are placed around longitude 0, latitude 0, so that their distances
+/// are right.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProjectedTrack {
-    /// Easting and northing of what stands at longitude 0, latitude 0, metres.
+    /// Easting and northing of the place at longitude 0, latitude 0, metres.
     pub origin_m: [f64; 2],
-    /// The system, once it is known.
+    /// The system of the metres; `None` until it is known.
     pub system: Option<Crs>,
 }
 
 impl ProjectedTrack {
-    /// Creates the track of a system that is not known.
+    /// Creates a track whose system is not known.
     pub fn new(origin_m: [f64; 2]) -> Self {
         Self { origin_m, system: None }
     }
 
-    /// The frame around longitude 0, latitude 0 that the metres are kept in.
+    /// Returns the local coordinate frame around longitude 0, latitude 0 in which the metres are
+    /// kept.
     pub(crate) fn frame() -> LocalFrame {
         LocalFrame::new(LonLat::new(0.0, 0.0))
     }
@@ -78,34 +81,35 @@ impl ProjectedTrack {
 pub struct ExternalTrack {
     /// The file that it was read from.
     pub path: PathBuf,
-    /// Seconds added to its times.
+    /// Seconds added to the times of the track.
     pub offset_s: f64,
     /// Times of its first and last fix, seconds of the log: beyond them the boat's place is not
     /// known.
     pub span_s: [f64; 2],
 }
 
-/// `track.*` settings.
+/// The `track.*` settings.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct TrackSettings {
-    /// The track that lies over the recorder's, CSV or GPX.
+    /// File of the track, CSV or GPX, that replaces the recorder's; `None` for the recorder's own
+    /// track.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<PathBuf>,
-    /// Added to the times of an external track, seconds: how far its clock is behind that of the
-    /// recorder.
+    /// Added to the times of an external track, seconds: the time by which its clock is behind that
+    /// of the recorder.
     pub offset_s: f64,
 }
 
 impl Default for Track {
-    /// A track without a fix.
+    /// Creates a track without fixes.
     fn default() -> Self {
         Self::new(Vec::new())
     }
 }
 
 impl Track {
-    /// Returns the track with other fixes, whose places count from the same origin.
+    /// Returns the track with other fixes, in the same local coordinate frame.
     pub(crate) fn with_fixes(&self, fixes: impl Into<Arc<Vec<Fix>>>) -> Self {
         Self {
             fixes: fixes.into(),
@@ -116,7 +120,7 @@ impl Track {
         }
     }
 
-    /// The recorder's track through `fixes`, which the caller has put in time order.
+    /// Creates the recorder's track of `fixes`, which are in time order.
     pub fn new(fixes: Vec<Fix>) -> Self {
         let origin = fixes.first().map_or(LonLat::new(0.0, 0.0), |fix| fix.position);
         Self {
@@ -128,11 +132,11 @@ impl Track {
         }
     }
 
-    /// The same track on the Earth, where its metres are those of `system`; unchanged where its
-    /// positions are no metres.
+    /// Returns the track with its metres converted from `system` to positions on the Earth;
+    /// unchanged where its positions are not in metres.
     ///
     /// # Errors
-    /// A sentence after `source.crs: ` when the metres lie nowhere that the system is meant for.
+    /// A sentence after `source.crs: ` when the metres are outside of the area of the system.
     pub fn in_system(self, system: &Crs) -> Result<Self, CrsError> {
         let Some(projected) = self.projected.clone() else {
             return Ok(self);
@@ -144,8 +148,8 @@ impl Track {
             let [x, y] = local.to_enu(fix.position);
             let metres = [x0 + x, y0 + y];
             fix.position = system.to_lon_lat(metres);
-            // One of them tells: a survey is small against a zone. Damage far away was left out
-            // before.
+            // Checking one position suffices, because a survey is small compared with a zone, and
+            // damaged positions far away were left out before.
             if index == 0 || !fix.position.is_on_earth() {
                 system.check_source(metres)?;
             }
@@ -157,8 +161,8 @@ impl Track {
         })
     }
 
-    /// The same track in a frame that it shares with other logs, so that all of them lie in one
-    /// plane. Fixes are kept as longitude and latitude, so nothing is lost.
+    /// Returns the track in a local coordinate frame that it shares with other logs, so that all of
+    /// them are in one plane. Fixes are stored as longitude and latitude, so nothing is lost.
     ///
     /// The plane touches the ellipsoid at its origin: lengths at a distance `d` from there are
     /// short by `d^2 / 2 R^2` radially, which is 5 mm a kilometre at 20 km.
@@ -168,20 +172,20 @@ impl Track {
     }
 }
 
-/// Two tracks at the same times.
+/// Comparison of two tracks at the same times.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TracksApart {
     /// Places of the boat on the first and on the second track at the same times, in time order.
     pub pairs: Vec<[LonLat; 2]>,
-    /// Places of the first track, few enough to draw in a frame.
+    /// Places of the first track, few enough to be drawn in each picture.
     pub line: Vec<LonLat>,
-    /// Median of the distances, metres; NaN without a pair.
+    /// Median of the distances of the pairs, metres; NaN without a pair.
     pub median_m: f64,
 }
 
 impl TracksApart {
-    /// Compares two tracks at some of `times_s`, evenly chosen, `most` of them; at times that only
-    /// one covers there is no pair.
+    /// Compares two tracks at `most` of `times_s` at most, evenly chosen; at times that only one
+    /// track covers there is no pair.
     pub fn new(one: &Track, other: &Track, times_s: &[f64], most: usize) -> Self {
         let step = times_s.len().div_ceil(most.max(1)).max(1);
         let (one, other) = (moves(one), moves(other));
@@ -200,7 +204,8 @@ impl TracksApart {
     }
 }
 
-/// Times and places where the position changed: recorders repeat the last fix for many pings.
+/// Returns the times and places at which the position changed: recorders repeat the last fix for
+/// many pings.
 fn moves(track: &Track) -> Vec<(f64, LonLat)> {
     let mut moves: Vec<(f64, LonLat)> = Vec::new();
     for fix in track.fixes.iter() {
@@ -211,7 +216,7 @@ fn moves(track: &Track) -> Vec<(f64, LonLat)> {
     moves
 }
 
-/// The place at a time, straight between the fixes; `None` beyond them.
+/// Returns the place at a time, interpolated linearly between the fixes; `None` beyond them.
 fn at(moves: &[(f64, LonLat)], time_s: f64) -> Option<LonLat> {
     let after = moves.partition_point(|(move_s, _)| *move_s <= time_s);
     let (from_s, from) = *moves.get(after.checked_sub(1)?)?;
@@ -252,7 +257,8 @@ mod tests {
         }
     }
 
-    /// A boat that goes north at 1.5 m/s, fixed every second and reported `late_s` late.
+    /// Creates the track of a boat that goes north at 1.5 m/s, with a fix every second that is
+    /// recorded `late_s` late.
     fn track(late_s: f64, east_deg: f64) -> Track {
         let fix = |second: i32| {
             Fix::at(

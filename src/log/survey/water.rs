@@ -1,31 +1,31 @@
-//! Water of a survey: its area, as somebody drew it, and readings of a gauge or tide table over
-//! time.
+//! Holds the area of the water of a survey, as drawn by a user, and readings of a gauge or tide
+//! table over time.
 
 use crate::support::geo::LonLat;
 use crate::support::outline::is_crossed;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
-/// Heights of a water's surface, metres: that of the Dead Sea is -430, that of the highest
-/// lake 6400.
+/// Plausible heights of a water's surface, metres: the Dead Sea is at -430, the highest lake at
+/// 6400.
 pub const WATER_LEVELS_M: RangeInclusive<f64> = -1000.0..=10_000.0;
 
-/// The rings of an area: a place is in it where an odd number of them go around it, so that islands
-/// are rings too.
+/// An area of water, given by rings: a place is in the area where an odd number of rings go around
+/// it, so that islands are rings too.
 #[derive(Clone, Debug, Default)]
 pub struct WaterArea {
     /// The file that it was read from.
     pub path: PathBuf,
-    /// Its size.
+    /// Size of the file, bytes.
     pub bytes: usize,
-    /// Its SHA-256, hexadecimal.
+    /// SHA-256 of the file, hexadecimal.
     pub sha256: String,
-    /// Corners of each ring, the first of them once.
+    /// Corners of each ring; the first corner is not repeated at the end.
     pub rings: Vec<Vec<LonLat>>,
 }
 
 impl WaterArea {
-    /// Returns true if a place is in it.
+    /// Returns true if a place is in the area.
     pub fn contains(&self, at: LonLat) -> bool {
         let corner = |at: &LonLat| [at.lon_deg, at.lat_deg];
         let crossed = self.rings.iter().map(|ring| {
@@ -37,36 +37,36 @@ impl WaterArea {
     }
 }
 
-/// Compares path, size and hash of the file that was read: the rings follow from it, and there may
-/// be many.
+/// Compares path, size and hash of the file instead of the rings, which follow from the file and
+/// may be many.
 impl PartialEq for WaterArea {
     fn eq(&self, other: &Self) -> bool {
         (&self.path, self.bytes, &self.sha256) == (&other.path, other.bytes, &other.sha256)
     }
 }
 
-/// Heights of the water's surface over the gauge's zero, at rising times.
+/// Heights of the water's surface above the gauge's zero, in time order.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Gauge {
-    /// The file that they were read from.
+    /// The file that the readings were read from.
     pub path: PathBuf,
-    /// Its size.
+    /// Size of the file, bytes.
     pub bytes: usize,
-    /// Its SHA-256, hexadecimal.
+    /// SHA-256 of the file, hexadecimal.
     pub sha256: String,
-    /// Unix seconds and metres, each time after the one before.
+    /// Readings: Unix seconds and metres, each time after the one before.
     pub readings: Vec<(f64, f64)>,
 }
 
 impl Gauge {
-    /// Unix seconds of the first and the last reading.
+    /// Returns the Unix seconds of the first and the last reading; NaN without readings.
     pub fn span_s(&self) -> [f64; 2] {
         let time_s = |reading: Option<&(f64, f64)>| reading.map_or(f64::NAN, |(time_s, _)| *time_s);
         [time_s(self.readings.first()), time_s(self.readings.last())]
     }
 
-    /// The two readings that follow each other longest apart, of those between which a time from
-    /// `from_s` to `to_s` lies, Unix seconds; `None` where none do.
+    /// Returns the two consecutive readings with the longest time between them, of those whose
+    /// interval overlaps `from_s` to `to_s`, Unix seconds; `None` where no interval does.
     pub fn widest_gap(&self, [from_s, to_s]: [f64; 2]) -> Option<[(f64, f64); 2]> {
         let pairs = self.readings.windows(2).map(|pair| [pair[0], pair[1]]);
         let over = pairs.filter(|[before, after]| after.0 > from_s && before.0 < to_s);
@@ -74,8 +74,8 @@ impl Gauge {
         over.max_by(|a, b| length_s(a).total_cmp(&length_s(b)))
     }
 
-    /// The level at a time, Unix seconds, straight between the readings; that of the nearest end
-    /// beyond them.
+    /// Returns the level at a time, Unix seconds, interpolated linearly between the readings,
+    /// metres; beyond them, the first or the last reading. NaN without readings.
     pub fn level_m(&self, unix_s: f64) -> f64 {
         let after = self.readings.partition_point(|(time_s, _)| *time_s <= unix_s);
         let before = self.readings.get(after.saturating_sub(1));

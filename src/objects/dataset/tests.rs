@@ -7,8 +7,8 @@ fn rect(x0: f32, y0: f32, x1: f32, y1: f32) -> Rect {
     Rect { x0, y0, x1, y1 }
 }
 
-/// A pipe that leaves the boat: 20 pings from 100 on show it, each 0.2 m farther out and 0.4 m
-/// wide, each with 0.16 of the visibility.
+/// Creates a pipe that leads away from the boat: it is on 20 pings from ping 100 on, each 0.2 m
+/// farther out and 0.4 m wide, each with 0.16 of the visibility.
 fn pipe(shown: bool, slices: bool) -> KnownObject {
     let near_m = |ping: usize| 1.0 + 0.2 * (ping - 100) as f64;
     KnownObject {
@@ -27,8 +27,8 @@ fn pipe(shown: bool, slices: bool) -> KnownObject {
     }
 }
 
-/// The part of an object in the tile that starts `pings` before the first ping that shows it, or so
-/// many after.
+/// Returns the part of an object in the tile that starts `pings` pings before ping 100, the first
+/// ping of the object; if negative, the tile starts after it.
 fn part(known: &KnownObject, pings: isize) -> Option<ObjectPart> {
     let (survey, navigation) = survey(300, |_, _| 0);
     let raster = Raster::new(&survey, &navigation, 0.04);
@@ -47,12 +47,13 @@ fn a_cut_object_has_the_box_of_what_is_left() {
     close(whole.rect, rect(25.0, 100.0, 130.0, 200.0));
     assert_eq!(whole.outline.len(), 4 * 20);
     assert!(whole.is_plain());
-    // The upper half is gone, and with it the near half of the box; a sliver of the ping before is
-    // left.
+    // The upper half is cut away, and with it the near half of the box; a sliver of the ping before
+    // is left.
     let lower = part(&pipe(true, true), -10).expect("in the tile");
     close(lower.rect, rect(70.0, 0.0, 130.0, 50.0));
     assert!(lower.is_plain());
-    // Of a box that somebody drew nobody knows where in it the object lies: it is cut as it is.
+    // For a box that somebody drew, the place of the object in it is unknown: the box itself is
+    // cut.
     let drawn = part(&pipe(true, false), -10).expect("in the tile");
     close(drawn.rect, rect(25.0, 0.0, 130.0, 50.0));
     assert!(drawn.is_plain() && drawn.outline.is_empty());
@@ -61,11 +62,11 @@ fn a_cut_object_has_the_box_of_what_is_left() {
 
 #[test]
 fn what_is_too_little_or_drowns_in_the_speckle_is_not_asked_for() {
-    // Seven of twenty pings are less than 40 % of it.
+    // Seven of twenty pings are less than 40 % of the object.
     assert!(!part(&pipe(true, true), -13).expect("a part").is_plain());
     assert!(part(&pipe(true, true), -11).expect("a part").is_plain());
     assert!(!part(&pipe(false, true), 20).expect("a part").is_plain());
-    // All of it is seen, half of it is not.
+    // The whole object is visible, half of it is not.
     let mut faint = pipe(true, true);
     faint.slices.iter_mut().for_each(|slice| slice.visibility = 0.08);
     assert!(part(&faint, 20).expect("a part").is_plain());

@@ -1,4 +1,4 @@
-//! COCO's JSON: a data set, or a list of results.
+//! Reads COCO's JSON: a data set, or a list of results.
 
 use super::{
     AnnotationFault, Label, LabelError, LabelFault, LabelFormat, LabelSet, MOST_CLASSES,
@@ -10,7 +10,7 @@ use std::collections::HashSet;
 use std::fmt;
 use std::path::Path;
 
-/// Longer than the labels of any survey.
+/// Greatest length of a file, bytes: longer than the labels of any survey.
 const LONGEST: u64 = 256 << 20;
 
 #[derive(Deserialize)]
@@ -44,7 +44,7 @@ struct Annotation {
     score: Option<f64>,
 }
 
-/// A picture's number; some writers put its name there.
+/// Number of a picture; some writers put its name there.
 #[derive(Deserialize)]
 #[serde(untagged)]
 enum Number {
@@ -75,8 +75,8 @@ pub(super) fn read_truth(file: &Path) -> Result<LabelSet, LabelError> {
     Ok(set)
 }
 
-/// Reads predictions: a list of results by the truth's numbers, or a data set whose annotations
-/// have scores.
+/// Reads predictions: a list of results that refer to the picture numbers of `truth`, or a data set
+/// whose annotations have scores.
 ///
 /// # Errors
 /// When a file cannot be read or is not of this format; the error names it.
@@ -98,7 +98,7 @@ fn parse<'a, T: Deserialize<'a>>(text: &'a str, file: &Path) -> Result<T, LabelE
     serde_json::from_str(text).map_err(|error| LabelError::new(LabelFault::NotCoco(error), file))
 }
 
-/// Pictures and categories of a data set, and its annotations.
+/// Reads a data set. Returns its pictures and categories, without boxes, and its annotations.
 fn data_set(text: &str, file: &Path) -> Result<(LabelSet, Vec<Annotation>), LabelError> {
     let DataSet { images, annotations, mut categories } = parse(text, file)?;
     if categories.len() > MOST_CLASSES {
@@ -117,7 +117,7 @@ fn data_set(text: &str, file: &Path) -> Result<(LabelSet, Vec<Annotation>), Labe
     };
     let stems: HashSet<String> = images.iter().map(|image| stem(&image.file_name)).collect();
     for image in &images {
-        // Pictures of one name in several folders keep their folders.
+        // Pictures with the same name in several folders keep the folder in their name.
         let name = if stems.len() == images.len() {
             stem(&image.file_name)
         } else {
@@ -135,7 +135,7 @@ fn data_set(text: &str, file: &Path) -> Result<(LabelSet, Vec<Annotation>), Labe
     Ok((set, annotations))
 }
 
-/// Sorts boxes into their pictures.
+/// Adds boxes to the pictures that they belong to.
 fn add(
     set: &mut LabelSet,
     annotations: Vec<Annotation>,
@@ -148,7 +148,7 @@ fn add(
             Err(LabelError::new(LabelFault::Annotation { number, what }, &file))
         };
         let number = annotation.image_id.to_string();
-        // Without numbers (the truth is in YOLO labels) the number is the name.
+        // Without numbers (the true boxes are in YOLO labels) the number is the name.
         let name = match set.numbers.get(&number) {
             Some(name) => name.clone(),
             None if set.numbers.is_empty() => number,

@@ -1,22 +1,22 @@
-//! Errors of label files that cannot be used.
+//! Defines the errors of label files that cannot be used.
 
 use super::MOST_CLASSES;
 use bathyscope_log::support::file_error::FileError;
 use std::io;
 
-/// Label files that cannot be used.
+/// Error of label files that cannot be used, with the path.
 pub type LabelError = FileError<LabelFault>;
 
 /// Fault of label files, as a sentence without the path.
 #[derive(Debug, thiserror::Error)]
 pub enum LabelFault {
-    /// The system does not give the file.
+    /// The file could not be read from the disk.
     #[error("cannot read the labels: {0}")]
     NotRead(io::Error),
-    /// The system does not give the folder.
+    /// The folder could not be listed.
     #[error("cannot list the folder of labels: {0}")]
     NotListed(io::Error),
-    /// A file has more bytes than this.
+    /// A file is longer than this limit, bytes.
     #[error("labels longer than {} MiB are not read", .0 >> 20)]
     TooLong(u64),
     /// The folder holds no labels.
@@ -24,68 +24,68 @@ pub enum LabelFault {
         "no labels in the folder; name one that holds YOLO label files (*.txt) or a COCO file (*.json)"
     )]
     NoLabels,
-    /// The folder holds more than one file that may be COCO's.
+    /// The folder holds several JSON files, and any of them may be the COCO file.
     #[error("several JSON files in the folder; name the one that holds the labels")]
     SeveralFiles,
-    /// It names too many classes.
+    /// The labels have too many classes.
     #[error("{count} {named} are more than {MOST_CLASSES}")]
     TooManyClasses {
         /// Number of classes.
         count: usize,
-        /// Word for classes in its format.
+        /// Word for classes in this format.
         named: &'static str,
     },
-    /// It is no JSON of COCO's.
+    /// The file is not JSON in COCO's format.
     #[error("cannot use the COCO file: {0}")]
     NotCoco(serde_json::Error),
-    /// It holds no true boxes.
+    /// The file holds no true boxes, only predictions.
     #[error(
         "a list of results holds predictions; true boxes are in a COCO file with images, annotations and categories"
     )]
     OnlyResults,
-    /// A line of YOLO's is no box.
+    /// A line of a YOLO file is no valid box.
     #[error("cannot use line {line}: {what}")]
     Line {
-        /// Counted from 1.
+        /// Number of the line, from 1.
         line: usize,
         /// The fault.
         #[source]
         what: YoloLineFault,
     },
-    /// An annotation or a result of COCO's is no box.
+    /// An annotation or a result of a COCO file is no valid box.
     #[error("cannot use the box {number} of the file: {what}")]
     Annotation {
-        /// Counted from 1.
+        /// Number of the box in the file, from 1.
         number: usize,
         /// The fault.
         #[source]
         what: AnnotationFault,
     },
-    /// Predictions are of other pictures.
+    /// The predictions are of other pictures than the true boxes.
     #[error(
         "no predictions have the name of a labelled picture; name the folders of the same pictures"
     )]
     OtherPictures,
 }
 
-/// Fault of a line of YOLO's.
+/// Fault of a line of a YOLO file.
 #[derive(Debug, thiserror::Error)]
 pub enum YoloLineFault {
-    /// It has one number too few.
+    /// The line has no score, although its box is predicted.
     #[error("a predicted box needs a score: class cx cy w h score")]
     NoScore,
-    /// It has one number too many.
+    /// The line has a sixth number, although its box is a true one.
     #[error("a true box has no sixth number (these may be predictions): class cx cy w h")]
     ExtraNumber,
-    /// Its count of numbers is wrong.
+    /// The line has a wrong count of numbers.
     #[error("{count} numbers where a box is written {shape}")]
     Numbers {
         /// Count of the numbers.
         count: usize,
-        /// Numbers that a box has.
+        /// Form of a correct line.
         shape: &'static str,
     },
-    /// Its class is none.
+    /// The class is not a whole number below the greatest number of classes.
     #[error("`{0}` is no class (a whole number from 0, below {MOST_CLASSES})")]
     NoClass(String),
     /// A field is no number.
@@ -94,24 +94,24 @@ pub enum YoloLineFault {
     /// The box lies beyond the picture.
     #[error("centre and size are shares of the picture, from 0 to 1")]
     Beyond,
-    /// Its score is none.
+    /// The score is not a number from 0 to 1.
     #[error("the score `{0}` is not within 0 to 1")]
     BadScore(String),
 }
 
-/// Fault of an annotation or a result of COCO's.
+/// Fault of an annotation or a result of a COCO file.
 #[derive(Debug, thiserror::Error)]
 pub enum AnnotationFault {
-    /// Its picture is not in the file.
+    /// The picture of the box is not in the file.
     #[error("there is no picture {0}")]
     UnknownPicture(String),
-    /// Its category is not in the file.
+    /// The category of the box is not in the file.
     #[error("there is no category {0}")]
     UnknownCategory(u64),
-    /// It is predicted and has no score.
+    /// The box is predicted and has no valid score.
     #[error("a predicted box needs a score from 0 to 1")]
     NoScore,
-    /// Its corners are none.
+    /// The `bbox` is no valid box.
     #[error("its bbox is [left, top, width, height] in pixels")]
     NoBox,
 }

@@ -1,9 +1,9 @@
-//! Label files as people keep them: folders of YOLO labels, and COCO's JSON.
+//! Reads label files in the usual formats: folders of YOLO labels, and COCO's JSON.
 //!
 //! In: files of labels. Out: boxes by picture.
 //!
-//! `yolo` and `coco` read one of the two, `pairing` brings true and predicted boxes of one picture
-//! together.
+//! `yolo` and `coco` each read one format, `pairing` brings true and predicted boxes of the same
+//! picture together.
 
 mod coco;
 mod error;
@@ -25,10 +25,11 @@ use std::path::{Path, PathBuf};
 /// Format of labels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LabelFormat {
-    /// A text file a picture, a line a box: `class cx cy w h`, with `score` behind it for
-    /// predictions; shares of the picture's width and height.
+    /// One text file a picture, one line a box: `class cx cy w h`, followed by `score` in
+    /// predictions; coordinates are shares of the picture's width and height.
     Yolo,
-    /// One JSON file: `images`, `annotations`, `categories`, or a list of results; pixels.
+    /// One JSON file: `images`, `annotations`, `categories`, or a list of results; coordinates in
+    /// pixels.
     Coco,
 }
 
@@ -47,9 +48,9 @@ impl LabelFormat {
 pub struct Label {
     /// Index into the class names.
     pub class: usize,
-    /// Score, 0 to 1, of a predicted one.
+    /// Score, 0 to 1; `None` for a true box.
     pub score: Option<f32>,
-    /// Neither to be found nor to be missed (COCO's `iscrowd`).
+    /// True if the box counts neither as found nor as missed (COCO's `iscrowd`).
     pub ignored: bool,
     /// Box, in shares of the picture in [`LabelFormat::Yolo`] and in pixels in
     /// [`LabelFormat::Coco`].
@@ -59,9 +60,9 @@ pub struct Label {
 /// The labels of one picture.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PictureLabels {
-    /// Its width and height, pixels, where they are known.
+    /// Width and height of the picture, pixels; `None` where unknown.
     pub size_px: Option<[u32; 2]>,
-    /// Its boxes.
+    /// Boxes of the picture.
     pub labels: Vec<Label>,
 }
 
@@ -70,15 +71,15 @@ pub struct PictureLabels {
 pub struct LabelSet {
     /// Format of the labels.
     pub format: LabelFormat,
-    /// File or folder that they were read from.
+    /// File or folder that the labels were read from.
     pub path: PathBuf,
-    /// Class names, as far as they are known.
+    /// Names of the classes; empty, or shorter than the number of classes, where unknown.
     pub names: Vec<String>,
     /// Labels of each picture, by the picture's name without its ending.
     pub pictures: BTreeMap<String, PictureLabels>,
-    /// Class of each of COCO's category numbers.
+    /// Index of the class of each COCO category number.
     categories: HashMap<u64, usize>,
-    /// Picture of each of COCO's image numbers, and of each name.
+    /// Name of the picture of each COCO image number, and of each name.
     numbers: HashMap<String, String>,
 }
 
@@ -94,19 +95,20 @@ impl LabelSet {
         }
     }
 
-    /// Boxes in all pictures.
+    /// Returns the number of boxes in all pictures.
     pub fn boxes(&self) -> usize {
         self.pictures.values().map(|picture| picture.labels.len()).sum()
     }
 }
 
-/// More classes than any detector of this kind knows; a class number beyond it is a damaged line.
+/// Greatest number of classes: more than any detector of this kind has; a greater class number
+/// means a damaged line.
 pub(crate) const MOST_CLASSES: usize = 1000;
 
 /// Reads true boxes from a folder of YOLO labels, a COCO file, or a folder that holds one.
 ///
 /// # Errors
-/// When there are no labels, or one of them cannot be read.
+/// When there are no labels at `path`, or one of the files cannot be read or is faulty.
 pub fn read_truth(path: &Path) -> Result<LabelSet, LabelError> {
     match find(path)? {
         Found::Texts(folder, texts) => yolo::read(&folder, &texts, false),
@@ -114,10 +116,11 @@ pub fn read_truth(path: &Path) -> Result<LabelSet, LabelError> {
     }
 }
 
-/// Reads predicted boxes; COCO's list of results needs the numbers of the truth.
+/// Reads predicted boxes. COCO's list of results needs the picture numbers and categories of
+/// `truth`.
 ///
 /// # Errors
-/// When there are no labels, or one of them cannot be read.
+/// When there are no labels at `path`, or one of the files cannot be read or is faulty.
 pub fn read_predicted(path: &Path, truth: &LabelSet) -> Result<LabelSet, LabelError> {
     match find(path)? {
         Found::Texts(folder, texts) => yolo::read(&folder, &texts, true),
@@ -130,8 +133,8 @@ enum Found {
     Json(PathBuf),
 }
 
-/// The labels at a path: the file itself, a folder's label texts, its one JSON file, or the texts
-/// in its `labels` folder.
+/// Finds the labels at a path: the file itself; or, in a folder, its label texts, its only JSON
+/// file, or the texts in its `labels` folder.
 fn find(path: &Path) -> Result<Found, LabelError> {
     if !path.is_dir() {
         return Ok(Found::Json(path.to_owned()));
@@ -167,7 +170,7 @@ fn find(path: &Path) -> Result<Found, LabelError> {
     Err(LabelError::new(what, path))
 }
 
-/// The text of a file of at most `longest` bytes.
+/// Reads the text of a file of at most `longest` bytes.
 fn text(path: &Path, longest: u64) -> Result<String, LabelError> {
     regular_file::read_text(path, longest).map_err(|error| {
         let what = match error.kind() {

@@ -1,27 +1,27 @@
-//! True and predicted boxes of the same pictures.
+//! Brings true and predicted boxes of the same pictures together.
 
 use super::{Label, LabelError, LabelFault, LabelFormat, LabelSet, PictureLabels};
 use crate::metrics::{Image, TrueBox};
 use crate::{Rect, Scored, TILE_PX};
 
-/// Pictures ready to be measured.
+/// Pictures with their true and predicted boxes, ready for [`crate::metrics`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Paired {
     /// Names of the pictures, one for each of `images`.
     pub names: Vec<String>,
-    /// Their boxes, in pixels.
+    /// Boxes of each picture, in pixels.
     pub images: Vec<Image>,
-    /// One name a class; a number where none is known.
+    /// Name of each class; its number where no name is known.
     pub classes: Vec<String>,
     /// Notes for the analyst, in sentences.
     pub notes: Vec<String>,
 }
 
-/// Brings the pictures of both together. A picture that only one of them has, has no boxes in the
-/// other.
+/// Brings the true and the predicted boxes of each picture together. A picture that only one of the
+/// two sets has gets no boxes from the other.
 ///
 /// # Errors
-/// When no picture has both.
+/// When there are predicted boxes, but no picture is in both sets.
 pub fn pair(truth: &LabelSet, predicted: &LabelSet) -> Result<Paired, LabelError> {
     let shared = |name: &&String| truth.pictures.contains_key(*name);
     if predicted.boxes() > 0 && !predicted.pictures.keys().any(|name| shared(&name)) {
@@ -90,7 +90,7 @@ fn pixels(rect: Rect, format: LabelFormat, [width, height]: [u32; 2]) -> Rect {
     Rect::new([rect.x0 * width, rect.y0 * height], [rect.x1 * width, rect.y1 * height])
 }
 
-/// Names for every class that is named or used.
+/// Returns a name for every class that has a name or a box.
 fn classes(truth: &LabelSet, predicted: &LabelSet) -> Vec<String> {
     let names = if truth.names.is_empty() { &predicted.names } else { &truth.names };
     let used = [truth, predicted]

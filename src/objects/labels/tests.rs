@@ -1,7 +1,7 @@
 use super::*;
 use std::fs;
 
-/// A folder with files of these names and texts.
+/// Creates a folder with files of these names and texts.
 fn folder(files: &[(&str, &str)]) -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a temporary folder");
     for (name, text) in files {
@@ -67,7 +67,7 @@ fn both_formats_give_the_same_boxes() {
         assert!((x0 - 20.0).abs() < 1e-4 && (x1 - 60.0).abs() < 1e-4);
         assert_eq!((a.predicted[0].class, a.predicted[0].score), (1, 0.75));
     }
-    // No pictures beside the labels, and no word on their size.
+    // There are no pictures beside the labels: one note is about their unknown size.
     let paired = pair(&yolo, &texts).expect("the same pictures");
     assert!((paired.images[0].truth[0].rect.x0 - 0.1 * 416.0).abs() < 1e-3);
     assert_eq!(paired.notes.len(), 1);

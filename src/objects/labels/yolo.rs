@@ -1,4 +1,4 @@
-//! Folders of YOLO labels.
+//! Reads folders of YOLO labels.
 
 use super::{
     Label, LabelError, LabelFault, LabelFormat, LabelSet, MOST_CLASSES, PictureLabels,
@@ -7,9 +7,9 @@ use super::{
 use crate::Rect;
 use std::path::{Path, PathBuf};
 
-/// Names of files with class names.
+/// Names of the files that hold class names.
 const NAMES: [&str; 2] = ["classes.txt", "obj.names"];
-/// Longer than any label file of one picture.
+/// Greatest length of a file, bytes: longer than any label file of one picture.
 const LONGEST: u64 = 16 << 20;
 
 /// Returns true if a file holds class names rather than boxes.
@@ -17,7 +17,8 @@ pub(super) fn is_names(file: &Path) -> bool {
     file.file_name().is_some_and(|name| NAMES.iter().any(|names| name == *names))
 }
 
-/// Reads the label files of a folder; class names from a file in it or in the folder above.
+/// Reads the label files of a folder; the class names are from a file in this folder or in the
+/// folder above.
 ///
 /// # Errors
 /// When a file cannot be read or is not of this format; the error names it.
@@ -67,8 +68,8 @@ fn names(folder: &Path) -> Result<Vec<String>, LabelError> {
     Ok(names)
 }
 
-/// Width and height of the picture beside a label file, or at its place in `images` where the
-/// labels are in `labels`.
+/// Returns the width and height of the picture of a label file: beside it, or at the same place in
+/// `images` if the labels are in `labels`. `None` if there is no readable picture.
 fn picture_size(folder: &Path, file: &Path) -> Option<[u32; 2]> {
     let stem = file.file_stem()?;
     let beside = folder.join(stem).with_added_extension("png");
@@ -86,7 +87,7 @@ fn picture_size(folder: &Path, file: &Path) -> Option<[u32; 2]> {
         .map(|(width, height)| [width, height])
 }
 
-/// A line `class cx cy w h`, and `score` behind it where predicted.
+/// Reads a line `class cx cy w h`, with `score` at its end if predicted.
 fn parse(line: &str, predicted: bool) -> Result<Label, YoloLineFault> {
     let fields: Vec<&str> = line.split_whitespace().collect();
     match (fields.len(), predicted) {
@@ -109,7 +110,8 @@ fn parse(line: &str, predicted: bool) -> Result<Label, YoloLineFault> {
     };
     let [cx, cy, w, h] =
         [number(fields[1])?, number(fields[2])?, number(fields[3])?, number(fields[4])?];
-    // Some writers round a box at the edge a little beyond it; pixels are beyond it by far.
+    // Some writers round a box at the edge to a little beyond the picture; coordinates in pixels
+    // are far beyond.
     if [cx, cy, w, h].iter().any(|share| !(-0.5..=1.5).contains(share)) || w < 0.0 || h < 0.0 {
         return Err(YoloLineFault::Beyond);
     }

@@ -1,12 +1,13 @@
-//! Counts the boxes by true and by proposed class.
+//! Counts the boxes by true and by predicted class.
 
 use super::mistakes::ShownImages;
 use super::{Image, MetricSettings, TrueBox, iou};
 use crate::Scored;
 
-/// Boxes by their true class (rows) and the class that was proposed (columns), at the score and IoU
-/// of the settings. The last row holds predictions that lie on nothing (or on a truth that another
-/// prediction has found), the last column truths that nothing lies on: the background.
+/// Boxes by their true class (rows) and their predicted class (columns), at the score and IoU of
+/// the settings. The last index is the background: the last row counts predictions that overlap no
+/// truth (or a truth that another prediction has found), the last column counts truths that no
+/// prediction has found.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Confusion {
     classes: usize,
@@ -18,18 +19,20 @@ impl Confusion {
         Self { classes, cells: vec![0; (classes + 1) * (classes + 1)] }
     }
 
-    /// Number of classes; this number as an index is the background.
+    /// Returns the number of classes; this number as an index is the background.
     pub fn classes(&self) -> usize {
         self.classes
     }
 
-    /// Boxes that are `truth` and were taken for `predicted`. Panics beyond the background, as a
-    /// slice does.
+    /// Returns the number of boxes of the class `truth` that were predicted as `predicted`.
+    ///
+    /// # Panics
+    /// When the cell is beyond the last one, as when `truth` is above the background.
     pub fn at(&self, truth: usize, predicted: usize) -> usize {
         self.cells[truth * (self.classes + 1) + predicted]
     }
 
-    /// The rows, one a true class, the background last.
+    /// Returns the rows, one for each true class, the background last.
     pub fn rows(&self) -> impl Iterator<Item = &[usize]> {
         self.cells.chunks(self.classes + 1)
     }
@@ -39,9 +42,9 @@ impl Confusion {
     }
 }
 
-/// Counts what is shown. What the classes' own matching has paired lies on the diagonal; of the
-/// rest, each prediction, by falling score, is paired with the truth of another class that it
-/// overlaps most, if by enough.
+/// Counts the predictions that are shown. The pairs of the matching within each class are on the
+/// diagonal. Each remaining prediction, by falling score, is paired with the truth of another class
+/// that it overlaps most, if the overlap passes the threshold.
 pub(super) fn confusion(
     images: &[Image],
     shown: &ShownImages,
@@ -71,7 +74,8 @@ pub(super) fn confusion(
     confusion
 }
 
-/// The truth of another class that a prediction overlaps most, if by enough.
+/// Returns the index of the truth of another class that a prediction overlaps most, if the overlap
+/// passes the threshold.
 fn mistaken(predicted: &Scored, free: &[&TrueBox], settings: &MetricSettings) -> Option<usize> {
     let others = free.iter().enumerate().filter(|(_, truth)| truth.class != predicted.class);
     others

@@ -1,4 +1,4 @@
-//! All figures of one set of pictures.
+//! Computes all figures of one set of pictures.
 
 use super::confusion::Confusion;
 use super::matched::{AtScore, Matched, rank, total};
@@ -7,7 +7,7 @@ use super::precision::{CurvePoint, MatchCounts, average_precision, curve};
 use super::ranking::{ANY_SIZE, Sizes};
 use super::{BoxMatching, Image, MetricSettings};
 
-/// One class.
+/// Results for one class.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ClassReport {
     /// Counts at the score of the settings.
@@ -16,40 +16,42 @@ pub struct ClassReport {
     pub ap: f64,
     /// Mean of the average precisions at IoU 0.5, 0.55 .. 0.95; NaN without truths.
     pub ap_50_95: f64,
-    /// Curve with a point for every score, falling.
+    /// Precision, recall and F1 for every score that occurs, by falling score.
     pub curve: Vec<CurvePoint>,
 }
 
-/// Boxes of one size, all classes. A truth whose area is a limit counts on both sides of it, as in
-/// COCO.
+/// Results for the boxes of one range of sizes, all classes together. A truth whose area is exactly
+/// a limit counts on both sides of it, as in COCO.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SizeReport {
-    /// Square roots of the smallest and the largest area, pixels; infinite for the largest boxes.
+    /// Square roots of the smallest and the largest area, pixels; the largest is infinite in the
+    /// last range.
     pub side_px: [f64; 2],
     /// Counts at the score of the settings.
     pub counts: MatchCounts,
-    /// Mean over the classes at the IoU of the settings; NaN without truths.
+    /// Mean of the classes' average precisions at the IoU of the settings; NaN without truths.
     pub map: f64,
-    /// Mean over the classes at IoU 0.5, 0.55 .. 0.95; NaN without truths.
+    /// Mean of the classes' average precisions at IoU 0.5, 0.55 .. 0.95; NaN without truths.
     pub map_50_95: f64,
 }
 
 /// Agreement of predictions with truths.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Evaluation {
-    /// One entry a class.
+    /// Results for each class.
     pub classes: Vec<ClassReport>,
-    /// All classes together.
+    /// Counts of all classes together.
     pub counts: MatchCounts,
     /// Mean of the classes' `ap`; NaN without truths.
     pub map: f64,
     /// Mean of the classes' `ap_50_95`; NaN without truths.
     pub map_50_95: f64,
-    /// All classes as one, for every score, falling.
+    /// Precision, recall and F1 of all classes together, for every score that occurs, by falling
+    /// score.
     pub curve: Vec<CurvePoint>,
-    /// Reports for sizes of boxes, from small to large.
+    /// Results for each range of sizes, from small to large.
     pub sizes: Vec<SizeReport>,
-    /// Boxes by true and by proposed class.
+    /// Boxes by true and by predicted class.
     pub confusion: Confusion,
     /// False alarms, by falling score.
     pub false_alarms: Vec<FalseAlarm>,
@@ -58,8 +60,9 @@ pub struct Evaluation {
 }
 
 impl Evaluation {
-    /// The same average precisions and curves with the counts, confusion and mistakes of others: of
-    /// the boxes of the same pictures that an analyst is shown.
+    /// Returns these average precisions and curves with the counts, confusion and mistakes of
+    /// `shown`. `shown` is the evaluation of the same pictures with only the boxes that an analyst
+    /// is shown.
     pub fn counted_as(self, shown: Evaluation) -> Self {
         let classes = self.classes.into_iter().zip(shown.classes);
         let sizes = self.sizes.into_iter().zip(shown.sizes);
@@ -78,8 +81,8 @@ impl Evaluation {
     }
 }
 
-/// Measures predictions against truths of `classes` classes; boxes of classes beyond that are left
-/// out.
+/// Measures predictions against truths of `classes` classes; boxes whose class index is not below
+/// `classes` are left out.
 pub fn evaluate(images: &[Image], classes: usize, settings: &MetricSettings) -> Evaluation {
     let matched = Matched::new(images, classes, settings);
     let images = matched.images();
@@ -110,8 +113,8 @@ pub fn evaluate(images: &[Image], classes: usize, settings: &MetricSettings) -> 
     }
 }
 
-/// IoU 0.5, 0.55 .. 0.95, spaced as numpy does it, so that an IoU of 3/5 falls on the same side as
-/// there.
+/// Returns IoU 0.5, 0.55 .. 0.95, computed in the same way as numpy does it, so that an IoU of 3/5
+/// is on the same side of its threshold as in numpy.
 fn thresholds() -> [f64; 10] {
     let step = (0.95 - 0.5) / 9.0;
     [0, 1, 2, 3, 4, 5, 6, 7, 8, 9].map(|index| match index {
@@ -120,7 +123,7 @@ fn thresholds() -> [f64; 10] {
     })
 }
 
-/// One entry a class.
+/// Returns the mean over the IoU thresholds of the average precision of each class.
 fn ap_50_95(
     images: &[Image],
     classes: usize,
@@ -138,8 +141,8 @@ fn ap_50_95(
     sums.into_iter().map(|sum| sum / count).collect()
 }
 
-/// Mean over the classes; what a class without truths counts is a matter of the rule. NaN where no
-/// class has truths.
+/// Returns the mean over the classes. The rule in the settings determines whether a class without
+/// truths counts as 0 or is left out. NaN where no class has truths.
 fn mean(precisions: impl Iterator<Item = f64>, settings: &MetricSettings) -> f64 {
     let all: Vec<f64> = precisions.collect();
     let known = all.iter().filter(|ap| !ap.is_nan());

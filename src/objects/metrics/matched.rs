@@ -1,4 +1,4 @@
-//! Predictions paired with truths once, to be counted at any score.
+//! Pairs predictions with truths once, so that they can be counted at any score.
 
 use super::confusion::{Confusion, confusion};
 use super::mistakes::{FalseAlarm, Miss, ShownImages};
@@ -7,9 +7,9 @@ use super::ranking::{ANY_SIZE, Ranked, Ranking, Sizes};
 use super::{Image, MetricSettings};
 use rayon::prelude::*;
 
-/// Pictures whose boxes are paired. The pairs of a score are those of the whole set down to that
-/// score, because predictions choose by falling score: a confidence slider costs a count, not a
-/// pairing.
+/// Pictures whose boxes are paired. Predictions choose their truths by falling score, so the pairs
+/// at a score are those of the whole set down to that score: to move a confidence slider takes a
+/// count, not a new pairing.
 #[derive(Clone, Debug)]
 pub struct Matched {
     images: Vec<Image>,
@@ -17,14 +17,14 @@ pub struct Matched {
     settings: MetricSettings,
 }
 
-/// Result of the boxes of at least a score.
+/// Counts and mistakes of the boxes of at least a score.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AtScore {
-    /// One entry a class.
+    /// Counts of each class.
     pub classes: Vec<MatchCounts>,
-    /// All classes together.
+    /// Counts of all classes together.
     pub counts: MatchCounts,
-    /// Boxes by true and by proposed class.
+    /// Boxes by true and by predicted class.
     pub confusion: Confusion,
     /// False alarms, by falling score.
     pub false_alarms: Vec<FalseAlarm>,
@@ -33,8 +33,8 @@ pub struct AtScore {
 }
 
 impl Matched {
-    /// Pairs predictions with truths of `classes` classes at the IoU of the settings; boxes of
-    /// classes beyond that are left out.
+    /// Pairs predictions with truths of `classes` classes at the IoU of the settings; boxes whose
+    /// class index is not below `classes` are left out.
     pub fn new(images: &[Image], classes: usize, settings: &MetricSettings) -> Self {
         let images: Vec<Image> = images.iter().map(|boxes| within(boxes, classes)).collect();
         Self {
@@ -44,7 +44,8 @@ impl Matched {
         }
     }
 
-    /// The boxes, in the order in which false alarms and misses name them.
+    /// Returns the boxes by picture, in the order that the indices of false alarms and misses refer
+    /// to.
     pub fn images(&self) -> &[Image] {
         &self.images
     }
@@ -53,7 +54,7 @@ impl Matched {
         &self.rankings
     }
 
-    /// Counts what is shown from a score on.
+    /// Counts the predictions of at least a score.
     pub fn at(&self, score: f32) -> AtScore {
         let of_class = |ranking: &Ranking| MatchCounts::of(ranking.shown(score), ranking.truths);
         let classes: Vec<MatchCounts> = self.rankings.iter().map(of_class).collect();
@@ -68,7 +69,8 @@ impl Matched {
         }
     }
 
-    /// Precision, recall and F1 of all classes as one, for every score, falling.
+    /// Returns precision, recall and F1 of all classes together, for every score that occurs, by
+    /// falling score.
     pub fn curve(&self) -> Vec<CurvePoint> {
         let all = self.rankings.iter().flat_map(|ranking| &ranking.ranked);
         let mut all: Vec<Ranked> = all.copied().collect();
@@ -78,8 +80,8 @@ impl Matched {
     }
 }
 
-/// The boxes whose class is known. Indices must stay, so that a box of no class becomes one that
-/// nothing looks at.
+/// Returns a copy whose truths of classes from `classes` on are ignored. They are not removed,
+/// because the indices of the boxes must stay.
 fn within(boxes: &Image, classes: usize) -> Image {
     let mut boxes = boxes.clone();
     for truth in &mut boxes.truth {
@@ -88,7 +90,7 @@ fn within(boxes: &Image, classes: usize) -> Image {
     boxes
 }
 
-/// One entry a class.
+/// Pairs and sorts the boxes of each class.
 pub(super) fn rank(
     images: &[Image],
     classes: usize,

@@ -1,33 +1,33 @@
-//! The boxes of one class in one picture, paired.
+//! Pairs predicted and true boxes of one class in one picture.
 
 use super::{BoxMatching, iou};
 use crate::Rect;
 
-/// A true box as one run sees it.
+/// A true box as a candidate for the predictions of its class.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TruthCandidate {
     /// Index into the picture's truths.
     pub truth: usize,
     pub rect: Rect,
-    /// Any number of boxes may lie in it.
+    /// True if any number of predictions may lie in the box.
     pub crowd: bool,
-    /// Not counted: a crowd, or not of the size looked at.
+    /// True if the box does not count: it is a crowd, or not of the wanted size.
     pub ignored: bool,
 }
 
 /// Result of pairing a prediction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MatchOutcome {
-    /// It found this truth (index into the picture's).
+    /// The prediction found this truth (index into the picture's truths).
     Hit { truth: usize, iou: f64 },
-    /// It found nothing.
+    /// The prediction found no truth.
     FalseAlarm,
-    /// It lies on something that does not count.
+    /// The prediction lies on a truth that does not count.
     Ignored,
 }
 
-/// Pairs predictions, which come by falling score, with the candidates of their class; one outcome
-/// a prediction.
+/// Pairs predictions, sorted by falling score, with the candidates of their class. Returns one
+/// outcome for each prediction.
 pub(super) fn pair(
     predicted: &[Rect],
     candidates: &[TruthCandidate],
@@ -35,7 +35,7 @@ pub(super) fn pair(
     threshold: f64,
 ) -> Vec<MatchOutcome> {
     let mut taken = vec![false; candidates.len()];
-    // COCO looks at the ignored ones last.
+    // COCO tries the ignored candidates last.
     let mut order: Vec<usize> = (0..candidates.len()).collect();
     order.sort_by_key(|&index| candidates[index].ignored);
     let outcome = |predicted: &Rect| {
@@ -60,7 +60,8 @@ pub(super) fn pair(
     predicted.iter().map(outcome).collect()
 }
 
-/// The candidate that a box overlaps most, by more than the threshold, taken or not.
+/// Returns the candidate that a box overlaps most, by more than the threshold, whether it is taken
+/// or not.
 fn most_overlapped(
     predicted: &Rect,
     candidates: &[TruthCandidate],
@@ -73,8 +74,8 @@ fn most_overlapped(
         .max_by(|(_, a), (_, b)| a.total_cmp(b))
 }
 
-/// The best candidate that is free; one that does not count only where none that counts passes. Of
-/// equals the last, as in `pycocotools`.
+/// Returns the free candidate with the greatest overlap; an ignored candidate is returned only if
+/// no other one passes. Among equal overlaps the last is returned, as in `pycocotools`.
 fn best_free(
     predicted: &Rect,
     candidates: &[TruthCandidate],

@@ -8,18 +8,18 @@ use crate::Rect;
 /// Cause of a false alarm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cause {
-    /// No object is there.
+    /// There is no object at the box.
     Background,
-    /// An object of its class is there and was found by a surer box.
+    /// An object of the same class is there and was found by a box of a higher score.
     Duplicate,
-    /// An object of another class is there.
+    /// There is an object of another class at the box.
     OtherClass,
-    /// An object of its class is near, but the box overlaps it too little.
+    /// An object of the same class is near, but the box overlaps it too little.
     Loose,
 }
 
 impl Cause {
-    /// A word or two for tables.
+    /// Returns the cause in a word or two, for tables.
     pub fn name(self) -> &'static str {
         match self {
             Cause::Background => "background",
@@ -30,23 +30,23 @@ impl Cause {
     }
 }
 
-/// A prediction of at least the score that found nothing.
+/// A prediction of at least the least score that found no truth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FalseAlarm {
     /// Index of the picture.
     pub image: usize,
-    /// Index into its predictions.
+    /// Index into the predictions of this picture.
     pub predicted: usize,
     /// Cause of the false alarm.
     pub cause: Cause,
 }
 
-/// A truth that no prediction of at least the score found.
+/// A truth that no prediction of at least the least score found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Miss {
     /// Index of the picture.
     pub image: usize,
-    /// Index into its truths.
+    /// Index into the truths of this picture.
     pub truth: usize,
 }
 
@@ -59,14 +59,14 @@ pub(super) struct ShownImages {
 /// Hits and false alarms among the boxes of at least the score, in one picture.
 #[derive(Debug)]
 pub(super) struct ShownImage {
-    /// Truths that were found.
+    /// True for each truth that was found, in the order of the picture's truths.
     pub found: Vec<bool>,
-    /// Predictions that found nothing, by falling score.
+    /// Indices of the predictions that found no truth, by falling score.
     pub false_alarms: Vec<usize>,
 }
 
 impl ShownImages {
-    /// Sorts the classes' predictions by picture.
+    /// Sorts the shown predictions of all classes by picture.
     pub(super) fn new<'a>(images: &[Image], shown: impl Iterator<Item = &'a Ranked>) -> Self {
         let none = |boxes: &Image| ShownImage {
             found: vec![false; boxes.truth.len()],
@@ -87,7 +87,7 @@ impl ShownImages {
         Self { images: sorted }
     }
 
-    /// Every false alarm, with its cause, by falling score.
+    /// Returns every false alarm with its cause, by falling score.
     pub(super) fn false_alarms(
         &self,
         images: &[Image],
@@ -106,7 +106,7 @@ impl ShownImages {
         all
     }
 
-    /// Every miss, picture by picture.
+    /// Returns every miss, picture by picture.
     pub(super) fn misses(&self, images: &[Image]) -> Vec<Miss> {
         let mut all = Vec::new();
         for (image, (boxes, shown)) in images.iter().zip(&self.images).enumerate() {
@@ -118,7 +118,7 @@ impl ShownImages {
     }
 }
 
-/// Overlap from which a box is near an object.
+/// Least overlap (IoU) of a box that is near an object.
 const NEAR_IOU: f64 = 0.1;
 
 fn cause(boxes: &Image, predicted: usize, settings: &MetricSettings) -> Cause {

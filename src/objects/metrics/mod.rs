@@ -8,9 +8,9 @@
 //! and proposed class, `mistakes` lists the mistakes to examine, `matched` keeps the pairs to be
 //! counted at any score, and [`evaluate`] collects all results.
 //!
-//! Two rules are in use and give different numbers from the same boxes: Darknet's (the published
-//! figures') and COCO's. [`MetricSettings::darknet`] equals `mean_average_precision` and
-//! [`MetricSettings::coco`] equals `pycocotools` (tests).
+//! Two rules are in use and give different numbers from the same boxes: Darknet's (used for the
+//! published figures) and COCO's. [`MetricSettings::darknet`] gives the same numbers as
+//! `mean_average_precision`, and [`MetricSettings::coco`] the same as `pycocotools` (tests).
 
 mod confusion;
 mod evaluate;
@@ -35,8 +35,8 @@ pub struct TrueBox {
     pub class: usize,
     /// Box, pixels.
     pub rect: Rect,
-    /// Neither to be found nor to be missed: a crowd, or an object that nobody could name. Any
-    /// number of boxes may lie in it (COCO's `iscrowd`, VOC's `difficult`).
+    /// True if the box counts neither as found nor as missed: a crowd, or an object that nobody
+    /// could name. Any number of predictions may lie in it (COCO's `iscrowd`, VOC's `difficult`).
     pub ignored: bool,
 }
 
@@ -45,14 +45,14 @@ pub struct TrueBox {
 pub struct Image {
     /// True boxes.
     pub truth: Vec<TrueBox>,
-    /// Proposed boxes, in any order; of equal scores the first counts first.
+    /// Predicted boxes, in any order; of equal scores the first counts first.
     pub predicted: Vec<Scored>,
 }
 
 impl Image {
-    /// Gives each prediction of the class of boxes without a name that of the true box that it
-    /// overlaps most: it cannot be wrong in what it does not say. One that overlaps none stays as
-    /// it is.
+    /// Changes each prediction of the class `nameless` to the class of the true box that it
+    /// overlaps most: a prediction that names no class cannot name a wrong one. A prediction that
+    /// overlaps no true box is not changed.
     pub(crate) fn name_by_truth(&mut self, nameless: usize) {
         let without = |one: &&mut Scored| one.class == nameless;
         for one in self.predicted.iter_mut().filter(without) {
@@ -65,15 +65,16 @@ impl Image {
     }
 }
 
-/// Rule that pairs predictions with true boxes of their class. Predictions choose by falling score.
+/// Rule that pairs predictions with true boxes of their class. Predictions are paired by falling
+/// score.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BoxMatching {
-    /// Darknet and VOC: a prediction takes the truth that it overlaps most, by more than the
-    /// threshold; when that one is taken it is a false alarm, even where another would do. A class
-    /// without truths counts as 0 in the mean.
+    /// Darknet and VOC: a prediction is paired with the truth that it overlaps most, by more than
+    /// the threshold; if that truth is taken, the prediction is a false alarm, even if it overlaps
+    /// a free truth. A class without truths counts as 0 in the mean.
     DarknetVoc,
-    /// COCO: a prediction takes the best truth that is still free, at the threshold or above. A
-    /// class without truths does not count in the mean.
+    /// COCO: a prediction is paired with the free truth that it overlaps most, by the threshold or
+    /// more. A class without truths does not count in the mean.
     Coco,
 }
 
@@ -93,16 +94,16 @@ impl BoxMatching {
 pub struct MetricSettings {
     /// Rule that pairs predictions with truths.
     pub matching: BoxMatching,
-    /// Method to compute a number from a precision-recall curve.
+    /// Method that computes average precision from a precision-recall curve.
     pub ap: ApMethod,
-    /// Intersection over union that makes a match, 0 to 1.
+    /// Intersection over union from which a prediction matches a truth, 0 to 1.
     pub iou: f64,
-    /// Confidence from which a box is shown: counts, confusion and mistakes are at it; curves and
-    /// AP are not.
+    /// Least score of a box that is shown: counts, confusion and mistakes are of the shown boxes;
+    /// curves and AP are of all boxes.
     pub score: f32,
-    /// The surest boxes of a class in a picture that count; all when `None`.
+    /// Number of the boxes of highest score that count in each class and picture; all if `None`.
     pub max_detections: Option<usize>,
-    /// Limits between sizes: square roots of box areas, pixels, growing.
+    /// Limits between the ranges of sizes: square roots of box areas, pixels, growing.
     pub size_edges_px: Vec<f64>,
 }
 
@@ -132,14 +133,14 @@ impl MetricSettings {
     }
 }
 
-/// Area of a box in double precision, square pixels.
+/// Returns the area of a box in double precision, square pixels.
 fn area(rect: &Rect) -> f64 {
     let side = |from: f32, to: f32| (f64::from(to) - f64::from(from)).max(0.0);
     side(rect.x0, rect.x1) * side(rect.y0, rect.y1)
 }
 
-/// Intersection over union in double precision, so that 0.5 is 0.5; over the first box alone when
-/// the second is a crowd.
+/// Returns the intersection over union in double precision, so that 0.5 is exactly 0.5; for a
+/// crowd, the intersection over the predicted box alone.
 fn iou(predicted: &Rect, truth: &Rect, crowd: bool) -> f64 {
     let shared = area(&predicted.intersection(truth));
     let joint = if crowd { area(predicted) } else { area(predicted) + area(truth) - shared };

@@ -1,4 +1,4 @@
-//! Counts, precision and recall, and the curves that they draw over the score.
+//! Computes counts, precision and recall, and their curves over the score.
 
 use super::matching::MatchOutcome;
 use super::ranking::Ranked;
@@ -6,30 +6,31 @@ use super::ranking::Ranked;
 /// Method to compute one number from a precision-recall curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ApMethod {
-    /// Area under the curve, where precision is the best at that recall or beyond (VOC since 2010,
-    /// Darknet's `-points 0`).
+    /// Area under the curve, where the precision at a recall is the best one at that recall or a
+    /// higher one (VOC since 2010, Darknet's `-points 0`).
     AllPoint,
-    /// Mean of that precision at recall 0, 0.1 .. 1 (VOC 2007, Darknet's `-points 11`).
+    /// Mean of the precision of `AllPoint` at recall 0, 0.1 .. 1 (VOC 2007, Darknet's `-points
+    /// 11`).
     Voc11,
-    /// Mean of that precision at recall 0, 0.01 .. 1.
+    /// Mean of the precision of `AllPoint` at recall 0, 0.01 .. 1 (COCO).
     Coco101,
 }
 
-/// Found, false and missed, at one score.
+/// Counts of true boxes, found ones and false alarms, at one score.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MatchCounts {
-    /// Truths that count.
+    /// Number of truths that count.
     pub truths: usize,
-    /// Predictions that found one (TP).
+    /// Predictions that found a truth (TP).
     pub found: usize,
-    /// Predictions that found none (FP).
+    /// Predictions that found no truth (FP).
     pub false_alarms: usize,
-    /// Sum of the IoU of the found.
+    /// Sum of the IoU of the predictions that found a truth.
     pub iou_sum: f64,
 }
 
 impl MatchCounts {
-    /// Counts predictions among `truths`.
+    /// Counts hits and false alarms among predictions, given the number of truths.
     pub fn of(shown: &[Ranked], truths: usize) -> Self {
         let mut counts = MatchCounts { truths, ..Self::default() };
         for one in shown {
@@ -44,7 +45,7 @@ impl MatchCounts {
         counts
     }
 
-    /// Both together.
+    /// Adds two counts.
     pub fn plus(self, other: Self) -> Self {
         Self {
             truths: self.truths + other.truths,
@@ -54,34 +55,34 @@ impl MatchCounts {
         }
     }
 
-    /// Truths that nothing found (FN).
+    /// Returns the number of truths that no prediction found (FN).
     pub fn missed(&self) -> usize {
         self.truths.saturating_sub(self.found)
     }
 
-    /// TP / (TP + FP); NaN without predictions.
+    /// Returns TP / (TP + FP); NaN without predictions.
     pub fn precision(&self) -> f64 {
         share(self.found, self.found + self.false_alarms)
     }
 
-    /// TP / (TP + FN); NaN without truths.
+    /// Returns TP / (TP + FN); NaN without truths.
     pub fn recall(&self) -> f64 {
         share(self.found, self.truths)
     }
 
-    /// 2 TP / (2 TP + FP + FN); NaN without any box.
+    /// Returns 2 TP / (2 TP + FP + FN); NaN without any box.
     pub fn f1(&self) -> f64 {
         let boxes = self.found + self.false_alarms + self.truths;
         share(2 * self.found, boxes)
     }
 
-    /// Mean IoU of the predictions that found a truth; NaN without any.
+    /// Returns the mean IoU of the predictions that found a truth; NaN without any.
     pub fn iou_of_matches(&self) -> f64 {
         self.iou_sum / self.found as f64
     }
 
-    /// Darknet's "average IoU": a false alarm counts as 0. It cannot exceed the precision. NaN
-    /// without predictions.
+    /// Returns Darknet's "average IoU", in which a false alarm counts as 0. It cannot exceed the
+    /// precision. NaN without predictions.
     pub fn darknet_iou(&self) -> f64 {
         self.iou_sum / (self.found + self.false_alarms) as f64
     }
@@ -91,20 +92,21 @@ fn share(part: usize, whole: usize) -> f64 {
     part as f64 / whole as f64
 }
 
-/// Precision, recall and F1 with a score as the limit.
+/// Precision, recall and F1 of the boxes of at least a score.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CurvePoint {
-    /// Boxes of at least this score are shown.
+    /// Least score of the boxes.
     pub score: f32,
-    /// TP / (TP + FP) of these.
+    /// TP / (TP + FP) of these boxes.
     pub precision: f64,
-    /// TP / (TP + FN) of these; NaN without truths.
+    /// TP / (TP + FN) of these boxes; NaN without truths.
     pub recall: f64,
-    /// 2 TP / (2 TP + FP + FN) of these.
+    /// 2 TP / (2 TP + FP + FN) of these boxes.
     pub f1: f64,
 }
 
-/// Precision, recall and F1 for every score that occurs, falling; `ranked` falls by score.
+/// Returns precision, recall and F1 for every score that occurs, by falling score; `ranked` must be
+/// sorted by falling score.
 pub(super) fn curve(ranked: &[Ranked], truths: usize) -> Vec<CurvePoint> {
     let mut counts = MatchCounts { truths, ..MatchCounts::default() };
     let same_score = |a: &Ranked, b: &Ranked| a.score == b.score;
@@ -122,7 +124,7 @@ pub(super) fn curve(ranked: &[Ranked], truths: usize) -> Vec<CurvePoint> {
         .collect()
 }
 
-/// Average precision of a class; NaN without truths.
+/// Returns the average precision of a class; NaN without truths.
 pub(super) fn average_precision(ranked: &[Ranked], truths: usize, method: ApMethod) -> f64 {
     if truths == 0 {
         return f64::NAN;
@@ -142,8 +144,8 @@ pub(super) fn average_precision(ranked: &[Ranked], truths: usize, method: ApMeth
             mean_at(&levels)
         }
         ApMethod::Coco101 => {
-            // Spaced as numpy does it: 57 * 0.01 is a rounding above 0.57, and a recall of 57/100
-            // does not reach it.
+            // Computed as in numpy: 57 * 0.01 is slightly above 0.57, and a recall of 57/100 does
+            // not reach it.
             let levels: Vec<f64> = (0..=100).map(|point| f64::from(point) * 0.01).collect();
             mean_at(&levels)
         }
@@ -159,7 +161,8 @@ fn area_under(recall: &[f64], precision: &[f64]) -> f64 {
     area
 }
 
-/// Recall after each prediction, and the best precision there or later.
+/// Returns the recall after each prediction, and the best precision after that prediction or a
+/// later one.
 fn envelope(ranked: &[Ranked], truths: usize) -> (Vec<f64>, Vec<f64>) {
     let mut counts = MatchCounts { truths, ..MatchCounts::default() };
     let (recall, mut precision): (Vec<f64>, Vec<f64>) = ranked

@@ -1,11 +1,11 @@
-//! All predictions of one class, by falling score, with what became of them.
+//! Sorts all predictions of one class by falling score, with the outcome of the pairing of each.
 
 use super::matching::{MatchOutcome, TruthCandidate, pair};
 use super::{Image, MetricSettings, area};
 use crate::Rect;
 use std::ops::RangeInclusive;
 
-/// A prediction and what became of it.
+/// A prediction and the outcome of its pairing.
 #[derive(Clone, Copy, Debug)]
 pub struct Ranked {
     pub image: usize,
@@ -15,25 +15,26 @@ pub struct Ranked {
     pub outcome: MatchOutcome,
 }
 
-/// One class over all pictures.
+/// The predictions of one class in all pictures.
 #[derive(Clone, Debug)]
 pub(super) struct Ranking {
-    /// Predictions by falling score; of equal scores in the order of the pictures. Ignored
-    /// predictions are excluded.
+    /// Predictions by falling score; equal scores in the order of the pictures. Predictions that
+    /// lie on an ignored truth are excluded.
     pub ranked: Vec<Ranked>,
-    /// Truths that count.
+    /// Number of truths that count.
     pub truths: usize,
 }
 
-/// Areas of boxes that count, square pixels.
+/// Range of the areas of boxes that count, square pixels.
 pub(super) type Sizes = RangeInclusive<f64>;
 
-/// Every area.
+/// Range of all areas.
 pub(super) const ANY_SIZE: Sizes = 0.0..=f64::INFINITY;
 
 impl Ranking {
-    /// Pairs the class's boxes in every picture at an IoU, and lines them up. Truths of other sizes
-    /// neither count nor miss; nor do predictions of other sizes that find nothing.
+    /// Pairs the boxes of the class in every picture at an IoU threshold, and sorts the
+    /// predictions. Truths of other sizes count neither as found nor as missed; predictions of
+    /// other sizes that find no truth do not count either.
     pub(super) fn new(
         images: &[Image],
         class: usize,
@@ -64,7 +65,7 @@ impl Ranking {
         ranking
     }
 
-    /// Those of at least a score.
+    /// Returns the predictions of at least a score.
     pub(super) fn shown(&self, score: f32) -> &[Ranked] {
         let end = self.ranked.partition_point(|one| one.score >= score);
         &self.ranked[..end]
@@ -84,7 +85,8 @@ fn candidates(boxes: &Image, class: usize, sizes: &Sizes) -> Vec<TruthCandidate>
         .collect()
 }
 
-/// The class's predictions in a picture, surest first.
+/// Returns the indices of the predictions of a class in a picture, by falling score, at most `most`
+/// of them.
 fn by_score(boxes: &Image, class: usize, most: Option<usize>) -> Vec<usize> {
     let score = |index: usize| boxes.predicted[index].score;
     let mut order: Vec<usize> = (0..boxes.predicted.len())

@@ -1,33 +1,36 @@
-//! Checks the tensors that a graph computes from its own constants, before they are computed.
+//! Checks the sizes of the tensors that a graph computes from its own constants, before they are
+//! computed.
 //!
-//! tract works out while it compiles whatever follows from constants alone, and a file of a few
-//! hundred bytes can ask for terabytes there: one column times one row is enough. The graph is
-//! walked in its order, and each layer is asked for the size of its outputs first, and only then
-//! for their numbers.
+//! While it compiles, tract computes all values that follow from constants alone, and a file of a
+//! few hundred bytes can require terabytes for this: one column times one row is enough. This
+//! module goes through the layers in their order, and computes first only the size of each layer's
+//! outputs, and then their numbers.
 
 use super::Unusable;
 use super::screen::check_axes;
 use tract_onnx::prelude::{InferenceFact, InferenceModel, OutletId, TractResult};
 use tract_onnx::tract_hir::infer::{Factoid, InferenceOp};
 
-/// Elements of one tensor that follows from constants; the largest grid of a detector has some
-/// hundred thousand.
+/// Greatest number of elements of one tensor that follows from constants; the largest grid of a
+/// detector has some hundred thousand.
 const MOST_ELEMENTS: u64 = 1 << 24;
-/// Elements of all of them.
+/// Greatest number of elements of all such tensors together.
 const MOST_ELEMENTS_IN_ALL: u64 = 1 << 26;
-/// Layers that do not state their output's size beforehand: at most the input's, times its number
-/// of axes.
+/// Layers that do not state their output's size beforehand; it has at most as many elements as the
+/// input, times the input's number of axes.
 const UNSIZED: [&str; 2] = ["Compress", "NonZero"];
 
-/// Refuses a graph whose constants grow beyond measure. The facts that come to light are kept in
-/// it; what stays open here is for the compilation, and so is what is wrong.
+/// Refuses a graph whose constants become too large. The computed facts are stored in the graph.
+/// Layers whose facts cannot be inferred here are left to the compilation, and so are errors in the
+/// graph.
 ///
 /// # Errors
-/// Why the model cannot be used.
+/// When a tensor of constants, or all of them together, are too large, or a tensor has too many
+/// axes.
 pub(super) fn check_constants(model: &mut InferenceModel) -> Result<(), Unusable> {
     let mut in_all = 0_u64;
     for node in model.eval_order().unwrap_or_default() {
-        // A source, or a weight that the file holds.
+        // The node is a source, or a weight from the file.
         if model.node(node).inputs.is_empty() {
             continue;
         }
@@ -52,17 +55,19 @@ pub(super) fn check_constants(model: &mut InferenceModel) -> Result<(), Unusable
             outputs = made;
         }
         for (slot, fact) in outputs.into_iter().enumerate() {
-            // A chain of layers may add one axis each.
+            // A chain of layers may add one axis with each layer.
             check_axes(&name, fact.shape.rank().concretize().map_or(0, |axes| axes as usize))?;
-            // A slot that is not there is reported by the compilation.
+            // A missing slot is reported by the compilation.
             model.set_outlet_fact(OutletId::new(node, slot), fact).ok();
         }
     }
     Ok(())
 }
 
-/// Elements of what a layer makes of constants, where one tensor is not too large, or cannot be
-/// known.
+/// Returns the number of elements that a layer computes from constants.
+///
+/// # Errors
+/// When a tensor is too large, or its size is unknown and `unsized_output` is false.
 fn elements_of(
     name: &str,
     outputs: &[InferenceFact],
@@ -90,7 +95,7 @@ fn elements_of(
     Ok(sum)
 }
 
-/// Facts about a layer's inputs, its outputs and the tensors that it observes.
+/// Facts about a layer's inputs, its outputs and the tensors that it observes, in this order.
 struct Around([Vec<InferenceFact>; 3]);
 
 impl Around {
@@ -109,13 +114,13 @@ impl Around {
         self.0[0].iter().all(|fact| fact.value.is_concrete())
     }
 
-    /// The outputs by the rules of the layer, which compute no numbers but those of sizes.
+    /// Infers the outputs by the rules of the layer, which compute sizes but no other numbers.
     fn sizes(&self, op: &mut dyn InferenceOp) -> TractResult<Vec<InferenceFact>> {
         let [inputs, outputs, observed] = self.0.each_ref().map(|facts| facts.iter().collect());
         Ok(op.infer_facts(inputs, outputs, observed)?.1.into_vec())
     }
 
-    /// The outputs with their numbers, where these follow from the inputs.
+    /// Infers the outputs with their numbers, if these follow from the inputs.
     fn numbers(&self, op: &mut dyn InferenceOp) -> TractResult<Vec<InferenceFact>> {
         let [inputs, outputs, observed] = self.0.each_ref().map(|facts| facts.iter().collect());
         Ok(op.infer(inputs, outputs, observed)?.1.into_vec())

@@ -6,21 +6,21 @@ use tract_onnx::prelude::{OutletId, TypedModel, TypedNode};
 use tract_onnx::tract_core::ops::Cost;
 use tract_onnx::tract_core::ops::cnn::{Conv, Deconv};
 
-/// Multiplications that one picture may cost: three times what YOLOv4 takes at 608 pixels, some ten
-/// seconds of one core.
+/// Greatest number of multiplications of one picture: three times the number of YOLOv4 at 608
+/// pixels; they take some ten seconds on one core.
 const MOST_MULTIPLICATIONS: u64 = 200_000_000_000;
-/// Elements of one tensor: 512 MiB of f32.
+/// Greatest number of elements of one tensor: 512 MiB of f32.
 const MOST_ELEMENTS: u64 = 1 << 27;
-/// Elements of the tensors that are held at one time: 1 GiB of f32. YOLOv4 at 608 pixels holds a
-/// twentieth of it.
+/// Greatest number of elements of the tensors that are held at one time: 1 GiB of f32. YOLOv4 at
+/// 608 pixels holds a twentieth of this.
 const MOST_ELEMENTS_AT_ONCE: u64 = 1 << 28;
-/// Elements of all tensors together, most of which live only for a moment.
+/// Greatest number of elements of all tensors together, most of which are held only for a moment.
 const MOST_ELEMENTS_IN_ALL: u64 = 1 << 31;
 
-/// Refuses a network that asks for more memory or work than a detector needs.
+/// Refuses a network that needs more memory or work than a detector should.
 ///
 /// # Errors
-/// Why the model cannot be used.
+/// When one of the limits of this module is exceeded.
 pub(super) fn check_cost(model: &TypedModel) -> Result<(), Unusable> {
     let (mut in_all, mut multiplications) = (0_u64, 0_u64);
     for node in model.nodes() {
@@ -44,7 +44,10 @@ pub(super) fn check_cost(model: &TypedModel) -> Result<(), Unusable> {
     check_held(model)
 }
 
-/// Elements of a layer's outputs, where none is too large.
+/// Returns the number of elements of a layer's outputs.
+///
+/// # Errors
+/// When an output is too large, or its size is unknown.
 fn elements_of(node: &TypedNode) -> Result<u64, Unusable> {
     let mut sum = 0;
     for output in &node.outputs {
@@ -60,7 +63,7 @@ fn elements_of(node: &TypedNode) -> Result<u64, Unusable> {
     Ok(sum)
 }
 
-/// Multiplications that a layer takes.
+/// Returns the number of multiplications of a layer.
 fn multiplications_of(model: &TypedModel, node: &TypedNode) -> u64 {
     let inputs = model.node_input_facts(node.id).unwrap_or_default();
     let costs = node.op.cost(&inputs).unwrap_or_default();
@@ -71,8 +74,9 @@ fn multiplications_of(model: &TypedModel, node: &TypedNode) -> u64 {
     counts.fold(0, u64::saturating_add)
 }
 
-/// A convolution lays the pixels under its kernel side by side, a transposed one what becomes of
-/// them: as many numbers as multiplications for one channel on the other side.
+/// Refuses a convolution that gathers too many numbers. A convolution copies the pixels under its
+/// kernel side by side, a transposed one the products that it adds up: as many numbers as it makes
+/// multiplications for one channel of the other side.
 fn check_gathered(node: &TypedNode, multiplications: u64) -> Result<(), Unusable> {
     let shared = match (node.op_as::<Conv>(), node.op_as::<Deconv>()) {
         (Some(conv), _) => conv.pool_spec.output_channels / conv.group.max(1),
@@ -89,8 +93,8 @@ fn check_gathered(node: &TypedNode, multiplications: u64) -> Result<(), Unusable
     Ok(())
 }
 
-/// Follows the network in the order of its layers: each output is held until the last layer that
-/// reads it has run.
+/// Refuses a network that holds too many elements at one time. Each output is held until the last
+/// layer that reads it has run.
 fn check_held(model: &TypedModel) -> Result<(), Unusable> {
     let order = model.eval_order().unwrap_or_default();
     let mut step_of = vec![0; model.nodes().len()];

@@ -1,5 +1,5 @@
-//! Determines the family of detectors that the outputs belong to: by their shapes, or from the
-//! sidecar.
+//! Determines which family of detectors the outputs of a network belong to, by their shapes or from
+//! the sidecar file, and decodes the outputs accordingly.
 
 use super::Unusable;
 use super::sidecar::{FamilyName, Metadata, Sidecar};
@@ -7,19 +7,19 @@ use super::tract::Output;
 use crate::Scored;
 use crate::decode::{self, Head, HeadLayout};
 
-/// Boxes of an end-to-end network: 300 usually.
+/// Greatest number of boxes of an end-to-end network; 300 is usual.
 const MOST_END_TO_END: usize = 1000;
-/// Strides of the detectors in use: two heads (tiny), three, four (large inputs), four (small
-/// objects).
+/// Strides of the heads of the detectors in use: three heads, two (tiny), four (large inputs), four
+/// (small objects).
 const STRIDES: [&[usize]; 4] = [&[8, 16, 32], &[16, 32], &[8, 16, 32, 64], &[4, 8, 16, 32]];
 
-/// Shape of an output, with its name.
+/// Name of an output, and its shape.
 pub(super) type Shaped<'a> = (&'a str, &'a [usize]);
 
-/// A detector whose outputs can be read.
+/// Family of a detector, with the data needed to decode its outputs.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct DetectorFamily {
-    /// Classes that it distinguishes.
+    /// Number of classes.
     pub classes: usize,
     kind: Kind,
 }
@@ -29,7 +29,8 @@ enum Kind {
     BoxesAndConfs {
         boxes: usize,
         confs: usize,
-        /// `None` until a first run has shown it.
+        /// True if boxes are fractions of the picture, false if they are in pixels; `None` until
+        /// the first run has shown it.
         fractions: Option<bool>,
     },
     RawHeads(Vec<BoundHead>),
@@ -39,18 +40,18 @@ enum Kind {
     Yolox(&'static [usize]),
 }
 
-/// A raw head with the output that it describes.
+/// A raw head and the output that holds it.
 #[derive(Clone, Debug, PartialEq)]
 struct BoundHead {
     output: usize,
     layout: HeadLayout,
-    /// Columns and rows.
+    /// Columns and rows of grid cells.
     grid: [usize; 2],
     head: Head,
 }
 
 impl FamilyName {
-    /// The family in a few words.
+    /// Returns the name of the family in a few words.
     pub(super) fn words(self) -> &'static str {
         match self {
             FamilyName::Yolov4 => "YOLOv4 (boxes and scores)",
@@ -63,7 +64,8 @@ impl FamilyName {
     }
 }
 
-/// The family that outputs of these shapes belong to; `input` is the network's width and height.
+/// Returns the family that outputs of these shapes belong to; `input` is the network's width and
+/// height.
 pub(super) fn guess(
     outputs: &[Shaped<'_>],
     input: [usize; 2],
@@ -90,7 +92,7 @@ pub(super) fn guess(
     if all_grids && !outputs.is_empty() { Ok(FamilyName::RawHeads) } else { unknown() }
 }
 
-/// Binds a family to the outputs.
+/// Assigns the outputs to the parts of a family, and determines the number of classes.
 pub(super) fn bind(
     name: FamilyName,
     outputs: &[Shaped<'_>],
@@ -125,7 +127,7 @@ pub(super) fn bind(
             if width != 6 {
                 return Err(misfit(listed(outputs)));
             }
-            // The outputs do not state how many classes there are.
+            // The outputs do not show how many classes there are.
             (known_names.unwrap_or(80), Kind::EndToEnd)
         }
         FamilyName::Yolox => {
@@ -144,7 +146,7 @@ pub(super) fn bind(
 }
 
 impl DetectorFamily {
-    /// Boxes of at least that score, in pixels of the input.
+    /// Returns the boxes of at least the score `least`, in pixels of the input.
     pub(super) fn decode(&self, outputs: &[Output], input: [usize; 2], least: f32) -> Vec<Scored> {
         let values = |index: usize| outputs.get(index).map_or(&[][..], |output| &output.values);
         match &self.kind {
@@ -177,8 +179,8 @@ impl DetectorFamily {
         self.kind == Kind::EndToEnd
     }
 
-    /// Learns from a first run what shapes do not show: whether boxes are fractions of the picture,
-    /// of which none is far beyond 1.
+    /// Determines from the outputs of a first run what the shapes do not show: boxes are fractions
+    /// of the picture if no edge is far beyond 1.
     pub(super) fn learn(&mut self, first_run: &[Output]) {
         if let Kind::BoxesAndConfs { boxes, fractions, .. } = &mut self.kind
             && fractions.is_none()
@@ -190,7 +192,8 @@ impl DetectorFamily {
     }
 }
 
-/// The unit of the boxes, where the sidecar names it.
+/// Returns true if the sidecar file states fractions as the unit of the boxes, false for pixels;
+/// `None` if it states neither.
 fn coordinates(sidecar: &Sidecar) -> Option<bool> {
     let words = sidecar.outputs.coordinates.as_deref()?;
     if words.contains("fraction") {
@@ -199,20 +202,21 @@ fn coordinates(sidecar: &Sidecar) -> Option<bool> {
     words.contains("pixel").then_some(false)
 }
 
-/// The outputs in words, for messages.
+/// Returns the outputs in words, for messages.
 fn listed(outputs: &[Shaped<'_>]) -> String {
     let words = outputs.iter().map(|(name, shape)| format!("{name} {shape:?}"));
     words.collect::<Vec<_>>().join(", ")
 }
 
-/// The last two sizes, where all before are 1.
+/// Returns the last two sizes of a shape if all sizes before are 1.
 fn flat(shape: &[usize]) -> Option<[usize; 2]> {
     let (&[first, second], before) = shape.split_last_chunk::<2>().map(|(a, b)| (b, a))?;
     before.iter().all(|&size| size == 1).then_some([first, second])
 }
 
-/// Indices of the boxes `[1, N, 1, 4]` or `[1, N, 4]` and of the scores `[1, N, C]`, and C. Bound
-/// by name where both could be either: exporters do not agree on the order.
+/// Returns the indices of the boxes `[1, N, 1, 4]` or `[1, N, 4]` and of the scores `[1, N, C]`,
+/// and C. If either output could be the boxes, their names decide: exporters do not agree on the
+/// order.
 fn boxes_and_confs(outputs: &[Shaped<'_>]) -> Option<(usize, usize, usize)> {
     let [a, b] = outputs else {
         return None;
@@ -242,22 +246,23 @@ fn cells_of(input: [usize; 2], strides: &[usize]) -> usize {
     strides.iter().map(|stride| (input[0] / stride) * (input[1] / stride)).sum()
 }
 
-/// Returns true if there are as many boxes as grid cells.
+/// Returns true if `count` is the number of grid cells of some strides.
 fn cells(input: [usize; 2], count: usize) -> bool {
     STRIDES.iter().any(|strides| cells_of(input, strides) == count)
 }
 
-/// Returns true if there are three boxes a grid cell.
+/// Returns true if `count` is three times the number of grid cells of some strides.
 fn yolov5_rows(input: [usize; 2], count: usize) -> bool {
     STRIDES.iter().any(|strides| 3 * cells_of(input, strides) == count)
 }
 
-/// The ways in which an output may be a raw head: its layout, columns and rows, and numbers a cell.
+/// Returns the ways in which an output can be read as a raw head: its layout, columns and rows, and
+/// numbers a cell.
 fn layouts(shape: &[usize], input: [usize; 2]) -> Vec<(HeadLayout, [usize; 2], usize)> {
     let ways = match *shape {
         [1, channels, rows, columns] => vec![
             (HeadLayout::ChannelsFirst, [columns, rows], channels),
-            // The same four sizes, read the other way.
+            // The same four sizes, with the channels last.
             (HeadLayout::ChannelsLast, [rows, channels], columns),
         ],
         [1, anchors, rows, columns, attributes] => {

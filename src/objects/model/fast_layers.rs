@@ -1,5 +1,5 @@
-//! Puts layers of our own in the place of those of a network that tract computes slowly:
-//! convolutions of 3 x 3 ([`Convolution`]) and maxima over windows ([`max_pool`]).
+//! Replaces layers of a network that tract computes slowly by faster ones of our own: convolutions
+//! of 3 x 3 ([`Convolution`]) and maxima over windows ([`max_pool`]).
 
 use super::winograd::Convolution;
 use std::fmt;
@@ -9,11 +9,11 @@ use tract_onnx::tract_core::internal::*;
 use tract_onnx::tract_core::ops::cnn::{Conv, KernelFormat, MaxPool, PoolSpec};
 use tract_onnx::tract_core::ops::nn::DataFormat;
 
-/// Numbers that all of them keep at most, 128 MiB: they are four times the weights. Layers over
-/// that stay as they are.
+/// Greatest number of weights that all fast layers together keep, 128 MiB: they keep four times the
+/// weights of the layers that they replace. Layers beyond this limit are not replaced.
 const MOST_WEIGHTS: usize = 1 << 25;
 
-/// Replaces layers in the order of the network.
+/// Replaces the slow layers of a network, in the order in which they run.
 pub(super) fn replace_layers(model: &mut TypedModel) -> TractResult<()> {
     let mut left = MOST_WEIGHTS;
     for node in model.eval_order()? {
@@ -32,8 +32,8 @@ pub(super) fn replace_layers(model: &mut TypedModel) -> TractResult<()> {
     Ok(())
 }
 
-/// The fast layer for a node; `None` where the node is no convolution of the kind, or the layer
-/// would keep more than `most` numbers.
+/// Creates the fast layer for a node; `None` if the node is no convolution of 3 x 3 that
+/// [`Convolution`] can compute, or the layer would keep more than `most` numbers.
 fn convolution(
     model: &TypedModel,
     node: &TypedNode,
@@ -72,7 +72,8 @@ fn convolution(
     }))
 }
 
-/// The same for maxima over windows.
+/// Creates the fast layer for a maximum over windows; `None` if the node is none, or is not of two
+/// axes without dilation.
 fn pool(model: &TypedModel, node: &TypedNode) -> TractResult<Option<FastLayer>> {
     let Some(pool) = node.op_as::<MaxPool>() else {
         return Ok(None);
@@ -100,7 +101,8 @@ fn pool(model: &TypedModel, node: &TypedNode) -> TractResult<Option<FastLayer>> 
     }))
 }
 
-/// Channels, rows and columns of a picture of f32, channel by channel; `None` of anything else.
+/// Returns the channels, rows and columns of a picture of f32 that is stored channel by channel;
+/// `None` for any other input.
 fn picture(spec: &PoolSpec, input: &TypedFact) -> Option<[usize; 3]> {
     if input.datum_type != f32::datum_type() {
         return None;
@@ -117,7 +119,8 @@ fn shape(with_batch: bool, shape: [usize; 3]) -> TVec<usize> {
     batch.into_iter().chain(shape).collect()
 }
 
-/// Returns true if a layer is 3 x 3 with steps of one.
+/// Returns true if a convolution is 3 x 3 with steps of one, without groups, quantisation or
+/// dilation.
 fn is_of_the_kind(conv: &Conv) -> bool {
     let spec = &conv.pool_spec;
     conv.group == 1
@@ -139,7 +142,7 @@ enum Computation {
     MaxPool(usize, [PoolAxis; 2]),
 }
 
-/// The layer in tract's graph.
+/// A fast layer in tract's graph.
 #[derive(Clone)]
 struct FastLayer {
     computation: Arc<Computation>,
@@ -147,7 +150,7 @@ struct FastLayer {
 }
 
 impl FastLayer {
-    /// Numbers that it keeps.
+    /// Returns the count of numbers that the layer keeps.
     fn weights(&self) -> usize {
         match &*self.computation {
             Computation::Convolution(convolution) => convolution.weights(),
@@ -204,43 +207,44 @@ impl TypedOp for FastLayer {
     }
 }
 
-/// A window that moves over the rows, or over the columns, of a picture.
+/// A window that moves along one axis (rows or columns) of a picture.
 #[derive(Clone, Copy, Debug)]
 struct PoolAxis {
-    /// Numbers of the input.
+    /// Length of the input along the axis.
     from: usize,
-    /// Numbers of the output.
+    /// Length of the output along the axis.
     into: usize,
-    /// Numbers of the window.
+    /// Length of the window.
     window: usize,
     /// Step from one window to the next.
     step: usize,
-    /// Width by which the first window begins before the picture.
+    /// Length by which the first window begins before the picture.
     before: usize,
 }
 
 impl PoolAxis {
-    /// Returns the part of the picture that the window at a place covers.
+    /// Returns the part of the picture that the window of output number `place` covers.
     fn covered(&self, place: usize) -> Range<usize> {
         let start = place * self.step;
         let end = (start + self.window).saturating_sub(self.before);
         start.saturating_sub(self.before).min(self.from)..end.min(self.from)
     }
 
-    /// Returns true if windows are pairs, one after the other, and all of them whole.
+    /// Returns true if the windows are pairs, one after the other, all of them within the picture.
     fn is_in_pairs(&self) -> bool {
         (self.window, self.step, self.before) == (2, 2, 0) && self.into == self.from / 2
     }
 }
 
-/// The greatest number in each window, channel by channel; minus infinity in a window that covers
-/// nothing of the picture.
+/// Returns the greatest number in each window, channel by channel; minus infinity for a window that
+/// covers no part of the picture.
 fn max_pool(input: &[f32], channels: usize, [rows, columns]: [PoolAxis; 2]) -> Vec<f32> {
     let mut output = Vec::with_capacity(channels * rows.into * columns.into);
     let mut greatest = vec![0.0; columns.from];
     for picture in input.chunks_exact(rows.from * columns.from) {
         for row in 0..rows.into {
-            // Down the columns, of which several are compared at once, and then along the row.
+            // The maximum is taken down the columns first, several columns at once, and then along
+            // the row.
             greatest.fill(f32::NEG_INFINITY);
             for y in rows.covered(row) {
                 let line = &picture[y * columns.from..][..columns.from];
@@ -268,7 +272,7 @@ mod tests {
 
     #[test]
     fn windows_hold_their_greatest_number_whatever_their_size_step_and_border() {
-        // The last window of an odd side may be cut: rounded up, as some networks ask for.
+        // The last window of an odd side may be cut: some networks round the output size up.
         let axis = |from: usize, window: usize, step: usize, before: usize, cut: bool| PoolAxis {
             from,
             into: (from + 2 * before - window + usize::from(cut) * (step - 1)) / step + 1,

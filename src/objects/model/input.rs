@@ -1,30 +1,30 @@
-//! Converts a picture to the numbers that a network takes, and boxes in its pixels back to the
-//! picture's.
+//! Converts a picture to the input numbers of a network, and boxes in the input's pixels back to
+//! the picture's pixels.
 
 use super::sidecar::{Colour, Resize};
 use crate::{Picture, Rect};
 
-/// Level of the bars beside a letterboxed picture, as Darknet's successors train with.
+/// Grey level of the bars beside a letterboxed picture, as in the training of Darknet's successors.
 const BAR: f32 = 114.0;
 
-/// Size and number format of a network's input, and the conversion of a picture to it.
+/// Size, number format and picture preparation of a network's input.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct InputSpec {
-    /// Pixels across.
+    /// Width, pixels.
     pub width: usize,
-    /// Pixels down.
+    /// Height, pixels.
     pub height: usize,
-    /// 1 or 3.
+    /// Number of channels, 1 or 3.
     pub channels: usize,
-    /// True if a pixel's channels lie side by side.
+    /// True if the channels of a pixel are stored side by side.
     pub channels_last: bool,
     /// Order of the colours.
     pub colour: Colour,
     /// Factor from levels of 0 to 255.
     pub scale: f32,
-    /// Taken off each channel after scaling.
+    /// Number subtracted from each channel after scaling.
     pub mean: [f32; 3],
-    /// Each channel is divided by it after that.
+    /// Number by which each channel is divided after that.
     pub std: [f32; 3],
     /// Method to bring a picture to the input's size.
     pub resize: Resize,
@@ -41,7 +41,7 @@ pub(super) struct InputFit {
 }
 
 impl InputFit {
-    /// Lays a picture of `picture` pixels (across, down) into an input of `input` pixels.
+    /// Fits a picture of `picture` pixels (across, down) into an input of `input` pixels.
     pub(super) fn new(picture: [usize; 2], input: [usize; 2], resize: Resize) -> Self {
         let size = picture.map(|pixels| pixels.max(1) as f32);
         let ratio = [0, 1].map(|axis| input[axis] as f32 / size[axis]);
@@ -51,7 +51,8 @@ impl InputFit {
             _ => [0, 1].map(|axis| ((size[axis] * both).round() as usize).clamp(1, input[axis])),
         };
         let offset = match resize {
-            // Half a bar left over goes to the right and below, as Ultralytics rounds it.
+            // A bar of odd width has its larger part on the right and below, as Ultralytics rounds
+            // it.
             Resize::Letterbox => [0, 1].map(|axis| {
                 let half = 0.5 * (input[axis] - covered[axis]) as f32;
                 (half - 0.1).round().max(0.0)
@@ -66,7 +67,7 @@ impl InputFit {
         }
     }
 
-    /// A box of the input in the picture's pixels, cut at the picture's edges.
+    /// Converts a box from the input's pixels to the picture's, cut at the picture's edges.
     pub(super) fn to_picture(&self, rect: &Rect) -> Rect {
         let back = |value: f32, axis: usize| {
             ((value - self.offset[axis]) / self.scale[axis]).clamp(0.0, self.picture[axis])
@@ -76,13 +77,13 @@ impl InputFit {
 }
 
 impl InputSpec {
-    /// Its sizes as the network has them, a batch of one.
+    /// Returns the shape of the input for a batch of one picture, in the network's order.
     pub(super) fn shape(&self) -> [usize; 4] {
         let Self { width, height, channels, .. } = *self;
         if self.channels_last { [1, height, width, channels] } else { [1, channels, height, width] }
     }
 
-    /// Numbers of one input.
+    /// Returns the count of numbers of one input.
     pub(super) fn count(&self) -> usize {
         self.width * self.height * self.channels
     }
@@ -92,7 +93,7 @@ impl InputSpec {
         InputFit::new([picture.width, picture.height], [self.width, self.height], self.resize)
     }
 
-    /// The input that a picture becomes; between pixels it is interpolated linearly.
+    /// Converts a picture to input numbers; between pixels, levels are interpolated linearly.
     pub(super) fn numbers(&self, picture: &Picture, fit: &InputFit) -> Vec<f32> {
         let mut numbers = vec![0.0; self.count()];
         for channel in 0..self.channels {
@@ -119,12 +120,12 @@ impl InputSpec {
         numbers
     }
 
-    /// A level as the network takes it.
+    /// Converts a grey level to the number that the network expects.
     fn number(&self, level: f32, channel: usize) -> f32 {
         (level * self.scale - self.mean[channel]) / self.std[channel]
     }
 
-    /// A channel's level between four pixels.
+    /// Interpolates the level of a channel between four pixels.
     fn between(&self, picture: &Picture, x: PixelPlace, y: PixelPlace, channel: usize) -> f32 {
         let level = |x, y| self.level(picture, x, y, channel);
         let row = |y| mix(level(x.low, y), || level(x.low + 1, y), x.share);
@@ -141,20 +142,21 @@ impl InputSpec {
     }
 }
 
-/// Interpolates from `low` to `high` by a share of 0 to 1; `high` is not computed where its share
-/// is 0.
+/// Interpolates from `low` to `high` by a share of 0 to 1; `high` is not computed if its share is
+/// 0.
 fn mix(low: f32, high: impl FnOnce() -> f32, share: f32) -> f32 {
     if share > 0.0 { low + share * (high() - low) } else { low }
 }
 
-/// A place between two pixels of the picture.
+/// A place between two neighbouring pixels along one axis: the lower pixel, and the share of the
+/// way to the next.
 #[derive(Clone, Copy)]
 struct PixelPlace {
     low: usize,
     share: f32,
 }
 
-/// Places in the picture at the middles of the input's pixels along one axis; `None` in the bars.
+/// Places in the picture of the middles of the input's pixels along one axis; `None` in the bars.
 struct Line(Vec<Option<PixelPlace>>);
 
 impl Line {

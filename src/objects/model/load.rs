@@ -1,4 +1,5 @@
-//! Loads a model from a file and runs it once, guarded. One model comes with the program.
+//! Loads a model from a file and runs it once, on a guarded thread. Also holds the model that comes
+//! with the program.
 
 use super::family::{self, DetectorFamily, Shaped};
 use super::input::InputSpec;
@@ -19,22 +20,23 @@ use std::thread;
 use std::time::Duration;
 use tract_onnx::pb::ModelProto;
 
-/// Bytes of the largest detector that runs on a laptop, doubled.
+/// Greatest size of a model file, MiB: twice that of the largest detector that runs on a laptop.
 const LARGEST_MIB: u64 = 512;
-/// Bytes of a sidecar: it holds names and anchors.
+/// Greatest size of a sidecar file, bytes: it holds names and anchors.
 const LARGEST_SIDECAR: u64 = 1 << 20;
-/// Pixels across or down that an input may have.
+/// Greatest width and height of an input, pixels.
 const LARGEST_INPUT: usize = 4096;
-/// Pixels across and down where nothing states it.
+/// Width and height of an input if no file states them, pixels.
 const USUAL_INPUT: usize = 416;
-/// Deep networks are walked by recursion; address space alone is set aside for it.
+/// Size of the stack of a guarded thread, bytes. tract recurses through deep networks; the memory
+/// is only reserved as address space.
 const STACK_BYTES: usize = 64 << 20;
-/// YOLOv4-tiny, its origin, data and figures in the model card beside it.
+/// The shipped model, YOLOv4-tiny; the model card beside it states its origin, data and figures.
 const ONNX: &[u8] = include_bytes!("../../../assets/detector/default.onnx");
-/// Classes, input and thresholds of the model.
+/// Sidecar text of the shipped model: classes, input and thresholds.
 const SIDECAR: &str = include_str!("../../../assets/detector/default.json");
 
-/// Longest time for a network, after which it is given up.
+/// Longest times that a network may take.
 #[derive(Clone, Copy)]
 pub(super) struct Limits {
     /// Time to parse and compile the network. YOLOv4 at full width takes a second.
@@ -44,18 +46,19 @@ pub(super) struct Limits {
 }
 
 impl Limits {
-    /// Limits of a file that may come from anywhere.
+    /// Limits for a file of unknown origin.
     pub(super) const USUAL: Self =
         Self { compilation: Duration::from_secs(60), first_picture: Duration::from_secs(30) };
-    /// Limits of a network that is known to end, on a computer however slow: an emulated one takes
-    /// over 30 s a picture.
+    /// No limits, for a network that is known to end: on an emulated computer, a picture can take
+    /// over 30 s.
     pub(super) const NONE: Self = Self { compilation: Duration::MAX, first_picture: Duration::MAX };
 }
 
-/// The model that comes with the program: compiled into it, so that nothing is downloaded.
+/// Loads the model that comes with the program. It is compiled into the program, so that nothing is
+/// downloaded.
 ///
 /// # Errors
-/// When the model cannot be used; the error names its file and says why.
+/// When the model cannot be used; the error names the model and the reason.
 pub fn shipped() -> Result<Model, ModelError> {
     from_bytes(ONNX.into(), Some(SIDECAR), None, Limits::NONE).map_err(|reason| ModelError {
         reason,
@@ -63,10 +66,10 @@ pub fn shipped() -> Result<Model, ModelError> {
     })
 }
 
-/// Loads the file and its sidecar.
+/// Loads a model from its file and the sidecar file beside it, if there is one.
 ///
 /// # Errors
-/// Why the model cannot be used.
+/// When a file cannot be read, or the model cannot be used; the error is the reason.
 pub(super) fn from_path(path: &Path) -> Result<Model, Unusable> {
     let bytes =
         regular_file::read(path, LARGEST_MIB << 20).map_err(|error| match error.kind() {
@@ -89,10 +92,10 @@ struct Opened {
     metadata: Metadata,
 }
 
-/// Loads a model; `folder` is where weights outside the file may lie.
+/// Loads a model from the bytes of its file; weights outside the file are searched in `folder`.
 ///
 /// # Errors
-/// Why the model cannot be used.
+/// When the model cannot be used; the error is the reason.
 pub(super) fn from_bytes(
     onnx: Cow<'static, [u8]>,
     sidecar: Option<&str>,
@@ -115,16 +118,16 @@ pub(super) fn from_bytes(
     Ok(assemble(network, family, input, names, &sidecar, (name, guessed)))
 }
 
-/// Contents of the files that a model is made of.
+/// Contents of the files that a model is loaded from.
 struct Source {
     onnx: Cow<'static, [u8]>,
     sidecar: Sidecar,
-    /// Folder of weights outside the file.
+    /// Folder of the weights outside the file.
     folder: Option<PathBuf>,
 }
 
 impl Source {
-    /// Reads, screens and compiles.
+    /// Reads, checks and compiles the network.
     fn open(self) -> Result<Opened, Unusable> {
         let folder = self.folder.as_deref();
         let Screened { proto, declared, metadata, input } =
@@ -135,7 +138,7 @@ impl Source {
     }
 }
 
-/// A graph that was looked through, and is not compiled yet.
+/// A graph that was checked, and is not compiled yet.
 struct Screened {
     proto: ModelProto,
     declared: Declared,
@@ -143,7 +146,7 @@ struct Screened {
     input: InputSpec,
 }
 
-/// Reads and checks a graph; all numbers in it are unverified.
+/// Reads and checks a graph. Until then, no number in it can be trusted.
 fn screened(onnx: &[u8], sidecar: &Sidecar, folder: Option<&Path>) -> Result<Screened, Unusable> {
     let proto = tract::parse(onnx)?;
     let declared = screen::screen(&proto)?;
@@ -159,7 +162,7 @@ fn screened(onnx: &[u8], sidecar: &Sidecar, folder: Option<&Path>) -> Result<Scr
 /// Makes the checks of [`from_bytes`] that come before any computation, for the fuzzer.
 ///
 /// # Errors
-/// Why the model cannot be used.
+/// When the model cannot be used; the error is the reason.
 pub(super) fn screen_only(onnx: &[u8], sidecar: Option<&str>) -> Result<(), Unusable> {
     let sidecar = sidecar.map(Sidecar::parse).transpose()?.unwrap_or_default();
     let screened = screened(onnx, &sidecar, None)?;
@@ -182,7 +185,8 @@ fn check_outside_files(proto: &ModelProto, folder: Option<&Path>) -> Result<(), 
     Ok(())
 }
 
-/// The input's size and layout; how levels become numbers is filled in once the family is known.
+/// Determines the input's size and layout; how grey levels become numbers is set later, once the
+/// family is known.
 fn input_of(
     declared: &Declared,
     sidecar: &Sidecar,
@@ -222,7 +226,8 @@ fn input_of(
     Ok(input)
 }
 
-/// The family, its name, and whether it was guessed.
+/// Returns the family of the network, its name, and true if the family was guessed from the
+/// outputs.
 fn understand(
     outputs: &[Output],
     input: &InputSpec,
@@ -242,7 +247,8 @@ fn understand(
     Ok((family, name, sidecar.family.is_none()))
 }
 
-/// Sets the preparation of a picture as in the training of the family, corrected by the sidecar.
+/// Sets the preparation of a picture to that of the training of the family, and then to the entries
+/// of the sidecar file.
 fn prepare_as_trained(
     input: &mut InputSpec,
     family: FamilyName,
@@ -281,7 +287,7 @@ fn class_names(
 ) -> Result<Vec<String>, Unusable> {
     let known = sidecar.names.clone().or_else(|| metadata.names());
     match known {
-        // They go into tables, folders and the window.
+        // Names are put on one line, because they are shown in tables, folder names and the window.
         Some(names) if names.len() == family.classes => {
             Ok(names.iter().map(|name| one_line(name)).collect())
         }
@@ -360,15 +366,16 @@ fn describe(name: FamilyName, guessed: bool, names: &[String], input: &InputSpec
     )
 }
 
-/// Runs `work` on a thread of its own and waits `limit` for it. `what` names the work in the
-/// message. A thread that is late is left to itself: what it may cost is bounded before it starts,
-/// and its result is dropped.
+/// Runs `work` on a thread of its own and waits for its result no longer than `limit`. `what` names
+/// the work in the error. A thread that takes longer is not stopped: its cost was bounded before it
+/// started, and its result is dropped.
 ///
-/// The work is on a file that may be made to harm: it may fail, stop half way or never end, and
-/// only that work ends.
+/// The work is on a file that may be malicious: the work may fail, panic or never end, and the
+/// program still continues.
 ///
 /// # Errors
-/// Why the model cannot be used.
+/// When the work fails, panics or takes too long; the error is the reason why the model cannot be
+/// used.
 fn guarded<T: Send + 'static>(
     what: &'static str,
     limit: Duration,
@@ -377,7 +384,7 @@ fn guarded<T: Send + 'static>(
     let (sender, receiver) = mpsc::channel();
     thread::Builder::new().name(what.to_owned()).stack_size(STACK_BYTES).spawn(move || {
         let outcome = catch_panic(work).unwrap_or(Err(Unusable::Damaged(what)));
-        // A receiver that has gone away waits no more.
+        // The receiver is gone if the work took too long.
         sender.send(outcome).ok();
     })?;
     receiver.recv_timeout(limit).unwrap_or_else(|gone| {

@@ -1,16 +1,18 @@
-//! A detector somebody trained: an ONNX file, looked through, understood, compiled once and run on
-//! many tiles.
+//! Loads a trained detector from an ONNX file, checks and compiles it once, and runs it on many
+//! tiles.
 //!
 //! In: an ONNX file, and pictures. Out: boxes with classes and scores, or a reason why the file
 //! cannot be used.
 //!
-//! `screen` refuses what could harm before anything is computed, `constants` what would grow while
-//! it is compiled, `cost` what would take too much to run. `tract` compiles and runs, `fast_layers`
-//! replaces what it computes slowly: convolutions of 3 x 3 by `winograd`, and maxima. `load` keeps
-//! failures and endless work to themselves, and has the model that comes with the program. `family`
-//! infers from the outputs' shapes how boxes are written; `sidecar` reads what the JSON file next
-//! to the model and the metadata inside it state, and turns a network's confidence into the share
-//! of such boxes that are right. `input` makes the numbers that the network takes.
+//! Three modules check the network: `screen` refuses harmful files before anything is computed,
+//! `constants` refuses tensors that would become too large during compilation, and `cost` refuses
+//! networks that would take too much memory or time to run. `tract` compiles and runs the network;
+//! `fast_layers` replaces layers that tract computes slowly: convolutions of 3 x 3 (by `winograd`),
+//! and maxima. `load` limits the time of this work and catches its failures, and holds the model
+//! that comes with the program. `family` infers the layout of the boxes from the outputs' shapes;
+//! `sidecar` reads the JSON file next to the model and the metadata inside the model, and converts
+//! a network's confidence to the share of right boxes at that confidence. `input` computes the
+//! input numbers of the network.
 
 mod constants;
 mod cost;
@@ -36,38 +38,39 @@ use std::path::Path;
 use std::sync::Arc;
 use tract::Network;
 
-/// Looks through a model as [`Model::from_bytes`] does before it compiles it, for the fuzzer.
+/// Makes the checks of [`Model::from_bytes`] that come before compilation, for the fuzzer.
 ///
 /// # Errors
-/// Why the model cannot be used.
+/// When the model cannot be used; the error is the reason.
 pub fn screened(onnx: &[u8], sidecar: Option<&str>) -> Result<(), Unusable> {
     load::screen_only(onnx, sidecar)
 }
 
-/// Boxes of one picture that are looked at, the surest: a network that fires everywhere stays
-/// bearable.
+/// Greatest number of boxes of one picture that are processed, those of highest confidence first:
+/// this bounds the work for a network that proposes boxes everywhere.
 const MOST_BOXES: usize = 1000;
-/// Confidence from which a box takes part in the vote, whatever is asked for: a box must not move
-/// with the slider.
+/// Least confidence of a box that takes part in the vote, at any wanted score: a box must not move
+/// with the confidence slider.
 const LEAST_VOTER: f32 = 0.01;
-/// Confidence from which a box is worth a second, mirrored pass over its picture. Most tiles of a
-/// survey show bare ground.
+/// Least confidence of a box for which its picture is searched a second time, mirrored. Most tiles
+/// of a survey show bare ground.
 const WORTH_AUGMENTING: f32 = 0.1;
-/// Least confidence of any box. Without a floor a network's every cell would be one.
+/// Least confidence of any box. Without this limit, every cell of a network would make a box.
 const LEAST_SCORE: f32 = 0.001;
-/// Overlap (IoU) above which boxes of both passes are the same object.
+/// Overlap (IoU) above which boxes of both passes show the same object.
 const SAME: f32 = 0.6;
 
-/// A detector that is ready to run, from several threads at once.
+/// A detector that is ready to run. It can be used from several threads at once.
 pub struct Model {
     network: Arc<Network>,
     family: DetectorFamily,
     input: InputSpec,
-    /// The network's class names, then that of a box without one unless the network has it.
+    /// The network's class names, then the class of boxes without a known class, unless it is one
+    /// of them.
     names: Vec<String>,
-    /// Classes of the network.
+    /// Number of the network's classes.
     classes: usize,
-    /// Index of the name of a box whose class is a guess.
+    /// Index of the class of boxes without a known class.
     nameless: usize,
     pixel_m: f64,
     levelled: bool,
@@ -75,9 +78,9 @@ pub struct Model {
     iou: f32,
     name_score: f32,
     nms: Nms,
-    /// Overlap above which boxes vote.
+    /// Overlap above which boxes vote; `None` for no vote.
     vote: Option<f32>,
-    /// True if a picture that seems to show something is evaluated once more, mirrored.
+    /// True if a picture that seems to show an object is searched once more, mirrored.
     augments: bool,
     /// Calibration of the network's confidences.
     calibration: ConfidenceCalibration,
@@ -91,60 +94,62 @@ impl std::fmt::Debug for Model {
 }
 
 impl Model {
-    /// Loads `MODEL.onnx`, with `MODEL.json` beside it where there is one. The file may come from
-    /// anywhere: whatever it holds, this ends in a model that has run once, or in a sentence.
+    /// Loads `MODEL.onnx`, and `MODEL.json` beside it if it exists. The file may be of unknown
+    /// origin: the result is always a model that has run once, or an error.
     ///
     /// # Errors
-    /// When the model cannot be used; the error names its file and says why.
+    /// When the model cannot be used; the error names the file and the reason.
     pub fn load(path: &Path) -> Result<Model, ModelError> {
         load::from_path(path).map_err(|reason| ModelError { reason, path: path.to_path_buf() })
     }
 
-    /// Loads a model from the bytes of an ONNX file and the text of its sidecar.
+    /// Loads a model from the bytes of an ONNX file and the text of its sidecar file.
     ///
     /// # Errors
-    /// Why the model cannot be used.
+    /// When the model cannot be used; the error is the reason.
     pub fn from_bytes(onnx: Vec<u8>, sidecar: Option<&str>) -> Result<Model, Unusable> {
         load::from_bytes(onnx.into(), sidecar, None, Limits::USUAL)
     }
 
-    /// The network's class names, in their order there.
+    /// Returns the network's class names, in the network's order.
     pub fn classes(&self) -> &[String] {
         &self.names[..self.classes]
     }
 
     /// Returns the names that [`Scored::class`] and [`super::Detection::class`] are indices of: the
-    /// network's classes, and the name of a box whose class is a guess ([`super::NAMELESS_CLASS`]).
+    /// network's classes, and the class of boxes without a known class ([`super::NAMELESS_CLASS`]).
     pub fn names(&self) -> &[String] {
         &self.names
     }
 
-    /// Index of the name of a box whose class is a guess.
+    /// Returns the index of the class of boxes without a known class.
     pub(crate) fn nameless(&self) -> usize {
         self.nameless
     }
 
-    /// Confidence from which a box is named, as its makers suggest: below it the class is a guess.
+    /// Returns the confidence below which the class of a box is a guess, as the sidecar file states
+    /// it; 0 if it states none.
     pub fn name_score(&self) -> f32 {
         self.name_score
     }
 
-    /// Side of a pixel that the network expects, metres.
+    /// Returns the side of a pixel that the network expects, metres.
     pub fn pixel_m(&self) -> f64 {
         self.pixel_m
     }
 
-    /// The network's own size of picture, across and down.
+    /// Returns the size of the network's input, across and down, pixels.
     pub(crate) fn input_size(&self) -> [usize; 2] {
         [self.input.width, self.input.height]
     }
 
-    /// The least confidence that its makers suggest.
+    /// Returns the least confidence of a box that the sidecar file states, or the usual one.
     pub fn score(&self) -> f32 {
         self.score
     }
 
-    /// The overlap above which the box of the lower score is dropped, as its makers suggest.
+    /// Returns the overlap, stated by the sidecar file or the usual one, above which the box of the
+    /// lower score is dropped.
     pub fn iou(&self) -> f32 {
         self.iou
     }
@@ -154,23 +159,24 @@ impl Model {
         self.nms
     }
 
-    /// The same model with another rule of which boxes hide which.
+    /// Returns the model with another rule of suppression.
     pub fn with_nms(self, nms: Nms) -> Self {
         Self { nms, ..self }
     }
 
-    /// One line: what the file was taken for, and by what.
+    /// Returns one line about the model: its family and how that was determined, its classes and
+    /// its input.
     pub fn description(&self) -> &str {
         &self.description
     }
 
-    /// The objects in one picture, of at least that score (calibrated where the sidecar says how),
-    /// by falling score, in the picture's pixels. For a network of one channel the picture is made
-    /// grey and, unless the sidecar says `raw`, brought to one level; one of three channels gets
-    /// its colours as they are.
+    /// Returns the objects in one picture, of at least the score `score` (calibrated if the sidecar
+    /// file holds a calibration), by falling score, in the picture's pixels. For a network of one
+    /// channel, the picture is converted to grey and, unless the sidecar file states `raw`, its
+    /// levels are adjusted ([`level`]); a network of three channels receives the picture unchanged.
     ///
     /// # Errors
-    /// Why the model cannot be used.
+    /// When the network fails on the picture.
     pub fn detect(&self, picture: &Picture, score: f32, iou: f32) -> Result<Vec<Scored>, Unusable> {
         let grey = self.input.channels == 1;
         let mut copy;
@@ -183,7 +189,7 @@ impl Model {
         } else {
             picture
         };
-        // Up to the end, confidences are the network's own.
+        // Up to the end of this function, confidences are those of the network, not calibrated.
         let score = self.calibration.confidence(score).max(LEAST_SCORE);
         let least =
             if self.vote.is_some() || self.augments { score.min(LEAST_VOTER) } else { score };
@@ -199,7 +205,8 @@ impl Model {
         Ok(self.settle(boxes, score, iou))
     }
 
-    /// Returns the surest boxes that the network proposes in a picture, in the picture's pixels.
+    /// Returns the boxes that the network proposes in a picture, the [`MOST_BOXES`] of highest
+    /// confidence, in the picture's pixels.
     fn look(&self, picture: &Picture, least: f32) -> Result<Vec<Scored>, Unusable> {
         let fit = self.input.fit(picture);
         let outputs = self.network.run(&self.input.numbers(picture, &fit))?;
@@ -212,7 +219,8 @@ impl Model {
         Ok(boxes)
     }
 
-    /// One box an object, of at least that score, where the boxes around it put it.
+    /// Suppresses overlapping candidates, so that each object has one box of at least the score
+    /// `score`, moves each box by the vote of the candidates around it, and calibrates the scores.
     fn settle(&self, candidates: Vec<Scored>, score: f32, iou: f32) -> Vec<Scored> {
         let settled = self.family.suppresses() && !self.augments;
         let iou = if settled { 1.0 } else { iou };
@@ -237,15 +245,15 @@ fn keep_surest(boxes: &mut Vec<Scored>) {
     }
 }
 
-/// The candidates of both passes, each as sure as the mean of its own confidence and that of the
-/// surest of its class that the other pass has there; 0 where it has none. `second` holds the boxes
-/// of the mirrored picture, mirrored back.
+/// Returns the candidates of both passes, with new confidences: the mean of a candidate's own
+/// confidence and the highest confidence of a box of its class at the same place in the other pass
+/// (0 without such a box). `second` holds the boxes of the mirrored picture, mirrored back.
 ///
-/// The two passes are test-time augmentation, the second mirrored along the track. The boat may
-/// come from either end, so a picture and its mirror image show the same objects, and what a
-/// network sees in one of them by chance it mostly does not see in the other: the mean of both
-/// passes raises fewer false alarms and places edges better (figures in the detector's model card).
-/// Columns are never mirrored: shadows fall outward.
+/// The two passes are test-time augmentation; the second is mirrored along the track. The boat may
+/// come from either end, so a picture and its mirror image show the same objects. A false detection
+/// in one of them is mostly absent in the other: the mean of both passes raises fewer false alarms
+/// and places edges better (figures in the detector's model card). Columns are never mirrored:
+/// shadows fall outward.
 fn agree(first: &[Scored], second: &[Scored]) -> Vec<Scored> {
     let weighed = |own: &[Scored], other: &[Scored]| -> Vec<Scored> {
         own.iter()
@@ -257,7 +265,8 @@ fn agree(first: &[Scored], second: &[Scored]) -> Vec<Scored> {
     both
 }
 
-/// Confidence of the surest box of the same class at the same place; 0 without one.
+/// Returns the highest confidence among boxes of the same class at the same place; 0 without such a
+/// box.
 fn surest_there(one: &Scored, others: &[Scored]) -> f32 {
     others
         .iter()
@@ -266,7 +275,8 @@ fn surest_there(one: &Scored, others: &[Scored]) -> f32 {
         .fold(0.0, f32::max)
 }
 
-/// A box of a picture of `height` pixels as it lies in the mirrored one, and back.
+/// Mirrors a box along the track in a picture of `height` pixels; the same function mirrors it
+/// back.
 fn mirrored(found: Scored, height: f32) -> Scored {
     let Rect { x0, y0, x1, y1 } = found.rect;
     Scored { rect: Rect::new([x0, height - y1], [x1, height - y0]), ..found }
@@ -286,7 +296,7 @@ mod tests {
 
     #[test]
     fn what_both_passes_see_is_as_sure_as_their_mean() {
-        // They share 9 of 11.
+        // The two boxes share 9 of 11.
         let first = [scored(0, 0.75, [0.0, 10.0])];
         let second = [scored(0, 0.25, [1.0, 11.0])];
         assert_eq!(scores(&first, &second), [0.5, 0.5]);
@@ -297,7 +307,7 @@ mod tests {
     #[test]
     fn what_one_look_sees_is_half_as_sure() {
         let first = [scored(0, 0.5, [0.0, 10.0])];
-        // Of another class; sharing 7 of 13.
+        // The first box is of another class; the second shares 7 of 13.
         let others = [scored(1, 0.75, [0.0, 10.0]), scored(0, 1.0, [3.0, 13.0])];
         assert_eq!(scores(&first, &others), [0.25, 0.375, 0.5]);
         assert_eq!(scores(&first, &[]), [0.25]);

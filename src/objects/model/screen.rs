@@ -1,4 +1,4 @@
-//! The graph as the file describes it, looked through before anything is computed from it.
+//! Checks the graph as the file describes it, before anything is computed from it.
 
 use super::Unusable;
 use super::sidecar::Metadata;
@@ -8,18 +8,18 @@ use tract_onnx::pb::tensor_shape_proto::dimension::Value as Size;
 use tract_onnx::pb::type_proto::Value as Kind;
 use tract_onnx::pb::{GraphProto, ModelProto, NodeProto, TensorProto, ValueInfoProto};
 
-/// Layers of the largest detectors: about a thousand.
+/// Greatest number of layers. The largest detectors have about a thousand.
 const MOST_LAYERS: usize = 20_000;
-/// Elements that a shape written in the file may ask for.
+/// Greatest number of elements of a shape that the file states.
 const MOST_ELEMENTS: i64 = 1 << 27;
-/// Weights of a network: 512 MiB in f16, the largest file that is read.
+/// Greatest number of weights of a network: 512 MiB in f16, the largest file that is read.
 const MOST_WEIGHTS: i64 = 1 << 28;
-/// Axes of a tensor. Detectors have six at most; what compiles them takes the square of their
-/// number, and more.
+/// Greatest number of axes of a tensor. Detectors have six at most; the compilation takes time in
+/// proportion to the square of the number of axes, or more.
 const MOST_AXES: usize = 32;
-/// Pixels that a layer may gather into one.
+/// Greatest number of pixels that a layer may gather into one.
 const MOST_GATHERED: i64 = 1 << 16;
-/// Layers whose output is as large as numbers in the file say.
+/// Layers whose output size depends on numbers in the file.
 const GROWING: [&str; 18] = [
     "AveragePool",
     "BlackmanWindow",
@@ -40,7 +40,7 @@ const GROWING: [&str; 18] = [
     "Tile",
     "Upsample",
 ];
-/// Layers that are refused, and what that means.
+/// Layers that are refused, each with the reason and the remedy.
 const REFUSED: [(&str, &str); 6] = [
     ("If", "which holds two networks in one; export a plain detector, without what follows it"),
     (
@@ -59,16 +59,16 @@ const REFUSED: [(&str, &str); 6] = [
 pub(super) struct Declared {
     /// The input's name.
     pub name: String,
-    /// Sizes; `None` where the file leaves one open.
+    /// Sizes of the input; `None` where the file leaves a size open.
     pub shape: [Option<usize>; 4],
     /// ONNX's number of the element type.
     pub element: i32,
 }
 
-/// Looks through the graph; gives its input.
+/// Checks the graph. Returns its input.
 ///
 /// # Errors
-/// Why the model cannot be used.
+/// When the graph is none, is too large, or has a layer or an input that cannot be used.
 pub(super) fn screen(proto: &ModelProto) -> Result<Declared, Unusable> {
     let graph = proto.graph.as_ref().ok_or(Unusable::NotOnnx)?;
     if graph.node.is_empty() || graph.output.is_empty() {
@@ -79,13 +79,13 @@ pub(super) fn screen(proto: &ModelProto) -> Result<Declared, Unusable> {
     declared_input(graph)
 }
 
-/// The key-value pairs of the file.
+/// Returns the key-value pairs of the file.
 pub(super) fn metadata(proto: &ModelProto) -> Metadata {
     let pairs = proto.metadata_props.iter();
     Metadata(pairs.map(|pair| (pair.key.clone(), pair.value.clone())).collect())
 }
 
-/// Names of the files that weights lie in.
+/// Returns the names of the files that hold weights outside the model file, sorted.
 pub(super) fn outside_files(proto: &ModelProto) -> Vec<String> {
     let mut names: Vec<String> = tensors(proto)
         .filter(|tensor| tensor.data_location == Some(DataLocation::External as i32))
@@ -133,8 +133,8 @@ fn screen_graph(graph: &GraphProto, layers: &mut usize) -> Result<(), Unusable> 
     Ok(())
 }
 
-/// Refuses weights that are larger than any file that is read. Several may lie in the same bytes of
-/// a file beside this one, and each is unpacked on its own.
+/// Refuses a graph with more weights than the largest file could hold. Several weights may share
+/// the same bytes of a file beside the model, and each is unpacked on its own.
 fn screen_weights(graph: &GraphProto) -> Result<(), Unusable> {
     let mut in_all = 0_i64;
     let constants = graph.node.iter().flat_map(|node| &node.attribute);
@@ -154,7 +154,7 @@ fn screen_weights(graph: &GraphProto) -> Result<(), Unusable> {
     Ok(())
 }
 
-/// Name and number of axes of an input, an output, or what lies between.
+/// Returns the name and the number of axes of an input, an output or an intermediate value.
 fn axes_of(declared: &ValueInfoProto) -> (&str, usize) {
     let kind = declared.r#type.as_ref().and_then(|kind| kind.value.as_ref());
     let axes = match kind {
@@ -164,7 +164,7 @@ fn axes_of(declared: &ValueInfoProto) -> (&str, usize) {
     (&declared.name, axes)
 }
 
-/// Refuses a tensor of more axes than anything that a detector computes with.
+/// Refuses a tensor with more axes than any tensor of a detector.
 pub(super) fn check_axes(name: &str, axes: usize) -> Result<(), Unusable> {
     if axes <= MOST_AXES {
         Ok(())
@@ -173,8 +173,8 @@ pub(super) fn check_axes(name: &str, axes: usize) -> Result<(), Unusable> {
     }
 }
 
-/// Refuses a layer that makes a tensor of too many axes: the shape that it is given is a list in
-/// the file as long as that.
+/// Refuses a layer that makes a tensor of too many axes: the shape of the tensor is a list in the
+/// file, with one number for each axis.
 fn screen_reshaping(node: &NodeProto, lists: &HashMap<&str, usize>) -> Result<(), Unusable> {
     let shape = match node.op_type.as_str() {
         "ConstantOfShape" => 0,
@@ -191,7 +191,7 @@ fn screen_reshaping(node: &NodeProto, lists: &HashMap<&str, usize>) -> Result<()
     check_axes(node.output.first().map_or("", String::as_str), axes)
 }
 
-/// Lengths of the lists that the graph holds, by name.
+/// Returns the lengths of the lists that the graph holds, by name.
 fn list_lengths(graph: &GraphProto) -> HashMap<&str, usize> {
     let weights = graph.initializer.iter();
     let weights = weights.map(|held| (held.name.as_str(), list_length(held)));
@@ -205,7 +205,7 @@ fn list_lengths(graph: &GraphProto) -> HashMap<&str, usize> {
     weights.chain(constants).collect()
 }
 
-/// Numbers of a tensor of one axis; 0 of others.
+/// Returns the length of a tensor of one axis; 0 for any other tensor.
 fn list_length(tensor: &TensorProto) -> usize {
     match tensor.dims.as_slice() {
         [length] => usize::try_from(*length).unwrap_or(0),
@@ -213,8 +213,8 @@ fn list_length(tensor: &TensorProto) -> usize {
     }
 }
 
-/// Refuses sizes beyond measure that are written in the file. Those computed on the way are looked
-/// at once they are known.
+/// Refuses sizes in the file that are too large. Sizes that are computed from other values are
+/// checked once they are known.
 fn screen_growth(node: &NodeProto, sizes: &HashMap<&str, Vec<i64>>) -> Result<(), Unusable> {
     let attributes = node.attribute.iter().map(|attribute| {
         let gathers = attribute.name == "kernel_shape";
@@ -237,7 +237,7 @@ fn screen_growth(node: &NodeProto, sizes: &HashMap<&str, Vec<i64>>) -> Result<()
     Ok(())
 }
 
-/// The small whole-number tensors that the graph holds, by name: its shapes are among them.
+/// Returns the small whole-number tensors that the graph holds, by name; its shapes are among them.
 fn written_sizes(graph: &GraphProto) -> HashMap<&str, Vec<i64>> {
     let weights = graph.initializer.iter().map(|held| (held.name.as_str(), held));
     let constants = graph.node.iter().filter_map(|node| {
@@ -251,8 +251,8 @@ fn written_sizes(graph: &GraphProto) -> HashMap<&str, Vec<i64>> {
         .collect()
 }
 
-/// The whole numbers of a small tensor, whichever field they lie in; none of a large one, which is
-/// data and no shape.
+/// Returns the whole numbers of a small tensor, from either of the fields that can hold them; none
+/// of a large tensor, which is data and no shape.
 fn whole_numbers(tensor: &TensorProto) -> Vec<i64> {
     const INT64: i32 = 7;
     const LONGEST: usize = 8;
@@ -265,7 +265,10 @@ fn whole_numbers(tensor: &TensorProto) -> Vec<i64> {
     raw.chain(tensor.int64_data.iter().copied()).collect()
 }
 
-/// The one input that no weight fills.
+/// Returns the only input that is no weight.
+///
+/// # Errors
+/// When there is no such input or several, or it is not a tensor of four axes.
 fn declared_input(graph: &GraphProto) -> Result<Declared, Unusable> {
     let weights: HashSet<&str> = graph.initializer.iter().map(|one| one.name.as_str()).collect();
     let open = |input: &&ValueInfoProto| !weights.contains(input.name.as_str());

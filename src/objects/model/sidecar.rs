@@ -1,13 +1,13 @@
-//! `MODEL.json` beside `MODEL.onnx`: what the ONNX file does not state. Every entry may be missing;
-//! entries that are not named here (how a model was trained) are left alone. Metadata inside the
-//! ONNX file states some of it.
+//! Reads `MODEL.json` beside `MODEL.onnx`, which states what the ONNX file does not, and the
+//! metadata inside the ONNX file, which states some of the same. Every entry may be missing; other
+//! entries of the file (how a model was trained) are ignored.
 
 use super::Unusable;
 use crate::OverlapMeasure;
 use serde::Deserialize;
 use std::collections::HashMap;
 
-/// Entries of the file.
+/// Entries of the sidecar file.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct Sidecar {
@@ -15,15 +15,15 @@ pub(super) struct Sidecar {
     pub family: Option<FamilyName>,
     /// Class names, in the network's order.
     pub names: Option<Vec<String>>,
-    /// Preparation of a picture as input.
+    /// Preparation of a picture for the input.
     pub input: InputEntry,
     /// Interpretation of the outputs.
     pub outputs: OutputEntry,
     /// Side of a pixel that the network was trained on, metres.
     pub pixel_m: Option<f64>,
-    /// Levelling of tiles before the search.
+    /// Adjustment of the grey levels of tiles before the search.
     pub level: Option<LevelEntry>,
-    /// Second evaluation of a picture that seems to show something.
+    /// Second search of a picture that seems to show an object; `None` for a single search.
     pub test_time_augmentation: Option<Augmentation>,
     /// Anchors of raw heads, one entry a head.
     pub heads: Vec<HeadEntry>,
@@ -37,39 +37,39 @@ pub(super) struct Sidecar {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum FamilyName {
-    /// Decoded boxes beside scores.
+    /// Decoded boxes in one output, scores in another.
     Yolov4,
-    /// Heads as the last convolution leaves them.
+    /// Outputs of the last convolutions, not decoded.
     #[serde(alias = "raw")]
     RawHeads,
-    /// Rows of 5 + classes.
+    /// Rows of 5 + classes numbers.
     #[serde(alias = "yolov7")]
     Yolov5,
-    /// Columns of 4 + classes.
+    /// Columns of 4 + classes numbers.
     #[serde(alias = "yolov9", alias = "yolov11", alias = "yolo11", alias = "yolov12")]
     Yolov8,
-    /// Rows of 6, already suppressed.
+    /// Rows of 6 numbers, with overlapping boxes already suppressed.
     #[serde(alias = "yolov10", alias = "yolo26")]
     EndToEnd,
-    /// Rows of 5 + classes in units of grid cells.
+    /// Rows of 5 + classes numbers, in units of grid cells.
     Yolox,
 }
 
-/// Preparation of a picture as input.
+/// Preparation of a picture for the input.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct InputEntry {
-    /// Needed where the file leaves it open.
+    /// Width of the input, pixels; needed if the ONNX file leaves it open.
     pub width: Option<usize>,
-    /// Needed where the file leaves it open.
+    /// Height of the input, pixels; needed if the ONNX file leaves it open.
     pub height: Option<usize>,
     /// Order of the colours.
     pub colour: Option<Colour>,
     /// Factor from levels of 0 to 255.
     pub scale: Option<f32>,
-    /// Taken off after scaling, a number a channel.
+    /// Number that is subtracted after scaling, for all channels or for each.
     pub mean: Option<Vec<f32>>,
-    /// Divided by after that, a number a channel.
+    /// Number by which the result is then divided, for all channels or for each.
     pub std: Option<Vec<f32>>,
     /// Method to bring a picture to the input's size.
     pub resize: Option<Resize>,
@@ -92,11 +92,12 @@ pub(super) enum Colour {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum Resize {
-    /// Stretched across and down separately.
+    /// The picture is stretched across and down separately.
     Stretch,
-    /// Scaled in proportion, centred between bars of grey 114.
+    /// The picture is scaled in proportion and centred between bars of grey 114.
     Letterbox,
-    /// Scaled in proportion, at the top left, with bars right and below.
+    /// The picture is scaled in proportion and placed at the top left, with bars on the right and
+    /// below.
     LetterboxTopLeft,
 }
 
@@ -104,35 +105,35 @@ pub(super) enum Resize {
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct OutputEntry {
-    /// Words that hold `pixel` or `fraction`: the unit of YOLOv4's boxes. Without them a first run
-    /// shows it.
+    /// Text that contains `pixel` or `fraction`, the unit of YOLOv4's boxes. Without it, the unit
+    /// is determined from a first run.
     pub coordinates: Option<String>,
 }
 
-/// Levelling of tiles before the search.
+/// Adjustment of the grey levels of tiles before the search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum LevelEntry {
-    /// Levelled by [`crate::picture`].
+    /// Levels are adjusted by [`crate::picture`].
     Auto,
-    /// Left as recorded.
+    /// Levels are left as recorded.
     Raw,
 }
 
-/// Kind of second evaluation of a picture.
+/// Kind of the second search of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum Augmentation {
-    /// Mirrored along the track (see [`super::agree`]).
+    /// The picture is mirrored along the track (see [`super::agree`]).
     Mirrored,
 }
 
 /// The anchors of one raw head.
 #[derive(Clone, Debug, Deserialize)]
 pub(super) struct HeadEntry {
-    /// Pixels of the input to a grid cell, which distinguishes the heads.
+    /// Pixels of the input in a grid cell; the heads differ in their stride.
     pub stride: usize,
-    /// Width and height, pixels of the input.
+    /// Width and height of each anchor, pixels of the input.
     pub anchors: Vec<[f32; 2]>,
     /// Darknet's `scale_x_y`.
     #[serde(default = "one")]
@@ -157,14 +158,14 @@ pub(super) struct ThresholdEntry {
     pub score: Option<f32>,
     /// Overlap above which the box of the lower score is dropped, 0 to 1.
     pub iou: Option<f32>,
-    /// Confidence from which a box is named, 0 to 1; without it every box is.
+    /// Least confidence of a box that keeps its class, 0 to 1; if `None`, every box keeps it.
     pub name: Option<f32>,
     /// Measure of overlap.
     pub nms: Option<NmsEntry>,
     /// True if boxes of different classes drop each other.
     pub class_agnostic: Option<bool>,
-    /// Overlap above which the boxes of its class move a kept box to their mean, 0 to 1; without it
-    /// a box stays as it is.
+    /// Overlap above which the boxes of its class move a kept box to their mean, 0 to 1; if `None`,
+    /// boxes are not moved.
     pub vote: Option<f32>,
 }
 
@@ -174,7 +175,7 @@ pub(super) struct ThresholdEntry {
 pub enum NmsEntry {
     /// Intersection over union.
     Plain,
-    /// Less the distance of the centres.
+    /// Intersection over union, less a term for the distance of the centres.
     Darknet,
 }
 
@@ -188,10 +189,10 @@ impl From<NmsEntry> for OverlapMeasure {
 }
 
 impl Sidecar {
-    /// Reads the file's text.
+    /// Reads the text of the sidecar file.
     ///
     /// # Errors
-    /// Why the model cannot be used.
+    /// When the text is no JSON of these entries, or an entry has an impossible value.
     pub(super) fn parse(text: &str) -> Result<Self, Unusable> {
         let sidecar: Self =
             serde_json::from_str(text).map_err(|error| Unusable::Sidecar(error.to_string()))?;
@@ -199,8 +200,8 @@ impl Sidecar {
         Ok(sidecar)
     }
 
-    /// Returns the calibration of the network's confidences; `None` where the file states none, or
-    /// one that is no rising map.
+    /// Returns the calibration of the network's confidences; `None` if the file states none, or one
+    /// that is no rising map.
     pub(super) fn calibration(&self) -> Option<ConfidenceCalibration> {
         ConfidenceCalibration::new(self.calibration.as_deref()?)
     }
@@ -233,20 +234,23 @@ impl Sidecar {
     }
 }
 
-/// A rising map of confidences, 0 to 1 on both sides. Without points it leaves them as they are.
+/// A rising map of confidences, 0 to 1 on both sides. Without points, it leaves confidences
+/// unchanged.
 ///
-/// A network's confidence ranks its boxes; how many of those at 0.8 are right depends on what it
-/// was trained on. A sidecar may hold points that map it to the share that was right on chips which
-/// training never saw, straight between neighbours.
+/// A network's confidence ranks its boxes, but the share of right boxes at a confidence of 0.8, for
+/// example, depends on the training data. A sidecar file may hold points that map the confidence to
+/// the share of right boxes on chips that were not used in the training; between two points the map
+/// is linear.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct ConfidenceCalibration {
-    /// The network's confidence and what it comes to, both rising, from `[0, 0]` on.
+    /// Pairs of the network's confidence and the calibrated one, both rising, from `[0, 0]` on.
     points: Vec<[f32; 2]>,
 }
 
 impl ConfidenceCalibration {
-    /// `None` unless both numbers rise from point to point between 0 and 1, the first being 1 at
-    /// the end: only then has each confidence one counterpart.
+    /// Creates the map from its points. `None` unless both numbers rise from point to point between
+    /// 0 and 1, with a confidence of 1 at the end: only then does each confidence have one
+    /// counterpart.
     pub(super) fn new(points: &[[f32; 2]]) -> Option<Self> {
         let mut all = vec![[0.0, 0.0]];
         all.extend(points.iter().filter(|&&point| point != [0.0, 0.0]));
@@ -255,12 +259,13 @@ impl ConfidenceCalibration {
         (rises && last == 1.0 && highest <= 1.0).then_some(Self { points: all })
     }
 
-    /// Returns the share that a network's confidence is mapped to.
+    /// Converts a confidence of the network to the calibrated one.
     pub(super) fn calibrated(&self, confidence: f32) -> f32 {
         self.mapped(confidence, [0, 1])
     }
 
-    /// The network's confidence that comes to `calibrated`; above 1 where none does.
+    /// Converts a calibrated confidence to that of the network; above 1 if no confidence of the
+    /// network is mapped to it.
     pub(super) fn confidence(&self, calibrated: f32) -> f32 {
         match self.points.last() {
             Some(&[_, highest]) if calibrated > highest => 1.0 + calibrated - highest,
@@ -276,7 +281,7 @@ impl ConfidenceCalibration {
                 let share = (value - low[from]) / (high[from] - low[from]);
                 low[to] + share * (high[to] - low[to])
             }
-            // At 0 or below, and above the end.
+            // The value is 0 or below, or above the last point.
             (None, Some(first)) => first[to].min(value),
             (Some(below), None) => self.points[below][to],
             (None, None) => value,
@@ -284,24 +289,24 @@ impl ConfidenceCalibration {
     }
 }
 
-/// Metadata that Ultralytics' exporter writes with the graph, as Python literals, read leniently:
-/// the file's key-value pairs.
+/// Metadata that Ultralytics' exporter writes into the ONNX file: key-value pairs, whose values are
+/// Python literals and are read leniently.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Metadata(pub HashMap<String, String>);
 
 impl Metadata {
-    /// Class names from `{0: 'rock', 1: "it's"}` or `['rock', 'tyre']`; `None` where there are
-    /// none.
+    /// Returns the class names from `{0: 'rock', 1: "it's"}` or `['rock', 'tyre']`; `None` if there
+    /// are none.
     pub(super) fn names(&self) -> Option<Vec<String>> {
         let mut names = quoted(self.0.get("names")?);
-        // JSON dictionaries quote their keys as well.
+        // JSON dictionaries have their keys in quotes as well.
         if names.len().is_multiple_of(2) && names.iter().step_by(2).all(|key| is_number(key)) {
             names = names.into_iter().skip(1).step_by(2).collect();
         }
         (!names.is_empty()).then_some(names)
     }
 
-    /// Height and width from `[640, 640]`.
+    /// Returns height and width from `[640, 640]`.
     pub(super) fn image_size(&self) -> Option<[usize; 2]> {
         let numbers: Vec<usize> = self
             .0
@@ -324,7 +329,7 @@ impl Metadata {
             .any(|value| value.eq_ignore_ascii_case("true"))
     }
 
-    /// The task, where it is another than finding boxes.
+    /// Returns the task that the network was trained for, if it is another than detection.
     pub(super) fn other_task(&self) -> Option<&str> {
         let task = self.0.get("task")?.as_str();
         (task != "detect").then_some(task)
@@ -335,7 +340,8 @@ fn is_number(text: &str) -> bool {
     !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit())
 }
 
-/// The strings of a Python literal, in either quote, a backslash taking the next letter as it is.
+/// Returns the strings of a Python literal, in either kind of quotes; a backslash escapes the next
+/// letter.
 fn quoted(text: &str) -> Vec<String> {
     let mut found = Vec::new();
     let mut open: Option<(char, String)> = None;
@@ -376,7 +382,7 @@ mod tests {
             assert!((map.calibrated(confidence) - calibrated).abs() < 1e-6);
             assert!((map.confidence(calibrated) - confidence).abs() < 1e-6);
         }
-        // No box is as sure as that.
+        // No box has a calibrated confidence of 0.97.
         assert!(map.confidence(0.97) > 1.0);
     }
 

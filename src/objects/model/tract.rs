@@ -1,6 +1,6 @@
-//! Networks run by tract, in pure Rust. Beside it only `screen`, `constants` and `cost` name it,
-//! which look at the same graph before it is compiled or run, and `fast_layers`, which replaces
-//! layers of it.
+//! Compiles and runs networks with tract, in pure Rust. Only this module, `screen`, `constants` and
+//! `cost` (which check the same graph before it is compiled or run) and `fast_layers` (which
+//! replaces some of its layers) use tract.
 
 use super::Unusable;
 use super::constants::check_constants;
@@ -19,38 +19,39 @@ use tract_onnx::tract_core::transform::get_transform;
 /// Output of a network for one picture.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Output {
-    /// Name in the file.
+    /// Name of the output in the file.
     pub name: String,
-    /// Sizes, the batch's first.
+    /// Sizes of the axes, the batch first.
     pub shape: Vec<usize>,
-    /// The numbers, the last size's the fastest.
+    /// The numbers; the index of the last axis varies fastest.
     pub values: Vec<f32>,
 }
 
-/// A network that tract has compiled, of fixed input size. It is run from several threads at once,
-/// one picture a run: for small networks that is faster than batches and than threads within a run.
+/// A network of fixed input size that tract has compiled. It is run from several threads at once,
+/// one picture a run: for small networks this is faster than batches, and than threads within a
+/// run.
 pub(super) struct Network {
     plan: Arc<TypedRunnableModel>,
     names: Vec<String>,
     shape: [usize; 4],
 }
 
-/// Reads the protobuf.
+/// Reads the protobuf of an ONNX file.
 ///
 /// # Errors
-/// Why the model cannot be used.
+/// When the bytes are no ONNX file.
 pub(super) fn parse(bytes: &[u8]) -> Result<ModelProto, Unusable> {
-    // Its table of layers is filled once.
+    // tract's table of layers is filled only once.
     static ONNX: LazyLock<Onnx> = LazyLock::new(tract_onnx::onnx);
     let mut bytes = bytes;
     ONNX.proto_model_for_read(&mut bytes).map_err(|_| Unusable::NotOnnx)
 }
 
-/// A screened graph for one picture of `shape`, whose cost is bounded. `folder` is where weights
-/// outside the file lie.
+/// Creates the graph for one picture of `shape` from a screened file, and checks its cost. Weights
+/// outside the file are read from `folder`.
 ///
 /// # Errors
-/// Why the model cannot be used.
+/// When tract refuses the graph, or the graph would take too much memory or time.
 pub(super) fn graph(
     proto: &ModelProto,
     declared: &Declared,
@@ -64,7 +65,7 @@ pub(super) fn graph(
     Ok(model)
 }
 
-/// The chain of reasons: the topmost alone is not enough.
+/// Creates an error with the whole chain of reasons: the first one alone is not enough.
 fn compile_error(error: TractError) -> Unusable {
     Unusable::Compile(format!("{error:#}"))
 }
@@ -75,8 +76,8 @@ fn parsed(
     shape: [usize; 4],
     folder: Option<&Path>,
 ) -> TractResult<InferenceModel> {
-    // Exporters write shapes of a batch of unknown size beside every layer, which contradict the
-    // batch of one.
+    // Exporters state the shape of every layer's output for a batch of unknown size, which
+    // contradicts the batch of one.
     let onnx = tract_onnx::onnx().with_ignore_value_info(true);
     let folder = folder.map(|folder| folder.to_string_lossy());
     let parsed = onnx.parse(proto, folder.as_deref())?;
@@ -98,8 +99,9 @@ fn typed(model: InferenceModel) -> TractResult<TypedModel> {
     Ok(model)
 }
 
-/// Makes f32 of weights that are stored as f16, once. tract leaves those above 4 MiB to every run,
-/// which then widens and packs them anew: a ninth of the time of YOLOv4-tiny.
+/// Converts weights that are stored as f16 to f32, once. tract leaves the conversion of weights
+/// above 4 MiB to every run, which then converts and packs them again: a ninth of the time of
+/// YOLOv4-tiny.
 fn widen_weights(model: &mut TypedModel) -> TractResult<()> {
     for node in model.eval_order()? {
         let node = model.node(node);
@@ -117,9 +119,9 @@ fn widen_weights(model: &mut TypedModel) -> TractResult<()> {
     Ok(())
 }
 
-/// ONNX's number of f16.
+/// Number of the type f16 in ONNX.
 pub(super) const FLOAT16: i32 = 10;
-/// ONNX's number of f32.
+/// Number of the type f32 in ONNX.
 pub(super) const FLOAT32: i32 = 1;
 
 fn output_names(proto: &ModelProto) -> Vec<String> {
@@ -128,10 +130,10 @@ fn output_names(proto: &ModelProto) -> Vec<String> {
 }
 
 impl Network {
-    /// Compiles a graph of the file that it is from.
+    /// Compiles a graph; `proto` is the file that the graph is from.
     ///
     /// # Errors
-    /// Why the model cannot be used.
+    /// When tract refuses the graph.
     pub(super) fn compile(
         graph: TypedModel,
         proto: &ModelProto,
@@ -146,10 +148,10 @@ impl Network {
         Ok(Self { plan, names: output_names(proto), shape })
     }
 
-    /// Runs one picture through; `input` holds as many numbers as the input has.
+    /// Runs the network on one picture; `input` must hold as many numbers as the input shape.
     ///
     /// # Errors
-    /// Why the model cannot be used.
+    /// When tract fails or panics.
     pub(super) fn run(&self, input: &[f32]) -> Result<Vec<Output>, Unusable> {
         catch_panic(|| self.run_trusting(input))
             .ok_or(Unusable::Damaged("a run"))?

@@ -1,27 +1,29 @@
-//! Convolutions of 3 x 3 with a quarter of the multiplications: Winograd's minimal filtering F(4 x
-//! 4, 3 x 3) as in A. Lavin and S. Gray, "Fast Algorithms for Convolutional Neural Networks", 2016.
+//! Computes convolutions of 3 x 3 with a quarter of the multiplications by Winograd's minimal
+//! filtering F(4 x 4, 3 x 3) as in A. Lavin and S. Gray, "Fast Algorithms for Convolutional Neural
+//! Networks", 2016.
 //!
-//! Six by six numbers of a channel become as many points, in which the convolution is a product;
-//! the sums over the channels are matrix products, and 4 x 4 numbers of the output come back from
-//! their points. Results differ from those of the plain sum by some 1e-5 of their size.
+//! A tile of six by six numbers of a channel is transformed to as many points, in which the
+//! convolution is a product; the sums over the channels are matrix products; the points are then
+//! transformed back to 4 x 4 numbers of the output. Results differ from those of the plain sum by
+//! some 1e-5 of their size.
 
 use bathyscope_bottom::vectors::{VectorLoop, vectorised};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
 use std::array::from_fn;
 
-/// Channels that are computed together.
+/// Number of channels that are computed together.
 const LANES: usize = 16;
 type Lane = [f32; LANES];
-/// Numbers of the input, and of the output, across a tile and down it; points of a tile.
+/// Width and height of a tile in the input and in the output; number of points of a tile.
 const INPUT: usize = 6;
 const OUTPUT: usize = 4;
 const POINTS: usize = INPUT * INPUT;
-/// Tiles that are computed together at least, where there are as many: matrices of that many rows,
-/// which the cache holds.
+/// Least number of tiles that are computed together, if there are as many: matrices of that many
+/// rows, which fit in the cache.
 const TOGETHER: usize = 128;
 
-/// Matrix G of the paper, which takes three weights to six points.
+/// Matrix G of the paper, which transforms three weights to six points.
 const WEIGHT_POINTS: [[f64; 3]; INPUT] = [
     [1.0 / 4.0, 0.0, 0.0],
     [-1.0 / 6.0, -1.0 / 6.0, -1.0 / 6.0],
@@ -35,7 +37,7 @@ const WEIGHT_POINTS: [[f64; 3]; INPUT] = [
 pub(super) struct Convolution {
     /// Channels of the input and of the output.
     channels: [usize; 2],
-    /// Rows and columns of both.
+    /// Rows and columns of input and output.
     size: [usize; 2],
     /// Tiles down and across.
     tiles: [usize; 2],
@@ -45,8 +47,9 @@ pub(super) struct Convolution {
 }
 
 impl Convolution {
-    /// Takes weights by output channel, input channel, row and column, and a bias for each output
-    /// channel. `None` where channels are no multiple of 16.
+    /// Creates a convolution from weights by output channel, input channel, row and column, and a
+    /// bias for each output channel. `None` if a number of channels is no multiple of 16, or the
+    /// weights or biases do not fit the channels.
     pub(super) fn new(
         weights: &[f32],
         bias: &[f32],
@@ -60,7 +63,7 @@ impl Convolution {
         }
         let mut points = vec![0.0; Self::weights_of(channels)];
         let weights = weights.as_chunks::<9>().0;
-        // In this order what is written to a point lies together.
+        // In this order of the loops, consecutive writes to a point are adjacent in memory.
         for input in 0..inputs {
             for output in 0..outputs {
                 let of_weights = points_of(&weights[output * inputs + input]);
@@ -83,22 +86,23 @@ impl Convolution {
         POINTS * inputs * outputs
     }
 
-    /// Numbers that it keeps.
+    /// Returns the count of weights that the convolution keeps.
     pub(super) fn weights(&self) -> usize {
         self.weights.len()
     }
 
-    /// Channels, rows and columns of the output.
+    /// Returns the channels, rows and columns of the output.
     pub(super) fn output_shape(&self) -> [usize; 3] {
         [self.channels[1], self.size[0], self.size[1]]
     }
 
-    /// Runs it over a picture, channel by channel and row by row.
+    /// Computes the output for a picture that is stored channel by channel and row by row.
     pub(super) fn run(&self, input: &[f32]) -> Vec<f32> {
         vectorised(Run { convolution: self, input })
     }
 
-    /// The same; inlined with all that it calls where the compiler may use what the processor has.
+    /// Computes the same as `run`. All calls are inlined, so that the compiler can use all vector
+    /// instructions of the processor.
     #[inline(always)]
     fn run_inlined(&self, input: &[f32]) -> Vec<f32> {
         let padded = self.padded(input);
@@ -129,7 +133,8 @@ impl Convolution {
         output
     }
 
-    /// The picture with its border, pixel by pixel, the channels of a pixel together.
+    /// Returns the picture with its border, pixel by pixel, with the channels of a pixel side by
+    /// side.
     #[inline(always)]
     fn padded(&self, input: &[f32]) -> Vec<Lane> {
         let [height, width] = self.size;
@@ -149,7 +154,7 @@ impl Convolution {
         padded
     }
 
-    /// Writes the points of one tile, the `tile`th of at most `most`.
+    /// Transforms the input of tile number `tile`, of at most `most`, to its points.
     #[inline(always)]
     fn transform_input(
         &self,
@@ -177,7 +182,7 @@ impl Convolution {
         }
     }
 
-    /// Sums over the channels, point by point: one matrix product each.
+    /// Sums the products over the channels: one matrix product for each point.
     fn multiply(&self, [tiles, most]: [usize; 2], from: &[f32], into: &mut [f32]) {
         let [inputs, outputs] = self.channels;
         for point in 0..POINTS {
@@ -195,7 +200,7 @@ impl Convolution {
         }
     }
 
-    /// Writes the output of one tile.
+    /// Transforms the points of one tile back to its output, and adds the bias.
     #[inline(always)]
     fn write_output(
         &self,
@@ -230,7 +235,7 @@ impl Convolution {
     }
 }
 
-/// A run of a convolution, which is compiled for each kind of processor.
+/// A run of a convolution, which is compiled once for each kind of processor.
 struct Run<'a> {
     convolution: &'a Convolution,
     input: &'a [f32],
@@ -245,10 +250,10 @@ impl VectorLoop for Run<'_> {
     }
 }
 
-/// Points of nine weights.
+/// Transforms nine weights to their points.
 fn points_of(weights: &[f32; 9]) -> [f32; POINTS] {
     let weights = weights.map(f64::from);
-    // Of each column of weights first, then of each row of what that gives.
+    // The columns of the weights are transformed first, then the rows of the result.
     let mut down = [[0.0; 3]; INPUT];
     for (down, [a, b, c]) in down.iter_mut().zip(WEIGHT_POINTS) {
         for (column, down) in down.iter_mut().enumerate() {
@@ -264,7 +269,7 @@ fn points_of(weights: &[f32; 9]) -> [f32; POINTS] {
     points
 }
 
-/// Matrix B of the paper: six numbers become six points.
+/// Transforms six numbers to six points (matrix B of the paper).
 #[inline(always)]
 fn six_points([d0, d1, d2, d3, d4, d5]: [&Lane; INPUT]) -> [Lane; INPUT] {
     let even = each([d2, d4], |[d2, d4]| d4 - 4.0 * d2);
@@ -281,7 +286,7 @@ fn six_points([d0, d1, d2, d3, d4, d5]: [&Lane; INPUT]) -> [Lane; INPUT] {
     ]
 }
 
-/// Matrix A of the paper: six points become four numbers.
+/// Transforms six points to four numbers (matrix A of the paper).
 #[inline(always)]
 fn four_values([m0, m1, m2, m3, m4, m5]: [&Lane; INPUT]) -> [Lane; OUTPUT] {
     let sum = each([m1, m2], |[m1, m2]| m1 + m2);
@@ -296,11 +301,11 @@ fn four_values([m0, m1, m2, m3, m4, m5]: [&Lane; INPUT]) -> [Lane; OUTPUT] {
     ]
 }
 
-/// Computes each channel by itself.
+/// Computes each channel separately.
 #[inline(always)]
 fn each<const N: usize>(from: [&Lane; N], compute: impl Fn([f32; N]) -> f32) -> Lane {
-    // Loops and no closures, which the compiler may leave out of line, where it may not use what
-    // the processor has.
+    // Loops instead of closures: the compiler may not inline closures, and could then not use all
+    // vector instructions of the processor.
     let mut into = [0.0; LANES];
     for (c, into) in into.iter_mut().enumerate() {
         let mut values = [0.0; N];
@@ -316,7 +321,7 @@ fn each<const N: usize>(from: [&Lane; N], compute: impl Fn([f32; N]) -> f32) -> 
 mod tests {
     use super::*;
 
-    /// Numbers between -1 and 1.
+    /// Returns pseudo-random numbers between -1 and 1.
     fn numbers(count: usize, seed: u32) -> Vec<f32> {
         let mut state = seed;
         let mut next = || {
@@ -326,7 +331,7 @@ mod tests {
         (0..count).map(|_| next()).collect()
     }
 
-    /// The sum as it is defined.
+    /// Computes the convolution as the plain sum of its definition.
     fn plain(
         weights: &[f32],
         bias: &[f32],

@@ -1,27 +1,27 @@
-//! The columns of the table of objects. CSV, GeoJSON, GeoPackage, waypoints, placemarks, report,
-//! window and manual are made of this one table.
+//! Defines the columns of the table of objects. CSV, GeoJSON, GeoPackage, waypoints, placemarks,
+//! report, window and manual are made from this one table.
 
 use super::{Object, ObjectState};
 use crate::review::Certainty;
 use crate::targets::FittedShape;
 use bathyscope_log::support::geo::LonLat;
 
-/// An object as a row of tables.
+/// An object with the further data that a row of the table needs.
 #[derive(Clone, Copy, Debug)]
 pub struct ListedObject<'a> {
     /// The object.
     pub object: &'a Object,
-    /// Its shape, where one fits.
+    /// Solid that fits the object; `None` if none fits.
     pub shape: Option<&'a FittedShape>,
-    /// Corners of its footprint: length along the track by width across it, of the sighting that
-    /// tells the size best; `None` where the size is not known.
+    /// Corners of its footprint: length along the track by width across it, from the sighting that
+    /// measures the size best; `None` if the size is not known.
     pub outline: Option<[LonLat; 4]>,
-    /// Names of the logs of the survey; empty where there is one log, which need not be named.
+    /// Names of the logs of the survey; empty for a survey of one log.
     pub log_names: &'a [String],
 }
 
 impl<'a> ListedObject<'a> {
-    /// Source of the height in words; empty without a height.
+    /// Returns the source of the height in words; empty without a height.
     pub fn height_source(&self) -> String {
         let log = self.object.height_log().and_then(|log| self.log_names.get(log));
         self.object.height.source_in_words(log.map(String::as_str))
@@ -35,24 +35,24 @@ impl<'a> ListedObject<'a> {
 /// The values of a column, one for each object.
 #[derive(Clone, Copy, Debug)]
 pub enum ColumnValues {
-    /// Words; empty where there are none.
+    /// Words; empty if unknown.
     Text(fn(&ListedObject<'_>) -> String),
     /// Whole numbers.
     Count(fn(&ListedObject<'_>) -> usize),
-    /// Decimal numbers with this number of decimals; NaN where a value is not known.
+    /// Decimal numbers with this number of decimals; NaN if unknown.
     Number(usize, fn(&ListedObject<'_>) -> f64),
-    /// Lengths, metres; NaN where a length is not known.
+    /// Lengths, metres; NaN if unknown.
     Length(fn(&ListedObject<'_>) -> f64),
-    /// Lengths and their standard deviations, metres: the window and the report show both, files
-    /// have a column for each.
+    /// Lengths and their standard deviations, metres: the window and the report show both in one
+    /// column, files have a column for each.
     Measured(fn(&ListedObject<'_>) -> [f64; 2]),
-    /// Decisions.
+    /// Decisions about the objects.
     State(fn(&ListedObject<'_>) -> ObjectState),
-    /// Positions: the latitude in files, beside a column of longitudes.
+    /// Positions; in files, the column holds the latitude, and another column the longitude.
     Position(fn(&ListedObject<'_>) -> LonLat),
 }
 
-/// The name of the column of logs, which the window shows by their colours.
+/// Name of the column of logs; the window shows this column as the colours of the logs.
 pub const LOGS_COLUMN: &str = "logs";
 /// Decimals of lengths in files: millimetres.
 const LENGTH_DECIMALS: usize = 3;
@@ -62,11 +62,11 @@ const DEGREE_DECIMALS: usize = 8;
 /// A column.
 #[derive(Clone, Copy, Debug)]
 pub struct ObjectColumn {
-    /// Its name in files, with the unit.
+    /// Name of the column in files, with the unit.
     pub name: &'static str,
-    /// Its heading in the window and in the report, without a unit; empty for one of files alone.
+    /// Heading in the window and in the report, without a unit; empty for a column of files only.
     pub heading: &'static str,
-    /// Its values.
+    /// Values of the column.
     pub values: ColumnValues,
     /// Meaning of the values, in a sentence.
     pub meaning: &'static str,
@@ -84,8 +84,8 @@ pub enum ColumnValue {
 }
 
 impl ObjectColumn {
-    /// Returns the columns of the window and the report for a number of logs: one log needs no
-    /// column of logs. The columns of the place come last, since they are wide.
+    /// Returns the columns of the window and the report for a number of logs; the column of logs is
+    /// left out for one log. The columns of the position come last, since they are wide.
     pub fn shown(logs: usize) -> impl Iterator<Item = &'static Self> {
         let is_shown = move |column: &&Self| {
             !column.heading.is_empty() && (logs > 1 || column.name != LOGS_COLUMN)
@@ -95,12 +95,13 @@ impl ObjectColumn {
         shown().filter(move |column| !is_of_place(column)).chain(shown().filter(is_of_place))
     }
 
-    /// The column of a name.
+    /// Returns the column with a name; `None` if there is none.
     pub fn named(name: &str) -> Option<&'static Self> {
         OBJECT_COLUMNS.iter().find(|column| column.name == name)
     }
 
-    /// The value of an object, rounded to the decimals of the column; `None` where it is not known.
+    /// Returns the value of an object, rounded to the decimals of the column; `None` if it is not
+    /// known.
     pub fn value(&self, of: &ListedObject<'_>) -> Option<ColumnValue> {
         let number = |value: f64, decimals: usize| {
             let scale = 10_f64.powi(decimals as i32);
@@ -118,7 +119,7 @@ impl ObjectColumn {
         }
     }
 
-    /// The same as text; empty where it is not known.
+    /// Returns the value of an object as text; empty if it is not known.
     pub fn text(&self, of: &ListedObject<'_>) -> String {
         match self.value(of) {
             None => String::new(),
@@ -131,7 +132,7 @@ impl ObjectColumn {
 
 use ColumnValues::{Count, Length, Measured, Number, Position, State, Text};
 
-/// A column of the window, the report and all files.
+/// Creates a column of the window, the report and all files.
 const fn shown(
     name: &'static str,
     heading: &'static str,
@@ -141,7 +142,7 @@ const fn shown(
     ObjectColumn { name, heading, values, meaning }
 }
 
-/// A column of files alone.
+/// Creates a column of files only.
 const fn filed(name: &'static str, values: ColumnValues, meaning: &'static str) -> ObjectColumn {
     ObjectColumn { name, heading: "", values, meaning }
 }

@@ -1,4 +1,4 @@
-//! The list of objects.
+//! Joins the boxes of a survey into a list of objects.
 
 use super::{LogBox, Object, ObjectBox, ObjectNumbers};
 use crate::review::State;
@@ -6,27 +6,29 @@ use crate::targets::{GroupSettings, PassLog, Sighting, group};
 use crate::{NAMELESS_CLASS, class_index};
 use std::collections::HashMap;
 
-/// The boxes of a survey that are in sight, and the objects that they show.
+/// The boxes of a survey that belong to a shown object or are not hidden themselves, and the
+/// objects.
 #[derive(Clone, Debug, Default)]
 pub struct ObjectList {
     boxes: Vec<ObjectBox>,
     objects: Vec<Object>,
-    /// The object of every box that has one, by its place in the list.
+    /// Index of the object of every box that has one.
     of: HashMap<LogBox, usize>,
     numbers: ObjectNumbers,
     is_reviewed: bool,
 }
 
 impl ObjectList {
-    /// Joins the boxes that show one object. All places are in the plane of the first of `logs`,
-    /// which the boxes count. A rejected box shows nothing: it is no sighting of the object beside
-    /// it, and rejected boxes are objects of their own, as they can be decided otherwise. An object
-    /// keeps the number that it had in `before`. Objects of which all boxes are hidden are numbered
-    /// after the others, and left out; of the others every box counts.
+    /// Joins the boxes that show the same object. All places are in the plane of the first of
+    /// `logs`; the log index of a box refers to `logs`. A rejected box is no sighting of the object
+    /// beside it; rejected boxes form objects of their own, because the decision about them can
+    /// still change. An object keeps the number that it had in `before`. Objects whose boxes are
+    /// all hidden are numbered after the others, and left out; of the other objects every box
+    /// counts, hidden or not.
     pub fn join(boxes: Vec<ObjectBox>, logs: &[PassLog<'_>], before: &ObjectNumbers) -> Self {
         let mut objects = joined(&boxes, logs, false);
         objects.extend(joined(&boxes, logs, true));
-        // What is in sight is numbered first: numbers then begin with one.
+        // Shown objects are numbered first, so that their numbers begin with one.
         let is_hidden = |object: &Object| object.members.iter().all(|one| boxes[*one].is_hidden);
         objects.sort_by_key(is_hidden);
         let keys: Vec<Vec<LogBox>> = objects.iter().map(|object| object.boxes.clone()).collect();
@@ -49,47 +51,48 @@ impl ObjectList {
         }
     }
 
-    /// The boxes, log by log.
+    /// Returns the boxes, log by log.
     pub fn boxes(&self) -> &[ObjectBox] {
         &self.boxes
     }
 
-    /// The objects, by number.
+    /// Returns the objects, by number.
     pub fn objects(&self) -> &[Object] {
         &self.objects
     }
 
-    /// The numbers that the objects have, and those that they had while they were out of sight.
+    /// Returns the numbers of the objects, including those of objects that are hidden now.
     pub fn numbers(&self) -> &ObjectNumbers {
         &self.numbers
     }
 
-    /// An object by its number.
+    /// Returns an object by its number.
     pub fn object(&self, number: u32) -> Option<&Object> {
         let index = (self.objects).binary_search_by_key(&number, |object| object.number);
         self.objects.get(index.ok()?)
     }
 
-    /// The object that a box shows; `None` of a box without a place, and of one that does not
-    /// count.
+    /// Returns the object that a box shows; `None` for a box without a place, and for a box that is
+    /// not in the list.
     pub fn object_of(&self, key: LogBox) -> Option<&Object> {
         self.objects.get(*self.of.get(&key)?)
     }
 
-    /// Returns true if anything was decided about any box; otherwise all of them are the detector's
-    /// proposals.
+    /// Returns true if there is a decision about any box; otherwise all boxes are proposals of the
+    /// detector.
     pub fn is_reviewed(&self) -> bool {
         self.is_reviewed
     }
 
-    /// Returns true if a box is one of a target: as long as nothing is decided about any box, each
-    /// is; then those are that were accepted or drawn by hand, for a proposal beside them would
-    /// pass for an object that somebody has seen.
+    /// Returns true if a box belongs to a target. While there is no decision about any box, every
+    /// box does; after that, only boxes that were accepted or drawn by hand: a proposal beside them
+    /// could be mistaken for an object that somebody has confirmed.
     pub fn is_target(&self, one: &ObjectBox) -> bool {
         !self.is_reviewed || one.one.state.is_object()
     }
 
-    /// The objects that products show: those with a box of which [`ObjectList::is_target`] says so.
+    /// Returns the objects that products show: those with a box for which [`ObjectList::is_target`]
+    /// is true.
     pub fn targets(&self) -> impl Iterator<Item = &Object> {
         let is_target = |object: &&Object| {
             let mut members = object.members.iter();
@@ -98,14 +101,14 @@ impl ObjectList {
         self.objects.iter().filter(is_target)
     }
 
-    /// The boxes of an object.
+    /// Returns the boxes of an object.
     pub fn members(&self, object: &Object) -> impl Iterator<Item = &ObjectBox> {
         object.members.iter().map(|member| &self.boxes[*member])
     }
 }
 
-/// Gives boxes the numbers of their objects, and leaves out objects of which all boxes are hidden,
-/// and these boxes; members count the boxes that are left.
+/// Sets the object number of each box, removes objects whose boxes are all hidden, and returns the
+/// boxes that are left; the members of the objects are then indices into these.
 fn hide(mut boxes: Vec<ObjectBox>, objects: &mut Vec<Object>) -> Vec<ObjectBox> {
     objects.retain(|object| object.members.iter().any(|member| !boxes[*member].is_hidden));
     for object in &*objects {
@@ -132,7 +135,7 @@ fn is_left(one: &ObjectBox) -> bool {
     one.object.is_some() || !one.is_hidden
 }
 
-/// The objects of the boxes that were rejected, or of all others, without numbers.
+/// Joins the rejected boxes, or all other boxes, into objects without numbers.
 fn joined(boxes: &[ObjectBox], logs: &[PassLog<'_>], is_rejected: bool) -> Vec<Object> {
     let mut names = Vec::new();
     let (members, sightings): (Vec<usize>, Vec<Sighting<'_>>) = (boxes.iter().enumerate())
@@ -142,9 +145,9 @@ fn joined(boxes: &[ObjectBox], logs: &[PassLog<'_>], is_rejected: bool) -> Vec<O
             let sighting = Sighting {
                 log: one.log,
                 target: one.target.as_ref()?,
-                // Every log may have a list of classes of its own: they are compared by name.
+                // Every log may have its own list of classes, so they are compared by name.
                 class: has_name.then(|| class_index(&mut names, &one.class)),
-                // Who drew a box was sure.
+                // A box without a score was drawn by hand, which counts as sure.
                 score: one.one.score.map_or(1.0, f64::from),
             };
             Some((index, sighting))
@@ -171,7 +174,7 @@ mod tests {
     use bathyscope_log::survey::{Navigation, Survey};
     use std::sync::Arc;
 
-    /// A box of a first line, 50 m further of the way a second one, and so on.
+    /// Creates a box of line `line`; each line is 50 m of sailed distance further on.
     fn seen(id: u32, line: u32, east_m: f64, score: f32) -> ObjectBox {
         let placed = Target { east_m, sailed_m: 50.0 * f64::from(line), ..target() };
         let mut one = Reviewed::drawn(BoxId(id), placed.mark.clone(), 0);
@@ -190,8 +193,9 @@ mod tests {
     type Objects = Vec<(u32, f64)>;
     type Boxes = Vec<(u32, Option<u32>)>;
 
-    /// The objects where undecided boxes of less score are hidden: number and place of each, and
-    /// the boxes that are left; `numbers` are those that objects had before, and have then.
+    /// Returns the objects when undecided boxes of a lower score are hidden: the number and place
+    /// of each, and the boxes that are left. `numbers` holds the numbers from before, and is
+    /// updated.
     fn objects_from(threshold: f32, numbers: &mut ObjectNumbers) -> (Objects, Boxes) {
         let boxes = [seen(1, 0, 40.0, 0.1), seen(2, 0, 0.0, 0.3), seen(3, 1, 0.4, 0.8)];
         let boxes = boxes.map(|one| {

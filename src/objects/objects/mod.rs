@@ -1,12 +1,11 @@
-//! The objects of a survey: one list of what the boxes of all logs show.
+//! Joins the boxes of all logs of a survey into one list of objects.
 //!
-//! In: boxes with their places and what was decided about them, and the numbers that objects had
-//! before. Out: the objects that they are sightings of. The window, products, report and plan
-//! have it from here.
+//! In: boxes with their places and the decisions about them, and the numbers that objects had
+//! before. Out: the objects that the boxes are sightings of. The window, products, report and plan
+//! all use this list.
 //!
-//! `review` says which boxes count, `object` is what all boxes of an object say of it, `numbers`
-//! keeps the numbers of objects, `list` joins boxes into objects, `columns` is the table of what is
-//! said of an object.
+//! `review` determines which boxes count, `object` combines all boxes of an object, `numbers` keeps
+//! the numbers of objects, `list` joins boxes into objects, `columns` defines the table of objects.
 
 mod columns;
 mod list;
@@ -25,7 +24,7 @@ pub use review::{KeptReview, LogReview};
 
 use crate::review::BoxId;
 
-/// Tells the logs of a survey apart.
+/// Identifier of a log of a survey.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct LogId(pub u64);
 
@@ -34,6 +33,6 @@ pub struct LogId(pub u64);
 pub struct LogBox {
     /// The log.
     pub log: LogId,
-    /// Its number in that log's review.
+    /// Number of the box in the review of this log.
     pub id: BoxId,
 }

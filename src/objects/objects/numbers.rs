@@ -1,14 +1,14 @@
-//! The numbers of objects.
+//! Keeps the numbers of objects, so that an object has the same number after each change.
 
 use super::{LogBox, LogId};
 use crate::review::BoxId;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::Arc;
 
-/// Numbers of the objects that the boxes of a log show.
+/// Number of the object of each box of a log.
 pub type LogNumbers = Arc<BTreeMap<BoxId, u32>>;
 
-/// The number that every box had last, also while it is out of sight. Cheap to clone.
+/// The last object number of every box, also while the box is hidden. Cheap to clone.
 #[derive(Clone, Debug, Default)]
 pub struct ObjectNumbers {
     logs: HashMap<LogId, LogNumbers>,
@@ -16,13 +16,13 @@ pub struct ObjectNumbers {
 }
 
 impl ObjectNumbers {
-    /// Takes in the numbers that boxes of a log have.
+    /// Adds the object numbers of the boxes of a log.
     pub fn add_log(&mut self, log: LogId, numbers: LogNumbers) {
         self.last = numbers.values().fold(self.last, |last, number| last.max(*number));
         self.logs.insert(log, numbers);
     }
 
-    /// The numbers that boxes of a log have.
+    /// Returns the object numbers of the boxes of a log.
     pub fn of_log(&self, log: LogId) -> LogNumbers {
         self.logs.get(&log).cloned().unwrap_or_default()
     }
@@ -31,7 +31,7 @@ impl ObjectNumbers {
         self.logs.get(&key.log)?.get(&key.id).copied()
     }
 
-    /// Notes a number; a log of which none is another one stays as it is in memory.
+    /// Stores a number; the map of a log is copied only if a number in it changes.
     fn set(&mut self, key: &LogBox, number: u32) {
         if self.get(key) != Some(number) {
             let of_log = self.logs.entry(key.log).or_default();
@@ -39,8 +39,8 @@ impl ObjectNumbers {
         }
     }
 
-    /// A number for each group of boxes: the one that most of its boxes had, where no other group
-    /// has more of those; else a new one.
+    /// Returns a number for each group of boxes, and stores it: the number that most of its boxes
+    /// had, unless another group has more boxes with this number; otherwise a new one.
     pub(super) fn give(&mut self, groups: &[Vec<LogBox>]) -> Vec<u32> {
         let mut claims: Vec<(usize, u32, usize)> = Vec::new();
         for (index, group) in groups.iter().enumerate() {
@@ -95,20 +95,21 @@ mod tests {
         let mut numbers = ObjectNumbers::default();
         let first = give(&mut numbers, &[&[(0, 1), (1, 1)], &[(0, 2)], &[(0, 3), (1, 2)]]);
         assert_eq!(first, [1, 2, 3]);
-        // The first loses a box, which stands alone; the second is out of sight; a new one comes.
+        // The first group loses a box, which is then alone; the second is hidden; a new one is
+        // added.
         let next =
             give(&mut numbers, &[&[(0, 1)], &[(1, 9)], &[(0, 3), (1, 2), (2, 1)], &[(1, 1)]]);
         assert_eq!(next, [1, 4, 3, 5]);
-        // It comes into sight again, with one more box.
+        // The second object is shown again, with one more box.
         let again = give(&mut numbers, &[&[(0, 2), (2, 7)], &[(0, 1), (1, 1)]]);
         assert_eq!(again, [2, 1]);
-        // What stays the same is the same in memory: a project need not look at it again.
+        // A map without changes stays the same allocation, so that a project need not compare it.
         let before = numbers.clone();
         give(&mut numbers, &[&[(0, 2), (2, 7)], &[(0, 1), (1, 1)]]);
         for log in [0, 1, 2].map(LogId) {
             assert!(Arc::ptr_eq(&before.of_log(log), &numbers.of_log(log)));
         }
-        // Two objects become one: the number of more boxes stays.
+        // Two objects become one, with the number of the one with more boxes.
         let joined = give(&mut numbers, &[&[(0, 2), (0, 3), (1, 2), (2, 1)]]);
         assert_eq!(joined, [3]);
     }

@@ -1,4 +1,4 @@
-//! An object: what all its sightings say of it; and its boxes.
+//! Combines all sightings of an object into its properties.
 
 use super::{LogBox, LogId};
 use crate::ObjectExtent;
@@ -9,39 +9,39 @@ use bathyscope_log::support::geo::LonLat;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// A box with its place, and the object that it is a sighting of.
+/// A box with its position, and the object that it is a sighting of.
 #[derive(Clone, Debug)]
 pub struct ObjectBox {
-    /// Index of its log in the survey.
+    /// Index of the log in the survey.
     pub log: usize,
-    /// Its log and its number there.
+    /// Log of the box, and its number there.
     pub key: LogBox,
-    /// The box, and what was decided about it.
+    /// The box and the decision about it.
     pub one: Arc<Reviewed>,
-    /// Name of its class.
+    /// Name of the class of the box.
     pub class: String,
-    /// Its place in the world; `None` where that cannot be known.
+    /// Position and size of the box in the world; `None` if they cannot be computed.
     pub target: Option<Target>,
-    /// Number of the object that it is a sighting of; `None` without a place.
+    /// Number of the object that the box is a sighting of; `None` for a box without a position.
     pub object: Option<u32>,
-    /// The filter by score has it out of sight. It counts as a sighting all the same.
+    /// True if the score filter hides the box. It still counts as a sighting.
     pub is_hidden: bool,
 }
 
-/// The decision about an object, in the order of the work.
+/// State of the decision about an object; variants are in the order of the work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum ObjectState {
     /// No decision has been made.
     Undecided,
-    /// There is an object: one of its boxes was accepted or drawn by hand. Further boxes that a
-    /// search finds of it, or that a filter hides, do not open the question again.
+    /// There is an object: one of its boxes was accepted or drawn by hand. The decision stays if a
+    /// search finds further boxes of the object, or a filter hides boxes.
     Accepted,
-    /// There is nothing: all its boxes were rejected.
+    /// There is no object: all its boxes were rejected.
     Rejected,
 }
 
 named! {
-    /// All of them, in the order of the work.
+    /// All states, in the order of the work.
     pub ObjectState {
         Undecided: "undecided",
         Accepted: "accepted",
@@ -49,57 +49,57 @@ named! {
     }
 }
 
-/// An object on the bottom with the boxes that show it. Lengths in metres; NaN for what is not
-/// known.
+/// An object on the bottom with the boxes that show it. Lengths in metres; NaN if unknown.
 #[derive(Clone, Debug)]
 pub struct Object {
-    /// Its number, never given to another object.
+    /// Number of the object, never used for another object.
     pub number: u32,
-    /// The boxes that show it, by log and number.
+    /// Boxes that show the object, by log and number.
     pub boxes: Vec<LogBox>,
-    /// The places of these in the list of boxes, growing.
+    /// Indices of these boxes in the list of boxes, growing.
     pub members: Vec<usize>,
-    /// Name that the analyst gave: that of the first box that has one; empty where none has.
+    /// Name that the analyst gave: the name of the first box that has one; empty if none has.
     pub name: String,
-    /// The class with the largest sum of scores, of the boxes that have a name.
+    /// Class with the largest sum of scores, among the boxes with a known class.
     pub class: String,
-    /// The decision about it.
+    /// State of the decision about the object.
     pub state: ObjectState,
-    /// The highest score of the detector; `None` where nobody but the analyst saw it.
+    /// Highest score of the detector; `None` if all boxes were drawn by hand.
     pub score: Option<f32>,
-    /// The certainty of the analyst: the surest word of its boxes.
+    /// Highest certainty that the analyst stated for a box of the object; `None` if stated for
+    /// none.
     pub certainty: Option<Certainty>,
-    /// Mean of the places, weighted by the inverse of their covariances: metres east and north in
-    /// the plane of the survey.
+    /// Mean place of the boxes, weighted by the inverse of their covariances: metres east and north
+    /// in the plane of the survey.
     pub place_m: [f64; 2],
-    /// The same in the world.
+    /// Mean place of the boxes in longitude and latitude.
     pub position: LonLat,
-    /// Standard deviation of that place in the worse direction.
+    /// Standard deviation of the mean place in the worse direction.
     pub sigma_m: f64,
-    /// Place among its boxes of the one that tells its size best.
+    /// Index, among its boxes, of the box that measures the size best.
     pub best: usize,
-    /// Its length along the track by that box.
+    /// Length along the track, from this box.
     pub length_m: f64,
-    /// Its width across the track by that box.
+    /// Width across the track, from this box.
     pub width_m: f64,
-    /// Its height above the bottom, of all boxes together.
+    /// Height above the bottom, from all boxes together.
     pub height: ObjectHeight,
-    /// Depth of the bottom there by the box that tells its size best.
+    /// Depth of the bottom at the object, from the box that measures the size best.
     pub depth_m: f64,
-    /// Course of the boat over ground at that box, radians clockwise from north.
+    /// Course of the boat over ground at this box, radians clockwise from north.
     pub course_rad: f64,
-    /// Passes of the boat that saw it: at most as many as boxes, since both sides may see it in one
-    /// pass, and two recorders too.
+    /// Number of passes of the boat that saw the object: at most the number of boxes, since both
+    /// sides, or two recorders, may see it in one pass.
     pub sightings: usize,
-    /// Remarks on its boxes, one after the other.
+    /// Remarks on its boxes, joined by semicolons.
     pub remarks: String,
-    /// The pings of each box.
+    /// Log and pings of each box.
     seen_on: Vec<LogPings>,
 }
 
 impl Object {
-    /// The object of a group of boxes of a list; `names` are those of the classes of the group. It
-    /// has no number yet. `None` without logs.
+    /// Creates the object of a group of boxes of a list; `names` are the class names that the group
+    /// refers to. The number is 0 until one is assigned. `None` if there are no logs.
     pub(super) fn new(
         group: Group,
         names: &[&str],
@@ -140,14 +140,14 @@ impl Object {
         })
     }
 
-    /// The logs that saw it, in the order of the survey.
+    /// Returns the logs that saw the object, in the order of the survey.
     pub fn logs(&self) -> Vec<LogId> {
         let mut logs: Vec<LogId> = self.boxes.iter().map(|one| one.log).collect();
         logs.dedup();
         logs
     }
 
-    /// The logs that saw it, as the boxes count them, each once.
+    /// Returns the indices of the logs that saw the object, each once, growing.
     pub(crate) fn log_indices(&self) -> Vec<usize> {
         let mut logs: Vec<usize> = self.seen_on.iter().map(|(log, _)| *log).collect();
         logs.sort_unstable();
@@ -155,15 +155,15 @@ impl Object {
         logs
     }
 
-    /// The log of the sighting that the height rests on, as the boxes count them; `None` without a
+    /// Returns the index of the log of the sighting that the height is from; `None` without a
     /// height.
     pub(crate) fn height_log(&self) -> Option<usize> {
         let (log, _) = self.seen_on.get(self.height.source?.sighting)?;
         Some(*log)
     }
 
-    /// Counts the passes of the boat over these logs that covered its place, and those that saw it.
-    /// It goes through all pings.
+    /// Counts the passes of the boat in these logs that covered the place of the object, and those
+    /// that saw it. This reads the navigation of all pings.
     pub fn passes(&self, logs: &[PassLog<'_>]) -> PassCount {
         PassCount::new(&self.seen_on, self.place_m, logs)
     }
@@ -177,9 +177,9 @@ fn state(boxes: impl Iterator<Item = State> + Clone) -> ObjectState {
     }
 }
 
-/// The place of the box that tells the size best: an accepted one before an undecided one, one
-/// whose edges were drawn before another, and then the surest, who drew one being sure. Of equals
-/// the first.
+/// Returns the index of the box that measures the size best. An accepted box is preferred to an
+/// undecided one, then a box whose edges were drawn to another, then the higher score, where a box
+/// drawn by hand counts as 1. Among equals the first is returned.
 fn best<'a>(boxes: impl Iterator<Item = &'a ObjectBox>) -> usize {
     let rank = |one: &ObjectBox| {
         let is_drawn = matches!(one.one.extent, ObjectExtent::Drawn { .. });

@@ -1,4 +1,4 @@
-//! Decisions about the boxes of a survey.
+//! Holds the decisions about the boxes of a survey.
 
 use super::{LogBox, LogId, LogNumbers, ObjectBox, ObjectNumbers};
 use crate::review::{Review, Reviewed};
@@ -6,20 +6,20 @@ use crate::targets::Target;
 use bathyscope_log::survey::Exclusions;
 use std::sync::Arc;
 
-/// The boxes of a log, and from which score they are in sight.
+/// The boxes of a log, and the score from which they are shown.
 #[derive(Clone, Debug)]
 pub struct LogReview {
     /// The log.
     pub log: LogId,
-    /// Its boxes with what was decided about each.
+    /// Boxes with the decisions about them.
     pub review: Arc<Review>,
-    /// Undecided proposals of a lower score are out of sight.
+    /// Least score of a shown undecided proposal.
     pub threshold: f32,
 }
 
 impl LogReview {
-    /// The boxes that count: none whose middle lies in a stretch that is excluded. Those out of
-    /// sight count, so that no filter changes what is measured.
+    /// Returns the boxes that count: those whose middle is not in an excluded stretch. Hidden boxes
+    /// count too, so that no filter changes what is measured.
     pub fn boxes<'a>(
         &'a self,
         exclusions: &'a Exclusions,
@@ -28,7 +28,8 @@ impl LogReview {
         self.review.shared().iter().filter(counts)
     }
 
-    /// One of them in a list of objects, with its place; `log` counts the logs of the survey.
+    /// Creates the entry of a box for the list of objects; `log` is the index of the log in the
+    /// survey, `target` the position and size of the box.
     pub fn object_box(&self, log: usize, one: &Arc<Reviewed>, target: Option<Target>) -> ObjectBox {
         ObjectBox {
             log,
@@ -42,30 +43,31 @@ impl LogReview {
     }
 }
 
-/// The boxes of a log as a project or a file keeps them.
+/// The boxes of a log as they are stored in a project or a file.
 #[derive(Clone, Debug)]
 pub struct KeptReview {
-    /// The boxes with what was decided about each.
+    /// Boxes with the decisions about them.
     pub review: Arc<Review>,
-    /// Numbers of the objects that they show.
+    /// Numbers of the objects that the boxes show.
     pub object_numbers: LogNumbers,
-    /// Undecided proposals of a lower score are out of sight.
+    /// Least score of a shown undecided proposal.
     pub threshold: f32,
 }
 
-/// A file of its own knows of no numbers, and of no least score: all its boxes are in sight.
+/// Converts a review from a file of its own, which holds no object numbers and no least score: all
+/// its boxes are shown.
 impl From<Review> for KeptReview {
     fn from(review: Review) -> Self {
         Self { review: Arc::new(review), object_numbers: LogNumbers::default(), threshold: 0.0 }
     }
 }
 
-/// Boxes of all logs of a survey, with the decisions about them.
+/// Boxes of all logs of a survey with the decisions about them, and the numbers of the objects.
 #[derive(Clone, Debug, Default)]
 pub struct SurveyReview {
-    /// Boxes of each log; `None` of a log that has none.
+    /// Boxes of each log; `None` for a log without boxes.
     pub logs: Vec<Option<LogReview>>,
-    /// The numbers that objects have.
+    /// Numbers of the objects.
     pub numbers: ObjectNumbers,
 }
 

@@ -29,7 +29,8 @@ fn a_bright_patch_lands_in_its_box() {
     let rect = raster.rect_of(&mark).shifted(-50.0, -100.0);
     for (index, &pixel) in tile.pixels.iter().enumerate() {
         let (x, y) = ((index % TILE_PX) as f32 + 0.5, (index / TILE_PX) as f32 + 0.5);
-        // Interpolation blurs a ping (5 rows) either way, and a pixel in range.
+        // Interpolation blurs the edges by a ping (5 rows) along the track, and by a pixel in
+        // range.
         let inside = |grow_x: f32, grow_y: f32| {
             (rect.x0 - grow_x..rect.x1 + grow_x).contains(&x)
                 && (rect.y0 - grow_y..rect.y1 + grow_y).contains(&y)
@@ -77,7 +78,7 @@ fn what_few_pings_were_recorded_to_is_not_searched() {
     let is_recorded = |column| raster.is_recorded(&some, Side::Port, 300, column);
     assert!(is_recorded(0));
     assert!(!is_recorded(208) && !is_recorded(9_000));
-    // Of a survey that is narrower than a tile, all is.
+    // A survey that is narrower than a tile is recorded everywhere.
     let (narrow, navigation) = survey(400, |_, _| 90);
     let raster = Raster::new(&narrow, &navigation, 0.04);
     assert!(raster.is_recorded(&narrow, Side::Port, 300, 0));

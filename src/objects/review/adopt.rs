@@ -1,4 +1,4 @@
-//! Adds a new model's detections to a review with decisions.
+//! Adds the detections of a new model to a review that may hold decisions.
 
 use super::{BoxId, Review, Reviewed, State, held};
 use crate::{Detection, Raster, Rect, class_index};
@@ -6,12 +6,12 @@ use bathyscope_log::survey::{Identity, Side};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Overlap from which two boxes are the same object, intersection over union.
+/// Overlap from which two boxes show the same object, intersection over union.
 const SAME: f32 = 0.5;
 
 impl Review {
-    /// Creates the review of a log that has none from the boxes that a model found: proposals,
-    /// numbered from `first`. `names` are the classes that its indices mean.
+    /// Creates the review of a log from the boxes that a model found: all are proposals, numbered
+    /// from `first`. `names` are the classes that the class indices of `found` refer to.
     pub fn of_found(
         identity: Identity,
         names: &[String],
@@ -32,11 +32,12 @@ impl Review {
         }
     }
 
-    /// The review with `detections` for proposals. What the analyst accepted, rejected, added or
-    /// corrected stays; a detection that overlaps such a box on its side (IoU of at least 0.5 in
-    /// the raster's pixels) lends it its score instead of coming twice. Undecided boxes are
-    /// replaced; one that the model sees again keeps its number. Class names that are new are
-    /// appended; `classes` are the names that the detections' class indices mean.
+    /// Returns the review with `detections` as proposals. Boxes that the analyst accepted,
+    /// rejected, added or corrected stay; a detection that overlaps such a box on its side (IoU of
+    /// at least 0.5 in the raster's pixels) is not added, but its score becomes the score of that
+    /// box. Undecided boxes are replaced; one that the model finds again keeps its number. New
+    /// class names are appended; `classes` are the names that the detections' class indices refer
+    /// to.
     pub fn adopt(
         &self,
         model: &str,
@@ -47,7 +48,7 @@ impl Review {
         self.adopt_part(model, classes, detections, raster, 0..self.identity.pings)
     }
 
-    /// Adopts detections as [`Review::adopt`] does, but from a search of these pings only:
+    /// Adopts detections as [`Review::adopt`] does, but from a search of the pings `pings` only:
     /// undecided boxes elsewhere stay as well, because they were not searched again.
     pub fn adopt_part(
         &self,
@@ -108,7 +109,7 @@ impl Review {
     }
 }
 
-/// Boxes of each side by their first row, so that only neighbours are compared.
+/// Boxes of each side, sorted by their first row, so that only neighbours need to be compared.
 struct Places {
     sides: [Vec<(Rect, usize)>; 2],
     tallest: f32,
@@ -128,7 +129,8 @@ impl Places {
         places
     }
 
-    /// Place in the list and overlap of the box that overlaps most, if it is the same object.
+    /// Returns the place in the list of the box with the greatest overlap; `None` if no box
+    /// overlaps by [`SAME`] or more.
     fn find(&self, side: Side, rect: &Rect) -> Option<usize> {
         let list = &self.sides[side as usize];
         let from = list.partition_point(|(other, _)| other.y0 < rect.y0 - self.tallest);
@@ -145,7 +147,8 @@ impl Places {
         Some(self.sides[side as usize][place].1)
     }
 
-    /// Takes out the box that `nearest` returns, so that it is not found again.
+    /// Removes the box that `nearest` returns, so that it is not found again, and returns its
+    /// index.
     fn take_nearest(&mut self, side: Side, rect: &Rect) -> Option<usize> {
         let place = self.find(side, rect)?;
         Some(self.sides[side as usize].remove(place).1)

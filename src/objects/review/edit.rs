@@ -1,73 +1,76 @@
-//! Edits of a box by the analyst.
+//! Defines the edits of a box by the analyst, and applies them to a review.
 
 use super::{BoxId, Certainty, Review, Reviewed, State, held, is_name};
 use crate::{Mark, MeasuredShadow, ObjectExtent, class_index};
 use bathyscope_log::survey::Side;
 use std::sync::Arc;
 
-/// A decision or a correction.
+/// A decision about a box or a correction of it. Fields of type [`BoxId`] are the number of the
+/// box.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Edit {
-    /// There is an object.
+    /// Accepts the box: there is an object.
     Accept(BoxId),
-    /// There is nothing.
+    /// Rejects the box: there is no object.
     Reject(BoxId),
-    /// Takes the decision back.
+    /// Removes the decision about the box.
     Undecide(BoxId),
-    /// It is of another class.
+    /// Changes the class of the box, as an index into the classes.
     Relabel(BoxId, usize),
-    /// It lies elsewhere or is larger or smaller.
+    /// Moves or resizes the box.
     Reshape(BoxId, Mark),
-    /// It lies on the other side.
+    /// Moves the box to the other side.
     SwapSide(BoxId),
-    /// A box that the model missed; it gets [`Review::next_id`].
+    /// Adds a box that the model missed; it gets the number [`Review::next_id`].
     Add {
         /// Side, pings and slant ranges of the box.
         mark: Mark,
         /// Index into the classes.
         class: usize,
     },
-    /// Removes a box that was drawn by hand. One that a model proposed is rejected instead: it is a
-    /// hard negative.
+    /// Removes a box that was drawn by hand. A box that a model proposed cannot be removed, only
+    /// rejected: it is a hard negative.
     Remove(BoxId),
-    /// A point that the analyst marks: a place without size; it gets [`Review::next_id`].
+    /// Adds a point, which has a place but no size; it gets the number [`Review::next_id`].
     AddPoint {
-        /// The side it lies on.
+        /// Side of the point.
         side: Side,
-        /// The ping that shows it.
+        /// Index of the ping of the point.
         ping: usize,
-        /// Its slant range by the recorder's scale, metres.
+        /// Slant range of the point in the recorder's scale, metres.
         range_m: f64,
         /// Index into the classes.
         class: usize,
     },
-    /// The edges of its echo and its shadow as the analyst sees them.
+    /// Sets the edges of the echo and the shadow in the box.
     SetEdges {
-        /// The box.
+        /// Number of the box.
         id: BoxId,
-        /// Pings of the echo, its near edge, and the end of the shadow.
+        /// Pings of the echo, near edge of the echo, and far edge of the shadow.
         mark: Mark,
-        /// Slant range of the border between echo and shadow by the recorder's scale, metres; that
-        /// of the far edge where there is no shadow.
+        /// Slant range of the border between echo and shadow in the recorder's scale, metres; that
+        /// of the far edge if there is no shadow.
         border_m: f64,
     },
-    /// Leaves it to the program again to find echo and shadow in the box.
+    /// Removes the edges that the analyst has set: the program finds echo and shadow in the box
+    /// again.
     FindEdges(BoxId),
-    /// Its height is that of what casts a shadow measured on one of its pings; with `None` that of
-    /// its own shadow again.
+    /// Sets the shadow, measured on a ping of the box, that determines the height; with `None`, the
+    /// shadow of the box itself determines it again.
     SetShadow(BoxId, Option<MeasuredShadow>),
-    /// It is of a class by its name, which becomes one of the review's classes.
+    /// Changes the class of the box by its name, which is added to the review's classes if it is
+    /// new.
     Classify(BoxId, String),
-    /// Name from the analyst.
+    /// Sets the name of the object.
     Rename(BoxId, String),
-    /// Certainty of the analyst.
+    /// Sets the certainty of the analyst.
     Rate(BoxId, Option<Certainty>),
-    /// A remark.
+    /// Sets the remark.
     Note(BoxId, String),
 }
 
 impl Edit {
-    /// Its name in the undo menu.
+    /// Returns the name of the edit in the undo menu.
     pub fn label(&self) -> &'static str {
         match self {
             Edit::Accept(_) => "accept box",
@@ -89,7 +92,7 @@ impl Edit {
         }
     }
 
-    /// The box that it is about, if there is one already.
+    /// Returns the number of the box to edit; `None` for an edit that adds a box.
     pub fn target(&self) -> Option<BoxId> {
         match self {
             Edit::Add { .. } | Edit::AddPoint { .. } => None,
@@ -112,8 +115,8 @@ impl Edit {
 }
 
 impl Review {
-    /// The review after an edit; `None` when it would change nothing: no such box or class, a box
-    /// without extent, a decision that stands already.
+    /// Returns the review after an edit; `None` if the edit changes nothing: there is no such box
+    /// or class, the box has no extent, or the decision is already made.
     pub fn apply(&self, edit: &Edit) -> Option<Review> {
         match edit {
             Edit::Accept(id) => self.change(*id, |one| one.state = affirmed(one, State::Accepted)),
@@ -192,7 +195,7 @@ impl Review {
         })
     }
 
-    /// The class becomes one of the review's own where it is new.
+    /// Sets the class of a box by its name, which is added to the review's classes if it is new.
     fn classify(&self, id: BoxId, name: &str) -> Option<Review> {
         is_name(name).then_some(())?;
         let mut named = self.clone();
@@ -220,8 +223,8 @@ impl Review {
     }
 }
 
-/// A box drawn by hand has no proposal to go back to or to agree with: it is added, or it is
-/// rejected.
+/// Returns the state for a box that is accepted or undecided. A box drawn by hand was not proposed,
+/// so it is [`State::Added`] in both cases.
 fn affirmed(one: &Reviewed, state: State) -> State {
     if one.model.is_none() { State::Added } else { state }
 }

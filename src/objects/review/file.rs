@@ -1,5 +1,5 @@
-//! A review as a JSON file. What is read may come from anywhere: every number is checked before it
-//! is believed.
+//! Reads and writes a review as a JSON file. A file may be of unknown origin, so every number in it
+//! is checked before it is used.
 
 use super::{BoxId, Certainty, Review, Reviewed, State, held, is_name};
 use crate::{Mark, MeasuredShadow, ObjectExtent};
@@ -10,23 +10,23 @@ use std::collections::HashSet;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Bytes of the largest file that is read.
+/// Greatest size of a file that is read, bytes.
 const LARGEST_FILE: u64 = 64 << 20;
-/// Number of the layout.
+/// Version of the layout of the file.
 const VERSION: u32 = 1;
 const MOST_BOXES: usize = 200_000;
 const MOST_CLASSES: usize = 1_000;
-/// Stretches that were searched; a review of our own has two or three.
+/// Greatest number of searched stretches; a review written by this program has two or three.
 const MOST_SEARCHED: usize = 1_000;
-/// Letters of a note.
+/// Greatest length of a note, characters.
 const LONGEST_NOTE: usize = 10_000;
 
-/// A file that is no review, or not one of this log.
+/// Error of a file that is no review, or a review of another log.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{what}")]
 pub struct ReviewError {
     what: String,
-    /// The box that makes no sense, where it is one.
+    /// Number of the faulty box; `None` if the fault is elsewhere.
     pub id: Option<BoxId>,
 }
 
@@ -36,7 +36,7 @@ impl ReviewError {
     }
 }
 
-/// Contents of a review, row by row, for the files that keep it.
+/// Contents of a review, row by row, for the files that hold it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReviewRows {
     /// Names of the classes.
@@ -47,11 +47,11 @@ pub struct ReviewRows {
     pub boxes: Vec<BoxRow>,
 }
 
-/// The text of a file about boxes, of a size that such a file can have. `what` is what it should
-/// be: `review`.
+/// Reads the text of a file of boxes, of at most `LARGEST_FILE` bytes. `what` names the content
+/// in the error, as `review`.
 ///
 /// # Errors
-/// A sentence with the path when it cannot be read, or is too large.
+/// When the file cannot be read, or is too large: a sentence with the path.
 pub fn read_text(path: &Path, what: &str) -> Result<String, ReviewError> {
     let cannot = |why: String| {
         ReviewError::new(format!("cannot read the {what}: {why}: {}", path.display()))
@@ -64,35 +64,35 @@ struct Stored {
     version: u32,
     survey: Identity,
     classes: Vec<String>,
-    /// Pings that a model has searched; missing where they were not recorded.
+    /// Pings that a model has searched; missing in the file if they were not recorded.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     searched: Vec<SearchRow>,
     boxes: Vec<BoxRow>,
 }
 
-/// Pings that a model has searched, as a file keeps them.
+/// Pings that a model has searched, as stored in a file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SearchRow {
     /// Name of the model.
     pub model: String,
-    /// First and last, the last excluded.
+    /// First and last ping, the last excluded.
     pub pings: [usize; 2],
 }
 
-/// A box as a file keeps it.
+/// A box as stored in a file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BoxRow {
     /// [`Reviewed::id`].
     pub id: BoxId,
-    /// The side that it lies on.
+    /// Side of the box.
     pub side: Side,
-    /// First and last, the last excluded.
+    /// First and last ping, the last excluded.
     pub pings: [usize; 2],
     /// Nearest slant range, metres.
     pub near_m: f64,
     /// Farthest slant range, metres.
     pub far_m: f64,
-    /// Name of its class.
+    /// Name of the class of the box.
     pub class: String,
     /// [`Reviewed::score`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -108,17 +108,17 @@ pub struct BoxRow {
     /// [`Reviewed::name`].
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub name: String,
-    /// [`Reviewed::certainty`], under the name that files have for it.
+    /// [`Reviewed::certainty`]; its key in files is `confidence`.
     #[serde(default, rename = "confidence", skip_serializing_if = "Option::is_none")]
     pub certainty: Option<Certainty>,
-    /// Border between echo and shadow where the analyst has set it, metres of slant range:
-    /// [`ObjectExtent::Drawn`].
+    /// Border between echo and shadow that the analyst has set, metres of slant range
+    /// ([`ObjectExtent::Drawn`]); `None` if it is not set.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub border_m: Option<f64>,
     /// [`Reviewed::shadow`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub shadow: Option<MeasuredShadow>,
-    /// It is a place without size: [`ObjectExtent::Point`].
+    /// True if the box is a point without size: [`ObjectExtent::Point`].
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub point: bool,
     /// [`Reviewed::model`].
@@ -126,29 +126,30 @@ pub struct BoxRow {
     pub model: Option<String>,
 }
 
-/// The log that a review is of, whatever else is in it.
+/// Part of a file that identifies the log of the review.
 #[derive(Deserialize)]
 struct OfLog {
     survey: Identity,
 }
 
-/// Only the layout's number, so that a newer file is distinguished from a broken one.
+/// Part of a file that holds the layout version, so that a newer file is distinguished from a
+/// broken one.
 #[derive(Deserialize)]
 struct Versioned {
     version: u32,
 }
 
 impl Review {
-    /// The review as the text of a file.
+    /// Returns the review as the text of a file.
     pub fn to_json(&self) -> String {
         let ReviewRows { classes, searched, boxes } = self.to_rows();
         let stored =
             Stored { version: VERSION, survey: self.identity.clone(), classes, searched, boxes };
-        // Strings, whole and finite numbers only: nothing here can fail to be written.
+        // All values are strings, whole numbers and finite numbers, so writing cannot fail.
         serde_json::to_string_pretty(&stored).unwrap_or_default()
     }
 
-    /// The review row by row.
+    /// Returns the review row by row.
     pub(crate) fn to_rows(&self) -> ReviewRows {
         let searched = self.searched.iter().map(|one| SearchRow {
             model: one.model.to_string(),
@@ -161,7 +162,7 @@ impl Review {
         }
     }
 
-    /// The row of one of its boxes.
+    /// Returns the row of a box of this review.
     pub fn row(&self, one: &Reviewed) -> BoxRow {
         BoxRow {
             id: one.id,
@@ -183,17 +184,18 @@ impl Review {
         }
     }
 
-    /// Reads a file.
+    /// Reads the review of the log `of` from a file.
     ///
     /// # Errors
-    /// As [`Review::from_json`], with the path.
+    /// When the file cannot be read, or as [`Review::from_json`]; the error holds the path.
     pub fn open(path: &Path, of: &Identity) -> Result<Self, ReviewError> {
         let text = read_text(path, "review")?;
         Self::from_json(&text, of)
             .map_err(|error| ReviewError { what: format!("{error}: {}", path.display()), ..error })
     }
 
-    /// Reads a file of the boxes of an open log, which may have grown since.
+    /// Reads the review of an open log from a file. The log may have grown since the file was
+    /// written.
     ///
     /// # Errors
     /// As [`Review::open`].
@@ -213,8 +215,8 @@ impl Review {
     /// Reads the text of a file.
     ///
     /// # Errors
-    /// A sentence when it is no review, of a newer layout, of another log than `of`, or when a box
-    /// makes no sense.
+    /// When the text is no review, has another layout version, is of another log than `of`, or
+    /// holds a box that is impossible.
     pub fn from_json(text: &str, of: &Identity) -> Result<Self, ReviewError> {
         let refuse = |text: String| Err(ReviewError::new(text));
         let versioned: Versioned = serde_json::from_str(text)
@@ -240,10 +242,10 @@ impl Review {
         Ok(read.with_sides(of.swapped_sides))
     }
 
-    /// The review that rows from a file make.
+    /// Creates a review of the log `of` from rows of a file.
     ///
     /// # Errors
-    /// A sentence when there are too many, or when one of them makes no sense for the log.
+    /// When there are too many rows, or a row is impossible for the log.
     pub fn from_rows(rows: ReviewRows, of: &Identity) -> Result<Self, ReviewError> {
         let refuse = |text: String| Err(ReviewError::new(text));
         if rows.searched.len() > MOST_SEARCHED {

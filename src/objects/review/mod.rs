@@ -1,13 +1,13 @@
-//! The analyst's decisions about the boxes of a survey: pure state, changed by edits, kept in a
-//! file of its own.
+//! Holds the analyst's decisions about the boxes of a survey: plain state, changed by edits, and
+//! kept in a file of its own.
 //!
 //! In: boxes that a model proposes, and edits. Out: boxes with decisions, the order in which to
-//! look at them, and the rows of a file.
+//! review them, and the rows of a file.
 //!
-//! `edit` is what a decision does, `adopt` what a new model's detections do to decisions that are
-//! there, `queue` the order in which boxes are looked at, `searched` which pings a model has been
-//! over, `tiles` the pictures that teach a detector, `file` how a review is kept. The log itself is
-//! never touched.
+//! `edit` applies a decision, `adopt` adds a new model's detections to existing decisions, `queue`
+//! orders the boxes for review, `searched` keeps which pings a model has searched, `tiles` makes
+//! the pictures to train a detector on, `file` reads and writes a review. The log itself is never
+//! changed.
 
 mod adopt;
 mod edit;
@@ -29,25 +29,25 @@ use bathyscope_log::survey::Identity;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// Side of a pixel of the raster that boxes are compared and shown in, metres.
+/// Side of a pixel of the raster in which boxes are compared and shown, metres.
 pub const PIXEL_M: f64 = 0.04;
 
-/// Number of a box, never given twice in a review.
+/// Number of a box, never used twice in a review.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct BoxId(pub u32);
 
-/// State of a box.
+/// State of the decision about a box.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum State {
-    /// Proposed by a model, not yet decided.
+    /// A model proposed the box, and there is no decision yet.
     Proposed,
-    /// Proposed by a model, and right.
+    /// A model proposed the box, and it is right.
     Accepted,
-    /// Proposed where no object is: a hard negative for training.
+    /// The box shows no object: a hard negative for training.
     Rejected,
-    /// Missed by the model and drawn by hand.
+    /// The model missed the object, and the box was drawn by hand.
     Added,
 }
 
@@ -61,21 +61,21 @@ named! {
     }
 }
 
-/// The certainty of the analyst that there is an object, and of what it is: a word of their own,
-/// beside the score of a model.
+/// Certainty of the analyst that there is an object, and of its class: a statement of the analyst,
+/// in addition to the score of a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Certainty {
-    /// It may be something else, or nothing.
+    /// The box may show something else, or nothing.
     Unsure,
-    /// More likely than not.
+    /// The box is more likely right than not.
     Probable,
-    /// No doubt.
+    /// The analyst has no doubt.
     Certain,
 }
 
 named! {
-    /// All of them, the least sure first.
+    /// All certainties, the least sure first.
     pub Certainty {
         Unsure: "unsure",
         Probable: "probable",
@@ -84,45 +84,45 @@ named! {
 }
 
 impl State {
-    /// Returns true if it says that there is an object.
+    /// Returns true if the state means that there is an object.
     pub fn is_object(self) -> bool {
         matches!(self, State::Accepted | State::Added)
     }
 }
 
-/// A box with what is decided about it.
+/// A box with the decision about it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reviewed {
-    /// Its number.
+    /// Number of the box.
     pub id: BoxId,
     /// Box around the echo and its shadow.
     pub mark: Mark,
     /// Index into [`Review::classes`].
     pub class: usize,
-    /// Score of the last model that saw it, 0 to 1; `None` while none has.
+    /// Score from the last model that found the box, 0 to 1; `None` if no model has.
     pub score: Option<f32>,
-    /// State of the decision about it.
+    /// State of the decision about the box.
     pub state: State,
-    /// Class, place, edges, name, certainty or note were changed by hand: a new model does not
-    /// take it away.
+    /// True if class, place, edges, name, certainty or note were changed by hand: the detections of
+    /// a new model do not replace such a box.
     pub edited: bool,
-    /// The analyst's remark.
+    /// Remark from the analyst.
     pub note: String,
-    /// Name from the analyst, in addition to its class; empty where it has no name.
+    /// Name from the analyst, in addition to the class; empty without a name.
     pub name: String,
-    /// Certainty of the analyst; `None` where not stated.
+    /// Certainty of the analyst; `None` if not stated.
     pub certainty: Option<Certainty>,
-    /// Source of its extent.
+    /// Source of the extent of the object.
     pub extent: ObjectExtent,
-    /// The shadow that its height was measured by; `None` where it is the one of its extent.
+    /// Measured shadow that determines the height; `None` if the shadow of the extent does.
     pub shadow: Option<MeasuredShadow>,
-    /// The model that proposed it; `None` for a box drawn by hand.
+    /// Name of the model that proposed the box; `None` for a box drawn by hand.
     pub model: Option<Arc<str>>,
 }
 
 impl Reviewed {
-    /// A box that is drawn by hand, with nothing said of it yet; a proposal differs in score, state
-    /// and model.
+    /// Creates a box that is drawn by hand, without further statements; a proposal differs from it
+    /// in score, state and model.
     pub fn drawn(id: BoxId, mark: Mark, class: usize) -> Self {
         Self {
             id,
@@ -140,24 +140,27 @@ impl Reviewed {
         }
     }
 
-    /// Gives it another box. A shadow that was measured on a ping outside of it is none of its own.
+    /// Moves the box. A shadow that was measured on a ping outside the new box is removed.
     fn set_mark(&mut self, mark: Mark) {
         self.shadow = self.shadow.filter(|shadow| shadow.fits(&mark));
         self.mark = mark;
     }
 
-    /// Returns true if the analyst has touched it; a new model leaves such a box as it is.
+    /// Returns true if the analyst has changed or decided about the box; the detections of a new
+    /// model do not replace it.
     pub fn is_kept(&self) -> bool {
         self.state != State::Proposed || self.edited
     }
 
-    /// Returns true where it is in sight: where it is kept, or has no lower score than `threshold`.
+    /// Returns true if the box is shown: it is kept, or its score is at least `threshold`, or it
+    /// has no score.
     pub(crate) fn is_shown_from(&self, threshold: f32) -> bool {
         self.is_kept() || self.score.is_none_or(|score| score >= threshold)
     }
 }
 
-/// All boxes of a survey. Boxes are shared between the versions that undo keeps.
+/// All boxes of a log, with the decisions about them. Boxes are shared between the versions that
+/// undo keeps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Review {
     identity: Identity,
@@ -165,31 +168,31 @@ pub struct Review {
     /// Boxes in the order of their numbers.
     boxes: Vec<Arc<Reviewed>>,
     next_id: u32,
-    /// Along the track, without overlap.
+    /// Searched pings along the track, without overlap.
     searched: Vec<Searched>,
 }
 
 impl Review {
-    /// An empty review with the classes that a box can have.
+    /// Creates an empty review with the classes that a box can have.
     pub fn new(identity: Identity, classes: Vec<String>) -> Self {
         Self { identity, classes, boxes: Vec::new(), next_id: 1, searched: Vec::new() }
     }
 
-    /// The same for a log of which more was written since, or whose sides are exchanged: a box
-    /// stays on its echo.
+    /// Returns the review for another identity of the same log, which has grown or whose sides are
+    /// exchanged: each box stays on its echo.
     #[must_use]
     pub fn carried_to(&self, identity: Identity) -> Self {
         let there = self.clone().with_sides(identity.swapped_sides);
         Self { identity, ..there }
     }
 
-    /// The log that it belongs to.
+    /// Returns the identity of the log that the review belongs to.
     pub fn identity(&self) -> &Identity {
         &self.identity
     }
 
-    /// The same boxes for a log whose port and starboard are exchanged or not: a box stays on its
-    /// echo.
+    /// Returns the review for the log with port and starboard exchanged or not: each box stays on
+    /// its echo.
     #[must_use]
     pub fn with_sides(mut self, swapped_sides: bool) -> Self {
         if self.identity.swapped_sides != swapped_sides {
@@ -202,18 +205,19 @@ impl Review {
         self
     }
 
-    /// Names of the classes.
+    /// Returns the names of the classes.
     pub fn classes(&self) -> &[String] {
         &self.classes
     }
 
-    /// Name of a class; empty for an index that has none.
+    /// Returns the name of a class; empty if there is no class with this index.
     pub fn class_name(&self, class: usize) -> &str {
         self.classes.get(class).map_or("", String::as_str)
     }
 
-    /// The review with a class under another name, which all its boxes have then; `None` where it
-    /// has no such class. Boxes of two classes that have one name then are of one class.
+    /// Returns the review with a class renamed for all its boxes; `None` if there is no such class,
+    /// or the new name is invalid or equal to the old one. If another class already has the new
+    /// name, the boxes get that class.
     pub fn with_class_renamed(&self, from: &str, to: &str) -> Option<Review> {
         let place = |name: &str| self.classes.iter().position(|class| class == name);
         let of = place(from).filter(|_| from != to && is_name(to))?;
@@ -229,22 +233,22 @@ impl Review {
         Some(after)
     }
 
-    /// The boxes in the order of their numbers.
+    /// Returns the boxes in the order of their numbers.
     pub fn boxes(&self) -> impl ExactSizeIterator<Item = &Reviewed> {
         self.boxes.iter().map(AsRef::as_ref)
     }
 
-    /// The boxes, shared with the other versions of the review.
+    /// Returns the boxes as shared pointers, which other versions of the review hold too.
     pub fn shared(&self) -> &[Arc<Reviewed>] {
         &self.boxes
     }
 
-    /// A box by its number.
+    /// Returns a box by its number.
     pub fn get(&self, id: BoxId) -> Option<&Reviewed> {
         self.position(id).map(|index| self.boxes[index].as_ref())
     }
 
-    /// The number that the next box gets.
+    /// Returns the number that the next box gets.
     pub fn next_id(&self) -> BoxId {
         BoxId(self.next_id)
     }
@@ -260,8 +264,8 @@ impl Review {
     }
 }
 
-/// The mark held to the survey: at least one ping and a range that is positive; `None` when nothing
-/// is left of it.
+/// Returns the mark limited to the pings of the survey and to positive slant ranges; `None` unless
+/// at least one ping and a positive length in range are left.
 fn held(mark: &Mark, pings: usize) -> Option<Mark> {
     let (start, end) = (mark.pings.start, mark.pings.end.min(pings));
     let (near_m, far_m) = (mark.near_m.max(0.0), mark.far_m);

@@ -1,4 +1,4 @@
-//! Order and selection of the boxes to review.
+//! Selects and orders the boxes to review.
 
 use super::{BoxId, Review, Reviewed, State};
 use crate::Mark;
@@ -7,20 +7,20 @@ use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
 use std::ops::RangeInclusive;
 
-/// Order of the queue.
+/// Order of the boxes in the queue.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Sort {
-    /// The surest first.
+    /// Falling score.
     #[default]
     Score,
-    /// Along the track.
+    /// Place along the track.
     Position,
-    /// Class by class, the surest first.
+    /// Class, then falling score.
     Class,
 }
 
 named! {
-    /// All sorts in the order of the menu.
+    /// All orders, as in the menu.
     pub Sort {
         Score: "score",
         Position: "position",
@@ -31,13 +31,14 @@ named! {
 /// Conditions for a box to be in the queue.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Filter {
-    /// Only the class of this name: every log may have a list of classes of its own.
+    /// Name of the only class; `None` for all. A name, since every log may have its own list of
+    /// classes.
     pub class: Option<String>,
-    /// Only this state.
+    /// The only state; `None` for all.
     pub state: Option<State>,
-    /// Confidence; boxes without one pass.
+    /// Range of scores; boxes without a score are in the queue too.
     pub score: RangeInclusive<f32>,
-    /// Longer side of the box, metres.
+    /// Range of the longer side of the box, metres.
     pub size_m: RangeInclusive<f64>,
 }
 
@@ -50,12 +51,11 @@ impl Default for Filter {
 /// Order and selection of the boxes to review.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Queue {
-    /// Order.
+    /// Order of the boxes.
     pub sort: Sort,
     /// Conditions for the boxes.
     pub filter: Filter,
-    /// Undecided proposals of a lower score than this are out of sight; what was decided stays in
-    /// sight.
+    /// Least score of a shown undecided proposal; boxes with a decision are always shown.
     pub threshold: f32,
 }
 
@@ -66,13 +66,13 @@ impl Default for Queue {
 }
 
 impl Queue {
-    /// Returns true for a box that the least score leaves in sight.
+    /// Returns true if the least score does not hide a box.
     pub fn shows(&self, one: &Reviewed) -> bool {
         one.is_shown_from(self.threshold)
     }
 
-    /// Returns true if a box of a review is in the queue. `size_m` is the longer side of a mark,
-    /// metres.
+    /// Returns true if a box of a review is in the queue. `size_m` returns the longer side of a
+    /// mark, metres.
     pub fn takes(&self, review: &Review, one: &Reviewed, size_m: impl Fn(&Mark) -> f64) -> bool {
         let filter = &self.filter;
         let of_class = |class: &String| class == review.class_name(one.class);
@@ -84,7 +84,7 @@ impl Queue {
                 || filter.size_m.contains(&size_m(&one.mark)))
     }
 
-    /// The boxes to look at, in order.
+    /// Returns the numbers of the boxes in the queue, in its order.
     pub fn sort_and_filter(&self, review: &Review, size_m: impl Fn(&Mark) -> f64) -> Vec<BoxId> {
         let mut line: Vec<&Reviewed> =
             review.boxes().filter(|one| self.takes(review, one, &size_m)).collect();
@@ -97,7 +97,7 @@ impl Queue {
     }
 }
 
-/// The surest first, those without a score last.
+/// Compares two boxes: the higher score comes first, boxes without a score last.
 fn by_score(a: &Reviewed, b: &Reviewed) -> Ordering {
     let score = |one: &Reviewed| one.score.unwrap_or(-1.0);
     score(b).total_cmp(&score(a)).then_with(|| by_position(a, b))
@@ -108,23 +108,23 @@ fn by_position(a: &Reviewed, b: &Reviewed) -> Ordering {
     place(a).cmp(&place(b))
 }
 
-/// Counts of decisions about the boxes that the least score leaves in sight.
+/// Counts of the decisions about the boxes that the least score does not hide.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DecisionCounts {
-    /// Undecided.
+    /// Undecided proposals that are shown.
     pub proposed: usize,
-    /// Objects that a model found.
+    /// Accepted boxes: objects that a model found.
     pub accepted: usize,
-    /// False alarms.
+    /// Rejected boxes: false alarms.
     pub rejected: usize,
-    /// Objects that were missed and drawn by hand.
+    /// Added boxes: objects that were missed and drawn by hand.
     pub added: usize,
-    /// Undecided proposals out of sight.
+    /// Undecided proposals that are hidden.
     pub hidden: usize,
 }
 
 impl DecisionCounts {
-    /// Counts.
+    /// Counts the decisions about the boxes of a review.
     pub fn of(review: &Review, queue: &Queue) -> Self {
         let mut counts = Self::default();
         for one in review.boxes() {
@@ -140,7 +140,7 @@ impl DecisionCounts {
         counts
     }
 
-    /// The counts of two logs together.
+    /// Adds the counts of two logs.
     pub fn plus(self, other: Self) -> Self {
         Self {
             proposed: self.proposed + other.proposed,
@@ -151,12 +151,12 @@ impl DecisionCounts {
         }
     }
 
-    /// Boxes that are decided.
+    /// Returns the number of shown boxes with a decision.
     pub fn decided(&self) -> usize {
         self.accepted + self.rejected + self.added
     }
 
-    /// Boxes in sight.
+    /// Returns the number of shown boxes.
     pub fn total(&self) -> usize {
         self.decided() + self.proposed
     }

@@ -1,4 +1,4 @@
-//! Pings of the survey that a model has searched.
+//! Keeps which pings of the survey a model has searched.
 
 use super::Review;
 use crate::Mark;
@@ -8,21 +8,21 @@ use std::sync::Arc;
 /// Pings that were searched on both sides.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Searched {
-    /// The model that was asked there last.
+    /// Name of the model that searched the pings last.
     pub model: Arc<str>,
     /// The pings, the end excluded.
     pub pings: Range<usize>,
 }
 
 impl Review {
-    /// Returns the searched pings, along the track; empty where they are not known: no search was
+    /// Returns the searched pings, along the track; empty if they are not known: no search was
     /// made, or the review is from a program that did not record them.
     pub fn searched(&self) -> &[Searched] {
         &self.searched
     }
 
-    /// The pings that no search has come to, along the track; none where it is not known what was
-    /// searched.
+    /// Returns the pings that no search has covered, along the track; empty if the searched pings
+    /// are not known.
     pub fn unsearched(&self) -> Vec<Range<usize>> {
         if self.searched.is_empty() {
             return Vec::new();
@@ -35,8 +35,8 @@ impl Review {
         between.filter(|gap| !gap.is_empty()).collect()
     }
 
-    /// Returns the searched pings in words, such as `pings 0 to 811 of 3453`; `None` where no ping
-    /// is known to be left.
+    /// Returns the searched pings in words, such as `pings 0 to 811 of 3453`; `None` if all pings
+    /// were searched, or the searched pings are not known.
     pub fn coverage(&self) -> Option<String> {
         if self.unsearched().is_empty() {
             return None;
@@ -54,14 +54,14 @@ impl Review {
         Some(format!("pings {} of {}", parts.join(", "), self.identity.pings))
     }
 
-    /// Returns true if a mark reaches into pings that no search has come to. `unsearched` is that
-    /// of the review.
+    /// Returns true if a mark has pings that no search has covered; `unsearched` is the result of
+    /// [`Review::unsearched`].
     pub(crate) fn reaches_into(unsearched: &[Range<usize>], mark: &Mark) -> bool {
         let meets = |gap: &Range<usize>| mark.pings.start < gap.end && gap.start < mark.pings.end;
         unsearched.iter().any(meets)
     }
 
-    /// Notes that a model has searched some pings, whatever was asked there before.
+    /// Records that a model has searched some pings, in place of any earlier search of them.
     pub(super) fn note_search(&mut self, model: &Arc<str>, pings: Range<usize>) {
         let pings = pings.start..pings.end.min(self.identity.pings);
         if pings.is_empty() {

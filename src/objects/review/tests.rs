@@ -23,7 +23,7 @@ fn detection(class: usize, score: f32, mark: Mark) -> Detection {
     Detection { class, score, mark }
 }
 
-/// Pings a tenth of a second apart at 2 m/s: 0.2 m each.
+/// Creates a raster of pings a tenth of a second apart at 2 m/s: 0.2 m for each ping.
 fn raster() -> Raster {
     let span = SideSpan::of_bytes(100, [0.0, 20.0]);
     let survey = Survey {
@@ -42,7 +42,8 @@ fn raster() -> Raster {
     Raster::new(&survey, &navigation, 0.04)
 }
 
-/// Three proposals: a rock at ping 100, a tyre at 200, a rock at 300 on the other side.
+/// Creates a review of three proposals: a rock at ping 100, a tyre at 200, a rock at 300 on the
+/// other side.
 fn proposed() -> Review {
     let empty = Review::new(identity(), names(&["rock", "tyre"]));
     let found = [
@@ -129,12 +130,12 @@ fn decisions_survive_a_change_of_model() {
     let review = edited(&proposed(), &edits);
     let classes = names(&["boat", "tyre"]);
     let found = [
-        // The accepted rock again, a little off (IoU 0.71), and once more, less sure.
+        // The accepted rock again, a little off (IoU 0.71), and once more with a lower score.
         detection(0, 0.8, mark(Side::Port, 100, 5.3)),
         detection(0, 0.7, mark(Side::Port, 100, 5.2)),
-        // The undecided tyre again.
+        // The undecided tyre is found again.
         detection(1, 0.5, mark(Side::Port, 201, 5.0)),
-        // The added box, on the other side: not the same object.
+        // A box at the place of the added box, but on the other side: not the same object.
         detection(0, 0.4, mark(Side::Starboard, 500, 3.0)),
     ];
     let after = review.adopt("second", &classes, &found, &raster());
@@ -296,8 +297,8 @@ fn every_decided_box_is_in_a_tile_that_tells_the_truth_about_it() {
     let expected = raster.rect_of(&mark(Side::Port, 100, 5.0));
     let (column, row) = (of_rock.column as f32, of_rock.row as f32);
     assert_eq!(rock.rect.shifted(column, row), expected);
-    // The added box is too far out for the rock's tile; its own is held to the picture and shows
-    // the rock too.
+    // The added box is too far out for the rock's tile; its own tile is limited to the picture and
+    // shows the rock too.
     let of_added = &tiles[1].boxes.labels;
     let added = of_added.iter().find(|label| label.class == 1);
     let whole = raster.rect_of(&far).area();
@@ -307,7 +308,8 @@ fn every_decided_box_is_in_a_tile_that_tells_the_truth_about_it() {
     assert_eq!((negative.side, negative.rejected), (Side::Starboard, 1));
     assert!(negative.boxes.labels.is_empty());
 
-    // Two tiles later the undecided box stands in the way of a negative: neither found nor missed.
+    // Two tiles later, the undecided box lies in the tile of a negative: it counts neither as found
+    // nor as missed.
     let near = Edit::Reshape(BoxId(2), mark(Side::Starboard, 310, 5.0));
     let review = edited(&review, &[near]);
     let moved = edited(&review, &[Edit::SwapSide(BoxId(2)), Edit::SwapSide(BoxId(2))]);
@@ -377,13 +379,14 @@ fn a_point_is_a_place_without_size() {
     let one = after.get(id).unwrap();
     assert_eq!((one.state, one.extent), (State::Added, ObjectExtent::Point));
     assert_eq!(one.mark, Mark::point(Side::Starboard, 321, 7.5));
-    // It has no edges to be found, and moves as a whole.
+    // The point has no edges to be found, and moves as a whole.
     assert_eq!(after.apply(&Edit::FindEdges(id)), None);
     let moved = edited(&after, &[Edit::Reshape(id, Mark::point(Side::Starboard, 322, 7.4))]);
     assert_eq!(moved.get(id).unwrap().extent, ObjectExtent::Point);
     let late = Edit::AddPoint { side: Side::Port, ping: PINGS, range_m: 7.5, class: 0 };
     assert_eq!(review.apply(&late), None);
-    // No picture teaches a detector its size, and none says that nothing is there.
+    // A point makes no tile of its own: its size is unknown, so it is neither a label nor a
+    // negative.
     let tiles = after.tiles(&raster());
     assert!(tiles.is_empty(), "a point makes no tile");
     let beside = edited(&after, &[Edit::Add { mark: mark(Side::Starboard, 322, 6.0), class: 0 }]);
@@ -452,7 +455,7 @@ fn a_file_keeps_edges_points_names_and_refuses_those_that_make_no_sense() {
         let wrong = text.replace(from, to);
         assert!(Review::from_json(&wrong, review.identity()).is_err(), "{to}");
     }
-    // A file of before says nothing of all that.
+    // A file of an earlier version has none of these fields.
     let old = review.to_json();
     for field in ["border_m\"", "point\"", "name\"", "confidence\""] {
         assert!(!old.contains(&format!("\"{field}")), "{field}");

@@ -1,4 +1,4 @@
-//! Makes the pictures that teach a detector the analyst's decisions: tiles around the decided
+//! Makes the pictures that train a detector on the analyst's decisions: tiles around the decided
 //! boxes, and the true boxes in each.
 
 use super::{Review, Reviewed, State};
@@ -6,35 +6,36 @@ use crate::dataset::PictureBoxes;
 use crate::{Labelled, NAMELESS_CLASS, ObjectExtent, Raster, Rect, TILE_PX};
 use bathyscope_log::survey::Side;
 
-/// Least share of a box that lies in a tile for it to be asked for there.
+/// Least share of a box that must lie in a tile for the box to be a label there.
 const LEAST_SHARE: f32 = 0.4;
-/// Least width and height of such a box, pixels.
+/// Least width and height of a label, pixels.
 const LEAST_PX: f32 = 6.0;
 
-/// Side of the square around a point in which a detector may find an object or not, metres.
+/// Side of the square around a point in which detections are ignored, metres.
 const POINT_M: f32 = 2.0;
 
-/// A tile of the raster with what is decided in it.
+/// A tile of the raster with the decisions about the boxes in it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReviewedTile {
-    /// Its side.
+    /// Side of the survey.
     pub side: Side,
-    /// Row of the raster that it starts at.
+    /// Row of the raster at which the tile starts.
     pub row: usize,
-    /// Column of the raster that it starts at.
+    /// Column of the raster at which the tile starts.
     pub column: usize,
-    /// Accepted and added boxes are labels; there are none where all was rejected, which makes a
-    /// hard negative. Ignored are boxes that nobody has decided about, and objects that the edge
-    /// cuts off.
+    /// Boxes in the tile. Accepted and added boxes are labels; if all boxes were rejected there are
+    /// none, which makes a hard negative. Undecided boxes, points, and objects that the edge cuts
+    /// off are ignored boxes.
     pub boxes: PictureBoxes,
-    /// Boxes rejected in it.
+    /// Number of rejected boxes in the tile.
     pub rejected: usize,
 }
 
 impl Review {
-    /// Class names to train with, and which of them each class of the review is: the analyst's
-    /// list, and what else boxes have, those that no model has named last. So the data of all logs
-    /// of a survey have the same numbers for the classes of its list.
+    /// Returns the class names to train with, and the index of each class of the review among them.
+    /// The names are the analyst's list, then other classes that boxes have, with the class of
+    /// unknown objects last. So the classes of the list have the same numbers in the data of all
+    /// logs of a survey.
     pub fn training_classes(&self, list: &[String]) -> (Vec<String>, Vec<Option<usize>>) {
         let is_used = |class: usize| self.boxes().any(|one| one.class == class);
         let others = self.classes.iter().enumerate();
@@ -48,8 +49,8 @@ impl Review {
         (names, places)
     }
 
-    /// Tiles that hold every decided box, as few as a walk along the track needs. Undecided boxes
-    /// alone make no tile.
+    /// Returns tiles that hold every decided box, as few as a walk along the track needs. Undecided
+    /// boxes and points make no tile of their own.
     pub fn tiles(&self, raster: &Raster) -> Vec<ReviewedTile> {
         let mut tiles = Vec::new();
         for side in Side::BOTH {
@@ -65,7 +66,7 @@ impl Review {
                     let inside = rect.intersection(&frame(tile));
                     inside.area() >= 0.999 * rect.area()
                 };
-                // Tiles follow the track: only the last few can hold the box.
+                // Tiles follow the track, so only the last few can hold the box.
                 let is_seen = tiles[first..].iter().rev().take(8).any(is_held);
                 let is_picture = one.state != State::Proposed && one.extent != ObjectExtent::Point;
                 if is_picture && !is_seen {
@@ -77,7 +78,8 @@ impl Review {
     }
 }
 
-/// A box in the pixels of the raster; of a point what an object there may well cover.
+/// Returns a box in the pixels of the raster; for a point, the square that an object there may
+/// cover.
 fn rect_of(raster: &Raster, one: &Reviewed) -> Rect {
     let rect = raster.rect_of(&one.mark);
     if one.extent != ObjectExtent::Point {
@@ -93,7 +95,7 @@ fn frame(tile: &ReviewedTile) -> Rect {
     Rect::new([x0, y0], [x0 + TILE_PX as f32, y0 + TILE_PX as f32])
 }
 
-/// A tile about the middle of a box, held to the picture.
+/// Creates a tile around the middle of a box, limited to the picture.
 fn around(rect: &Rect, side: Side, raster: &Raster, boxes: &[(Rect, &Reviewed)]) -> ReviewedTile {
     let [row, column] = raster.start_about(rect);
     let mut tile = ReviewedTile { side, row, column, boxes: PictureBoxes::default(), rejected: 0 };
@@ -107,7 +109,7 @@ fn around(rect: &Rect, side: Side, raster: &Raster, boxes: &[(Rect, &Reviewed)])
         let large = (inside.x1 - inside.x0).min(inside.y1 - inside.y0) >= LEAST_PX;
         let whole_enough = large && inside.area() >= LEAST_SHARE * rect.area();
         match one.state {
-            // How large it is, nobody has said.
+            // The size of a point is unknown.
             State::Accepted | State::Added if one.extent == ObjectExtent::Point => {
                 tile.boxes.ignored.push(label);
             }

@@ -1,4 +1,4 @@
-//! The echo and the shadow inside a box.
+//! Finds the echo and the shadow inside a box.
 
 use super::profile::{self, BackgroundLevels, RangeSteps, Runs, runs};
 use crate::Mark;
@@ -6,109 +6,112 @@ use bathyscope_log::support::statistics::median;
 use bathyscope_log::survey::Survey;
 use std::ops::Range;
 
-/// Echo and shadow of a box by slant range on the recorder's scale, metres.
+/// Echo and shadow of a box by slant range in the recorder's scale, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parts {
     /// Near and far edge of the echo.
     pub echo_m: [f64; 2],
-    /// Start and end of the shadow behind it, where there is one; the end is NaN where it runs off
-    /// the range.
+    /// Start and end of the shadow behind the echo; `None` without a shadow. The end is NaN if the
+    /// shadow continues beyond the recorded range.
     pub shadow_m: Option<[f64; 2]>,
-    /// The shadow of the object's top, where it is whole: dark, and behind most of the pings. Where
-    /// the top is round, or the object lies askew, [`Parts::shadow_m`] ends before it, where half
-    /// of the pings receive the bottom again.
+    /// Shadow of the object's top; `None` unless it is dark and behind most of the pings. If the
+    /// top is round, or the object is askew, [`Parts::shadow_m`] ends before this shadow, where
+    /// half of the pings receive the bottom again.
     pub longest: Option<Shadow>,
-    /// Standard deviation of the shadows of neighbouring pings about it, as shares of the altitude;
-    /// 0 where the edges are set by hand.
+    /// Standard deviation of the shadows of neighbouring pings about `longest`, as shares of the
+    /// altitude; 0 if the edges were set by hand.
     pub spread: f64,
 }
 
-/// A shadow in a few pings, metres of slant range.
+/// A shadow on a few pings, metres of slant range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shadow {
-    /// End of the bright run before it. Between this and the dark may lie the object's top, no
-    /// brighter than the bottom, or bottom.
+    /// End of the bright run before the shadow. Between this and the dark run there may be the
+    /// object's top, no brighter than the bottom, or bottom.
     pub bright_end_m: f64,
-    /// Start of the dark.
+    /// Start of the dark run.
     pub start_m: f64,
-    /// Range at which the echo of the bottom returns; NaN where the dark runs off the range.
+    /// Range at which the echo of the bottom returns; NaN if the dark run continues beyond the
+    /// recorded range.
     pub end_m: f64,
 }
 
-/// Steps that the box and its margin are divided into at most.
+/// Greatest number of steps that the box and its margin are divided into.
 const STEPS: usize = 192;
-/// Margin behind the box that is looked at, as a share of it: boxes are rarely drawn to the sample.
+/// Margin behind the box that is examined, as a share of the box: boxes are rarely drawn to the
+/// sample.
 const MARGIN: f64 = 0.15;
-/// Share of the box's pings, around the middle, in which the object is looked at, and how many at
-/// least: fewer are speckle.
+/// Share of the box's pings, around the middle, in which the object is examined, and their least
+/// number: fewer pings are mostly speckle.
 const CORE: f64 = 0.5;
 const CORE_PINGS: usize = 6;
-/// Neighbouring pings in which the longest shadow is looked for: at least so many, and a share of
-/// the box; and in how many places of a long box at most. Over more pings the edges of what lies
-/// askew run into each other.
+/// Number of neighbouring pings (a slice) in which a shadow is searched: the least number, and a
+/// share of the box; and the greatest number of slices, for a long box. In more pings at once, the
+/// edges of an object that is askew blur into each other.
 const SLICE_PINGS: usize = 2;
 const SLICE: f64 = 0.1;
 const SLICES: usize = 24;
-/// The share of those places whose shadow is no longer than the one taken for that of the top:
-/// speckle lengthens some of so few pings. An even top casts the same shadow everywhere, a peaked
-/// one its longest in the middle, and the walls of a large object are of different heights. Where
-/// the class does not say which it is, a flat top that is seen stands for an even one. Heights of
-/// simulated objects then have no bias.
+/// Share of the slices whose shadow is no longer than the one that is used for the top: speckle
+/// lengthens some shadows of so few pings. An even top casts the same shadow everywhere, a peaked
+/// one casts its longest in the middle, and the walls of a large object are of different heights.
+/// If the class does not determine the shape of the top, a visible flat top counts as nearly even.
+/// With these shares, the heights of simulated objects have no bias.
 const EVEN_TOP: f64 = 0.5;
 const PEAKED_TOP: f64 = 0.85;
 const FLAT_TOP: f64 = 0.65;
 const OTHER_TOP: f64 = 0.75;
 const LARGE: f64 = 0.9;
-/// A shadow is whole where it lies behind so large a share of those places, and is darker than the
-/// background by so many standard deviations of its samples: what is lit in part, or broken, casts
-/// no shadow that tells a height.
+/// Least share of the slices with a shadow behind them, and least darkness of the shadow below the
+/// background in standard deviations of its samples, for the shadow to be whole: an object that is
+/// lit in part, or broken, casts no shadow from which a height can be computed.
 const WHOLE: f64 = 0.7;
 const DARK_SPECKLES: f64 = 0.58;
-/// A flat top that is no brighter than the bottom lies between what is bright and the shadow. It is
-/// told apart where two levels explain what lies there so many times better than what is left
-/// beside them, and the top is at most so large a share as dark as the shadow.
+/// A flat top that is no brighter than the bottom lies between the bright run and the shadow. It is
+/// detected if two levels explain this stretch better than one by at least [`TOP_GAIN`] times the
+/// mean square that is left, and the top is at most [`TOP_DARKNESS`] times as dark as the shadow.
 const TOP_GAIN: f64 = 10.0;
 const TOP_DARKNESS: f64 = 0.7;
-/// A shadow is at least this share of the background's level darker than it; the bytes are
-/// decibels, more or less.
+/// Least darkness of a shadow below the background, as a share of the background's level; the bytes
+/// are decibels, more or less.
 const DARKER: f64 = 0.12;
-/// A shadow ends where half of the bottom's power returns: pulse and beam blur the edge evenly in
-/// power, and the middle of the levels lies deep in the shadow where they are decibels. Of fully
-/// developed speckle the decibels have a standard deviation of 5.57, whatever the level, and the
-/// amplitudes one of 0.52 of their mean; half of the power, 3 dB or 0.29 of the amplitude, is 0.55
-/// of either: so many standard deviations below the background, whatever the recorder's curve.
+/// Level at which a shadow ends, in standard deviations of the samples below the background. A
+/// shadow ends where half of the bottom's power returns: pulse and beam blur the edge evenly in
+/// power, and if the levels are decibels, the middle of the levels is deep in the shadow. For fully
+/// developed speckle, decibels have a standard deviation of 5.57 at any level, and amplitudes have
+/// one of 0.52 of their mean; half of the power, 3 dB or 0.29 of the amplitude, is 0.55 of either,
+/// so this holds for any curve of the recorder.
 const HALF_POWER: f64 = 0.55;
-/// Shortest shadow, metres and as a share of the box: a shorter dark run is speckle.
+/// Least length of a shadow, metres and as a share of the box: a shorter dark run is speckle.
 const SHORTEST_SHADOW_M: f64 = 0.1;
 const SHORTEST_SHADOW: f64 = 0.15;
-/// Longer side of a box from which on its object is large, metres: a hull, a bank, a pier. The
-/// bright run and the dark run behind it are those of one wall of a large object then, or of a
-/// hold, and of one part of it where it lies askew.
+/// Longer side of a box above which its object is large, metres: a hull, a bank, a pier. For a
+/// large object, the bright run and the dark run behind it may be those of only one wall or of a
+/// hold, or of only one part if the object is askew.
 const LARGE_M: f64 = 12.0;
-/// Share of a slice's echo that something bright behind its shadow must explain to be part of the
-/// same object.
+/// Share of a slice's echo that a bright run behind its shadow must explain to be part of the same
+/// object.
 const GOES_ON: f64 = 0.2;
-/// The shadow begins at most so far behind what is bright, metres: a flat top may be wide and no
+/// Greatest distance between the bright run and its shadow, metres: a flat top may be wide and no
 /// brighter than the bottom.
 const GAP_M: f64 = 3.0;
 
-/// A border so near the far edge of a box leaves no shadow, metres.
+/// Distance between the border and the far edge of a box up to which there is no shadow, metres.
 const LEAST_DRAWN_M: f64 = 0.02;
 
-/// The height of an object along the track.
+/// Shape of the top of an object along the track.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TopShape {
-    /// Not known.
+    /// The shape is not known.
     #[default]
     Unknown,
-    /// The same all along, as of a pipe.
+    /// The height is the same all along, as for a pipe.
     Even,
-    /// Highest in the middle, as of a rock.
+    /// The top is highest in the middle, as for a rock.
     Peaked,
 }
 
 impl TopShape {
-    /// Returns that of a class by its name.
+    /// Returns the shape of the top of a class by its name.
     pub fn of_class(name: &str) -> Self {
         match name {
             "block" | "cylinder" | "pipe" => Self::Even,
@@ -118,24 +121,24 @@ impl TopShape {
     }
 }
 
-/// Returns true if a box holds a large object, of which [`drawn_parts`] speaks. `length_m` is its
-/// extent along the track.
+/// Returns true if a box holds a large object, to which [`drawn_parts`] applies. `length_m` is the
+/// extent of the box along the track.
 pub(super) fn is_large(mark: &Mark, length_m: f64) -> bool {
-    // NaN is not large.
+    // A length of NaN does not count as large.
     length_m > LARGE_M || mark.far_m - mark.near_m > LARGE_M
 }
 
-/// The echo and the shadow in the box of a large object. The box is what whoever drew it took for
-/// the object, and its near edge and its far one stand, unless what lies farthest out is the
-/// object's shadow all along: the echo then ends where in the slice that reaches farthest the
-/// shadow begins. `None` where the box holds no samples.
+/// Returns the echo and the shadow in the box of a large object. The near and the far edge of the
+/// box are kept as the edges of the object, unless its outermost part is shadow along most of the
+/// box: the echo then ends where the shadow begins in the slice that reaches farthest. `None` if
+/// the box holds no samples.
 pub(super) fn drawn_parts(survey: &Survey, mark: &Mark) -> Option<Parts> {
     let look = Look::new(survey, mark)?;
     let all: Vec<Range<usize>> = slices(&mark.pings).collect();
     let shadows: Vec<Shadow> =
         (all.iter()).filter_map(|pings| look.behind_all(pings.clone(), mark.far_m)).collect();
     let start_m = shadows.iter().map(|one| one.start_m).reduce(f64::max);
-    // Where most of the box ends in echo, a hollow in the rest is no shadow.
+    // If most of the box ends in echo, a hollow in the rest of it is no shadow.
     let start_m = start_m.filter(|start_m| *start_m < mark.far_m && 2 * shadows.len() > all.len());
     let Some(start_m) = start_m else {
         return Some(Parts {
@@ -149,15 +152,16 @@ pub(super) fn drawn_parts(survey: &Survey, mark: &Mark) -> Option<Parts> {
     let (longest, spread) = longest(shadows.clone(), LARGE).unzip();
     Some(Parts {
         echo_m: [mark.near_m, start_m],
-        // NaN is the larger: a shadow that runs off the range is longer than any.
+        // NaN counts as the largest: a shadow that continues beyond the range is longer than any
+        // other.
         shadow_m: ends.max_by(f64::total_cmp).map(|end_m| [start_m, end_m]),
         longest,
         spread: spread.unwrap_or(0.0),
     })
 }
 
-/// The echo and the shadow as the analyst has set them. One that ends with what was recorded, to
-/// `reach_m` on the recorder's scale, runs off the range.
+/// Returns the echo and the shadow as the analyst has set them. A shadow that ends at the end of
+/// the recording, at `reach_m` in the recorder's scale, has no known end.
 pub(super) fn set_parts(mark: &Mark, border_m: f64, reach_m: f64) -> Parts {
     let shadow = (mark.far_m - border_m > LEAST_DRAWN_M).then_some(Shadow {
         bright_end_m: border_m,
@@ -172,9 +176,9 @@ pub(super) fn set_parts(mark: &Mark, border_m: f64, reach_m: f64) -> Parts {
     }
 }
 
-/// Finds the echo and its shadow: the bright run, and the dark run behind it, that explain the
-/// levels in the middle pings of the box best (least squares about the background, which is what
-/// the pings before and behind the box receive at the same range). `None` where the box holds no
+/// Finds the echo and its shadow: the bright run, and the dark run behind it, that together explain
+/// best the levels in the middle pings of the box (least squares about the background, which is the
+/// level of the pings before and behind the box at the same range). `None` if the box holds no
 /// samples.
 pub fn parts(survey: &Survey, mark: &Mark, top: TopShape) -> Option<Parts> {
     let look = Look::new(survey, mark)?;
@@ -189,14 +193,14 @@ pub fn parts(survey: &Survey, mark: &Mark, top: TopShape) -> Option<Parts> {
     })
 }
 
-/// A box, ready to be looked at in some of its pings.
+/// A box with its background, for searches in some of its pings.
 struct Look<'a> {
     survey: &'a Survey,
     grid: RangeSteps,
     background: BackgroundLevels,
     /// Mean level of the background.
     level: f64,
-    /// Shortest dark run that is a shadow, and the end of what was recorded, metres.
+    /// Least length of a dark run that is a shadow, and the end of the recorded range, metres.
     shortest_m: f64,
     end_m: f64,
 }
@@ -242,20 +246,21 @@ impl<'a> Look<'a> {
         })
     }
 
-    /// Slant range at which a step begins, metres.
+    /// Returns the slant range at which a step begins, metres.
     fn range_m(&self, step: usize) -> f64 {
         self.grid.from_m + step as f64 * self.grid.step_m
     }
 
-    /// Brightness of each step over the background in some pings.
+    /// Returns the level of each step above the background in some pings; `None` if none of them
+    /// was recorded.
     fn contrast(&self, pings: Range<usize>) -> Option<Vec<f64>> {
         let echo = self.grid.profile(self.survey, pings)?;
         let both = echo.iter().zip(&self.background.levels);
         Some(both.map(|(echo, quiet)| echo - quiet).collect())
     }
 
-    /// The shadow of the top of an object, by places of its box, and the spread of these; `None`
-    /// where it is not whole.
+    /// Returns the shadow of the top of an object, from the shadows of the slices of its box, and
+    /// their spread; `None` if the shadow is not whole.
     fn top_shadow(
         &self,
         pings: &Range<usize>,
@@ -292,18 +297,18 @@ impl<'a> Look<'a> {
         longest(shadows, share).filter(|_| is_whole)
     }
 
-    /// The step that holds a slant range.
+    /// Returns the step whose start is nearest to a slant range.
     fn step_of(&self, range_m: f64) -> usize {
         ((range_m - self.grid.from_m) / self.grid.step_m).round().max(0.0) as usize
     }
 
-    /// The shadow in some pings behind which nothing of the object comes any more up to the end of
-    /// its box.
+    /// Returns the shadow in some pings, if no part of the object follows behind it up to the far
+    /// edge of the box.
     fn behind_all(&self, pings: Range<usize>, far_m: f64) -> Option<Shadow> {
         let contrast = self.contrast(pings.clone())?;
         let (echo_m, shadow) = self.at(pings)?;
         let shadow = shadow?;
-        // A shadow that runs off the range has nothing behind it.
+        // A shadow that continues beyond the range has nothing behind it.
         let from =
             if shadow.end_m.is_nan() { return Some(shadow) } else { self.step_of(shadow.end_m) };
         let behind = from..self.step_of(far_m).min(contrast.len());
@@ -314,7 +319,7 @@ impl<'a> Look<'a> {
         (!goes_on).then_some(shadow)
     }
 
-    /// The echo and its shadow in some pings.
+    /// Finds the echo and its shadow in some pings.
     fn at(&self, pings: Range<usize>) -> Option<([f64; 2], Option<Shadow>)> {
         let contrast = self.contrast(pings)?;
         let Runs { echo, shadow } = runs(&contrast, (GAP_M / self.grid.step_m) as usize)?;
@@ -322,8 +327,8 @@ impl<'a> Look<'a> {
         Some((echo_m, shadow.and_then(|dark| self.shadow(&contrast, echo_m[1], dark))))
     }
 
-    /// The contrast of some pings, the steps of the dark run behind their echo, and the shadow that
-    /// it is of.
+    /// Returns the contrast of some pings, the steps of the dark run behind their echo, and the
+    /// shadow of this run.
     fn dark_at(&self, pings: Range<usize>) -> Option<(Vec<f64>, Range<usize>, Shadow)> {
         let contrast = self.contrast(pings)?;
         let Runs { echo, shadow } = runs(&contrast, (GAP_M / self.grid.step_m) as usize)?;
@@ -332,14 +337,14 @@ impl<'a> Look<'a> {
         Some((contrast, dark, shadow))
     }
 
-    /// The shadow of a dark run behind what is bright; `None` where it is speckle.
+    /// Creates the shadow from a dark run behind a bright one; `None` if the dark run is speckle.
     fn shadow(&self, contrast: &[f64], bright_end_m: f64, dark: Range<usize>) -> Option<Shadow> {
         let darkness = darkness_of(&contrast[dark.clone()]);
         let dark_m = dark.len() as f64 * self.grid.step_m;
         if darkness < DARKER * self.level || dark_m < self.shortest_m {
             return None;
         }
-        // NaN gives half of the darkness.
+        // If the speckle is NaN, this is half of the darkness.
         let lit = (HALF_POWER * self.background.speckle).min(0.5 * darkness);
         let end_m = self.range_m(last_below(contrast, dark.start, -lit));
         let ends = end_m < self.end_m - 2.0 * self.grid.step_m;
@@ -351,14 +356,14 @@ impl<'a> Look<'a> {
     }
 }
 
-/// Mean darkness of a run: the level of the background less that of the run.
+/// Returns the mean darkness of a run: the level of the background minus that of the run.
 fn darkness_of(contrast: &[f64]) -> f64 {
     -contrast.iter().sum::<f64>() / contrast.len() as f64
 }
 
-/// Steps of a flat top before its shadow, in what lies between the bright face and the end of the
-/// shadow: those before the split that explains the levels best, where it does so clearly. `None`
-/// where all of it is one shadow.
+/// Returns the number of steps of a flat top before its shadow, in the stretch between the bright
+/// run and the end of the shadow: the steps before the split that explains the levels best. `None`
+/// if the split explains little, so that the whole stretch is one shadow.
 fn flat_top(contrast: &[f64]) -> Option<usize> {
     let count = contrast.len() as f64;
     let total: f64 = contrast.iter().sum();
@@ -380,8 +385,8 @@ fn flat_top(contrast: &[f64]) -> Option<usize> {
     (shadow < 0.0 && top > TOP_DARKNESS * shadow && gain >= TOP_GAIN * residual).then_some(steps)
 }
 
-/// The step up to which a profile stays below a level from a step on: where the sum of what is
-/// below it is largest.
+/// Returns the step up to which a profile stays below a level from a step on: the step at which the
+/// sum of the differences to the level is largest.
 fn last_below(contrast: &[f64], start: usize, level: f64) -> usize {
     let (mut sum, mut largest, mut end) = (0.0, 0.0, start);
     for (step, value) in contrast.iter().enumerate().skip(start) {
@@ -393,14 +398,14 @@ fn last_below(contrast: &[f64], start: usize, level: f64) -> usize {
     end
 }
 
-/// The middle pings of a box.
+/// Returns the middle pings of a box.
 fn core(pings: &Range<usize>) -> Range<usize> {
     let count = ((CORE * pings.len() as f64).ceil() as usize).max(CORE_PINGS);
     let start = (pings.start + pings.end).saturating_sub(count) / 2;
     start.max(pings.start)..(start + count).min(pings.end)
 }
 
-/// A few neighbouring pings in several places of a box.
+/// Returns the slices of a box: a few neighbouring pings at several places.
 fn slices(pings: &Range<usize>) -> impl Iterator<Item = Range<usize>> {
     let count = ((SLICE * pings.len() as f64).ceil() as usize).max(SLICE_PINGS).min(pings.len());
     let (start, last) = (pings.start, pings.len() - count);
@@ -408,9 +413,10 @@ fn slices(pings: &Range<usize>) -> impl Iterator<Item = Range<usize>> {
     (0..=last).step_by(stride).map(move |first| start + first..start + first + count)
 }
 
-/// The shadow of the top among those of several places: so large a share of them is no longer, by
-/// `(end - start) / end`, which the height is in proportion to. One that runs off the range is
-/// longer than any. With it the standard deviation of the others about it, in that measure.
+/// Returns the shadow of the top among the shadows of several slices: the share `share` of them is
+/// no longer. The length is `(end - start) / end`, to which the height is in proportion; a shadow
+/// that continues beyond the range is longer than any other. Also returns the standard deviation of
+/// the shadows about it, in the same measure.
 fn longest(mut shadows: Vec<Shadow>, share: f64) -> Option<(Shadow, f64)> {
     let length =
         |one: &Shadow| if one.end_m.is_nan() { 1.0 } else { 1.0 - one.start_m / one.end_m };

@@ -1,33 +1,33 @@
-//! The same object, seen from several lines, as one.
+//! Joins sightings of the same object from several lines into one object.
 
 use super::pairs::{GroupSettings, PositionCovariance, Sighting, pairs, same_pass, size_m};
 use super::{ObjectHeight, Target};
 
-/// One object with all that was seen of it.
+/// An object, joined from its sightings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Group {
-    /// Indices of its sightings, growing.
+    /// Indices of the sightings, growing.
     pub members: Vec<usize>,
-    /// Mean of their places, weighted by the inverse of their covariances, metres east of the
-    /// survey's origin.
+    /// Mean of the places of the sightings, weighted by the inverse of their covariances, metres
+    /// east of the survey's origin.
     pub east_m: f64,
-    /// The same, metres north.
+    /// North part of the mean place, metres north of the survey's origin.
     pub north_m: f64,
-    /// Standard deviation of that place in the worse direction, metres.
+    /// Standard deviation of the mean place in the worse direction, metres.
     pub sigma_m: f64,
-    /// Class with the largest sum of scores; of equals the one seen first. `None` where no sighting
-    /// has a class.
+    /// Class with the largest sum of scores; among equals, the class of the first sighting. `None`
+    /// if no sighting has a class.
     pub class: Option<usize>,
-    /// Its height, of all sightings together.
+    /// Height of the object, from all sightings together.
     pub height: ObjectHeight,
 }
 
-/// Joins sightings of the same object: the likeliest pairs first, while all members lie within
-/// their uncertainty and size of the common place, and never two that one pass saw apart. A class
-/// is a hint: a confused one does not split an object. A sighting that is placed badly (in a sharp
-/// turn, under the boat) has a wide uncertainty, so it joins a neighbour rather than stand alone,
-/// but only after the well placed ones have found each other. An object seen once is a group of
-/// one. By first sighting.
+/// Joins sightings of the same object. The likeliest pairs are joined first, as long as all members
+/// are within their uncertainty and size of the common place; two sightings that one pass saw apart
+/// are never joined. A class is a hint: one wrong class does not split an object. A sighting with a
+/// badly known place (in a sharp turn, under the boat) has a wide uncertainty, so it can still join
+/// a neighbour, but only after well placed ones have been paired. An object with a single sighting
+/// is a group of one. Groups are sorted by their first sighting.
 pub fn group(sightings: &[Sighting<'_>], settings: &GroupSettings) -> Vec<Group> {
     let mut owner: Vec<usize> = (0..sightings.len()).collect();
     let mut members: Vec<Vec<usize>> = owner.iter().map(|&index| vec![index]).collect();
@@ -51,8 +51,8 @@ pub fn group(sightings: &[Sighting<'_>], settings: &GroupSettings) -> Vec<Group>
     groups
 }
 
-/// Returns true if two groups can be one object: no pass saw it twice, and every member is near
-/// enough to the common place.
+/// Returns true if two groups can be one object: no pass saw members of both as separate objects,
+/// and every member is near enough to the common place.
 fn joins(
     sightings: &[Sighting<'_>],
     ours: &[usize],
@@ -80,13 +80,13 @@ fn joins(
     })
 }
 
-/// Uncertainty of a sighting against those of other lines.
+/// Returns the uncertainty of a sighting relative to sightings of other lines.
 fn spread(target: &Target, settings: &GroupSettings) -> PositionCovariance {
     PositionCovariance::of(target)
         .plus(PositionCovariance::round(settings.receiver_sigma_m.powi(2)))
 }
 
-/// Mean place, weighted by the inverse of the covariances, and its covariance.
+/// Returns the mean place, weighted by the inverse of the covariances, and its covariance.
 fn common<'a>(
     targets: impl Iterator<Item = &'a Target>,
     settings: &GroupSettings,
@@ -130,18 +130,18 @@ mod tests {
     use crate::targets::testing::target;
     use bathyscope_log::survey::Side;
 
-    /// Pings from the beginning of a log to that of the next.
+    /// Pings from the beginning of one log to the beginning of the next.
     const LOG_PINGS: usize = 1_000_000;
 
-    /// The same sighting in another log.
+    /// Moves a sighting to another log.
     fn in_log(log: usize, mut target: Target) -> Target {
         target.mark.pings.start += log * LOG_PINGS;
         target.mark.pings.end += log * LOG_PINGS;
         target
     }
 
-    /// A sighting by a boat that heads north: its place, how far it had sailed, and the standard
-    /// deviation in metres.
+    /// Creates a sighting by a boat that heads north, from its place, the distance sailed, and the
+    /// standard deviation in metres.
     fn seen(east_m: f64, sailed_m: f64, sigma_m: f64) -> Target {
         let ping = (10.0 * sailed_m) as usize;
         Target {
@@ -177,13 +177,13 @@ mod tests {
 
     #[test]
     fn two_marks_of_one_pass_stay_two_objects() {
-        // The second line sees one object between the two that the first line sees; it joins the
+        // The second line sees one object between the two objects of the first line; it joins the
         // nearer.
         let targets = [seen(0.0, 10.0, 0.3), seen(1.0, 11.0, 0.3)];
         assert_eq!(members(&targets), [vec![0], vec![1]]);
         let between = [targets[0].clone(), targets[1].clone(), seen(0.7, 80.0, 0.3)];
         assert_eq!(members(&between), [vec![0], vec![1, 2]]);
-        // Nor do they meet through a third and a fourth line.
+        // The two objects are not joined by sightings of a third and a fourth line either.
         let targets = [
             seen(0.0, 10.0, 0.3),
             seen(0.6, 11.0, 0.3),
@@ -195,14 +195,15 @@ mod tests {
 
     #[test]
     fn logs_of_other_days_see_one_object_farther_apart_and_at_the_same_way_sailed() {
-        // At the same time of two logs, and 1.5 m apart: too far for two lines of one log.
+        // The sightings are at the same time in two logs, 1.9 m apart: too far for two lines of one
+        // log.
         let targets = [seen(0.0, 10.0, 0.3), seen(1.9, 10.0, 0.3)];
         assert_eq!(members(&targets).len(), 2);
         let [first, second] = targets.clone();
         let logs = [in_log(0, first.clone()), in_log(1, second)];
         assert_eq!(members(&logs), [vec![0, 1]]);
-        // Four logs see it; what one of them saw apart stays apart.
-        // At one ping and range they would be two boxes over one echo.
+        // Four logs see the object; two sightings that one of the logs saw apart stay apart. They
+        // are at different pings: at one ping and range, they would be two boxes over one echo.
         let others = [(1, 0.6, 10.0), (2, -0.5, 10.0), (3, 0.9, 10.0), (0, 1.3, 11.0)];
         let others = others.map(|(log, east_m, sailed_m)| in_log(log, seen(east_m, sailed_m, 0.3)));
         let all = [vec![in_log(0, first)], others.to_vec()].concat();
@@ -217,7 +218,8 @@ mod tests {
         let mut targets = [seen(0.0, 10.0, 0.3), seen(0.3, 14.0, 0.3)];
         targets[1].heading_rad = 1.2;
         assert_eq!(members(&targets), [vec![0, 1]]);
-        // Two boxes over one echo are one object; at another range, at the same time, is another.
+        // Two boxes over one echo are one object; a box at another range at the same time is
+        // another object.
         targets[0].mark.pings.end = targets[1].mark.pings.start + 1;
         assert_eq!(members(&targets), [vec![0, 1]]);
         targets[1].mark.near_m += 0.8;
@@ -233,14 +235,14 @@ mod tests {
         let claims = [(Some(4), 0.4), (Some(2), 0.9), (Some(4), 0.4)];
         let [one] = &grouped(&targets, &claims)[..] else { panic!("one object") };
         assert_eq!((one.members.len(), one.class), (3, Some(2)));
-        // Allowed: 3 x 0.61 m; with another class 2.45 x 0.61 m.
+        // The allowed distance is 3 x 0.61 m; with another class 2.45 x 0.61 m.
         let apart = |east_m, class| {
             let targets = [seen(0.0, 0.0, 0.3), seen(east_m, 50.0, 0.3)];
             grouped(&targets, &[(Some(0), 0.8), (class, 0.8)]).len()
         };
         assert_eq!([apart(1.8, Some(0)), apart(1.9, Some(0))], [1, 2]);
         assert_eq!([apart(1.45, Some(1)), apart(1.55, Some(1))], [1, 2]);
-        // A box without a name contradicts none.
+        // A box without a class contradicts no other class.
         assert_eq!([apart(1.8, None), apart(1.9, None)], [1, 2]);
     }
 
@@ -257,25 +259,27 @@ mod tests {
 
     #[test]
     fn a_badly_placed_sighting_joins_a_neighbour_but_does_not_keep_sure_ones_apart() {
-        // It lies nearer to the second than that to the third, yet those two find each other.
+        // The first sighting is nearer to the second than the second is to the third, yet the last
+        // two are joined first.
         let targets = [seen(-0.2, 0.0, 1.5), seen(0.6, 60.0, 0.2), seen(1.5, 120.0, 0.2)];
         assert_eq!(members(&targets), [vec![0, 1, 2]]);
-        // Two objects that are surely apart are not joined through it.
+        // Two objects that are clearly apart are not joined through an uncertain sighting between
+        // them.
         let targets = [seen(0.0, 0.0, 1.5), seen(-1.4, 60.0, 0.2), seen(1.0, 120.0, 0.2)];
         assert_eq!(members(&targets), [vec![0, 2], vec![1]]);
     }
 
     #[test]
     fn the_middle_leans_to_the_surer_direction() {
-        // Heading north the first is sure along the track, heading east the second is: together
-        // they are sure of both.
+        // With a heading to the north, the first sighting is certain along the track; with a
+        // heading to the east, the second is: together they are certain in both directions.
         let mut targets = [seen(0.0, 0.0, 0.9), seen(0.4, 60.0, 0.9)];
         targets[0].along_sigma_m = 0.1;
         targets[1].along_sigma_m = 0.1;
         targets[1].heading_rad = std::f64::consts::FRAC_PI_2;
         targets[1].north_m = 0.8;
         let [one] = &grouped(&targets, &[])[..] else { panic!("one object") };
-        // With the receiver's 0.3 m: variances 0.1 and 0.9 m2.
+        // With the receiver's 0.3 m, the variances are 0.1 and 0.9 m2.
         let weights = [1.0 / 0.9, 1.0 / 0.1];
         let share = weights[1] / (weights[0] + weights[1]);
         assert!((one.east_m - share * 0.4).abs() < 1e-9);

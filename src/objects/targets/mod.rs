@@ -1,14 +1,14 @@
-//! Determines the place of a box's object in the world, and its size.
+//! Determines the position of a box's object in the world, its size, height and shape.
 //!
 //! In: boxes of a survey, with its navigation and calibration. Out: places, sizes and shapes of
 //! objects.
 //!
-//! `echo` finds the echo and the shadow inside a box (`profile` has the levels and the edges),
-//! `seen` makes distances and a height of them, `shadow` a height of a shadow that the analyst
-//! measures, `place` puts them on the bottom, `passes` tells which passes of the boat covered a
-//! place, `group` makes one object of the same object seen from several lines (`pairs` says which
-//! sightings may be one, and how sure their places are), `object_height` makes one height of all
-//! their heights, `shape` fits a solid to what they recorded of it.
+//! `echo` finds the echo and the shadow inside a box (`profile` computes the levels and the edges),
+//! `seen` computes distances and a height from them, `shadow` computes a height from a shadow that
+//! the analyst measures, `place` computes the position on the bottom, `passes` finds the passes of
+//! the boat that covered a place, `group` joins sightings from several lines into one object
+//! (`pairs` finds the sightings that may be one, and the uncertainty of their places),
+//! `object_height` combines their heights into one, `shape` fits a solid to the recorded levels.
 
 mod echo;
 mod group;
@@ -38,19 +38,20 @@ pub use shape::{
 use super::{Mark, MeasuredShadow, ObjectExtent};
 use bathyscope_log::support::geo::LonLat;
 
-/// One box in the world. Metres; what cannot be known is NaN.
+/// Position and size of one box in the world. Metres; NaN if unknown.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Target {
     /// The box.
     pub mark: Mark,
-    /// Source of its extent.
+    /// Source of the extent of the object.
     pub extent: ObjectExtent,
-    /// The shadow that the analyst has measured, which tells the height then.
+    /// Shadow that the analyst has measured, which then determines the height; `None` if there is
+    /// none.
     pub measured_shadow: Option<MeasuredShadow>,
-    /// Echo and shadow in the box, by the recorder's scale; `None` of a point, and where nothing
-    /// was found.
+    /// Echo and shadow in the box, in the recorder's scale; `None` for a point, and if none were
+    /// found.
     pub parts: Option<Parts>,
-    /// Slant range of the middle of the echo, by the calibration in force.
+    /// Slant range of the middle of the echo, by the current calibration.
     pub slant_m: f64,
     /// Distance from the track to the middle of the object, on the bottom.
     pub ground_m: f64,
@@ -60,35 +61,37 @@ pub struct Target {
     pub east_m: f64,
     /// Middle of the object, metres north of the survey's origin.
     pub north_m: f64,
-    /// Middle of the object.
+    /// Middle of the object in longitude and latitude.
     pub position: LonLat,
-    /// ObjectExtent along the track, the width of the beam taken off; NaN of a point.
+    /// Extent along the track, less the width of the beam; NaN for a point.
     pub length_m: f64,
-    /// ObjectExtent of what is seen of it across the track; NaN of a point.
+    /// Extent of the visible part across the track; NaN for a point.
     pub width_m: f64,
     /// Height above the bottom from the length of the longest shadow; NaN without a shadow that
-    /// ends within the range. Of a round top it is that of the far flank where the last ray touches
-    /// it.
+    /// ends within the range. For a round top, it is the height at which the last ray touches the
+    /// far flank.
     pub height_m: f64,
-    /// Slant ranges of start and end of that shadow by the calibration in force: the height is the
-    /// altitude times what lies between them, over the end. The start is NaN without a shadow, the
-    /// end where it runs off the range.
+    /// Slant ranges of start and end of the longest shadow by the current calibration: the height
+    /// is the altitude times the difference of the two, divided by the end. The start is NaN
+    /// without a shadow; the end is NaN if the shadow continues beyond the range.
     pub shadow_m: [f64; 2],
-    /// Standard deviation of the height; NaN without a height. It holds how sharp both ends of the
-    /// shadow are, how far its end is from the box's, a bottom that slopes by two degrees, and a
-    /// top that may be flat or round. What casts no shadow of its own (the far side of a wide
-    /// object, a branch in the shadow of the trunk) cannot be known.
+    /// Standard deviation of the height; NaN without a height. It includes the sharpness of both
+    /// ends of the shadow, the distance between its end and that of the box, a bottom that slopes
+    /// by two degrees, and a top that may be flat or round. It does not include parts that cast no
+    /// shadow of their own (the far side of a wide object, a branch in the shadow of the trunk).
     pub height_sigma_m: f64,
-    /// Depth of the bottom below the transducer; below the level that depths count from, once the
-    /// pipeline has corrected it.
+    /// Depth of the bottom below the transducer; once the pipeline has corrected it, below the
+    /// level that depths are measured from.
     pub depth_m: f64,
-    /// Standard deviation of the position in the worse direction. It holds the resolution in range,
-    /// the heading and the rounding of the fixes, not the receiver's own error, which is the same
-    /// for all objects of a line.
+    /// Standard deviation of the position in the worse direction. It includes the resolution in
+    /// range, the heading and the rounding of the fixes, but not the receiver's own error, which is
+    /// the same for all objects of a line.
     pub sigma_m: f64,
-    /// The same along the track: the heading times the distance, worst in turns.
+    /// Standard deviation of the position along the track: the heading error times the distance,
+    /// worst in turns.
     pub along_sigma_m: f64,
-    /// The same across the track: edges, altitude and height, worst under the boat.
+    /// Standard deviation of the position across the track: edges, altitude and height, worst under
+    /// the boat.
     pub across_sigma_m: f64,
     /// Heading of the boat in the middle of the box, radians clockwise from north.
     pub heading_rad: f64,
@@ -97,8 +100,9 @@ pub struct Target {
 }
 
 impl Target {
-    /// Corners of its footprint, metres east and north: length along the track, width across it.
-    /// What is not known counts as nothing: those of a point all lie in its place.
+    /// Returns the corners of the footprint, metres east and north: length along the track, width
+    /// across it. An unknown length or width counts as 0, so all corners of a point are at its
+    /// place.
     pub fn corners(&self) -> [[f64; 2]; 4] {
         let (sin, cos) =
             if self.heading_rad.is_finite() { self.heading_rad.sin_cos() } else { (0.0, 1.0) };

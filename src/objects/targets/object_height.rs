@@ -1,48 +1,48 @@
-//! The height of an object above the bottom by all its sightings.
+//! Combines the heights of all sightings of an object into one height above the bottom.
 
 use super::Target;
 use crate::ObjectExtent;
 use bathyscope_log::survey::Side;
 
-/// Joint standard deviations within which two sightings agree about a height.
+/// Difference up to which two heights agree, in joint standard deviations.
 const AGREE_SIGMAS: f64 = 2.5;
-/// Standard deviations that a height found by the program exceeds: what does not may as well be
-/// none.
+/// Least ratio of a height that the program found to its standard deviation: below it, the height
+/// may as well be 0.
 const LEAST_SIGMAS: f64 = 1.0;
-/// Least standard deviation that a height counts with, metres.
+/// Least standard deviation of a height in the mean, metres.
 const LEAST_SIGMA_M: f64 = 0.01;
 
-/// The height of an object above the bottom by all its sightings.
+/// The height of an object above the bottom, from all its sightings.
 #[derive(Clone, Copy, Debug)]
 pub struct ObjectHeight {
     /// Mean of the heights that agree with the surest one, weighted by the inverse of their
-    /// variances, metres; NaN without any height.
+    /// variances, metres; NaN without a height.
     pub mean_m: f64,
-    /// Standard deviation of that mean, metres; NaN without a height. Larger where the sightings
+    /// Standard deviation of the mean, metres; NaN without a height. It is larger if the sightings
     /// differ by more than their own deviations explain.
     pub sigma_m: f64,
-    /// The surest sighting; `None` without a height.
+    /// Sighting with the surest height; `None` without a height.
     pub source: Option<HeightSource>,
-    /// Sightings whose height the mean is of.
+    /// Number of sightings in the mean.
     pub counted: usize,
-    /// Sightings whose height contradicts the surest one. They are left out of the mean.
+    /// Number of sightings whose height contradicts the surest one. They are not in the mean.
     pub contradicting: usize,
 }
 
-/// The sighting that the height of an object rests on.
+/// The sighting that the height of an object is from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct HeightSource {
-    /// Its place among the sightings.
+    /// Index of the sighting among those of the object.
     pub sighting: usize,
-    /// An analyst has set the edges of the box, or has measured the shadow.
+    /// True if an analyst has set the edges of the box or measured the shadow.
     pub is_by_hand: bool,
-    /// The ping that the shadow was measured on, or the first of the box.
+    /// Index of the ping on which the shadow was measured, or of the first ping of the box.
     pub ping: usize,
-    /// The side.
+    /// Side of the sighting.
     pub side: Side,
 }
 
-/// Heights that are not known are alike.
+/// Unknown heights (NaN) are equal.
 impl PartialEq for ObjectHeight {
     fn eq(&self, other: &Self) -> bool {
         let same = |a: f64, b: f64| a == b || (a.is_nan() && b.is_nan());
@@ -54,12 +54,13 @@ impl PartialEq for ObjectHeight {
 }
 
 impl ObjectHeight {
-    /// No height.
+    /// An unknown height.
     const UNKNOWN: Self =
         Self { mean_m: f64::NAN, sigma_m: f64::NAN, source: None, counted: 0, contradicting: 0 };
 
-    /// The source in words: `shadow, ping 895 port of lake-1; 1 sighting contradicts it`; empty
-    /// without a height. `log` is the name of the log that saw it, where there are several.
+    /// Returns the source in words: `shadow, ping 895 port of lake-1; 1 sighting contradicts it`;
+    /// empty without a height. `log` is the name of the log of the sighting, if the survey has
+    /// several logs.
     pub fn source_in_words(&self, log: Option<&str>) -> String {
         let Some(HeightSource { is_by_hand, ping, side, .. }) = self.source else {
             return String::new();
@@ -74,11 +75,11 @@ impl ObjectHeight {
         format!("{how}, ping {ping} {}{of_log}{contradicted}", side.name())
     }
 
-    /// Returns the height that some sightings of one object tell.
+    /// Computes the height of an object from its sightings.
     ///
-    /// Where an analyst has set the edges or has measured the shadow of a sighting, those alone
-    /// count. Sightings that contradict the surest one are left out rather than averaged: one that
-    /// sees no more than a part of the shadow states a small deviation for a height that is wrong.
+    /// If an analyst has set the edges or measured the shadow of a sighting, only such sightings
+    /// count. Sightings that contradict the surest one are left out rather than averaged: a
+    /// sighting that shows only part of the shadow has a wrong height with a small deviation.
     pub fn of<'a>(targets: impl Iterator<Item = &'a Target>) -> Self {
         let is_known = |one: &Target| one.height_m.is_finite() && !one.height_sigma_m.is_nan();
         let known = targets.enumerate().filter(|(_, one)| is_known(one));
@@ -93,7 +94,8 @@ impl ObjectHeight {
         };
         let counted: Vec<&Target> = told.iter().map(|(_, one)| *one).filter(agrees).collect();
         let [mean_m, sigma_m] = mean(&counted);
-        // The mean is judged, not its parts: to leave out the small ones would make it too large.
+        // The mean is tested, not each height: without the small heights, the mean would be too
+        // large.
         if mean_m <= LEAST_SIGMAS * sigma_m && !is_by_hand(surest) {
             return Self::UNKNOWN;
         }
@@ -120,14 +122,15 @@ fn sigma_m(target: &Target) -> f64 {
     target.height_sigma_m.max(LEAST_SIGMA_M)
 }
 
-/// The sighting whose height is the largest multiple of its standard deviation: the ends of a short
-/// piece of shadow are as sharp as those of a whole one.
+/// Returns the sighting whose height is the largest multiple of its standard deviation. The
+/// smallest deviation alone is no measure: the ends of a short piece of shadow are as sharp as
+/// those of a whole one.
 fn surest<'a>(targets: &[(usize, &'a Target)]) -> Option<(usize, &'a Target)> {
     let ratio = |one: &Target| one.height_m / sigma_m(one);
     targets.iter().copied().max_by(|(_, a), (_, b)| ratio(a).total_cmp(&ratio(b)))
 }
 
-/// Weighted mean of some heights and its standard deviation, metres.
+/// Returns the weighted mean of some heights and its standard deviation, metres.
 fn mean(targets: &[&Target]) -> [f64; 2] {
     let weight = |one: &Target| sigma_m(one).powi(-2);
     let weights: f64 = targets.iter().map(|one| weight(one)).sum();
@@ -158,8 +161,8 @@ mod tests {
     fn heights_that_agree_are_averaged_by_their_variances() {
         let both = height(&[seen(0.2, 0.2), seen(0.5, 0.1)]);
         assert!((both.mean_m - (4.0 * 0.5 + 0.2) / 5.0).abs() < 1e-9);
-        // They differ by 0.3 m where 0.22 m is usual: 1.34 times as uncertain as both deviations
-        // say.
+        // The heights differ by 0.3 m, where 0.22 m is usual: the mean is 1.34 times as uncertain
+        // as both deviations state.
         let squares = (0.3_f64).powi(2) / (0.1_f64.powi(2) + 0.2_f64.powi(2));
         assert!((both.sigma_m - (squares / 125.0).sqrt()).abs() < 1e-9);
         assert_eq!((both.counted, both.contradicting), (2, 0));
@@ -167,7 +170,7 @@ mod tests {
 
     #[test]
     fn a_part_of_a_shadow_does_not_outweigh_a_whole_one() {
-        // The rock of `pond.py --seed 11 --lines 4`, ping 895 port; its truth is 0.65 m.
+        // The rock of `pond.py --seed 11 --lines 4`, ping 895 port; its true height is 0.65 m.
         let both = height(&[seen(0.075, 0.025), seen(0.57, 0.08)]);
         assert_eq!((both.mean_m, both.counted, both.contradicting), (0.57, 1, 1));
         assert_eq!(both.source_in_words(None), "shadow, ping 100 port; 1 sighting contradicts it");
@@ -191,7 +194,7 @@ mod tests {
         assert_eq!(height(&targets), height(&targets[..1]));
         let said = height(&targets).source_in_words(Some("lake-1"));
         assert_eq!(said, "by hand, ping 100 port of lake-1");
-        // By hand it counts however uncertain it is.
+        // A height by hand counts at any uncertainty.
         targets[0] = Target { height_sigma_m: 1.05, ..targets[0].clone() };
         assert!((height(&targets[..1]).sigma_m - 1.05).abs() < 1e-9);
         let unknown = height(&[target()]);

@@ -2,31 +2,32 @@
 
 use super::Target;
 
-/// Two sightings of one side that lie along the track by less than this, metres sailed, with less
-/// change of heading than this, radians, are of one pass: a boat that goes straight on passes a
-/// thing once.
+/// Limits of the distance sailed, metres, and of the change of heading, radians, below which two
+/// sightings on the same side are of one pass: a boat that goes straight on passes an object once.
 const ONE_PASS_M: f64 = 8.0;
 const ONE_PASS_RAD: f64 = 0.35;
-/// Echoes that one ping receives begin at least so far apart where they are of two objects, metres.
+/// Difference between the near edges of two boxes on the same ping above which they show two
+/// objects, metres.
 const SAME_ECHO_M: f64 = 0.5;
-/// Penalty for different classes in squared standard deviations: `-2 ln` of the rate at which a
-/// detector takes an object for one of another class.
+/// Penalty for different classes, in squared standard deviations: `-2 ln` of the rate at which a
+/// detector proposes a wrong class.
 const OTHER_CLASS: f64 = 3.0;
-/// Share of an object's extent by which the middle of what is seen of it from different sides may
-/// move, and the largest extent that counts, metres.
+/// Standard deviation of the middle of the visible part of an object, seen from different sides, as
+/// a share of the object's extent; and the largest extent that is used, metres.
 const SIZE_SIGMA: f64 = 0.2;
 const LARGEST_M: f64 = 4.0;
 
 /// Limits of the distance between two sightings of one object.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GroupSettings {
-    /// Standard deviations of the joint uncertainty that sightings of one object may lie apart.
+    /// Greatest distance between sightings of one object, in standard deviations of their joint
+    /// uncertainty.
     pub sigmas: f64,
-    /// Standard deviation of the receiver's own position between lines, metres: it is not in
-    /// [`Target::sigma_m`].
+    /// Standard deviation of the receiver's own position between lines, metres, which
+    /// [`Target::sigma_m`] does not include.
     pub receiver_sigma_m: f64,
-    /// Standard deviation of the place of a whole log, metres: another day, another receiver. It
-    /// counts between sightings of different logs.
+    /// Standard deviation of the position of a whole log, metres, due to another day or another
+    /// receiver. It is used between sightings of different logs.
     pub log_sigma_m: f64,
 }
 
@@ -36,12 +37,12 @@ impl Default for GroupSettings {
     }
 }
 
-/// One box that may show the same object as others.
+/// A box that may show the same object as other boxes.
 #[derive(Clone, Copy, Debug)]
 pub struct Sighting<'a> {
-    /// Index of the log that saw it; places of all logs are in one plane.
+    /// Index of the log of the box; places of all logs are in one plane.
     pub log: usize,
-    /// Place and size of its object.
+    /// Position and size of the box.
     pub target: &'a Target,
     /// Class of the object; `None` where it is not known.
     pub class: Option<usize>,
@@ -49,7 +50,8 @@ pub struct Sighting<'a> {
     pub score: f64,
 }
 
-/// Covariance of a place, square metres: of east, of both, of north.
+/// Covariance of a place, square metres: variance east, covariance of east and north, variance
+/// north.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct PositionCovariance {
     east: f64,
@@ -58,7 +60,7 @@ pub(super) struct PositionCovariance {
 }
 
 impl PositionCovariance {
-    /// The same in every direction.
+    /// Creates a covariance that is the same in every direction.
     pub(super) const fn round(variance_m2: f64) -> Self {
         Self { east: variance_m2, both: 0.0, north: variance_m2 }
     }
@@ -88,24 +90,24 @@ impl PositionCovariance {
         self.east * self.north - self.both * self.both
     }
 
-    /// The information: what is known well weighs much.
+    /// Returns the inverse covariance, which is the weight of a place in a mean.
     pub(super) fn inverse(self) -> Self {
         let scale = self.determinant().max(f64::MIN_POSITIVE).recip();
         Self { east: scale * self.north, both: -scale * self.both, north: scale * self.east }
     }
 
-    /// The product with a vector.
+    /// Returns the product with a vector.
     pub(super) fn times(self, [east_m, north_m]: [f64; 2]) -> [f64; 2] {
         [self.east * east_m + self.both * north_m, self.both * east_m + self.north * north_m]
     }
 
-    /// Squared distance in standard deviations (Mahalanobis).
+    /// Returns the squared distance in standard deviations (Mahalanobis).
     pub(super) fn squared_sigmas(self, apart_m: [f64; 2]) -> f64 {
         let [east, north] = self.inverse().times(apart_m);
         east * apart_m[0] + north * apart_m[1]
     }
 
-    /// Standard deviation in the direction in which it is largest, metres.
+    /// Returns the standard deviation in the direction in which it is largest, metres.
     pub(super) fn widest_m(self) -> f64 {
         let middle = 0.5 * (self.east + self.north);
         let swing = (0.5 * (self.east - self.north)).hypot(self.both);
@@ -113,9 +115,9 @@ impl PositionCovariance {
     }
 }
 
-/// Returns true if one pass saw both apart. In a turn a side sweeps over the same place again, and
-/// under the boat both sides detect it; two boxes over the same echo, or two halves of it, at one
-/// time and one range, are no two objects.
+/// Returns true if one pass saw the two sightings as separate objects. In a turn, a side sweeps
+/// over the same place again, and under the boat both sides detect it; two boxes at the same time
+/// and range, over the same echo or two halves of it, are not two objects.
 pub(super) fn same_pass(one: &Sighting<'_>, other: &Sighting<'_>) -> bool {
     if one.log != other.log {
         return false;
@@ -132,15 +134,15 @@ pub(super) fn same_pass(one: &Sighting<'_>, other: &Sighting<'_>) -> bool {
 }
 
 /// Returns the standard deviation, due to the object's size, of the distance between the middle of
-/// what is seen and the middle of the object, metres.
+/// the visible part and the middle of the object, metres.
 pub(super) fn size_m(target: &Target) -> f64 {
     let size_m = target.length_m.max(target.width_m);
-    // Of a point it is not known; its uncertainty says how far it may be off.
+    // The size of a point is not known, but its uncertainty includes how far it may be off.
     if size_m.is_nan() { 0.0 } else { SIZE_SIGMA * size_m.min(LARGEST_M) }
 }
 
-/// Squared distance of two sightings in standard deviations, with their joint covariance; another
-/// class adds to it.
+/// Returns the squared distance of two sightings in standard deviations (larger if their classes
+/// differ), and their joint covariance.
 fn apart(
     a: &Sighting<'_>,
     b: &Sighting<'_>,
@@ -160,8 +162,8 @@ fn apart(
     (spread.squared_sigmas(off_m) + confused, spread)
 }
 
-/// Pairs that may be one object, the likeliest first: by `d^2 + ln det S`, so that two sure
-/// sightings go before an unsure one that would fit anything.
+/// Returns the pairs that may be one object, the likeliest first. The order is by `d^2 + ln det S`,
+/// so that two certain sightings come before an uncertain one that fits anything.
 pub(super) fn pairs(sightings: &[Sighting<'_>], settings: &GroupSettings) -> Vec<(usize, usize)> {
     let mut by_east: Vec<usize> = (0..sightings.len()).collect();
     by_east.sort_by(|&a, &b| {

@@ -4,55 +4,55 @@ use super::place::heading_sigma_rad;
 use bathyscope_log::survey::{Navigation, Side, Survey};
 use std::ops::Range;
 
-/// One pass of the boat along a place, within the range of its side-scan. Under the boat both sides
-/// see the place: that is one pass.
+/// One pass of the boat along a place, within the range of its side-scan. If both sides see the
+/// place, under the boat, it is still one pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TargetPass {
-    /// The ping that is abeam of the place.
+    /// Index of the ping at which the place is nearest to abeam.
     pub ping: usize,
-    /// The first ping that may be, as well as the heading is known. In a turn about the place many
-    /// are.
+    /// First ping at which the place may be abeam, given the uncertainty of the heading. In a turn
+    /// about the place, there are many such pings.
     pub first_ping: usize,
-    /// The last ping that may be.
+    /// Last ping at which the place may be abeam.
     pub last_ping: usize,
-    /// The side that the place lies on at [`TargetPass::ping`], where the boat is nearest to abeam.
+    /// Side of the place at [`TargetPass::ping`].
     pub side: Side,
     /// Distance from the track to the place, metres.
     pub ground_m: f64,
 }
 
-/// A place ahead or astern by less than this is abeam of some ping, metres; half the step of a fast
-/// boat's slow pings.
+/// Distance ahead or astern up to which a place is abeam of a ping, metres; half the distance
+/// between the slow pings of a fast boat.
 const ABEAM_M: f64 = 0.75;
-/// Standard deviations of the heading by which that limit is widened.
+/// Number of standard deviations of the heading by which [`ABEAM_M`] is widened.
 const ABEAM_SIGMAS: f64 = 2.0;
-/// Pings without the place abeam that end a pass.
+/// Number of pings without the place abeam that end a pass.
 const GAP: usize = 20;
-/// Limits within which passes of two logs over one place are the same: difference in time, seconds,
-/// and distance between the places of the boat, metres. The logs are of two recorders of one boat,
-/// two formats of one recording, or a recording that goes on in another file.
+/// Limits within which passes of two logs over one place are the same pass: difference in time,
+/// seconds, and distance between the places of the boat, metres. Such logs are of two recorders on
+/// one boat, of one recording in two formats, or of a recording that continues in another file.
 const SAME_TIME_S: f64 = 2.0;
 const SAME_PLACE_M: f64 = 10.0;
 
-/// A log whose passes are counted.
+/// Survey and navigation of a log whose passes are counted.
 pub type PassLog<'a> = (&'a Survey, &'a Navigation);
 
-/// Pings of a log, by its index.
+/// Index of a log, and a range of its pings.
 pub type LogPings = (usize, Range<usize>);
 
 /// Numbers of passes that saw an object, and of passes that covered its place. An object counts
-/// once a pass, in however many boxes, sides or logs.
+/// once for each pass, however many boxes, sides or logs show it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PassCount {
-    /// Passes that saw it.
+    /// Number of passes that saw the object.
     pub seen: usize,
-    /// Passes that covered its place, those that saw it included.
+    /// Number of passes that covered its place, including those that saw it.
     pub covered: usize,
 }
 
 impl PassCount {
     /// Counts the passes for an object that was seen on some pings, at a place in the plane of the
-    /// logs. It goes through all pings.
+    /// logs. This reads the navigation of all pings.
     pub fn new(seen: &[LogPings], place: [f64; 2], logs: &[PassLog<'_>]) -> Self {
         let mut passes = distinct_passes(seen.iter().cloned(), logs);
         let seen = passes.len();
@@ -68,12 +68,12 @@ impl PassCount {
     }
 }
 
-/// Returns the number of passes that saw an object, by the pings that did.
+/// Returns the number of passes that saw an object, given the pings that show it.
 pub(crate) fn count_seen(seen: impl IntoIterator<Item = LogPings>, logs: &[PassLog<'_>]) -> usize {
     distinct_passes(seen, logs).len()
 }
 
-/// Pings by the pass that they are of.
+/// Groups pings by the pass that they belong to.
 fn distinct_passes(
     seen: impl IntoIterator<Item = LogPings>,
     logs: &[PassLog<'_>],
@@ -84,7 +84,7 @@ fn distinct_passes(
             let mut known = pass.iter();
             known.any(|known| is_same_pass(known, &pings, logs))
         };
-        // What lies between two parts of a pass joins them.
+        // Pings between two parts of a pass join the parts.
         let (same, others): (Vec<_>, Vec<_>) = passes.into_iter().partition(is_same);
         passes = others;
         passes.push(same.into_iter().flatten().chain([pings]).collect());
@@ -92,7 +92,7 @@ fn distinct_passes(
     passes
 }
 
-/// Returns true if the pings of two sightings of one place are of one pass.
+/// Returns true if two ranges of pings that show one place are of the same pass.
 fn is_same_pass(one: &LogPings, other: &LogPings, logs: &[PassLog<'_>]) -> bool {
     let ((log, a), (other_log, b)) = (one, other);
     if log == other_log {
@@ -106,16 +106,16 @@ fn is_same_pass(one: &LogPings, other: &LogPings, logs: &[PassLog<'_>]) -> bool 
     at_once && f64::hypot(a.place[0] - b.place[0], a.place[1] - b.place[1]) < SAME_PLACE_M
 }
 
-/// Time and place of the boat.
+/// Time of some pings, and place of the boat.
 struct Moment {
     /// First and last time, Unix seconds.
     unix_s: [f64; 2],
-    /// The boat halfway, metres east and north.
+    /// Place of the boat on the middle ping, metres east and north.
     place: [f64; 2],
 }
 
-/// Returns the time of some pings and the place of the boat; `None` where the log does not know
-/// them.
+/// Returns the time of some pings and the place of the boat; `None` if the log does not hold the
+/// time or the place.
 fn moment((log, pings): &LogPings, logs: &[PassLog<'_>]) -> Option<Moment> {
     let (survey, navigation) = logs.get(*log)?;
     let start_s = survey.start_unix_s?;
@@ -125,11 +125,11 @@ fn moment((log, pings): &LogPings, logs: &[PassLog<'_>]) -> Option<Moment> {
     Some(Moment { unix_s: [unix_s(pings.start)?, unix_s(last)?], place: boat.place() })
 }
 
-/// Every pass in which the side-scan could insonify a place (metres in the survey's plane): it is
-/// abeam, recorded, and within the range.
+/// Returns every pass in which the side-scan could insonify a place (metres in the survey's plane):
+/// the place is abeam, its side is recorded, and it is within the range.
 pub fn passes_over(survey: &Survey, navigation: &Navigation, place: [f64; 2]) -> Vec<TargetPass> {
     let mut passes: Vec<TargetPass> = Vec::new();
-    // Least distance ahead or astern of the pass that is going on.
+    // Least distance ahead or astern so far in the current pass.
     let mut least_m = f64::INFINITY;
     for ping in 0..navigation.pings.len() {
         let Some((side, ground_m, along_m)) = abeam(survey, navigation, ping, place) else {
@@ -153,8 +153,8 @@ pub fn passes_over(survey: &Survey, navigation: &Navigation, place: [f64; 2]) ->
     passes
 }
 
-/// The side on which a ping has a place abeam, and its distances across and along the track,
-/// metres; `None` where it is out of the range, or ahead or astern.
+/// Returns the side on which a place is abeam at a ping, and the distances across and along the
+/// track, metres; `None` if the place is beyond the range, or ahead or astern.
 fn abeam(
     survey: &Survey,
     navigation: &Navigation,
@@ -170,7 +170,7 @@ fn abeam(
     let slant_m = across_m.hypot(if depth_m > 0.0 { depth_m } else { 0.0 });
     let within = slant_m < f64::from(survey.span(ping, side)?.far_m);
     let askew_m = ABEAM_SIGMAS * heading_sigma_rad(navigation, &(ping..ping + 1)) * across_m.abs();
-    // NaN is not abeam.
+    // With a distance of NaN, the place is not abeam.
     let abeam = along_m < ABEAM_M.hypot(askew_m);
     (abeam && within).then_some((side, across_m.abs(), along_m))
 }
@@ -180,8 +180,8 @@ mod tests {
     use super::*;
     use bathyscope_log::survey::{PingNav, SidePing, SideSpan};
 
-    /// A log of a boat that heads north at 2 m/s for 20 s, 10 pings a second, passing the origin
-    /// halfway, from `start_unix_s` on.
+    /// Creates a log of a boat that heads north at 2 m/s for 20 s, 10 pings a second, passing the
+    /// origin halfway. The log starts at `start_unix_s`.
     fn log(start_unix_s: Option<f64>, place_m: impl Fn(usize) -> [f64; 2]) -> (Survey, Navigation) {
         let span = SideSpan::of_bytes(100, [0.0, 10.0]);
         let side_scan = (0..200).map(|ping| SidePing {
@@ -207,7 +207,8 @@ mod tests {
 
     #[test]
     fn both_sides_of_one_pass_are_one_sighting() {
-        // The boat sails a wavy line over the place: it lies to port and to starboard in turns.
+        // The boat sails a wavy line over the place: the place is to port and to starboard in
+        // turns.
         let over = log(None, |ping| [0.3 * (ping as f64 * 0.8).sin(), north(ping)]);
         let both = [(0, 99..100), (0, 100..101)];
         let once = PassCount { seen: 1, covered: 1 };
@@ -233,7 +234,7 @@ mod tests {
 
     #[test]
     fn a_pass_that_did_not_see_the_object_is_covered_only() {
-        // There and back: past the place at pings 50 and 150.
+        // The boat goes there and back: it passes the place at pings 50 and 150.
         let turned = log(None, |ping| [4.0, 0.2 * (ping as f64 - 100.0).abs() - 10.0]);
         let seen = [(0, 48..53)];
         let found = count(&seen, &[turned]);

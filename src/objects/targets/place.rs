@@ -1,4 +1,4 @@
-//! Determines the place on the bottom of the object in a box.
+//! Determines the position and size, on the bottom, of the object in a box.
 
 use super::echo::Shadow;
 use super::seen::{DRAWN_SIGMA_M, EDGE_SIGMA_M, MeasuredObject, PART_SIGMA};
@@ -13,25 +13,26 @@ use std::sync::OnceLock;
 
 /// Width of a side beam along the track, radians: about a degree at the usual 455 kHz.
 const BEAM_RAD: f64 = 0.0157;
-/// Slant range in altitudes up to which a shadow begins where the echo ends: under the boat a flat
-/// top lies within a few samples, and what follows the echo is dark at once.
+/// Slant range, in altitudes, up to which a shadow begins where the echo ends: under the boat, a
+/// flat top covers only a few samples, and the dark run follows the echo at once.
 const UNDER: f64 = 1.1;
-/// Standard deviation of the fitted track about the true one where fixes are rounded to a metre: a
-/// line along the grid is off by the same all the way.
+/// Standard deviation of the fitted track about the true one if fixes are rounded to a metre: on a
+/// line along the grid, the error is the same all the way.
 const FIX_SIGMA_M: f64 = 0.25;
-/// Standard deviation of a heading from the fitted track, radians (2 degrees), and what a turn
-/// adds: a share of the change of heading over so many pings before and behind.
+/// Standard deviation of a heading from the fitted track, radians (2 degrees); the share of the
+/// change of heading that a turn adds to it; and the number of pings before and behind over which
+/// this change is measured.
 const HEADING_SIGMA_RAD: f64 = 0.035;
 const TURN_SIGMA: f64 = 0.08;
 const TURN_PINGS: usize = 20;
 
-/// Slant range by the recorder's scale from which on a shadow runs off the range, metres: nobody
-/// draws the last sample.
+/// Returns the slant range in the recorder's scale from which a shadow counts as continuing beyond
+/// the range, metres: nobody draws exactly to the last sample.
 pub(super) fn reach_m(span: &SideSpan) -> f64 {
     f64::from(span.far_m) - 1.5 * span.metres_per_sample()
 }
 
-/// Places boxes of one survey.
+/// Computes the positions and sizes of boxes of one survey.
 pub struct Placer<'a> {
     survey: &'a Survey,
     navigation: &'a Navigation,
@@ -39,15 +40,15 @@ pub struct Placer<'a> {
     calibration: &'a Calibration,
     /// Factor for recorded ranges and depths.
     range_factor: f64,
-    /// Shape of the bottom across the track; level without it.
+    /// Shape of the bottom across the track; `None` for a level bottom.
     relief: Option<&'a Relief>,
-    /// Distance sailed up to each ping, metres: worked out for the first box, since what is
-    /// measured on one ping does without it.
+    /// Distance sailed up to each ping, metres. Computed for the first box, since measurements on a
+    /// single ping do not need it.
     sailed_m: OnceLock<Vec<f64>>,
 }
 
 impl<'a> Placer<'a> {
-    /// Gets ready for the boxes of a survey.
+    /// Creates a placer for the boxes of a survey.
     pub fn new(
         survey: &'a Survey,
         navigation: &'a Navigation,
@@ -65,26 +66,26 @@ impl<'a> Placer<'a> {
         }
     }
 
-    /// The same with all ranges and depths times a factor: where sound runs at another speed than
-    /// the recorder took.
+    /// Sets a factor for all ranges and depths: the true speed of sound over the one that the
+    /// recorder assumed.
     pub fn with_range_factor(self, range_factor: f64) -> Self {
         Self { range_factor, ..self }
     }
 
-    /// The same on a bottom that is not level; its depths are those of ranges with their factor.
+    /// Sets the shape of a bottom that is not level; its depths must include the range factor.
     pub fn with_relief(self, relief: &'a Relief) -> Self {
         Self { relief: Some(relief), ..self }
     }
 
-    /// Returns the place of a box's object; `None` where the boat has no position or heading there,
-    /// nothing was recorded, or the altitude is unknown.
+    /// Returns the position and size of a box's object; `None` if the boat has no position or
+    /// heading there, the side was not recorded, or the altitude is unknown.
     pub fn place(&self, mark: &Mark) -> Option<Target> {
         self.place_as(mark, ObjectExtent::Found, None, TopShape::Unknown)
     }
 
-    /// Returns the place as [`Placer::place`] does, but of a box whose edges the analyst has set,
-    /// or of a point, which has a place and no size; with the height of a shadow that the analyst
-    /// has measured; and with the shape of the top that its class states.
+    /// Returns the position and size as [`Placer::place`] does, with a source of the extent (found,
+    /// set by the analyst, or a point, which has no size), a shadow that the analyst has measured,
+    /// which determines the height, and the shape of the top for the class.
     pub fn place_as(
         &self,
         mark: &Mark,
@@ -96,7 +97,7 @@ impl<'a> Placer<'a> {
         let span = self.survey.span(middle, mark.side)?;
         let altitude_m = self.altitude_m(mark)?;
         let found = self.parts(mark, extent, span, top);
-        // The box begins where the echo does, and holds more shadow than echo.
+        // The box begins where the echo begins, and holds more shadow than echo.
         let near_m = self.calibrated_m(span, mark.near_m);
         let altitude_there_m = self.altitude_at_m(mark.side, middle, altitude_m, near_m);
         let altitudes_m = [altitude_m, altitude_there_m];
@@ -117,7 +118,7 @@ impl<'a> Placer<'a> {
         let length_m = sized(self.length_m(mark, seen.slant_m(), ground_m));
         let askew_m = heading_sigma_rad(self.navigation, &mark.pings) * ground_m;
         let ends_sigma_m = match extent {
-            // Both ends are drawn to the width of the beam.
+            // Both ends are drawn to within the width of the beam.
             ObjectExtent::Drawn { .. } => BEAM_RAD * seen.slant_m(),
             ObjectExtent::Found | ObjectExtent::Point => PART_SIGMA * length_m.max(0.0),
         };
@@ -148,18 +149,18 @@ impl<'a> Placer<'a> {
         })
     }
 
-    /// Height of the transducer above the bottom over the pings of a box.
+    /// Returns the height of the transducer above the bottom over the pings of a box.
     fn altitude_m(&self, mark: &Mark) -> Option<f64> {
         self.altitude_over_m(mark.side, mark.pings.clone())
     }
 
-    /// Height of the transducer above the bottom over some pings, as seen to one side.
+    /// Returns the height of the transducer above the bottom over some pings, for one side.
     pub(super) fn altitude_over_m(&self, side: Side, pings: Range<usize>) -> Option<f64> {
         altitude_m(self.survey, self.returns, self.calibration, self.range_factor, side, pings)
     }
 
-    /// Height of the transducer above the bottom where that has a slant range, from that under the
-    /// boat.
+    /// Returns the height of the transducer above the bottom at a slant range, given the height
+    /// above the bottom under the boat.
     pub(super) fn altitude_at_m(
         &self,
         side: Side,
@@ -171,41 +172,42 @@ impl<'a> Placer<'a> {
         altitude_m + across.deeper_m(across.ground_m(altitude_m, range_m))
     }
 
-    /// The bottom to one side of a ping.
+    /// Returns the shape of the bottom to one side of a ping.
     pub(super) fn across(&self, side: Side, ping: usize) -> AcrossTrack {
         let relief = self.relief;
         relief.map_or(AcrossTrack::LEVEL, |relief| relief.across(side, ping))
     }
 
-    /// Slant range by the calibration in force of one on the recorder's scale, metres.
+    /// Converts a slant range in the recorder's scale to one by the current calibration, metres.
     pub(super) fn calibrated_m(&self, span: &SideSpan, recorded_m: f64) -> f64 {
         let sample = span.sample_at(recorded_m);
         self.calibration.range_m(span, sample).max(0.0) * self.range_factor
     }
 
-    /// The place so far across the track from the boat at a ping, metres east and north.
+    /// Returns the place at a distance across the track from the boat at a ping, metres east and
+    /// north.
     pub(super) fn abeam(&self, side: Side, ping: usize, ground_m: f64) -> Option<[f64; 2]> {
         let place = self.navigation.pings.get(ping)?.abeam(side, ground_m)?;
         (place.iter().all(|metres| metres.is_finite())).then_some(place)
     }
 
-    /// The recording.
+    /// Returns the survey.
     pub(super) fn survey(&self) -> &'a Survey {
         self.survey
     }
 
-    /// Place and heading of the boat at a ping.
+    /// Returns the place and heading of the boat at a ping.
     pub(super) fn boat_at(&self, ping: usize) -> Option<&PingNav> {
         self.navigation.pings.get(ping)
     }
 
-    /// The span of a ping on one side.
+    /// Returns the span of a ping on one side.
     pub(super) fn span(&self, side: Side, ping: usize) -> Option<&'a SideSpan> {
         self.survey.span(ping, side)
     }
 
-    /// Echo and shadow of a box: as the analyst has set them, or as they are found; `None` of a
-    /// point.
+    /// Returns echo and shadow of a box, as the analyst has set them or as they are found; `None`
+    /// for a point.
     fn parts(
         &self,
         mark: &Mark,
@@ -241,15 +243,15 @@ impl<'a> Placer<'a> {
         }
         let is_drawn = extent.border_m().is_some();
         let large = echo::is_large(mark, self.sailed_over_m(mark));
-        // The box begins where the echo does, and holds more shadow than echo. Of the echo itself
-        // often one face is bright.
+        // The box begins where the echo begins, and holds more shadow than echo. Often only one
+        // face of the object is bright in the echo.
         let shadow_m = found.and_then(|found| found.shadow_m);
         let far_m = match (&found, shadow_m) {
             (_, Some([start_m, _])) => start_m,
             (Some(found), None) => found.echo_m[1],
             (None, None) => mark.near_m + (mark.far_m - mark.near_m) / 3.0,
         };
-        // NaN stays NaN.
+        // A range of NaN (no end of the shadow) stays NaN.
         let end =
             |recorded_m: f64| if recorded_m.is_nan() { recorded_m } else { calibrated(recorded_m) };
         let longest = found.and_then(|found| found.longest);
@@ -260,7 +262,8 @@ impl<'a> Placer<'a> {
             near_m: calibrated(mark.near_m),
             far_m: calibrated(far_m),
             box_end_m: calibrated(mark.far_m),
-            // A shadow ends the echo, or whoever drew the edges or the box of a large object did.
+            // The echo ends at a shadow, or where someone drew the edges or the box of a large
+            // object.
             bounded: large || is_drawn || shadow_m.is_some(),
             edge_sigma_m: if is_drawn { DRAWN_SIGMA_M } else { EDGE_SIGMA_M },
             longest: longest.map(|shadow| {
@@ -277,7 +280,7 @@ impl<'a> Placer<'a> {
         }
     }
 
-    /// Returns the measurements with a measured shadow in place of the one in the box.
+    /// Replaces the shadow of the box by a measured one.
     fn with_shadow(
         &self,
         seen: MeasuredObject,
@@ -298,7 +301,7 @@ impl<'a> Placer<'a> {
         }
     }
 
-    /// Distance sailed up to each ping, metres.
+    /// Returns the distance sailed up to each ping, metres.
     fn sailed_m(&self) -> &[f64] {
         self.sailed_m.get_or_init(|| {
             let (mut sum_m, mut last): (f64, Option<[f64; 2]>) = (0.0, None);
@@ -315,14 +318,14 @@ impl<'a> Placer<'a> {
         })
     }
 
-    /// Distance that the boat sailed over a box, metres.
+    /// Returns the distance that the boat sailed over a box, metres.
     fn sailed_over_m(&self, mark: &Mark) -> f64 {
         let at_m = |ping: usize| self.sailed_m().get(ping).copied().unwrap_or(f64::NAN);
         at_m(mark.pings.end.saturating_sub(1)) - at_m(mark.pings.start)
     }
 
-    /// The ping in the middle of a box: half of the way over it. Over a long one the boat sails now
-    /// faster, now slower.
+    /// Returns the ping in the middle of a box by distance sailed: over a long box, the speed of
+    /// the boat changes.
     fn middle(&self, mark: &Mark) -> usize {
         let count = usize::midpoint(mark.pings.start, mark.pings.end);
         let (first, last) = (mark.pings.start, mark.pings.end.saturating_sub(1));
@@ -339,7 +342,8 @@ impl<'a> Placer<'a> {
         }
     }
 
-    /// The boat half of the way over a box, between two pings where that lies there.
+    /// Returns the place and heading of the boat in the middle of a box by distance sailed,
+    /// interpolated between two pings.
     fn boat(&self, mark: &Mark) -> Option<PingNav> {
         let behind_ping = self.middle(mark).min(mark.pings.end.checked_sub(1)?);
         let before_ping = behind_ping.saturating_sub(1).max(mark.pings.start);
@@ -358,9 +362,9 @@ impl<'a> Placer<'a> {
         })
     }
 
-    /// ObjectExtent along the track where the object lies, with the beam's width there taken off
-    /// (as widths of two blurs are). In a turn the beam sweeps slower or faster there than the boat
-    /// sails.
+    /// Returns the extent along the track at the distance of the object, less the beam's width
+    /// there (widths of two blurs are subtracted as squares). In a turn, the beam sweeps slower or
+    /// faster there than the boat sails.
     fn length_m(&self, mark: &Mark, slant_m: f64, ground_m: f64) -> f64 {
         let abeam = |ping: usize| {
             let boat = self.navigation.pings.get(ping)?;
@@ -371,7 +375,8 @@ impl<'a> Placer<'a> {
             return f64::NAN;
         };
         let swept_m = f64::hypot(to_east - from_east, to_north - from_north);
-        // From the middle of the first ping to that of the last is one ping too little.
+        // The distance from the middle of the first ping to the middle of the last is one ping too
+        // short.
         let count = mark.pings.len() as f64;
         let spacing_m = swept_m / (count - 1.0).max(1.0);
         let whole_m = swept_m + spacing_m;
@@ -380,10 +385,10 @@ impl<'a> Placer<'a> {
     }
 }
 
-/// Median over some pings of the bottom edits on a side, else of the recorded depths where the
-/// recorder had the bottom, else of the first returns on that side: who draws the bottom sees what
-/// the recorder took for it. Metres, times `range_factor`; `None` where nothing is known of the
-/// bottom.
+/// Returns the altitude over some pings on a side, metres, times `range_factor`; `None` if no ping
+/// has a known bottom. The altitude is the median of the bottom edits; without edits, of the
+/// recorded depths where the recorder had bottom lock; without these, of the first returns on this
+/// side. Edits come first, because an analyst who draws the bottom sees the recorder's own.
 fn altitude_m(
     survey: &Survey,
     returns: &FirstReturns,
@@ -414,13 +419,13 @@ fn altitude_m(
     (altitude_m > 0.0).then_some(altitude_m)
 }
 
-/// Standard deviation of the heading over some pings, radians: in a turn the line that is fitted to
-/// the fixes lags behind.
+/// Returns the standard deviation of the heading over some pings, radians: in a turn, the line that
+/// is fitted to the fixes lags behind.
 pub(super) fn heading_sigma_rad(navigation: &Navigation, pings: &Range<usize>) -> f64 {
     HEADING_SIGMA_RAD.hypot(TURN_SIGMA * turn_rad(navigation, pings))
 }
 
-/// Change of the heading around some pings, 0 to pi; 0 where it is not known.
+/// Returns the change of the heading around some pings, radians, 0 to pi; 0 if it is not known.
 fn turn_rad(navigation: &Navigation, pings: &Range<usize>) -> f64 {
     let heading = |ping: usize| navigation.pings.get(ping).map(|place| place.heading_rad);
     let last = navigation.pings.len().saturating_sub(1);

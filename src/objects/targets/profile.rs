@@ -1,16 +1,17 @@
-//! Levels by slant range in some pings of one side, and the bright and the dark run of them.
+//! Computes levels by slant range in some pings of one side, and finds their bright and their dark
+//! run.
 
 use crate::Mark;
 use bathyscope_log::support::statistics::median;
 use bathyscope_log::survey::{Side, Survey};
 use std::ops::Range;
 
-/// Pings to each side of the box that the background is taken from, and those next to it that are
-/// left out.
+/// Number of pings on each side of the box from which the background is computed, and number of
+/// pings next to the box that are left out.
 const NEIGHBOUR_PINGS: usize = 24;
 const APART: usize = 2;
 
-/// Equal steps of slant range on one side.
+/// Equal steps of slant range on one side of the survey.
 pub(super) struct RangeSteps {
     pub(super) side: Side,
     pub(super) from_m: f64,
@@ -19,7 +20,7 @@ pub(super) struct RangeSteps {
 }
 
 impl RangeSteps {
-    /// Mean level of some pings at each step; `None` where none of them was recorded.
+    /// Returns the mean level of some pings at each step; `None` if none of the pings was recorded.
     pub(super) fn profile(&self, survey: &Survey, pings: Range<usize>) -> Option<Vec<f64>> {
         let mut sums = vec![0.0; self.steps];
         let mut count = 0.0;
@@ -45,7 +46,7 @@ impl RangeSteps {
         (count > 0.0).then(|| sums.iter().map(|sum| sum / count).collect())
     }
 
-    /// Pings before and behind a box, that the background is taken from.
+    /// Returns the pings before and behind a box from which the background is computed.
     pub(super) fn beside(survey: &Survey, mark: &Mark) -> [Range<usize>; 2] {
         let before = mark.pings.start.saturating_sub(APART);
         let behind = (mark.pings.end + APART).min(survey.side_scan.len());
@@ -55,7 +56,8 @@ impl RangeSteps {
         ]
     }
 
-    /// Returns the levels on the pings before and behind the box; `None` where there are none.
+    /// Returns the levels of the background; `None` if no ping before or behind the box was
+    /// recorded.
     pub(super) fn background(&self, survey: &Survey, mark: &Mark) -> Option<BackgroundLevels> {
         let pings = Self::beside(survey, mark);
         let both: Vec<Vec<f64>> =
@@ -83,7 +85,8 @@ impl RangeSteps {
         Some(BackgroundLevels { speckle: median(&mut swings), levels })
     }
 
-    /// Standard deviation of one ping's samples about its own mean level over the background.
+    /// Returns the standard deviation of one ping's samples about its own mean level above the
+    /// background.
     fn swing(&self, survey: &Survey, ping: usize, levels: &[f64]) -> Option<f64> {
         let span = survey.span(ping, self.side)?;
         let samples = survey.samples(ping, self.side)?;
@@ -100,23 +103,23 @@ impl RangeSteps {
     }
 }
 
-/// Levels on the pings next to a box.
+/// Levels of the background of a box.
 pub(super) struct BackgroundLevels {
     /// Mean level at each step, smoothed over range.
     pub(super) levels: Vec<f64>,
-    /// Standard deviation of single samples about it; NaN where it is not known.
+    /// Standard deviation of single samples about the mean level; NaN if it is not known.
     pub(super) speckle: f64,
 }
 
-/// The bright and the dark run of a profile.
+/// The bright run of a profile and the dark run behind it, in steps.
 pub(super) struct Runs {
     pub(super) echo: Range<usize>,
     pub(super) shadow: Option<Range<usize>>,
 }
 
-/// The bright run, and the dark run that begins at most `gap` steps behind it, that explain most: a
-/// run of `n` steps that sums to `s` takes `s^2 / n` off the squares. `None` where nothing is
-/// bright.
+/// Returns the bright run and the dark run behind it, which begins at most `gap` steps later, that
+/// together explain most: a run of `n` steps with the sum `s` reduces the sum of squares by `s^2 /
+/// n`. `None` if nothing is brighter than the background.
 pub(super) fn runs(contrast: &[f64], gap: usize) -> Option<Runs> {
     let count = contrast.len();
     let mut sums = vec![0.0; count + 1];
@@ -152,14 +155,15 @@ pub(super) fn runs(contrast: &[f64], gap: usize) -> Option<Runs> {
     })
 }
 
-/// Returns the reduction of the sum of squares by a run; 0 where it is no brighter than the
+/// Returns the reduction of the sum of squares by a run; 0 if the run is no brighter than the
 /// background.
 pub(super) fn gain(run: &[f64]) -> f64 {
     let sum: f64 = run.iter().sum();
     if sum > 0.0 { sum * sum / run.len() as f64 } else { 0.0 }
 }
 
-/// Returns the largest reduction of the sum of squares by a bright run; 0 where nothing is bright.
+/// Returns the largest reduction of the sum of squares by a bright run; 0 if nothing is brighter
+/// than the background.
 pub(super) fn brightest(contrast: &[f64]) -> f64 {
     let starts = 0..contrast.len();
     let runs = starts.flat_map(|start| (start + 1..=contrast.len()).map(move |end| start..end));

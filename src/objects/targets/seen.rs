@@ -1,62 +1,63 @@
-//! Measures an object across the track, with standard deviations.
+//! Measures an object across the track, and computes the standard deviations.
 //!
-//! With the height `V` of the transducer above the bottom where the object lies and a slant range
-//! `r`, a point of the bottom lies `sqrt(r^2 - V^2)` across-track, and one that stands `h` above it
-//! `sqrt(r^2 - (V - h)^2)`. A shadow from `r_t` (the far edge of the top) to `r_e` tells `h = H
-//! (r_e - r_t) / r_e` with the altitude `H` under the boat, on a level bottom and on one that
-//! slopes evenly.
+//! With the height `V` of the transducer above the bottom at the object and a slant range `r`, a
+//! point of the bottom is `sqrt(r^2 - V^2)` across-track, and a point at height `h` above the
+//! bottom is `sqrt(r^2 - (V - h)^2)` across-track. From a shadow from `r_t` (the far edge of the
+//! top) to `r_e` follows `h = H (r_e - r_t) / r_e` with the altitude `H` under the boat, on a level
+//! bottom and on one that slopes evenly.
 
 use super::echo::Shadow;
 
 /// Standard deviation of an edge in range, metres: a pulse is 2 to 5 cm long, and edges are
 /// rounded.
 pub(super) const EDGE_SIGMA_M: f64 = 0.05;
-/// The same of an edge that is drawn by hand: the eye puts it within about another 5 cm, the side
-/// of a speckle.
+/// Standard deviation of an edge that is drawn by hand, metres: the eye adds about another 5 cm,
+/// the size of a speckle.
 pub(super) const DRAWN_SIGMA_M: f64 = 0.07;
-/// Standard deviation of the altitude at the object: the bottom is not flat. A share of the
-/// altitude.
+/// Standard deviation of the altitude at the object, as a share of the altitude: the bottom is not
+/// flat.
 pub(super) const ALTITUDE_SIGMA: f64 = 0.05;
-/// Slope of the bottom between the object and the end of its shadow, standard deviation: 2 degrees.
+/// Standard deviation of the slope of the bottom between the object and the end of its shadow: 2
+/// degrees.
 pub(super) const SLOPE_SIGMA: f64 = 0.035;
-/// Share of the echo's extent by which its middle may be off where no shadow ends it, and the
-/// extent assumed then at least, metres.
+/// Standard deviation of the middle of an echo that no shadow ends, as a share of its extent; and
+/// the least extent that is then assumed, metres.
 const LOOSE_SIGMA: f64 = 0.25;
 const USUAL_WIDTH_M: f64 = 0.6;
-/// Height that an object without a shadow may well have, metres. Far out it matters little; near
-/// the boat the echo of its top comes from much farther out than the bottom at the same range.
+/// Height that an object without a shadow may have, metres. It matters little at long range; near
+/// the boat, a top at some slant range is much farther out than the bottom at the same slant range.
 const USUAL_HEIGHT_M: f64 = 0.3;
-/// Least share of the slant range that the ground range counts with: steeper, and a shadow tells
-/// nothing.
+/// Least ground range that is used, as a share of the slant range: below it, a shadow gives no
+/// height.
 const STEEPEST: f64 = 0.2;
-/// Share of an extent by which the middle of the echo may be off that of the object.
+/// Standard deviation of the middle of the echo about that of the object, as a share of the extent.
 pub(super) const PART_SIGMA: f64 = 0.15;
 
-/// Measurements of an object, by the calibration in force. Slant ranges and heights in metres.
+/// Measurements of an object by the current calibration. Slant ranges and heights in metres.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MeasuredObject {
     /// Height of the transducer above the bottom under the boat.
     pub(super) altitude_m: f64,
-    /// And above that where the object lies.
+    /// Height of the transducer above the bottom at the object.
     pub(super) altitude_there_m: f64,
     /// Near edge of the echo.
     pub(super) near_m: f64,
-    /// Far edge of the echo: where the shadow starts, or the end of what is bright.
+    /// Far edge of the echo: where the shadow starts, or the end of the bright run.
     pub(super) far_m: f64,
-    /// A shadow ends it.
+    /// True if a shadow, or an edge drawn by hand, ends the echo.
     pub(super) bounded: bool,
-    /// Far edge of the box, which whoever drew it took for the end of the shadow.
+    /// Far edge of the box, which was drawn as the end of the shadow.
     pub(super) box_end_m: f64,
     /// Standard deviation of an edge in range.
     pub(super) edge_sigma_m: f64,
-    /// The longest shadow.
+    /// Longest shadow; `None` without a shadow.
     pub(super) longest: Option<Shadow>,
     /// Standard deviation of the shadows of neighbouring pings, as shares of the altitude.
     pub(super) spread: f64,
 }
 
 impl MeasuredObject {
-    /// A place without size.
+    /// Creates the measurements of a point, which has no size.
     pub(super) fn point([altitude_m, altitude_there_m]: [f64; 2], range_m: f64) -> Self {
         Self {
             altitude_m,
@@ -71,37 +72,37 @@ impl MeasuredObject {
         }
     }
 
-    /// Start and end of the longest shadow; NaN where there is none.
+    /// Returns start and end of the longest shadow; NaN without a shadow.
     pub(super) fn shadow_m(&self) -> [f64; 2] {
         let shadow = self.longest.map(|shadow| [shadow.start_m, shadow.end_m]);
         shadow.unwrap_or([f64::NAN; 2])
     }
 
-    /// Slant range of the middle of the echo.
+    /// Returns the slant range of the middle of the echo.
     pub(super) fn slant_m(&self) -> f64 {
         0.5 * (self.near_m + self.far_m)
     }
 
-    /// Height above the bottom; NaN without a shadow that ends.
+    /// Returns the height above the bottom; NaN without a shadow that ends.
     pub(super) fn height_m(&self) -> f64 {
         self.longest.map_or(f64::NAN, |shadow| {
             self.altitude_m * (shadow.end_m - shadow.start_m) / shadow.end_m
         })
     }
 
-    /// Standard deviation of the height: of both ends of the shadow, of the altitude, of the slope,
-    /// of the shape, and of how the shadows of neighbouring pings differ.
+    /// Returns the standard deviation of the height, due to both ends of the shadow, the altitude,
+    /// the slope, the shape, and the differences between the shadows of neighbouring pings.
     ///
-    /// The shadow starts somewhere between what is bright and what is dark, and its end is off by
-    /// half of what it differs from the box's. The last ray over a round top touches its far flank:
-    /// of a half ball that lies `ground / slant` as high as the top, of a flat top as high. Which
-    /// it is is not known; under the boat, where the ray comes from above, that is most of the
-    /// height.
+    /// The shadow starts somewhere between the bright run and the dark run. The deviation of its
+    /// end includes half of the difference between its end and that of the box. The last ray over a
+    /// round top touches its far flank: on a half ball, this is at `ground / slant` of the height
+    /// of the top; on a flat top, at the full height. The shape of the top is not known; under the
+    /// boat, where the ray comes from above, this makes most of the height uncertain.
     pub(super) fn height_sigma_m(&self) -> f64 {
         self.longest.map_or(f64::NAN, |shadow| {
             let Shadow { bright_end_m, start_m, end_m } = shadow;
             let height_m = self.height_m();
-            // Of evenly spread ones the standard deviation is the width over the root of 12.
+            // The standard deviation of an even distribution is its width over the root of 12.
             let start_sigma_m = self.edge_sigma_m.hypot((start_m - bright_end_m) / 12f64.sqrt());
             let end_sigma_m = self.edge_sigma_m.hypot(0.5 * (self.box_end_m - end_m));
             let start = self.altitude_m / end_m * start_sigma_m;
@@ -121,20 +122,21 @@ impl MeasuredObject {
         })
     }
 
-    /// ObjectExtent across the track on the bottom.
+    /// Returns the extent across the track on the bottom.
     pub(super) fn width_m(&self) -> f64 {
         let [near_m, far_m] = self.ground_m(self.raised_m());
         far_m - near_m
     }
 
-    /// Distance from the track to the middle of the object.
+    /// Returns the distance from the track to the middle of the object.
     pub(super) fn middle_m(&self) -> f64 {
         self.middle_raised_m(self.raised_m())
     }
 
-    /// Standard deviation of [`MeasuredObject::middle_m`]: how far the middle moves when the edges
-    /// in range, the altitude and the height change by theirs. That is far under the boat and
-    /// little at long range, as `d ground / d slant = slant / ground`.
+    /// Returns the standard deviation of [`MeasuredObject::middle_m`]: how far the middle moves
+    /// when the edges in range, the altitude and the height change by their standard deviations.
+    /// The middle moves far under the boat and little at long range, as `d ground / d slant = slant
+    /// / ground`.
     pub(super) fn across_sigma_m(&self) -> f64 {
         let here_m = self.middle_m();
         let moved = |change: &dyn Fn(f64) -> f64| {
@@ -176,16 +178,16 @@ impl MeasuredObject {
         if height_m.is_nan() { 0.0 } else { height_m }
     }
 
-    /// Distances of both edges from the track, of an object so high.
+    /// Returns the distances of both edges from the track, for an object of a height, metres.
     fn ground_m(&self, raised_m: f64) -> [f64; 2] {
         let below_m = (self.altitude_there_m - raised_m).max(0.0);
         [self.near_m, self.far_m]
             .map(|range_m| (range_m * range_m - below_m * below_m).max(0.0).sqrt())
     }
 
-    /// Returns the distance from the track to the middle of an object of a height, metres. Where no
-    /// shadow shows the far edge, a bright near face may be all that is seen: the object then
-    /// counts as of the usual width at least.
+    /// Returns the distance from the track to the middle of an object of a height, metres. If no
+    /// shadow shows the far edge, possibly only a bright near face is visible: the object then
+    /// counts as having at least the usual width.
     fn middle_raised_m(&self, raised_m: f64) -> f64 {
         let [near_m, far_m] = self.ground_m(raised_m);
         let width_m =
@@ -198,8 +200,8 @@ impl MeasuredObject {
 mod tests {
     use super::*;
 
-    /// A block 0.5 m high from `ground_m` across-track on, 0.6 m wide, 2.5 m below the transducer;
-    /// with its shadow.
+    /// Creates a block 0.5 m high and 0.6 m wide, from `ground_m` across-track on, on a bottom 2.5
+    /// m below the transducer, with its shadow.
     fn block(ground_m: f64) -> MeasuredObject {
         let back_m = ground_m + 0.6;
         let shadow_end_m = back_m * 2.5 / 2.0;
@@ -235,12 +237,12 @@ mod tests {
         assert!(below.height_sigma_m() > 2.0 * beside.height_sigma_m());
         let mut other = beside;
         other.box_end_m += 0.6;
-        // Half of 0.6 m, times H start / end^2.
+        // Half of 0.6 m, times `H start / end^2`.
         let Shadow { start_m, end_m, .. } = beside.longest.expect("a shadow");
         let more_m = 0.3 * 2.5 * start_m / (end_m * end_m);
         let expected_m = beside.height_sigma_m().hypot(more_m);
         assert!((other.height_sigma_m() - expected_m).abs() < 1e-9);
-        // Without a shadow its height and its far edge are guesses.
+        // Without a shadow, the height and the far edge of the object are guesses.
         other.longest = None;
         other.bounded = false;
         assert!(other.height_m().is_nan() && other.height_sigma_m().is_nan());
@@ -253,7 +255,7 @@ mod tests {
         assert!((point.middle_m() - 4.0).abs() < 1e-12);
         assert!(point.height_m().is_nan() && point.shadow_m()[0].is_nan());
         assert!(point.across_sigma_m() > 0.0);
-        // Nearer to the boat the same slant range says less of the place.
+        // Nearer to the boat, the same slant range determines the place less well.
         assert!(MeasuredObject::point([3.0; 2], 3.2).across_sigma_m() > point.across_sigma_m());
     }
 

@@ -1,11 +1,11 @@
-//! Height of what casts a shadow that the analyst measures on one ping.
+//! Computes the height of the object that casts a shadow which the analyst measures on one ping.
 
 use super::place::{Placer, reach_m};
 use super::seen::{ALTITUDE_SIGMA, EDGE_SIGMA_M, SLOPE_SIGMA};
 use bathyscope_log::survey::Side;
 
-/// Pings to either side of the measured one that the altitude is the median of: a fish or a lost
-/// pick must not change the height.
+/// Number of pings to either side of the measured one over which the altitude is the median: a fish
+/// or a lost pick must not change the height.
 const ALTITUDE_PINGS: usize = 6;
 
 /// A shadow across one ping, and the height that follows from it: `h = H (r_e - r_t) / r_e`, exact
@@ -20,8 +20,8 @@ pub struct ShadowHeight {
     pub end_m: f64,
     /// Slant range of one sample, metres.
     pub sample_m: f64,
-    /// The shadow was measured to the last sample of the ping and may go on: the height is the
-    /// least that it can be.
+    /// True if the shadow was measured to the last sample of the ping and may continue: the height
+    /// is then a lower limit.
     pub is_least: bool,
 }
 
@@ -34,25 +34,25 @@ pub enum ShadowError {
     /// Neither a depth nor a first return is known near the ping.
     #[error("the altitude of the transducer is not known there: draw the bottom (M)")]
     NoAltitude,
-    /// The shadow ends nearer than the bottom, in the water.
+    /// The shadow ends nearer than the bottom, in the water column.
     #[error("the shadow ends in the water column: its end lies on the bottom")]
     InWater,
-    /// Both ends are one.
+    /// Both ends of the shadow are at the same range.
     #[error("the shadow has no length")]
     NoLength,
 }
 
 impl ShadowHeight {
-    /// Height above the bottom, `h`, metres.
+    /// Returns the height above the bottom, `h`, metres.
     pub fn height_m(&self) -> f64 {
         self.altitude_m * (self.end_m - self.top_m) / self.end_m
     }
 
-    /// Standard deviation of the height, metres: both ends of the shadow to the width of a pulse
-    /// and a sample, an altitude that is off by 5 %, and a bottom that slopes by 2 degrees between
-    /// the object and the end of its shadow.
+    /// Returns the standard deviation of the height, metres, due to both ends of the shadow (the
+    /// width of a pulse and a sample), an altitude error of 5 %, and a bottom that slopes by 2
+    /// degrees between the object and the end of its shadow.
     pub fn sigma_m(&self) -> f64 {
-        // Of evenly spread ones the standard deviation is the width over the root of 12.
+        // The standard deviation of an even distribution is its width over the root of 12.
         let edge_sigma_m = EDGE_SIGMA_M.hypot(self.sample_m / 12f64.sqrt());
         let top = self.altitude_m / self.end_m * edge_sigma_m;
         let end = self.altitude_m * self.top_m / (self.end_m * self.end_m) * edge_sigma_m;
@@ -60,8 +60,8 @@ impl ShadowHeight {
         top.hypot(end).hypot(ALTITUDE_SIGMA * self.height_m()).hypot(SLOPE_SIGMA * (end_m - top_m))
     }
 
-    /// Distances from the track, on a level bottom, of the object's top and of the shadow's end,
-    /// metres.
+    /// Returns the distances from the track, on a level bottom, of the object's top and of the
+    /// shadow's end, metres.
     pub fn ground_m(&self) -> [f64; 2] {
         let below_m = self.altitude_m - self.height_m();
         let across_m =
@@ -71,9 +71,9 @@ impl ShadowHeight {
 }
 
 impl Placer<'_> {
-    /// Returns the place on the bottom of a place of the side-scan, metres east and north; the
-    /// slant range is on the recorder's scale. `None` where the boat has no position or heading, or
-    /// nothing was recorded. In the water column the place is the boat's.
+    /// Converts a ping and a slant range in the recorder's scale to a place on the bottom, metres
+    /// east and north. `None` if the boat has no position or heading, or the side was not recorded.
+    /// In the water column, the place is that of the boat.
     pub fn ground(&self, side: Side, ping: usize, recorded_m: f64) -> Option<[f64; 2]> {
         let slant_m = self.calibrated_m(self.span(side, ping)?, recorded_m);
         let near = ping.saturating_sub(ALTITUDE_PINGS)..ping + ALTITUDE_PINGS + 1;
@@ -82,11 +82,11 @@ impl Placer<'_> {
         self.abeam(side, ping, ground_m)
     }
 
-    /// The height of what casts a shadow between two slant ranges of a ping, given on the
-    /// recorder's scale in either order.
+    /// Computes the height of the object that casts a shadow between two slant ranges of a ping,
+    /// given in the recorder's scale in either order.
     ///
     /// # Errors
-    /// Where no height follows: see [`ShadowError`].
+    /// When no height follows from the shadow: see [`ShadowError`].
     pub fn shadow_height(
         &self,
         side: Side,
@@ -123,8 +123,8 @@ impl Placer<'_> {
 mod tests {
     use super::*;
 
-    /// `H`, ground range of the top, height; slant ranges of the top and of the shadow's end: the
-    /// golden values of the field's formula, from the geometry.
+    /// `H`, ground range of the top, height; slant ranges of the top and of the shadow's end:
+    /// golden values of the usual formula, computed from the geometry.
     const GOLDEN: [[f64; 5]; 4] = [
         [3.0, 6.0, 0.5, 6.5, 7.8],
         [3.0, 6.0, 1.0, 6.3246, 9.4868],
@@ -144,7 +144,7 @@ mod tests {
             assert!((shadow.height_m() - height_m).abs() < 5e-5, "{golden:?}");
             let [top_m, end_m] = shadow.ground_m();
             assert!((top_m - ground_m).abs() < 2e-3, "{golden:?}: {top_m}");
-            // The ground form, from the distances on the bottom.
+            // The same formula with the distances on the bottom.
             let by_ground_m = shadow.altitude_m * (end_m - top_m) / end_m;
             assert!((by_ground_m - height_m).abs() < 1e-3, "{golden:?}");
         }
@@ -153,7 +153,8 @@ mod tests {
     #[test]
     fn the_standard_deviation_holds_what_the_ends_and_the_altitude_change() {
         let here = shadow(GOLDEN[0]);
-        // 10 cm more at the end make 3.2 cm of height there, 11.6 cm less of altitude take 1.9 cm.
+        // A shadow that is 10 cm longer makes the object 3.2 cm higher, an altitude that is 11.6 cm
+        // less makes it 1.9 cm lower.
         let longer = ShadowHeight { end_m: here.end_m + 0.1, ..here };
         assert!((longer.height_m() - here.height_m() - 0.032).abs() < 5e-4);
         let lower = ShadowHeight { altitude_m: here.altitude_m - 0.116, ..here };

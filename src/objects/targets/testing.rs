@@ -1,11 +1,11 @@
-//! Targets for the unit tests of several modules.
+//! Creates targets for the unit tests of several modules.
 
 use super::Target;
 use crate::{Mark, ObjectExtent};
 use bathyscope_log::support::geo::LonLat;
 use bathyscope_log::survey::Side;
 
-/// A sighting of a boat that heads north, at the survey's origin, without a height.
+/// Creates a sighting at the survey's origin by a boat that heads north, without a height.
 pub(crate) fn target() -> Target {
     Target {
         mark: Mark::new(Side::Port, 100..105, [1.0, 2.0]),

@@ -1,4 +1,4 @@
-//! A review's boxes against the truth.
+//! Compares the boxes of a review with the truth.
 
 use super::RasterTruth;
 use crate::metrics::{AtScore, Cause, Confusion, CurvePoint, MatchCounts, Matched, MetricSettings};
@@ -6,47 +6,47 @@ use crate::review::{BoxId, Review, Reviewed};
 use crate::{NAMELESS_CLASS, Raster, Rect, Scored};
 use bathyscope_log::survey::Side;
 
-/// Boxes paired with the truth at every score: the model's, whatever was decided about them. Boxes
-/// that no model has seen have no score and are left out.
+/// Boxes of the model, paired with the truth at every score, whatever the decision about them.
+/// Boxes without a score, which no model has found, are left out.
 #[derive(Clone, Debug)]
 pub struct TruthComparison {
     on_raster: RasterTruth,
     /// Class names: those of the review, then those that only the truth has.
     classes: Vec<String>,
-    /// The two sides as pictures.
+    /// Paired boxes; the two sides are two pictures.
     pub(super) matched: Matched,
     boxes: [Vec<BoxId>; 2],
-    /// Objects that would count, had a search come to them.
+    /// Number of objects that do not count only because no search has covered their pings.
     unsearched: usize,
     curve: Vec<CurvePoint>,
     pixel_m: f64,
 }
 
-/// Mistake to examine.
+/// A mistake to examine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Mistake {
-    /// A box that found nothing.
+    /// A box that found no object.
     FalseAlarm {
-        /// The box.
+        /// Number of the box.
         id: BoxId,
-        /// Its confidence.
+        /// Score of the box.
         score: f32,
         /// Cause of the false alarm.
         cause: Cause,
-        /// Its longer side, metres.
+        /// Longer side of the box, metres.
         size_m: f64,
     },
     /// An object that no box found.
     Miss {
         /// Index into the truth's objects.
         object: usize,
-        /// The longer side of its box, metres.
+        /// Longer side of the object's box, metres.
         size_m: f64,
     },
 }
 
 impl Mistake {
-    /// Longer side of the box, metres.
+    /// Returns the longer side of the box, metres.
     pub fn size_m(&self) -> f64 {
         match self {
             Mistake::FalseAlarm { size_m, .. } | Mistake::Miss { size_m, .. } => *size_m,
@@ -54,24 +54,24 @@ impl Mistake {
     }
 }
 
-/// Result of the boxes of at least a score.
+/// Result of the comparison for the boxes of at least a score.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Standing {
-    /// The score.
+    /// Least score of the boxes.
     pub score: f32,
-    /// Found, false and missed, all classes together.
+    /// Counts of found, false and missed, all classes together.
     pub counts: MatchCounts,
-    /// Boxes by true and by proposed class, with the names in [`TruthComparison::classes`].
+    /// Boxes by true and by predicted class, with the names in [`TruthComparison::classes`].
     pub confusion: Confusion,
     /// False alarms by falling score, then misses by falling size.
     pub mistakes: Vec<Mistake>,
 }
 
 impl TruthComparison {
-    /// Pairs the boxes with the truth: Darknet's rule at IoU 0.5, in the raster's pixels, side by
-    /// side. Classes are the same when their names are; a box without a name is of the class of the
-    /// object that it lies on. Objects and boxes in pings that the review's search has not come to
-    /// are left out: nobody has missed what nobody has looked for.
+    /// Pairs the boxes with the truth, by Darknet's rule at IoU 0.5, in the raster's pixels, each
+    /// side by itself. Classes are compared by name; a box of unknown class gets the class of the
+    /// object that it overlaps most. Objects and boxes in pings that the review's searches have not
+    /// covered are left out: an object is not missed where there was no search.
     pub fn new(review: &Review, mut on_raster: RasterTruth, raster: &Raster) -> Self {
         let gaps = review.unsearched();
         let unsearched = on_raster.ignore(|whole| Review::reaches_into(&gaps, whole));
@@ -109,27 +109,27 @@ impl TruthComparison {
         }
     }
 
-    /// Class names, as the confusion counts them.
+    /// Returns the class names, in the order of the confusion's indices.
     pub fn classes(&self) -> &[String] {
         &self.classes
     }
 
-    /// Precision and recall for every score that occurs, falling.
+    /// Returns precision and recall for every score that occurs, by falling score.
     pub fn curve(&self) -> &[CurvePoint] {
         &self.curve
     }
 
-    /// The truth that boxes are compared with.
+    /// Returns the truth that boxes are compared with.
     pub fn truth(&self) -> &super::SurveyTruth {
         self.on_raster.truth()
     }
 
-    /// Objects that can be seen and do not count, because no search has come to them.
+    /// Returns the number of visible objects that do not count, because no search has covered them.
     pub fn unsearched(&self) -> usize {
         self.unsearched
     }
 
-    /// Objects that count: those that can be seen, where a search has come to.
+    /// Returns the number of objects that count: the visible ones in searched pings.
     pub fn counted(&self) -> usize {
         let all = self.on_raster.sides.iter().flatten();
         all.filter(|(one, _)| !one.ignored).count()

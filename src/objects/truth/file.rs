@@ -1,5 +1,5 @@
-//! Truth from files. What is read may come from anywhere: every number is checked before it is
-//! believed.
+//! Reads the truth from files. A file may be of unknown origin, so every number in it is checked
+//! before it is used.
 
 use super::SurveyTruth;
 use crate::dataset::KnownObject;
@@ -10,47 +10,47 @@ use bathyscope_log::survey::{Identity, Side};
 use csv::StringRecord;
 use std::path::Path;
 
-/// More sightings than any survey holds.
+/// Greatest number of sightings: more than any survey holds.
 const MOST_OBJECTS: usize = 200_000;
-/// More classes than any detector of this kind knows.
+/// Greatest number of classes: more than any detector of this kind has.
 const MOST_CLASSES: usize = 1_000;
 
 /// Reason why a file does not describe the open survey, in a sentence without the path.
 #[derive(Debug, thiserror::Error)]
 pub enum TruthError {
-    /// It is a review, and none of this log.
+    /// The file is a review that cannot be read, or a review of another log.
     #[error(transparent)]
     Review(#[from] ReviewError),
-    /// It is no CSV.
+    /// The file is no valid CSV.
     #[error("the table of objects is broken: {0}")]
     NotATable(#[from] csv::Error),
-    /// It has no column of this name.
+    /// The table has no column of this name.
     #[error(
         "there is no column `{0}`; truth is a table of objects as `bathyscope simulate` writes it, or a review"
     )]
     NoColumn(&'static str),
-    /// A line is no sighting.
+    /// A line is no valid sighting.
     #[error("cannot use line {line}: {what}")]
     Line {
-        /// Counted from 1.
+        /// Number of the line, from 1.
         line: usize,
         /// The fault.
         #[source]
         what: SightingFault,
     },
-    /// It has more lines or kinds than any survey.
+    /// The table has more lines or kinds than any survey.
     #[error("at most {MOST_OBJECTS} sightings of {MOST_CLASSES} kinds are read")]
     TooMany,
 }
 
-/// Reason why a file cannot be used as the truth about the open survey, in a sentence that ends
-/// with the file.
+/// Reason why a file cannot be used as the truth about the open survey; its text ends with the
+/// path.
 #[derive(Debug, thiserror::Error)]
 pub enum TruthFileError {
-    /// It cannot be read.
+    /// The file cannot be read.
     #[error(transparent)]
     Unreadable(#[from] ReviewError),
-    /// It does not describe the survey.
+    /// The file does not describe the survey.
     #[error(transparent)]
     Unusable(#[from] FileError<TruthError>),
 }
@@ -58,7 +58,7 @@ pub enum TruthFileError {
 /// Fault of a sighting of an object.
 #[derive(Debug, thiserror::Error)]
 pub enum SightingFault {
-    /// A field holds something else.
+    /// A field has a value of the wrong kind.
     #[error("`{text}` is no {needed}")]
     Field {
         /// Text of the field.
@@ -66,18 +66,18 @@ pub enum SightingFault {
         /// Kind of value that is needed.
         needed: &'static str,
     },
-    /// It lies at a ping that the log does not have.
+    /// The sighting is on a ping that the log does not have.
     #[error("ping {ping} is beyond the {pings} of the open log; this is the truth of another")]
     Beyond {
-        /// Its last ping.
+        /// Last ping of the sighting.
         ping: usize,
-        /// Pings of the log.
+        /// Number of pings of the log.
         pings: usize,
     },
-    /// It ends before it begins.
+    /// The last ping is before the first, or the far edge is not beyond the near edge.
     #[error("the object is inside out")]
     InsideOut,
-    /// It does not say whether it shows.
+    /// The field `shown` is neither 0 nor 1.
     #[error("`{0}` in `shown` is neither 0 nor 1")]
     Shown(String),
 }
@@ -92,11 +92,12 @@ impl SurveyTruth {
         Ok(Self::parse(&text, of).map_err(FileError::at(path))?)
     }
 
-    /// Reads the table of objects that `bathyscope simulate` writes, or the review of the log `of`
+    /// Parses the table of objects that `bathyscope simulate` writes, or the review of the log `of`
     /// (its accepted and added boxes).
     ///
     /// # Errors
-    /// When the text is neither, when a line makes no sense, or when it belongs to another log.
+    /// When the text is neither of the two, when a line is invalid, or when it belongs to another
+    /// log.
     pub fn parse(text: &str, of: &Identity) -> Result<Self, TruthError> {
         if text.trim_start().starts_with('{') {
             return Ok(Self::from_review(&Review::from_json(text, of)?));
@@ -104,9 +105,9 @@ impl SurveyTruth {
         from_table(text, of.pings)
     }
 
-    /// The accepted and added boxes of a review, without its points.
+    /// Creates the truth from the accepted and added boxes of a review, without its points.
     pub(crate) fn from_review(review: &Review) -> Self {
-        // Of a point nobody knows the box.
+        // The box around the object at a point is unknown.
         let objects = (review.boxes())
             .filter(|one| one.state.is_object() && one.extent != ObjectExtent::Point);
         Self {
@@ -124,11 +125,12 @@ impl SurveyTruth {
     }
 }
 
-/// Columns of the table that are read.
+/// Indices of the columns of the table that are read.
 struct Columns {
     kind: usize,
     side: usize,
-    /// First ping, last ping, near and far edge of the box around what is shown of echo and shadow.
+    /// First ping, last ping, near and far edge of the box around the visible part of echo and
+    /// shadow.
     whole: [usize; 4],
     shown: usize,
 }
@@ -159,7 +161,7 @@ fn from_table(text: &str, pings: usize) -> Result<SurveyTruth, TruthError> {
     let mut truth = SurveyTruth { classes: Vec::new(), objects: Vec::new(), was_seen: false };
     for (index, record) in table.records().enumerate() {
         let record = record?;
-        // An object that no pass insonified has no side.
+        // An object that no pass insonified has no side in the table.
         if record.get(columns.side).is_none_or(str::is_empty) {
             continue;
         }

@@ -1,11 +1,11 @@
-//! Known objects in a survey, and their comparison with a review's boxes.
+//! Holds known objects of a survey, and compares them with a review's boxes.
 //!
 //! In: a file of known objects, and the boxes of a review. Out: which boxes are right, and the
 //! mistakes.
 //!
-//! `file` reads it: the table of objects that `bathyscope simulate` writes, or a review of the same
-//! log by somebody who knew. [`RasterTruth`] puts it into the survey's raster and leaves out what
-//! nobody could see; `compare` pairs it with boxes.
+//! `file` reads the truth: the table of objects that `bathyscope simulate` writes, or a review of
+//! the same log by somebody who knew the objects. [`RasterTruth`] converts it to boxes in the
+//! survey's raster and ignores objects that nobody could see; `compare` pairs it with boxes.
 
 mod compare;
 mod file;
@@ -14,13 +14,14 @@ mod file;
 #[derive(Clone, Debug)]
 pub struct RasterTruth {
     truth: Arc<SurveyTruth>,
-    /// Boxes to the two sides, and which object each is.
+    /// Boxes on each of the two sides, each with the index of its object.
     sides: [Vec<(metrics::TrueBox, usize)>; 2],
 }
 
 impl RasterTruth {
-    /// Lays the objects out. Those that nobody could be asked for, by the rule by which a detector
-    /// is taught ([`KnownObject::is_plain`]), are marked to be ignored unless somebody saw them.
+    /// Converts the objects to boxes in the raster. Objects that a detector cannot be expected to
+    /// find, by the rule for training data ([`KnownObject::is_plain`]), are ignored unless a person
+    /// saw them.
     pub fn new(raster: &Raster, truth: Arc<SurveyTruth>) -> Self {
         let rasterise = |known: &KnownObject| metrics::TrueBox {
             class: known.class,
@@ -37,7 +38,8 @@ impl RasterTruth {
         Self { sides: Side::BOTH.map(on), truth }
     }
 
-    /// Leaves out some of the objects that count, by their boxes; how many.
+    /// Ignores the objects for which `is_out` is true, and returns how many of them counted until
+    /// then.
     fn ignore(&mut self, is_out: impl Fn(&Mark) -> bool) -> usize {
         let mut count = 0;
         for (on_raster, object) in self.sides.iter_mut().flatten() {
@@ -49,8 +51,8 @@ impl RasterTruth {
         count
     }
 
-    /// The two sides as pictures with nothing proposed yet. Classes are those of `classes`, the
-    /// same where their names are; those that only the truth has are added to them.
+    /// Returns the two sides as pictures without predicted boxes. Classes are indices into
+    /// `classes`, matched by name; classes that only the truth has are appended to it.
     pub fn images(&self, classes: &mut Vec<String>) -> [metrics::Image; 2] {
         let names = self.truth.classes.iter();
         let class_of: Vec<usize> = names.map(|name| class_index(classes, name)).collect();
@@ -68,7 +70,7 @@ impl RasterTruth {
         })
     }
 
-    /// The truth.
+    /// Returns the truth.
     pub fn truth(&self) -> &Arc<SurveyTruth> {
         &self.truth
     }
@@ -85,25 +87,25 @@ use super::{Mark, Raster, class_index, metrics};
 use bathyscope_log::survey::Side;
 use std::sync::Arc;
 
-/// End of the name of the table of objects that `bathyscope simulate` writes next to a log, in
-/// place of the log's own.
+/// Ending of the file name of the table of objects that `bathyscope simulate` writes next to a log;
+/// it replaces the ending of the log's name.
 pub const SIDECAR: &str = "objects.csv";
 
 /// Objects whose place in a survey is known.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SurveyTruth {
-    /// Class names that [`KnownObject::class`] means.
+    /// Class names that [`KnownObject::class`] is an index into.
     pub classes: Vec<String>,
-    /// The objects, one entry for each pass that insonified one.
+    /// Sightings of the objects: one entry for each pass that insonified an object.
     pub objects: Vec<KnownObject>,
-    /// Somebody drew the boxes because they saw something there: all of them count. Otherwise they
-    /// follow from geometry, and what does not stand out in the picture is neither to be found nor
-    /// to be missed.
+    /// True if somebody drew the boxes around what they saw: all boxes count. Otherwise the boxes
+    /// are computed from the geometry, and objects that do not stand out in the picture are
+    /// ignored.
     pub was_seen: bool,
 }
 
 impl SurveyTruth {
-    /// Name of a class; empty for an index that has none.
+    /// Returns the name of a class; empty if there is no class with this index.
     pub fn class_name(&self, class: usize) -> &str {
         self.classes.get(class).map_or("", String::as_str)
     }

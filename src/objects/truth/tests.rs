@@ -93,13 +93,13 @@ fn objects_that_nothing_shows_or_that_are_slivers_count_only_when_somebody_saw_t
     assert_eq!(rasterise(&truth), [false; 3]);
 }
 
-/// Boxes at pings 20 (right), 60 (another class), 100 (nothing there) and 20 again (looser);
-/// nothing at 140.
+/// Returns a comparison with boxes at pings 20 (right), 60 (wrong class), 100 (no object) and 20
+/// again (looser), and no box at 140.
 fn compared() -> TruthComparison {
     compared_with("tyre")
 }
 
-/// The same with the box at 60 of a class by its name.
+/// Returns the same comparison with another class name for the box at ping 60.
 fn compared_with(at_60: &str) -> TruthComparison {
     let (survey, navigation) = survey(200, |_, _| 0);
     let raster = Raster::new(&survey, &navigation, 0.04);
@@ -115,7 +115,7 @@ fn compared_with(at_60: &str) -> TruthComparison {
             .to_vec(),
         was_seen: true,
     };
-    // The model knows them by other numbers.
+    // The model's class indices differ from those of the truth.
     let mut names = vec!["tyre".to_owned(), "rock".to_owned()];
     let at_60 = class_index(&mut names, at_60);
     let found = [
@@ -177,7 +177,7 @@ fn mistakes_name_boxes_and_objects_with_their_cause_and_size() {
         })
         .collect();
     assert_eq!(misses, [1, 2], "the log and the tyre at ping 140");
-    // Ten pings of 0.2 m, 2 m of range.
+    // The boxes are ten pings of 0.2 m long, and 2 m in range.
     for mistake in &standing.mistakes {
         assert!((mistake.size_m() - 2.0).abs() < 0.03, "{mistake:?}");
     }

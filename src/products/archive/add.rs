@@ -1,4 +1,4 @@
-//! Writing the rows of a log into an archive.
+//! Writes the rows of a log into an archive.
 
 use super::echo_rows::EchoesByTile;
 use super::log_mosaic::LogMosaic;
@@ -23,20 +23,21 @@ use std::sync::Arc;
 /// Result of adding a log.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Added {
-    /// Its rows were written.
+    /// The rows of the log were written.
     Written(LogRecord),
-    /// They are there already, made from the same bytes with the same settings.
+    /// The rows are in the archive already, made from the same bytes with the same settings.
     UpToDate(LogRecord),
     /// The same bytes were added before under another name.
     Twice,
 }
 
 /// Writes the points and pings of a log and its parts of the mosaic into an archive, unless they
-/// are there. The rows of a version of it that was made otherwise go.
+/// are there. Removes the rows of an earlier version of the log that was made from other inputs or
+/// settings.
 ///
 /// # Errors
-/// When the log has no place or was cut or changed meanwhile, a file cannot be written, or the work
-/// was cancelled; what was written is then no part of the archive.
+/// When the log has no positions, its files were cut or changed meanwhile, a file cannot be
+/// written, or the work was cancelled; what was written then does not count as part of the archive.
 pub fn add(
     archive: &Archive,
     survey: &Arc<Survey>,
@@ -65,7 +66,7 @@ pub fn add(
         survey: survey.clone(),
         products: pipeline::run(survey, settings, None, progress, |_| ())?,
     };
-    // From here on its rows are those of two versions.
+    // From here on the rows of the log in the archive are a mixture of two versions.
     remove(&path)?;
     let record = write_rows(archive, &log, record, progress)?;
     survey.check_files()?;
@@ -75,7 +76,7 @@ pub fn add(
     Ok(Added::Written(record))
 }
 
-/// All that a log gives to tiles, before any of it is written.
+/// All that a log adds to the tiles of an archive, before any of it is written.
 struct LogTiles<'a> {
     log: &'a LogRows<'a>,
     points: RowsByTile,
@@ -87,7 +88,8 @@ struct LogTiles<'a> {
     made: String,
 }
 
-/// Writes all rows and parts; gives back the record with them.
+/// Writes all rows and parts of the mosaic of a log; returns the record with their numbers and
+/// files.
 fn write_rows(
     archive: &Archive,
     log: &ProcessedLog,
@@ -139,7 +141,8 @@ fn write_rows(
 }
 
 impl LogTiles<'_> {
-    /// Writes what the log gives to a tile; how many soundings of it count for maps, too.
+    /// Writes the rows and the part of the mosaic that the log has in a tile; returns their record
+    /// and the number of soundings in the tile that count for maps.
     fn write(
         &self,
         archive: &Archive,
@@ -193,7 +196,8 @@ impl LogTiles<'_> {
         Ok((rows, soundings.count()))
     }
 
-    /// Writes its part of the mosaic; how many cells show something, and the files.
+    /// Writes the log's part of the mosaic of a tile; returns the number of cells that have a
+    /// level, and the files.
     fn write_mosaic(
         &self,
         archive: &Archive,
@@ -228,7 +232,7 @@ fn write_file(
     fingerprint(archive.folder(), name, &Progress::new())
 }
 
-/// Removes rows of the log in tiles where it has none any more.
+/// Removes the files of the log in tiles where it has no rows any more.
 fn remove_others(archive: &Archive, record: &LogRecord) -> Result<(), ArchiveError> {
     let files: BTreeSet<&str> = (record.tiles.iter())
         .flat_map(|rows| rows.files.iter().map(|file| file.file.as_str()))

@@ -1,6 +1,6 @@
-//! Offsets between the logs of an archive: in height, from crossings and overlaps of their tracks
-//! within tiles; on request also in position and latency; and, by `level_factors`, in brightness of
-//! their echoes.
+//! Computes the offsets between the logs of an archive: in height, from crossings and overlaps of
+//! their tracks within tiles; on request also in position and latency; and, by `level_factors`, in
+//! brightness of their echoes.
 
 use super::ArchiveError;
 use super::level_factors::level_factors;
@@ -15,8 +15,8 @@ use bathyscope_log::support::progress::Progress;
 use bathyscope_log::support::statistics::median;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// An offset that new logs move by less than this stays as it is, metres: a log that is added must
-/// not make every map stale for a centimetre or two.
+/// Change in metres below which the known offset of a log is kept: a log that is added must not
+/// make every map stale for a centimetre or two.
 const KEPT_M: f64 = 0.02;
 
 /// Result of an adjustment.
@@ -26,19 +26,21 @@ pub struct Adjusted {
     pub offsets: Offsets,
     /// Groups of logs that are tied to each other.
     pub groups: usize,
-    /// Pairs of logs whose difference no offset of whole logs explains: their names, and what is
-    /// left of it, metres.
+    /// Pairs of logs whose difference no offset of whole logs explains: their names, and the
+    /// difference that remains, metres.
     pub contradictions: Vec<([String; 2], f64)>,
 }
 
-/// Finds the height offsets of all logs of an archive, the factors on their levels and, as far as
-/// `wanted`, how their positions are to be corrected, and writes its table. Positions that are
-/// corrected already stay so. Logs that a person has pinned keep theirs and are what the others are
-/// compared against. Without any, the mean offset of tied logs is zero when they first cross; from
-/// then on the logs that are known keep their heights, and new ones are compared with these.
+/// Computes the height offsets of all logs of an archive, the factors on their levels and, as far
+/// as `wanted`, the corrections of their positions, and writes the table of offsets. Known
+/// corrections of positions are kept where new ones differ little. Logs that a person has pinned
+/// keep their offsets, and the others are compared with them. Without a pinned log, the mean offset
+/// of tied logs is zero when they first cross; from then on known logs keep their heights, and new
+/// logs are compared with these.
 ///
 /// # Errors
-/// When rows or the table cannot be used, or the work was cancelled.
+/// When the rows of a log or the table of offsets cannot be read or written, or the work was
+/// cancelled.
 pub fn adjust(
     archive: &Archive,
     wanted: Wanted,
@@ -55,7 +57,7 @@ pub fn adjust(
     let log_overlaps = log_overlaps(archive, &logs, &shifts, progress)?;
     let solved = solve(&log_overlaps, &pinned);
     let heights_m = kept_heights(&logs, &known, &solved, &pinned);
-    // Not those that were solved with: of pinned logs among each other there are none.
+    // Counted here, because `solve` drops overlaps between two pinned logs.
     let mut ties = vec![0; logs.len()];
     for log in log_overlaps.iter().flat_map(|log_overlap| log_overlap.logs) {
         ties[log] += 1;
@@ -98,15 +100,15 @@ pub fn adjust(
     })
 }
 
-/// Groups of at least two logs.
+/// Returns the number of groups of at least two tied logs.
 fn groups(offsets: &Offsets) -> usize {
     let tied = offsets.rows().into_iter().filter(|row| row.ties > 0);
     tied.map(|row| row.group).collect::<BTreeSet<usize>>().len()
 }
 
-/// The offsets to apply: those of logs that are known already where they move by less than
-/// [`KEPT_M`], or than two standard errors. A group that no pinned log holds is moved as a whole to
-/// where the most of its known logs are.
+/// Returns the offsets to apply. A known log keeps its offset where the new one differs by less
+/// than [`KEPT_M`], or by less than two standard errors. A group without a pinned log is first
+/// moved as a whole to the height that most of its known logs have.
 fn kept_heights(
     logs: &[LogRecord],
     known: &Offsets,
@@ -140,7 +142,7 @@ fn kept_heights(
         let found = &solved.logs[log];
         let height_m = found.offset_m + shifts_m.get(&found.group).copied().unwrap_or(0.0);
         match held[log] {
-            // NaN is no maximum.
+            // `f64::max` ignores a standard error of NaN.
             Some(row)
                 if (row.offset_m - height_m).abs() <= KEPT_M.max(2.0 * found.standard_error_m) =>
             {

@@ -4,8 +4,8 @@ use super::footprint::{CoveredSamples, Footprint, SideRange};
 use bathyscope_log::support::geo::{LonLat, UtmZone};
 use bathyscope_log::support::outline::goes_around;
 
-/// Closed rings in the metres of a zone: a place is within where an odd number of them go around
-/// it, so that islands are rings too.
+/// Closed rings in the metres of a zone. A place is in the area if an odd number of rings go around
+/// it; an island is therefore a further ring.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Area {
     rings: Vec<Vec<[f64; 2]>>,
@@ -63,8 +63,8 @@ impl Area {
     }
 }
 
-/// The ends of the part of a line that lies in a rectangle: west, south, east and north (Liang and
-/// Barsky 1984).
+/// Returns the ends of the part of a line that lies in a rectangle (west, south, east and north),
+/// after Liang and Barsky 1984; `None` if no part does.
 fn inside(from: [f64; 2], to: [f64; 2], ground: [f64; 4]) -> Option<[[f64; 2]; 2]> {
     let mut shares = [0.0_f64, 1.0];
     for axis in 0..2 {
@@ -108,8 +108,8 @@ mod tests {
     #[test]
     fn the_samples_of_an_area_are_those_of_all_places_in_it() {
         let ping = ping();
-        // About the boat, beside it with an island, touching a corner of its ground, around all of
-        // it, and away from it.
+        // Areas around the boat, beside it with an island, at a corner of its footprint, around the
+        // whole footprint, and away from the footprint.
         let square = |x: f64, y: f64, half: f64| {
             closed(vec![
                 [x - half, y - half],

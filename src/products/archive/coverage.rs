@@ -31,32 +31,32 @@ pub struct PingCoverage {
     pub side: Side,
     /// Sample, slant range and distance.
     pub seen: CoveredSamples,
-    /// Seconds after the log's time zero.
+    /// Time of the ping, seconds after the log's time zero.
     pub time_s: f64,
-    /// Microseconds since 1970, UTC, where the recorder knew the time.
+    /// Time of the ping, microseconds since 1970, UTC; `None` where it is not known.
     pub unix_us: Option<i64>,
     /// True if the settings exclude the ping from every result.
     pub is_excluded: bool,
 }
 
-/// The place whose coverage is asked for.
+/// The place whose coverage is requested.
 #[derive(Clone, Copy, Debug)]
 pub enum CoverageQuery<'a> {
-    /// All ground within so many metres of a position.
+    /// All ground within a radius, metres, of a position.
     Around(LonLat, f64),
-    /// All ground within rings of corners, each named once: within an odd number of them, so that
-    /// islands are rings too.
+    /// All ground within rings of corners, each corner named once. A place is within if an odd
+    /// number of rings go around it; an island is therefore a further ring.
     Within(&'a [Vec<LonLat>]),
 }
 
-/// Place whose coverage is requested, in the metres of a zone.
+/// Place whose coverage is requested, in the metres of one zone.
 enum InZone {
     Around([f64; 2], f64),
     Within(Area),
 }
 
 impl CoverageQuery<'_> {
-    /// The zones that have ground of it, and where it is there.
+    /// Returns the zones that the place lies in, and the place in the metres of each zone.
     fn in_zones(&self) -> Vec<(UtmZone, InZone)> {
         match self {
             Self::Around(at, radius_m) => {
@@ -75,7 +75,7 @@ impl CoverageQuery<'_> {
 }
 
 impl InZone {
-    /// West, south, east and north, metres.
+    /// Returns the west, south, east and north edge of the place, metres.
     fn bounds_m(&self) -> [f64; 4] {
         match self {
             Self::Around([x, y], radius_m) => {
@@ -96,7 +96,7 @@ impl InZone {
     }
 }
 
-/// Rows of pings that may cover a place: a file, and the place in its zone.
+/// A file with rows of pings that may cover a place, and the place in the metres of its zone.
 struct Search<'a> {
     log: &'a LogRecord,
     tile: TileId,
@@ -105,8 +105,9 @@ struct Search<'a> {
     shift: Shift,
 }
 
-/// The sides of pings that cover ground of a place, by log, ping and side, with the positions of
-/// each log corrected as for the depth maps. Each is listed once: as it is nearest.
+/// Returns the sides of pings that cover ground of a place, by log, ping and side, with the
+/// positions of each log corrected as for the depth maps. A side that several tiles list is
+/// returned once, with its least distance.
 ///
 /// # Errors
 /// When rows cannot be read, or the work was cancelled.
@@ -116,7 +117,8 @@ pub fn coverage_at(
     progress: &Progress,
 ) -> Result<Vec<PingCoverage>, ArchiveError> {
     let zones = asked.in_zones();
-    // Rows lie in the tiles of the ground that positions as recorded show.
+    // Rows are stored in the tiles of the ground at the positions as recorded, without the
+    // correction.
     let around = |place: &InZone| {
         let [west, south, east, north] = place.bounds_m();
         let [more, less] = [MOST_MOVED_M, -MOST_MOVED_M];
@@ -152,7 +154,7 @@ pub fn coverage_at(
         Ok(sightings(search, &pings))
     });
     let found: Vec<Vec<PingCoverage>> = found.collect::<Result<_, ArchiveError>>()?;
-    // A ping stands in every tile whose ground it saw, with the same ground.
+    // A ping has a row in every tile whose ground it insonified, with the same footprint.
     let mut nearest: BTreeMap<(String, String, i32, Side), PingCoverage> = BTreeMap::new();
     for one in found.into_iter().flatten() {
         let key = (one.name.clone(), one.log.clone(), one.ping, one.side);
@@ -171,7 +173,7 @@ fn touch(a: [f64; 4], b: [f64; 4]) -> bool {
     a[0] <= b[2] && b[0] <= a[2] && a[1] <= b[3] && b[1] <= a[3]
 }
 
-/// Moves pings to where the boat was.
+/// Moves pings to the corrected positions of the boat.
 fn correct(pings: &mut [PingRow], shift: Shift) {
     if shift == Shift::default() {
         return;

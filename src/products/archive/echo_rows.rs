@@ -1,6 +1,7 @@
-//! The echoes of a log, a row each side-scan ping with a place: `echoes/tile=.../SHA256.parquet`,
-//! in archives whose depths come from echo levels. They have all that the correction reads of the
-//! log, so that a tile needs no log.
+//! Writes and reads the echoes of a log, a row for each side-scan ping with a place:
+//! `echoes/tile=.../SHA256.parquet`, in archives whose depths come from echo levels. The rows hold
+//! all that the correction by echo levels reads of the log, so that a map of a tile is made without
+//! the log.
 
 use super::ArchiveError;
 use super::log_record::LogRecord;
@@ -20,20 +21,20 @@ use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::Side;
 use std::path::Path;
 
-/// The echoes of a whole log, laid out by tile.
+/// The echoes of a whole log, assigned to tiles.
 pub(super) struct EchoesByTile<'a> {
     log: LaidOutLog<'a>,
-    /// Law and curves of its levels, learnt from the log; `None` where its levels cannot be used.
+    /// Law and curves of the levels, learnt from the log; `None` where its levels cannot be used.
     pub learnt: Option<LearntLevels>,
-    /// The place of the chunk that each ping is in, if any.
+    /// Index of the chunk of each ping; `None` for a ping in no chunk.
     chunks: Vec<Option<usize>>,
-    /// Rows as those of points; each ping is in the tile that it lies in, of its own zone and of a
-    /// neighbouring one that is near.
+    /// Rows by tile. Each ping has a row in the tile that holds it, in its own zone and in a
+    /// neighbouring zone that is near.
     pub rows: RowsByTile,
 }
 
 impl<'a> EchoesByTile<'a> {
-    /// Lays out the echoes of a log by tile.
+    /// Assigns the echoes of a log to tiles.
     pub(super) fn new(
         log: &LogRows<'a>,
         halo_m: f64,
@@ -78,7 +79,7 @@ impl<'a> EchoesByTile<'a> {
         })
     }
 
-    /// Columns of rows in a tile.
+    /// Returns the columns of rows in a tile.
     pub(super) fn columns(&self, log: &LogRows<'_>, rows: &[TileRow]) -> Vec<Column> {
         let pings: Vec<&PingPlace> =
             rows.iter().map(|row| &self.log.echoes.pings[row.index]).collect();
@@ -136,7 +137,7 @@ impl<'a> EchoesByTile<'a> {
         columns
     }
 
-    /// Unit vector to starboard of a ping in a zone.
+    /// Returns the unit vector to starboard of a ping in the zone of the row.
     fn starboard(&self, log: &LogRows<'_>, row: &TileRow) -> [f64; 2] {
         let PingPlace { place_m, starboard, .. } = self.log.echoes.pings[row.index];
         let beside: LonLat = log.position(place_m[0] + starboard[0], place_m[1] + starboard[1]);
@@ -150,12 +151,12 @@ impl<'a> EchoesByTile<'a> {
 /// A ping of an archive with its echoes.
 pub(super) struct EchoRow {
     ping: i32,
-    /// The chunk that it is in, if any, without its pings.
+    /// Chunk of the ping, with an empty range of pings; `None` for a ping in no chunk.
     chunk: Option<PingChunk>,
     is_weed: bool,
     velocity_mps: [f64; 2],
     place: PingPlace,
-    /// Port first.
+    /// Echo levels of each side, port first.
     levels: [Vec<u8>; 2],
 }
 
@@ -176,9 +177,9 @@ impl SampleSource for StoredEchoes {
 }
 
 impl StoredEchoes {
-    /// Reads the pings of a log from some files that lie within a box, west, south, east and north
-    /// in metres: with the height offset of the log and corrected positions, in the order of the
-    /// log.
+    /// Reads the pings of a log from some files and keeps those within a box (west, south, east and
+    /// north, metres). Applies the height offset of the log and the correction of its positions;
+    /// returns the pings in the order of the log.
     ///
     /// # Errors
     /// When a file cannot be read.
@@ -286,7 +287,7 @@ pub(super) fn read(path: &Path) -> Result<Vec<EchoRow>, ArchiveError> {
         let side = |near: usize| SideEchoes {
             near_m: number(near),
             step_m: number(near + 1),
-            // What is found by first returns was found of the whole log.
+            // Depths that depend on the first return were computed from the whole log before.
             first_return: f64::NAN,
             above_bottom: false,
         };

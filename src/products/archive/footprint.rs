@@ -1,51 +1,52 @@
-//! The ground that a side-scan ping saw.
+//! Describes the ground that a side-scan ping insonified.
 
-/// Slant ranges that one side of a ping recorded, as calibrated, by the true speed of sound.
+/// Slant ranges that one side of a ping recorded, calibrated, with the true speed of sound.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct SideRange {
     /// Slant range at the near edge of the first sample, metres.
     pub near_m: f64,
     /// Slant range that each sample adds, metres.
     pub sample_m: f64,
-    /// Samples.
+    /// Number of samples.
     pub count: i32,
 }
 
-/// A ping over level ground, in the metres of a zone. Across the track a sample lies where its
-/// slant range `r` and the altitude `a` say, `sqrt(r^2 - a^2)` from the boat; along the track the
-/// ground reaches half way to the pings before and behind, as the mosaic draws it. The width of the
-/// beam does not count: it is wider than the way between two pings, and what it adds is the
-/// neighbours' ground.
+/// Footprint of a ping over level ground, in the metres of a zone. Across the track a sample of
+/// slant range `r` lies `sqrt(r^2 - a^2)` from the boat, where `a` is the altitude; along the track
+/// the footprint reaches half way to the pings before and behind, as in the mosaic. The width of
+/// the beam is ignored: it is wider than the distance between two pings, and the ground that it
+/// adds is the footprint of the neighbours.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Footprint {
-    /// The transducer, metres of the zone.
+    /// Place of the transducer, metres of the zone.
     pub place: [f64; 2],
-    /// Vector in the zone of one metre on the bottom to starboard.
+    /// Vector in the zone that is one metre on the bottom to starboard.
     pub starboard: [f64; 2],
     /// Height of the transducer over the ground, metres.
     pub altitude_m: f64,
-    /// Length of its ground backward along the track, metres.
+    /// Length of the footprint backward along the track, metres.
     pub behind_m: f64,
-    /// The same forward.
+    /// Length of the footprint forward along the track, metres.
     pub ahead_m: f64,
-    /// Port and starboard, where they were recorded.
+    /// Slant ranges of port and starboard; `None` for a side that was not recorded.
     pub sides: [Option<SideRange>; 2],
 }
 
 /// Samples of one side of a ping that cover a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoveredSamples {
-    /// The samples that lie there, or nearest to it, from the first to the last, counted outward
-    /// from 0; of a single place one.
+    /// First and last of the samples in the place or nearest to it, counted outward from 0; for a
+    /// single point both are the same sample.
     pub samples: [i32; 2],
-    /// Slant range of the first, metres.
+    /// Slant range of the first of these samples, metres.
     pub range_m: f64,
-    /// Distance from the place to the ground that was seen, metres; 0 within it.
+    /// Distance from the place to the insonified ground, metres; 0 within it.
     pub distance_m: f64,
 }
 
 impl SideRange {
-    /// Distances on the ground between which samples lie; `None` where all of them are water.
+    /// Returns the across-track distances on the bottom of the first and the last sample; `None`
+    /// where all samples are of water.
     pub(super) fn ground_m(&self, altitude_m: f64) -> Option<[f64; 2]> {
         let far_m = self.near_m + self.sample_m * f64::from(self.count);
         let ground = |range_m: f64| (range_m * range_m - altitude_m * altitude_m).max(0.0).sqrt();
@@ -85,7 +86,8 @@ impl Footprint {
         [0, 1].map(|side| seen(self.sides[side].as_ref()?, outward_m[side]))
     }
 
-    /// Metres on the ground to starboard and forward of the transducer.
+    /// Returns the distance of a place to starboard of and forward of the transducer, metres on the
+    /// ground.
     pub(super) fn on_ground(&self, place: [f64; 2]) -> [f64; 2] {
         let [x, y] = [0, 1].map(|axis| place[axis] - self.place[axis]);
         let [east, north] = self.starboard;
@@ -93,8 +95,8 @@ impl Footprint {
         [(x * east + y * north) / scale, (y * east - x * north) / scale]
     }
 
-    /// West, south, east and north of all ground that it saw, metres of the zone; `None` where it
-    /// saw none.
+    /// Returns the west, south, east and north edge of all insonified ground, metres of the zone;
+    /// `None` where the ping insonified none.
     pub(super) fn bounds_m(&self) -> Option<[f64; 4]> {
         let [east, north] = self.starboard;
         let corner = |out_m: f64, along_m: f64| {
@@ -135,7 +137,7 @@ mod tests {
     #[test]
     fn a_place_to_port_is_seen_at_its_slant_range_and_between_the_neighbours_only() {
         let ping = heading_east();
-        // Port is north: 4 m out and 3 m up are 5 m of slant range, the hundredth sample.
+        // Port is north: 4 m out and 3 m up give 5 m of slant range, the hundredth sample.
         let [port, starboard] = ping.seen([100.1, 54.0], 0.0);
         let port = port.unwrap();
         assert_eq!((port.samples, port.distance_m), ([100; 2], 0.0));

@@ -1,7 +1,7 @@
-//! The index of the maps and mosaics of an archive for other programs: VRTs of all tiles of a zone
-//! (GDAL, QGIS) with their colours (`.qml`), and a STAC collection with an item a tile. It is made
-//! of the records of tiles and logs alone, so that the same maps have the same index. A tile that
-//! no recorder knew the time of is in the VRT only.
+//! Writes the index of the maps and mosaics of an archive for other programs: VRTs of all tiles of
+//! a zone (GDAL, QGIS) with their colours (`.qml`), and a STAC collection with an item for each
+//! tile. The index depends on the records of tiles and logs alone, so that the same maps give the
+//! same index. A tile without any known time is in the VRT only.
 
 use super::log_record::LogRecord;
 use super::record::Archive;
@@ -20,13 +20,13 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 const INDEX: &str = "index";
-/// Steps of the colours in a style.
+/// Number of steps of the colours in a style.
 const STYLE_STEPS: usize = 10;
-/// The id of the collection. Its old word stays: catalogues know the collection by it.
+/// Identifier of the collection. The old word is kept: catalogues identify the collection by it.
 const COLLECTION_ID: &str = "lake";
 /// Standard deviations between which uncertainty is coloured, metres, the same in all archives:
-/// twice the greatest is the half metre that a survey of order 1a may be off in shallow water (IHO
-/// S-44).
+/// twice the greatest one is the half metre by which a survey of order 1a may be wrong in shallow
+/// water (IHO S-44).
 const UNCERTAIN_M: [f64; 2] = [0.0, 0.25];
 
 /// Writes the index of the tiles that have a map with depths or a mosaic, in the folder `index`.
@@ -89,15 +89,15 @@ pub fn write_index(
     for name in names_in(&folder)? {
         let is_of_index = [".json", ".vrt", ".qml"].iter().any(|end| name.ends_with(end));
         if is_of_index && !names.contains(&name) {
-            // Of a tile or a zone that has no map any more.
+            // The file belongs to a tile or a zone that has no map any more.
             remove(&folder.join(&name))?;
         }
     }
     Ok(())
 }
 
-/// Writes the colours of a layer for QGIS, of depths those of the whole archive; false where it has
-/// none.
+/// Writes the colours of a layer for QGIS; those of depths span the depths of the whole archive.
+/// Returns false for a layer without colours.
 fn write_style(
     path: &Path,
     layer: &IndexLayer,
@@ -119,7 +119,7 @@ fn write_style(
     Ok(true)
 }
 
-/// Unix seconds of the first and the last row of a tile; `None` where no recorder knew the time.
+/// Returns the Unix seconds of the first and the last row of a tile; `None` where no time is known.
 fn span_unix_s(logs: &[LogRecord], tile: TileId) -> Option<[f64; 2]> {
     let spans = logs
         .iter()
@@ -127,7 +127,7 @@ fn span_unix_s(logs: &[LogRecord], tile: TileId) -> Option<[f64; 2]> {
     spans.reduce(|[a, b], [from, to]| [a.min(from), b.max(to)])
 }
 
-/// West, south, east and north of some tiles, metres of their zone.
+/// Returns the west, south, east and north edge of some tiles, metres of their zone.
 fn around(tiles: &[TileId]) -> [f64; 4] {
     let start = [f64::MAX, f64::MAX, f64::MIN, f64::MIN];
     tiles.iter().map(TileId::bounds_m).fold(start, |[w, s, e, n], [west, south, east, north]| {
@@ -135,7 +135,7 @@ fn around(tiles: &[TileId]) -> [f64; 4] {
     })
 }
 
-/// Files of one kind, a file a tile.
+/// A kind of file of which each tile has at most one.
 struct IndexLayer {
     file: &'static str,
     /// Name of its VRT; the zone is added to it.
@@ -178,14 +178,14 @@ fn vrt(zone: UtmZone, tiles: &[TileId], layer: &IndexLayer) -> String {
     text + "  </VRTRasterBand>\n</VRTDataset>\n"
 }
 
-/// Longitudes and latitudes of the corners of a tile, counter-clockwise from the south-west, the
-/// first again at the end.
+/// Returns the longitudes and latitudes of the corners of a tile, counter-clockwise from the
+/// south-west, with the first again at the end.
 fn corners(tile: TileId) -> [[f64; 2]; 5] {
     ring(tile.zone, tile.bounds_m())
 }
 
-/// An item of STAC 1.1, which must have a time: that of a map is from the first to the last row
-/// that it was made from.
+/// Returns an item of STAC 1.1. Such an item must have a time: that of a map spans the first to the
+/// last row that the map was made from.
 fn item(tile: TileId, record: &TileRecord, span_unix_s: [f64; 2]) -> Value {
     let [west, south, ..] = tile.bounds_m();
     let asset = |file: &str, title: &str, kind: &str| json!({ "href": format!("../{TILES}/{tile}/{file}"), "title": title, "type": kind, "roles": ["data"] });

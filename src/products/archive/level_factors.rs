@@ -1,5 +1,5 @@
-//! Brightness of the echoes of each log relative to the others, from places that several parts of
-//! the mosaic show.
+//! Computes the brightness of the echoes of each log relative to the others, from places that
+//! several parts of the mosaic show.
 
 use super::log_mosaic::{in_words, open_part};
 use super::log_record::LogRecord;
@@ -15,12 +15,12 @@ use bathyscope_log::support::progress::Progress;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// The factors of all logs. Logs that are known keep theirs, and new ones are brought to these, so
-/// that a log that is added makes no mosaic stale but those of its own tiles. Levels that are shown
-/// as recorded stay as they are.
+/// Returns the factors of all logs. Known logs keep their factors, and new logs are matched to
+/// them, so that an added log makes only the mosaics of its own tiles stale. All factors are 1
+/// where the mosaic shows levels as recorded.
 ///
 /// # Errors
-/// When a part cannot be read, or the work was cancelled.
+/// When a part of the mosaic cannot be read, or the work was cancelled.
 pub(super) fn level_factors(
     archive: &Archive,
     logs: &[LogRecord],

@@ -1,7 +1,7 @@
-//! A log's part of the mosaic, a picture of every tile that its echoes lie in:
+//! Draws a log's part of the mosaic, a raster for every tile that its echoes lie in:
 //! `mosaic/tile=.../SHA256.tif`, and, where `mosaic.overlap` weighs echoes,
-//! `mosaic_weights/tile=.../SHA256.tif`. All logs have the same cells, so that their parts join
-//! without being drawn anew.
+//! `mosaic_weights/tile=.../SHA256.tif`. The parts of all logs have the same cells, so that they
+//! are joined without being drawn again.
 
 use super::record::Archive;
 use super::tile::TileId;
@@ -26,18 +26,18 @@ const _: () = assert!(TILE_CELLS == RASTER_TILE, "a tile is drawn as it is store
 /// Band of the raster of weights.
 const WEIGHT: Band = Band { name: "weight of the echo level", unit: "", positive_down: false };
 
-/// The mosaic of a log, laid out in every zone that it has rows in.
+/// The layout of the mosaic of a log in every zone that the log has rows in.
 pub(super) struct LogMosaic {
     zones: BTreeMap<UtmZone, MosaicLog>,
-    /// The tiles that its echoes may lie in.
+    /// Tiles that the echoes of the log may lie in.
     pub tiles: BTreeSet<TileId>,
     settings: MosaicSettings,
     name: String,
 }
 
 impl LogMosaic {
-    /// Lays out the mosaic of a log in some zones; without any tile where the log has no side-scan,
-    /// or no place on the bottom is known for its echoes.
+    /// Lays out the mosaic of a log in some zones. The result has no tile if the log has no
+    /// side-scan, or if no place on the bottom is known for its echoes.
     pub(super) fn new(
         log: &ProcessedLog,
         zones: BTreeSet<UtmZone>,
@@ -69,7 +69,8 @@ impl LogMosaic {
         Ok(made)
     }
 
-    /// Writes its part of a tile; how many cells show something. Without any there is no file.
+    /// Writes the log's part of a tile and returns the number of cells that have a level. Writes no
+    /// file if there is no such cell.
     ///
     /// # Errors
     /// When a file cannot be written, or the work was cancelled.
@@ -103,7 +104,7 @@ impl LogMosaic {
         tile_part.write_levels(&path(MOSAIC)?, &places, &description, progress)
     }
 
-    /// The kinds of files that a tile has of it.
+    /// Returns the kinds of files that each tile has of this mosaic.
     pub(super) fn kinds(&self) -> &'static [&'static str] {
         if self.settings.overlap.is_weighted() { &[MOSAIC, WEIGHTS] } else { &[MOSAIC] }
     }
@@ -145,7 +146,7 @@ impl TilePart<'_> {
         }
     }
 
-    /// Writes the levels; how many cells have one.
+    /// Writes the levels of the part; returns the number of cells that have one.
     fn write_levels(
         &self,
         path: &Path,
@@ -186,7 +187,7 @@ impl TilePart<'_> {
     }
 }
 
-/// Opens a log's part of a tile; with its path.
+/// Opens a log's part of a tile; returns the raster and its path.
 pub(super) fn open_part(
     archive: &Archive,
     kind: &str,
@@ -199,7 +200,7 @@ pub(super) fn open_part(
     Ok((opened, path))
 }
 
-/// Fault of a part.
+/// Returns the message that a part of the mosaic cannot be used.
 pub(super) fn in_words(error: &CellsError, path: &Path) -> String {
     format!(
         "a part of the mosaic cannot be used: {error}; process its log again: {}",
@@ -207,7 +208,7 @@ pub(super) fn in_words(error: &CellsError, path: &Path) -> String {
     )
 }
 
-/// A raster of levels over the grid of a tile's mosaic.
+/// Returns the description of a raster of levels over the grid of a tile's mosaic.
 pub(super) fn levels_spec(tile: TileId, grid: &Grid, description: String) -> RasterSpec {
     RasterSpec {
         cells: CellFormat::Level,

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap};
 
 /// Returns the crossings of logs in all tiles and, for pairs of logs that hardly cross, the places
-/// where their tracks run along each other. Sorted by pair.
+/// where their tracks overlap. The result is sorted by pair.
 pub(super) fn log_overlaps(
     archive: &Archive,
     logs: &[LogRecord],
@@ -124,8 +124,8 @@ impl<'a> OverlapSearch<'a> {
     }
 }
 
-/// The depths under the boat of a log in a tile and its halo, in the order of time: its soundings,
-/// or where the log has none, the depths that its first returns give.
+/// Returns the depths under the boat of a log in a tile and its halo, by time: its soundings or, if
+/// the log has none, the depths at its first returns.
 fn track(
     archive: &Archive,
     tile: TileId,

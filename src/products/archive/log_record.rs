@@ -1,4 +1,5 @@
-//! Record of one log of an archive: `logs/SHA256.json`, written when all of its rows are in place.
+//! Reads and writes the record of one log of an archive: `logs/SHA256.json`, written when all rows
+//! of the log are in place.
 
 use super::tile::TileId;
 use super::{ArchiveError, LONGEST_RECORD};
@@ -13,31 +14,32 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest as _, Sha256};
 use std::path::Path;
 
-/// The setting whose file the archive keeps a copy of.
+/// The setting that names a file of which the archive keeps a copy.
 pub(super) const AREA: &str = "isobaths.clip";
 
 /// A log of an archive.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LogRecord {
-    /// SHA-256 of the log: its name in the archive.
+    /// SHA-256 of the log, which names it in the archive.
     pub log: String,
-    /// Name for people: the name of its file.
+    /// Name of the log for people: the name of its file.
     pub name: String,
-    /// Inputs and settings of its rows.
+    /// Inputs and settings from which the rows of the log were made.
     pub(super) made: Origin,
-    /// Unix seconds of its time zero, where the recorder knew the time.
+    /// Unix seconds of the log's time zero; `None` where the time is not known.
     pub start_unix_s: Option<f64>,
-    /// Its points, those in halos not counted again.
+    /// Number of points of the log, without their copies in halos.
     pub points: usize,
-    /// Points that are soundings of its recorder and count for maps: crossings compare these.
+    /// Number of points that are soundings of the recorder and count for maps; crossings compare
+    /// these.
     pub soundings: usize,
-    /// Its side-scan pings that have a place.
+    /// Number of side-scan pings of the log that have a place and a heading.
     pub pings: usize,
-    /// Meaning of its levels, where its echoes are kept and can be used.
+    /// Meaning of the log's echo levels; `None` where its echoes are not kept or cannot be used.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub levels: Option<LearntLevels>,
-    /// Its rows by tile, in order.
+    /// Rows of the log by tile, in order.
     pub tiles: Vec<TileRows>,
 }
 
@@ -45,14 +47,14 @@ pub struct LogRecord {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Origin {
-    /// The program.
+    /// Name and version of the program.
     program: String,
-    /// The log's files, the track of another receiver and the readings of the water level.
+    /// Files of the log, of the track of another receiver and of the readings of the water level.
     files: Vec<Fingerprint>,
     /// All settings.
     #[serde(deserialize_with = "deserialize_values")]
     settings: SettingValues,
-    /// SHA-256 of the bottom edits, where there are any.
+    /// SHA-256 of the bottom edits; `None` without edits.
     #[serde(skip_serializing_if = "Option::is_none")]
     bottom_edits: Option<String>,
 }
@@ -64,25 +66,27 @@ pub struct TileRows {
     /// The tile.
     #[serde(with = "as_text")]
     pub tile: TileId,
-    /// Rows of points, those of the halo among them; 0 where there is no file of them.
+    /// Number of rows of points, with those of the halo; 0 where there is no file of points.
     pub points: usize,
-    /// Points in the tile itself.
+    /// Number of points in the tile itself.
     pub core_points: usize,
-    /// Rows of pings that saw ground of the tile; 0 where there is no file of them.
-    pub pings: usize,
-    /// Cells of its part of the mosaic; 0 where there is none.
-    pub mosaic_cells: usize,
-    /// West, south, east and north of the ground that they saw, metres of the zone; empty without
+    /// Number of rows of pings that insonified ground of the tile; 0 where there is no file of
     /// pings.
+    pub pings: usize,
+    /// Number of cells with a level in the log's part of the mosaic; 0 where there is no such part.
+    pub mosaic_cells: usize,
+    /// West, south, east and north edge of the ground that the pings insonified, metres of the
+    /// zone; empty without pings.
     pub seen_m: Vec<f64>,
-    /// Unix seconds of the first and the last row; empty where the recorder did not know the time.
+    /// Unix seconds of the first and the last row; empty where the time is not known.
     pub unix_s: Vec<f64>,
-    /// The files of its rows and of its part of the mosaic.
+    /// Files of the rows of the log and of its part of the mosaic.
     pub files: Vec<Fingerprint>,
 }
 
 impl TileRows {
-    /// SHA-256 of its file in a folder of the archive, such as `points`; empty without one.
+    /// Returns the SHA-256 of the file in a folder of the archive, such as `points`; empty without
+    /// one.
     pub(super) fn sha256_of(&self, kind: &str) -> &str {
         let is_of_kind = |file: &&Fingerprint| file.file.split('/').next() == Some(kind);
         let found = self.files.iter().find(is_of_kind);
@@ -90,7 +94,7 @@ impl TileRows {
     }
 }
 
-/// A tile as its name.
+/// Serializes a tile as its name.
 mod as_text {
     use super::TileId;
     use serde::{Deserialize as _, Deserializer, Serializer, de::Error as _};
@@ -104,8 +108,8 @@ mod as_text {
     }
 }
 
-/// All settings but the name of the area of the isobaths: no row depends on it, and the archive has
-/// its own copy.
+/// Returns all settings but the name of the area of the isobaths: no row depends on this name, and
+/// the archive has its own copy of the area.
 fn of_rows(settings: &Settings) -> SettingValues {
     let mut values = setting_values(settings);
     values.remove(AREA);
@@ -146,13 +150,13 @@ impl LogRecord {
         self.log == other.log && hashes(self) == hashes(other) && of_names(self) == of_names(other)
     }
 
-    /// Returns true if all of its files are there, as long as they were.
+    /// Returns true if all files of the log are there and have the recorded lengths.
     pub(super) fn is_whole(&self, folder: &Path) -> bool {
         let mut files = self.tiles.iter().flat_map(|rows| &rows.files);
         files.all(|file| file.is_as_long_in(folder))
     }
 
-    /// Its rows in a tile, if any.
+    /// Returns the rows of the log in a tile, if any.
     pub fn rows_in(&self, tile: TileId) -> Option<&TileRows> {
         self.tiles.iter().find(|rows| rows.tile == tile)
     }
@@ -160,7 +164,7 @@ impl LogRecord {
     /// Reads a record.
     ///
     /// # Errors
-    /// A sentence where it cannot be used.
+    /// When the file cannot be read or is no such record.
     pub(super) fn read(path: &Path) -> Result<Self, ArchiveError> {
         let fail = |error: String| {
             format!(

@@ -1,4 +1,4 @@
-//! A log while its rows are made and assigned to tiles.
+//! Holds a log while its rows are made and assigned to tiles.
 
 use super::tile::TileId;
 use crate::pipeline::Products;
@@ -9,22 +9,22 @@ use bathyscope_log::support::geo::{LonLat, UtmZone};
 use bathyscope_log::survey::{PingNav, Survey};
 use std::collections::BTreeMap;
 
-/// A row of a tile: what it is of, and where that lies.
+/// A row of a tile: its point or ping, and the place.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TileRow {
     /// Index of the point or ping in the log.
     pub index: usize,
-    /// Its place.
+    /// Place of the point or ping.
     pub at: LonLat,
     /// The zone of the tile.
     pub zone: UtmZone,
-    /// The place in metres of that zone.
+    /// The place in metres of the zone.
     pub place: [f64; 2],
-    /// True if it lies in the tile itself.
+    /// True if the place lies in the tile itself, not in its halo.
     pub is_core: bool,
 }
 
-/// Rows by tile, those of a tile in the order of the log.
+/// Rows by tile; the rows of a tile are in the order of the log.
 pub(super) type RowsByTile = BTreeMap<TileId, Vec<TileRow>>;
 
 /// A log whose rows are written.
@@ -32,8 +32,8 @@ pub(super) struct LogRows<'a> {
     pub survey: &'a Survey,
     pub products: &'a Products,
     pub sha256: &'a str,
-    /// The boat's place in the log's plane by time, of every sounding or, in a log without any, of
-    /// every ping; no two at one time.
+    /// Places of the boat in the log's local coordinate frame by time: at every sounding or, in a
+    /// log without soundings, at every ping; no two have the same time.
     pub track: &'a [TrackDepth],
 }
 
@@ -62,7 +62,7 @@ pub(super) fn track(survey: &Survey, products: &Products) -> Vec<TrackDepth> {
 }
 
 impl LogRows<'_> {
-    /// A point of the cloud and its class.
+    /// Returns a point of the cloud and its class.
     pub(super) fn point(&self, index: usize) -> (&CloudPoint, PointClass) {
         (&self.products.cloud.points[index], self.products.classes[index])
     }
@@ -72,19 +72,19 @@ impl LogRows<'_> {
         if class.is_kept() { self.products.settings.surface.weight(point) } else { 0.0 }
     }
 
-    /// Seconds after the log's time zero.
+    /// Returns the time of a point, seconds after the log's time zero; NaN where it is not known.
     pub(super) fn time_of(&self, point: &CloudPoint) -> f64 {
         point.record().time_s(self.survey).unwrap_or(f64::NAN)
     }
 
-    /// Microseconds since 1970 of a time of the log.
+    /// Converts a time of the log to microseconds since 1970; `None` where the time is not known.
     pub(super) fn unix_us(&self, time_s: f64) -> Option<i64> {
         let unix_us = 1e6 * (self.survey.start_unix_s? + time_s);
         unix_us.is_finite().then_some(unix_us.round() as i64)
     }
 
-    /// Unix seconds of the first and the last of some rows of points and pings; empty where the
-    /// recorder did not know the time.
+    /// Returns the Unix seconds of the first and the last of some rows of points and pings; empty
+    /// where the time is not known.
     pub(super) fn span_unix_s(
         &self,
         points: Option<&Vec<TileRow>>,
@@ -107,8 +107,8 @@ impl LogRows<'_> {
         span.map_or(Vec::new(), |span| span.map(|time_s| start_unix_s + time_s).to_vec())
     }
 
-    /// Returns the last columns of the rows of points and of pings: true if they lie in the halo,
-    /// the time of recording (`times_s`, seconds after the log's time zero), and the log.
+    /// Returns the last columns of the rows of points and of pings: the halo flag, the time of
+    /// recording (`times_s`, seconds after the log's time zero), and the log.
     pub(super) fn common_columns(&self, rows: &[TileRow], times_s: Vec<f64>) -> [Column; 5] {
         let unix_us = times_s.iter().map(|time_s| self.unix_us(*time_s)).collect();
         [
@@ -120,8 +120,8 @@ impl LogRows<'_> {
         ]
     }
 
-    /// Velocity of the boat at a time of the log, metres a second along the axes of a zone; zero
-    /// where it is not known.
+    /// Returns the velocity of the boat at a time of the log, metres a second along the axes of a
+    /// zone; zero where it is not known.
     pub(super) fn velocity_mps(&self, time_s: f64, zone: UtmZone) -> [f64; 2] {
         let after = self.track.partition_point(|one| one.time_s < time_s);
         let Some(here) = self.track.get(after.min(self.track.len().saturating_sub(1))) else {
@@ -138,15 +138,15 @@ impl LogRows<'_> {
         if velocity.iter().all(|value| value.is_finite()) { velocity } else { [0.0; 2] }
     }
 
-    /// Converts a place of the log's plane to longitude and latitude.
+    /// Converts a place of the log's local coordinate frame to longitude and latitude.
     pub(super) fn position(&self, east_m: f64, north_m: f64) -> LonLat {
         let navigation = &self.products.navigation;
         navigation.to_lon_lat(&self.survey.track, east_m, north_m)
     }
 }
 
-/// Points, each in the tile that holds it and in those whose halo does, in the neighbouring zone
-/// too.
+/// Assigns each point to the tile that holds it and to the tiles whose halo holds it, in the
+/// neighbouring zone too.
 pub(super) fn by_tile(points: impl Iterator<Item = (usize, LonLat)>, halo_m: f64) -> RowsByTile {
     let mut tiles = RowsByTile::new();
     for (index, at) in points {
@@ -173,7 +173,7 @@ pub(super) fn by_tile(points: impl Iterator<Item = (usize, LonLat)>, halo_m: f64
     tiles
 }
 
-/// The places of rows as a column.
+/// Returns the places of rows as a column.
 pub(super) fn geometry(rows: &[TileRow]) -> Column {
     let places = rows.iter().map(|row| row.at).collect();
     Column::new("geometry", Values::Points(places))

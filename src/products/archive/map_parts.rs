@@ -1,6 +1,6 @@
-//! Parts of the map of the web that were drawn before: `map_parts/ZOOM_X_Y_HASH.parquet`. What a
-//! part was drawn from is in the hash of its name, so that a file is used exactly where the same
-//! would be drawn again.
+//! Stores parts of the web map that were drawn before: `map_parts/ZOOM_X_Y_HASH.parquet`. The hash
+//! in the name covers all inputs of the part, so that a file is used only where drawing again would
+//! give the same part.
 
 use super::tile::TileId;
 use super::{ArchiveError, names_in, remove};
@@ -20,15 +20,15 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 const ENDING: &str = ".parquet";
-/// Bytes of a name's hash.
+/// Number of bytes of the hash in a name.
 const HASH: usize = 12;
-/// Names of the columns: what a row is, the tile of a picture, and the bytes.
+/// Names of the columns: the kind of content of a row, the tile of a picture, and the bytes.
 const COLUMNS: [&str; 5] = ["content", "zoom", "x", "y", "bytes"];
 /// Content of a row: a picture, by its index in [`TileStyle::ALL`], or, by these numbers, the known
 /// pixels or an isobath of the tile itself.
 const PIXELS: i32 = 3;
 const LINE: i32 = 4;
-/// No tile has more bytes of pixels; a damaged file may say that it has.
+/// Largest number of bytes of a tile's pixels; a damaged file may unpack to more.
 const MOST_PIXELS: u64 = 1 << 20;
 
 /// Settings that all parts of a map are drawn with.
@@ -48,13 +48,13 @@ pub(super) struct DrawnWith {
     pub isobaths: IsobathSettings,
 }
 
-/// The parts of the map of an archive.
+/// The stored parts of the map of an archive.
 pub(super) struct MapParts {
     folder: PathBuf,
     drawn_with: DrawnWith,
-    /// The files of the maps of tiles.
+    /// Files of the maps of the archive's tiles.
     maps: BTreeMap<TileId, Vec<Fingerprint>>,
-    /// Files that are parts of the map as it is.
+    /// Names of the files that are parts of the present map.
     used: Mutex<BTreeSet<String>>,
 }
 
@@ -68,8 +68,8 @@ impl MapParts {
         Self { folder, drawn_with, maps, used: Mutex::default() }
     }
 
-    /// The part that was drawn of a tile of the web, where the tiles of the archive under it and
-    /// all else is as it was; a damaged file is none.
+    /// Returns the part drawn for a web tile, if the tiles of the archive under it and all other
+    /// inputs are unchanged; `None` without such a file or where it is damaged.
     pub(super) fn read(&self, tile: WebTile, under: &[TileId]) -> Option<MapPart> {
         let name = self.name(tile, under);
         let part = read(&self.folder.join(&name))?;
@@ -77,7 +77,7 @@ impl MapParts {
         Some(part)
     }
 
-    /// Keeps a part.
+    /// Writes a part to its file.
     pub(super) fn write(&self, tile: WebTile, under: &[TileId], part: &MapPart) -> io::Result<()> {
         make_folder(&self.folder).map_err(io::Error::other)?;
         let name = self.name(tile, under);
@@ -88,10 +88,10 @@ impl MapParts {
         Ok(())
     }
 
-    /// Removes the files that are parts of another map than the present one.
+    /// Removes the files that are not parts of the present map.
     ///
     /// # Errors
-    /// When one cannot be removed.
+    /// When a file cannot be removed.
     pub(super) fn remove_others(&self) -> Result<(), ArchiveError> {
         let used = self.used.lock().unwrap_or_else(PoisonError::into_inner);
         remove_parts(&self.folder, |name| !used.contains(name))
@@ -111,10 +111,10 @@ impl MapParts {
     }
 }
 
-/// Removes parts of a map by their names.
+/// Removes the parts of a map for whose names `goes` is true.
 ///
 /// # Errors
-/// When one cannot be removed.
+/// When a file cannot be removed.
 pub(super) fn remove_parts(folder: &Path, goes: impl Fn(&str) -> bool) -> Result<(), ArchiveError> {
     for name in names_in(folder)? {
         if name.ends_with(ENDING) && goes(&name) {
@@ -189,8 +189,8 @@ fn unpacked(bytes: &[u8]) -> Option<Pixels> {
     Pixels::of_bytes(&values)
 }
 
-/// Depth and places of a line, all in 8 bytes, the lowest first: as text they would not come back
-/// to the bit.
+/// Packs the depth and the places of a line in 8 bytes each, the lowest first: as text they would
+/// not come back to the bit.
 fn line_bytes(line: &Isobath) -> Vec<u8> {
     let values = std::iter::once(line.depth_m).chain(line.points.iter().flatten().copied());
     values.flat_map(f64::to_le_bytes).collect()

@@ -1,6 +1,6 @@
-//! The maps of all tiles of an archive as one map of the web: `map_tiles/depth.mbtiles`,
-//! `depth.pmtiles`, `depth_values.pmtiles`, `index.html` and, last, `map_tiles.json`, which says
-//! what they were made from. Parts of the map over tiles that are as they were are not drawn again.
+//! Joins the maps of all tiles of an archive to one web map: `map_tiles/depth.mbtiles`,
+//! `depth.pmtiles`, `depth_values.pmtiles`, `index.html` and, last, `map_tiles.json`, the record of
+//! their inputs. Parts of the map over unchanged tiles are not drawn again.
 
 use super::map_parts::{DrawnWith, MapParts, remove_parts};
 use super::record::Archive;
@@ -35,15 +35,16 @@ const PMTILES: [&str; 2] = ["depth.pmtiles", "depth_values.pmtiles"];
 const PAGE: &str = "index.html";
 /// The folder of the parts that the map was drawn in.
 const PARTS: &str = "map_parts";
-/// All files, the one first that says what the others are.
+/// All files, the record of the others first.
 const FILES: [&str; 5] = [RECORD, CHART, PMTILES[0], PMTILES[1], PAGE];
-/// Maps of tiles that the light is chosen by: evenly spread over the archive.
+/// Number of tiles' maps that the light is chosen by; they are evenly spread over the archive.
 const LIT_BY: usize = 16;
-/// Cells around a web tile that its hill-shade depends on, and around the cells with a depth that a
-/// pixel may show one of.
+/// Number of cells around a web tile that its hill-shade depends on, and by which the cells with a
+/// depth are enlarged, because a pixel beside them may show a depth.
 const MARGIN_CELLS: f64 = 2.0;
-/// Steps of the scale of colours, of which its ends are multiples: a new log that is a little
-/// shallower or deeper than all others leaves the colours of the map as they are.
+/// Number of steps of the colour scale; the ends of the scale are multiples of a step, so that a
+/// new log that is a little shallower or deeper than all others leaves the colours of the map
+/// unchanged.
 const SCALE_STEPS: f64 = 10.0;
 /// Name of the map, the same for every folder.
 const NAME: &str = "Depth map of an archive";
@@ -51,9 +52,9 @@ const NAME: &str = "Depth map of an archive";
 /// Result of [`write_map_tiles`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MapTilesState {
-    /// They are what the maps of the archive's tiles give.
+    /// The web map is up to date with the maps of the archive's tiles.
     UpToDate,
-    /// They were made.
+    /// The web map was made.
     Made,
     /// No tile of the archive has a map.
     None,
@@ -71,11 +72,11 @@ struct Record {
 #[serde(deny_unknown_fields)]
 struct MadeFrom {
     program: String,
-    /// The maps of the archive's tiles by name, with their files.
+    /// Files of the maps of the archive's tiles, by the name of the tile.
     tiles: BTreeMap<String, Vec<Fingerprint>>,
 }
 
-/// Joins the maps of tiles to one map of the web, if any of them is another than before.
+/// Joins the maps of tiles to one web map, if any of them has changed.
 ///
 /// # Errors
 /// When a map cannot be read, a file cannot be written, or the work was cancelled.
@@ -105,7 +106,7 @@ pub fn write_map_tiles(
         return Ok(MapTilesState::UpToDate);
     }
     make_folder(&folder)?;
-    // From here on the files may be those of two maps.
+    // From here on the files may be a mixture of two maps.
     remove(&folder.join(RECORD))?;
     write_files(archive, &maps, &folder, progress)?;
     let files = FILES.iter().skip(1);
@@ -119,7 +120,7 @@ fn program() -> String {
     format!("bathyscope {}", env!("CARGO_PKG_VERSION"))
 }
 
-/// The files of a tile that the tiles of the web show.
+/// Returns the files of a tile that the web map depends on.
 fn depth_files(record: &TileRecord) -> Vec<Fingerprint> {
     let mut files = record.files.clone();
     files.retain(|file| DEPTH_FILES.contains(&file.file.as_str()));
@@ -163,7 +164,7 @@ fn write_files(
 /// The maps of all tiles of an archive.
 struct ArchiveTiles {
     contents: TileContents,
-    /// The tiles that have a map, with west, south, east and north of their depths in degrees.
+    /// West, south, east and north edge, degrees, of the depths of each tile that has a map.
     tiles: BTreeMap<TileId, [f64; 4]>,
     cell_m: f64,
     scales: MapScales,
@@ -199,7 +200,8 @@ impl ArchiveTiles {
         let scales = MapScales {
             zooms,
             range_m: colour_range_m(range_m),
-            // Too many are a warning of the tiles; the map is drawn without.
+            // Too many isobaths are reported as a warning for the tiles; the web map is drawn
+            // without isobaths.
             levels_m: settings.levels_m(without_error(range_m)).unwrap_or_default(),
             isobaths: settings,
         };
@@ -216,7 +218,7 @@ impl ArchiveTiles {
         Ok(Self { light, scales, contents, tiles, cell_m, parts })
     }
 
-    /// The tiles of the archive over a tile of the web.
+    /// Returns the tiles of the archive under a web tile.
     fn under(&self, tile: WebTile) -> Vec<TileId> {
         let own = tile.bounds_deg();
         let tiles = self.tiles.iter();
@@ -224,7 +226,8 @@ impl ArchiveTiles {
         under.map(|(tile, _)| *tile).collect()
     }
 
-    /// The cells of a zone about a tile of the web, `None` where there is none.
+    /// Returns the cells of a zone in and around a web tile; `None` where no tile of the archive
+    /// has any.
     fn window(
         &self,
         zone: UtmZone,
@@ -243,15 +246,15 @@ impl ArchiveTiles {
     }
 }
 
-/// Ends of the scale of colours for depths from the least to the greatest: round numbers beyond
-/// them.
+/// Returns the ends of the colour scale for a range of depths, least and greatest: round numbers
+/// beyond them.
 fn colour_range_m([least_m, most_m]: [f64; 2]) -> [f32; 2] {
     let step_m = round_up((most_m - least_m) / SCALE_STEPS);
     [(least_m / step_m).floor() * step_m, (most_m / step_m).ceil() * step_m]
         .map(|depth_m| depth_m as f32)
 }
 
-/// The grid of a zone's cells over a tile of the web and a little around it.
+/// Returns the grid of a zone's cells in a web tile and [`MARGIN_CELLS`] around it.
 fn cells_around(zone: UtmZone, tile: WebTile, cell_m: f64) -> Grid {
     let [west, south, east, north] = tile.bounds_deg();
     let steps = [0.0, 0.5, 1.0];
@@ -275,7 +278,8 @@ fn cells_around(zone: UtmZone, tile: WebTile, cell_m: f64) -> Grid {
     }
 }
 
-/// The light that suits most of some tiles of the archive.
+/// Returns a light for the whole map: the one of median exaggeration among those suited to some
+/// tiles of the archive.
 fn light(contents: &TileContents, tiles: &[TileId]) -> Result<Light, ArchiveError> {
     let mut lights = Vec::new();
     for tile in tiles.iter().step_by(tiles.len().div_ceil(LIT_BY).max(1)) {

@@ -1,5 +1,5 @@
-//! An archive: a folder with the tiles of many logs over one water, and one map of all of them,
-//! which is kept up to date.
+//! Manages archives. An archive is a folder with the tiles of many logs over one water, and one map
+//! of all these logs, which is kept up to date.
 //!
 //! In: results of logs, and the files of an archive. Out: rows, offsets, maps and mosaics by tile.
 //!
@@ -8,19 +8,19 @@
 //!                              '--coverage--> which pings cover a place
 //! ```
 //!
-//! Each log is independent up to its rows in tiles; a tile needs the rows that lie in it and no
-//! other, and those of its neighbours where depths are that come from echo levels. `tile` names the
-//! squares, `record` holds what all logs of an archive share and lists its rows, `log_record` what
-//! is known of one log. `add` writes a log's rows (`log_rows`): `point_rows`, `ping_rows` and
-//! `echo_rows`, and `log_mosaic`, its part of the mosaic. `footprint` is the ground that a ping
-//! insonified, from which `coverage` says which logs cover a place. `adjust` finds the heights of
-//! logs against each other from `log_overlaps`, how their `positions` are corrected and, by
+//! Each log is independent up to its rows in tiles; a tile needs only the rows in it and, where
+//! depths come from echo levels, those in its neighbours. `tile` names the squares, `record` holds
+//! what all logs of an archive share and lists its rows, `log_record` holds what is known of one
+//! log. `add` writes a log's rows (`log_rows`): `point_rows`, `ping_rows` and `echo_rows`, and
+//! `log_mosaic`, its part of the mosaic. `footprint` is the ground that a ping insonified, from
+//! which `coverage` finds the logs that cover a place. `adjust` computes the heights of logs
+//! against each other from `log_overlaps`, the corrections of their `positions` and, by
 //! `level_factors`, the levels of their echoes; `offsets` is the table of all three. `tile_map`
-//! makes the map of a tile, its lines cut at its edges, `tile_mosaic` joins the parts of its
-//! mosaic, and `tile_files` writes both; `map_tiles` joins all maps to one of the web, which it
-//! reads back by `tile_content` and whose parts are kept by `map_parts`. Files are written aside,
-//! then renamed, and a log's record last, so that what a killed program leaves is no part of the
-//! archive.
+//! makes the map of a tile, with its lines cut at the edges of the tile, `tile_mosaic` joins the
+//! parts of its mosaic, and `tile_files` writes both; `map_tiles` joins all maps to one web map:
+//! `tile_content` reads the maps of tiles, and `map_parts` stores parts that were drawn before.
+//! Files are written under a temporary name, then renamed, and a log's record is written last, so
+//! that the remains of a killed program are no part of the archive.
 
 mod add;
 mod adjust;
@@ -70,19 +70,19 @@ use std::fs;
 use std::io::ErrorKind;
 use std::path::Path;
 
-/// The subfolder of the rows.
+/// The subfolder of the rows of points.
 const POINTS: &str = "points";
-/// The subfolder of the rows.
+/// The subfolder of the rows of pings.
 const PINGS: &str = "pings";
-/// The subfolder of the rows.
+/// The subfolder of the rows of echoes.
 const ECHOES: &str = "echoes";
-/// The subfolder of the levels.
+/// The subfolder of the levels of the mosaic.
 const MOSAIC: &str = "mosaic";
-/// The subfolder of what the levels count.
+/// The subfolder of the weights of the levels.
 const WEIGHTS: &str = "mosaic_weights";
-/// The folder of the records.
+/// The folder of the records of logs.
 const LOGS: &str = "logs";
-/// The folders of what logs give to tiles, with the endings of their files.
+/// The folders of the files that logs have in tiles, with the endings of these files.
 const KINDS: [(&str, &str); 5] = [
     (POINTS, "parquet"),
     (PINGS, "parquet"),
@@ -90,7 +90,7 @@ const KINDS: [(&str, &str); 5] = [
     (MOSAIC, "tif"),
     (WEIGHTS, "tif"),
 ];
-/// Longer than any record.
+/// Largest size of a record that is read, bytes.
 const LONGEST_RECORD: u64 = 1 << 26;
 
 /// Error of an operation on an archive.
@@ -105,7 +105,7 @@ pub enum ArchiveError {
     /// A folder could not be made.
     #[error(transparent)]
     Folder(#[from] FileError<NoFolder>),
-    /// A log did not stay what it was.
+    /// A file of a log was cut or has changed meanwhile.
     #[error(transparent)]
     Log(#[from] FileError<FileFault>),
     /// Rows could not be read.
@@ -114,7 +114,7 @@ pub enum ArchiveError {
     /// A raster could not be written.
     #[error(transparent)]
     Raster(#[from] RasterError),
-    /// Anything else, in a sentence that says what, where and what to do.
+    /// Anything else, in a sentence that names the problem, the place and the remedy.
     #[error("{0}")]
     Refused(String),
 }
@@ -125,7 +125,7 @@ impl From<String> for ArchiveError {
     }
 }
 
-/// The names in a folder; none where there is no folder.
+/// Returns the names in a folder; none where there is no folder.
 fn names_in(folder: &Path) -> Result<Vec<String>, ArchiveError> {
     if !folder.exists() {
         return Ok(Vec::new());
@@ -139,7 +139,7 @@ fn names_in(folder: &Path) -> Result<Vec<String>, ArchiveError> {
     names.collect()
 }
 
-/// Removes a file, if it is there.
+/// Removes a file; a missing file is no error.
 fn remove(path: &Path) -> Result<(), ArchiveError> {
     match fs::remove_file(path) {
         Err(error) if error.kind() != ErrorKind::NotFound => {

@@ -1,6 +1,6 @@
-//! Offsets of the logs of an archive against each other, in height, position and the levels of
-//! their echoes: `offsets.csv`, a table that people read, edit and pin; and the offsets that
-//! overlaps of logs give, some of them pinned.
+//! Reads, solves for and writes the offsets of the logs of an archive against each other, in
+//! height, position and the levels of their echoes. `offsets.csv` is a table that people read, edit
+//! and pin; pinned offsets are kept.
 
 use super::ArchiveError;
 use super::log_record::LogRecord;
@@ -13,7 +13,7 @@ use bathyscope_log::support::regular_file;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// The table's name.
+/// The name of the table of offsets.
 const OFFSETS: &str = "offsets.csv";
 const COLUMNS: [&str; 14] = [
     "name",
@@ -31,9 +31,9 @@ const COLUMNS: [&str; 14] = [
     "level_factor",
     "level_ties",
 ];
-/// Longer than any table.
+/// Largest size of a table that is read, bytes.
 const LONGEST: u64 = 1 << 28;
-/// Bounds of a factor on levels that somebody may write.
+/// Bounds of a factor on levels that a person may write.
 const FACTORS: [f64; 2] = [0.05, 20.0];
 /// Largest height offset of a log, metres, as for `height_offset_m`.
 const MOST_M: f64 = 100.0;
@@ -51,19 +51,21 @@ pub struct OffsetRow {
     pub log: String,
     /// Offset added to every elevation of the log, metres, so that it agrees with the others.
     pub offset_m: f64,
-    /// Its standard error, metres; NaN where nothing ties the log, 0 where it is pinned.
+    /// Standard error of the offset, metres; NaN where nothing ties the log, 0 where it is pinned.
     pub standard_error_m: f64,
-    /// Places where it crosses or overlaps other logs.
+    /// Number of places where the log crosses or overlaps other logs.
     pub ties: usize,
-    /// Logs of one group are tied to each other; heights of different groups cannot be compared.
+    /// Index of the group of logs that are tied to each other; heights of different groups cannot
+    /// be compared.
     pub group: usize,
-    /// True if a person has set it: a benchmark log. It stays, and others are compared with it.
+    /// True if a person has set the offset: the log is then a benchmark, its offset is kept, and
+    /// the others are compared with it.
     pub is_pinned: bool,
-    /// Correction of its positions; all zero where none was requested.
+    /// Correction of the positions of the log; all zero where none was requested.
     pub shift: Shift,
-    /// Standard error of the shift in either direction, metres; NaN where none was looked for.
+    /// Standard error of the shift in either direction, metres; NaN where no shift was computed.
     pub shift_error_m: f64,
-    /// Standard error of the latency, seconds; NaN where none was looked for.
+    /// Standard error of the latency, seconds; NaN where no latency was computed.
     pub latency_error_s: f64,
     /// Factor on the levels of its echoes in mosaics.
     pub(super) level: LevelFactor,
@@ -74,8 +76,8 @@ pub struct OffsetRow {
 pub(super) struct LevelFactor {
     /// Factor, rounded to a thousandth; 1 for a log that shows no place in common with others.
     pub factor: f64,
-    /// Blocks of ground that it showed with others when the factor was found; once there are any it
-    /// stays.
+    /// Number of blocks of ground that the log showed with others when the factor was computed; a
+    /// factor with any such block is kept.
     pub ties: usize,
 }
 
@@ -84,7 +86,7 @@ impl LevelFactor {
     pub(super) const NONE: Self = Self { factor: 1.0, ties: 0 };
 }
 
-/// A shift within the limits of the table, as the table writes it.
+/// Limits a shift to the bounds of the table and rounds it as the table stores it.
 pub(super) fn as_written(shift: Shift) -> Shift {
     let rounded = |value: f64, most: f64| (value.clamp(-most, most) * 1e3).round() / 1e3 + 0.0;
     Shift {
@@ -95,13 +97,14 @@ pub(super) fn as_written(shift: Shift) -> Shift {
 }
 
 impl OffsetRow {
-    /// Returns the factor on the levels of its echoes in mosaics, which makes them agree with the
-    /// levels of the other logs.
+    /// Returns the factor on the levels of the log's echoes in mosaics, which makes them agree with
+    /// the levels of the other logs.
     pub fn level_factor(&self) -> f64 {
         self.level.factor
     }
 
-    /// Blocks of ground that its mosaic shows with those of others.
+    /// Returns the number of blocks of ground that the mosaic of the log has in common with those
+    /// of others.
     pub fn level_ties(&self) -> usize {
         self.level.ties
     }
@@ -120,19 +123,19 @@ impl Offsets {
         Self { by_log }
     }
 
-    /// The table of an archive; an empty one where there is none.
+    /// Reads the table of an archive; an empty table where there is no file.
     ///
     /// # Errors
-    /// A sentence that names the line which cannot be used.
+    /// When the file cannot be read, or a line cannot be used; the sentence names the line.
     pub fn read(archive: &Archive) -> Result<Self, ArchiveError> {
         let path = path_of(archive);
         if path.exists() { Ok(Self::new(rows_of(&path)?)) } else { Ok(Self::default()) }
     }
 
-    /// Writes the table, unless it is there as it is.
+    /// Writes the table, unless the file has this content already.
     ///
     /// # Errors
-    /// When it cannot be written.
+    /// When the file cannot be written.
     pub(super) fn write(&self, archive: &Archive) -> Result<(), ArchiveError> {
         let path = path_of(archive);
         let fail = |error: String| {
@@ -151,7 +154,7 @@ impl Offsets {
         Ok(write_bytes(&path, text)?)
     }
 
-    /// The row of a log.
+    /// Returns the row of a log, if any.
     pub fn row(&self, log: &str) -> Option<&OffsetRow> {
         self.by_log.get(log)
     }
@@ -171,20 +174,20 @@ impl Offsets {
         self.row(log).map_or(1.0, OffsetRow::level_factor)
     }
 
-    /// All rows, by the names of the logs.
+    /// Returns all rows, by the names of the logs.
     pub fn rows(&self) -> Vec<&OffsetRow> {
         let mut rows: Vec<&OffsetRow> = self.by_log.values().collect();
         rows.sort_by(|a, b| (&a.name, &a.log).cmp(&(&b.name, &b.log)));
         rows
     }
 
-    /// The logs that nothing ties to another, by name.
+    /// Returns the names of the logs that nothing ties to another log, sorted.
     pub fn untied(&self) -> Vec<&str> {
         let rows = self.rows().into_iter();
         rows.filter(|row| row.ties == 0).map(|row| row.name.as_str()).collect()
     }
 
-    /// Logs that have no row yet.
+    /// Returns the logs that have no row yet.
     pub fn missing<'a>(&self, logs: &'a [LogRecord]) -> Vec<&'a LogRecord> {
         logs.iter().filter(|log| self.row(&log.log).is_none()).collect()
     }
@@ -202,7 +205,7 @@ fn fields(row: &OffsetRow) -> [String; COLUMNS.len()] {
     [
         row.name.clone(),
         row.log.clone(),
-        // Without the sign of a zero.
+        // Adding 0 removes the sign of a negative zero.
         format!("{:.4}", row.offset_m + 0.0),
         error(row.standard_error_m, 4),
         row.ties.to_string(),
@@ -224,13 +227,13 @@ pub(super) fn rows_of(path: &Path) -> Result<Vec<OffsetRow>, ArchiveError> {
         .map_err(|error| fail(format!("cannot read the table of offsets: {error}")))?;
     let mut table = csv::ReaderBuilder::new()
         .trim(csv::Trim::All)
-        // Rows that somebody has written by hand may end early.
+        // Rows that a person has written by hand may end early.
         .flexible(true)
         .from_reader(text.as_bytes());
     let in_words = |error: csv::Error| fail(format!("cannot read the table of offsets: {error}"));
     let header = table.headers().map_err(in_words)?.clone();
     let place = |name: &str| header.iter().position(|column| column == name);
-    // A table that a person wrote may do without the others.
+    // A table that a person wrote may lack the other columns.
     for name in ["log", "offset_m", "pinned"] {
         if place(name).is_none() {
             return Err(fail(format!("the table of offsets has no column {name}")));
@@ -252,8 +255,8 @@ pub(super) fn rows_of(path: &Path) -> Result<Vec<OffsetRow>, ArchiveError> {
     Ok(rows)
 }
 
-/// The row that these fields are of; `None` where one of them is out of its bounds. Empty are those
-/// that the table lacks.
+/// Returns the row of some fields; `None` where one of them is out of its bounds. Fields of columns
+/// that the table lacks are empty.
 fn row_of(fields: [&str; COLUMNS.len()]) -> Option<OffsetRow> {
     let [
         name,
@@ -304,9 +307,9 @@ fn row_of(fields: [&str; COLUMNS.len()]) -> Option<OffsetRow> {
     })
 }
 
-/// The offsets that the overlaps give. Logs that are pinned are taken together as one more log,
-/// whose offset is zero: an overlap with one of them is one with that, its difference corrected by
-/// the offset that is pinned.
+/// Returns the offsets that the overlaps give. Pinned logs are replaced by one further log, whose
+/// offset is zero: the difference of an overlap with a pinned log is corrected by the pinned
+/// offset. Overlaps between two pinned logs are dropped.
 pub(super) fn solve(log_overlaps: &[LogOverlap], pinned: &[Option<f64>]) -> HeightOffsets {
     let count = pinned.len();
     if pinned.iter().all(Option::is_none) {
@@ -353,8 +356,8 @@ mod tests {
 
     #[test]
     fn pinned_logs_hold_the_others_and_each_other() {
-        // True offsets of five logs, of which the first and the last are pinned 10 cm away from
-        // where the overlaps have them, and the fourth crosses nobody.
+        // True offsets of five logs, of which the first and the last are pinned 10 cm away from the
+        // offsets that the overlaps give, and the fourth crosses no other log.
         let true_m = [0.3, -0.2, 0.5, 0.0, 0.1];
         let pairs = [[0, 1], [1, 2], [2, 4], [0, 4]];
         let log_overlaps: Vec<LogOverlap> = pairs

@@ -1,6 +1,6 @@
-//! The side-scan pings of a log, a row each in every tile whose ground they saw:
-//! `pings/tile=.../SHA256.parquet`. They answer which ping, side and sample saw a place, without
-//! the log.
+//! Writes and reads the side-scan pings of a log, a row for each ping in every tile whose ground it
+//! insonified: `pings/tile=.../SHA256.parquet`. From these rows the ping, side and sample that
+//! insonified a place are found without the log.
 
 use super::ArchiveError;
 use super::footprint::{Footprint, SideRange};
@@ -15,16 +15,16 @@ use bathyscope_log::survey::{Side, SideSpan};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Length over which the direction across the track is taken in the zone, metres.
+/// Length over which the direction to starboard is computed in the zone, metres.
 const PROBE_M: f64 = 20.0;
-/// Half of the ground of a ping that no other is near, metres.
+/// Length of the footprint ahead of and behind a ping without a neighbour, metres.
 const ALONE_M: f64 = 0.5;
 
 /// Footprint of a ping before it is placed in a zone.
 struct Ping {
     index: usize,
     at: LonLat,
-    /// A place to starboard, [`PROBE_M`] away.
+    /// Place to starboard of the boat, [`PROBE_M`] away.
     probe: LonLat,
     altitude_m: f64,
     behind_m: f64,
@@ -32,17 +32,18 @@ struct Ping {
     sides: [Option<SideRange>; 2],
 }
 
-/// Rows of pings and their footprints by tile, with the ground that they saw together there.
+/// Rows of pings and their footprints, by tile of the insonified ground.
 pub(super) struct PingsByTile {
-    /// Rows as those of points; the tile of the boat itself has them as its core.
+    /// Rows by tile; the core flag is set in the tile of the boat itself.
     pub rows: RowsByTile,
-    /// Footprints of the same rows.
+    /// Footprints of the rows, in the same order.
     pub footprints: BTreeMap<TileId, Vec<Footprint>>,
-    /// Pings with a place and a heading.
+    /// Number of pings with a place and a heading.
     pub count: usize,
 }
 
-/// Lays out the pings of a log. Pings without a place or a heading saw nothing that could be said.
+/// Assigns the pings of a log to the tiles that they insonified. Pings without a place or a heading
+/// are dropped: the ground that they insonified is not known.
 pub(super) fn by_tile(log: &LogRows<'_>) -> PingsByTile {
     let altitudes_m = altitudes_m(log);
     let halves_m = halves_m(log);
@@ -122,8 +123,9 @@ fn side_range(log: &LogRows<'_>, span: &SideSpan) -> SideRange {
     }
 }
 
-/// Height of the transducer over the ground at every ping; where no depth is known, that of the
-/// last ping before, or the first after; 0 in a log without any.
+/// Returns the altitude of the transducer at every ping. Where no depth is known, the altitude of
+/// the last ping before is used, or that of the first ping with a depth; 0 in a log without any
+/// depth.
 fn altitudes_m(log: &LogRows<'_>) -> Vec<f64> {
     let pings = log.survey.side_scan.iter().zip(log.products.depths.iter());
     let known: Vec<f64> = pings
@@ -143,8 +145,8 @@ fn altitudes_m(log: &LogRows<'_>) -> Vec<f64> {
     filled.collect()
 }
 
-/// Half of the ways to the pings before and behind, metres; where one is not joined, that to the
-/// other.
+/// Returns half of the distances to the pings before and behind, metres; where one of these pings
+/// is not joined, half of the distance to the other.
 fn halves_m(log: &LogRows<'_>) -> Vec<[f64; 2]> {
     let half_m = |from: usize| {
         let way_m = joined_way_m(log.survey, &log.products.navigation, from)?;
@@ -159,7 +161,7 @@ fn halves_m(log: &LogRows<'_>) -> Vec<[f64; 2]> {
     (0..log.survey.side_scan.len()).map(of_ping).collect()
 }
 
-/// Columns of the rows of pings in a tile.
+/// Returns the columns of the rows of pings in a tile.
 pub(super) fn columns(
     log: &LogRows<'_>,
     rows: &[TileRow],
@@ -197,7 +199,7 @@ pub(super) fn columns(
         side("starboard_sample_m", 1, |range| range.sample_m),
         samples("starboard_samples", 1),
         Column::wholes("ping", numbers),
-        // Whether the settings exclude the ping. The column keeps its old name: archives hold files
+        // True if the settings exclude the ping. The column keeps its old name: archives hold files
         // of many years.
         Column::flags("left_out", excluded),
     ];
@@ -212,19 +214,19 @@ pub(super) struct PingRow {
     pub ping: i32,
     /// Footprint of the ping.
     pub footprint: Footprint,
-    /// Depth under it as the log has it, metres; NaN where none is known.
+    /// Depth under the ping as the log has it, metres; NaN where none is known.
     pub depth_m: f64,
-    /// True if the boat was in the halo, or farther outside of the tile.
+    /// True if the boat was outside of the tile, in its halo or farther.
     pub is_halo: bool,
-    /// True if its echoes count for nothing.
+    /// True if the settings exclude the ping.
     pub is_excluded: bool,
-    /// Seconds after the log's time zero.
+    /// Time of the ping, seconds after the log's time zero.
     pub time_s: f64,
-    /// Microseconds since 1970, UTC, where the recorder knew the time.
+    /// Time of the ping, microseconds since 1970, UTC; `None` where it is not known.
     pub unix_us: Option<i64>,
 }
 
-/// Columns of numbers that are read, in the order of [`PingColumns::numbers`].
+/// Names of the columns of numbers that are read, in the order of [`PingColumns::numbers`].
 const NUMBERS: [&str; 13] = [
     "x",
     "y",
@@ -241,13 +243,13 @@ const NUMBERS: [&str; 13] = [
     "time_s",
 ];
 
-/// The other columns that are read, in the order of the fields of [`PingColumns`].
+/// Names of the other columns that are read, in the order of the fields of [`PingColumns`].
 const OTHERS: [&str; 6] = ["port_samples", "starboard_samples", "ping", "halo", "left_out", "time"];
 
-/// The rows of a file, in the order of the log.
+/// Reads the rows of a file, in the order of the log.
 ///
 /// # Errors
-/// When the file cannot be read.
+/// When the file cannot be read, or its columns are not those of pings.
 pub(super) fn read(path: &Path) -> Result<Vec<PingRow>, ArchiveError> {
     let damaged = || {
         let what = ParquetFault::Damaged("its columns are not those of pings of an archive");
@@ -259,10 +261,10 @@ pub(super) fn read(path: &Path) -> Result<Vec<PingRow>, ArchiveError> {
     columns.rows().ok_or_else(damaged)
 }
 
-/// The columns of a file, all of one length.
+/// Columns of a file, all of the same length.
 struct PingColumns {
     numbers: Vec<Vec<f64>>,
-    /// Samples of each side.
+    /// Number of samples of the port side of each ping; `None` where the side was not recorded.
     port: Vec<Option<i32>>,
     starboard: Vec<Option<i32>>,
     pings: Vec<Option<i32>>,
@@ -271,7 +273,7 @@ struct PingColumns {
     times: Vec<Option<i64>>,
 }
 
-/// Columns of numbers; `None` where one is of another type.
+/// Returns the columns of numbers; `None` where a column is of another type.
 fn numbers(columns: Vec<Values>) -> Option<Vec<Vec<f64>>> {
     let numbers = columns.into_iter().map(|values| match values {
         Values::Double(values) => Some(values),
@@ -281,7 +283,7 @@ fn numbers(columns: Vec<Values>) -> Option<Vec<Vec<f64>>> {
 }
 
 impl PingColumns {
-    /// `None` where a column is of another type or length.
+    /// Creates the columns; `None` where a column is of another type or length.
     fn new(numbers: Vec<Vec<f64>>, others: Vec<Values>) -> Option<Self> {
         let Ok(
             [
@@ -309,7 +311,7 @@ impl PingColumns {
         })
     }
 
-    /// All rows; `None` where one lacks a number that every row has.
+    /// Returns all rows; `None` where a row lacks the index of its ping.
     fn rows(&self) -> Option<Vec<PingRow>> {
         (0..self.pings.len()).map(|index| self.row(index)).collect()
     }

@@ -1,4 +1,4 @@
-//! The points of a log, a row each: `points/tile=.../SHA256.parquet`.
+//! Writes and reads the points of a log, a row for each point: `points/tile=.../SHA256.parquet`.
 
 use super::ArchiveError;
 use super::log_rows::{self, LogRows, TileRow};
@@ -10,7 +10,7 @@ use bathyscope_log::formats::parquet_table::{
 use bathyscope_log::survey::Side;
 use std::path::Path;
 
-/// Columns of the rows of points in a tile.
+/// Returns the columns of the rows of points in a tile.
 pub(super) fn columns(log: &LogRows<'_>, rows: &[TileRow]) -> Vec<Column> {
     let points: Vec<(&CloudPoint, PointClass)> =
         rows.iter().map(|row| log.point(row.index)).collect();
@@ -49,23 +49,24 @@ pub(super) fn columns(log: &LogRows<'_>, rows: &[TileRow]) -> Vec<Column> {
     columns
 }
 
-/// A point as maps and crossings need it.
+/// A point of an archive with the values that maps and crossings need.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct PointRow {
-    /// Place in the zone, depth as the log has it, weight 0 where it does not count.
+    /// Place in the zone, depth as the log has it, and weight, which is 0 where the point does not
+    /// count.
     pub depth: DepthPoint,
-    /// True if it is a sounding: a depth of the recorder under the boat.
+    /// True if the point is a sounding: a depth of the recorder under the boat.
     pub is_under_boat: bool,
-    /// Seconds after the log's time zero.
+    /// Time of the point, seconds after the log's time zero.
     pub time_s: f64,
-    /// Velocity of the boat, metres a second along the zone's axes.
+    /// Velocity of the boat, metres a second along the axes of the zone.
     pub velocity_mps: [f64; 2],
 }
 
-/// The rows of a file that count for the depth map, in the order of the log.
+/// Reads the rows of a file that count for the depth map, in the order of the log.
 ///
 /// # Errors
-/// When the file cannot be read.
+/// When the file cannot be read, or its columns are not those of points.
 pub(super) fn read(path: &Path) -> Result<Vec<PointRow>, ArchiveError> {
     const NAMES: [&str; 9] = [
         "x",
@@ -119,7 +120,7 @@ pub(super) fn read(path: &Path) -> Result<Vec<PointRow>, ArchiveError> {
             north_m: y[index],
             depth_m: depth_m[index],
             weight: weight[index],
-            // First returns have a confidence, soundings and the swath have none.
+            // First returns have a confidence; soundings and the swath have none.
             is_sounding: confidence[index].is_nan(),
         },
         is_under_boat: sounding[index].is_some(),

@@ -1,5 +1,5 @@
-//! Corrections of position and latency of the logs of an archive, from crossings of tracks within
-//! tiles.
+//! Computes corrections of position and latency of the logs of an archive, from crossings of tracks
+//! within tiles.
 
 use super::ArchiveError;
 use super::log_overlaps::OverlapSearch;
@@ -12,13 +12,13 @@ use bathyscope_bottom::bathymetry::position_offsets::{
 };
 use bathyscope_log::support::progress::Progress;
 
-/// A correction that new logs move by less than this stays as it is, metres to the east or north
-/// and seconds, lest a log that is added make every map stale.
+/// Change below which a known correction is kept, metres to the east or north, and seconds: a log
+/// that is added must not make every map stale.
 const KEPT_SHIFT_M: f64 = 0.1;
 const KEPT_LATENCY_S: f64 = 0.05;
 
-/// Returns the corrections of the positions of the logs: as in the table and, as far as `wanted`,
-/// from crossings.
+/// Returns the corrections of the positions of the logs: those of the table and, as far as
+/// `wanted`, those from crossings.
 pub(super) fn shifts(
     archive: &Archive,
     logs: &[LogRecord],
@@ -73,14 +73,16 @@ pub(super) fn shifts(
     Ok(found)
 }
 
-/// A place with its correction, metres of the zone: moved by no more than the halo has room for.
+/// Returns a place with its correction, metres of the zone; the place moves by no more than
+/// [`MOST_MOVED_M`], for which the halo has room.
 pub(super) fn moved(place: [f64; 2], shift: Shift, velocity_mps: [f64; 2]) -> [f64; 2] {
     let [x, y] = shift.at(velocity_mps);
     let share = (MOST_MOVED_M / x.hypot(y).max(MOST_MOVED_M)).min(1.0);
     [place[0] + share * x, place[1] + share * y]
 }
 
-/// A correction of positions that is known already, where the one that was found differs by little.
+/// Returns the known correction of positions if the new one differs little from it, otherwise the
+/// new one.
 fn kept_shift(known: &FoundShift, found: Shift) -> Shift {
     let is_known = !(known.shift_error_m.is_nan() && known.latency_error_s.is_nan());
     let [east_m, north_m, latency_s] = known.shift.values();

@@ -1,4 +1,4 @@
-//! Readers of the files of an archive, for the fuzzer (`tests/fuzz`).
+//! Exposes the readers of the files of an archive to the fuzzer (`tests/fuzz`).
 
 use super::log_record::LogRecord;
 use super::record::ArchiveRecord;
@@ -9,7 +9,8 @@ use bathyscope_log::support::regular_file;
 use bathyscope_log::survey::Survey;
 use std::path::Path;
 
-/// Reads a file as rows of points, of pings and of echoes; why it is none of them.
+/// Reads a file as rows of points, of pings and of echoes; returns the errors of the readers that
+/// fail.
 pub fn rows(path: &Path) -> Vec<ArchiveError> {
     let points = point_rows::read(path).map(drop);
     let pings = ping_rows::read(path).map(drop);
@@ -17,8 +18,8 @@ pub fn rows(path: &Path) -> Vec<ArchiveError> {
     [points, pings, echoes].into_iter().filter_map(Result::err).collect()
 }
 
-/// Reads a file as the record of an archive, of a log and of a tile, and as a table of offsets; why
-/// it is none of them.
+/// Reads a file as the record of an archive, of a log and of a tile, and as a table of offsets;
+/// returns the errors of the readers that fail.
 pub fn records(path: &Path) -> Vec<ArchiveError> {
     let text = regular_file::read_text(path, u64::MAX).unwrap_or_default();
     let refused = |error: serde_json::Error| ArchiveError::Refused(error.to_string());
@@ -31,7 +32,7 @@ pub fn records(path: &Path) -> Vec<ArchiveError> {
     all.into_iter().filter_map(Result::err).collect()
 }
 
-/// The record of an archive, and that of a log without rows.
+/// Returns the record of an archive and the record of a log without rows, as seeds for the fuzzer.
 pub fn record_seeds(settings: &Settings) -> Vec<String> {
     let files = LogFiles { sha256: "0a1b".to_owned(), files: Vec::new() };
     let log = LogRecord::new(&Survey::default(), settings, &files);

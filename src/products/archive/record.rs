@@ -1,5 +1,5 @@
-//! Settings that all logs of an archive share: `lake.json`; and the archive by its records: its
-//! logs, and their rows tile by tile.
+//! Reads and writes the settings that all logs of an archive share, `lake.json`, and finds the logs
+//! of an archive and their rows tile by tile.
 
 use super::log_record::{AREA, LogRecord};
 use super::tile::{TILE_M, TileId, tiles_read};
@@ -19,33 +19,34 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-/// The record's name. Its old word stays: archives that exist are opened by it, also by older
-/// versions of the program.
+/// Name of the record of an archive. The old word is kept, so that existing archives can be opened,
+/// also by older versions of the program.
 const RECORD: &str = "lake.json";
 /// Name of the copy of the area of the isobaths, without its ending.
 const AREA_STEM: &str = "isobath_area";
-/// Version of the layout of rows: an archive with another number cannot be opened.
+/// Version of the layout of rows: an archive of another version cannot be opened.
 const FORMAT: u32 = 4;
-/// Side of a cell where the settings name none, metres.
+/// Side of a cell where the settings give none, metres.
 const USUAL_CELL_M: f64 = 0.5;
-/// Least and greatest cell, metres: powers of two, so that the places of cells are the same number
-/// in every tile.
+/// Smallest and largest cell, metres. Cells are powers of two, so that the coordinates of cells are
+/// exact in every tile.
 const CELLS_M: [f64; 2] = [0.125, 8.0];
-/// More cells along the side of a tile's mosaic are refused: it would pass what a TIFF can hold.
+/// Largest number of cells along the side of a tile's mosaic: a larger raster would exceed the
+/// limits of a TIFF.
 const MOST_MOSAIC_CELLS: f64 = 51_200.0;
-/// The halo is a multiple of this, metres, and so of every cell.
+/// Step of the halo, metres: the halo is a multiple of it, and so of every cell.
 const HALO_STEP_M: f64 = 16.0;
-/// Largest distance by which corrected positions move a point, metres: the halo holds the points
-/// that may come from there.
+/// Largest distance by which corrected positions move a point, metres: the halo holds all points
+/// that may move into the tile.
 pub(super) const MOST_MOVED_M: f64 = 12.0;
-/// Settings, by their first word, that no row and no map of a tile depends on.
+/// Groups of settings, by the first word of the key, that no row and no map of a tile depends on.
 const REGARDLESS_OF: [&str; 5] = ["crs", "detector", "picture", "points", "report"];
-/// Another setting that no row and no map depends on: mosaics of tiles are levels, which map
+/// Another setting that no row and no map depends on: mosaics of tiles store levels, which map
 /// programs colour.
 const COLOURS: &str = "mosaic.colours";
 const _: () = assert!(TILE_M % PART_STEP_M == 0.0);
-/// Largest cells of an archive with depths from levels, metres: larger ones would not show what
-/// these tell.
+/// Largest cells of an archive with depths from levels, metres: larger cells would not show the
+/// detail of these depths.
 const MOST_CELL_M: f64 = 2.0;
 
 /// Layout and settings that all logs of an archive share.
@@ -56,16 +57,16 @@ pub struct ArchiveRecord {
     format: u32,
     /// Side of a tile, metres.
     tile_m: f64,
-    /// Width beyond its edges over which a tile has rows, metres.
+    /// Width of the halo, metres: a tile has rows as far beyond its edges.
     pub halo_m: f64,
     /// Side of a cell of the maps, metres.
     pub cell_m: f64,
-    /// The settings that rows and maps depend on, but for those that belong to one log: draft,
-    /// water level, mounting.
+    /// Settings that rows and maps depend on, without those that belong to one log: draft, water
+    /// level, mounting.
     #[serde(deserialize_with = "deserialize_values")]
     settings: SettingValues,
-    /// The file of the area that isobaths end at, in the folder of the archive: its content is the
-    /// setting, not where it once lay.
+    /// Copy of the area that isobaths end at, in the folder of the archive; `None` without an area.
+    /// The content of the area is the setting, not the place of the original file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     isobath_area: Option<Fingerprint>,
 }
@@ -74,7 +75,8 @@ impl ArchiveRecord {
     /// Creates the record of an archive whose logs are processed with some settings.
     ///
     /// # Errors
-    /// A sentence where `surface.cell_m` or `mosaic.cell_m` is no size for the cells of an archive.
+    /// When `surface.cell_m` or `mosaic.cell_m` is no size for the cells of an archive, or the
+    /// settings need rows from too far around a tile.
     pub fn new(settings: &Settings) -> Result<Self, ArchiveError> {
         let cell_m = settings.surface.cell_m.unwrap_or(USUAL_CELL_M);
         let is_power = cell_m.log2().fract() == 0.0;
@@ -112,10 +114,11 @@ impl ArchiveRecord {
         })
     }
 
-    /// The grid of the mosaic of a tile.
+    /// Returns the grid of the mosaic of a tile.
     ///
     /// # Errors
-    /// As [`ArchiveRecord::settings`].
+    /// As [`ArchiveRecord::settings`], or when the recorded `mosaic.cell_m` does not divide a tile
+    /// into whole cells.
     pub(crate) fn mosaic_grid(&self, tile: TileId) -> Result<Grid, ArchiveError> {
         let cell_m = self.settings()?.mosaic.cell_m;
         if divides_tiles(cell_m) {
@@ -127,17 +130,18 @@ impl ArchiveRecord {
         }
     }
 
-    /// The settings that maps are made with, without the area of the isobaths
-    /// ([`Archive::settings`]).
+    /// Returns the settings that maps are made with, without the area of the isobaths (for which
+    /// see [`Archive::settings`]).
     ///
     /// # Errors
-    /// A sentence where somebody has changed the record to what cannot be.
+    /// When the recorded settings are not valid because a person has changed the record.
     pub fn settings(&self) -> Result<Settings, ArchiveError> {
         let settings = with_values(&Settings::default(), &self.settings);
         settings.map_err(|error| ArchiveError::Refused(format!("{error}: {RECORD}")))
     }
 
-    /// The first setting that differs from those of another, with both values.
+    /// Describes the first setting that differs from another record, with both values; `None` where
+    /// the records are equal.
     fn difference(&self, other: &Self) -> Option<String> {
         let keys: BTreeSet<&String> = self.settings.keys().chain(other.settings.keys()).collect();
         let value = |record: &Self, key: &str| {
@@ -162,7 +166,7 @@ impl ArchiveRecord {
 /// Refuses settings whose maps depend on more than a tile and its neighbours.
 ///
 /// # Errors
-/// A sentence.
+/// When cells are too large or `surface.max_gap_m` reaches too far for depths from echo levels.
 fn check_reach(settings: &Settings, cell_m: f64, halo_m: f64) -> Result<(), ArchiveError> {
     if settings.surface.swath != SwathDepth::Always {
         return Ok(());
@@ -186,14 +190,14 @@ fn is_shared(key: &str) -> bool {
     !is_of_one_log(key) && !REGARDLESS_OF.contains(&group) && ![AREA, COLOURS].contains(&key)
 }
 
-/// Returns true if cells of a mosaic divide the side of a tile: the mosaics of neighbouring tiles
+/// Returns true if cells of this size divide the side of a tile: the mosaics of neighbouring tiles
 /// then meet at whole cells.
 fn divides_tiles(cell_m: f64) -> bool {
     let side = TILE_M / cell_m;
     (side - side.round()).abs() < 1e-9 && (1.0..=MOST_MOSAIC_CELLS).contains(&side)
 }
 
-/// The copy of an area: its name in the archive, and what it holds.
+/// Returns the fingerprint of the copy of an area: its name in the archive, length and SHA-256.
 fn fingerprint_of(area: &WaterArea) -> Fingerprint {
     let ending = area.path.extension().unwrap_or_default().to_string_lossy();
     let is_plain = |ending: &str| ending.chars().all(|letter| letter.is_ascii_alphanumeric());
@@ -204,7 +208,8 @@ fn fingerprint_of(area: &WaterArea) -> Fingerprint {
     Fingerprint { file, bytes: area.bytes as u64, sha256: area.sha256.clone() }
 }
 
-/// A file by its first hexadecimal digits: two of one name may differ.
+/// Describes an area by its length and the first hexadecimal digits of its SHA-256, because two
+/// files of one name may differ.
 fn area_in_words(area: Option<&Fingerprint>) -> String {
     area.map_or("not given".to_owned(), |area| {
         let digits = area.sha256.get(..12).unwrap_or(&area.sha256);
@@ -216,19 +221,19 @@ fn area_in_words(area: Option<&Fingerprint>) -> String {
 #[derive(Clone, Debug)]
 pub struct Archive {
     folder: PathBuf,
-    /// Layout and settings that its logs share.
+    /// Layout and settings that the logs of the archive share.
     pub record: ArchiveRecord,
     /// Logs that were added through this value or a copy of it.
     begun: Arc<Mutex<BTreeSet<String>>>,
-    /// The area of the isobaths, once it has been read.
+    /// The area of the isobaths; empty until it is read.
     area: Arc<OnceLock<Arc<WaterArea>>>,
 }
 
 impl Archive {
-    /// The archive of a folder.
+    /// Opens the archive of a folder.
     ///
     /// # Errors
-    /// A sentence where there is none.
+    /// When the folder holds no archive, or one of another version, or its record cannot be used.
     pub fn open(folder: &Path) -> Result<Self, ArchiveError> {
         let path = folder.join(RECORD);
         let text = regular_file::read_text(&path, LONGEST_RECORD).map_err(|error| {
@@ -250,12 +255,12 @@ impl Archive {
         Ok(Self { folder: folder.to_owned(), record, begun: Arc::default(), area: Arc::default() })
     }
 
-    /// The archive of a folder for logs that are processed with some settings; made when there is
-    /// none.
+    /// Opens the archive of a folder for logs that are processed with some settings; creates an
+    /// archive where there is none.
     ///
     /// # Errors
-    /// A sentence: the folder holds something else, an archive of other settings, or cannot be
-    /// written into.
+    /// When the folder holds something else or an archive of other settings, or cannot be written
+    /// into.
     pub fn open_for(folder: &Path, settings: &Settings) -> Result<Self, ArchiveError> {
         let record = ArchiveRecord::new(settings)?;
         if !folder.join(RECORD).exists() {
@@ -269,11 +274,11 @@ impl Archive {
         Ok(archive)
     }
 
-    /// Refuses settings that rows of other logs of the archive were not made with, but for those
-    /// that belong to one log.
+    /// Refuses settings other than those of the archive. Settings that belong to one log are not
+    /// compared.
     ///
     /// # Errors
-    /// A sentence that names the first setting, with both values.
+    /// When a setting differs: the sentence names the first one, with both values.
     pub fn check(&self, settings: &Settings) -> Result<(), ArchiveError> {
         match self.record.difference(&ArchiveRecord::new(settings)?) {
             None => Ok(()),
@@ -284,8 +289,8 @@ impl Archive {
         }
     }
 
-    /// Copies the area of the isobaths into the archive, if it is not there: a run that made the
-    /// archive may have ended before.
+    /// Copies the area of the isobaths into the archive, unless the copy is there: the run that
+    /// created the archive may have ended before.
     fn keep_area(&self, settings: &Settings) -> Result<(), ArchiveError> {
         let (Some(kept), Some(area)) = (&self.record.isobath_area, &settings.isobaths.area) else {
             return Ok(());
@@ -298,11 +303,11 @@ impl Archive {
         Ok(write_bytes(&self.folder.join(&kept.file), bytes)?)
     }
 
-    /// The settings that maps are made with.
+    /// Returns the settings that maps are made with.
     ///
     /// # Errors
-    /// A sentence where somebody has changed the record, or the copy of the area of the isobaths,
-    /// to what cannot be.
+    /// When the recorded settings are not valid, or the copy of the area of the isobaths has
+    /// changed or cannot be read.
     pub fn settings(&self) -> Result<Settings, ArchiveError> {
         let mut settings = self.record.settings()?;
         let Some(kept) = &self.record.isobath_area else {
@@ -333,8 +338,8 @@ impl Archive {
         }
     }
 
-    /// Returns true if a log is added for the first time through this value or a copy of it: two
-    /// names of one log must not be written at once.
+    /// Returns true if a log is added for the first time through this value or a copy of it: one
+    /// log under two names must not be written at the same time.
     pub(super) fn begins(&self, log: &str) -> bool {
         let mut begun = self.begun.lock().unwrap_or_else(PoisonError::into_inner);
         begun.insert(log.to_owned())
@@ -345,32 +350,33 @@ impl Archive {
         &self.folder
     }
 
-    /// The name of what a log gives to a tile, of a kind of [`KINDS`], with `/` between folders.
+    /// Returns the name of a file of a log in a tile, of a kind of [`KINDS`], with `/` between
+    /// folders.
     pub(super) fn rows_name(kind: &str, tile: TileId, log: &str) -> String {
         let ending = KINDS.iter().find(|(one, _)| *one == kind);
         format!("{kind}/tile={tile}/{log}.{}", ending.map_or("parquet", |(_, ending)| ending))
     }
 
-    /// Returns the path of the file that [`Self::rows_name`] names.
+    /// Returns the path of the file named by [`Self::rows_name`].
     pub(super) fn rows_path(&self, kind: &str, tile: TileId, log: &str) -> PathBuf {
         self.folder.join(Self::rows_name(kind, tile, log))
     }
 
-    /// The records of the logs that the maps of some tiles are made from, by their hashes.
+    /// Reads the records of the logs that the maps of some tiles are made from, sorted by hash.
     ///
     /// # Errors
-    /// A sentence where one cannot be used.
+    /// When a record cannot be used.
     pub fn logs_of_maps(&self, tiles: &[TileId]) -> Result<Vec<LogRecord>, ArchiveError> {
         let swath = self.record.settings()?.surface.swath;
         let read = tiles.iter().flat_map(|tile| tiles_read(swath, *tile));
         self.logs_in(read)
     }
 
-    /// The records of the logs that have rows in some tiles, by their hashes: no other is read, so
-    /// that a tile takes no longer for logs elsewhere.
+    /// Reads the records of the logs that have rows in some tiles, sorted by hash. No other record
+    /// is read, so that the time does not grow with logs elsewhere.
     ///
     /// # Errors
-    /// A sentence where one cannot be used.
+    /// When a record cannot be used.
     pub fn logs_in(
         &self,
         tiles: impl Iterator<Item = TileId>,
@@ -390,11 +396,11 @@ impl Archive {
         paths.filter(|path| path.is_file()).map(|path| LogRecord::read(&path)).collect()
     }
 
-    /// The records of all logs, by their hashes. A log that is being written, or was when the
-    /// program ended, has none.
+    /// Reads the records of all logs, sorted by hash. A log that is being written, or was when the
+    /// program ended, has no record.
     ///
     /// # Errors
-    /// A sentence where one cannot be used.
+    /// When a record cannot be used.
     pub fn logs(&self) -> Result<Vec<LogRecord>, ArchiveError> {
         let mut names = names_in(&self.folder.join(LOGS))?;
         names.retain(|name| name.ends_with(".json") && !name.starts_with('.'));
@@ -404,8 +410,8 @@ impl Archive {
     }
 }
 
-/// A folder of a run, or of anything else, is not mixed with an archive; another job may have made
-/// the archive at this moment.
+/// Refuses a folder with content of a run or of anything else, because an archive is not mixed with
+/// it. Another job may have created the archive at this moment.
 fn refuse_other_content(folder: &Path) -> Result<(), ArchiveError> {
     let names = names_in(folder)?;
     let other = names.iter().find(|name| !name.starts_with('.'));
@@ -418,20 +424,20 @@ fn refuse_other_content(folder: &Path) -> Result<(), ArchiveError> {
     }
 }
 
-/// The rows of a tile, of all logs.
+/// Numbers of rows of a tile, of all logs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TileRowCounts {
-    /// Logs with rows of points or pings.
+    /// Number of logs with rows of points or pings.
     pub logs: usize,
-    /// Rows of points, those of the halo among them.
+    /// Number of rows of points, with those of the halo.
     pub points: usize,
-    /// Points in the tile itself.
+    /// Number of points in the tile itself.
     pub core_points: usize,
-    /// Rows of pings.
+    /// Number of rows of pings.
     pub pings: usize,
 }
 
-/// All tiles that have rows, in order.
+/// Returns all tiles that have rows, in order.
 ///
 /// # Errors
 /// When a record cannot be used.

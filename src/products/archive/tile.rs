@@ -1,4 +1,4 @@
-//! The squares that an archive is cut into.
+//! Defines the squares that an archive is divided into.
 
 use bathyscope_bottom::bathymetry::{Grid, SwathDepth};
 use bathyscope_log::formats::geotiff::{CellFormat, RasterSpec};
@@ -8,28 +8,29 @@ use std::str::FromStr;
 
 /// Side of a tile, metres of its zone.
 pub const TILE_M: f64 = 512.0;
-/// The same in whole metres.
+/// Side of a tile in whole metres.
 const TILE: i64 = 512;
-/// Largest northing or easting of a zone, metres.
+/// Largest northing or easting of a tile, metres.
 const FARTHEST: i64 = 20_000_000;
 
-/// A square of 512 m of a UTM zone, aligned to its grid. It is written as zone, easting and
-/// northing of its south-west corner in metres: `12N_455680_4077568`.
+/// A square of 512 m of a UTM zone, aligned to the zone's grid. Its name is the zone, and the
+/// easting and northing of its south-west corner in metres: `12N_455680_4077568`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct TileId {
-    /// The zone.
+    /// Zone of the tile.
     pub zone: UtmZone,
-    /// Tiles from the zone's zero, east and north.
+    /// Number of tiles from the zone's zero, east and north.
     index: [i64; 2],
 }
 
 impl TileId {
-    /// The tile that holds a place of a zone; of a place on an edge, that to the east or north.
+    /// Returns the tile that holds a place of a zone; for a place on an edge, the tile to the east
+    /// or north.
     pub fn at(zone: UtmZone, place: [f64; 2]) -> Self {
         Self { zone, index: place.map(|metres| (metres / TILE_M).floor() as i64) }
     }
 
-    /// The tiles of a zone that a box touches: west, south, east and north, metres.
+    /// Returns the tiles of a zone that a box (west, south, east and north, metres) touches.
     pub(crate) fn touched(
         zone: UtmZone,
         [west, south, east, north]: [f64; 4],
@@ -42,13 +43,13 @@ impl TileId {
         })
     }
 
-    /// West, south, east and north edge, metres of the zone.
+    /// Returns the west, south, east and north edge, metres of the zone.
     pub fn bounds_m(&self) -> [f64; 4] {
         let [west, south] = self.index.map(|index| index as f64 * TILE_M);
         [west, south, west + TILE_M, south + TILE_M]
     }
 
-    /// Returns true if all of it lies in its own zone; of one that does not, what lies beyond
+    /// Returns true if the whole tile lies in its own zone; ground beyond the edge of the zone
     /// belongs to the other zone.
     pub(crate) fn is_within_zone(&self) -> bool {
         let [west, south, east, north] = self.bounds_m();
@@ -56,7 +57,8 @@ impl TileId {
         UtmZone::near(self.zone.to_lon_lat(middle), TILE_M) == [self.zone]
     }
 
-    /// Its cells, and those of a margin around it, which is a multiple of them.
+    /// Returns the grid of the tile's cells and of a margin around it, which must be a multiple of
+    /// the cell.
     pub(super) fn grid(&self, margin_m: f64, cell_m: f64) -> Grid {
         let [west_m, _, _, north_m] = self.bounds_m();
         let side = ((TILE_M + 2.0 * margin_m) / cell_m).round() as usize;
@@ -69,7 +71,8 @@ impl TileId {
         }
     }
 
-    /// A raster over a grid in its zone; of nothing yet, which whoever writes it says.
+    /// Returns the description of a raster over a grid in the tile's zone; the caller sets the kind
+    /// of cells, the band and the text.
     pub(super) fn raster(&self, grid: &Grid) -> RasterSpec {
         RasterSpec {
             columns: grid.columns,
@@ -100,7 +103,7 @@ impl fmt::Display for TileId {
     }
 }
 
-/// A text that names no tile.
+/// Error of a text that names no tile.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("`{0}` names no tile; `bathyscope tiles DIR` lists them, as 12N_455680_4077568")]
 pub struct NoTile(String);
@@ -132,8 +135,8 @@ impl FromStr for TileId {
     }
 }
 
-/// The corners of a box of a zone (west, south, east and north), longitude and latitude in degrees,
-/// closed.
+/// Returns the corners of a box of a zone (west, south, east and north) as a closed ring of
+/// longitude and latitude in degrees.
 pub(super) fn ring(zone: UtmZone, [west, south, east, north]: [f64; 4]) -> [[f64; 2]; 5] {
     [[west, south], [east, south], [east, north], [west, north], [west, south]].map(|place| {
         let at = zone.to_lon_lat(place);
@@ -141,19 +144,19 @@ pub(super) fn ring(zone: UtmZone, [west, south, east, north]: [f64; 4]) -> [[f64
     })
 }
 
-/// West, south, east and north of some tiles, degrees.
+/// Returns the west, south, east and north edge of some tiles, degrees.
 pub(super) fn tile_bounds_deg(tiles: &[TileId]) -> [f64; 4] {
     zone_bounds_deg(tiles.iter().map(|tile| (tile.zone, tile.bounds_m())))
 }
 
-/// West, south, east and north of some boxes of zones, degrees.
+/// Returns the west, south, east and north edge of some boxes of zones, degrees.
 pub(super) fn zone_bounds_deg(boxes: impl Iterator<Item = (UtmZone, [f64; 4])>) -> [f64; 4] {
     let all = boxes.flat_map(|(zone, bounds_m)| ring(zone, bounds_m));
     bounds_deg(all.map(|[lon_deg, lat_deg]| LonLat { lon_deg, lat_deg }))
 }
 
-/// The tiles whose rows the map of one is made from, in order: its own, and its neighbours' where
-/// depths come from echo levels.
+/// Returns the tiles whose rows the map of a tile is made from, in order: the tile itself and,
+/// where depths come from echo levels, its neighbours.
 pub(super) fn tiles_read(swath: SwathDepth, tile: TileId) -> Vec<TileId> {
     match swath {
         SwathDepth::Off | SwathDepth::Auto => vec![tile],
@@ -161,7 +164,7 @@ pub(super) fn tiles_read(swath: SwathDepth, tile: TileId) -> Vec<TileId> {
     }
 }
 
-/// A box made larger on all sides.
+/// Returns a box made larger by `by_m` on all sides.
 pub(super) fn beside([west_m, south_m, east_m, north_m]: [f64; 4], by_m: f64) -> [f64; 4] {
     [west_m - by_m, south_m - by_m, east_m + by_m, north_m + by_m]
 }

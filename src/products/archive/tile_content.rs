@@ -1,5 +1,5 @@
-//! The map of a tile as it lies in its files, read again; a few of them are kept, since neighbours
-//! ask for the same.
+//! Reads the maps of tiles from their files again and keeps the last ones, since neighbouring web
+//! tiles need the same maps.
 
 use super::LONGEST_RECORD;
 use super::record::Archive;
@@ -16,26 +16,26 @@ use std::io;
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Tiles that are kept, some 4 MB each.
+/// Number of tiles whose maps are kept, some 4 MB each.
 const KEPT: usize = 24;
 
-/// The map of a tile.
+/// Depths and isobaths of a tile.
 pub(super) struct TileDepths {
-    /// Its cells.
+    /// Grid of the tile's cells.
     grid: Grid,
-    /// Depths of its cells, row by row, metres; NaN where none is known. Nothing else of a surface
+    /// Depths of the cells, row by row, metres; NaN where none is known. Nothing else of a surface
     /// is kept: it would take three times the memory.
     depth_m: Vec<f32>,
-    /// Its isobaths, in pixels of a zoom of the web.
+    /// Isobaths of the tile, in pixels of a zoom of the web map.
     pub lines: Vec<Isobath>,
 }
 
-/// The maps of an archive's tiles, read when they are asked for.
+/// Reader of the maps of an archive's tiles, which are read when they are needed.
 pub(super) struct TileContents {
     archive: Archive,
-    /// Zoom in whose pixels lines are given.
+    /// Zoom of the web map in whose pixels lines are given.
     zoom: u8,
-    /// Maps that were read; the last ones that were requested are at the end.
+    /// Maps that were read; the last requested ones are at the end.
     kept: Mutex<Vec<(TileId, Arc<TileDepths>)>>,
 }
 
@@ -45,10 +45,10 @@ impl TileContents {
         Self { archive: archive.clone(), zoom, kept: Mutex::default() }
     }
 
-    /// The map of a tile.
+    /// Returns the map of a tile.
     ///
     /// # Errors
-    /// When one of its files cannot be read.
+    /// When a file of the tile cannot be read.
     pub(super) fn of(&self, tile: TileId) -> io::Result<Arc<TileDepths>> {
         let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(at) = kept.iter().position(|(one, _)| *one == tile) {
@@ -57,7 +57,7 @@ impl TileContents {
             kept.push(found);
             return Ok(content);
         }
-        // Others wait: they are about to ask for the same tile.
+        // The lock is held while reading: other threads will need the same tile.
         let content = Arc::new(self.read(tile)?);
         if kept.len() >= KEPT {
             kept.remove(0);
@@ -75,7 +75,7 @@ impl TileContents {
         let isobaths = folder.join(ISOBATHS);
         let grid = tile.grid(0.0, self.archive.record.cell_m);
         let raster = read_values(&depths).map_err(|error| with_name(&depths, &error))?;
-        // A raster of another size is not the tile's: what it lacks is not known.
+        // A raster of another size is not that of the tile: missing cells have no depth.
         let mut depth_m = raster.values;
         depth_m.resize(grid.len(), f32::NAN);
         Ok(TileDepths {
@@ -86,7 +86,7 @@ impl TileContents {
     }
 }
 
-/// The part of the file that is read: lines with their depths.
+/// Part of an isobath file that is read: lines with their depths.
 #[derive(Deserialize)]
 struct Lines {
     features: Vec<Line>,
@@ -123,12 +123,13 @@ fn lines(path: &Path, zoom: u8) -> io::Result<Vec<Isobath>> {
 }
 
 impl TileDepths {
-    /// Its depths as a surface.
+    /// Returns the depths as a surface.
     pub(super) fn surface(&self) -> Surface {
         Surface::of_depths(self.grid, self.depth_m.clone())
     }
 
-    /// Copies its depths into those of a grid of the same cells; what lies beyond either is left.
+    /// Copies the depths into a grid of the same cells; cells outside of either grid are left
+    /// unchanged.
     pub(super) fn copy_into(&self, grid: &Grid, depth_m: &mut [f32]) {
         let own = &self.grid;
         let offset = |from_m: f64| (from_m / own.cell_m).round() as i64;

@@ -1,5 +1,5 @@
-//! The files of a tile: `tiles/NAME/depth.tif`, `uncertainty.tif`, `source.tif`,
-//! `isobaths.geojson`, `mosaic.tif` and, last, `tile.json`, which says what they were made from.
+//! Writes and reads the files of a tile: `tiles/NAME/depth.tif`, `uncertainty.tif`, `source.tif`,
+//! `isobaths.geojson`, `mosaic.tif` and, last, `tile.json`, the record of their inputs.
 
 use super::log_record::LogRecord;
 use super::offsets::Offsets;
@@ -30,7 +30,7 @@ pub(super) const UNCERTAINTY: &str = "uncertainty.tif";
 pub(super) const ISOBATHS: &str = "isobaths.geojson";
 pub(super) const SOURCE: &str = "source.tif";
 pub(super) const MOSAIC_FILE: &str = "mosaic.tif";
-/// Files of the depths that the map of the web is made of.
+/// Files of a tile that the web map depends on.
 pub(super) const DEPTH_FILES: [&str; 3] = [DEPTH, UNCERTAINTY, ISOBATHS];
 /// All files, the record of the others first.
 const FILES: [&str; 6] = [RECORD, DEPTH, UNCERTAINTY, SOURCE, ISOBATHS, MOSAIC_FILE];
@@ -41,17 +41,18 @@ const FILES: [&str; 6] = [RECORD, DEPTH, UNCERTAINTY, SOURCE, ISOBATHS, MOSAIC_F
 pub struct TileRecord {
     /// Inputs of the map.
     made: MadeFrom,
-    /// Cells with a depth; without any there is no file of depths.
+    /// Number of cells with a depth; without any there is no file of depths.
     pub cells: usize,
-    /// Shallowest and deepest, metres; empty without any.
+    /// Least and greatest depth, metres; empty without any.
     pub depth_m: Vec<f64>,
-    /// West, south, east and north edge of those cells, metres of the zone; empty without any.
+    /// West, south, east and north edge of the cells with a depth, metres of the zone; empty
+    /// without any.
     pub bounds_m: Vec<f64>,
-    /// Lines of equal depth.
+    /// Number of isobaths.
     pub isobaths: usize,
-    /// Cells of the mosaic; without any there is none.
+    /// Number of cells of the mosaic that have a level; without any there is no file of the mosaic.
     pub mosaic_cells: usize,
-    /// The files, in the folder of the tile.
+    /// Fingerprints of the files, in the folder of the tile.
     pub files: Vec<Fingerprint>,
 }
 
@@ -62,7 +63,7 @@ struct MadeFrom {
     program: String,
     archive: ArchiveRecord,
     logs: Vec<TileLog>,
-    /// The parts of the mosaic, in the order in which they are laid over each other.
+    /// Parts of the mosaic, in the order in which they are laid over each other.
     mosaic: Vec<MosaicPart>,
 }
 
@@ -70,10 +71,10 @@ struct MadeFrom {
 #[serde(deny_unknown_fields)]
 struct TileLog {
     log: String,
-    /// Tile and SHA-256 of every file of its rows.
+    /// Tile and SHA-256 of every file of the log's rows.
     rows: Vec<String>,
     offset_m: f64,
-    /// East, north and latency.
+    /// Correction east and north, metres, and latency, seconds.
     shift: [f64; 3],
 }
 
@@ -90,16 +91,16 @@ struct MosaicPart {
 /// State of a tile's map with respect to the rows and offsets of its logs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TileState {
-    /// It is what they give.
+    /// The map was made from these rows and offsets.
     UpToDate,
-    /// It was made of others.
+    /// The map was made from other inputs, or one of its files is missing or has another length.
     Stale,
-    /// There is none.
+    /// There is no map.
     Missing,
 }
 
 impl TileState {
-    /// `up to date`, `stale`, `missing`.
+    /// Returns `up to date`, `stale` or `missing`.
     pub fn in_words(self) -> &'static str {
         match self {
             Self::UpToDate => "up to date",
@@ -139,7 +140,8 @@ impl MadeFrom {
     }
 }
 
-/// SHA-256 of the rows of a log that the map of a tile is made from, by tile, kind after kind.
+/// Returns the SHA-256 of the rows of a log that the map of a tile is made from, by tile, kind
+/// after kind.
 fn hashes_read(swath: SwathDepth, tile: TileId, log: &LogRecord) -> Vec<String> {
     let kinds: &[&str] = match swath {
         SwathDepth::Off | SwathDepth::Auto => &[POINTS],
@@ -155,19 +157,19 @@ fn hashes_read(swath: SwathDepth, tile: TileId, log: &LogRecord) -> Vec<String> 
 }
 
 impl TileRecord {
-    /// The record of a tile, if it has a map.
+    /// Reads the record of a tile; `None` where the tile has no map.
     pub(crate) fn read(archive: &Archive, tile: TileId) -> Option<Self> {
         let text = regular_file::read_text(&folder_of(archive, tile).join(RECORD), LONGEST_RECORD);
         serde_json::from_str(&text.ok()?).ok()
     }
 
-    /// West, south, east and north edge of the cells with a depth, metres of the zone; of a record
-    /// that does not say, those of the tile.
+    /// Returns the west, south, east and north edge of the cells with a depth, metres of the zone;
+    /// without any, the edges of the tile.
     pub(super) fn depth_bounds_m(&self, tile: TileId) -> [f64; 4] {
         <[f64; 4]>::try_from(self.bounds_m.as_slice()).unwrap_or(tile.bounds_m())
     }
 
-    /// Returns true if the tile has a file of a name.
+    /// Returns true if the tile has a file of this name.
     pub(super) fn has(&self, name: &str) -> bool {
         self.files.iter().any(|file| file.file == name)
     }
@@ -197,7 +199,7 @@ pub fn tile_state(
     }
 }
 
-/// Removes the maps of tiles that no log has rows in any more, and gives back which these were.
+/// Removes the maps of tiles in which no log has rows any more; returns these tiles.
 ///
 /// # Errors
 /// When a file cannot be removed.
@@ -211,7 +213,7 @@ pub fn remove_left_over(archive: &Archive, tiles: &[TileId]) -> Result<Vec<TileI
         for name in FILES {
             remove(&folder.join(name))?;
         }
-        // What is not of the program stays, with its folder.
+        // Files of other programs stay, with the folder.
         fs::remove_dir(&folder).ok();
     }
     Ok(left)
@@ -221,7 +223,7 @@ pub fn remove_left_over(archive: &Archive, tiles: &[TileId]) -> Result<Vec<TileI
 ///
 /// # Errors
 /// When the tile has no rows, rows cannot be read, a file cannot be written, or the work was
-/// cancelled; the tile is then one whose map is missing, or as it was.
+/// cancelled; the map of the tile is then missing or unchanged.
 pub fn write_tile(
     archive: &Archive,
     tile: TileId,
@@ -238,7 +240,7 @@ pub fn write_tile(
     let made = tile_map(archive, tile, logs, offsets, progress)?;
     let folder = folder_of(archive, tile);
     make_folder(&folder)?;
-    // From here on its files are those of two maps.
+    // From here on the files of the tile may be a mixture of two maps.
     remove(&folder.join(RECORD))?;
     let mut record = TileRecord {
         made: MadeFrom::of(archive, tile, logs, offsets),
@@ -322,7 +324,7 @@ fn write_files(
     Ok(())
 }
 
-/// Describes the interpolation of the cells, and a method that was requested but cannot be used.
+/// Describes the interpolation of the cells, and a requested method that cannot be used.
 fn how(archive: &Archive, surface: &Surface) -> Result<String, ArchiveError> {
     let settings = archive.record.settings()?.surface;
     let method = surface.method_in_words();

@@ -1,7 +1,7 @@
-//! The depth map of a tile, from the rows of all logs in it, each log at its height and its
-//! corrected positions.
+//! Makes the depth map of a tile from the rows of all logs in it, with the height offset and the
+//! corrected positions of each log.
 //!
-//! Depths from echo levels depend on what lies around the tile, in its eight neighbours.
+//! Depths from echo levels also depend on the eight neighbours of the tile.
 
 use super::echo_rows::StoredEchoes;
 use super::log_record::LogRecord;
@@ -22,21 +22,22 @@ use bathyscope_bottom::swath::{PART_DEPTHS_M, PART_PINGS_M, correct_part};
 use bathyscope_log::support::geo::UtmZone;
 use bathyscope_log::support::progress::Progress;
 
-/// Metres from one isobath to the next where the settings name none: the same in all tiles, so that
-/// lines meet.
+/// Interval of isobaths where the settings give none, metres: the same in all tiles, so that lines
+/// meet at the edges.
 const USUAL_INTERVAL_M: f64 = 0.5;
 
 /// The depth map of a tile.
 pub struct TileMap {
-    /// The cells of the tile, none of its halo.
+    /// Surface over the cells of the tile, without its halo.
     pub surface: Surface,
-    /// Lines of equal depth, cut at its edges and at those of the area of the archive's isobaths.
+    /// Isobaths, cut at the edges of the tile and of the area of the archive's isobaths.
     pub isobaths: Vec<Isobath>,
 }
 
-/// The map of a tile by linear triangles, whatever `surface.method` says: the other methods reach
-/// farther than a halo. Its depths are corrected by echo levels where `surface.swath` says so.
-/// Neighbouring tiles are the parts of one map, to the bit. `None` where nothing is known.
+/// Makes the map of a tile by linear triangles, whatever `surface.method` is: the other methods
+/// depend on points beyond the halo. The depths are corrected by echo levels if `surface.swath`
+/// requires it. The maps of neighbouring tiles are parts of one map, equal to the bit. `None` where
+/// no depth is known.
 ///
 /// # Errors
 /// When rows cannot be read, or the work was cancelled.
@@ -49,7 +50,7 @@ pub fn tile_map(
 ) -> Result<Option<TileMap>, ArchiveError> {
     let settings = archive.settings()?;
     let cell_m = archive.record.cell_m;
-    // Its lines depend on some cells beyond its edges.
+    // The isobaths depend on some cells beyond the edges of the tile.
     let grid = tile.grid(LOCAL_MARGIN_CELLS as f64 * cell_m, cell_m);
     let mut window = tile_surface(archive, tile, grid, logs, offsets, progress)?;
     blank_other_zones(&mut window, tile);
@@ -65,8 +66,9 @@ pub fn tile_map(
     Ok(Some(TileMap { surface, isobaths }))
 }
 
-/// The depths of a tile and of some cells around it, on a grid of the archive's cells that reaches
-/// no farther than a few metres beyond the tile: what the map of a neighbour has there, to the bit.
+/// Computes the depths of a tile and of some cells around it, on a grid of the archive's cells that
+/// reaches no farther than a few metres beyond the tile. The depths beyond the tile equal those in
+/// the map of the neighbour, to the bit.
 ///
 /// # Errors
 /// When rows cannot be read, or the work was cancelled.
@@ -80,7 +82,7 @@ pub fn tile_surface(
 ) -> Result<Surface, ArchiveError> {
     let settings = archive.settings()?.surface;
     match settings.swath {
-        // A tile cannot test levels by what was left out of the whole archive.
+        // The test of levels by cross-validation needs the whole archive, not one tile.
         SwathDepth::Off | SwathDepth::Auto => {
             let points = depth_points(archive, tile, logs, offsets, progress)?;
             Ok(local_surface(&points, grid, settings.max_gap_m, progress)?)
@@ -106,7 +108,7 @@ fn blank_other_zones(surface: &mut Surface, tile: TileId) {
     }
 }
 
-/// The settings of the isobaths with an interval that is the same in all tiles.
+/// Returns the settings of the isobaths with an interval that is the same in all tiles.
 pub(crate) fn isobath_settings(settings: &IsobathSettings) -> IsobathSettings {
     IsobathSettings {
         interval_m: settings.interval_m.or(Some(USUAL_INTERVAL_M)),
@@ -114,7 +116,8 @@ pub(crate) fn isobath_settings(settings: &IsobathSettings) -> IsobathSettings {
     }
 }
 
-/// Depths of tiles, whose isobaths have one interval whatever their errors.
+/// Returns the extent of the depths of tiles with an error of 0, so that all tiles have the same
+/// isobath interval.
 pub(crate) fn without_error(range_m: [f64; 2]) -> DepthExtent {
     DepthExtent { range_m, error_m: 0.0 }
 }
@@ -141,7 +144,7 @@ fn lines(
         in_tile.flat_map(|part| clipped(&part, tile.bounds_m()))
     });
     let mut lines: Vec<Isobath> = cut.collect();
-    // In one order, however the rows of the window were walked.
+    // The order of the lines must not depend on the order of the rows of the window.
     lines.sort_by(|a, b| {
         let first = |line: &Isobath| line.points.first().copied().unwrap_or_default();
         let (one, other) = (first(a), first(b));
@@ -152,8 +155,8 @@ fn lines(
     Ok(lines)
 }
 
-/// The points that count in a tile and its halo, the logs in the order of their hashes, with their
-/// offsets and their positions corrected.
+/// Reads the points that count in a tile and its halo, log by log in the order of their hashes,
+/// with the height offset and the corrected positions of each log.
 ///
 /// # Errors
 /// When rows cannot be read, or the work was cancelled.
@@ -172,8 +175,8 @@ fn depth_points(
     Ok(points)
 }
 
-/// The rows of points of a log in a tile that lie where they are asked for, with its offset and its
-/// positions corrected.
+/// Reads the points of a log in a tile whose recorded places satisfy `lies_there`, with the height
+/// offset and the corrected positions of the log.
 ///
 /// # Errors
 /// When rows cannot be read.
@@ -196,7 +199,7 @@ fn moved_points(
         lies_there(place).then_some(DepthPoint {
             east_m,
             north_m,
-            // What is added to an elevation is taken off the depth.
+            // An offset is added to elevations, so it is subtracted from depths.
             depth_m: row.depth.depth_m - offset_m,
             ..row.depth
         })
@@ -204,7 +207,8 @@ fn moved_points(
     Ok(rows.filter_map(of_row).collect())
 }
 
-/// The surface of a tile on a grid a few cells larger than it, with depths from echo levels.
+/// Computes the surface of a tile on a grid a few cells larger than the tile, with depths from echo
+/// levels.
 ///
 /// # Errors
 /// When rows cannot be read, or the work was cancelled.

@@ -1,4 +1,4 @@
-//! The mosaic of a tile, from the parts of all logs in it.
+//! Joins the parts of all logs to the mosaic of a tile.
 
 use super::log_mosaic::{in_words, levels_spec, open_part};
 use super::log_record::LogRecord;
@@ -15,9 +15,9 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// The logs that have a part in the mosaic of a tile, in the order in which they are laid over each
-/// other: that of their recording, as `bathyscope process` takes them. Logs that do not know the
-/// time come first; of two that began at once the hash decides.
+/// Returns the logs that have a part in the mosaic of a tile, in the order in which they are laid
+/// over each other: by the time of recording, as in `bathyscope process`. Logs without a known time
+/// come first; logs that began at the same time are ordered by their hashes.
 pub(super) fn logs_in_order(tile: TileId, logs: &[LogRecord]) -> Vec<&LogRecord> {
     let has_part = |log: &&LogRecord| log.rows_in(tile).is_some_and(|rows| rows.mosaic_cells > 0);
     let mut with_part: Vec<&LogRecord> = logs.iter().filter(has_part).collect();
@@ -29,8 +29,8 @@ pub(super) fn logs_in_order(tile: TileId, logs: &[LogRecord]) -> Vec<&LogRecord>
     with_part
 }
 
-/// Writes the mosaic of a tile; how many cells show something. Without any there is no file. Memory
-/// grows neither with the cells nor with the logs.
+/// Writes the mosaic of a tile and returns the number of cells that have a level. Writes no file if
+/// there is no such cell. Memory grows neither with the cells nor with the logs.
 ///
 /// # Errors
 /// When a part cannot be read, the file cannot be written, or the work was cancelled.
@@ -76,12 +76,12 @@ pub(super) fn write_mosaic(
     Ok(cells.into_inner())
 }
 
-/// The part of a log in its files.
+/// Files of the part of a log in the mosaic of a tile.
 struct StoredPart {
     path: PathBuf,
     levels: RasterTiles,
     weights: Option<RasterTiles>,
-    /// Factor on its levels.
+    /// Factor on the levels of the log.
     factor: f32,
 }
 

@@ -1,4 +1,4 @@
-//! A file is complete or it is not there.
+//! Writes files so that each is either complete or missing.
 
 use crate::file_in_use::patiently;
 use bathyscope_log::support::file_error::FileError;
@@ -10,40 +10,41 @@ use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-/// Ending of the name of an unfinished file, after its own name and the writer's number.
+/// Ending of the name of an unfinished file, after the file's own name and the process number of
+/// the writer.
 const PASSING: &str = ".bathyscope-part";
-/// Ending of the name of a file for temporary data, after the name of the file that it is for and
-/// the writer's number.
+/// Ending of the name of a file for temporary data, after the name of the file to be written and
+/// the process number of the writer.
 const SCRATCH: &str = ".scratch.part";
 
-/// A file that could not be written.
+/// Error of writing a file.
 #[derive(Debug, thiserror::Error)]
 #[error("cannot write the file: {source}: {path}")]
 pub struct ExportError {
     /// Path of the file.
     pub path: PathBuf,
-    /// The system's error.
+    /// Error of the operating system.
     pub source: io::Error,
 }
 
 impl ExportError {
-    /// Returns a function that makes the error of this file from its cause.
+    /// Returns a function that creates the error of writing this file from its cause.
     pub(super) fn at(path: &Path) -> impl Fn(io::Error) -> Self {
         let path = path.to_path_buf();
         move |source| Self { path: path.clone(), source }
     }
 }
 
-/// Returns true if two paths name the same file, which is there: by whatever folder, link or
-/// spelling.
+/// Returns true if two paths name the same existing file, in whatever spelling or through whatever
+/// link.
 pub fn is_same_file(one: &Path, other: &Path) -> bool {
     let there = [one, other].map(fs::canonicalize);
     matches!(there, [Ok(one), Ok(other)] if one == other)
 }
 
-/// Writes a file under a passing name beside its place and renames it when `write` has succeeded,
-/// so that a reader never sees half a file and an old one stays until the new one is whole. `write`
-/// must flush what it buffers; what it returns is handed on.
+/// Writes a file under a temporary name in the same folder and renames it when `write` has
+/// succeeded, so that a reader never finds half a file and an old file stays until the new one is
+/// complete. `write` must flush its buffers; its result is returned.
 pub fn write_atomically<T>(
     path: &Path,
     write: impl FnOnce(File) -> io::Result<T>,
@@ -56,7 +57,7 @@ pub fn write_atomically<T>(
 }
 
 /// Does the same as [`write_atomically`] for a writer that opens a file by its path. No file exists
-/// yet under the temporary name that `write` gets.
+/// yet under the temporary name that is passed to `write`.
 pub(super) fn write_atomically_at<T>(
     path: &Path,
     write: impl FnOnce(&Path) -> io::Result<T>,
@@ -78,12 +79,12 @@ pub(super) fn write_atomically_at<T>(
     written.and_then(|made| patiently(|| fs::rename(&passing, path)).map(|()| made)).map_err(fail)
 }
 
-/// A folder that cannot be made.
+/// Error of making a folder.
 #[derive(Debug, thiserror::Error)]
 #[error("cannot make the folder: {0}")]
 pub struct NoFolder(io::Error);
 
-/// Makes a folder, with those that it lies in.
+/// Makes a folder and its missing parents.
 pub fn make_folder(folder: &Path) -> Result<(), FileError<NoFolder>> {
     fs::create_dir_all(folder).map_err(|error| FileError::new(NoFolder(error), folder))
 }
@@ -93,29 +94,30 @@ pub fn write_bytes(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), ExportErr
     write_atomically(path, |mut file| file.write_all(bytes.as_ref()))
 }
 
-/// Writes a record for scripts: JSON to be read by people, too, and a line's end.
+/// Writes a record for scripts: JSON with line breaks, so that people can read it too, and a
+/// newline at the end.
 pub fn write_json(path: &Path, record: &impl Serialize) -> Result<(), ExportError> {
     let text = serde_json::to_string_pretty(record);
     let text = text.map_err(|error| ExportError::at(path)(error.into()))?;
     write_bytes(path, text + "\n")
 }
 
-/// A file under its passing name, which goes whatever way the writing ends; once it has its own
-/// name, nothing is left to go.
+/// An unfinished file under its temporary name, which is removed however the writing ends; after
+/// the renaming there is nothing to remove.
 struct Leftover<'a>(&'a Path);
 
 impl Drop for Leftover<'_> {
     fn drop(&mut self) {
-        // Best effort: the error that is reported is the one that came first.
+        // Best effort: the error that is reported is the earlier one.
         fs::remove_file(self.0).ok();
     }
 }
 
-/// Renames a file that is not to be written over: `pond.bottom.toml` becomes
-/// `pond.bottom-older.toml`, or `-older-2` and so on where that is taken. Gives back the new name.
+/// Renames a file that must not be overwritten: `pond.bottom.toml` becomes
+/// `pond.bottom-older.toml`, or `-older-2` and so on if that name is taken. Returns the new name.
 ///
 /// # Errors
-/// When it cannot be renamed.
+/// When the file cannot be renamed.
 pub fn rename_older(path: &Path) -> Result<PathBuf, ExportError> {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let ending = path.extension().map(|ending| ending.to_string_lossy());
@@ -134,9 +136,9 @@ pub fn rename_older(path: &Path) -> Result<PathBuf, ExportError> {
     Ok(aside)
 }
 
-/// Removes what a killed program left in a folder, when the first file is written there: files on
-/// their way of processes that are no more, and their passing data. Best effort: what cannot be
-/// removed stays.
+/// Removes the remains of killed programs from a folder, when the first file is written there:
+/// unfinished files and temporary data of processes that have ended. Best effort: a file that
+/// cannot be removed stays.
 fn tidy(folder: &Path) {
     static TIDIED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
     let mut tidied = TIDIED.lock().unwrap_or_else(PoisonError::into_inner);
@@ -148,8 +150,8 @@ fn tidy(folder: &Path) {
     }
 }
 
-/// Removes files of processes that are no more; `passing` gives what of a name stands before the
-/// passing name's end, `NAME.PID`, of a file that may go.
+/// Removes the files of processes that have ended. `passing` returns the part of a file name before
+/// the temporary ending, `NAME.PID`; `None` for other files, which stay.
 pub(crate) fn remove_leftovers(folder: &Path, passing: impl Fn(&str) -> Option<&str>) {
     let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     for entry in fs::read_dir(here).into_iter().flatten().flatten() {
@@ -163,11 +165,11 @@ pub(crate) fn remove_leftovers(folder: &Path, passing: impl Fn(&str) -> Option<&
     }
 }
 
-/// Returns true if the process that wrote a file is no more. Where the system does not say, a file
-/// that nobody has touched for an hour is taken as left.
+/// Returns true if the process that wrote a file has ended. On systems other than Linux, a file
+/// that has not changed for an hour counts as left over.
 fn is_dead(writer: u32, file: &Path) -> bool {
     if cfg!(target_os = "linux") {
-        // A killed process has an entry until its parent has asked for its end, which may be
+        // A killed process keeps its entry until its parent has read its exit status, which may be
         // seconds later or never.
         let stat = fs::read_to_string(format!("/proc/{writer}/stat"));
         return stat.map_or(true, |stat| has_ended(&stat));
@@ -177,15 +179,15 @@ fn is_dead(writer: u32, file: &Path) -> bool {
     age.is_some_and(|age| age.as_secs() > 3600)
 }
 
-/// Returns true if `/proc/PID/stat` is that of a process that has ended: its state, behind the name
-/// in brackets, is `Z` or `X` (proc(5)).
+/// Returns true if the content of `/proc/PID/stat` is that of an ended process: the state, after
+/// the name in brackets, is `Z` or `X` (proc(5)).
 fn has_ended(stat: &str) -> bool {
     let state = stat.rsplit_once(") ").and_then(|(_, rest)| rest.chars().next());
     matches!(state, Some('Z' | 'X'))
 }
 
-/// A file for passing data beside the place of another, where there is room for that one too. It
-/// has no name any more as soon as it is open, so that nothing is left of it however the program
+/// Opens a file for temporary data in the folder of another file, where there is room for both. The
+/// file loses its name as soon as it is open, so that nothing remains of it however the program
 /// ends.
 pub(super) fn scratch_near(path: &Path) -> io::Result<File> {
     let mut name = path.file_name().unwrap_or_default().to_os_string();
@@ -248,7 +250,7 @@ mod tests {
         write_atomically(&path, |mut file| file.write_all(b"whole")).unwrap();
         let left = |name: &&str| folder.path().join(name).exists();
         let left: Vec<&str> = names.into_iter().filter(left).collect();
-        // The one of this process was on its way, and has arrived.
+        // The file of this process was renamed when it was complete.
         let expected = if cfg!(target_os = "linux") {
             vec![names[3], names[4]]
         } else {
@@ -267,7 +269,7 @@ mod tests {
             let no_file = Path::new("none");
             assert!(!is_dead(killed.id(), no_file));
             killed.kill().unwrap();
-            // It ends as soon as the system gets to it.
+            // The process ends some time after the signal.
             let is_gone = (0..500).any(|_| {
                 std::thread::sleep(std::time::Duration::from_millis(10));
                 is_dead(killed.id(), no_file)

@@ -1,14 +1,15 @@
-//! A film as Motion JPEG in AVI: every frame is a picture of its own, which every player opens and
-//! no patent covers, and the file is written as it grows. Layout after Microsoft's AVI RIFF File
-//! Reference and OpenDML's `MJPG`.
+//! Writes a film as Motion JPEG in AVI. Every frame is a separate picture, which every player opens
+//! and no patent covers, and the file is written as it grows. The layout follows Microsoft's AVI
+//! RIFF File Reference and OpenDML's `MJPG`.
 
 use image::RgbImage;
 use image::codecs::jpeg::JpegEncoder;
 use std::io::{self, Seek, SeekFrom, Write};
 
-/// Bytes of a film at most: players of this format count in 31 bits.
+/// Largest size of a film, bytes: players of this format count in 31 bits.
 pub const LARGEST: u64 = 0x7fff_ffff;
-/// Quality of the pictures, 1 to 100: at this one, speckle stays and nothing of the JPEG is seen.
+/// Quality of the pictures, 1 to 100: at this quality speckle is kept and no JPEG artefact is
+/// visible.
 const QUALITY: u8 = 90;
 /// Bytes from the start of the file to the first frame.
 const HEAD: u32 = 224;
@@ -22,18 +23,18 @@ pub struct AviWriter<W> {
     out: W,
     size: [u32; 2],
     frames_per_s: u32,
-    /// Start of each frame, counted from the word `movi`, and its length, bytes.
+    /// Start of each frame, counted from the word `movi`, and its length, both in bytes.
     frames: Vec<[u32; 2]>,
-    /// Bytes of all frames with their heads.
+    /// Number of bytes of all frames with their heads.
     bytes: u32,
     jpeg: Vec<u8>,
 }
 
 impl<W: Write + Seek> AviWriter<W> {
-    /// Begins a film of frames of `size` pixels.
+    /// Begins a film with frames of `size` pixels.
     ///
     /// # Errors
-    /// When it cannot be written.
+    /// When the file cannot be written.
     pub fn new(mut out: W, size: [u32; 2], frames_per_s: u32) -> io::Result<Self> {
         out.write_all(&[0; HEAD as usize])?;
         Ok(Self {
@@ -49,7 +50,8 @@ impl<W: Write + Seek> AviWriter<W> {
     /// Adds a frame of the film's size.
     ///
     /// # Errors
-    /// When it cannot be written, has another size, or the film would be larger than players read.
+    /// When the frame cannot be written or has another size, or the film would be larger than
+    /// players can read.
     pub fn push(&mut self, picture: &RgbImage) -> io::Result<()> {
         if <[u32; 2]>::from(picture.dimensions()) != self.size {
             return Err(io::Error::other("a frame has another size than the film"));
@@ -71,12 +73,12 @@ impl<W: Write + Seek> AviWriter<W> {
         Ok(())
     }
 
-    /// Bytes of the frames and of the index that they make.
+    /// Returns the number of bytes of the frames and of their index.
     pub fn bytes_with_index(&self) -> u64 {
         u64::from(self.bytes) + 16 * self.frames.len() as u64
     }
 
-    /// Writes the index and the head.
+    /// Writes the index and the head; returns the output.
     pub fn finish(mut self) -> io::Result<W> {
         let index = 16 * self.frames.len() as u32;
         self.out.write_all(b"idx1")?;
@@ -203,8 +205,8 @@ mod tests {
             assert_eq!(frame.dimensions(), (33, 17));
             assert!(frame.get_pixel(16, 8).0[0].abs_diff(shade) < 4);
         }
-        // What a player goes by: microseconds a frame, frames, width and height; and of the stream
-        // its rate and length.
+        // The values that a player reads: microseconds a frame, frames, width and height; and of
+        // the stream its rate and length.
         assert_eq!(word(&bytes, 32), 40_000);
         assert_eq!([48, 64, 68].map(|at| word(&bytes, at)), [3, 33, 17]);
         assert_eq!([132, 140].map(|at| word(&bytes, at)), [25, 3]);

@@ -1,5 +1,5 @@
-//! `bottom.copc.laz`: the cells of the depth map as points, for programs that know point clouds and
-//! no rasters.
+//! Writes `bottom.copc.laz`: the cells of the depth map as points, for programs that read point
+//! clouds and no rasters.
 
 use super::las::{Dimension, DimensionType, LasPacking, LasSpec, write_las};
 use super::{ExportError, Summary};
@@ -9,7 +9,7 @@ use las::point::Classification;
 use las::{Color, Point};
 use std::path::Path;
 
-/// Stands for "not known" of a standard deviation.
+/// Value of an unknown standard deviation.
 const NO_SIGMA: f32 = -1.0;
 
 /// Extra dimensions of a point, in the order of [`extra_bytes_of`].
@@ -27,9 +27,9 @@ const DIMENSIONS: [Dimension; 3] = [
 /// A cell of the depth map.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BottomCell {
-    /// Its middle in the file's coordinates.
+    /// Middle of the cell in the coordinates of the file.
     pub place: [f64; 2],
-    /// Metres, positive down.
+    /// Depth, metres, positive down.
     pub depth_m: f32,
     /// Standard deviation of the depth, metres; NaN where none is known.
     pub sigma_m: f32,
@@ -37,14 +37,15 @@ pub(crate) struct BottomCell {
     pub distance_m: f32,
     /// The source of the depth, by the number of [`bathyscope_bottom::bathymetry::CellSource`].
     pub source: u8,
-    /// True if it was measured there.
+    /// True if a depth was measured in the cell.
     pub is_measured: bool,
-    /// Its colour.
+    /// Colour of the cell.
     pub rgb: [u8; 3],
 }
 
-/// Writes cells as COPC, in a system (its WKT in the header), with `origin` near them. z is minus
-/// the depth. Points that nothing measured have the flag of synthetic points.
+/// Writes cells as COPC, in a coordinate system (its WKT is in the header); `origin` is a place
+/// near the cells. z is the negative depth. Cells without a measured depth have the flag of
+/// synthetic points.
 pub(crate) fn bottom_las(
     path: &Path,
     crs: &Crs,

@@ -1,4 +1,4 @@
-//! The folder of chips: a picture of each box.
+//! Writes the folder of chips, a picture of each box, and finds the chips of an earlier run.
 
 use super::ExportError;
 use bathyscope_objects::Picture;
@@ -12,25 +12,25 @@ use std::path::{Path, PathBuf};
 
 /// Name of the folder of chips, beside their table.
 const FOLDER: &str = "chips";
-/// Name of the folder of unfinished chips in a version that did not write the files of a run
+/// Name of the folder of unfinished chips in an old version, which did not write the files of a run
 /// together.
 const PASSING: &str = "chips.part";
-/// The table beside them, which names their classes.
+/// Name of the table beside the folder, which names the classes of the chips.
 const TABLE: &str = "detections.csv";
-/// Class of a box whose model does not name it.
+/// Class of a box for which the model has no class name.
 const UNNAMED: &str = "object";
 
-/// Chips on their way.
+/// A folder into which chips are being written.
 pub struct ChipFolder {
     folder: PathBuf,
     /// Classes by index, as part of a file name.
     classes: Vec<String>,
-    /// Their number so far.
+    /// Number of chips written so far.
     count: usize,
 }
 
 impl ChipFolder {
-    /// A folder for the chips in `output`, where their table is on its way.
+    /// Makes a folder for the chips in `output`, the folder into which their table is written too.
     ///
     /// # Errors
     /// When the folder cannot be made.
@@ -58,9 +58,9 @@ impl ChipFolder {
     }
 }
 
-/// Chips in the subfolder `of` of a folder of products that go with its table of boxes, when that
-/// is in `removed` or gives way to one in `new`: those with a number and a class of either table
-/// for a name. Other files in there are somebody's own.
+/// Returns the chips in the subfolder `of` of a folder of products that belong to its table of
+/// boxes, if this table is in `removed` or is replaced by one in `new`. A chip has a number and a
+/// class of either table as its name; other files belong to the user.
 pub(crate) fn earlier_chips(
     output: &Path,
     of: &str,
@@ -80,7 +80,7 @@ pub(crate) fn earlier_chips(
     names.map(|name| format!("{of}{FOLDER}/{name}")).collect()
 }
 
-/// Removes chips that a version which is no more left half done; best effort.
+/// Removes the chips that an old version left unfinished; best effort.
 pub(crate) fn remove_passing_chips(output: &Path) {
     let passing = output.join(PASSING);
     for chip in chips_in(&passing, |_| true) {
@@ -90,7 +90,7 @@ pub(crate) fn remove_passing_chips(output: &Path) {
     fs::remove_dir(&passing).ok();
 }
 
-/// The chips of such classes in a folder.
+/// Returns the chips in a folder whose classes satisfy `such`.
 fn chips_in(folder: &Path, such: impl Fn(&str) -> bool) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     let chips = entries.filter(|entry| {
@@ -100,7 +100,7 @@ fn chips_in(folder: &Path, such: impl Fn(&str) -> bool) -> Vec<PathBuf> {
     chips.map(|entry| entry.path()).collect()
 }
 
-/// Classes that an earlier table names; none where there is no such table.
+/// Returns the classes that an earlier table names; none where there is no such table.
 fn classes_in(table: &Path) -> HashSet<String> {
     let Ok(mut table) = csv::Reader::from_path(table) else {
         return HashSet::new();
@@ -117,15 +117,15 @@ fn class_of(name: &OsStr) -> Option<&str> {
     name.to_str().and_then(class_in)
 }
 
-/// The class in the name of a chip; `None` for a file that is none.
+/// Returns the class in the name of a chip; `None` for a file that is no chip.
 fn class_in(name: &str) -> Option<&str> {
     let (number, class) = name.strip_suffix(".png")?.split_once('-')?;
     let numbered = number.len() >= 4 && number.bytes().all(|digit| digit.is_ascii_digit());
     (numbered && class == file_safe(class)).then_some(class)
 }
 
-/// A class name, which a model's file may have chosen, as part of a file name: letters, digits and
-/// hyphens.
+/// Converts a class name, which may come from a model's file, to a part of a file name: letters,
+/// digits and hyphens.
 fn file_safe(name: &str) -> String {
     let letters = name.chars().take(40);
     letters.map(|letter| if letter.is_alphanumeric() { letter } else { '-' }).collect()
@@ -169,7 +169,7 @@ mod tests {
         assert_eq!(found, ours.map(|name| format!("out/chips/{name}")));
         fs::write(new.join(TABLE), "id,class\n1,tyre\n").unwrap();
         assert_eq!(earlier(&[]).len(), 3);
-        // Those of a version without subfolders go with their own table only.
+        // Chips of a version without subfolders belong to the table in the folder itself only.
         assert!(earlier_chips(&output, "", None, &[]).is_empty());
         assert_eq!(earlier_chips(&output, "", None, &[TABLE.to_owned()]).len(), 3);
     }

@@ -1,4 +1,4 @@
-//! A small picture of each object found.
+//! Cuts a small picture of each object found.
 
 use super::{ChipFolder, ExportError};
 use bathyscope_log::support::progress::{Cancelled, Progress};
@@ -6,32 +6,32 @@ use bathyscope_log::survey::Survey;
 use bathyscope_objects::{Detection, Mark, Picture, Raster, Rect, Scored, TILE_PX, level};
 use std::path::Path;
 
-/// Pixels around a box, so that the eye sees what the object stands out from.
+/// Pixels around a box, so that the object is seen against its surroundings.
 const AROUND_PX: f32 = 24.0;
 
-/// Chips that were not written.
+/// Error of writing chips.
 #[derive(Debug, thiserror::Error)]
 pub enum ChipError {
-    /// One of the files.
+    /// A file could not be written.
     #[error(transparent)]
     Export(#[from] ExportError),
-    /// It was cancelled.
+    /// The work was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }
 
-/// The boxes of a log, and where chips of them are cut from.
+/// The boxes of a log, and the recording and raster that their chips are cut from.
 pub struct ChipLog<'a> {
     /// The recording.
     pub survey: &'a Survey,
-    /// Its raster.
+    /// Raster of the log.
     pub raster: Raster,
-    /// The boxes.
+    /// Boxes of the log.
     pub found: &'a [Detection],
 }
 
-/// Makes `0001-rock.png` and so on for `folder`: the [`chip`] of each box of the logs, one log
-/// after the other.
+/// Writes the [`chip`] of each box of the logs, one log after the other, into the folder of chips
+/// in `folder`: `0001-rock.png` and so on.
 ///
 /// # Errors
 /// When a picture cannot be written, or the work was cancelled.
@@ -54,9 +54,9 @@ pub fn chips(
     Ok(chips)
 }
 
-/// A box of a survey with its surroundings, range to the right, levels as a detector sees them. A
-/// pixel is the raster's, and larger where the box would not fit into a tile: a hull is shown as a
-/// whole.
+/// Returns the picture of a box of a survey with its surroundings: range to the right, levels as
+/// the detector's input. Pixels are those of the raster, or larger where the box would not fit into
+/// a tile, so that a hull is shown as a whole.
 pub fn chip(survey: &Survey, raster: &Raster, mark: &Mark) -> Picture {
     let rect = raster.rect_of(mark);
     let room_px = TILE_PX as f32 - 2.0 * AROUND_PX - 1.0;
@@ -75,7 +75,7 @@ pub fn chip(survey: &Survey, raster: &Raster, mark: &Mark) -> Picture {
     Picture::grey(TILE_PX, TILE_PX, tile.pixels).piece(0, 0, width, height)
 }
 
-/// Writes the chips of a picture of another program.
+/// Writes the chips of boxes in a picture of another program into the folder of chips in `folder`.
 pub(crate) fn picture_chips(
     folder: &Path,
     picture: &Picture,
@@ -93,7 +93,8 @@ pub(crate) fn picture_chips(
     Ok(chips)
 }
 
-/// First column and row, columns and rows of a box and its surroundings.
+/// Returns the first column and row, and the number of columns and rows, of a box and its
+/// surroundings.
 fn around(rect: &Rect) -> (usize, usize, usize, usize) {
     // `as` saturates, and a box's edges are finite.
     let first = |edge: f32| (edge - AROUND_PX).max(0.0) as usize;

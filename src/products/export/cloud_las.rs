@@ -1,7 +1,7 @@
-//! `cloud.copc.laz` and `cloud.las`: all points with their classes in a map's coordinates, for
-//! survey programs.
+//! Writes `cloud.copc.laz` and `cloud.las`: all points with their classes in a map's coordinates,
+//! for survey programs.
 //!
-//! LAS counts in GPS time, which runs on where UTC inserts a leap second.
+//! LAS counts in GPS time, which does not stop where UTC inserts a leap second.
 
 use super::las::{Dimension, DimensionType, LasPacking, LasSpec, write_las};
 use super::{ExportError, LogPoints, Summary, colour};
@@ -13,11 +13,11 @@ use las::{Color, Point};
 use rayon::prelude::*;
 use std::path::Path;
 
-/// Stands for "no confidence": soundings and the swath have none.
+/// Value of a missing confidence: soundings and the swath have none.
 const NO_CONFIDENCE: f32 = -1.0;
-/// Description of the dimension of the source.
+/// Description of the dimension of the source, without a swath.
 const SOURCES: &str = "0 recorded depth, 1 side-scan";
-/// The same where there is a swath.
+/// Description of the dimension of the source where there is a swath.
 const SOURCES_WITH_SWATH: &str = "0 depth, 1 side-scan, 2 swath";
 /// Extra dimensions of a point, in the order of [`extra_bytes_of`].
 const DIMENSIONS: [Dimension; 5] = [
@@ -34,11 +34,11 @@ const DIMENSIONS: [Dimension; 5] = [
 ];
 /// Unix seconds of GPS time zero, 1980-01-06.
 const GPS_ZERO_UNIX_S: f64 = 315_964_800.0;
-/// Seconds that LAS subtracts, so that a double keeps its fraction of a second (LAS 1.4 R15, table
-/// 3, global encoding bit 0).
+/// Seconds that LAS subtracts from GPS time, so that a double keeps the fraction of a second (LAS
+/// 1.4 R15, table 3, global encoding bit 0).
 const ADJUSTED_S: f64 = 1e9;
-/// Unix seconds from which on GPS was one second more ahead of UTC (IERS Bulletin C). `chrono`
-/// knows no leap seconds, and none has been announced since 2016.
+/// Unix seconds of the leap seconds, at each of which GPS gained one second on UTC (IERS Bulletin
+/// C). `chrono` has no leap seconds, and none has been announced since 2016.
 const LEAPS_UNIX_S: [f64; 18] = [
     362_793_600.0,   // 1981-07-01
     394_329_600.0,   // 1982-07-01
@@ -60,20 +60,19 @@ const LEAPS_UNIX_S: [f64; 18] = [
     1_483_228_800.0, // 2017-01-01
 ];
 
-/// Writes all points as COPC or LAS 1.4 in a system (its WKT in the header), whatever the plane of
-/// the cloud; `place` gives where a point lies there. z is elevation in metres above the
-/// transducer, so negative.
+/// Writes all points as COPC or LAS 1.4 in a coordinate system (its WKT is in the header), whatever
+/// the local coordinate frame of the cloud; `place` returns the x and y of a point in this system.
+/// z is elevation in metres above the transducer, so negative.
 ///
-/// Points that do not count for the map are withheld; the class says why, and the header names the
-/// classes. Intensity is the echo level of the first return, 0 to 255 times 257; 0 for soundings
-/// and the swath, of which the level is not known. Colours are the paper's; the extra dimensions
-/// are source, ping, side, confidence of the first return and slant range; the user data are 0 for
-/// soundings, 1 for port, 2 for starboard, 3 for the swath. The GPS time field holds adjusted
-/// standard GPS time, and the header says so, where the log knows when it was; otherwise seconds
-/// after the log's time zero.
+/// Points that do not count for the map have the flag "withheld"; their class gives the reason, and
+/// the header names the classes. Intensity is the echo level of the first return, 0 to 255 times
+/// 257; 0 for soundings and the swath, whose level is not known. Colours are those of the paper;
+/// the extra dimensions are source, ping, side, confidence of the first return and slant range; the
+/// user data are 0 for soundings, 1 for port, 2 for starboard, 3 for the swath. If all logs have a
+/// known time, the GPS time field holds adjusted standard GPS time, which the header states;
+/// otherwise seconds after each log's time zero.
 ///
-/// Of several logs the point source is the number of the log, from 1 on; of one it is 0. Times are
-/// seconds after each log's time zero where one of them does not know when it was.
+/// With several logs the point source is the number of the log, from 1 on; with one log it is 0.
 pub(crate) fn cloud_las(
     path: &Path,
     packing: LasPacking,
@@ -138,7 +137,7 @@ fn las_point(
     })
 }
 
-/// The dimensions of a point, which was measured at a slant range.
+/// Returns the bytes of the extra dimensions of a point, which was measured at a slant range.
 fn extra_bytes_of(survey: &Survey, point: &CloudPoint, range_m: f64) -> Vec<u8> {
     let source = match point.source {
         PointSource::DownScan => 0,
@@ -160,7 +159,7 @@ fn extra_bytes_of(survey: &Survey, point: &CloudPoint, range_m: f64) -> Vec<u8> 
     bytes
 }
 
-/// Adjusted standard GPS time of some Unix seconds: seconds of GPS time less 1e9.
+/// Converts Unix seconds to adjusted standard GPS time: seconds of GPS time less 1e9.
 fn adjusted_standard_s(unix_s: f64) -> f64 {
     let leaps = LEAPS_UNIX_S.partition_point(|begins_s| *begins_s <= unix_s) as f64;
     unix_s - GPS_ZERO_UNIX_S + leaps - ADJUSTED_S
@@ -172,8 +171,8 @@ mod tests {
 
     #[test]
     fn gps_time_is_that_of_the_published_conversions() {
-        // UTC as `date -u -d TEXT +%s` has it, GPS seconds as the converters of LIGO and NOAA print
-        // them.
+        // UTC as printed by `date -u -d TEXT +%s`, GPS seconds as printed by the converters of LIGO
+        // and NOAA.
         for (unix_s, gps_s) in [
             (315_964_800.0, 0.0),
             (362_793_599.0, 46_828_799.0),

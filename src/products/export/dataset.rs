@@ -1,4 +1,4 @@
-//! The folder of pictures and labels that a detector is trained on
+//! Writes the folder of pictures and labels that a detector is trained on
 //! (`assets/detector/training/data.py` reads it).
 
 use super::{ExportError, write_bytes};
@@ -7,7 +7,7 @@ use serde::Serialize;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// A part of a dataset. No recording, real or simulated, is in two of them.
+/// A part of a dataset. No recording, real or simulated, is in two parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum DatasetPart {
@@ -23,7 +23,7 @@ impl DatasetPart {
     /// All parts, in the order of a split.
     pub const ALL: [DatasetPart; 3] = [DatasetPart::Train, DatasetPart::Val, DatasetPart::Test];
 
-    /// `train`, `val` or `test`.
+    /// Returns `train`, `val` or `test`.
     pub fn name(self) -> &'static str {
         match self {
             DatasetPart::Train => "train",
@@ -36,15 +36,15 @@ impl DatasetPart {
 /// Content of a part, for the manifest.
 #[derive(Clone, Debug, Serialize)]
 pub struct PartSummary {
-    /// `train`, `val` or `test`.
+    /// Name of the part: `train`, `val` or `test`.
     pub name: &'static str,
-    /// Pictures.
+    /// Number of pictures.
     pub images: usize,
-    /// Pictures in which there is nothing to find.
+    /// Number of pictures without an object to find.
     pub images_without_boxes: usize,
-    /// Boxes to find, by class.
+    /// Number of boxes to find, by class.
     pub labels: std::collections::BTreeMap<String, usize>,
-    /// Boxes that count for nothing.
+    /// Number of boxes that are ignored.
     pub ignored: usize,
 }
 
@@ -57,7 +57,7 @@ pub struct DatasetFolder {
 }
 
 impl DatasetFolder {
-    /// Makes the folders and the class names.
+    /// Makes the folders and writes the class names.
     pub fn new(root: &Path, classes: &[String]) -> Result<Self, ExportError> {
         let folder = Self { root: root.to_owned(), classes: classes.to_vec() };
         for kind in ["images", "labels"] {
@@ -89,7 +89,8 @@ impl DatasetFolder {
         self.text(&format!("voc/{}/{number:06}.xml", part.name()), &text)
     }
 
-    /// Writes the COCO file of a part, its pictures numbered from 0.
+    /// Writes the COCO file of a part, with pictures numbered from 0; returns the content of the
+    /// part.
     pub fn finish(
         &self,
         part: DatasetPart,
@@ -117,7 +118,7 @@ impl DatasetFolder {
         })
     }
 
-    /// Writes how the dataset was made.
+    /// Writes the record of how the dataset was made.
     pub fn manifest(&self, manifest: &impl Serialize) -> Result<(), ExportError> {
         self.json("manifest.json", manifest)
     }

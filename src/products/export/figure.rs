@@ -13,26 +13,26 @@ use std::path::Path;
 /// A line or an area that was measured.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeasuredFigure {
-    /// The log that lay under it.
+    /// Name of the log under the figure.
     pub log: String,
     /// `distance`, `area`, `profile` or `height`.
     pub kind: &'static str,
     /// Corners in the order of drawing.
     pub corners: Vec<LonLat>,
-    /// Metres from the start to each corner, on the ellipsoid.
+    /// Distances from the start to each corner, metres on the ellipsoid.
     pub distances_m: Vec<f64>,
-    /// Metres along the line, or around the area.
+    /// Length of the line, or perimeter of the area, metres.
     pub length_m: f64,
-    /// Square metres, of an area.
+    /// Area, square metres; `None` for a line.
     pub area_m2: Option<f64>,
-    /// Measurements that a height from a shadow follows from.
+    /// Measurements that a height is computed from by its shadow; `None` for other figures.
     pub shadow: Option<ShadowHeight>,
-    /// Places along a profile: distance from the start and depth, metres; no depth where nothing is
-    /// known.
+    /// Places along a profile, with distance from the start and depth, metres; a depth of `None`
+    /// where none is known.
     pub stations: Vec<(LonLat, f64, Option<f32>)>,
 }
 
-/// Writes a `LineString` or a `Polygon` with what was measured, and a `Point` for each place of a
+/// Writes a `LineString` or a `Polygon` with the measured values, and a `Point` for each place of a
 /// profile.
 pub fn figure_geojson(path: &Path, figure: &MeasuredFigure) -> Result<(), ExportError> {
     let points = figure.stations.iter().map(Some);
@@ -74,7 +74,8 @@ fn outline(figure: &MeasuredFigure) -> Value {
     json!({ "type": "Feature", "geometry": geometry, "properties": properties })
 }
 
-/// A height and all that it follows from, metres.
+/// Returns a height and the measurements it is computed from, metres, with the names of their
+/// columns.
 fn shadow_columns(shadow: &ShadowHeight) -> [(&'static str, f64); 5] {
     [
         ("height_m", shadow.height_m()),
@@ -102,9 +103,9 @@ fn turns_right(ring: &[[f64; 2]]) -> bool {
     doubled < 0.0
 }
 
-/// Writes a line for each corner, `corner,lon,lat,distance_m`; an area has `area_m2` beside them,
-/// and its first corner again at the end of its way around; a height has `height_m` and what it
-/// follows from.
+/// Writes a line for each corner, `corner,lon,lat,distance_m`. An area has a further column
+/// `area_m2` and ends with its first corner again, at the length of its perimeter; a height has
+/// further columns, `height_m` and the measurements it is computed from.
 pub fn figure_csv(path: &Path, figure: &MeasuredFigure) -> Result<(), ExportError> {
     let area = figure.area_m2;
     let mut text = "corner,lon,lat,distance_m".to_owned();
@@ -126,9 +127,9 @@ pub fn figure_csv(path: &Path, figure: &MeasuredFigure) -> Result<(), ExportErro
     write_bytes(path, text)
 }
 
-/// Writes one line for each station, `distance_m,lon,lat,east_m,north_m,depth_m`: metres on the
-/// ground from the start, WGS84, the survey's local metres as in `cloud.csv`, and the depth, empty
-/// where nothing is known.
+/// Returns a table with one line for each station, `distance_m,lon,lat,east_m,north_m,depth_m`:
+/// metres on the ground from the start, WGS84, the survey's local coordinate frame as in
+/// `cloud.csv`, and the depth, empty where none is known.
 pub fn profile_csv(
     survey: &Survey,
     navigation: &Navigation,
@@ -148,7 +149,7 @@ pub fn profile_csv(
     text
 }
 
-/// Writes [`profile_csv`] into a file.
+/// Writes a table of [`profile_csv`] into a file.
 pub fn write_profile_csv(path: &Path, text: &str) -> Result<(), ExportError> {
     write_bytes(path, text)
 }

@@ -1,21 +1,22 @@
-//! Numbers with a fixed count of decimals, as tables of millions of rows need them.
+//! Formats numbers with a fixed number of decimals, fast enough for tables of millions of rows.
 
 use std::fmt::{self, Display, Formatter};
 
-/// A number that is written with so many decimals: the same text as that of `{:.decimals$}`, in a
-/// third of the time.
+/// A number and its decimals. Formatting gives the same text as `{:.decimals$}` in a third of the
+/// time.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fixed(pub f64, pub usize);
 
-/// 10 to the number of decimals, as far as numbers are written without the standard library.
+/// Powers of 10 by the number of decimals; more decimals are formatted by the standard library.
 const POWERS: [u64; 10] =
     [1, 10, 100, 1_000, 10_000, 100_000, 1_000_000, 10_000_000, 100_000_000, 1_000_000_000];
-/// Bound below which a scaled number is off by less than [`NEAR_HALF`], as its own digits are.
+/// Bound below which the rounding error of a scaled number is less than [`NEAR_HALF`].
 const MOST_SCALED: f64 = 1e12;
-/// Nearer than this to the middle between two last digits, only all digits of the number tell which
-/// is nearer.
+/// Distance to the middle between two last digits below which the product is too inexact to round;
+/// such numbers are formatted by the standard library.
 const NEAR_HALF: f64 = 1e-3;
-/// Digits of a number below [`MOST_SCALED`], a point, a zero before it, and a sign.
+/// Number of bytes of the longest text: digits of a number below [`MOST_SCALED`], a point, a zero
+/// before it, and a sign.
 const MOST_BYTES: usize = 24;
 
 impl Display for Fixed {
@@ -29,8 +30,8 @@ impl Display for Fixed {
     }
 }
 
-/// The text of a number, written to the end of some bytes; `None` where it takes more than a
-/// product and a division to know it.
+/// Writes the text of a number to the end of some bytes and returns it; `None` where the number
+/// must be formatted by the standard library.
 fn digits(value: f64, decimals: usize, bytes: &mut [u8; MOST_BYTES]) -> Option<&str> {
     let power = *POWERS.get(decimals)?;
     let scaled = value.abs() * power as f64;
@@ -115,7 +116,7 @@ mod tests {
             value in prop_oneof![any::<f64>(), -1e7..1e7, -10.0..10.0, (-100_000_000_i64..100_000_000).prop_map(|n| n as f64 / 1e4)]
         ) {
             is_same(value);
-            // Halves of the last digit, and their neighbours.
+            // Halves of the last digit, and the neighbouring numbers.
             let half = (value * 1000.0).round() / 1000.0 + 0.0005;
             for near in [half, half.next_up(), half.next_down()] {
                 is_same(near);

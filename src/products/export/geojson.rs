@@ -1,7 +1,7 @@
-//! Functions that all writers of GeoJSON files (RFC 7946) share.
+//! Holds the functions that all writers of GeoJSON files (RFC 7946) share.
 //!
-//! A line or an area that crosses the 180th meridian becomes several, none of which does (RFC 7946,
-//! 3.1.9).
+//! A line or an area that crosses the 180th meridian is split into several that do not cross it
+//! (RFC 7946, 3.1.9).
 
 use super::rings::rounded;
 use super::{ExportError, Summary, write_summed};
@@ -12,10 +12,11 @@ use serde_json::{Value, json};
 use std::io::Write as _;
 use std::path::Path;
 
-/// Steps of longitude and latitude in a degree: 1e-8 of one is a millimetre.
+/// Number of steps of longitude and latitude in a degree: 1e-8 of a degree is a millimetre.
 const STEPS: f64 = 1e8;
 
-/// Writes one feature a line, so that no more than one is in memory as text.
+/// Writes a feature collection, one feature a line, so that only one feature at a time is in memory
+/// as text.
 pub(super) fn collection<T>(
     path: &Path,
     things: impl Iterator<Item = T>,
@@ -31,26 +32,26 @@ pub(super) fn collection<T>(
     })
 }
 
-/// A feature of a collection.
+/// Returns a feature of a collection.
 pub(super) fn feature_at(kind: &str, coordinates: impl Serialize, properties: Value) -> Value {
     let geometry = json!({ "type": kind, "coordinates": coordinates });
     json!({ "type": "Feature", "geometry": geometry, "properties": properties })
 }
 
-/// Longitude and latitude to a millimetre.
+/// Returns longitude and latitude, rounded to a millimetre.
 pub(super) fn position(at: LonLat) -> [f64; 2] {
     [at.lon_deg, at.lat_deg].map(|degrees| (degrees * STEPS).round() as i64 as f64 / STEPS)
 }
 
-/// A line's positions, none twice in a row.
+/// Returns the positions of a line without repeated neighbours.
 pub(super) fn positions(places: impl Iterator<Item = LonLat>) -> Vec<[f64; 2]> {
     let mut positions: Vec<[f64; 2]> = places.map(position).collect();
     positions.dedup();
     positions
 }
 
-/// The coordinates of a `MultiPolygon`: polygons, each an outline and its holes, valid after
-/// rounding.
+/// Returns the coordinates of a `MultiPolygon`: polygons, each an outline and its holes, valid
+/// after rounding.
 pub(super) fn areas(
     shapes: &[Polygon],
     place: &impl Fn([f64; 2]) -> LonLat,
@@ -58,7 +59,8 @@ pub(super) fn areas(
     rounded(&cut_areas(shapes, place), STEPS, |at| at)
 }
 
-/// A line as a feature: a `LineString`, or a `MultiLineString` where it crosses the 180th meridian.
+/// Returns a line as a feature: a `LineString`, or a `MultiLineString` where it crosses the 180th
+/// meridian.
 pub(super) fn line_at(
     places: impl Iterator<Item = LonLat>,
     properties: Value,
@@ -78,17 +80,17 @@ pub(super) fn line_at(
 /// Longitude and latitude, degrees.
 type Degrees = [f64; 2];
 
-/// The longitude of a place that is nearest to another one, degrees; it may lie beyond 180.
+/// Returns the equivalent longitude that is nearest to another one, degrees; it may lie beyond 180.
 fn near_deg(lon_deg: f64, other_deg: f64) -> f64 {
     lon_deg - 360.0 * ((lon_deg - other_deg) / 360.0).round()
 }
 
-/// The number of the whole turn that a longitude lies in: 0 from -180 to 180 degrees.
+/// Returns the index of the whole turn that a longitude lies in: 0 from -180 to 180 degrees.
 fn turn(lon_deg: f64) -> i64 {
     ((lon_deg + 180.0) / 360.0).floor() as i64
 }
 
-/// The longitude that one turn ends at and the next one begins at, degrees.
+/// Returns the longitude where a turn ends and the next one begins, degrees.
 fn border_deg(turn: i64) -> f64 {
     360.0 * turn as f64 + 180.0
 }
@@ -99,7 +101,8 @@ fn crossing(from: Degrees, to: Degrees, lon_deg: f64) -> Degrees {
     [lon_deg, from[1] + share * (to[1] - from[1])]
 }
 
-/// Places along a line, none of whose neighbours are half a turn apart.
+/// Returns the places along a line with continuous longitudes: neighbours differ by at most half a
+/// turn.
 fn unrolled(places: impl Iterator<Item = LonLat>) -> Vec<Degrees> {
     let mut unrolled: Vec<Degrees> = Vec::new();
     for LonLat { lon_deg, lat_deg } in places {
@@ -109,7 +112,7 @@ fn unrolled(places: impl Iterator<Item = LonLat>) -> Vec<Degrees> {
     unrolled
 }
 
-/// The parts of a line, each within -180 to 180 degrees.
+/// Returns the parts of a line, each within -180 to 180 degrees.
 fn cut_line(places: impl Iterator<Item = LonLat>) -> Vec<Vec<Degrees>> {
     let mut parts: Vec<Vec<Degrees>> = vec![Vec::new()];
     let mut last: Option<Degrees> = None;
@@ -134,13 +137,13 @@ fn cut_line(places: impl Iterator<Item = LonLat>) -> Vec<Vec<Degrees>> {
         add(&mut parts, place, turn(place[0]));
         last = Some(place);
     }
-    // A line that only touches the meridian has no way beyond it.
+    // A line that only touches the meridian has no part beyond it.
     parts.retain(|part| part.iter().any(|place| Some(place) != part.first()));
     parts
 }
 
-/// Polygons in degrees, each within -180 to 180; `place` gives where a corner lies. Where nothing
-/// crosses the meridian, corners are only named anew.
+/// Returns polygons in degrees, each within -180 to 180; `place` returns the position of a corner.
+/// Polygons that do not cross the meridian are only converted.
 fn cut_areas(shapes: &[Polygon], place: &impl Fn([f64; 2]) -> LonLat) -> Vec<Polygon> {
     let mut cut = Vec::new();
     for shape in shapes {
@@ -169,14 +172,14 @@ fn cut_areas(shapes: &[Polygon], place: &impl Fn([f64; 2]) -> LonLat) -> Vec<Pol
     cut
 }
 
-/// A ring of a turn, as one of turn 0.
+/// Moves a ring from a turn to turn 0.
 fn moved(mut ring: Vec<Degrees>, turn: i64) -> Vec<Degrees> {
     ring.iter_mut().for_each(|corner| corner[0] -= 360.0 * turn as f64);
     ring
 }
 
 /// Returns the part of a closed ring that lies in a turn (Sutherland and Hodgman 1974); sides along
-/// the borders may lie on each other.
+/// the borders of the turn may overlap.
 fn within_turn(ring: &[Degrees], turn: i64) -> Vec<Degrees> {
     let east_of = clipped(ring, border_deg(turn - 1), 1.0);
     clipped(&east_of, border_deg(turn), -1.0)
@@ -198,8 +201,8 @@ fn clipped(ring: &[Degrees], lon_deg: f64, sign: f64) -> Vec<Degrees> {
     inside
 }
 
-/// The same polygon with a corner wherever another one's lies on a side along a border, so that
-/// sides that lie on each other have the same ends.
+/// Adds a corner to a polygon wherever a corner of another side lies on a side along a border, so
+/// that overlapping sides have the same ends.
 fn split_at_borders(polygon: Polygon) -> Polygon {
     let rings = || std::iter::once(&polygon.outline).chain(&polygon.holes);
     let is_border = |corner: &Degrees| corner[0].abs() == 180.0;
@@ -233,7 +236,7 @@ mod tests {
     use super::*;
 
     fn place([lon_deg, lat_deg]: [f64; 2]) -> LonLat {
-        // As a log's frame gives it: beyond 180 degrees it begins anew.
+        // The longitude wraps at 180 degrees, as in a log's local coordinate frame.
         LonLat::new(near_deg(lon_deg, 0.0), lat_deg)
     }
 
@@ -279,7 +282,7 @@ mod tests {
         let area: f64 = parts.iter().map(Polygon::area_m2).sum();
         assert!((area - whole.area_m2()).abs() < 1e-9, "{area}");
         let valid = rounded(&parts, 1e8, |at| at);
-        // The two teeth are apart now; the western part is one.
+        // The two teeth are separate parts now; the western part is one.
         assert_eq!(valid.len(), 3, "{valid:?}");
         let square = |ring: &Vec<[f64; 2]>| -> f64 {
             ring.windows(2).map(|w| (w[0][0] * w[1][1] - w[1][0] * w[0][1]) / 2.0).sum()

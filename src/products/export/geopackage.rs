@@ -1,12 +1,11 @@
-//! GeoPackages (version 1.3, OGC 12-128r17): layers of features in one file, each with its R-tree
-//! and the style in which QGIS draws it.
+//! Writes GeoPackages (version 1.3, OGC 12-128r17): layers of features in one file, each with its
+//! R-tree and the style in which QGIS draws it.
 //!
 //! In: layers of features. Out: a GeoPackage.
 //!
-//! A geometry is stored as a header with the box around it, and well-known binary (OGC 06-103r4)
-//! behind it, all of it with the lowest byte first. The R-tree of a layer (extension
-//! `gpkg_rtree_index`) lets a map program find what lies in its window without reading all
-//! features.
+//! A geometry is stored as a header with its bounding box, followed by well-known binary (OGC
+//! 06-103r4), all with the lowest byte first. With the R-tree of a layer (extension
+//! `gpkg_rtree_index`) a map program finds the features in its window without reading all of them.
 
 use super::sqlite::{DatabaseKind, Value, database, insert, run, text};
 use super::{ExportError, Summary};
@@ -17,9 +16,9 @@ use std::borrow::Cow;
 use std::io;
 use std::path::Path;
 
-/// `GPKG`, and version 1.3.0.
+/// `GPKG` as a number, and version 1.3.0.
 const KIND: DatabaseKind = DatabaseKind { application: 0x4750_4b47, version: 10_300 };
-/// WGS84 in EPSG's register.
+/// Number of WGS84 in EPSG's register.
 const WGS84: u16 = 4326;
 const WGS84_WKT: &str = "GEOGCS[\"WGS 84\",DATUM[\"WGS_1984\",SPHEROID[\"WGS 84\",6378137,298.257223563,AUTHORITY[\"EPSG\",\"7030\"]],AUTHORITY[\"EPSG\",\"6326\"]],PRIMEM[\"Greenwich\",0,AUTHORITY[\"EPSG\",\"8901\"]],UNIT[\"degree\",0.0174532925199433,AUTHORITY[\"EPSG\",\"9122\"]],AUTHORITY[\"EPSG\",\"4326\"]]";
 
@@ -27,7 +26,7 @@ const SYSTEMS_SQL: &str = "CREATE TABLE gpkg_spatial_ref_sys (srs_name TEXT NOT 
 const CONTENTS_SQL: &str = "CREATE TABLE gpkg_contents (table_name TEXT NOT NULL PRIMARY KEY, data_type TEXT NOT NULL, identifier TEXT UNIQUE, description TEXT DEFAULT '', last_change DATETIME NOT NULL DEFAULT (strftime('%Y-%m-%dT%H:%M:%fZ','now')), min_x DOUBLE, min_y DOUBLE, max_x DOUBLE, max_y DOUBLE, srs_id INTEGER, CONSTRAINT fk_gc_r_srs_id FOREIGN KEY (srs_id) REFERENCES gpkg_spatial_ref_sys(srs_id))";
 const COLUMNS_SQL: &str = "CREATE TABLE gpkg_geometry_columns (table_name TEXT NOT NULL, column_name TEXT NOT NULL, geometry_type_name TEXT NOT NULL, srs_id INTEGER NOT NULL, z TINYINT NOT NULL, m TINYINT NOT NULL, CONSTRAINT pk_geom_cols PRIMARY KEY (table_name, column_name), CONSTRAINT uk_gc_table_name UNIQUE (table_name), CONSTRAINT fk_gc_tn FOREIGN KEY (table_name) REFERENCES gpkg_contents(table_name), CONSTRAINT fk_gc_srs FOREIGN KEY (srs_id) REFERENCES gpkg_spatial_ref_sys (srs_id))";
 const EXTENSIONS_SQL: &str = "CREATE TABLE gpkg_extensions (table_name TEXT, column_name TEXT, extension_name TEXT NOT NULL, definition TEXT NOT NULL, scope TEXT NOT NULL, CONSTRAINT ge_tce UNIQUE (table_name, column_name, extension_name))";
-/// The table that QGIS keeps styles in, with its names.
+/// Name of the table in which QGIS stores styles.
 const STYLES: &str = "layer_styles";
 const STYLES_SQL: &str = "CREATE TABLE layer_styles (id INTEGER PRIMARY KEY NOT NULL, f_table_catalog TEXT(256), f_table_schema TEXT(256), f_table_name TEXT(256), f_geometry_column TEXT(256), styleName TEXT(30), styleQML TEXT, styleSLD TEXT, useAsDefault BOOLEAN, description TEXT, owner TEXT(30), ui TEXT(30), update_time DATETIME DEFAULT (strftime('%Y-%m-%dT%H:%M:%fZ','now')))";
 /// Kinds of geometry in well-known binary.
@@ -36,7 +35,7 @@ const LINE: u32 = 2;
 const POLYGON: u32 = 3;
 const POLYGONS: u32 = 6;
 
-/// Corners of a ring, the last one that of the first.
+/// Corners of a closed ring: the last corner equals the first.
 pub(crate) type Ring = Vec<[f64; 2]>;
 
 /// Geometry of a feature, in the system of its file: east or longitude first.
@@ -48,7 +47,7 @@ pub(crate) enum FeatureGeometry {
     Line(Vec<[f64; 2]>),
     /// An outline and its holes.
     Polygon(Vec<Ring>),
-    /// Several of them.
+    /// Several polygons, each an outline and its holes.
     Polygons(Vec<Vec<Ring>>),
 }
 
@@ -65,15 +64,15 @@ impl FeatureGeometry {
         one.into_iter().chain(line.iter().copied()).chain(corners)
     }
 
-    /// Least x and y, most x and y; NaN of nothing.
+    /// Returns the least x and y and the greatest x and y; NaN without any place.
     fn bounds(&self) -> [f64; 4] {
         self.places().fold([f64::NAN; 4], |bounds, [x, y]| united(bounds, [x, y, x, y]))
     }
 
-    /// The bytes in a system by its number.
+    /// Returns the bytes of the geometry in the system of an EPSG number.
     fn bytes(&self, system: i32) -> Vec<u8> {
         let is_point = matches!(self, FeatureGeometry::Point(_));
-        // Lowest byte first; an envelope of two dimensions where it is no point.
+        // Lowest byte first; with an envelope of two dimensions unless the geometry is a point.
         let flags = if is_point { 0b001 } else { 0b011 };
         let mut bytes = vec![b'G', b'P', 0, flags];
         bytes.extend(system.to_le_bytes());
@@ -105,35 +104,35 @@ impl FeatureGeometry {
     }
 }
 
-/// A layer: a table of features.
+/// A layer: a table of features of one kind of geometry.
 pub(crate) struct Layer {
-    /// Its name in the file.
+    /// Name of the layer in the file.
     pub name: &'static str,
-    /// Title in a map program.
+    /// Title of the layer in a map program.
     pub title: &'static str,
-    /// Description of its content, in a few words.
+    /// Description of the content, in a few words.
     pub about: &'static str,
-    /// The kind of all its geometries: `POINT`, `LINESTRING`, `POLYGON` or `MULTIPOLYGON`.
+    /// Kind of all geometries of the layer: `POINT`, `LINESTRING`, `POLYGON` or `MULTIPOLYGON`.
     pub geometry: &'static str,
-    /// Its columns behind the geometry, as SQL declares them: `depth_m DOUBLE, label TEXT`.
+    /// Columns after the geometry, as SQL declares them: `depth_m DOUBLE, label TEXT`.
     pub columns: Cow<'static, str>,
-    /// Its features, each with a value a column.
+    /// Features, each a geometry and a value for each column.
     pub features: Vec<(FeatureGeometry, Vec<Value>)>,
-    /// Style in which QGIS draws it (QML).
+    /// Style in which QGIS draws the layer (QML).
     pub style: String,
 }
 
 impl Layer {
-    /// The box around its features; NaN without any.
+    /// Returns the box around the features; NaN without any.
     fn bounds(&self) -> [f64; 4] {
         let features = self.features.iter();
         features.fold([f64::NAN; 4], |bounds, (geometry, _)| united(bounds, geometry.bounds()))
     }
 }
 
-/// Writes layers in a system. The time of the last change is that of the first recording (Unix
-/// seconds), so that the same survey gives the same bytes. Gives back how many features there are
-/// and where.
+/// Writes layers in a coordinate system. The recorded time of the last change is that of the first
+/// recording (Unix seconds), so that the same survey gives the same bytes. Returns the number and
+/// the extent of the features.
 pub(crate) fn geopackage(
     path: &Path,
     crs: &Crs,
@@ -159,7 +158,7 @@ pub(crate) fn geopackage(
     })
 }
 
-/// The tables that every GeoPackage has.
+/// Adds the tables that every GeoPackage has.
 fn add_register(file: &Connection, layers: &[Layer], crs: &Crs, changed: &str) -> io::Result<()> {
     for sql in [SYSTEMS_SQL, CONTENTS_SQL, COLUMNS_SQL, EXTENSIONS_SQL] {
         run(file, sql)?;
@@ -178,7 +177,7 @@ fn add_register(file: &Connection, layers: &[Layer], crs: &Crs, changed: &str) -
     insert(file, "gpkg_extensions", extensions)
 }
 
-/// A layer with its features, and the index over them.
+/// Adds a layer with its features and their index.
 fn add_layer(file: &Connection, layer: &Layer, crs: &Crs) -> io::Result<()> {
     let sql = format!(
         "CREATE TABLE {} (fid INTEGER PRIMARY KEY NOT NULL, geom {}, {})",
@@ -194,7 +193,7 @@ fn add_layer(file: &Connection, layer: &Layer, crs: &Crs) -> io::Result<()> {
     add_index(file, layer)
 }
 
-/// The systems that every GeoPackage names, and that of the layers.
+/// Returns the rows of the systems that every GeoPackage names, and of the system of the layers.
 fn systems(crs: &Crs) -> Vec<Vec<Value>> {
     let system = |name: &str, id: i64, by: &str, definition: &str| {
         vec![
@@ -217,10 +216,10 @@ fn systems(crs: &Crs) -> Vec<Vec<Value>> {
     rows
 }
 
-/// A layer in the table of contents, with its extent.
+/// Returns the row of a layer in the table of contents, with its extent.
 fn contents(layer: &Layer, crs: &Crs, changed: &str) -> Vec<Value> {
     let named = [layer.name, "features", layer.title, layer.about, changed].map(text);
-    // Without features the bounds are NaN, which is written as nothing.
+    // Without features the bounds are NaN, which is stored as NULL.
     let bounds = layer.bounds().map(Value::Real);
     let system = Value::Integer(crs.epsg().into());
     named.into_iter().chain(bounds).chain([system]).collect()
@@ -232,8 +231,8 @@ fn styles_contents(changed: &str) -> Vec<Value> {
     named.into_iter().chain(nothing).collect()
 }
 
-/// The style of a layer: catalogue and schema, which QGIS looks for as empty texts, table, column,
-/// name, style, whether QGIS takes it up by itself.
+/// Returns the row of a layer in the table of styles: catalogue and schema, which QGIS expects as
+/// empty texts, table, column, name, style, and a flag for QGIS to use the style as the default.
 fn style(layer: &Layer, changed: &str) -> Vec<Value> {
     let place = ["", "", layer.name, "geom", layer.name].map(text);
     let rest = [
@@ -250,7 +249,7 @@ fn style(layer: &Layer, changed: &str) -> Vec<Value> {
     first.chain(place).chain(rest).collect()
 }
 
-/// The box around two boxes; NaN counts for nothing.
+/// Returns the box around two boxes; NaN is ignored.
 fn united(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
     [a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])]
 }
@@ -281,11 +280,11 @@ fn put_places(bytes: &mut Vec<u8>, places: &[[f64; 2]]) {
     }
 }
 
-/// Adds the index over the features of a layer, and what keeps it up to date when a program changes
-/// features.
+/// Adds the index over the features of a layer, and the triggers that keep the index up to date
+/// when a program changes features.
 ///
 /// # Errors
-/// What SQLite says.
+/// When SQLite refuses a statement.
 fn add_index(file: &Connection, layer: &Layer) -> io::Result<()> {
     let index = format!("rtree_{}_geom", layer.name);
     let create = "USING rtree(id, minx, maxx, miny, maxy)";
@@ -293,7 +292,7 @@ fn add_index(file: &Connection, layer: &Layer) -> io::Result<()> {
     let boxes = (1..).zip(&layer.features).filter_map(|(fid, (geometry, _))| {
         let [west, south, east, north] = geometry.bounds();
         let ends = [west, east, south, north];
-        // A feature without a place is in no window.
+        // A feature without a place has no entry in the index.
         let is_placed = ends.iter().all(|end| end.is_finite());
         let ends = ends.map(Value::Real).into_iter();
         is_placed.then(|| Ok([Value::Integer(fid)].into_iter().chain(ends).collect()))

@@ -1,4 +1,4 @@
-//! Rasters as GeoTIFF files: any raster, and the cells of a grid.
+//! Writes rasters as GeoTIFF files: any raster, and the cells of a grid.
 
 use super::atomic_write::{ExportError, scratch_near, write_atomically};
 use bathyscope_bottom::bathymetry::{CellSource, Grid, Surface};
@@ -13,17 +13,17 @@ pub enum RasterError {
     /// The file could not be written.
     #[error(transparent)]
     Write(#[from] ExportError),
-    /// Cancelled.
+    /// The work was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }
 
-/// Writes a GeoTIFF as [`geotiff::write`] lays it out. On the way its tiles lie in a second file
-/// beside the first, where there is room for them.
+/// Writes a GeoTIFF in the layout of [`geotiff::write`]. During the work the tiles are stored in a
+/// second file in the same folder, where there is room for them.
 ///
 /// # Errors
-/// When the file cannot be written, a tile cannot be drawn, or the work was cancelled; none of them
-/// leaves a file.
+/// When the file cannot be written, a tile cannot be drawn, or the work was cancelled; no file is
+/// left then.
 pub fn geotiff(
     path: &Path,
     spec: &RasterSpec,
@@ -38,11 +38,11 @@ pub fn geotiff(
     Ok(written?)
 }
 
-/// Writes the cells of a grid; `stored` gives the number of a cell, of `None` that of one of which
-/// nothing is known. Tiles without a cell that `is_known` are left out.
+/// Writes the cells of a grid. `stored` returns the bytes of a cell; for `None`, those of a cell
+/// without a value. Tiles without any cell for which `is_known` is true are left out.
 ///
 /// # Errors
-/// When the file cannot be written, or the work was cancelled; neither leaves a file.
+/// When the file cannot be written, or the work was cancelled; no file is left then.
 fn grid_raster<const BYTES: usize>(
     path: &Path,
     spec: &RasterSpec,
@@ -55,7 +55,7 @@ fn grid_raster<const BYTES: usize>(
     geotiff(path, spec, &tiles(grid, is_known), draw, progress)
 }
 
-/// Writes metres, NaN where nothing is known.
+/// Writes values in metres, NaN where nothing is known.
 ///
 /// # Errors
 /// As [`grid_raster`].
@@ -74,8 +74,8 @@ pub fn metres_raster(
     grid_raster(path, spec, grid, |cell| !values_m[cell].is_nan(), stored, progress)
 }
 
-/// Writes the source of the depths of a surface, as the numbers of [`CellSource`]; `about` is added
-/// to the description of the numbers.
+/// Writes the source of the depths of a surface, as the numbers of [`CellSource`]; `about` follows
+/// the names of these numbers in the description.
 ///
 /// # Errors
 /// As [`grid_raster`].
@@ -98,7 +98,7 @@ pub(crate) fn source_raster(
     grid_raster(path, &spec, &surface.grid, is_known, stored, progress)
 }
 
-/// Row and column of the tiles that hold something.
+/// Returns the row and column of each tile that has a known cell.
 fn tiles(grid: &Grid, is_known: impl Fn(usize) -> bool) -> Vec<[usize; 2]> {
     let across = grid.columns.div_ceil(RASTER_TILE);
     let mut holds = vec![false; across * grid.rows.div_ceil(RASTER_TILE)];
@@ -111,7 +111,7 @@ fn tiles(grid: &Grid, is_known: impl Fn(usize) -> bool) -> Vec<[usize; 2]> {
     filled.map(|tile| [tile / across, tile % across]).collect()
 }
 
-/// The bytes of a tile; `stored` is asked for the number of a cell, `None` beyond the grid.
+/// Returns the bytes of a tile; `stored` is called with `None` for cells beyond the grid.
 fn draw<const BYTES: usize>(
     grid: &Grid,
     [row, column]: [usize; 2],

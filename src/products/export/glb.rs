@@ -1,15 +1,15 @@
-//! `bottom.glb`: a mesh with pictures over it as binary glTF 2.0 (ISO/IEC 12113), for any 3D
-//! program and a browser.
+//! Writes `bottom.glb`: a mesh with pictures over it as binary glTF 2.0 (ISO/IEC 12113), for any 3D
+//! program and for browsers.
 //!
-//! In glTF y is up: x is east, y up and z south, metres. Pictures are variants of the material
-//! (`KHR_materials_variants`): programs that do not know them show the first.
+//! In glTF y is up: x is east, y up and z south, metres. The pictures are variants of the material
+//! (`KHR_materials_variants`); programs without this extension show the first one.
 
 use super::{ExportError, write_atomically};
 use serde_json::{Value, json};
 use std::io::{BufWriter, Write as _};
 use std::path::Path;
 
-/// Numbers that glTF has for kinds of data.
+/// Numbers of kinds of data and settings in glTF.
 const FLOAT: u32 = 5126;
 const UNSIGNED_INT: u32 = 5125;
 const ARRAY_BUFFER: u32 = 34962;
@@ -21,11 +21,11 @@ const CLAMP_TO_EDGE: u32 = 33071;
 /// A mesh of triangles.
 #[derive(Clone, Debug, Default)]
 pub struct TexturedMesh {
-    /// Name.
+    /// Name of the mesh.
     pub name: String,
     /// East, north and up of each corner, metres.
     pub places_m: Vec<[f32; 3]>,
-    /// Square to the mesh at each corner, of length 1: east, north, up.
+    /// Normal of the mesh at each corner, of length 1: east, north, up.
     pub normals: Vec<[f32; 3]>,
     /// Place of each corner in the pictures: 0 to 1 from the left, 0 to 1 from the top.
     pub in_pictures: Vec<[f32; 2]>,
@@ -37,7 +37,7 @@ pub struct TexturedMesh {
     pub extras: Value,
 }
 
-/// The bytes behind the header, and what they are.
+/// Binary part of a file, and the JSON lists that describe it.
 #[derive(Default)]
 struct GlbParts {
     bytes: Vec<u8>,
@@ -46,7 +46,7 @@ struct GlbParts {
 }
 
 impl GlbParts {
-    /// Adds some bytes; the number of their view.
+    /// Adds some bytes; returns the index of their view.
     fn view(&mut self, bytes: &[u8], target: Option<u32>) -> usize {
         let mut view =
             json!({"buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len()});
@@ -54,13 +54,13 @@ impl GlbParts {
             view["target"] = json!(target);
         }
         self.bytes.extend(bytes);
-        // Whatever follows begins at a multiple of four.
+        // The next view must begin at a multiple of four.
         self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
         self.views.push(view);
         self.views.len() - 1
     }
 
-    /// Adds numbers of so many to an element; the number of their accessor.
+    /// Adds elements of `N` numbers each; returns the index of their accessor.
     fn floats<const N: usize>(&mut self, values: &[[f32; N]], kind: &str) -> usize {
         let view = self.view(bytemuck::cast_slice(values), Some(ARRAY_BUFFER));
         let ends = |start: f32, better: fn(f32, f32) -> f32| {
@@ -85,7 +85,7 @@ impl GlbParts {
     }
 }
 
-/// Writes the mesh.
+/// Writes a mesh to a file.
 pub fn glb(path: &Path, mesh: &TexturedMesh) -> Result<(), ExportError> {
     let (document, mut bytes) = document(mesh);
     let mut text = document.to_string().into_bytes();
@@ -112,9 +112,9 @@ fn length(bytes: usize) -> std::io::Result<u32> {
     u32::try_from(bytes).map_err(too_large)
 }
 
-/// The description and the bytes that it names.
+/// Returns the JSON document of a mesh and the bytes that it refers to.
 fn document(mesh: &TexturedMesh) -> (Value, Vec<u8>) {
-    // East, north, up in a system where y is up.
+    // Converts east, north, up to a system in which y is up.
     let turned = |vectors: &[[f32; 3]]| -> Vec<[f32; 3]> {
         let turn = |[east, north, up]: &[f32; 3]| [*east, *up, -*north];
         vectors.iter().map(turn).collect()

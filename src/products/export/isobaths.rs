@@ -1,4 +1,4 @@
-//! `isobaths.geojson`, `depth_areas.geojson`, `spot_soundings.geojson` (RFC 7946) and
+//! Writes `isobaths.geojson`, `depth_areas.geojson`, `spot_soundings.geojson` (RFC 7946) and
 //! `storage.csv`.
 
 use super::geojson::{areas as areas_of, collection, feature_at, line_at, position};
@@ -10,14 +10,14 @@ use serde_json::json;
 use std::io::Write as _;
 use std::path::Path;
 
-/// Lines of equal depth as they are drawn.
+/// Isobaths with the settings of their drawing.
 #[derive(Clone, Copy)]
 pub(crate) struct DrawnLines<'a> {
-    /// The lines.
+    /// The isobaths.
     pub lines: &'a [Isobath],
-    /// Settings with the unit in which their depths are written.
+    /// Settings with the unit in which the depths of the lines are written.
     pub settings: &'a IsobathSettings,
-    /// The depths whose lines are thick and labelled.
+    /// Depths of the lines that are thick and labelled, metres.
     pub index_levels_m: &'a [f64],
 }
 
@@ -28,7 +28,7 @@ impl DrawnLines<'_> {
     }
 }
 
-/// Writes lines of equal depth; `place` gives where a point of them lies.
+/// Writes isobaths; `place` returns the position of a point of a line.
 pub(crate) fn isobaths_geojson(
     path: &Path,
     drawn: &DrawnLines<'_>,
@@ -52,7 +52,7 @@ pub(crate) fn isobaths_geojson(
 }
 
 /// Writes the areas between depths. A square metre of the polygons is `ground` square metres on the
-/// ground.
+/// ground; `place` returns the position of a corner.
 pub(crate) fn depth_areas_geojson(
     path: &Path,
     areas: &[DepthArea],
@@ -77,7 +77,8 @@ pub(crate) fn depth_areas_geojson(
     collection(path, filled, feature)
 }
 
-/// Writes depths as points with the figures that a chart prints; `place` gives where they lie.
+/// Writes depths as points with the figures that a chart prints; `place` returns the position of a
+/// point.
 ///
 /// # Errors
 /// When the file cannot be written.
@@ -101,8 +102,8 @@ pub(crate) fn spot_soundings_geojson(
     collection(path, soundings.iter(), feature)
 }
 
-/// Writes what lies below each level: depth, area, volume. A square metre of the table is `ground`
-/// square metres on the ground.
+/// Writes the area and the volume of the water below each level. A square metre of the table is
+/// `ground` square metres on the ground.
 pub(crate) fn storage_csv(
     path: &Path,
     table: &[Storage],

@@ -1,4 +1,4 @@
-//! Points in a map's coordinates as COPC or LAS 1.4, whatever they are of.
+//! Writes points of any kind in a map's coordinates as COPC or LAS 1.4.
 //!
 //! The dimensions of points beyond the fields of the standard are described by the Extra Bytes
 //! record of LAS 1.4 R15 (section 2.7.1 "Extra Bytes").
@@ -12,28 +12,28 @@ use las::{Builder, GpsTimeType, Header, Point, PointDataBuilder, Transform, Vect
 use std::io;
 use std::path::Path;
 
-/// Coordinates are stored to this many metres, unless they lie too far apart for it.
+/// Resolution of stored coordinates, metres; coarser if the points are too far apart for it.
 const RESOLUTION_M: f64 = 0.001;
-/// Or degrees: a millimetre.
+/// Resolution of stored coordinates in degrees: a millimetre.
 const RESOLUTION_DEG: f64 = 1e-8;
 /// LAS 1.4 point format with time and colour.
 const FORMAT: u8 = 7;
-/// Bytes of one description of a dimension.
+/// Number of bytes of the description of a dimension.
 const DESCRIPTION: usize = 192;
-/// Bytes that the standard has for the name, and for the description.
+/// Largest number of bytes of a name and of a description in the standard.
 const LONGEST: usize = 32;
 
 /// Compression of points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum LasPacking {
-    /// LAZ in the order of COPC: a fraction of the size, and read from coarse to fine, or where
-    /// somebody looks.
+    /// LAZ in the order of COPC: a fraction of the size, and programs can read it from coarse to
+    /// fine, or only the part on the screen.
     Copc,
-    /// LAS, for programs that cannot unpack.
+    /// LAS, for programs without decompression.
     Plain,
 }
 
-/// A dimension.
+/// A dimension of a point beyond the fields of the standard.
 #[derive(Clone, Copy)]
 pub(super) struct Dimension {
     name: &'static str,
@@ -43,7 +43,7 @@ pub(super) struct Dimension {
 }
 
 impl Dimension {
-    /// A dimension of a name, a type, a value for "no data" and a description of what it is.
+    /// Creates a dimension from a name, a type, a value for "no data" and a description.
     pub(super) const fn new(
         name: &'static str,
         kind: DimensionType,
@@ -55,7 +55,7 @@ impl Dimension {
     }
 }
 
-/// Type of a dimension, by the standard's number.
+/// Type of a dimension; the value is the number of the type in the standard.
 #[derive(Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 pub(super) enum DimensionType {
@@ -76,9 +76,9 @@ impl DimensionType {
 /// Layout of a file of points.
 pub(super) struct LasSpec<'a> {
     pub packing: LasPacking,
-    /// The system of x and y; its WKT stands in the header.
+    /// Coordinate system of x and y; its WKT is in the header.
     pub crs: &'a Crs,
-    /// A place near them.
+    /// Place near the points; the coordinates are stored relative to it.
     pub origin: Option<LonLat>,
     /// True if times are adjusted standard GPS time.
     pub knows_time: bool,
@@ -86,7 +86,7 @@ pub(super) struct LasSpec<'a> {
     pub dimensions: &'a [Dimension],
 }
 
-/// Writes points; `places` are theirs: x, y and z.
+/// Writes points; `places` are the x, y and z of the same points.
 pub(super) fn write_las(
     path: &Path,
     spec: &LasSpec<'_>,
@@ -139,8 +139,8 @@ fn header(spec: &LasSpec<'_>, transforms: Vector<Transform>) -> las::Result<Head
     Ok(header)
 }
 
-/// The record "Classification lookup", which names the classes: number and 15 letters for each
-/// of 256.
+/// Returns the record "Classification lookup", which names the classes: number and 15 letters for
+/// each of 256.
 fn class_names() -> Vlr {
     const ENTRY: usize = 16;
     let mut data: Vec<u8> =
@@ -158,12 +158,12 @@ fn class_names() -> Vlr {
     }
 }
 
-/// Bytes that dimensions add to a point.
+/// Returns the number of bytes that dimensions add to a point.
 fn extra_bytes_length(dimensions: &[Dimension]) -> u16 {
     dimensions.iter().map(|one| one.kind.bytes()).sum()
 }
 
-/// The record that names the dimensions.
+/// Returns the record that describes the dimensions.
 fn extra_bytes_record(dimensions: &[Dimension]) -> Vlr {
     Vlr {
         user_id: "LASF_Spec".to_owned(),
@@ -173,15 +173,15 @@ fn extra_bytes_record(dimensions: &[Dimension]) -> Vlr {
     }
 }
 
-/// Two reserved bytes, type, options, name, four unused; "no data", least, most, scale and offset,
-/// 24 bytes each; description.
+/// Returns the description of a dimension: two reserved bytes, type, options, name, four unused;
+/// "no data", least, most, scale and offset, 24 bytes each; description.
 fn described(dimension: &Dimension) -> Vec<u8> {
     let mut bytes = vec![0; DESCRIPTION];
     bytes[2] = dimension.kind as u8;
     bytes[4..4 + dimension.name.len()].copy_from_slice(dimension.name.as_bytes());
     if let Some(no_data) = dimension.no_data {
-        // The first option says that this field means something; floating types store it in eight
-        // bytes.
+        // The first option means that the "no data" field is valid; floating types store it in
+        // eight bytes.
         bytes[3] = 1;
         bytes[40..48].copy_from_slice(&no_data.to_le_bytes());
     }

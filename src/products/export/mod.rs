@@ -1,15 +1,15 @@
-//! Files that other programs open: CSV, PLY, LAZ, GeoTIFF, PNG, GeoJSON, KML, GPX, shapefiles;
-//! written aside, then renamed.
+//! Writes files that other programs open: CSV, PLY, LAZ, GeoTIFF, PNG, GeoJSON, KML, GPX,
+//! shapefiles. Each file is written under a temporary name, then renamed.
 //!
 //! In: results. Out: one file for each.
 //!
-//! One file a kind of product, `atomic_write` for the renaming, [`Summary`] for what a file holds;
-//! `points` writes tables and clouds as text, `las` any points as LAS; `geotiff` puts any raster
-//! and the cells of a grid into a file, `qgis_style` its colours, `vector` lines and areas, `rings`
-//! keeps polygons valid; `fixed` writes numbers; `log_copy` copies a log; `dataset` is the folder
-//! that detectors are trained on, `tile_sets` maps as tiles, `plan` lines to sail for plotters and
-//! autopilots. How rasters and point files are laid out is known to `formats`, which also reads
-//! them.
+//! There is one module for each kind of product. `atomic_write` renames finished files, and
+//! [`Summary`] is the content of a file in numbers; `points` writes tables and clouds as text,
+//! `las` points of any kind as LAS; `geotiff` writes any raster and the cells of a grid,
+//! `qgis_style` the colours of rasters, `vector` lines and areas; `rings` keeps polygons valid;
+//! `fixed` formats numbers; `log_copy` copies a log; `dataset` is the folder that detectors are
+//! trained on, `tile_sets` writes maps as tiles, `plan` planned lines for plotters and autopilots.
+//! The layouts of rasters and point files are defined in `formats`, which also reads them.
 
 mod atomic_write;
 pub mod avi;
@@ -90,22 +90,22 @@ use std::path::Path;
 pub struct Summary {
     /// Number of points, lines or cells.
     pub count: usize,
-    /// Least and most of x (east, longitude) and y (north, latitude); `None` where nothing has a
+    /// Least and greatest x (east, longitude) and y (north, latitude); `None` where nothing has a
     /// place.
     pub extent: Option<[[f64; 2]; 2]>,
-    /// Least and most value; `None` where there are none.
+    /// Least and greatest value; `None` without values.
     pub values: Option<[f64; 2]>,
 }
 
 impl Summary {
-    /// Counts a thing with a value, which may be NaN, as may its place.
+    /// Counts a thing with its place and its value, either of which may be NaN.
     pub fn add(&mut self, place: [f64; 2], value: f64) {
         self.count += 1;
         self.reach(place);
         self.value(value);
     }
 
-    /// Widens the box.
+    /// Widens the extent so that it holds a place.
     pub fn reach(&mut self, [x, y]: [f64; 2]) {
         if x.is_finite() && y.is_finite() {
             let [xs, ys] = self.extent.unwrap_or([[x, x], [y, y]]);
@@ -113,7 +113,7 @@ impl Summary {
         }
     }
 
-    /// Widens the range of values.
+    /// Widens the range of values so that it holds a value.
     pub fn value(&mut self, value: f64) {
         if value.is_finite() {
             self.values = Some(widened(self.values.unwrap_or([value, value]), value));
@@ -121,7 +121,7 @@ impl Summary {
     }
 }
 
-/// Writes a file, and sums up on the way what it holds.
+/// Writes a file and returns the summary that `write` collects.
 fn write_summed(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<File>, &mut Summary) -> io::Result<()>,
@@ -138,12 +138,13 @@ fn widened([least, most]: [f64; 2], value: f64) -> [f64; 2] {
     [least.min(value), most.max(value)]
 }
 
-/// Rounded to the millimetre.
+/// Rounds metres to the millimetre.
 fn millimetres(metres: f64) -> f64 {
     (metres * 1e3).round() / 1e3
 }
 
-/// Colours of the paper: soundings black, starboard red, port blue; the swath violet.
+/// Returns the colour of a source, as in the paper: soundings black, starboard red, port blue; the
+/// swath violet.
 fn colour(source: PointSource) -> [u8; 3] {
     match source {
         PointSource::DownScan => [0, 0, 0],

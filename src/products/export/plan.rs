@@ -1,9 +1,9 @@
-//! Lines to sail, for plotters, maps and autopilots.
+//! Writes lines to sail, for plotters, maps and autopilots.
 //!
 //! In: planned lines. Out: a file for a plotter, a map or an autopilot.
 //!
-//! GPX and KML have lines and way, the formats of QGroundControl and Mission Planner the way as a
-//! mission.
+//! GPX and KML files hold the lines and the whole way; the files of QGroundControl and Mission
+//! Planner hold the way as a mission.
 
 use super::{ExportError, write_bytes};
 use bathyscope_bottom::planning::{Plan, WaypointKind};
@@ -14,21 +14,21 @@ use std::path::{Path, PathBuf};
 
 /// `MAV_CMD_NAV_WAYPOINT` of MAVLink.
 const NAV_WAYPOINT: u16 = 16;
-/// `MAV_FRAME_GLOBAL_RELATIVE_ALT`: heights count from home.
+/// `MAV_FRAME_GLOBAL_RELATIVE_ALT`: heights are relative to the home position.
 const RELATIVE_HEIGHT: u8 = 3;
 /// `MAV_AUTOPILOT_ARDUPILOTMEGA`.
 const ARDUPILOT: u8 = 3;
 /// `MAV_TYPE_SURFACE_BOAT`.
 const SURFACE_BOAT: u8 = 11;
-/// `MAV_FRAME_GLOBAL`, of the home position.
+/// `MAV_FRAME_GLOBAL`, for the home position.
 const ABSOLUTE_HEIGHT: u8 = 0;
 
 /// A kind of file that a plan can be written to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PlanFormat {
-    /// GPX 1.1: a waypoint at both ends of every line, and the way as a route.
+    /// GPX 1.1 with a waypoint at both ends of every line, and the way as a route.
     Gpx,
-    /// KML 2.2: lines and way.
+    /// KML 2.2 with the lines and the way.
     Kml,
     /// A mission of QGroundControl.
     QGroundControl,
@@ -36,7 +36,7 @@ pub enum PlanFormat {
     MissionPlanner,
 }
 
-/// A name that says nothing of what is to be written.
+/// Error of a file name without the ending of a format.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "lines are written as .gpx, .kml, .plan (QGroundControl) or .waypoints (Mission Planner); name the file so: {}", .0.display()
@@ -44,11 +44,11 @@ pub enum PlanFormat {
 pub struct PlanFormatError(pub PathBuf);
 
 impl PlanFormat {
-    /// All of them.
+    /// All formats.
     pub const ALL: [PlanFormat; 4] =
         [PlanFormat::Gpx, PlanFormat::Kml, PlanFormat::QGroundControl, PlanFormat::MissionPlanner];
 
-    /// Returns the ending of its files.
+    /// Returns the ending of the files of the format.
     fn ending(self) -> &'static str {
         match self {
             PlanFormat::Gpx => "gpx",
@@ -58,10 +58,10 @@ impl PlanFormat {
         }
     }
 
-    /// Returns the format that the name of a file asks for.
+    /// Returns the format for the ending of a file name.
     ///
     /// # Errors
-    /// When it ends like none of them.
+    /// When there is no format for this ending.
     pub fn of(path: &Path) -> Result<Self, PlanFormatError> {
         let ending = path.extension().unwrap_or_default();
         let format =
@@ -70,27 +70,27 @@ impl PlanFormat {
     }
 }
 
-/// A plan on the Earth.
+/// A plan with its place on the Earth.
 #[derive(Clone, Copy, Debug)]
 pub struct PlannedWay<'a> {
-    /// Name.
+    /// Name of the plan.
     pub name: &'a str,
     /// The plan.
     pub plan: &'a Plan,
-    /// The frame of its plane.
+    /// Local coordinate frame of the plan.
     pub frame: &'a LocalFrame,
     /// Place where the boat starts and to which it returns.
     pub home: LonLat,
 }
 
-/// A place of the way on the Earth.
+/// A place of the way in longitude and latitude.
 struct WayPlace {
     at: LonLat,
     station: WaypointKind,
 }
 
 impl PlannedWay<'_> {
-    /// Writes it.
+    /// Writes the plan to a file.
     pub fn write(&self, path: &Path, format: PlanFormat) -> Result<(), ExportError> {
         let text = match format {
             PlanFormat::Gpx => gpx_text(self),
@@ -110,7 +110,7 @@ impl PlannedWay<'_> {
         self.frame.to_lon_lat(east_m, north_m)
     }
 
-    /// `14 lines, 2310 m with turns, 19.8 min at 1.9 m/s`.
+    /// Describes the plan: `14 lines, 2310 m with turns, 19.8 min at 1.9 m/s`.
     fn description(&self) -> String {
         let plan = self.plan;
         format!(
@@ -124,7 +124,7 @@ impl PlannedWay<'_> {
 }
 
 impl WayPlace {
-    /// `L3 start`, `L3 end`, `turn`; lines count from 1.
+    /// Returns the name of the place: `L3 start`, `L3 end`, `turn`; lines are counted from 1.
     fn name(&self) -> String {
         match self.station {
             WaypointKind::Start(line) => format!("L{} start", line + 1),
@@ -225,8 +225,8 @@ fn degrees(degrees: f64) -> f64 {
     (degrees * 1e8).round() / 1e8
 }
 
-/// A row a place: number, whether it is the current one, frame, command, four parameters, latitude,
-/// longitude, height, whether to go on by itself. Row 0 is home.
+/// Returns a row for each place: number, a flag for the current place, frame, command, four
+/// parameters, latitude, longitude, height, a flag to continue automatically. Row 0 is home.
 fn mission_planner_text(way: &PlannedWay<'_>) -> String {
     let mut text = "QGC WPL 110\n".to_owned() + &row(0, ABSOLUTE_HEIGHT, way.home);
     for (number, place) in (1..).zip(way.places()) {

@@ -1,9 +1,9 @@
-//! Pings and points as tables and plain files: `first_returns.csv`, `cloud.csv`, the differences of
-//! points from a reference, `cloud.ply`, `cloud.xyz`, `depth.xyz`, and point files with some of
-//! their points.
+//! Writes pings and points as tables and plain files: `first_returns.csv`, `cloud.csv`, the
+//! differences of points from a reference, `cloud.ply`, `cloud.xyz`, `depth.xyz`, and point files
+//! with some of their points.
 //!
-//! Points are those of one log, or of all logs of a survey. `*.xyz` is plain text for whatever
-//! reads columns.
+//! The points are those of one log, or of all logs of a survey. `*.xyz` is plain text for any
+//! program that reads columns.
 
 use super::fixed::Fixed;
 use super::{ExportError, Summary, colour, write_atomically, write_summed};
@@ -24,39 +24,39 @@ use std::path::Path;
 /// Columns of `first_returns.csv`.
 const HEADER: &str = "ping,time_s,lon,lat,east_m,north_m,heading_deg,depth_m,\
      port_sample,port_range_m,port_confidence,starboard_sample,starboard_range_m,starboard_confidence,excluded";
-/// Cells written between two looks at whether the work was cancelled.
+/// Number of cells that are written between two checks for cancellation.
 const CHUNK: usize = 4096;
 
-/// The points of a log and what they come from.
+/// The points of a log and the results that they were made from.
 #[derive(Clone, Copy)]
 pub(crate) struct LogPoints<'a> {
     /// Name of the log, in a table of several logs.
     pub name: &'a str,
     /// The recording.
     pub survey: &'a Survey,
-    /// Places of its pings.
+    /// Places of the pings.
     pub navigation: &'a Navigation,
-    /// Its first returns.
+    /// First returns of the log.
     pub returns: &'a FirstReturns,
-    /// Its scales.
+    /// Scales of the slant ranges.
     pub calibration: &'a Calibration,
-    /// Corrections of its depths.
+    /// Corrections of the depths.
     pub correction: &'a Correction,
     /// Excluded pings and soundings.
     pub exclusions: &'a Exclusions,
-    /// Its points.
+    /// Points of the log.
     pub cloud: &'a PointCloud,
     /// The class of each point.
     pub classes: &'a [PointClass],
 }
 
 impl<'a> LogPoints<'a> {
-    /// Returns the reduction of its samples and recorded depths to metres.
+    /// Returns the reduction of samples and recorded depths of the log to metres.
     pub(crate) fn reduction(&self) -> Reduction<'a> {
         Reduction::new(self.calibration, self.correction)
     }
 
-    /// All points in the cloud's order, each with its class.
+    /// Returns all points in the order of the cloud, each with its class.
     pub(crate) fn points(
         &self,
     ) -> impl Iterator<Item = (&'a CloudPoint, PointClass)> + Clone + use<'a> {
@@ -64,10 +64,10 @@ impl<'a> LogPoints<'a> {
     }
 }
 
-/// The column of the log's name and what stands in it, each with its comma: only a table of several
-/// logs has one.
+/// Column with the name of the log, and its fields, each with a comma at the end; empty in a table
+/// of a single log.
 struct LogColumn {
-    /// `log,`, or nothing.
+    /// Heading of the column: `log,`, or empty.
     header: &'static str,
     is_shown: bool,
 }
@@ -78,7 +78,8 @@ impl LogColumn {
         Self { header: if is_shown { "log," } else { "" }, is_shown }
     }
 
-    /// The field of a log, quoted where its name holds what ends a field.
+    /// Returns the field of a log, quoted where the name contains a separator, a quote or a line
+    /// break.
     fn field<'a>(&self, log: &LogPoints<'a>) -> Cow<'a, str> {
         match (self.is_shown, log.name.contains([',', '"', '\n', '\r'])) {
             (false, _) => Cow::Borrowed(""),
@@ -89,8 +90,8 @@ impl LogColumn {
 }
 
 /// Writes one line for each side-scan ping; a field is empty where there is no value. `*_sample`
-/// counts u8 samples outward from the middle, `*_range_m` is after calibration, `excluded` why a
-/// ping counts for nothing. Of several logs the column `log` stands before the others.
+/// counts u8 samples outward from the middle, `*_range_m` is after calibration, `excluded` is the
+/// reason for which a ping is excluded. With several logs the column `log` comes first.
 pub(crate) fn first_returns_csv(
     path: &Path,
     logs: &[LogPoints<'_>],
@@ -140,16 +141,16 @@ fn write_ping(
     writeln!(out, ",{reason}")
 }
 
-/// A comma and the number, or a comma alone where there is none.
+/// Writes a comma and the number; only a comma for a number that is not finite.
 fn number(out: &mut impl Write, value: f64, decimals: usize) -> io::Result<()> {
     if value.is_finite() { write!(out, ",{}", Fixed(value, decimals)) } else { write!(out, ",") }
 }
 
-/// Writes every point with its class, log by log in the cloud's order; of several logs with the
-/// column `log` before the others. `kept` is 1 where the class is that of the bottom. The level of
-/// the echo is that of first returns, 0 to 255; the slant range of a sounding is its distance
-/// straight below, that of a swath point the distance straight to it. The fault is that of a
-/// sounding that does not count.
+/// Writes every point with its class, log by log in the order of the cloud; with several logs the
+/// column `log` comes first. `kept` is 1 where the class is that of the bottom. `level` is the echo
+/// level of first returns, 0 to 255; the slant range of a sounding is the distance straight below,
+/// that of a swath point the distance straight to the point. `fault` is the reason for which a
+/// sounding does not count.
 pub(crate) fn cloud_csv(path: &Path, logs: &[LogPoints<'_>]) -> Result<Summary, ExportError> {
     let column = LogColumn::of(logs);
     write_summed(path, |out, summary| {
@@ -191,8 +192,8 @@ pub(crate) fn cloud_csv(path: &Path, logs: &[LogPoints<'_>]) -> Result<Summary, 
     })
 }
 
-/// Writes the points that differences are of, log by log: their `measured` is the index in the
-/// log's cloud.
+/// Writes the points that have differences from a reference, log by log; `measured` of a difference
+/// is the index of the point in the log's cloud.
 pub(crate) fn differences_csv(
     path: &Path,
     logs: &[LogPoints<'_>],
@@ -234,9 +235,9 @@ pub(crate) fn differences_csv(
 }
 
 /// Writes all points as binary little-endian PLY: x east, y north, z up, metres from the survey's
-/// origin in the plane of the cloud, as doubles; red, green, blue, the level of the echo
-/// (`intensity`, 0 for soundings) and the class (`classification`) as bytes; the slant range in
-/// metres as a float.
+/// origin in the local coordinate frame of the cloud, as doubles; red, green, blue, the level of
+/// the echo (`intensity`, 0 for soundings) and the class (`classification`) as bytes; the slant
+/// range in metres as a float.
 pub(crate) fn cloud_ply(path: &Path, logs: &[LogPoints<'_>]) -> Result<Summary, ExportError> {
     write_summed(path, |out, summary| {
         write!(
@@ -264,9 +265,9 @@ pub(crate) fn cloud_ply(path: &Path, logs: &[LogPoints<'_>]) -> Result<Summary, 
     })
 }
 
-/// Writes the points of the class of the bottom as lines of x, y and z with spaces between,
-/// `decimals` of them for x and y; `place` gives where a point of a log lies. z is elevation in
-/// metres above the transducer, so negative.
+/// Writes the points of the bottom class as lines of x, y and z with spaces between, x and y with
+/// `decimals`; `place` returns the x and y of a point of a log. z is elevation in metres above the
+/// transducer, so negative.
 pub(crate) fn cloud_xyz(
     path: &Path,
     decimals: usize,
@@ -286,9 +287,9 @@ pub(crate) fn cloud_xyz(
     })
 }
 
-/// Writes cells as lines of x, y and depth in metres, positive down, with spaces between;
-/// `decimals` of them for x and y. `cells` gives the middle of a cell in the file's coordinates and
-/// its depth.
+/// Writes cells as lines of x, y and depth in metres, positive down, with spaces between, x and y
+/// with `decimals`. `cells` are the middles of the cells in the file's coordinates with their
+/// depths.
 pub(crate) fn depth_xyz(
     path: &Path,
     decimals: usize,
@@ -308,7 +309,7 @@ pub(crate) fn depth_xyz(
     })
 }
 
-/// Writes the points whose flag is set.
+/// Writes the points of a point file whose flag is true.
 ///
 /// # Errors
 /// When the file cannot be written, or the format cannot hold the points.

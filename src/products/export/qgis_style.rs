@@ -1,12 +1,12 @@
-//! `NAME.qml` beside `NAME.tif`: colours that QGIS takes up when it opens the raster.
+//! Writes `NAME.qml` beside `NAME.tif`: colours that QGIS applies when it opens the raster.
 
 use super::{ExportError, write_bytes};
 use bathyscope_log::support::printable::xml;
 use std::path::Path;
 
-/// Writes the style of a raster of one band in metres: `colour` of a share of the way from the
-/// least to the greatest value, in `steps` even steps, linear between them. What is not known is
-/// clear.
+/// Writes the style of a raster of one band in metres. `colour` returns the colour of a share of
+/// the range from the least to the greatest value; the colours of `steps` even steps are
+/// interpolated linearly. Cells without a value are transparent.
 pub fn qgis_style(
     path: &Path,
     [least_m, most_m]: [f64; 2],
@@ -44,7 +44,7 @@ pub fn qgis_style(
 /// A class of a raster: its number, name and colour.
 pub(super) type Class = (u8, &'static str, [u8; 3]);
 
-/// Writes the style of a raster of classes. What is none of them is clear.
+/// Writes the style of a raster of classes. Cells of no class are transparent.
 pub(crate) fn qgis_classes(path: &Path, classes: &[Class]) -> Result<(), ExportError> {
     let entries = classes.iter().map(|(number, name, [red, green, blue])| {
         format!(

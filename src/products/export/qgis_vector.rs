@@ -1,15 +1,16 @@
-//! Styles of the vector layers of a survey in QGIS: QML for the table of styles in a GeoPackage.
+//! Writes the styles of the vector layers of a survey in QGIS: QML for the table of styles in a
+//! GeoPackage.
 
 use bathyscope_log::support::printable::xml;
 
 /// A colour, sRGB.
 type Rgb = [u8; 3];
 
-/// Dark blue of lines and figures of depth, as charts print them.
+/// Dark blue of lines and depth figures, as on charts.
 const DEPTH_INK: Rgb = [28, 62, 110];
 /// Near-black of the figures of soundings.
 const FIGURE_INK: Rgb = [16, 22, 32];
-/// Red, which stays legible on a map and on a picture of the earth.
+/// Red that is legible on a map and on a picture of the earth.
 const RED: Rgb = [214, 39, 40];
 const DARK_RED: Rgb = [140, 16, 20];
 const GREY: Rgb = [90, 90, 90];
@@ -20,14 +21,15 @@ const THIN_MM: f64 = 0.25;
 const THICK_MM: f64 = 0.5;
 /// Width that a light edge adds to a line, so that the line stays visible on dark water.
 const EDGE_MM: f64 = 0.4;
-/// Opacity of an area of depth: pale enough for the lines and figures above it, as on charts.
+/// Opacity of a depth area: pale enough for the lines and figures above it, as on charts.
 const AREA_OPACITY: f64 = 0.6;
-/// Lines that are shorter on the sheet have no label, millimetres.
+/// Length on the sheet below which a line has no label, millimetres.
 const LEAST_LABELLED_MM: f64 = 12.0;
-/// A label of a line is repeated at this distance, millimetres of the sheet.
+/// Distance between repeated labels of a line, millimetres of the sheet.
 const REPEAT_MM: f64 = 80.0;
 
-/// Lines of equal depth: those with `is_index` thick and labelled along the line, upright.
+/// Returns the style of isobaths: lines with `is_index` are thick and labelled along the line,
+/// upright.
 pub(super) fn isobath_style() -> String {
     let rule = |name: &str, filter: &str, symbol: usize| {
         format!("<rule key=\"{name}\" label=\"{name}\" filter=\"{filter}\" symbol=\"{symbol}\"/>")
@@ -49,8 +51,8 @@ pub(super) fn isobath_style() -> String {
     document(&renderer, Some(&label), 1.0)
 }
 
-/// Spot soundings: their figures alone, upright, in the place of the depth; of two that would
-/// overlap the shallower stands.
+/// Returns the style of spot soundings: only the figures, upright, in the place of the depth. Of
+/// two figures that would overlap, the shallower one is drawn.
 pub(super) fn spot_sounding_style() -> String {
     let label = FeatureLabel {
         expression: "label",
@@ -63,7 +65,8 @@ pub(super) fn spot_sounding_style() -> String {
     document(renderer, Some(&label), 1.0)
 }
 
-/// Areas between depths: `classes` are the ends of each, metres, and its colour.
+/// Returns the style of depth areas; `classes` are the least and greatest depth of each, metres,
+/// and its colour.
 pub(super) fn depth_area_style(classes: &[([f64; 2], Rgb)]) -> String {
     let (mut ranges, mut symbols) = (String::new(), String::new());
     for (number, ([from_m, to_m], colour)) in classes.iter().enumerate() {
@@ -78,18 +81,18 @@ pub(super) fn depth_area_style(classes: &[([f64; 2], Rgb)]) -> String {
     document(&renderer, None, AREA_OPACITY)
 }
 
-/// The way of the boat: a thin line.
+/// Returns the style of the track: a thin line.
 pub(super) fn track_style() -> String {
     document(&single(&line_symbol("0", RED, THIN_MM)), None, 1.0)
 }
 
-/// Ground that was insonified: its edge, dashed, and nothing within, so that maps below stay
-/// visible.
+/// Returns the style of the insonified ground: a dashed edge without a fill, so that maps below
+/// stay visible.
 pub(super) fn footprint_style() -> String {
     document(&single(&fill_symbol("0", None, Some((GREY, true)))), None, 1.0)
 }
 
-/// Objects: a mark, and what they are called, once for all sightings of one.
+/// Returns the style of objects: a mark, labelled with the name, or with class and number.
 pub(super) fn target_style() -> String {
     let label = FeatureLabel {
         expression: "coalesce(nullif(\"name\", ''), \"class\" || ' ' || \"number\")",
@@ -101,7 +104,7 @@ pub(super) fn target_style() -> String {
     document(&single(&mark_symbol("0", RED)), Some(&label), 1.0)
 }
 
-/// Outlines of objects on the ground.
+/// Returns the style of the outlines of objects on the ground.
 pub(super) fn target_outline_style() -> String {
     document(&single(&fill_symbol("0", None, Some((RED, false)))), None, 1.0)
 }
@@ -123,7 +126,7 @@ struct FeatureLabel {
     placement: Placement,
 }
 
-/// A style with its renderer, labels, and how much it covers, 0 to 1.
+/// Returns a style from its renderer, labels and opacity, 0 to 1.
 fn document(renderer: &str, label: Option<&FeatureLabel>, opacity: f64) -> String {
     let (enabled, labels) = match label {
         Some(label) => (1, labelling(label)),
@@ -140,8 +143,8 @@ fn labelling(label: &FeatureLabel) -> String {
         Placement::OnLine => LEAST_LABELLED_MM,
         _ => 0.0,
     };
-    // QGIS's numbers: 2 beside a line or, by its flags, on it; 0 around a point. Labels on a line
-    // stay upright, and one part of a line that was broken has its own.
+    // QGIS's numbers: 2 is beside a line or, by its flags, on it; 0 is around a point. Labels on a
+    // line stay upright, and each part of a broken line has its own label.
     let placed = match placement {
         Placement::OnLine => format!(
             "placement=\"2\" placementFlags=\"1\" repeatDistance=\"{REPEAT_MM}\" repeatDistanceUnits=\"MM\""
@@ -168,7 +171,7 @@ fn line_symbol(name: &str, colour: Rgb, width_mm: f64) -> String {
     symbol(name, "line", &line_layer(colour, 255, width_mm))
 }
 
-/// A line with a light edge under it.
+/// Returns a line symbol with a light edge under the line.
 fn edged_line_symbol(name: &str, colour: Rgb, width_mm: f64) -> String {
     let edge = line_layer(WHITE, 110, width_mm + EDGE_MM);
     symbol(name, "line", &(edge + &line_layer(colour, 255, width_mm)))
@@ -186,8 +189,8 @@ fn line_layer(colour: Rgb, alpha: u8, width_mm: f64) -> String {
     symbol_layer("SimpleLine", &options)
 }
 
-/// A filled area; without a fill its edge alone, with a colour and perhaps dashed; without an edge
-/// its fill alone.
+/// Returns the symbol of an area: without a fill, only its edge, with a colour and dashed if the
+/// flag is true; without an edge, only its fill.
 fn fill_symbol(name: &str, fill: Option<Rgb>, edge: Option<(Rgb, bool)>) -> String {
     let edge_style = match edge {
         Some((_, true)) => "dash",

@@ -1,14 +1,14 @@
-//! Polygons as the exchange formats want them (OGC 06-103r4, RFC 7946): once corners are rounded,
-//! rings must still neither cross nor touch themselves.
+//! Makes polygons valid for the exchange formats (OGC 06-103r4, RFC 7946): after rounding of the
+//! corners, rings must neither cross nor touch themselves.
 
 use bathyscope_bottom::bathymetry::isobaths::{Polygon, polygons};
 use std::ops::Range;
 
-/// A corner, counted in steps of the lattice that corners are rounded to.
+/// A corner, in steps of the lattice that corners are rounded to.
 type LatticeCorner = [i64; 2];
 
-/// Polygons with their corners rounded to so many steps a unit, each an outline and its holes;
-/// `place` gives where a corner lies.
+/// Returns polygons with their corners rounded to `steps` steps a unit, each an outline and its
+/// holes; `place` returns the coordinates of a corner.
 pub(super) fn rounded(
     shapes: &[Polygon],
     steps: f64,
@@ -23,13 +23,13 @@ pub(super) fn rounded(
     polygons.map(|rings| rings.into_iter().map(back).collect()).collect()
 }
 
-/// Puts polygons on a lattice and makes them valid again: sides that fall onto each other go, and a
-/// ring that touches itself becomes several, whose areas touch in that corner. Rings stay
-/// counter-clockwise around the area, holes clockwise.
+/// Moves the corners of polygons to a lattice and makes the polygons valid again: sides that fall
+/// onto each other are removed, and a ring that touches itself becomes several rings, whose areas
+/// touch in that corner. Rings stay counter-clockwise around the area, holes clockwise.
 ///
-/// The sides that are left are walked with the area on the left, turning left as sharply as
-/// possible where several meet, so that a ring bounds one connected area; what a ring closes on its
-/// way at a corner it has been at is a ring of its own.
+/// The remaining sides are walked with the area on the left, turning left as sharply as possible
+/// where several sides meet, so that a ring bounds one connected area. Where the walk returns to a
+/// corner, the sides since then become a ring of their own.
 fn on_lattice(
     shapes: &[Polygon],
     corner: impl Fn([f64; 2]) -> LatticeCorner,
@@ -55,9 +55,9 @@ fn on_lattice(
         .collect()
 }
 
-/// Directed sides between corners, those that run both ways taken off each other.
+/// Directed sides between corners; opposite sides have cancelled each other.
 struct Sides {
-    /// All sides in order, so that the sides that leave a corner are together.
+    /// All sides in order, so that the sides that leave the same corner are adjacent.
     sides: Vec<Side>,
 }
 
@@ -67,7 +67,7 @@ struct Side {
     to: LatticeCorner,
     /// Number of times that the side has still to be walked.
     left: u32,
-    /// The sides that leave the corner where it ends.
+    /// Indices of the sides that leave the corner `to`.
     next: Range<u32>,
 }
 
@@ -97,10 +97,10 @@ impl Sides {
         Self { sides: sides.collect() }
     }
 
-    /// Closed rings without a corner twice.
+    /// Returns closed rings that pass no corner twice.
     fn walk(mut self) -> Vec<Vec<LatticeCorner>> {
         let mut rings = Vec::new();
-        // By the first side that leaves a corner: where on the path it is.
+        // Position of a corner on the path, by the index of the first side that leaves the corner.
         let mut place_on_path = vec![None; self.sides.len()];
         for first in 0..self.sides.len() {
             while self.sides[first].left > 0 {
@@ -110,7 +110,7 @@ impl Sides {
         rings
     }
 
-    /// Walks from a side until the next one has been walked; leaves no place on the path.
+    /// Walks from a side until there is no further side to walk; clears `place_on_path` at the end.
     fn walk_from(
         &mut self,
         first: usize,
@@ -152,7 +152,8 @@ impl Sides {
     }
 }
 
-/// Clockwise angle from the way back to the way on: the smaller, the sharper the turn to the left.
+/// Returns the clockwise angle from the way back to the way on: a smaller angle is a sharper turn
+/// to the left.
 fn turn(last: LatticeCorner, at: LatticeCorner, next: LatticeCorner) -> f64 {
     let angle = |to: LatticeCorner| ((to[1] - at[1]) as f64).atan2((to[0] - at[0]) as f64);
     (angle(last) - angle(next)).rem_euclid(std::f64::consts::TAU)
@@ -178,7 +179,7 @@ mod tests {
 
     #[test]
     fn a_pinched_ring_becomes_two_areas() {
-        // A sandglass, its neck rounded shut.
+        // A sandglass whose neck is closed by rounding.
         let glass = [[0.0, 0.0], [4.0, 0.0], [2.1, 2.0], [4.0, 4.0], [0.0, 4.0], [1.9, 2.0]];
         let areas = made(&glass, &[]);
         assert_eq!(areas.len(), 2, "{areas:?}");

@@ -1,4 +1,4 @@
-//! Database files of SQLite 3, by SQLite itself (crate `rusqlite`).
+//! Writes database files of SQLite 3, by SQLite itself (crate `rusqlite`).
 
 use super::ExportError;
 use super::atomic_write::write_atomically_at;
@@ -7,7 +7,7 @@ use rusqlite::{Connection, params_from_iter};
 use std::io;
 use std::path::Path;
 
-/// Identity of a database in its header.
+/// Identity of a kind of database in the header.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DatabaseKind {
     /// Program that the file belongs to: four letters as a number.
@@ -16,18 +16,18 @@ pub(super) struct DatabaseKind {
     pub version: u32,
 }
 
-/// A whole number of things.
+/// Converts a number of things to a value.
 pub(super) fn count(number: usize) -> Value {
     Value::Integer(i64::try_from(number).unwrap_or(i64::MAX))
 }
 
-/// A text.
+/// Converts a text to a value.
 pub(super) fn text(text: &str) -> Value {
     Value::Text(text.to_owned())
 }
 
-/// Writes a database that `fill` fills under a passing name, and renames it. The same rows give the
-/// same bytes.
+/// Writes a database, which `fill` fills under a temporary name, and renames it. The same rows give
+/// the same bytes.
 pub(super) fn database<T>(
     path: &Path,
     kind: DatabaseKind,
@@ -35,7 +35,7 @@ pub(super) fn database<T>(
 ) -> Result<T, ExportError> {
     write_atomically_at(path, |passing| {
         let connection = Connection::open(passing).map_err(io::Error::other)?;
-        // A file that is not whole is never seen, so nothing has to be rolled back.
+        // An unfinished file is never used, so nothing has to be rolled back.
         let start = format!(
             "PRAGMA journal_mode = OFF; PRAGMA synchronous = OFF; PRAGMA application_id = {}; PRAGMA user_version = {}; BEGIN;",
             kind.application, kind.version
@@ -48,18 +48,18 @@ pub(super) fn database<T>(
     })
 }
 
-/// Runs statements.
+/// Runs SQL statements.
 ///
 /// # Errors
-/// What SQLite says.
+/// When SQLite refuses a statement.
 pub(super) fn run(connection: &Connection, statements: &str) -> io::Result<()> {
     connection.execute_batch(statements).map_err(io::Error::other)
 }
 
-/// Adds rows to a table, each with a value for every column. NaN is written as nothing.
+/// Adds rows to a table, each with a value for every column. NaN is stored as NULL.
 ///
 /// # Errors
-/// What SQLite says, or what a row could not be read for.
+/// When SQLite refuses a row, or a row is an error.
 pub(super) fn insert(
     connection: &Connection,
     table: &str,

@@ -1,5 +1,5 @@
-//! The layers of `survey.gpkg`: where the boat went, what was insonified, and what is drawn of the
-//! depth map.
+//! Makes the layers of `survey.gpkg`: the track, the insonified ground, and the lines, areas and
+//! soundings of the depth map.
 
 use super::geopackage::{FeatureGeometry, Layer, Ring};
 use super::isobaths::DrawnLines;
@@ -14,29 +14,29 @@ use bathyscope_bottom::bathymetry::DepthPoint;
 use bathyscope_bottom::bathymetry::isobaths::{DepthArea, Isobath, IsobathSettings, Polygon};
 use bathyscope_log::support::geo::{LonLat, MapPlane};
 
-/// Steps of coordinates in a metre and in a degree: a millimetre.
+/// Number of steps of coordinates in a metre and in a degree: a step is a millimetre.
 const STEPS_M: f64 = 1e3;
 const STEPS_DEG: f64 = 1e8;
 
-/// Converter from the plane of a map to geometries in the system of the map.
+/// Converter from the plane of a map to geometries in the map's coordinate system.
 pub(crate) struct MapGeometry<'a> {
     map: &'a MapPlane,
     steps: f64,
 }
 
 impl<'a> MapGeometry<'a> {
-    /// Creates the converter to the system of a map.
+    /// Creates the converter to the coordinate system of a map.
     pub(crate) fn new(map: &'a MapPlane) -> Self {
         let steps = if map.crs.is_degrees() { STEPS_DEG } else { STEPS_M };
         Self { map, steps }
     }
 
-    /// A position, to the millimetre.
+    /// Converts a position, rounded to the millimetre.
     pub(crate) fn position(&self, at: LonLat) -> [f64; 2] {
         self.rounded(self.map.crs.place(at))
     }
 
-    /// A place of the plane, to the millimetre.
+    /// Converts a place of the plane, rounded to the millimetre.
     fn place(&self, at: [f64; 2]) -> [f64; 2] {
         self.rounded(self.map.in_crs(at))
     }
@@ -50,7 +50,7 @@ impl<'a> MapGeometry<'a> {
     }
 }
 
-/// The way of the boat, a line a piece.
+/// Returns the layer of the track, a line for each piece.
 pub(crate) fn track_layer(placed: &MapGeometry<'_>, pieces: &[TrackPiece]) -> Layer {
     let feature = |piece: &TrackPiece| {
         let places = piece.points.iter().map(|point| placed.position(point.position));
@@ -73,7 +73,8 @@ pub(crate) fn track_layer(placed: &MapGeometry<'_>, pieces: &[TrackPiece]) -> La
     }
 }
 
-/// The ground that the side-scan covers, one feature with its area on the ground.
+/// Returns the layer of the ground that the side-scan insonified, one feature with its area on the
+/// ground.
 pub(crate) fn footprint_layer(
     placed: &MapGeometry<'_>,
     name: &str,
@@ -95,7 +96,7 @@ pub(crate) fn footprint_layer(
     }
 }
 
-/// Lines of equal depth. A metre of the plane is `scale` metres on the ground.
+/// Returns the layer of isobaths. A metre of the plane is `scale` metres on the ground.
 pub(crate) fn isobath_layer(placed: &MapGeometry<'_>, drawn: &DrawnLines<'_>, scale: f64) -> Layer {
     let feature = |line: &Isobath| {
         let places = line.points.iter().map(|point| placed.place(*point));
@@ -124,9 +125,9 @@ pub(crate) fn isobath_layer(placed: &MapGeometry<'_>, drawn: &DrawnLines<'_>, sc
     }
 }
 
-/// The areas between depths, coloured by how deep they are: `colour` is that of a share of the way
-/// from the shallowest to the deepest. A square metre of the plane is `ground` square metres on the
-/// ground.
+/// Returns the layer of the areas between depths, coloured by depth: `colour` returns the colour of
+/// a share of the range from the shallowest to the deepest. A square metre of the plane is `ground`
+/// square metres on the ground.
 pub(crate) fn depth_area_layer(
     placed: &MapGeometry<'_>,
     areas: &[DepthArea],
@@ -159,7 +160,7 @@ pub(crate) fn depth_area_layer(
     }
 }
 
-/// Depths as the figures that a chart prints.
+/// Returns the layer of spot soundings: depths as the figures that a chart prints.
 pub(crate) fn spot_sounding_layer(
     placed: &MapGeometry<'_>,
     soundings: &[DepthPoint],
@@ -186,7 +187,7 @@ pub(crate) fn spot_sounding_layer(
     }
 }
 
-/// A line through places; `None` where they are one, to the millimetre.
+/// Returns a line through places; `None` where all places are the same to the millimetre.
 fn line_through(places: impl Iterator<Item = [f64; 2]>) -> Option<FeatureGeometry> {
     let mut places: Vec<[f64; 2]> = places.collect();
     places.dedup();

@@ -1,7 +1,7 @@
-//! The boat's track for plotters and maps, and the ground that its side-scan insonified.
+//! Writes the boat's track for plotters and maps, and the ground that its side-scan insonified.
 //!
-//! In: a survey with its navigation. Out: pieces of the track, as GeoJSON and GPX 1.1 (as plotters
-//! and handheld receivers read it); the ground as GeoJSON.
+//! In: a survey with its navigation. Out: pieces of the track, as GeoJSON and as GPX 1.1 (for
+//! plotters and handheld receivers); the ground as GeoJSON.
 
 use super::geojson::{areas, collection, feature_at, line_at};
 use super::{ExportError, Summary, write_summed};
@@ -14,32 +14,32 @@ use serde_json::json;
 use std::io::{self, Write};
 use std::path::Path;
 
-/// Points of a track are at least this far apart, metres: recorders place a ping no better.
+/// Least distance between points of a track, metres: recorders place a ping no better.
 const LEAST_STEP_M: f64 = 0.5;
-/// A pause that breaks the track, seconds.
+/// Length of a pause that breaks the track, seconds.
 const PAUSE_S: f64 = 10.0;
 
-/// A place of the track.
+/// A point of the track.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrackPoint {
-    /// The side-scan ping; the sounding in a log without side-scan.
+    /// Index of the side-scan ping; that of the sounding in a log without side-scan.
     pub ping: usize,
-    /// Seconds after the log's time zero.
+    /// Time of the point, seconds after the log's time zero.
     pub time_s: f64,
-    /// Where.
+    /// Position of the point.
     pub position: LonLat,
 }
 
 /// A stretch of the track without a pause.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TrackPiece {
-    /// Two points or more.
+    /// Points of the piece, at least two.
     pub points: Vec<TrackPoint>,
-    /// Metres on the ground.
+    /// Length on the ground, metres.
     pub length_m: f64,
 }
 
-/// The track through the pings that have a place, in pieces, thinned to half a metre.
+/// Returns the track through the pings that have a place, in pieces, thinned to half a metre.
 pub fn track(survey: &Survey, navigation: &Navigation) -> Vec<TrackPiece> {
     let mut pieces = Pieces::default();
     let frame = &survey.track.frame;
@@ -65,7 +65,7 @@ pub fn track(survey: &Survey, navigation: &Navigation) -> Vec<TrackPiece> {
 struct Pieces {
     done: Vec<TrackPiece>,
     piece: TrackPiece,
-    /// The last point that was kept, and the last that came: place and time.
+    /// Place of the last point that was kept; `None` at the beginning of a piece.
     kept_m: Option<[f64; 2]>,
     came: Option<(TrackPoint, [f64; 2])>,
 }
@@ -89,7 +89,7 @@ impl Pieces {
         self.kept_m = Some(at_m);
     }
 
-    /// Ends a piece at the last point that came.
+    /// Ends a piece at the last point that was added.
     fn close(&mut self) {
         if let Some((point, at_m)) = self.came.take()
             && self.kept_m.is_some_and(|from| apart_m(from, at_m) > 0.0)
@@ -113,7 +113,7 @@ fn apart_m(a: [f64; 2], b: [f64; 2]) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1])
 }
 
-/// Writes each piece as a line.
+/// Writes each piece of the track as a line.
 pub(crate) fn track_geojson(path: &Path, pieces: &[TrackPiece]) -> Result<Summary, ExportError> {
     let feature = |piece: &TrackPiece, summary: &mut Summary| {
         summary.count += 1;
@@ -131,8 +131,8 @@ pub(crate) fn track_geojson(path: &Path, pieces: &[TrackPiece]) -> Result<Summar
     collection(path, pieces.iter(), feature)
 }
 
-/// Writes the pieces as segments of one track; with times where it is known when the log began
-/// (Unix seconds).
+/// Writes the pieces as segments of one track; with times if the start of the log (Unix seconds) is
+/// known.
 pub(crate) fn track_gpx(
     path: &Path,
     name: &str,
@@ -147,7 +147,7 @@ pub(crate) fn track_gpx(
     })
 }
 
-/// Does the same as [`track_gpx`] for a file that is open.
+/// Does the same as [`track_gpx`] for an output that is open.
 pub(crate) fn write_track_gpx(
     out: &mut impl Write,
     name: &str,
@@ -176,7 +176,7 @@ pub(crate) fn write_track_gpx(
     writeln!(out, "</trk>\n</gpx>")
 }
 
-/// Writes the ground of one log as one feature of `area_m2`.
+/// Writes the insonified ground of one log as one feature of `area_m2`.
 pub(crate) fn footprint_geojson(
     path: &Path,
     name: &str,
@@ -208,7 +208,7 @@ mod tests {
             pieces.add(point, [east_m, 0.0]);
         };
         for ping in 0..100 {
-            // 0.1 m a ping, each place twice.
+            // 0.1 m a ping, each position twice.
             add(ping, 0.1 * ping as f64, 0.1 * (ping / 2) as f64);
         }
         add(100, 60.0, 50.0);

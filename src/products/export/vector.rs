@@ -1,13 +1,13 @@
-//! Lines and areas for map programs: shapefiles, and KML in its zipped form.
+//! Writes lines and areas for map programs: shapefiles, and KML in its zipped form.
 //!
 //! In: lines and areas. Out: shapefiles and KMZ.
 //!
-//! `*.shp` with its `.shx`, `.dbf`, `.prj` and `.cpg` (ESRI, July 1998) is what every map program
-//! of the last decades opens; `*.kmz`, KML 2.2 (OGC 07-147r2) in a zip archive, what map programs
-//! and phones do.
+//! `*.shp` with its `.shx`, `.dbf`, `.prj` and `.cpg` (ESRI, July 1998) opens in every map program
+//! of the last decades; `*.kmz`, KML 2.2 (OGC 07-147r2) in a zip archive, opens in map programs and
+//! on phones.
 //!
-//! A KMZ is no more than a zip archive of one file (PKWARE APPNOTE 6.3): three headers around a
-//! deflated text. The `zip` crate would do, but switches features of crates that the GPU and the
+//! A KMZ is only a zip archive of one file (PKWARE APPNOTE 6.3): three headers around a deflated
+//! text. The crate `zip` is not used, because it switches features of crates that the GPU and the
 //! network runtime are built on.
 
 use super::geojson::{areas, positions};
@@ -23,34 +23,35 @@ use std::fs::File;
 use std::io::{self, BufWriter, Seek as _, SeekFrom, Write};
 use std::path::Path;
 
-/// Digits of a number in the table, and of these behind the point.
+/// Number of digits of a number in the table, and of its decimals.
 const DIGITS: (u8, u8) = (14, 3);
-/// Letters of a label.
+/// Largest number of letters of a label.
 const LETTERS: u8 = 64;
-/// Lines longer than this, degrees (some 10 m), show their label.
+/// Length above which a line has a label, degrees (some 10 m).
 const LABELLED_DEG: f64 = 1e-4;
 /// "Version needed": 2.0, deflate.
 const VERSION: u16 = 20;
 /// Method 8, deflate.
 const DEFLATE: u16 = 8;
-/// The first of January 1980, so that the same survey gives the same file.
+/// The first of January 1980: a fixed date, so that the same survey gives the same file.
 const DATE: u16 = 0x0021;
 
-/// A line with what a map says about it.
+/// A line with its label, numbers and colour.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct LabelledLine {
-    /// Its corners.
+    /// Corners of the line.
     pub points: Vec<LonLat>,
     /// Text beside the line.
     pub label: String,
-    /// Numbers, in the order of the names that the file is written with.
+    /// Numbers of the line, in the order of the names of their columns.
     pub numbers: Vec<f64>,
-    /// Colour, red to blue.
+    /// Colour: red, green, blue.
     pub colour: [u8; 3],
 }
 
-/// Writes lines in a system; `names` of their numbers, ten letters each at most, head the columns
-/// behind `label`. The `.shp` is in its place last: where it is, its companions are whole.
+/// Writes lines in a coordinate system. `names` are the headings of the columns of numbers, at most
+/// ten letters each, which follow the column `label`. The `.shp` is renamed last: where it exists,
+/// its companions are complete.
 pub(crate) fn lines_shapefile(
     path: &Path,
     crs: &Crs,
@@ -118,9 +119,9 @@ impl WritableRecord for ShapefileRow<'_> {
     }
 }
 
-/// Writes lines, and in a folder of their own the labels of the longer ones, each a point in the
-/// middle of its line, for a line alone shows none. Geometries of both kinds in one would be no
-/// layer of lines for QGIS.
+/// Writes lines and, in a folder of their own, the labels of the longer lines: map programs draw no
+/// label for a line alone, so each label is a point in the middle of its line. A mixture of lines
+/// and points in one folder would be no layer of lines for QGIS.
 pub(crate) fn lines_kmz(
     path: &Path,
     name: &str,
@@ -155,7 +156,7 @@ pub(crate) fn lines_kmz(
     })
 }
 
-/// The middle of a line that is long enough for its label.
+/// Returns the middle of a line that is long enough for a label; `None` for a shorter one.
 fn anchor(points: &[[f64; 2]]) -> Option<[f64; 2]> {
     let steps = points.windows(2);
     let length: f64 =
@@ -164,7 +165,7 @@ fn anchor(points: &[[f64; 2]]) -> Option<[f64; 2]> {
     middle.copied().filter(|_| length > LABELLED_DEG)
 }
 
-/// Writes areas as one thing on the map; `place` gives where a corner lies.
+/// Writes areas as one placemark; `place` returns the position of a corner.
 pub(crate) fn areas_kmz(
     path: &Path,
     name: &str,
@@ -197,7 +198,7 @@ pub(crate) fn areas_kmz(
     })
 }
 
-/// A document named `name` with what `write` puts into it, as `doc.kml` of an archive.
+/// Writes a document with this name and the content from `write` as `doc.kml` of a zip archive.
 fn archive(
     path: &Path,
     name: &str,
@@ -226,14 +227,14 @@ fn coordinates(points: &[[f64; 2]]) -> String {
     texts.collect::<Vec<_>>().join(" ")
 }
 
-/// Writes an archive that holds one file, with what `write` puts into it.
+/// Writes a zip archive of one file, whose content is written by `write`.
 fn one_file<T>(
     file: File,
     name: &str,
     write: impl FnOnce(&mut dyn Write) -> io::Result<T>,
 ) -> io::Result<T> {
     let mut out = BufWriter::new(file);
-    // Check sum and sizes are filled in once they are known.
+    // Checksum and sizes are filled in at the end.
     out.write_all(&local_header(name, [0; 3]))?;
     let start = out.stream_position()?;
     let mut counted = ByteCounter {
@@ -274,8 +275,8 @@ impl<W: Write> Write for ByteCounter<W> {
     }
 }
 
-/// Returns the fields that both headers of a file share: version, flags, method, time, date, check
-/// sum, sizes, length of the name, extra fields.
+/// Returns the fields that both headers of a file share: version, flags, method, time, date,
+/// checksum, sizes, length of the name, extra fields.
 fn shared(name: &str, sizes: [u32; 3]) -> Vec<u8> {
     let mut bytes = Vec::new();
     for value in [VERSION, 0, DEFLATE, 0, DATE] {
@@ -294,8 +295,8 @@ fn local_header(name: &str, sizes: [u32; 3]) -> Vec<u8> {
     [b"PK\x03\x04", shared(name, sizes).as_slice(), name.as_bytes()].concat()
 }
 
-/// The directory's entry: made by which version, the shared part, then comment, disk, attributes
-/// and place, all 0.
+/// Returns the entry of the directory: version that made it, the shared part, then comment, disk,
+/// attributes and place, all 0.
 fn directory(name: &str, sizes: [u32; 3]) -> Vec<u8> {
     let made_by = VERSION.to_le_bytes();
     let parts =

@@ -1,16 +1,17 @@
-//! The water below each level: two curves over the depth, and their table.
+//! Draws the area and volume of the water below each level: two curves over the depth, and their
+//! table.
 
 use super::ReportData;
 use bathyscope_bottom::bathymetry::isobaths::{Storage, storage};
 use bathyscope_bottom::presentation::plot::{Axis, Plot, PlotCurve};
 use bathyscope_bottom::presentation::text::typeset_count as count;
 
-/// Levels that the curves go through.
+/// Number of steps of the levels that the curves go through.
 const STEPS: usize = 60;
-/// Area of the curves, pixels.
+/// Width and height of each plot, pixels.
 const PLOT_PX: [f64; 2] = [360.0, 240.0];
 
-/// Curves and table; empty without a depth map.
+/// Returns the section with the curves and the table; empty without a depth map.
 pub(super) fn storage_section(from: &ReportData<'_>) -> String {
     let Some(surface) = from.depth_map.map(|depth_map| &depth_map.surface) else {
         return String::new();
@@ -18,7 +19,7 @@ pub(super) fn storage_section(from: &ReportData<'_>) -> String {
     let [least_m, most_m] = surface.range_m();
     let grid = &surface.grid;
     let middle = grid.centre(grid.rows / 2, grid.columns / 2);
-    // A map's square metres are not quite those of the ground.
+    // A square metre of the map is not exactly a square metre on the ground.
     let ground = from.map.area_scale_at(middle).recip();
     let below = |levels: &[f64]| -> Vec<Storage> {
         let mut rows = storage(surface, levels, from.isobaths.clip.as_deref());
@@ -33,7 +34,7 @@ pub(super) fn storage_section(from: &ReportData<'_>) -> String {
         (0..=STEPS).map(|step| least_m + step as f64 / STEPS as f64 * (most_m - least_m)).collect();
     html += &curves(&below(&even));
     html += "</figure>\n<table><tr><th>below depth, m</th><th>area, m\u{b2}</th><th>volume, m\u{b3}</th></tr>\n";
-    // As in `storage.csv`.
+    // The same levels as in `storage.csv`.
     for row in below(&from.isobaths.levels_m) {
         html += &format!(
             "<tr><td>{:.2}</td><td>{}</td><td>{}</td></tr>\n",
@@ -45,7 +46,7 @@ pub(super) fn storage_section(from: &ReportData<'_>) -> String {
     html + "</table>\n<p>What was not mapped does not count: a basin holds more than this where the survey leaves parts of it out.</p>\n"
 }
 
-/// Area and volume, each across a plot whose depth runs down.
+/// Draws area and volume, each in a plot whose depth axis points down.
 fn curves(rows: &[Storage]) -> String {
     let (Some(first), Some(last)) = (rows.first(), rows.last()) else {
         return String::new();

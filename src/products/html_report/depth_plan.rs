@@ -1,4 +1,4 @@
-//! The map of depths: colours, isobaths with their depths, track and objects.
+//! Draws the map of depths: colours, isobaths with their depths, track and objects.
 
 use super::frame::PageTransform;
 use super::{ReportData, raster};
@@ -8,15 +8,15 @@ use bathyscope_bottom::presentation::colours::{depth_colour, lit_depth_colour};
 use bathyscope_bottom::presentation::ticks::ticks;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 
-/// Longest side of the picture under the isobaths, pixels: what a screen shows of it, and little to
-/// send.
+/// Longest side of the picture under the isobaths, pixels: more would not be visible on a screen,
+/// and fewer pixels make a smaller file.
 const MOST_CELLS: usize = 1200;
-/// Isobaths shorter than this on the page get no depth written on them, pixels.
+/// Length on the page below which an isobath has no depth label, pixels.
 const LEAST_LABELLED_PX: f64 = 90.0;
-/// Labels nearer than this to another are left out, pixels.
+/// Distance below which a label near another one is left out, pixels.
 const APART_PX: f64 = 46.0;
 
-/// The map; `None` where the depths span no surface.
+/// Draws the map; `None` where the depths span no surface.
 pub(super) fn depth_plan(
     from: &ReportData<'_>,
     progress: &Progress,
@@ -42,7 +42,7 @@ pub(super) fn depth_plan(
     Ok(Some(frame.svg(name, &under, &over, &legend(range_m, &frame))))
 }
 
-/// The depths with their hill-shade.
+/// Depths with their hill-shade.
 struct Lit<'a> {
     surface: &'a Surface,
     range_m: [f32; 2],
@@ -52,7 +52,8 @@ struct Lit<'a> {
 }
 
 impl Lit<'_> {
-    /// The depths as a picture, cells joined where there are more than can be seen.
+    /// Returns the depths as a picture in which several cells are joined to a pixel if there are
+    /// more than [`MOST_CELLS`] along a side.
     fn picture(&self, frame: &PageTransform) -> String {
         let grid = &self.surface.grid;
         let joined = grid.columns.max(grid.rows).div_ceil(MOST_CELLS).max(1);
@@ -67,7 +68,8 @@ impl Lit<'_> {
         frame.picture(grid, joined, [columns, rows], &address)
     }
 
-    /// Colour of the mean depth of some cells, lit by their mean shade; clear where none is known.
+    /// Returns the colour of the mean depth of some cells, lit by their mean shade; transparent
+    /// where no depth is known.
     fn pixel(&self, [row, column]: [usize; 2], side: usize) -> [u8; 4] {
         let grid = &self.surface.grid;
         let (mut depths, mut shades) = (Mean::default(), Mean::default());
@@ -86,7 +88,7 @@ impl Lit<'_> {
         let Some(depth_m) = depths.mean() else {
             return [0; 4];
         };
-        // Level ground keeps its colour.
+        // Level ground keeps its colour: its light is 1.
         let light = shades.mean().unwrap_or(self.level_ground) / self.level_ground;
         let [r, g, b] = lit_depth_colour(depth_m, self.range_m, light);
         [r, g, b, 255]
@@ -110,7 +112,7 @@ impl Mean {
     }
 }
 
-/// The lines, and the depth of the longer ones in their middle.
+/// Draws the isobaths, and the depth of the longer ones at their middle.
 fn isobath_lines(lines: &[Isobath], frame: &PageTransform) -> String {
     let mut drawn = String::from(
         "<g fill=\"none\" stroke=\"#ffffff\" stroke-opacity=\"0.85\" stroke-width=\"0.9\">\n",
@@ -142,7 +144,7 @@ fn isobath_lines(lines: &[Isobath], frame: &PageTransform) -> String {
     drawn
 }
 
-/// A column of colours with depths beside it, shallow on top.
+/// Draws a column of colours with depths beside it, shallow on top.
 fn legend([least_m, most_m]: [f32; 2], frame: &PageTransform) -> String {
     const STEPS: usize = 32;
     let [x, y] = frame.legend_at();

@@ -1,4 +1,4 @@
-//! The HTML document.
+//! Assembles the HTML document.
 
 use super::depth_plan::depth_plan;
 use super::mosaic_plan::mosaic_plan;
@@ -21,7 +21,7 @@ section.target dl{display:grid;grid-template-columns:max-content 1fr;gap:2px 12p
 code{font-size:11.5px;word-break:break-all}.made{color:#666666;font-size:13px}\
 @media print{body{padding:0;max-width:none}figure,table tr,section.target{break-inside:avoid}h2{break-after:avoid}}";
 
-/// The self-contained document: no script, no font and no picture from elsewhere.
+/// Returns the self-contained document: it loads no script, font or picture from elsewhere.
 pub(crate) fn document(from: &ReportData<'_>, progress: &Progress) -> Result<String, Cancelled> {
     let mut html = format!(
         "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\"><title>Survey {}</title><style>{STYLE}</style></head><body>\n",
@@ -51,7 +51,7 @@ pub(crate) fn document(from: &ReportData<'_>, progress: &Progress) -> Result<Str
 /// send.
 const MOST_STRIPS: usize = 12;
 
-/// Every log at a glance.
+/// Returns the section with a picture of each log.
 fn strips(from: &ReportData<'_>, progress: &Progress) -> Result<String, Cancelled> {
     const CAPTION: &str = "All pings from left to right, port above and starboard below, by slant range. The line is the first sonar return, \
          from which the side-scan depths follow.";

@@ -1,4 +1,5 @@
-//! A map on the page: from metres of a plane to pixels, with graticule, scale bar and north arrow.
+//! Transforms metres of a plane to pixels on the page and draws the frame of a map, with graticule,
+//! scale bar and north arrow.
 
 use bathyscope_bottom::bathymetry::Grid;
 use bathyscope_bottom::presentation::graticule::{LineFamily, Net};
@@ -6,16 +7,16 @@ use bathyscope_bottom::presentation::ticks;
 use bathyscope_log::support::geo::{CoordinateFormat, MapPlane};
 use bathyscope_log::support::printable::xml;
 
-/// Largest map, pixels.
+/// Largest width and height of a map, pixels.
 const MOST_PX: [f64; 2] = [900.0, 760.0];
-/// Smallest side, so that a single straight line still makes a map.
+/// Smallest side of a map, pixels, so that a single straight line still makes a map.
 const LEAST_PX: f64 = 220.0;
-/// Room for labels on the left and below, and for the legend on the right.
+/// Margins of the map, pixels: for labels on the left and below, and for the legend on the right.
 const LEFT_PX: f64 = 86.0;
 const BELOW_PX: f64 = 26.0;
 const ABOVE_PX: f64 = 6.0;
 const RIGHT_PX: f64 = 96.0;
-/// Part of the extent that is left free on every side.
+/// Share of the extent that is left free on every side.
 const FREE: f64 = 0.04;
 /// Least distance between lines of the graticule, pixels.
 const BETWEEN_PX: f64 = 180.0;
@@ -34,7 +35,8 @@ pub(super) struct PageTransform {
 }
 
 impl PageTransform {
-    /// A frame around some bounds in the plane of a map; `None` where these are no place.
+    /// Creates the transform for a map around some bounds in its plane; `None` where the bounds
+    /// have no extent or are not finite.
     pub(super) fn around([west, south, east, north]: Bounds, map: &MapPlane) -> Option<Self> {
         let (width_m, height_m) = (east - west, north - south);
         let longest_m = width_m.max(height_m);
@@ -55,7 +57,8 @@ impl PageTransform {
         })
     }
 
-    /// A picture of a grid, `columns` by `rows` pixels of `joined` cells a side.
+    /// Returns a picture over a grid as an image element: `columns` by `rows` pixels of `joined`
+    /// cells a side.
     pub(super) fn picture(
         &self,
         grid: &Grid,
@@ -72,7 +75,7 @@ impl PageTransform {
         )
     }
 
-    /// Pixels from the left and the top.
+    /// Converts a place of the plane to pixels from the left and from the top.
     pub(super) fn place(&self, [east_m, north_m]: [f64; 2]) -> [f64; 2] {
         [
             LEFT_PX + (east_m - self.west_m) * self.px_per_m,
@@ -84,23 +87,23 @@ impl PageTransform {
         [self.west_m + (x - LEFT_PX) / self.px_per_m, self.north_m - (y - ABOVE_PX) / self.px_per_m]
     }
 
-    /// Pixels in a metre.
+    /// Returns the number of pixels in a metre.
     pub(super) fn px_per_m(&self) -> f64 {
         self.px_per_m
     }
 
-    /// Left and upper edge of what lies to the right of the map.
+    /// Returns the left and the upper edge of the legend, to the right of the map, pixels.
     pub(super) fn legend_at(&self) -> [f64; 2] {
         [LEFT_PX + self.width_px + 14.0, ABOVE_PX + 4.0]
     }
 
-    /// Height of the map, pixels.
+    /// Returns the height of the map, pixels.
     pub(super) fn height_px(&self) -> f64 {
         self.height_px
     }
 
-    /// The outline of a line, without steps shorter than half a pixel; it breaks where a place is
-    /// no number.
+    /// Returns the path of a line without steps shorter than half a pixel; the path breaks where a
+    /// place is not finite.
     pub(super) fn path(&self, points: impl Iterator<Item = [f64; 2]>) -> String {
         let mut path = String::new();
         let (mut last, mut held) = (None::<[f64; 2]>, None::<[f64; 2]>);
@@ -132,12 +135,14 @@ impl PageTransform {
         path
     }
 
-    /// The map as an `svg` element: `under` the graticule, `over` it, and `beside` the map.
+    /// Returns the map as an `svg` element: `under` is drawn below the graticule, `over` above it,
+    /// and `beside` to the right of the map.
     pub(super) fn svg(&self, name: &str, under: &str, over: &str, beside: &str) -> String {
         let (width, height) =
             (LEFT_PX + self.width_px + RIGHT_PX, ABOVE_PX + self.height_px + BELOW_PX);
         let (inner_width, inner_height) = (self.width_px, self.height_px);
-        // Names of clips belong to the whole page: this one follows from the picture's.
+        // Identifiers of clips must be unique on the page: this one is derived from the name of the
+        // picture.
         let clip: String = name.chars().filter(char::is_ascii_alphanumeric).collect();
         format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" aria-label=\"{label}\" viewBox=\"0 0 {width:.0} {height:.0}\" width=\"{width:.0}\" font-family=\"sans-serif\" font-size=\"11\">\n\
@@ -151,7 +156,7 @@ impl PageTransform {
         )
     }
 
-    /// Meridians and parallels with their degrees at the frame.
+    /// Draws meridians and parallels with their degrees at the edges of the map.
     fn graticule(&self, clip: &str) -> String {
         let (right, bottom) = (LEFT_PX + self.width_px, ABOVE_PX + self.height_px);
         let at = |x: f64, y: f64| self.map.to_lon_lat(self.metres([x, y]));
@@ -171,7 +176,7 @@ impl PageTransform {
         for (family, least_deg) in [(LineFamily::Upright, across_deg), (LineFamily::Level, up_deg)]
         {
             for line in net.lines(family, bounds, least_deg) {
-                // All but straight within a survey.
+                // Two points are enough, because the lines are nearly straight within a survey.
                 let places = net.places(family, line.value, bounds, 2);
                 let ends: Vec<[f64; 2]> = places.map(|at| self.place(self.map.place(at))).collect();
                 if let [from, to] = ends[..] {
@@ -191,7 +196,7 @@ impl PageTransform {
         [[x1, y1], [x2, y2]]: [[f64; 2]; 2],
     ) {
         let label = match family {
-            // Where the line meets the lower edge, and the left one.
+            // The label is placed where the line meets the lower or the left edge.
             LineFamily::Upright => {
                 let bottom = ABOVE_PX + self.height_px;
                 let x = x1 + (bottom - y1) / (y2 - y1) * (x2 - x1);
@@ -221,7 +226,7 @@ impl PageTransform {
         );
     }
 
-    /// Scale bar below on the left, north arrow above on the right.
+    /// Draws the scale bar at the lower left, and the north arrow at the upper right.
     fn furniture(&self) -> String {
         let middle = self.metres([LEFT_PX + 0.5 * self.width_px, ABOVE_PX + 0.5 * self.height_px]);
         let scale = self.map.area_scale_at(middle).sqrt();

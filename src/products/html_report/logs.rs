@@ -1,4 +1,5 @@
-//! The logs of a survey of several: when and what each recorded, and how their heights agree.
+//! Makes the section on the logs of a survey of several: when and what each recorded, and how their
+//! heights agree.
 
 use super::ReportData;
 use super::summary::sailed_m;
@@ -13,7 +14,7 @@ use bathyscope_log::support::printable::xml;
 use bathyscope_log::survey::Survey;
 use std::collections::BTreeSet;
 
-/// The table of logs; empty of one log.
+/// Returns the table of logs; empty for a single log.
 pub(super) fn section(from: &ReportData<'_>) -> String {
     let Some(all) = &from.report.logs else {
         return String::new();
@@ -57,7 +58,7 @@ fn line(report: &LogReport, log: &ProcessedLog) -> String {
     )
 }
 
-/// Date and time of day of both ends.
+/// Returns the date of a log and the times of day at which it begins and ends.
 fn recorded(survey: &Survey) -> String {
     let (begin_s, end_s) = survey.time_span_s().unwrap_or((0.0, 0.0));
     let Some(start_s) = survey.start_unix_s else {
@@ -67,7 +68,7 @@ fn recorded(survey: &Survey) -> String {
     format!("{}, {} to {}", long_date(start_s + begin_s), clock(begin_s), clock(end_s))
 }
 
-/// Shallowest and deepest depth that the recorder had the bottom for.
+/// Returns the least and the greatest depth with bottom lock.
 fn depths(survey: &Survey) -> String {
     let locked = survey.soundings.iter().filter(|sounding| sounding.is_good());
     let span = locked.fold(None, |span: Option<[f32; 2]>, one| {
@@ -99,7 +100,8 @@ fn agreement(all: &LogsReport) -> String {
     html + "</p>\n"
 }
 
-/// Describes the corrections of all logs, applied or not: once where they are the same.
+/// Describes the corrections of all logs, applied or not; refers to another section where they
+/// differ from log to log.
 pub(super) fn correction(from: &ReportData<'_>) -> String {
     let statements = (from.logs.iter()).map(|log| log.products.correction.statement());
     let statements: BTreeSet<String> = statements.collect();

@@ -1,4 +1,4 @@
-//! The map of echoes: the mosaic with the track and the objects.
+//! Draws the map of echoes: the mosaic with the track and the objects.
 
 use super::frame::PageTransform;
 use super::{ReportData, objects, raster};
@@ -8,14 +8,16 @@ use bathyscope_bottom::mosaic::joint_grid;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 
-/// Cells along the longer side: what a screen shows, and little to send.
+/// Largest number of cells along the longer side: more would not be visible on a screen, and fewer
+/// cells make a smaller file.
 const MOST_CELLS: f64 = 1500.0;
-/// Rows that are drawn together.
+/// Number of rows that are drawn together.
 const BAND_ROWS: usize = 128;
 /// Grey level of places that were not insonified.
 const PAPER: u8 = 0xf7;
 
-/// The map of all logs; `None` where no ping has side-scan, a place, a heading and an altitude.
+/// Draws the map of all logs; `None` where no ping has side-scan, a place, a heading and an
+/// altitude.
 pub(super) fn mosaic_plan(
     from: &ReportData<'_>,
     progress: &Progress,
@@ -40,7 +42,7 @@ pub(super) fn mosaic_plan(
     Ok(Some(frame.svg(name, &under, &objects::marks(from, &frame), "")))
 }
 
-/// Levels of all cells, row by row.
+/// Returns the levels of all cells, row by row.
 fn pixels(mosaic: &Mosaic, grid: &Grid, progress: &Progress) -> Result<Vec<u8>, Cancelled> {
     let tops: Vec<usize> = (0..grid.rows).step_by(BAND_ROWS).collect();
     progress.start(tops.len() as u64);
@@ -61,7 +63,7 @@ fn pixels(mosaic: &Mosaic, grid: &Grid, progress: &Progress) -> Result<Vec<u8>, 
     Ok(bands.concat())
 }
 
-/// The way of the boat in all logs.
+/// Draws the track of the boat in all logs.
 pub(super) fn track(
     from: &ReportData<'_>,
     frame: &PageTransform,

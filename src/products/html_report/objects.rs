@@ -1,4 +1,4 @@
-//! Objects in the report: marks on the maps, and a table with a picture of each.
+//! Draws the objects of the report: marks on the maps, and a table with a picture of each object.
 
 use super::frame::PageTransform;
 use super::{ReportData, ReportObjects, raster};
@@ -10,36 +10,37 @@ use bathyscope_objects::objects::{ColumnValues, ListedObject, Object, ObjectBox,
 use bathyscope_objects::review::State;
 use bathyscope_objects::targets::PassCount;
 
-/// Longest table; the files of the run list all.
+/// Largest number of rows of a table; the files of the run list all objects.
 const MOST_ROWS: usize = 60;
-/// Width of a picture in the table, pixels.
+/// Largest width of a picture in the table, pixels.
 const LISTED_WIDTH: usize = 220;
 
-/// The boxes of targets, which are drawn and listed.
+/// Returns the boxes of targets, which are drawn and listed.
 pub(super) fn boxes<'a>(from: &'a ReportData<'_>) -> &'a [&'a ObjectBox] {
     let objects = from.objects.as_ref();
     objects.map_or(&[][..], |objects| &objects.boxes)
 }
 
-/// The boxes that nobody has decided about; none without a review, when they are the targets.
+/// Returns the undecided boxes of a review; none without a review, because then all boxes are
+/// targets.
 pub(super) fn undecided<'a>(from: &'a ReportData<'_>) -> impl Iterator<Item = &'a ObjectBox> {
     let reviewed = (from.objects.as_ref()).filter(|objects| objects.list.is_reviewed());
     let boxes = reviewed.into_iter().flat_map(|objects| objects.list.boxes());
     boxes.filter(|one| one.one.state == State::Proposed)
 }
 
-/// Returns true if somebody has decided about boxes; otherwise all of them are the detector's
-/// proposals.
+/// Returns true if a person has decided about boxes; otherwise all boxes are proposals of the
+/// detector.
 pub(super) fn is_reviewed(from: &ReportData<'_>) -> bool {
     (from.objects.as_ref()).is_some_and(|objects| objects.list.is_reviewed())
 }
 
-/// The targets, by number.
+/// Returns the targets, by number.
 pub(super) fn targets<'a>(from: &'a ReportData<'_>) -> impl Iterator<Item = &'a Object> {
     (from.objects.iter()).flat_map(|objects| objects.list.targets())
 }
 
-/// Objects that are listed; boxes where none has a place.
+/// Returns the number of targets, or of their boxes where no box has a place.
 pub(super) fn count(from: &ReportData<'_>) -> usize {
     match targets(from).count() {
         0 => boxes(from).len(),
@@ -47,7 +48,7 @@ pub(super) fn count(from: &ReportData<'_>) -> usize {
     }
 }
 
-/// A ring with its number at each target.
+/// Draws a ring with the number of the target at each target.
 pub(super) fn marks(from: &ReportData<'_>, frame: &PageTransform) -> String {
     let mut drawn = String::from(
         "<g font-size=\"11\" fill=\"#111111\" paint-order=\"stroke\" stroke=\"#ffffff\" stroke-width=\"3\">\n",
@@ -64,14 +65,14 @@ pub(super) fn marks(from: &ReportData<'_>, frame: &PageTransform) -> String {
     drawn + "</g>\n"
 }
 
-/// Passes that saw an object, and that covered its place.
+/// Returns the numbers of passes that saw an object and that covered its place.
 pub(super) fn passes_of(from: &ReportData<'_>, object: &Object) -> PassCount {
     let objects = from.objects.as_ref();
     let counted = objects.and_then(|objects| objects.passes.get(&object.number));
     counted.copied().unwrap_or_default()
 }
 
-/// The section; empty where nobody searched.
+/// Returns the section on objects; empty without a search or a review.
 pub(super) fn section(from: &ReportData<'_>, progress: &Progress) -> Result<String, Cancelled> {
     let Some(objects) = &from.objects else {
         return Ok(String::new());
@@ -95,13 +96,14 @@ pub(super) fn section(from: &ReportData<'_>, progress: &Progress) -> Result<Stri
     Ok(html + &unplaced(from, progress)? + "</p>\n")
 }
 
-/// `14 boxes on 9 objects`; `9 objects` where each has one box.
+/// Describes the numbers of boxes and objects: `14 boxes on 9 objects`; `9 objects` where each has
+/// one box.
 fn seen_in(boxes: usize, objects: usize) -> String {
     let seen = plural(objects, "object", "objects");
     if boxes > objects { format!("{} boxes on {seen}", typeset_count(boxes)) } else { seen }
 }
 
-/// Says that a table is cut, where it is.
+/// Returns a sentence that the table is cut; empty where it is complete.
 fn first_of(count: usize) -> String {
     if count > MOST_ROWS {
         format!(" The first {MOST_ROWS} are listed; the files of this run hold all.")
@@ -110,7 +112,7 @@ fn first_of(count: usize) -> String {
     }
 }
 
-/// A row for each target, with the columns of the table of objects.
+/// Returns a table with a row for each target and the columns of the table of objects.
 fn object_rows(
     from: &ReportData<'_>,
     objects: &ReportObjects<'_>,
@@ -149,8 +151,8 @@ fn object_rows(
     Ok(html + "</table>\n")
 }
 
-/// A cell of an object: lengths to the centimetre, with their standard deviation where there is
-/// one.
+/// Returns a cell of an object: lengths to the centimetre, with their standard deviation if it is
+/// known.
 fn cell(from: &ReportData<'_>, column: &ObjectColumn, of: &ListedObject<'_>) -> String {
     let number = |value: f64| {
         if value.is_finite() { format!("<td>{value:.2}</td>") } else { "<td></td>".to_owned() }
@@ -179,7 +181,7 @@ fn cell(from: &ReportData<'_>, column: &ObjectColumn, of: &ListedObject<'_>) -> 
     }
 }
 
-/// The boxes of targets that have no position, with their pictures; empty where all have one.
+/// Returns the boxes of targets without a position, with their pictures; empty where all have one.
 fn unplaced(from: &ReportData<'_>, progress: &Progress) -> Result<String, Cancelled> {
     let unplaced = || boxes(from).iter().filter(|of| of.object.is_none());
     let count = unplaced().count();
@@ -217,8 +219,8 @@ fn not_listed(from: &ReportData<'_>) -> String {
     }
 }
 
-/// Returns the picture of a box as an image of at most `width` pixels across; empty where its log
-/// has no pictures.
+/// Returns the picture of a box as an image of at most `width` pixels across; empty where there is
+/// no raster for its log.
 pub(super) fn picture(from: &ReportData<'_>, of: &ObjectBox, width: usize) -> String {
     let rasters = from.objects.as_ref().map(|objects| objects.rasters);
     let raster = rasters.and_then(|rasters| rasters.get(of.log)?.as_ref());
@@ -235,8 +237,9 @@ pub(super) fn picture(from: &ReportData<'_>, of: &ObjectBox, width: usize) -> St
     )
 }
 
-/// Width of a picture on the page. In the table it is as wide as it is, up to the room; a larger
-/// room is filled, unless pixels would be larger than four, or the picture higher than wide.
+/// Returns the width of a picture on the page. In the table a picture keeps its width, up to the
+/// room. A larger room is filled, unless pixels would become wider than four, or the picture higher
+/// than the room is wide.
 fn shown_width(width: usize, height: usize, room: usize) -> usize {
     if room <= LISTED_WIDTH {
         width.min(room)

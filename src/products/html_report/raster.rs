@@ -1,4 +1,4 @@
-//! Pictures inside the page: pixels as PNG or JPEG, and these as text.
+//! Encodes pictures for the page: pixels as PNG or JPEG, and these as text.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -6,10 +6,10 @@ use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder as _};
 
-/// Quality of noisy pictures: speckle hides what is lost.
+/// JPEG quality of noisy pictures: speckle hides the losses.
 const JPEG_QUALITY: u8 = 82;
 
-/// Pixels of 4 bytes, row by row, as the address of a PNG.
+/// Encodes pixels of 4 bytes, row by row, as the address of a PNG.
 pub(super) fn rgba(pixels: &[u8], width: usize, height: usize) -> String {
     let mut png = Vec::new();
     let encoder =
@@ -19,7 +19,7 @@ pub(super) fn rgba(pixels: &[u8], width: usize, height: usize) -> String {
     address("image/png", written.is_ok().then_some(png))
 }
 
-/// Pixels of one byte, row by row, as the address of a JPEG.
+/// Encodes pixels of one byte, row by row, as the address of a JPEG.
 pub(super) fn grey(pixels: &[u8], width: usize, height: usize) -> String {
     let mut jpeg = Vec::new();
     let encoder = JpegEncoder::new_with_quality(&mut jpeg, JPEG_QUALITY);
@@ -27,7 +27,8 @@ pub(super) fn grey(pixels: &[u8], width: usize, height: usize) -> String {
     address("image/jpeg", written.is_ok().then_some(jpeg))
 }
 
-/// Empty where the picture could not be made: the page then shows its description.
+/// Returns the address of a picture; empty where encoding failed, so that the page shows the
+/// description instead.
 fn address(kind: &str, picture: Option<Vec<u8>>) -> String {
     picture.map_or_else(String::new, |picture| {
         format!("data:{kind};base64,{}", STANDARD.encode(picture))

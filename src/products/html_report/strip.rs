@@ -1,5 +1,5 @@
-//! The log at a glance: all echoes beside each other, port above and starboard below, with the
-//! first return.
+//! Draws a whole log in one picture: all echoes beside each other, port above and starboard below,
+//! with the first return.
 
 use super::raster;
 use crate::pipeline::ProcessedLog;
@@ -9,15 +9,15 @@ use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::{Side, Survey};
 use rayon::prelude::*;
 
-/// Columns and rows of the picture, and the rows of one side of it.
+/// Largest number of columns of the picture, and number of rows of each side.
 const COLUMNS: usize = 1040;
 const SIDE_ROWS: usize = 150;
-/// Pings that are read for a column, spread over what it covers.
+/// Largest number of pings that are read for a column, evenly spread over the pings of the column.
 const READ: usize = 4;
-/// Room for the ranges on the left, pixels.
+/// Room for the labels of ranges on the left, pixels.
 const LEFT: usize = 40;
 
-/// The picture; `None` without side-scan.
+/// Draws the picture of a log; `None` without side-scan.
 pub(super) fn strip(log: &ProcessedLog, progress: &Progress) -> Result<Option<String>, Cancelled> {
     let Some(axis) = RangeAxis::of(&log.survey).filter(|_| log.survey.has_side_scan()) else {
         return Ok(None);
@@ -49,13 +49,13 @@ struct ReportStrip<'a> {
 }
 
 impl ReportStrip<'_> {
-    /// The pings of a column.
+    /// Returns the pings of a column.
     fn pings(&self, column: usize) -> std::ops::Range<usize> {
         let pings = self.log.survey.side_scan.len();
         column * pings / self.columns..((column + 1) * pings / self.columns).max(1)
     }
 
-    /// Shades from the far end of port to that of starboard.
+    /// Returns the shades of a column, from the far end of port to the far end of starboard.
     fn column(&self, column: usize, levels: Levels) -> Vec<u8> {
         let pings = self.pings(column);
         let step = pings.len().div_ceil(READ).max(1);
@@ -76,7 +76,7 @@ impl ReportStrip<'_> {
         sums.into_iter().map(shade).collect()
     }
 
-    /// Height of a range in the picture.
+    /// Returns the vertical position of a range in the picture, pixels.
     fn y(&self, side: Side, range_m: f64) -> f64 {
         let rows = range_m / self.far_m * SIDE_ROWS as f64;
         match side {
@@ -85,7 +85,7 @@ impl ReportStrip<'_> {
         }
     }
 
-    /// The median first return of each column.
+    /// Returns the path of the median first return of each column.
     fn line(&self, side: Side) -> String {
         let reduction = self.log.products.reduction();
         let mut path = String::new();
@@ -137,7 +137,7 @@ impl ReportStrip<'_> {
     }
 }
 
-/// Adds the echoes of one side of a ping to the rows that they lie in.
+/// Adds the mean echo of one side of a ping to each row of the picture.
 fn add(
     survey: &Survey,
     reduction: Reduction<'_>,

@@ -10,10 +10,11 @@ use bathyscope_log::support::printable::xml;
 use bathyscope_log::survey::{PingNav, Survey};
 use std::collections::BTreeSet;
 
-/// A step longer than this is a gap in the log or in the fixes, not a way that was sailed, metres.
+/// Length of a step above which it is a gap in the log or in the fixes, not a part of the track,
+/// metres.
 const LONGEST_STEP_M: f64 = 50.0;
 
-/// Title, paragraph and figures.
+/// Returns the title, the paragraph and the figures.
 pub(super) fn summary(from: &ReportData<'_>) -> String {
     let mut html = format!("<h1>Survey {}</h1>\n<p class=\"lead\">", xml(&from.title));
     html += &sentences(from);
@@ -141,7 +142,7 @@ fn above_bottom(from: &ReportData<'_>) -> String {
     text
 }
 
-/// A value with its unit, and what it is.
+/// Returns the figures, each a value with its unit, and a description.
 fn figures(from: &ReportData<'_>) -> Vec<(String, &'static str)> {
     let mut figures = Vec::new();
     if let Some(surface) = from.depth_map.map(|depth_map| &depth_map.surface) {
@@ -201,7 +202,7 @@ fn volume(cubic_m: f64) -> String {
     }
 }
 
-/// Length of the fitted track of a log.
+/// Returns the length of the fitted track of a log, metres.
 pub(super) fn sailed_m(log: &ProcessedLog) -> f64 {
     let navigation = &log.products.navigation;
     let pings = if navigation.pings.is_empty() { &navigation.soundings } else { &navigation.pings };

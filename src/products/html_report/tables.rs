@@ -1,4 +1,5 @@
-//! Tables: how far to trust the depths, how they were made, from what, and what else was written.
+//! Makes the sections and tables on the trust in the depths, the method, the input files and the
+//! written files.
 
 use super::ReportData;
 use crate::pipeline::{CalibrationReport, CommonUncertainty, Preset, Settings};
@@ -6,7 +7,7 @@ use bathyscope_bottom::calibration::ScaleMode;
 use bathyscope_bottom::presentation::text::{bytes, typeset_count as count, typeset_signed};
 use bathyscope_log::support::printable::xml;
 
-/// Warnings in a box; nothing without any.
+/// Returns the warnings in a box; empty without warnings.
 pub(super) fn warnings(from: &ReportData<'_>) -> String {
     let items: String =
         from.report.warnings.iter().map(|warning| format!("<li>{}</li>", xml(warning))).collect();
@@ -17,7 +18,7 @@ pub(super) fn warnings(from: &ReportData<'_>) -> String {
     }
 }
 
-/// Agreement of depths, and what it does not say.
+/// Returns the section on the agreement of the depths and its limits.
 pub(super) fn trust(from: &ReportData<'_>) -> String {
     let mut html = String::from("<h2>How far to trust it</h2>\n");
     html += &agreement(from);
@@ -107,7 +108,7 @@ fn latencies(from: &ReportData<'_>) -> String {
     html
 }
 
-/// Scale, method and settings.
+/// Returns the section with scale, method and settings.
 pub(super) fn method(from: &ReportData<'_>) -> String {
     let mut html = String::from("<h2>How it was made</h2>\n");
     match &from.report.logs {
@@ -220,7 +221,7 @@ fn offset(scale: &CalibrationReport) -> String {
     }
 }
 
-/// `key = value` of every setting that is not the recommended one.
+/// Returns `key = value` of every setting that differs from the recommended preset.
 fn changes(settings: &Settings) -> Vec<String> {
     let flat = |settings: &Settings| {
         let mut lines = Vec::new();
@@ -244,7 +245,7 @@ fn flatten(prefix: &str, table: &toml::Table, lines: &mut Vec<String>) {
     }
 }
 
-/// Inputs with their fingerprints, and what was written.
+/// Returns the tables of the input files with their fingerprints, and of the written files.
 pub(super) fn files(from: &ReportData<'_>) -> String {
     let mut html = String::from(
         "<h2>Files</h2>\n<table><tr><th class=\"text\">read</th><th>size</th><th class=\"text\">SHA-256</th></tr>\n",
@@ -272,7 +273,7 @@ pub(super) fn files(from: &ReportData<'_>) -> String {
     )
 }
 
-/// A page is sent to others: where the log lay on this machine is nobody's business.
+/// Returns the name of a file without its folder, which is private: the page is sent to others.
 fn file_name(path: &str) -> &str {
     path.rsplit(['/', '\\']).next().unwrap_or(path)
 }

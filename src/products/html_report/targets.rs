@@ -1,5 +1,5 @@
-//! A section for each target: its picture, where it lies, how large it is, and how its height is
-//! known.
+//! Makes a section for each target: its picture, position and size, and the measurements of its
+//! height.
 
 use super::ReportData;
 use super::objects::{is_reviewed, passes_of, picture, targets, undecided};
@@ -12,12 +12,12 @@ use bathyscope_objects::objects::{Object, ObjectBox};
 use bathyscope_objects::review::Certainty;
 use bathyscope_objects::targets::{ObjectHeight, Target};
 
-/// Most sections; the files of the run list all.
+/// Largest number of sections; the files of the run list all targets.
 const MOST: usize = 60;
 /// Width of a picture on the page, pixels.
 const PICTURE_WIDTH: usize = 360;
 
-/// The sections; empty where nobody has decided about boxes and the settings do not ask for
+/// Returns the sections; empty where no person has decided about boxes and the settings require no
 /// proposals.
 pub(super) fn section(from: &ReportData<'_>, progress: &Progress) -> Result<String, Cancelled> {
     let with_proposals = from.products.settings.report.proposals;
@@ -26,7 +26,7 @@ pub(super) fn section(from: &ReportData<'_>, progress: &Progress) -> Result<Stri
     if is_reviewed || with_proposals {
         shown.extend(targets(from).filter_map(|object| Shown::new(from, object)));
     }
-    // Without a review the proposals are the objects already.
+    // Without a review the proposals are shown as objects already.
     let mut proposals: Vec<&ObjectBox> = Vec::new();
     if with_proposals {
         proposals.extend(undecided(from));
@@ -53,7 +53,7 @@ pub(super) fn section(from: &ReportData<'_>, progress: &Progress) -> Result<Stri
 /// A target with the boxes that show it.
 struct Shown<'a> {
     object: &'a Object,
-    /// The one that tells its size best first.
+    /// Boxes of the target: drawn extents first, then by score.
     sightings: Vec<&'a ObjectBox>,
 }
 
@@ -74,7 +74,7 @@ impl<'a> Shown<'a> {
     }
 }
 
-/// Facts about a target, one below the other.
+/// Facts about a target, as the rows of a description list.
 #[derive(Default)]
 struct Facts(String);
 
@@ -130,8 +130,8 @@ fn of_proposal(from: &ReportData<'_>, of: &ObjectBox) -> String {
     card(from, &title, of, &facts)
 }
 
-/// Length and width of a sighting, the height of its object, the shadow in the sighting, and the
-/// depth there.
+/// Adds length and width of a sighting, the height of its object, the shadow in the sighting, and
+/// the depth there.
 fn sizes(facts: &mut Facts, target: &Target, height: ObjectHeight) {
     let units = Units::default();
     let size = if target.length_m.is_finite() && target.width_m.is_finite() {
@@ -149,8 +149,8 @@ fn sizes(facts: &mut Facts, target: &Target, height: ObjectHeight) {
     facts.add("Depth there", &units.measure(target.depth_m, 2));
 }
 
-/// `from r_t = 17.20 to r_e = 22.90 m of slant range, altitude H = 8.01 m; h = H (r_e - r_t) /
-/// r_e`.
+/// Describes the shadow: `from r_t = 17.20 to r_e = 22.90 m of slant range, altitude H = 8.01 m; h
+/// = H (r_e - r_t) / r_e`.
 fn shadow(target: &Target) -> String {
     let [start_m, end_m] = target.shadow_m;
     let measured = match target.measured_shadow {
@@ -181,7 +181,7 @@ fn decided(facts: &mut Facts, sightings: &[&ObjectBox]) {
     facts.add("Remarks", &notes.join("; "));
 }
 
-/// Adds the box that the picture and the size belong to.
+/// Adds the log, number, side and pings of the box that the picture and the size belong to.
 fn of_box(from: &ReportData<'_>, facts: &mut Facts, of: &ObjectBox) {
     let log = match from.names.get(of.log) {
         Some(name) if from.logs.len() > 1 => format!("{}, ", xml(name)),

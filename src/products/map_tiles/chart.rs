@@ -1,36 +1,37 @@
-//! Isobaths with their depths over the colours of a tile, for plotters, which draw no lines of
-//! their own.
+//! Draws isobaths with their depths over the colours of a tile, for plotters, which do not draw
+//! lines themselves.
 
 use super::{TILE_PIXELS, label};
 use bathyscope_bottom::bathymetry::isobaths::{Isobath, IsobathSettings};
 
-/// Pale pen under a line and a number, so that they show on a dark background.
+/// Pale pen under lines and numbers, so that they are visible on a dark background.
 const HALO: TilePen = TilePen { width: 2.8, rgb: [255, 255, 255], opacity: 0.35 };
 const LINE: TilePen = TilePen { width: 1.1, rgb: [16, 32, 64], opacity: 0.85 };
 const NUMBER_HALO: TilePen = TilePen { width: 4.6, opacity: 0.85, ..HALO };
 const NUMBER: TilePen = TilePen { width: 1.3, opacity: 1.0, ..LINE };
-/// Lines shorter than this in the tile have no number, pixels.
+/// Length in the tile below which a line has no number, pixels.
 const LEAST_LABELLED: f64 = 70.0;
-/// Numbers are at least so far from each other, pixels.
+/// Least distance between numbers, pixels.
 const APART: f64 = 80.0;
 /// Possible positions of a number along a line, as shares of its length.
 const SHARES: [f64; 5] = [0.5, 0.35, 0.65, 0.2, 0.8];
-/// A line under a number is straight enough when its ends are so much of its length apart.
+/// Least distance between the ends of a line under a number, relative to its length: the line must
+/// be nearly straight there.
 const STRAIGHT: f64 = 0.92;
 
 /// Width, colour and opacity of lines.
 #[derive(Clone, Copy, Debug)]
 struct TilePen {
-    /// Pixels.
+    /// Width, pixels.
     width: f64,
-    /// Red, green, blue.
+    /// Colour: red, green, blue.
     rgb: [u8; 3],
-    /// 0 to 1.
+    /// Opacity, 0 to 1.
     opacity: f64,
 }
 
-/// Draws lines, given in pixels of the tile, over its picture. A number lies wholly in its tile:
-/// neighbours know nothing of it.
+/// Draws lines, given in pixels of the tile, over its picture. Every number is placed wholly in its
+/// tile, because the neighbouring tiles are drawn independently.
 pub(super) fn draw_isobaths(picture: &mut [u8], lines: &[Isobath], settings: &IsobathSettings) {
     let points = || lines.iter().map(|line| line.points.as_slice());
     stroke(picture, points(), HALO);
@@ -41,7 +42,7 @@ pub(super) fn draw_isobaths(picture: &mut [u8], lines: &[Isobath], settings: &Is
     stroke(picture, strokes(), NUMBER);
 }
 
-/// The strokes of all numbers, those of the longest lines first.
+/// Returns the strokes of all numbers, those of the longest lines first.
 fn numbers(lines: &[Isobath], settings: &IsobathSettings) -> Vec<Vec<[f64; 2]>> {
     let lengths = lines.iter().map(|line| (line.length_m(), line));
     let mut longest: Vec<(f64, &Isobath)> =
@@ -72,7 +73,7 @@ fn numbers(lines: &[Isobath], settings: &IsobathSettings) -> Vec<Vec<[f64; 2]>> 
     strokes
 }
 
-/// The place so far along a line; its ends beyond them.
+/// Returns the place at a distance along a line; an end of the line for distances outside of it.
 fn at_length(points: &[[f64; 2]], mut along: f64) -> [f64; 2] {
     for step in points.windows(2) {
         let way = [step[1][0] - step[0][0], step[1][1] - step[0][1]];
@@ -87,7 +88,7 @@ fn at_length(points: &[[f64; 2]], mut along: f64) -> [f64; 2] {
 }
 
 /// Draws lines with smooth edges, given in pixels of the tile, over its picture (red, green, blue,
-/// opacity). Where lines meet nothing is drawn twice.
+/// opacity). A pixel that several lines cover is drawn only once.
 fn stroke<'a>(picture: &mut [u8], lines: impl Iterator<Item = &'a [[f64; 2]]>, pen: TilePen) {
     let mut covered = vec![0.0_f64; TILE_PIXELS * TILE_PIXELS];
     for line in lines {
@@ -100,7 +101,7 @@ fn stroke<'a>(picture: &mut [u8], lines: impl Iterator<Item = &'a [[f64; 2]]>, p
     }
 }
 
-/// Marks how much of each pixel a step covers.
+/// Marks the share of each pixel that a step covers.
 fn cover(covered: &mut [f64], [from, to]: [[f64; 2]; 2], half_width: f64) {
     let reach = half_width + 1.0;
     let span = |axis: usize| {
@@ -128,7 +129,7 @@ fn distance(at: [f64; 2], from: [f64; 2], to: [f64; 2]) -> f64 {
     (away[0] * away[0] + away[1] * away[1]).sqrt()
 }
 
-/// A colour over what is there, which may be clear.
+/// Blends a colour over a pixel, which may be transparent.
 fn blend(pixel: &mut [u8], rgb: [u8; 3], opacity: f64) {
     if opacity <= 0.0 {
         return;
@@ -158,7 +159,7 @@ mod tests {
         let drawn = numbers(std::slice::from_ref(&straight), &metres);
         assert_eq!(drawn.len(), 3);
         let feet = IsobathSettings { unit: LengthUnit::Feet, ..metres.clone() };
-        // Of 3.048 m, in feet: a one and a nought, no point.
+        // 3.048 m is ten feet: two figures without a point.
         let ten_feet = Isobath { depth_m: 3.048, ..straight.clone() };
         assert_eq!(numbers(&[ten_feet], &feet).len(), 2);
         let inside = |place: &f64| (0.0..256.0).contains(place);
@@ -169,7 +170,7 @@ mod tests {
         );
         assert!(numbers(&[line(&[[0.0, 3.0], [256.0, 3.0]])], &metres).is_empty(), "at the edge");
         let beside = line(&[[0.0, 145.0], [256.0, 175.0]]);
-        // The second finds another place along its line, farther from the first.
+        // The second number is placed elsewhere along its line, farther from the first.
         assert_eq!(numbers(&[straight, beside], &metres).len(), 6);
     }
 

@@ -1,11 +1,12 @@
-//! Depths written along a line: numbers made of strokes, so that they can be turned.
+//! Draws depths along a line: numbers made of strokes, which can be rotated.
 
-/// Pixels of a unit of the strokes below, which are six units high.
+/// Number of pixels in a unit of the strokes below, which are six units high.
 const SCALE: f64 = 1.4;
-/// Units from the end of a figure to the next.
+/// Distance between two figures, units.
 const SPACE: f64 = 1.4;
 
-/// The figures with their widths and their strokes, in units, y down. A nine is a six upside down.
+/// The figures with their widths and their strokes, in units, y down. A nine is a six rotated by
+/// half a turn.
 const FIGURES: [(char, f64, &[[f64; 2]]); 11] = [
     (
         '0',
@@ -122,7 +123,8 @@ const FIGURES: [(char, f64, &[[f64; 2]]); 11] = [
     ('-', 2.8, &[[0.2, 3.2], [2.6, 3.2]]),
 ];
 
-/// The strokes of a figure in units, y down, and its width; `None` of what is no part of a number.
+/// Returns the strokes of a figure in units, y down, and its width; `None` for a letter that is no
+/// part of a number.
 fn figure(letter: char) -> Option<(Vec<[f64; 2]>, f64)> {
     let is_nine = letter == '9';
     let drawn = if is_nine { '6' } else { letter };
@@ -133,14 +135,14 @@ fn figure(letter: char) -> Option<(Vec<[f64; 2]>, f64)> {
     Some((points.iter().map(|point| turned(*point)).collect(), *width))
 }
 
-/// Pixels that a number is long.
+/// Returns the length of a number, pixels.
 pub(super) fn width(text: &str) -> f64 {
     let widths = text.chars().filter_map(figure).map(|(_, width)| width + SPACE);
     (widths.sum::<f64>() - SPACE).max(0.0) * SCALE
 }
 
-/// The strokes of a number about its middle, turned into the direction of a line but never upside
-/// down; pixels.
+/// Returns the strokes of a number around its middle, rotated to the direction of a line but never
+/// upside down; pixels.
 pub(super) fn strokes(text: &str, [x, y]: [f64; 2], direction: [f64; 2]) -> Vec<Vec<[f64; 2]>> {
     let length = direction[0].hypot(direction[1]).max(f64::MIN_POSITIVE);
     let sign = if direction[0] < 0.0 { -1.0 } else { 1.0 };

@@ -1,5 +1,5 @@
-//! A depth map as the square pictures that web maps and plotters show: Web Mercator, 256 pixels a
-//! side, each zoom twice as fine as the one before.
+//! Draws a depth map as the square pictures that web maps and plotters show: Web Mercator, 256
+//! pixels a side, each zoom twice as fine as the one before.
 //!
 //! In: a depth map, or the parts of one. Out: the pictures of the tiles of each zoom.
 //!
@@ -7,11 +7,11 @@
 //! depths of a run or an archive --TileSource--> finest pixels --pyramid--> coarser ones --> pictures: colours, chart, depths
 //! ```
 //!
-//! `web_tile` says where tiles lie, `pixels` where their pixels do in the plane of a map and what
-//! is known there, holds that and colours it, `chart` draws isobaths over it, their depths by
-//! `label`; `pyramid` walks from the finest zoom to the coarsest, so that no more than a few tiles
-//! are in memory. A source may keep parts of its map, so that what did not change is not drawn
-//! again.
+//! `web_tile` defines the places of tiles, `pixels` computes the places of their pixels in the
+//! plane of a map, holds the depth and the light there and colours them, `chart` draws isobaths
+//! over the colours, with depths by `label`; `pyramid` goes from the finest zoom to the coarsest,
+//! so that only a few tiles are in memory. A source may keep parts of its map, so that unchanged
+//! parts are not drawn again.
 
 mod chart;
 mod label;

@@ -1,4 +1,4 @@
-//! Depth and light of a tile, pixel by pixel, and the pictures of it.
+//! Holds depth and light of a tile, pixel by pixel, and makes the pictures of the tile.
 //!
 //! Depths with their hill-shade are sampled at the places of the pixels in the plane of a map.
 
@@ -7,11 +7,11 @@ use bathyscope_bottom::bathymetry::{Light, Surface};
 use bathyscope_bottom::presentation::colours::lit_depth_colour;
 use bathyscope_log::support::geo::LonLat;
 
-/// Pixels between two places of the lattice. A projection bends so little over them that a place
-/// between is off by a millionth of a pixel where a pixel is some decimetres long: by `16^2 / 8` of
-/// a pixel times its length over the earth's radius.
+/// Number of pixels between two places of the lattice. A projection is so nearly linear over them
+/// that the error of a place between is a millionth of a pixel where a pixel is some decimetres
+/// long: `16^2 / 8` of a pixel times its length over the earth's radius.
 const STEP: usize = 16;
-/// Places of the lattice along a side.
+/// Number of places of the lattice along a side.
 const PLACES: usize = TILE_PIXELS / STEP + 1;
 
 /// Depth and light of a pixel.
@@ -23,7 +23,8 @@ pub(crate) struct Pixel {
     pub light: f32,
 }
 
-/// A tile's pixels, row by row from the north-west; depths are NaN where nothing is known.
+/// The pixels of a tile, row by row from the north-west; depth and light are NaN where nothing is
+/// known.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pixels {
     depth_m: Vec<f32>,
@@ -39,8 +40,8 @@ impl Pixels {
         Self::collect(pixels)
     }
 
-    /// The tile that four of the next zoom make (in the order of [`WebTile::children`]): each pixel
-    /// is the mean of what is known of four.
+    /// Combines four tiles of the next zoom (in the order of [`WebTile::children`]) to one tile:
+    /// each pixel is the mean of the known ones of four pixels. `None` where no pixel is known.
     pub(crate) fn of_children(children: [Option<&Self>; 4]) -> Option<Self> {
         const HALF: usize = TILE_PIXELS / 2;
         let pixels = (0..TILE_PIXELS * TILE_PIXELS).map(|pixel| {
@@ -70,7 +71,7 @@ impl Pixels {
         })
     }
 
-    /// All values, depths before lights, 4 bytes each, the lowest first.
+    /// Returns all values, depths before lights, 4 bytes each, the lowest first.
     pub(crate) fn to_bytes(&self) -> Vec<u8> {
         let values = self.depth_m.iter().chain(&self.light);
         values.flat_map(|value| value.to_le_bytes()).collect()
@@ -88,14 +89,14 @@ impl Pixels {
         Some(Self { depth_m, light })
     }
 
-    /// Colours of depth, lit; clear where nothing is known. Red, green, blue and opacity of each
-    /// pixel.
+    /// Returns the colours of depth, lit; transparent where nothing is known. Each pixel has red,
+    /// green, blue and opacity.
     pub fn colours(&self, range_m: [f32; 2]) -> Vec<u8> {
         self.rgba(|pixel| lit_depth_colour(pixel.depth_m, range_m, pixel.light))
     }
 
-    /// Elevations (minus the depths) in the encoding that is called Terrarium: red * 256 + green +
-    /// blue / 256 - 32768 metres; clear where nothing is known.
+    /// Returns elevations (minus the depths) in the encoding Terrarium: red * 256 + green + blue /
+    /// 256 - 32768 metres; transparent where nothing is known.
     pub fn elevations(&self) -> Vec<u8> {
         self.rgba(|pixel| {
             let steps = (256.0 * (32_768.0 - f64::from(pixel.depth_m))).round();
@@ -118,7 +119,7 @@ impl Pixels {
     }
 }
 
-/// A surface, and how bright its cells are.
+/// A surface with its hill-shade.
 #[derive(Clone, Copy)]
 pub(crate) struct LitSurface<'a> {
     surface: &'a Surface,
@@ -129,7 +130,7 @@ pub(crate) struct LitSurface<'a> {
 }
 
 impl<'a> LitSurface<'a> {
-    /// Lit as `light` says, which the shade was made under.
+    /// Creates a lit surface from the hill-shade that was computed with `light`.
     pub(crate) fn new(surface: &'a Surface, shade: &'a [u8], light: &Light) -> Self {
         Self { surface, shade, level_ground: f32::from(light.level_ground()) }
     }
@@ -150,10 +151,10 @@ impl<'a> LitSurface<'a> {
     }
 }
 
-/// The middles of a tile's pixels in a plane: projected on a lattice, and linear between its
-/// places. A projection at every pixel took four fifths of the time that a tile takes.
+/// Middles of a tile's pixels in a plane: projected at the places of a lattice, and interpolated
+/// linearly between them. A projection at every pixel took four fifths of the time of a tile.
 pub(crate) struct PixelPlaces {
-    /// Row by row from the north-west, metres.
+    /// Places of the lattice, row by row from the north-west, metres.
     lattice: Vec<[f64; 2]>,
 }
 
@@ -167,7 +168,7 @@ impl PixelPlaces {
         Self { lattice: lattice.collect() }
     }
 
-    /// The middle of a pixel, given as its column and row, metres east and north.
+    /// Returns the middle of a pixel, given by its column and row, metres east and north.
     pub(crate) fn of(&self, pixel: [usize; 2]) -> [f64; 2] {
         let [column, row] = pixel.map(|number| number / STEP);
         let [right, down] = pixel.map(|number| ((number % STEP) as f64 + 0.5) / STEP as f64);
@@ -235,9 +236,9 @@ mod tests {
         let lit = LitSurface::new(&surface, &shade, &light);
         let between = lit.at([2.0, 2.5]).unwrap();
         assert!((between.depth_m - 2.15).abs() < 1e-6);
-        // Deeper to the east: turned away from the light in the north-west.
+        // The bottom sinks to the east, so it is turned away from the light in the north-west.
         assert!(between.light < 0.999, "{between:?}");
-        // Between a known cell and one without, on the known one's side.
+        // Between a known cell and an unknown one, on the side of the known one.
         assert_eq!(lit.at([3.9, 0.5]).map(|pixel| pixel.depth_m), Some(2.3));
         assert_eq!(lit.at([3.9, 0.5]).map(|pixel| pixel.light), Some(1.0));
         assert_eq!(lit.at([4.5, 0.5]), None);
@@ -270,7 +271,7 @@ mod tests {
             LonLat::new(25.0, 69.9),
             LonLat::new(147.3, -42.9),
         ] {
-            // Pixels of 0.2 m, and of 40 m.
+            // Pixels of 0.2 m at zoom 19, and of 40 m at zoom 12.
             assert!(off(at, 19) < 3e-6, "{at:?}: {}", off(at, 19));
             assert!(off(at, 12) < 4e-4, "{at:?}: {}", off(at, 12));
         }

@@ -1,4 +1,4 @@
-//! All zooms of a map, from the finest pixels to the coarsest.
+//! Draws all zooms of a map, from the finest pixels to the coarsest.
 
 use super::chart::draw_isobaths;
 use super::{Pixels, TILE_PIXELS, WebTile, ZoomRange};
@@ -13,34 +13,34 @@ use std::sync::{Mutex, PoisonError};
 /// Content of a picture of a tile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum TileStyle {
-    /// Lit colours of depth, under lines that the web map draws itself.
+    /// Lit colours of depth, without the isobaths, which the web map draws itself.
     Colours,
-    /// The same with isobaths and their depths.
+    /// Lit colours of depth with isobaths and their depths.
     Chart,
     /// The depths themselves ([`Pixels::elevations`]).
     Elevations,
 }
 
 impl TileStyle {
-    /// All of them, in the order of their declaration.
+    /// All styles, in the order of their declaration.
     pub const ALL: [Self; 3] = [Self::Colours, Self::Chart, Self::Elevations];
 }
 
 /// Extent of a map and scales of its drawing.
 #[derive(Clone, Debug)]
 pub struct MapScales {
-    /// Its zooms, and where it lies.
+    /// Zooms and extent of the map.
     pub zooms: ZoomRange,
-    /// Ends of the scale of colours, metres.
+    /// Ends of the colour scale, metres.
     pub range_m: [f32; 2],
     /// Depths of the isobaths, rising, metres.
     pub levels_m: Vec<f64>,
-    /// Settings of the isobaths: numbers along them are in its unit.
+    /// Settings of the isobaths, with the unit of the numbers along them.
     pub isobaths: IsobathSettings,
 }
 
 impl MapScales {
-    /// Metres from one isobath to the next, `None` where they are not evenly apart.
+    /// Returns the interval of the isobaths, metres; `None` where they are not evenly spaced.
     pub fn interval_m(&self) -> Option<f64> {
         evenly_apart_m(&self.levels_m).map(|[interval_m, _]| interval_m)
     }
@@ -55,48 +55,48 @@ pub trait PyramidSource: Sync {
     /// Returns the pixels of a tile of the finest zoom; `None` where none is known.
     ///
     /// # Errors
-    /// When it cannot be read.
+    /// When the map cannot be read.
     fn pixels(&self, tile: WebTile) -> io::Result<Option<Pixels>>;
-    /// The isobaths in a tile of the finest zoom, cut at its edges, in pixels of that zoom from the
-    /// north-west of the whole earth.
+    /// Returns the isobaths in a tile of the finest zoom, cut at its edges, in pixels of that zoom
+    /// from the north-west of the whole earth.
     ///
     /// # Errors
-    /// When they cannot be read.
+    /// When the isobaths cannot be read.
     fn isobaths(&self, tile: WebTile) -> io::Result<Vec<Isobath>>;
-    /// A part of the map as it was drawn before, where it would be drawn the same now; the source
-    /// need not keep any.
+    /// Returns a part of the map that was drawn before, if drawing again would give the same;
+    /// `None` for a source that keeps no parts.
     fn kept(&self, _tile: WebTile) -> Option<MapPart> {
         None
     }
-    /// Takes a part of the map that was drawn, to keep it.
+    /// Stores a part of the map that was drawn.
     ///
     /// # Errors
-    /// When it cannot be kept.
+    /// When the part cannot be stored.
     fn keep(&self, _tile: WebTile, _part: &MapPart) -> io::Result<()> {
         Ok(())
     }
 }
 
-/// Pixels and isobaths of a tile: the next coarser tile is made of them.
+/// Pixels and isobaths of a tile, from which the next coarser tile is made.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KnownTile {
-    /// Its pixels.
+    /// Pixels of the tile.
     pub pixels: Pixels,
-    /// The isobaths in it, in pixels of the finest zoom from the north-west of the whole earth.
+    /// Isobaths in the tile, in pixels of the finest zoom from the north-west of the whole earth.
     pub lines: Vec<Isobath>,
 }
 
-/// A part of a map: a tile a few zooms coarser than the finest, drawn with all finer ones in it.
+/// A part of a map: a tile a few zooms coarser than the finest zoom, with all finer tiles in it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MapPart {
     /// Pixels and isobaths of the tile; `None` where nothing is known.
     pub known: Option<KnownTile>,
-    /// Its pictures and those of the finer tiles, PNG, in order.
+    /// Pictures of the tile and of the finer tiles, PNG, in order.
     pub pictures: Vec<(TileStyle, WebTile, Vec<u8>)>,
 }
 
 impl MapPart {
-    /// Tiles of a zoom that it has pictures of.
+    /// Returns the number of tiles of a zoom that the part has pictures of.
     fn count(&self, zoom: u8) -> u64 {
         let tiles = self.pictures.iter();
         let of_zoom =
@@ -105,24 +105,23 @@ impl MapPart {
     }
 }
 
-/// Zooms from a part of a map to its finest tiles. A part is some 250 to 500 m long where cells are
-/// 0.5 m, about as long as a tile of an archive: smaller ones would be too many files, and of
-/// larger ones too much would be drawn anew when a tile changes.
+/// Number of zooms between a part of a map and its finest tiles. A part is some 250 to 500 m long
+/// where cells are 0.5 m, about as long as a tile of an archive: smaller parts would be too many
+/// files, and of larger parts too much would be drawn again when a tile changes.
 const PART_ZOOMS: u8 = 2;
 
-/// Isobaths that are left, by how many zooms a tile is coarser than the finest: every one, every
-/// second, every fifth.
+/// Interval between the isobaths that are drawn, in intervals of the map, by the number of zooms
+/// that a tile is coarser than the finest: every isobath, every second, every fifth.
 const EVERY: [i64; 9] = [1, 1, 2, 2, 5, 5, 10, 10, 20];
-/// Points of a line are at least so far from each other, and a line is at least so long, pixels of
-/// its zoom.
+/// Least distance between points of a line, and least length of a line, in pixels of its zoom.
 const LEAST_STEP: f64 = 0.5;
 const LEAST_LENGTH: f64 = 4.0;
 
-/// Makes the pictures of all tiles with something known, and hands each over as PNG, from several
-/// threads and in no order.
+/// Draws the pictures of all tiles in which anything is known and passes each as PNG to `keep`,
+/// from several threads and in no order.
 ///
 /// # Errors
-/// What the source or the taker says, or that the work was cancelled.
+/// When the source or `keep` fails, or the work was cancelled.
 pub fn pyramid(
     source: &impl PyramidSource,
     progress: &Progress,
@@ -147,7 +146,8 @@ struct Pyramid<'a, S> {
 }
 
 impl<S: PyramidSource> Pyramid<'_, S> {
-    /// A tile and all finer ones in it, of parts of the map where it is coarser than they.
+    /// Draws a tile and all finer tiles in it; a tile at the zoom of the parts is drawn or read as
+    /// a part.
     fn tile(&self, tile: WebTile) -> io::Result<Option<KnownTile>> {
         self.progress.check().map_err(io::Error::other)?;
         let part_zoom = self.zooms.finest.saturating_sub(PART_ZOOMS);
@@ -158,7 +158,7 @@ impl<S: PyramidSource> Pyramid<'_, S> {
         }
     }
 
-    /// A part of the map as it was kept, or else drawn and kept.
+    /// Reads a part of the map from the source, or draws it and gives it to the source to store.
     fn part(&self, tile: WebTile) -> io::Result<Option<KnownTile>> {
         let part = match self.source.kept(tile) {
             Some(part) => {
@@ -187,7 +187,7 @@ impl<S: PyramidSource> Pyramid<'_, S> {
         let inner = Pyramid { keep: &keep, ..*self };
         let known = inner.drawn(tile)?;
         let mut pictures = pictures.into_inner().unwrap_or_else(PoisonError::into_inner);
-        // Threads hand them over in any order.
+        // Threads add the pictures in any order.
         pictures.sort_unstable_by_key(|(picture, tile, _)| (*picture, *tile));
         Ok(MapPart { known, pictures })
     }
@@ -227,8 +227,8 @@ impl<S: PyramidSource> Pyramid<'_, S> {
         Ok(Some(KnownTile { pixels, lines }))
     }
 
-    /// Returns true if an isobath is still drawn at a coarser zoom: multiples of so many intervals;
-    /// all where they are not evenly apart.
+    /// Returns true if an isobath is drawn at a coarser zoom: only depths that are a multiple of
+    /// some intervals are; all where the isobaths are not evenly spaced.
     fn is_shown(&self, depth_m: f64, coarser: u8) -> bool {
         let every = EVERY[usize::from(coarser).min(EVERY.len() - 1)];
         self.interval_m.is_none_or(|interval_m| (depth_m / interval_m).round() as i64 % every == 0)
@@ -255,7 +255,8 @@ impl<S: PyramidSource> Pyramid<'_, S> {
     }
 }
 
-/// A line without the points that are nearer than `least` to the one before; its ends stay.
+/// Removes the points of a line that are nearer than `least` to the point before; the ends are
+/// kept.
 fn thinned(line: Isobath, least: f64) -> Isobath {
     let last = line.points.len().saturating_sub(1);
     let mut points: Vec<[f64; 2]> = Vec::new();
@@ -268,9 +269,10 @@ fn thinned(line: Isobath, least: f64) -> Isobath {
     Isobath { depth_m: line.depth_m, points }
 }
 
-/// The picture of a tile as PNG. Compression as usual took as long as all else of a map: this takes
-/// a tenth of that for colours, a third for elevations, which the fastest would make twice as long,
-/// and files are an eighth to a quarter longer.
+/// Encodes the picture of a tile as PNG. The default compression took as long as all other work on
+/// a map. The settings here take a tenth of that time for colours and a third for elevations, and
+/// files are an eighth to a quarter longer; the fastest compression would make elevations twice as
+/// long.
 fn png(rgba: &[u8], style: TileStyle) -> ImageResult<Vec<u8>> {
     let (compression, filter) = match style {
         TileStyle::Colours | TileStyle::Chart => (CompressionType::Fast, FilterType::Adaptive),
@@ -296,12 +298,12 @@ mod tests {
     use std::collections::BTreeMap;
     use std::sync::Mutex;
 
-    /// A bed that sinks eastwards by a metre from one edge of a box to the other, with an isobath
-    /// in the middle; it keeps its parts.
+    /// A bottom that sinks eastwards by a metre from one edge of a box to the other, with an
+    /// isobath in the middle; stores the parts of the map.
     struct Slope {
         scales: MapScales,
         parts: Mutex<BTreeMap<WebTile, MapPart>>,
-        /// Tiles of the finest zoom that were asked for.
+        /// Tiles of the finest zoom that were requested.
         asked: Mutex<Vec<WebTile>>,
     }
 
@@ -393,7 +395,7 @@ mod tests {
                     let at = [x, y].map(|number| f64::from(number) + 0.5);
                     let (at, [red, green, blue, opacity]) = (tile.place(at), pixel.0);
                     assert_eq!(colours.get_pixel(x, y).0[3], opacity);
-                    // Half a coarse pixel beyond the edge only a part of it is known.
+                    // Half a coarse pixel beyond the edge only a part of the pixel is known.
                     let pixel_deg = 360.0 / 256.0 / f64::from(1_u32 << zoom);
                     if opacity > 0
                         && at.lon_deg > BOX[0] + pixel_deg

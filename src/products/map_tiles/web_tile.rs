@@ -1,24 +1,24 @@
-//! Tiles of the web and the squares of the earth that they show.
+//! Defines web tiles and the squares of the earth that they show.
 
 use bathyscope_bottom::bathymetry::isobaths::{Isobath, clipped};
 use bathyscope_log::support::geo::{LonLat, web_mercator, web_mercator_inverse};
 
-/// Pixels along a side of a tile.
+/// Number of pixels along a side of a tile.
 pub(crate) const TILE_PIXELS: usize = 256;
 
-/// Half the side of the square that Web Mercator makes of the earth, metres: half the equator of
+/// Half the side of the square to which Web Mercator maps the earth, metres: half the equator of
 /// its sphere.
 const HALF_M: f64 = std::f64::consts::PI * 6_378_137.0;
-/// Finest zoom: a pixel is some 4 cm.
+/// Finest zoom, at which a pixel is some 4 cm.
 const FINEST_ZOOM: u8 = 22;
-/// Least length of the map, pixels, at the coarsest zoom: the coarsest one at which the map is
-/// about this long, or zoom 0.
+/// Least length of the map at the coarsest zoom, pixels: the coarsest zoom is the one at which the
+/// map is about this long, or zoom 0.
 const LEAST_PIXELS: f64 = 32.0;
 
-/// A tile: its zoom, its column from the west, and its row from the north.
+/// A tile, by its zoom, its column from the west, and its row from the north.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct WebTile {
-    /// 0 is the whole earth.
+    /// Zoom; 0 is a single tile of the whole earth.
     pub zoom: u8,
     /// Column, counted from 180 degrees west.
     pub x: u32,
@@ -26,15 +26,15 @@ pub struct WebTile {
     pub y: u32,
 }
 
-/// Pixels from the west and from the north edge of the whole map at a zoom.
+/// Converts a position to pixels from the west and from the north edge of the whole map at a zoom.
 pub(crate) fn web_pixel(at: LonLat, zoom: u8) -> [f64; 2] {
     let [x, y] = web_mercator(at);
     let per_metre = pixels_across(zoom) / (2.0 * HALF_M);
     [(x + HALF_M) * per_metre, (HALF_M - y) * per_metre]
 }
 
-/// A line of places in pixels of a zoom. It goes on beyond the map's edge where it crosses the
-/// antimeridian.
+/// Converts a line of positions to pixels of a zoom. The line continues beyond the map's edge where
+/// it crosses the antimeridian.
 pub(crate) fn web_line(places: impl Iterator<Item = LonLat>, zoom: u8) -> Vec<[f64; 2]> {
     let across = pixels_across(zoom);
     let mut before = None;
@@ -53,14 +53,14 @@ fn pixels_across(zoom: u8) -> f64 {
 }
 
 impl WebTile {
-    /// The tile that holds a place, given in pixels of its zoom.
+    /// Returns the tile that holds a place, given in pixels of the tile's zoom.
     pub(crate) fn at_pixel([x, y]: [f64; 2], zoom: u8) -> Self {
         let last = (1_u32 << zoom) - 1;
         let number = |pixels: f64| ((pixels / TILE_PIXELS as f64) as u32).min(last);
         Self { zoom, x: number(x), y: number(y) }
     }
 
-    /// The four tiles of the next zoom that it is made of: north-west, north-east, south-west,
+    /// Returns the four tiles of the next zoom in this tile: north-west, north-east, south-west,
     /// south-east.
     pub fn children(&self) -> [Self; 4] {
         [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[east, south]| Self {
@@ -70,20 +70,23 @@ impl WebTile {
         })
     }
 
-    /// Its north-west corner in pixels of a zoom, its own or a finer one, and its side there.
+    /// Returns the north-west corner of the tile and its side, in pixels of its own or a finer
+    /// zoom.
     pub(crate) fn corner_at(&self, zoom: u8) -> ([f64; 2], f64) {
         let side = TILE_PIXELS as f64 * f64::from(1_u32 << zoom.saturating_sub(self.zoom));
         ([self.x, self.y].map(|number| f64::from(number) * side), side)
     }
 
-    /// Its edges in pixels of a zoom, its own or a finer one: least and most from the west and from
-    /// the north, in the order of [`bathyscope_bottom::bathymetry::isobaths::clipped`].
+    /// Returns the edges of the tile in pixels of its own or a finer zoom: least from the west and
+    /// from the north, then greatest, in the order of
+    /// [`bathyscope_bottom::bathymetry::isobaths::clipped`].
     pub(crate) fn pixel_bounds(&self, zoom: u8) -> [f64; 4] {
         let ([west, north], side) = self.corner_at(zoom);
         [west, north, west + side, north + side]
     }
 
-    /// The parts of isobaths on it, which are given in pixels of the finest zoom ([`web_line`]).
+    /// Returns the parts of isobaths in the tile; lines are given in pixels of the finest zoom
+    /// ([`web_line`]).
     pub(crate) fn isobaths<'a>(
         &self,
         lines: impl Iterator<Item = &'a Isobath>,
@@ -104,22 +107,22 @@ impl WebTile {
         lines.flat_map(on_tile).collect()
     }
 
-    /// The middle of a pixel, whole numbers being corners of the tile's pixels.
+    /// Returns the position of a place in pixels of the tile; whole numbers are corners of pixels.
     pub fn place(&self, [x, y]: [f64; 2]) -> LonLat {
         let ([west, north], _) = self.corner_at(self.zoom);
         let metres = 2.0 * HALF_M / pixels_across(self.zoom);
         web_mercator_inverse((west + x) * metres - HALF_M, HALF_M - (north + y) * metres)
     }
 
-    /// West, south, east and north edge, degrees.
+    /// Returns the west, south, east and north edge, degrees.
     pub fn bounds_deg(&self) -> [f64; 4] {
         let side = TILE_PIXELS as f64;
         let [north_west, south_east] = [[0.0, 0.0], [side, side]].map(|corner| self.place(corner));
         [north_west.lon_deg, south_east.lat_deg, south_east.lon_deg, north_west.lat_deg]
     }
 
-    /// Its number along Hilbert's curve behind all tiles of coarser zooms, which is how PMTiles
-    /// orders tiles: neighbours lie near each other.
+    /// Returns the number of the tile along Hilbert's curve, after all tiles of coarser zooms.
+    /// PMTiles orders tiles by this number: neighbours are close to each other.
     pub(crate) fn hilbert_id(&self) -> u64 {
         let coarser = ((1_u64 << (2 * u32::from(self.zoom))) - 1) / 3;
         let (mut x, mut y) = (u64::from(self.x), u64::from(self.y));
@@ -143,15 +146,15 @@ impl WebTile {
     }
 }
 
-/// The zooms of a map, and where it lies.
+/// Zooms and extent of a map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ZoomRange {
-    /// The coarsest.
+    /// Coarsest zoom.
     pub coarsest: u8,
-    /// The finest.
+    /// Finest zoom.
     pub finest: u8,
-    /// West, south, east and north, degrees; the east is above 180 where the map crosses the
-    /// antimeridian.
+    /// West, south, east and north edge, degrees; the east edge is above 180 where the map crosses
+    /// the antimeridian.
     pub bounds_deg: [f64; 4],
 }
 
@@ -175,7 +178,7 @@ impl ZoomRange {
         self.bounds_deg[2] > 180.0
     }
 
-    /// The tiles of a zoom over the map.
+    /// Returns the tiles of a zoom that the map reaches.
     pub fn tiles(&self, zoom: u8) -> Vec<WebTile> {
         let [west, south, east, north] = self.bounds_deg;
         let tile = |lon_deg, lat_deg| {
@@ -183,7 +186,7 @@ impl ZoomRange {
         };
         let (first, last) = (tile(west, north), tile(east, south));
         let columns: Vec<u32> = if self.crosses_antimeridian() {
-            // At coarse zooms both sides may be the same tile.
+            // At coarse zooms both sides of the antimeridian may be the same tile.
             let beyond = tile(east - 360.0, south).x;
             (0..=beyond).chain(first.x.max(beyond + 1)..=last.x).collect()
         } else {
@@ -262,7 +265,7 @@ mod tests {
             assert!(tiles.iter().all(meets));
         }
         assert_eq!(zooms.tiles(0), [WebTile { zoom: 0, x: 0, y: 0 }]);
-        // An isobath from side to side is drawn on both.
+        // An isobath across the antimeridian is drawn on both sides.
         let places = [179.9995, -179.9995].map(|lon| LonLat::new(lon, -17.5));
         let points = web_line(places.into_iter(), zooms.finest);
         let line = Isobath { depth_m: 2.0, points };

@@ -1,5 +1,5 @@
-//! Writes what was decided about boxes: where the objects lie, for maps and plotters, and pictures
-//! with labels, for training.
+//! Writes the reviewed boxes of a survey: the places of objects for maps and plotters, and pictures
+//! with labels for training.
 
 use super::objects::{find_shapes, listed};
 use super::order::{check_logs, log_names, survey_name};
@@ -17,17 +17,17 @@ use std::path::Path;
 
 /// Folder of the pictures for training.
 const DATASET: &str = "dataset";
-/// Name of the review's own file in the folder.
+/// Name of the file of the review in the folder.
 const REVIEW: &str = "boxes.review.json";
 
-/// Numbers of boxes and pictures that were written.
+/// Numbers of the boxes and pictures that were written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BoxesWritten {
-    /// Boxes in the tables.
+    /// Number of boxes in the tables.
     pub boxes: usize,
-    /// Pictures for training.
+    /// Number of pictures for training.
     pub pictures: usize,
-    /// Pictures without an object among them: hard negatives.
+    /// Number of pictures in which all boxes were rejected: hard negatives.
     pub negatives: usize,
 }
 
@@ -44,7 +44,7 @@ impl BoxesWritten {
     }
 }
 
-/// The boxes of a log with what was decided about them.
+/// The boxes of a log with its review.
 struct LogBoxes<'a> {
     index: usize,
     log: &'a ProcessedLog,
@@ -53,22 +53,22 @@ struct LogBoxes<'a> {
     tiles: Vec<ReviewedTile>,
 }
 
-/// Writes the boxes of the logs of a survey into `folder`, which is made when it is missing;
-/// `review` has what was decided about each log, if anything. `detections.csv` has every box with
-/// its state and the number of its object, `objects.csv` and `objects.geojson` every object,
-/// `objects.gpkg`, `objects.kml` and `objects.gpx` the targets ([`ObjectList::targets`]),
-/// `shapes.ply` the solids that those are like. Beside them lie the review
-/// itself, and `dataset/` with a picture around each decided box and its labels as YOLO, COCO and
-/// Pascal VOC, in the layout that detectors are trained on ([`export::DatasetFolder`]); a whole log
-/// is one part of it, for its pictures overlap. A picture in which all was rejected has no label: a
-/// hard negative. Undecided boxes are marked as to be neither found nor missed (COCO `iscrowd`, VOC
-/// `difficult`). Of several logs each has its review, `NAME.review.json`, and its data set,
-/// `dataset/NAME`. Pictures of an earlier export of the same log are replaced.
+/// Writes the boxes of the logs of a survey into `folder`, which is made if it is missing; `review`
+/// has the review of each log, if any. `detections.csv` has every box with its state and the number
+/// of its object, `objects.csv` and `objects.geojson` every object, `objects.gpkg`, `objects.kml`
+/// and `objects.gpx` the targets ([`ObjectList::targets`]), `shapes.ply` the solids fitted to the
+/// targets. The folder also holds the review itself, and `dataset/` with a picture around each
+/// decided box and its labels as YOLO, COCO and Pascal VOC, in the layout that detectors are
+/// trained on ([`export::DatasetFolder`]); a whole log belongs to one part of the dataset, because
+/// its pictures overlap. A picture in which all boxes were rejected has no label: it is a hard
+/// negative. Undecided boxes have a mark by which training neither rewards nor penalizes them (COCO
+/// `iscrowd`, VOC `difficult`). With several logs each log has its own review, `NAME.review.json`,
+/// and its own dataset, `dataset/NAME`. Pictures of an earlier export of the same log are replaced.
 ///
 /// # Errors
-/// A sentence that names the file, or says that no log has boxes. A cancelled run leaves whole
-/// files only; a log that was cut or changed meanwhile is named when the files are written, and
-/// their pictures may show it as it is now.
+/// When no log has boxes, or a file cannot be written; the sentence names the file. A cancelled run
+/// leaves complete files only. A log that was cut or changed meanwhile is reported after the files
+/// are written; its pictures may then show its present content.
 pub fn write_boxes(
     logs: &[ProcessedLog],
     review: &SurveyReview,

@@ -1,4 +1,4 @@
-//! The tables of pings and points, and the cloud for other programs.
+//! Writes the tables of pings and points, and the cloud for other programs.
 
 use super::content::{FileContent, FileResult};
 use super::results::Results;
@@ -18,12 +18,12 @@ pub(super) fn table(results: &Results<'_>, path: &Path) -> FileResult {
     Ok(FileContent::in_degrees(points))
 }
 
-/// Writes all points to `cloud.copc.laz`, in the system of the map.
+/// Writes all points to `cloud.copc.laz`, in the coordinate system of the map.
 pub(super) fn copc(results: &Results<'_>, path: &Path) -> FileResult {
     las_file(results, path, LasPacking::Copc)
 }
 
-/// Writes all points to `cloud.las`, in the system of the map.
+/// Writes all points to `cloud.las`, in the coordinate system of the map.
 pub(super) fn las(results: &Results<'_>, path: &Path) -> FileResult {
     las_file(results, path, LasPacking::Plain)
 }
@@ -43,14 +43,14 @@ fn las_file(results: &Results<'_>, path: &Path, packing: LasPacking) -> FileResu
     })
 }
 
-/// Writes all points to `cloud.ply`, in the survey's own plane.
+/// Writes all points to `cloud.ply`, in the local coordinate frame of the survey.
 pub(super) fn ply(results: &Results<'_>, path: &Path) -> FileResult {
     let origin = results.survey.track.frame.origin();
     let points = export::cloud_ply(path, &results.log_points())?;
     Ok(FileContent::in_metres(origin, points))
 }
 
-/// Writes the points of the bottom to `cloud.xyz`, in the system of the map.
+/// Writes the points of the bottom to `cloud.xyz`, in the coordinate system of the map.
 pub(super) fn xyz(results: &Results<'_>, path: &Path) -> FileResult {
     let crs = &results.plane.map.crs;
     let decimals = if crs.is_degrees() { 9 } else { 3 };
@@ -59,7 +59,7 @@ pub(super) fn xyz(results: &Results<'_>, path: &Path) -> FileResult {
     Ok(FileContent::in_system(crs, points))
 }
 
-/// The place of a point of a log in the system of the map.
+/// Returns the x and y of a point of a log in the coordinate system of the map.
 fn place(results: &Results<'_>, log: &LogPoints<'_>, point: &CloudPoint) -> [f64; 2] {
     let track = &log.survey.track;
     let at = (log.navigation).to_lon_lat(track, point.east_m, point.north_m);

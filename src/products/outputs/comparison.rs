@@ -1,5 +1,5 @@
-//! `comparison.json` and `comparison.csv`: a survey against a reference, in figures and point by
-//! point.
+//! Writes `comparison.json` and `comparison.csv`: the comparison of a survey with a reference, in
+//! figures and point by point.
 
 use super::content::{FileContent, FileResult};
 use super::order::{log_names, log_points};
@@ -11,22 +11,22 @@ use bathyscope_bottom::bathymetry::compare::{Comparison, Match};
 use serde::Serialize;
 use std::path::Path;
 
-/// Comparison of a survey with a reference, as it is written and printed.
+/// Comparison of a survey with a reference in the form that is written and printed.
 #[derive(Debug, Serialize)]
 pub struct ComparisonRecord<'a> {
     program: String,
     sign: &'static str,
     statement: String,
-    /// The first file of each log, with commas between.
+    /// The first file of each log, separated by commas.
     measured_file: String,
     reference_file: String,
     reference: ReferenceRecord<'a>,
     by: String,
     #[serde(flatten)]
     comparison: &'a Comparison,
-    /// The same for each source of points.
+    /// The comparison for each source of points.
     sources: Vec<NamedComparison>,
-    /// The same for each of several logs.
+    /// The comparison for each of several logs; empty for a single log.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     logs: Vec<LogComparison>,
     #[serde(flatten)]
@@ -34,7 +34,7 @@ pub struct ComparisonRecord<'a> {
     settings: &'a Settings,
 }
 
-/// A log of several against the reference.
+/// Comparison of one of several logs with the reference.
 #[derive(Debug, Serialize)]
 struct LogComparison {
     log: String,
@@ -64,7 +64,7 @@ impl<'a> ComparisonRecord<'a> {
     /// reference was read from.
     ///
     /// # Errors
-    /// A sentence: there is no log or no reference.
+    /// When there is no log or no reference.
     pub fn new(
         logs: &'a [ProcessedLog],
         agreement: &'a Agreement,
@@ -104,12 +104,12 @@ impl<'a> ComparisonRecord<'a> {
         })
     }
 
-    /// Returns the rule by which a point finds its reference, in words.
+    /// Describes the rule by which a point is matched with the reference.
     pub fn by(&self) -> &str {
         &self.by
     }
 
-    /// A line for each of several logs; `None` of one.
+    /// Returns a line for each of several logs; `None` for a single log.
     pub fn summary_of_logs(&self) -> Option<String> {
         let line = |log: &LogComparison| match &log.comparison.residuals {
             None => format!("{}: no point has a reference", log.log),
@@ -123,7 +123,7 @@ impl<'a> ComparisonRecord<'a> {
     }
 }
 
-/// Every log by itself.
+/// Returns the comparison of each log by itself.
 fn each(logs: &[ProcessedLog], agreement: &Agreement) -> Vec<LogComparison> {
     let found = agreement.comparison_of_each(logs).into_iter();
     let each = found.zip(logs).zip(log_names(logs));
@@ -135,10 +135,10 @@ fn each(logs: &[ProcessedLog], agreement: &Agreement) -> Vec<LogComparison> {
     .collect()
 }
 
-/// Writes the points of the logs that an agreement is of and how they differ, as CSV.
+/// Writes the points of the logs that were compared with a reference and their differences, as CSV.
 ///
 /// # Errors
-/// A sentence that names the file.
+/// When the file cannot be written; the sentence names the file.
 pub fn write_differences(
     path: &Path,
     logs: &[ProcessedLog],

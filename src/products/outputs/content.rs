@@ -1,4 +1,5 @@
-//! Content of a file of a run, as the manifest describes it, and what it cannot be made without.
+//! Describes the content of a file of a run, as in the manifest, and the inputs without which a
+//! file cannot be made.
 
 use super::error::OutputError;
 use crate::export::Summary;
@@ -11,9 +12,10 @@ pub(super) enum Coordinates {
     System(Crs),
     /// Longitude and latitude on WGS84.
     Degrees,
-    /// Metres east and north of the survey's origin, in the plane that `projection` names.
+    /// Metres east and north of the survey's origin, in the local coordinate frame by the setting
+    /// `projection`.
     Local(LonLat),
-    /// None: the file is a table of something else.
+    /// No coordinates: the file is a table of other values.
     None,
 }
 
@@ -22,13 +24,13 @@ pub(super) enum Coordinates {
 pub(super) struct FileContent {
     /// Coordinate system of the file.
     pub coordinates: Coordinates,
-    /// Count, extent and range of values.
+    /// Count, extent and range of values of the file.
     pub summary: Summary,
-    /// Addition to the description in the manifest, with the comma before it.
+    /// Text added to the description in the manifest, beginning with a comma.
     pub detail: &'static str,
 }
 
-/// Result of a writer of a file.
+/// Result of writing a file.
 pub(super) type FileResult = Result<FileContent, OutputError>;
 
 impl FileContent {
@@ -36,27 +38,27 @@ impl FileContent {
         Self { coordinates, summary, detail: "" }
     }
 
-    /// Content in degrees.
+    /// Creates a content in degrees.
     pub(super) fn in_degrees(summary: Summary) -> Self {
         Self::new(Coordinates::Degrees, summary)
     }
 
-    /// Content in a coordinate reference system.
+    /// Creates a content in a coordinate reference system.
     pub(super) fn in_system(crs: &Crs, summary: Summary) -> Self {
         Self::new(Coordinates::System(crs.clone()), summary)
     }
 
-    /// Content in metres east and north of the survey's origin.
+    /// Creates a content in metres east and north of the survey's origin.
     pub(super) fn in_metres(origin: LonLat, summary: Summary) -> Self {
         Self::new(Coordinates::Local(origin), summary)
     }
 
-    /// Content without coordinates.
+    /// Creates a content without coordinates.
     pub(super) fn of_table(summary: Summary) -> Self {
         Self::new(Coordinates::None, summary)
     }
 
-    /// Content that is a number of things, without coordinates.
+    /// Creates the content of a number of things without coordinates.
     pub(super) fn count(count: usize) -> Self {
         Self::of_table(Summary { count, ..Summary::default() })
     }
@@ -67,28 +69,28 @@ impl FileContent {
 pub enum Need {
     /// A point that the outlier filter keeps.
     KeptPoints,
-    /// `points.las`.
+    /// The setting `points.las`.
     PlainLas,
-    /// A boat that moves, with positions.
+    /// A track: a boat that moves, with positions.
     Track,
-    /// Ground that the side-scan covers.
+    /// Ground that the side-scan insonified.
     Footprint,
     /// Depths that span a surface.
     Surface,
-    /// Depths from echo levels, which tell how bright the bed is.
+    /// Depths from echo levels, from which the brightness of the bottom follows.
     Hardness,
-    /// Levels for isobaths that are not too many.
+    /// Levels of isobaths, not too many.
     Levels,
     /// A line of equal depth.
     Isobaths,
-    /// The area that isobaths end at, where one is named: their own files say what is wrong with
-    /// it.
+    /// The area that isobaths end at, if the settings name one. A problem with the area is reported
+    /// for the files of isobaths.
     Area,
-    /// Side-scan points over soundings, or a track that crosses itself.
+    /// Side-scan points near soundings, or a track that crosses itself or another.
     Agreement,
     /// Side-scan.
     SideScan,
-    /// Side-scan with a place, in a map of a size that can be drawn.
+    /// Side-scan with a place, in a map that is not too large to draw.
     Mosaic,
     /// A box that an analyst accepted or added.
     Targets,
@@ -96,5 +98,5 @@ pub enum Need {
     Reference,
 }
 
-/// Reason why a file cannot be made, in a sentence; `None` where nobody needs to know it.
+/// Reason why a file cannot be made, in a sentence; `None` where it is not reported.
 pub(super) struct Missing(pub Option<String>);

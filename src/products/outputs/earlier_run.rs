@@ -1,4 +1,5 @@
-//! The run whose files lie in a folder, and which of them are out of date.
+//! Reads the manifest of the run whose files are in a folder, and finds the files that are out of
+//! date.
 
 use super::registry::{OUTPUT_FILES, OutputFile, row_of};
 use crate::pipeline::{Settings, setting_values};
@@ -8,17 +9,17 @@ use std::collections::{BTreeSet, HashSet};
 use std::ffi::OsString;
 use std::path::Path;
 
-/// Record that names the inputs of a run of a version without a manifest beside it.
+/// Record with the inputs of a run in versions without a separate manifest.
 const REPORT: &str = "report.json";
 
 /// Settings, files and inputs of the run that wrote into a folder.
 #[derive(Clone, Debug)]
 pub struct EarlierRun {
-    /// `None` where this version does not know them all.
+    /// Settings of the run; `None` where this version does not know all of them.
     settings: Option<Settings>,
-    /// Names of its files.
+    /// Names of the files of the run.
     files: Vec<String>,
-    /// SHA-256 of what it was made from.
+    /// SHA-256 of the inputs of the run.
     inputs: Vec<String>,
 }
 
@@ -41,22 +42,22 @@ struct Hashed {
 }
 
 impl EarlierRun {
-    /// Reads the manifest of a folder; `None` where no run has written.
+    /// Reads the manifest of a folder; `None` where there is no readable manifest.
     pub fn read(folder: &Path) -> Option<Self> {
         let text = std::fs::read(folder.join(super::MANIFEST)).ok()?;
         let Manifest { settings, files, inputs } = serde_json::from_slice(&text).ok()?;
         let files = files.into_iter().map(|named| named.file);
         Some(Self {
             settings: serde_json::from_value(settings).ok(),
-            // It cannot name itself.
+            // The manifest cannot list itself.
             files: files.chain([super::MANIFEST.to_owned()]).collect(),
             inputs: inputs.into_iter().map(|input| input.sha256).collect(),
         })
     }
 
-    /// Files that the same log makes others of with these settings, in the order of writing.
-    /// Readings of the water level and tracks count by the names of their files, the area of the
-    /// isobaths by what it holds.
+    /// Returns the written files that would differ with these settings for the same log, in the
+    /// order of writing. Readings of the water level and tracks are compared by the names of their
+    /// files, the area of the isobaths by its content.
     pub fn out_of_date(&self, settings: &Settings) -> Vec<&'static OutputFile> {
         let written = || {
             let row = |name: &String| row_of(name).map(|row| row.name);
@@ -78,14 +79,14 @@ impl EarlierRun {
     }
 }
 
-/// Returns true if the run in a folder is of these logs, by the names and sizes of their files, or
-/// of some of them and no other, or of them and others.
+/// Returns true if the logs of the run in a folder are the same as these by the names and sizes of
+/// their files, or all of these and others, or some of these only.
 pub fn is_run_of(folder: &Path, surveys: &[&Survey]) -> bool {
     let read = |record: &Path| -> Option<Origin> {
         let origin: Origin = serde_json::from_slice(&std::fs::read(record).ok()?).ok()?;
         origin.program.starts_with("bathyscope ").then_some(origin)
     };
-    // Versions without subfolders kept the manifest in the report.
+    // Versions without subfolders stored the manifest in the report.
     let mut records = [super::MANIFEST, REPORT].map(|name| folder.join(name)).into_iter();
     let Some(origin) = records.find_map(|record| read(&record)) else {
         return false;
@@ -116,14 +117,14 @@ struct InputFile {
     bytes: usize,
 }
 
-/// First words of the settings that are not the same.
+/// Returns the first words of the keys of the settings that differ.
 fn words_that_differ(one: &Settings, other: &Settings) -> BTreeSet<String> {
     let first = |key: &String| key.split('.').next().unwrap_or(key).to_owned();
     let [values, others] = [one, other].map(setting_values);
     let keys = values.keys().chain(others.keys());
     let mut words: BTreeSet<String> =
         keys.filter(|key| values.get(*key) != others.get(*key)).map(first).collect();
-    // Which files of points are written changes none of them.
+    // The choice of point files changes none of their contents.
     words.remove("points");
     if one.bottom != other.bottom {
         words.insert("bottom".to_owned());

@@ -1,4 +1,4 @@
-//! Errors of writing files.
+//! Defines the errors of writing files.
 
 use super::ground::NoMosaic;
 use crate::export::{ChipError, ExportError, NoFolder, RasterError};
@@ -16,42 +16,42 @@ pub enum NoContours {
     /// The depths span no surface.
     #[error("there is no depth map")]
     NoDepthMap,
-    /// They cannot be drawn as the settings say.
+    /// The isobaths cannot be drawn with the settings.
     #[error(transparent)]
     Isobaths(#[from] NoIsobaths),
 }
 
-/// Error of writing files. The folder is then as it was.
+/// Error of writing files. The folder is then unchanged.
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
     /// The work was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
-    /// A file of text, points or shapes.
+    /// A file of text, points or shapes cannot be written.
     #[error(transparent)]
     File(#[from] ExportError),
-    /// A folder.
+    /// A folder cannot be made.
     #[error(transparent)]
     Folder(#[from] FileError<NoFolder>),
-    /// A log did not stay what it was.
+    /// A file of a log was cut or has changed meanwhile.
     #[error(transparent)]
     Log(#[from] FileError<FileFault>),
-    /// A GeoTIFF.
+    /// A GeoTIFF cannot be written.
     #[error(transparent)]
     Raster(RasterError),
-    /// A picture of a box.
+    /// A picture of a box cannot be written.
     #[error(transparent)]
     Picture(ChipError),
-    /// The search for objects.
+    /// The search for objects failed.
     #[error(transparent)]
     Search(DetectError),
-    /// The system that `crs` names.
+    /// The coordinate system of the setting `crs` cannot be used.
     #[error(transparent)]
     System(#[from] CrsError),
-    /// The comparison with a reference.
+    /// The comparison with a reference failed.
     #[error(transparent)]
     Reference(AgreementError),
-    /// A file that the survey was made from.
+    /// A file that the survey was made from cannot be read.
     #[error(transparent)]
     Input(InputError),
     /// There is no mosaic.
@@ -65,7 +65,7 @@ pub enum OutputError {
     Refused(String),
 }
 
-/// A cancellation stays one, wherever it came from.
+/// Converts errors so that a cancellation is always [`OutputError::Cancelled`].
 macro_rules! from_cancellable {
     ($($error:ident => $variant:ident,)*) => {$(
         impl From<$error> for OutputError {

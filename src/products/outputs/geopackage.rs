@@ -1,4 +1,4 @@
-//! All lines, areas and objects of a survey in one file.
+//! Writes all lines, areas and objects of a survey to one file.
 
 use super::content::{FileContent, FileResult, Need};
 use super::depth::contours::DrawnContours;
@@ -9,9 +9,9 @@ use crate::outputs::OutputError;
 use bathyscope_bottom::presentation::colours::depth_colour;
 use std::path::Path;
 
-/// Writes `survey.gpkg`, in the system of the map: what there is of track, footprint, isobaths,
-/// depth areas and objects. Map programs draw the layers in the order in which they are named here,
-/// the first at the bottom.
+/// Writes `survey.gpkg`, in the coordinate system of the map, with those layers of track,
+/// footprint, isobaths, depth areas, soundings and objects that exist. Map programs draw the layers
+/// in the order in which they are added here, the first at the bottom.
 pub(super) fn write(results: &Results<'_>, path: &Path) -> FileResult {
     let map = &results.plane.map;
     let placed = MapGeometry::new(map);

@@ -1,5 +1,5 @@
-//! Ground of a run on the map: what its side-scan covers, the cells that its mosaic has, and the
-//! place of a raster.
+//! Computes the ground of a run on the map: the ground that the side-scan insonified, the cells of
+//! the mosaic, and the place of a raster.
 
 use crate::pipeline::Mosaic;
 use bathyscope_bottom::bathymetry::Grid;
@@ -8,22 +8,22 @@ use bathyscope_bottom::mosaic::{TILE_CELLS, joint_grid};
 use bathyscope_log::formats::geotiff::{CellFormat, RasterSpec};
 use bathyscope_log::support::geo::MapPlane;
 
-/// Most tiles that a mosaic may span, with those that hold nothing: a fix that is far off makes a
-/// huge, empty map.
+/// Largest number of tiles of a mosaic, empty ones included: a single wrong fix makes a huge, empty
+/// map.
 const MOST_TILES: usize = 1_000_000;
 
-/// The ground that the side-scan covers.
+/// The ground that the side-scan insonified.
 pub(super) struct SideScanCoverage {
-    /// Its outlines, in the plane of the map; empty without side-scan.
+    /// Outlines of the ground, in the plane of the map; empty without side-scan.
     pub shapes: Vec<Polygon>,
-    /// Its area on the ground, square metres.
+    /// Area on the ground, square metres.
     pub area_m2: f64,
 }
 
 impl SideScanCoverage {
     /// Creates the coverage from outlines in the plane of a map.
     pub(super) fn new(shapes: Vec<Polygon>, map: &MapPlane) -> Self {
-        // A shape without a point covers nothing that could be drawn.
+        // Without any corner there is nothing to draw.
         let Some(first) = shapes.first().and_then(|shape| shape.outline.first()).copied() else {
             return Self { shapes: Vec::new(), area_m2: 0.0 };
         };
@@ -35,25 +35,25 @@ impl SideScanCoverage {
 /// Reason why there is no mosaic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NoMosaic {
-    /// There are no echoes that have a place.
+    /// No echo has a place.
     #[error("no mosaic: no ping has side-scan, a place, a heading and an altitude")]
     NoPings,
-    /// It would span more than any file.
+    /// The mosaic would have too many cells for a file.
     #[error(
         "no mosaic: it would have {columns} by {rows} cells; choose a larger mosaic.cell_m, or look for positions that are far off"
     )]
     TooManyCells {
-        /// Cells from west to east.
+        /// Number of cells from west to east.
         columns: usize,
-        /// Cells from north to south.
+        /// Number of cells from north to south.
         rows: usize,
     },
 }
 
-/// The cells of the file with a mosaic, where there is one.
+/// Returns the grid of the file with the mosaic.
 ///
 /// # Errors
-/// When it cannot be drawn.
+/// When no echo has a place, or the mosaic would have too many cells.
 pub(super) fn mosaic_grid(mosaic: Option<&Mosaic>, cell_m: f64) -> Result<Grid, NoMosaic> {
     let grid = mosaic.and_then(|mosaic| joint_grid(&mosaic.logs, cell_m));
     let grid = grid.ok_or(NoMosaic::NoPings)?;
@@ -64,8 +64,8 @@ pub(super) fn mosaic_grid(mosaic: Option<&Mosaic>, cell_m: f64) -> Result<Grid, 
     Ok(grid)
 }
 
-/// A raster over the cells of a grid in the plane of a map; of nothing yet, which whoever writes it
-/// says.
+/// Returns the description of a raster over the cells of a grid in the plane of a map; the caller
+/// sets the kind of cells, the band and the text.
 pub(super) fn raster_over(grid: &Grid, map: &MapPlane) -> RasterSpec {
     RasterSpec {
         columns: grid.columns,

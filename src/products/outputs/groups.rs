@@ -1,4 +1,4 @@
-//! The files that are made of the results, several groups of them at once.
+//! Writes the files that are made from the results, several groups of files in parallel.
 
 use super::content::{FileContent, Missing};
 use super::order::{Product, When};
@@ -13,22 +13,24 @@ use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
-/// A file that was asked for: what was written, or what it cannot be made without.
+/// A requested file: its content, or the missing input without which it cannot be made.
 pub(super) type RowFile = (&'static OutputFile, Result<FileContent, Missing>);
 
-/// Files that are written one after the other, because one may hold what was written before it.
+/// Files that are written one after the other, because one may contain another that was written
+/// before.
 type Group = Vec<(&'static OutputFile, WriteFile)>;
 
-/// Groups that are written at once, at most: few of them keep several cores busy, and each takes
-/// memory.
+/// Largest number of groups that are written in parallel: few of them keep several cores busy, and
+/// each needs memory.
 const MOST_AT_ONCE: usize = 4;
 
-/// Writes the files that are asked for, several groups at once, and gives them back in the order of
-/// their rows. Most writers are one thread's work. The threads are none of rayon's: they may wait
-/// for each other ([`Results`]).
+/// Writes the requested files, several groups in parallel, and returns them in the order of their
+/// rows. Most writers use a single thread. The threads do not belong to rayon, because they may
+/// wait for each other ([`Results`]).
 ///
 /// # Errors
-/// Of the file that failed first, or that the work was cancelled.
+/// When a file cannot be made or written (the error of the file that failed first), or the work was
+/// cancelled.
 pub(super) fn write_groups(
     results: &Results<'_>,
     folder: &Path,
@@ -48,7 +50,7 @@ pub(super) fn write_groups(
             let files = write_group(results, folder, group, part);
             if files.is_err() {
                 first_failed.get_or_init(|| index);
-                // Whatever else is written would be thrown away.
+                // All other files would be discarded.
                 parts.iter().for_each(Progress::cancel);
             }
             written.push((index, files));
@@ -63,14 +65,14 @@ pub(super) fn write_groups(
         others.chain(own).collect()
     });
     results.progress.check()?;
-    // What failed first has cancelled the others.
+    // The group that failed first has cancelled the others, so its error is returned.
     written.sort_unstable_by_key(|(index, _)| (Some(index) != first_failed.get(), *index));
     let groups: Vec<Vec<RowFile>> =
         (written.into_iter()).map(|(_, files)| files).collect::<Result<_, _>>()?;
     Ok(groups.into_iter().flatten().collect())
 }
 
-/// All files that are asked for, group by group.
+/// Returns all requested files, group by group.
 fn groups(asked: impl Fn(When) -> bool) -> Vec<Group> {
     let rows = OUTPUT_FILES.iter().filter(|row| asked(row.when));
     let rows = rows.filter_map(|row| match row.writer {
@@ -111,7 +113,8 @@ fn write_group(
     files.collect()
 }
 
-/// The first thing that a file cannot be made without.
+/// Returns the first missing input without which a file cannot be made; `None` where nothing is
+/// missing.
 pub(super) fn first_missing(
     row: &OutputFile,
     results: &Results<'_>,

@@ -1,5 +1,5 @@
-//! `manifest.json`: every file of a run, with where it comes from, its coordinate system, extent
-//! and hash.
+//! Writes `manifest.json`: every file of a run, with its origin, coordinate system, extent and
+//! hash.
 
 use super::content::{Coordinates, FileContent, Need};
 use super::registry::{Described, OutputFile, row_of};
@@ -10,13 +10,13 @@ use serde::Serialize;
 use serde_json::{Map, Value, json};
 use std::path::Path;
 
-/// `manifest.json`: what goes for all files of a run, and an entry a file.
+/// Content of `manifest.json`: values that all files of a run share, and an entry for each file.
 #[derive(Serialize)]
 struct Manifest<'a> {
     program: &'a str,
     run: &'a str,
     inputs: &'a [Input],
-    /// Number of logs of one survey that it is of; absent of one.
+    /// Number of logs of the survey; absent for a single log.
     #[serde(skip_serializing_if = "Option::is_none")]
     logs: Option<usize>,
     start_unix_s: Option<f64>,
@@ -26,7 +26,7 @@ struct Manifest<'a> {
     files: Vec<ManifestEntry<'a>>,
 }
 
-/// A file of a run: its name, size and hash, and what it holds. What is not known of it is absent.
+/// A file of a run: its name, size, hash and content. Unknown values are absent.
 #[derive(Serialize)]
 struct ManifestEntry<'a> {
     #[serde(flatten)]
@@ -46,19 +46,19 @@ struct ContentEntry<'a> {
     extent: Value,
     count: Map<String, Value>,
     values: Value,
-    /// Files that it was made from besides those of the logs.
+    /// Input files besides those of the logs.
     #[serde(skip_serializing_if = "<[Input]>::is_empty")]
     more_inputs: &'a [Input],
-    /// Settings, by their first word, that have nothing to do with it.
+    /// Groups of settings, by the first word of the key, that the file does not depend on.
     regardless_of: &'static [&'static str],
 }
 
 /// Writes `manifest.json`: the fingerprints of all other files of the run, in the order of their
-/// names, with what those hold that were made of results. `more_inputs` are the files that the
-/// reference was read from.
+/// names, with the content of the files that were made from results. `more_inputs` are the files
+/// that the reference was read from.
 ///
 /// # Errors
-/// A sentence that names the file.
+/// When the file cannot be written; the sentence names the file.
 pub(super) fn write_manifest(
     path: &Path,
     report: &Report,

@@ -1,18 +1,18 @@
-//! Writes the files of a survey: one run, the same from Bathyscope and from the command line.
+//! Writes the files of a survey in a run, the same from Bathyscope and from the command line.
 //!
-//! In: the results of a survey, and what is ordered. Out: the files of a run, with their manifest.
+//! In: the results of a survey, and the order. Out: the files of a run, with their manifest.
 //!
-//! `registry` has a row for each file, `product_files` says of those of a product what they are and
-//! how large; `write` makes all files of a run from `results`, those of several `groups` at once,
-//! `run_folder` puts them in place together, `overwrite` keeps them from taking the place of what
-//! they are made from, `earlier_run` tells which are out of date. `order` is what is asked for,
-//! `content` what a file holds and what it cannot be made without. `clouds` writes the files of
-//! points, `track` those of the boat's way, `depth` the depth map and what follows from it,
-//! `residuals` and `comparison` how the depths agree, `mosaic` the side-scan mosaic, `geopackage`
-//! all lines and areas in one file, `object_files` what a search proposes and what a review
-//! decided, `objects` makes one object of its sightings in all logs, `report_page` writes the
-//! report; `manifest` lists the files with what each is. `boxes` writes what was decided about
-//! boxes, `training_tiles` as pictures for training, `ground` says where a raster lies.
+//! `registry` has a row for each file, `product_files` describes the files of a product and
+//! estimates their sizes; `write` makes all files of a run from `results`, those of several
+//! `groups` in parallel, `run_folder` puts them in place together, `overwrite` prevents that they
+//! replace their own inputs, `earlier_run` finds the files that are out of date. `order` is the
+//! request, `content` describes the content of a file and the inputs without which it cannot be
+//! made. `clouds` writes the files of points, `track` those of the track, `depth` the depth map and
+//! the products made from it, `residuals` and `comparison` the agreement of the depths, `mosaic`
+//! the side-scan mosaic, `geopackage` all lines and areas in one file, `object_files` the objects
+//! of a search and of a review, `objects` lists objects with their shapes, `report_page` writes the
+//! report; `manifest` lists and describes the files. `boxes` writes reviewed boxes,
+//! `training_tiles` pictures of them for training, `ground` computes the place of a raster.
 
 mod boxes;
 mod clouds;
@@ -54,5 +54,5 @@ pub use run_folder::Replaced;
 pub use run_folder::RunFolder;
 pub use write::{Written, write, write_detected, write_detected_in_picture};
 
-/// The file that names all files of a run, in place last.
+/// The file that lists all files of a run; it is put in place last.
 pub const MANIFEST: &str = "manifest.json";

@@ -11,8 +11,9 @@ use bathyscope_log::support::geo::MapPlane;
 use std::collections::BTreeSet;
 use std::path::Path;
 
-/// Writes `mosaic.tif`: all side-scan echoes in the system that `crs` names, as a GeoTIFF: one band
-/// of levels with a mask, or colours with opacity. Memory does not grow with the area.
+/// Writes `mosaic.tif`: all side-scan echoes in the coordinate system of the setting `crs`, as a
+/// GeoTIFF with one band of levels with a mask, or with colours and opacity. Memory does not grow
+/// with the area.
 pub(super) fn write(results: &Results<'_>, path: &Path) -> FileResult {
     let (settings, map) = (&results.products.settings.mosaic, &results.plane.map);
     let mosaic = results.mosaic()?;

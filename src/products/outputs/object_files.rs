@@ -1,6 +1,6 @@
-//! Files of objects: those of a search, `detections.*`, `objects.csv` and `chips`, with a run or
-//! into a folder that may hold the files of one; and `targets.*`, the objects that an analyst
-//! accepted or drew, in every run of a survey with a review.
+//! Writes files of objects. Those of a search, `detections.*`, `objects.csv` and `chips`, are
+//! written with a run or into a folder that may hold the files of a run; `targets.*`, the objects
+//! that an analyst accepted or drew, are written in every run of a survey with a review.
 
 use super::OutputError;
 use super::content::{FileContent, FileResult};
@@ -14,11 +14,12 @@ use std::path::Path;
 /// Boxes that a search proposes, and the number of their objects.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Proposed {
-    /// The boxes, log by log, in order of the pings.
+    /// The boxes, log by log, in the order of the pings.
     pub boxes: Vec<Detection>,
-    /// Objects that they are sightings of: one that several lines or logs saw has as many boxes.
+    /// Number of objects that the boxes show: an object that several lines or logs saw has several
+    /// boxes.
     pub objects: usize,
-    /// Boxes whose place in the world cannot be known, and so neither whose object they show.
+    /// Number of boxes whose position, and therefore whose object, is not known.
     pub unplaced: usize,
 }
 
@@ -36,7 +37,7 @@ impl Proposed {
     }
 }
 
-/// The objects that a search found.
+/// Returns the objects that a search found.
 fn objects<'a>(results: &'a Results<'_>) -> Result<Vec<ListedObject<'a>>, OutputError> {
     let found = results.shaped_found()?;
     Ok(listed(found.0.objects().iter(), found, results.order.logs, &results.names))
@@ -129,7 +130,7 @@ pub(super) fn targets_kml(results: &Results<'_>, path: &Path) -> FileResult {
     Ok(FileContent::in_degrees(places))
 }
 
-/// The targets; none where nobody looked.
+/// Returns the targets; none without a search or a review.
 pub(super) fn targets<'a>(results: &'a Results<'_>) -> Result<Vec<ListedObject<'a>>, OutputError> {
     if results.objects()?.is_none() {
         return Ok(Vec::new());

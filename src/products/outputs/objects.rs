@@ -1,4 +1,4 @@
-//! The list of objects as rows of tables, with the shapes of what it shows.
+//! Lists objects as rows of tables, and fits shapes to them.
 
 use crate::pipeline::object_shape;
 use crate::pipeline::{ProcessedLog, Products};
@@ -10,10 +10,10 @@ use bathyscope_objects::targets::{FittedShape, Target};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// Shapes of objects, by number; none of an object that none fits.
+/// Shapes of objects, by number; an object without a fitting shape has no entry.
 pub(super) type Shapes = BTreeMap<u32, FittedShape>;
 
-/// The shapes of the targets of a list.
+/// Fits shapes to the targets of a list.
 pub(super) fn find_shapes(
     list: &ObjectList,
     logs: &[ProcessedLog],
@@ -33,7 +33,7 @@ pub(super) fn find_shapes(
     Ok(shapes?.into_iter().flatten().collect())
 }
 
-/// Objects as rows of tables, with their shapes and footprints.
+/// Returns objects as rows of tables, with their shapes and outlines.
 pub(super) fn listed<'a>(
     objects: impl Iterator<Item = &'a Object>,
     (list, shapes): (&ObjectList, &'a Shapes),
@@ -53,12 +53,12 @@ pub(super) fn listed<'a>(
     listed.collect()
 }
 
-/// The boxes of targets.
+/// Returns the boxes of targets.
 pub(super) fn target_boxes(list: &ObjectList) -> Vec<&ObjectBox> {
     list.boxes().iter().filter(|one| list.is_target(one)).collect()
 }
 
-/// The footprint in WGS84; `None` where the size is not known.
+/// Returns the outline of a target in WGS84; `None` where its size is not known.
 fn outline(of: &ProcessedLog, target: &Target) -> Option<[LonLat; 4]> {
     let is_known = target.length_m.is_finite() && target.width_m.is_finite();
     let (navigation, track) = (&of.products.navigation, &of.survey.track);
@@ -66,7 +66,7 @@ fn outline(of: &ProcessedLog, target: &Target) -> Option<[LonLat; 4]> {
     is_known.then(|| target.corners().map(place))
 }
 
-/// Returns true if the middle of a box lies in a stretch that is excluded.
+/// Returns true if the middle of a box is in an excluded stretch.
 pub(super) fn is_excluded(products: &Products, mark: &Mark) -> bool {
     products.exclusions.is_middle_excluded(&mark.pings)
 }

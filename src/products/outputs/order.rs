@@ -1,5 +1,5 @@
-//! Requests for the files of a run: the products that `bathyscope process --products` chooses from,
-//! the conditions under which each file is written, and the logs that they are of.
+//! Describes requests for the files of a run: the products of `bathyscope process --products`, the
+//! conditions under which each file is written, and the logs whose files are written.
 
 use super::error::OutputError;
 use crate::export::LogPoints;
@@ -18,7 +18,7 @@ use std::sync::Arc;
 pub enum Product {
     /// The points.
     Cloud,
-    /// The way of the boat, and the ground that it covers.
+    /// The track of the boat, and the insonified ground.
     Track,
     /// The depth map as rasters.
     Depth,
@@ -26,7 +26,7 @@ pub enum Product {
     Xyz,
     /// The depth map as a body and as points for 3D programs.
     Bottom,
-    /// Lines of equal depth, the areas between them and what lies below each.
+    /// Isobaths, the areas between them, and area and volume below each level.
     Isobaths,
     /// The depth map as tiles for plotters and the web, and as a page.
     MapTiles,
@@ -38,12 +38,12 @@ pub enum Product {
     Targets,
     /// All lines, areas and objects in one file.
     Geopackage,
-    /// The page that shows what was made.
+    /// The page that shows the results.
     Report,
 }
 
 impl Product {
-    /// All of them.
+    /// All products.
     pub const ALL: [Product; 12] = [
         Product::Cloud,
         Product::Track,
@@ -59,7 +59,7 @@ impl Product {
         Product::Report,
     ];
 
-    /// The name that `--products` knows.
+    /// Returns the name in `--products`.
     pub fn name(self) -> &'static str {
         self.words().0
     }
@@ -69,7 +69,7 @@ impl Product {
         self.words().1
     }
 
-    /// Name and title.
+    /// Returns the name in `--products` and the title.
     fn words(self) -> (&'static str, &'static str) {
         match self {
             Product::Cloud => ("cloud", "Point cloud"),
@@ -91,22 +91,22 @@ impl Product {
 /// Condition under which a run writes a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum When {
-    /// Every run writes it.
+    /// The file is written by every run.
     Always,
-    /// It belongs to a group that is chosen.
+    /// The file belongs to a chosen product.
     Chosen(Product),
-    /// A run that compares with a reference writes it.
+    /// The file is written by a run that compares with a reference.
     Compared,
-    /// A run that searches for objects writes it.
+    /// The file is written by a run that searches for objects.
     Searched,
-    /// A run that searches for objects, or has a review of them, writes it.
+    /// The file is written by a run that searches for objects or has a review of them.
     Listed,
 }
 
 /// Request for the files of a run: logs, products, and an optional comparison and search.
 pub struct Order<'a> {
-    /// The logs that the files are of, with what the pipeline made of them: one, or all of a
-    /// survey, in the frame of the first.
+    /// The logs whose files are written, with their results of the pipeline: one log, or all logs
+    /// of a survey in the local coordinate frame of the first.
     pub logs: &'a [ProcessedLog],
     /// Results that are computed from all logs together, each once.
     pub derived: &'a Derived,

@@ -1,4 +1,4 @@
-//! No file is written over one that it is made from.
+//! Refuses to write a file over one of the inputs of the run.
 
 use super::MANIFEST;
 use super::order::Order;
@@ -10,17 +10,17 @@ use crate::pipeline::Reference;
 use bathyscope_log::survey::Survey;
 use std::path::{Path, PathBuf};
 
-/// Subfolders in which a run may write a file whose name, without its ending, is this one.
+/// Returns the subfolders in which a run may write a file with this name, apart from the ending.
 fn folders_of(stem: &str) -> impl Iterator<Item = &'static str> {
     let rows = OUTPUT_FILES.iter().filter(move |row| row.stem().eq_ignore_ascii_case(stem));
     rows.map(OutputFile::folder).filter(|folder| !folder.is_empty())
 }
 
-/// Refuses a folder in which a file of a run would be written over an input: `track.gpx` of another
-/// receiver, `depth.tif` that the survey is compared with.
+/// Refuses a folder in which a file of a run would be written over an input, such as `track.gpx` of
+/// another receiver, or `depth.tif` that the survey is compared with.
 ///
 /// # Errors
-/// A sentence that names the input.
+/// When an input would be written over; the sentence names the input.
 pub(super) fn refuse_overwrite(order: &Order<'_>, folder: &Path) -> Result<(), OutputError> {
     let reference = order.reference.map(|(reference, _)| reference.path());
     let gauges = order.logs.iter().filter_map(|log| log.products.correction.gauge());
@@ -39,12 +39,13 @@ fn files_of<'a>(surveys: impl IntoIterator<Item = &'a Survey>) -> impl Iterator<
     files.map(PathBuf::as_path)
 }
 
-/// Gets a folder ready for the files of a survey of one or several logs, before the work that they
-/// take: a folder that cannot be written into, or in which a file would be written over the survey
-/// or what it is to be compared with, should not cost minutes first.
+/// Prepares a folder for the files of a survey of one or several logs. This is done before the long
+/// computation, so that it is not wasted on a folder that cannot be written into, or in which a
+/// file would be written over the survey or its reference.
 ///
 /// # Errors
-/// A sentence that names the folder or the input.
+/// When the folder cannot be used or an input would be written over; the sentence names the folder
+/// or the input.
 pub fn begin<'a>(
     folder: &Path,
     surveys: impl IntoIterator<Item = &'a Survey>,
@@ -70,7 +71,7 @@ fn refuse<'a>(
         let stem = input.file_stem().unwrap_or_default().to_string_lossy();
         // The ending of `cloud.copc.laz` has two parts.
         let stem = stem.strip_suffix(".copc").unwrap_or(&stem);
-        // On top lie the files of a version without subfolders, which a run takes away.
+        // Files without a subfolder are those of an old version, which a run removes.
         let name = input.file_name().unwrap_or_default();
         let is_name = |row: &OutputFile| row.name.eq_ignore_ascii_case(&name.to_string_lossy());
         let is_on_top = is_stem_of_output(stem) || OUTPUT_FILES.iter().any(is_name);

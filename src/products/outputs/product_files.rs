@@ -1,5 +1,5 @@
-//! The files of each product before they are written: their names in words, and estimates of their
-//! sizes.
+//! Describes the files of each product before they are written: their names in words, and estimates
+//! of their sizes.
 
 use super::order::{Product, When};
 use super::registry::{OUTPUT_FILES, OutputFile};
@@ -11,15 +11,15 @@ use clap::builder::PossibleValue;
 const STYLE: &str = ".qml";
 
 impl Product {
-    /// Its files: `track/track.gpx, .geojson; track/footprint.geojson`.
+    /// Lists the files of the product: `track/track.gpx, .geojson; track/footprint.geojson`.
     pub fn files(self) -> String {
         let rows = OUTPUT_FILES.iter();
         files_in_words(rows.filter(|row| row.when == When::Chosen(self)))
     }
 }
 
-/// The names of some files: `track/track.gpx, .geojson; track/footprint.geojson`. What belongs to a
-/// shapefile goes without saying.
+/// Lists the names of some files: `track/track.gpx, .geojson; track/footprint.geojson`. The
+/// companions of a shapefile are not listed.
 pub fn files_in_words<'a>(rows: impl Iterator<Item = &'a OutputFile>) -> String {
     let with_colours = |row: &'a OutputFile| {
         let colours = row.companions.iter().filter(|name| name.ends_with(STYLE));
@@ -54,13 +54,13 @@ impl clap::ValueEnum for Product {
 /// Quantities that the sizes of files are estimated from.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Amounts {
-    /// Points of the cloud.
+    /// Number of points of the cloud.
     points: f64,
-    /// Side-scan pings.
+    /// Number of side-scan pings.
     pings: f64,
-    /// Cells of the depth map with a depth.
+    /// Number of cells of the depth map with a depth.
     depth_cells: f64,
-    /// Cells of the mosaic that a ping reaches.
+    /// Number of cells of the mosaic that a ping reaches.
     mosaic_cells: f64,
 }
 
@@ -98,9 +98,9 @@ impl Amounts {
     }
 }
 
-/// Bytes of the files of a product, or (without one) of those that every run writes, within a
-/// factor of two for surveys of a few lines. The shares are those of the demo survey, a Humminbird
-/// river log and an XTF log, written with the default settings.
+/// Estimates the bytes of the files of a product, or (for `None`) of those that every run writes,
+/// within a factor of two for surveys of a few lines. The coefficients are from the demo survey, a
+/// Humminbird river log and an XTF log, written with the default settings.
 pub fn about_bytes(product: Option<Product>, amounts: &Amounts) -> u64 {
     let [base, point, ping, depth_cell, mosaic_cell] = match product {
         None => [40e3, 80.0, 107.0, 0.0, 0.0],

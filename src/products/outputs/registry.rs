@@ -1,6 +1,7 @@
-//! Every file of a run, one row each. The help of `--products`, what is refused to be written over,
-//! what an earlier run has left, what is out of date and the list in `report.html` follow from
-//! these rows. `kinds` has what rows of a kind share.
+//! Lists every file of a run, one row each. The help of `--products`, the refusal to write over
+//! inputs, the removal of files of an earlier run, the check for files that are out of date and the
+//! list in `report.html` are all derived from these rows. `kinds` has the columns that rows of a
+//! kind share.
 
 mod kinds;
 
@@ -19,17 +20,18 @@ use std::path::Path;
 /// A file of a run.
 #[derive(Debug)]
 pub struct OutputFile {
-    /// Its name behind the subfolder that it lies in: `depth/depth.tif`; that of a folder for the
-    /// pictures of boxes.
+    /// Name of the file with its subfolder: `depth/depth.tif`; for the pictures of boxes, the name
+    /// of a folder.
     pub name: &'static str,
-    /// Files that are written with it and belong to it, named likewise.
+    /// Files that are written with the file and belong to it, named in the same way.
     pub companions: &'static [&'static str],
-    /// Condition under which a run writes it.
+    /// Condition under which a run writes the file.
     pub when: When,
-    /// Needs without which it is not written; the first one that is missing is reported as the
+    /// Inputs without which the file is not written; the first missing one is reported as the
     /// reason.
     pub needs: &'static [Need],
-    /// Settings, by their first word, that have nothing to do with it. It depends on all others.
+    /// Groups of settings, by the first word of the key, that the file does not depend on. It
+    /// depends on all others.
     pub regardless_of: &'static [&'static str],
     /// Description in a few words, for people who do not know the file.
     pub brief: &'static str,
@@ -42,15 +44,15 @@ pub struct OutputFile {
 /// Description of a file in the manifest, independent of its content.
 #[derive(Clone, Copy, Debug)]
 pub struct Described {
-    /// Description in a sentence without its full stop.
+    /// Description in a sentence, without the full stop.
     pub what: &'static str,
-    /// Name of the things that are counted: `points`.
+    /// Name of the counted things: `points`.
     pub counted: &'static str,
     /// Name of the measured value, with its unit: `depth_m`; empty where nothing is measured.
     pub measured: &'static str,
 }
 
-/// Writes a file from the results of the survey.
+/// Function that writes a file from the results of the survey.
 pub(super) type WriteFile = fn(&Results<'_>, &Path) -> FileResult;
 
 /// Writer of a file.
@@ -62,7 +64,7 @@ pub(super) enum FileWriter {
     Run(RunFile),
 }
 
-/// A file that tells of all others.
+/// A file that describes all others.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum RunFile {
     /// `report.html`.
@@ -74,14 +76,14 @@ pub(super) enum RunFile {
 }
 
 impl OutputFile {
-    /// Returns true if a file of a run is this one, or another that belongs to it.
+    /// Returns true if a file of a run is this file, one of its companions, or in this folder.
     pub fn owns(&self, name: &str) -> bool {
         let in_folder = || name.strip_prefix(self.name)?.strip_prefix('/');
         name == self.name || self.companions.contains(&name) || in_folder().is_some()
     }
 
-    /// Returns true if a version that wrote all files beside each other, with a record `NAME.json`
-    /// of each, wrote this one under such a name.
+    /// Returns true if a version without subfolders, which wrote a record `NAME.json` for each
+    /// file, wrote this file or its companions under such a name.
     pub(super) fn owned_beside(&self, name: &str) -> bool {
         let own = file_part(self.name);
         let in_folder = || name.strip_prefix(own)?.strip_prefix('/');
@@ -90,23 +92,23 @@ impl OutputFile {
         name == own || companions.any(|one| one == name) || record() || in_folder().is_some()
     }
 
-    /// Returns true if a setting that begins with one of these words has to do with it.
+    /// Returns true if the file depends on a setting that begins with one of these words.
     pub(crate) fn depends_on(&self, words: &BTreeSet<String>) -> bool {
         let regardless = |word: &String| self.regardless_of.contains(&word.as_str());
         words.iter().any(|word| !regardless(word))
     }
 
-    /// The subfolder that it lies in; nothing for what lies on top.
+    /// Returns the subfolder of the file; empty for a file without one.
     pub fn folder(&self) -> &'static str {
         self.name.rsplit_once('/').map_or("", |(folder, _)| folder)
     }
 
-    /// Its name without the subfolder.
+    /// Returns the name of the file without the subfolder.
     pub fn file_name(&self) -> &'static str {
         file_part(self.name)
     }
 
-    /// Its name without subfolder and ending.
+    /// Returns the name of the file without subfolder and ending.
     pub(crate) fn stem(&self) -> &'static str {
         let name = self.file_name();
         name.split('.').next().unwrap_or(name)
@@ -118,12 +120,13 @@ pub(super) fn file_part(name: &str) -> &str {
     name.rsplit('/').next().unwrap_or(name)
 }
 
-/// The row that a file of a run belongs to.
+/// Returns the row that a file of a run belongs to; `None` where there is none.
 pub fn row_of(name: &str) -> Option<&'static OutputFile> {
     OUTPUT_FILES.iter().find(|row| row.owns(name))
 }
 
-/// The row that a file belongs to which a version wrote that knew no subfolders.
+/// Returns the row that a file of a version without subfolders belongs to; `None` where there is
+/// none.
 pub(crate) fn row_of_beside(name: &str) -> Option<&'static OutputFile> {
     OUTPUT_FILES.iter().find(|row| row.owned_beside(name))
 }

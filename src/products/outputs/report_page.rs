@@ -1,4 +1,4 @@
-//! `report.html`: what was made, on one page, of a run while its files are written.
+//! Writes `report.html`, the results of a run on one page, while the files of the run are written.
 
 use super::OutputError;
 use super::content::FileContent;
@@ -22,16 +22,16 @@ use std::path::Path;
 pub(super) struct OutputRun<'a> {
     pub results: Results<'a>,
     pub report: Report,
-    /// Files that have been made of the results so far.
+    /// Files that have been made from the results so far.
     pub made: Vec<(&'static OutputFile, FileContent)>,
-    /// Fingerprints of the files that were made of the results.
+    /// Fingerprints of the files that were made from the results.
     pub hashed: Vec<Fingerprint>,
     pub folder: &'a RunFolder,
 }
 
 impl OutputRun<'_> {
-    /// Returns the files that are in the folder at the end besides the page, as the page lists
-    /// them: folders last.
+    /// Returns the files, besides the page, that are in the folder at the end, in the order of the
+    /// page: folders last.
     fn listed(&self) -> impl Iterator<Item = &'static OutputFile> {
         let of_run = |row: &&OutputFile| {
             row.when == When::Always && matches!(row.writer, FileWriter::Run(_))
@@ -43,7 +43,7 @@ impl OutputRun<'_> {
     }
 }
 
-/// Writes the page.
+/// Writes the page to a file.
 pub(super) fn write(run: &OutputRun<'_>, path: &Path) -> Result<(), OutputError> {
     let results = &run.results;
     let (products, order) = (results.products, results.order);
@@ -61,7 +61,7 @@ pub(super) fn write(run: &OutputRun<'_>, path: &Path) -> Result<(), OutputError>
     if let Some(agreement) = results.agreement()? {
         comparisons.extend(agreement.by_source(order.logs));
     }
-    // Too many levels were refused with a warning when the isobaths were written.
+    // Too many levels were reported as a warning when the isobaths were written.
     let isobaths = results.isobaths()?.unwrap_or_default();
     let mosaic = results.mosaic()?;
     let files: Vec<FileLine> = run.listed().map(|row| (row.name, row.brief)).collect();
@@ -85,18 +85,20 @@ pub(super) fn write(run: &OutputRun<'_>, path: &Path) -> Result<(), OutputError>
     Ok(write_bytes(path, html)?)
 }
 
-/// The boxes of all logs, as the page shows them.
+/// The boxes of all logs with the data that the page shows about them.
 struct Boxes<'a> {
     list: &'a ObjectList,
-    /// Raster of each log that has boxes, from which its pictures are cut.
+    /// Raster of each log, from which the pictures of its boxes are cut; `None` for a log without
+    /// boxes.
     rasters: Vec<Option<Raster>>,
-    /// Passes of the boat that saw each target, and that covered its place.
+    /// Numbers of passes of the boat that saw each target and that covered its place, by the number
+    /// of the target.
     passes: BTreeMap<u32, PassCount>,
     origin: String,
 }
 
 impl<'a> Boxes<'a> {
-    /// Collects the boxes of the list of objects; `None` where nobody searched.
+    /// Collects the boxes of the list of objects; `None` without a search or a review.
     fn of(results: &'a Results<'_>) -> Result<Option<Self>, OutputError> {
         let order = results.order;
         let model = order.search.filter(|_| order.asks_for(When::Searched));

@@ -1,5 +1,5 @@
-//! `residuals.json`: side-scan points, and those of a swath, against the soundings of the survey,
-//! the tracks against themselves and each other.
+//! Writes `residuals.json`: the comparison of side-scan points and swath points with the soundings
+//! of the survey, and of the tracks with themselves and each other.
 
 use super::content::{FileContent, FileResult};
 use super::results::Results;
@@ -28,13 +28,13 @@ struct Record<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     choices: Option<Vec<GeometryChoice>>,
     crossline_analysis: Option<&'a Crosslines>,
-    /// Each of several logs by itself.
+    /// Residuals of each of several logs by itself; empty for a single log.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     logs: Vec<LogResiduals>,
     settings: &'a Settings,
 }
 
-/// A log compared with its own soundings and its own track.
+/// Comparison of a log with its own soundings and its own track.
 #[derive(Serialize)]
 struct LogResiduals {
     log: String,
@@ -47,7 +47,7 @@ struct LogResiduals {
     crossline_analysis: Option<Crosslines>,
 }
 
-/// First returns of both sides.
+/// Sources of first returns: both sides.
 const SIDE_SCAN: [PointSource; 2] = [PointSource::Port, PointSource::Starboard];
 const SIGN: &str = "measured minus reference elevation, metres; positive is shallower";
 const STATEMENT: &str = "Soundings and first returns of one log share transducer, position and sound speed: this is agreement \
@@ -55,9 +55,9 @@ const STATEMENT: &str = "Soundings and first returns of one log share transducer
 const STATEMENT_OF_LOGS: &str = "Points of all logs are compared with the soundings of all of them: what the heights of the logs differ by \
      is in it. Each log against its own soundings stands under `logs`.";
 
-/// Writes `residuals.json`: how side-scan agrees with soundings, what that hangs on, and what other
-/// choices of geometry and calibration make of it; the crossings of the tracks. Of several logs all
-/// together, and each by itself.
+/// Writes `residuals.json`: the agreement of side-scan with soundings, the variables that the
+/// differences depend on, the effect of other choices of geometry and calibration, and the
+/// crossings of the tracks. With several logs, for all together and for each by itself.
 pub(super) fn write(results: &Results<'_>, path: &Path) -> FileResult {
     let (logs, products, progress) = (results.order.logs, results.products, results.progress);
     let comparisons = results.comparisons()?;
@@ -90,8 +90,8 @@ pub(super) fn write(results: &Results<'_>, path: &Path) -> FileResult {
     Ok(FileContent::count(comparisons.len()))
 }
 
-/// Returns tables of the differences of some sources from the soundings, by the variables that they
-/// depend on; `None` without any.
+/// Returns tables of the differences of some sources from the soundings, by the variables that the
+/// differences depend on; `None` without any difference.
 fn tables(
     logs: &[ProcessedLog],
     sources: &[PointSource],

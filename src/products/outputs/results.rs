@@ -1,5 +1,5 @@
-//! Results that the files of a run are made from: each is computed once, when the first file asks
-//! for it.
+//! Computes the results that the files of a run are made from: each result once, when the first
+//! file needs it.
 
 use super::content::{Missing, Need};
 use super::depth::NO_SURFACE;
@@ -27,9 +27,9 @@ use bathyscope_objects::{Detection, find};
 use std::path::Path;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-/// The results of a survey that its files are made from. Several threads may ask at once, each with
-/// a progress of its own; what a thread of rayon does must not ask, or all of them could wait for
-/// what they are to make.
+/// Results of a survey that its files are made from. Several threads may request results at the
+/// same time, each with its own progress. Tasks of rayon's threads must not request results: all
+/// threads of rayon could then wait for a result that only they can compute.
 pub(super) struct Results<'a> {
     pub order: &'a Order<'a>,
     pub survey: &'a Survey,
@@ -41,7 +41,7 @@ pub(super) struct Results<'a> {
     computed: Arc<Computed>,
 }
 
-/// Results that files are made from, computed on demand.
+/// Results that files are made from, computed when they are requested.
 #[derive(Default)]
 struct Computed {
     track: OnceLock<Vec<TrackPiece>>,
@@ -61,7 +61,7 @@ struct Computed {
     shapes: Once<Shapes>,
 }
 
-/// A result that is computed once; who asks meanwhile waits for it.
+/// A result that is computed once; other threads that request it meanwhile wait.
 struct Once<T> {
     made: OnceLock<T>,
     making: Mutex<()>,
@@ -73,7 +73,7 @@ impl<T> Default for Once<T> {
     }
 }
 
-/// Returns the value, which is computed if it is not there yet.
+/// Returns the value and computes it first if necessary.
 fn once<T>(
     once: &Once<T>,
     make: impl FnOnce() -> Result<T, OutputError>,
@@ -93,7 +93,8 @@ impl<'a> Results<'a> {
     /// Creates the results of an order; nothing is computed yet.
     ///
     /// # Errors
-    /// A sentence when there is no log, or the system that `crs` names does not fit the first.
+    /// When there is no log, or the coordinate system of the setting `crs` does not fit the first
+    /// log.
     pub(super) fn new(order: &'a Order<'a>, progress: &'a Progress) -> Result<Self, OutputError> {
         let Some(ProcessedLog { survey, products }) = order.logs.first() else {
             return Err("there is no log whose files could be written".into());
@@ -162,7 +163,8 @@ impl<'a> Results<'a> {
                 _ => None,
             },
             Need::Agreement if self.comparisons()?.is_empty() && self.crossings()?.is_none() => {
-                // Of logs without soundings or without side-scan it is said that they have none.
+                // A survey without soundings or without side-scan gets no message about missing
+                // residuals.
                 let has_others = self.has_side_scan() || self.has_swath();
                 if has_others && self.has_soundings() {
                     told(
@@ -194,12 +196,12 @@ impl<'a> Results<'a> {
         })
     }
 
-    /// Longitude and latitude of a place on the map.
+    /// Converts a place on the map to longitude and latitude.
     pub(super) fn to_lon_lat(&self, place: [f64; 2]) -> LonLat {
         self.plane.to_lon_lat(place)
     }
 
-    /// The logs of the survey, one or several, with their results.
+    /// Returns the logs of the survey, one or several, with their results.
     pub(super) fn logs(&self) -> impl Iterator<Item = (&'a Survey, &'a Products)> {
         let logs = self.order.logs.iter();
         logs.map(|log| (log.survey.as_ref(), &log.products))
@@ -228,8 +230,8 @@ impl<'a> Results<'a> {
         survey_name(&self.names)
     }
 
-    /// The way of the boat, log by log. Times of all logs are seconds after the first one's time
-    /// zero, where all know when they were.
+    /// Returns the track of the boat, log by log. If the time of every log is known, all times are
+    /// seconds after the time zero of the first log.
     pub(super) fn track(&self) -> &[TrackPiece] {
         self.computed.track.get_or_init(|| {
             let pieces = self.logs().flat_map(|(survey, products)| {
@@ -245,14 +247,14 @@ impl<'a> Results<'a> {
         })
     }
 
-    /// Unix seconds of the time zero of the first log; `None` where one of the logs does not know
-    /// when it was.
+    /// Returns the Unix seconds of the time zero of the first log; `None` where the time of a log
+    /// is not known.
     pub(super) fn start_unix_s(&self) -> Option<f64> {
         let all_know = self.logs().all(|(survey, _)| survey.start_unix_s.is_some());
         self.survey.start_unix_s.filter(|_| all_know)
     }
 
-    /// The ground that the side-scan covers.
+    /// Returns the ground that the side-scan insonified.
     pub(super) fn ground(&self) -> Result<&SideScanCoverage, OutputError> {
         once(&self.computed.ground, || {
             let map = &self.plane.map;
@@ -265,13 +267,13 @@ impl<'a> Results<'a> {
         })
     }
 
-    /// The depths of the map, if one was made.
+    /// Returns the surface of the depth map, if it was computed already.
     pub(super) fn made_surface(&self) -> Option<&Surface> {
         let map = self.computed.depth_map.made.get()?.as_ref()?;
         Some(&map.surface)
     }
 
-    /// The depth map; `None` where the depths span none.
+    /// Returns the depth map; `None` where the depths span no surface.
     pub(super) fn depth_map(&self) -> Result<Option<&Arc<DepthMap>>, OutputError> {
         let made = once(&self.computed.depth_map, || {
             let made = self.order.derived.depth_map(self.order.logs, self.progress);
@@ -280,12 +282,12 @@ impl<'a> Results<'a> {
         made.map(Option::as_ref)
     }
 
-    /// Its depths.
+    /// Returns the surface of the depth map; `None` where there is no map.
     pub(super) fn surface(&self) -> Result<Option<&Surface>, OutputError> {
         Ok(self.depth_map()?.map(|depth_map| &depth_map.surface))
     }
 
-    /// The bottom with so many corners at most; `None` where there is no depth map.
+    /// Returns the bottom with at most `most_corners` corners; `None` where there is no depth map.
     pub(super) fn bottom(
         &self,
         colour: BottomColour,
@@ -296,7 +298,7 @@ impl<'a> Results<'a> {
         made.map_err(OutputError::from)
     }
 
-    /// The isobaths; why there are none.
+    /// Returns the isobaths, or the reason why there are none.
     pub(super) fn isobaths(&self) -> Result<Result<Arc<Isobaths>, NoContours>, OutputError> {
         let Some(depth_map) = self.depth_map()? else {
             return Ok(Err(NoContours::NoDepthMap));
@@ -306,7 +308,8 @@ impl<'a> Results<'a> {
         Ok(made?.map_err(NoContours::from))
     }
 
-    /// Isobaths, the areas between them and what lies below each; why there are none.
+    /// Returns the isobaths, the areas between them and the storage below each level, or the reason
+    /// why there are none.
     pub(super) fn contours(&self) -> Result<&Result<Contours, NoContours>, OutputError> {
         once(&self.computed.contours, || {
             let (depth_map, isobaths) = (self.depth_map()?, self.isobaths()?);
@@ -321,19 +324,21 @@ impl<'a> Results<'a> {
         })
     }
 
-    /// The tiles of the depth map; on the way they take room beside a file of theirs.
+    /// Returns the tiles of the depth map; they take room in the folder of `file` until they are
+    /// dropped.
     pub(super) fn map_tiles(&self, file: &Path) -> Result<&MapTiles, OutputError> {
         let folder = file.parent().unwrap_or(file);
         once(&self.computed.map_tiles, || {
             let depth_map = self.depth_map()?.ok_or(NO_SURFACE)?;
-            // Too many isobaths are a warning of their group; the map is drawn without.
+            // Too many isobaths are reported for the files of isobaths; the map is drawn without
+            // isobaths.
             let isobaths = self.isobaths()?.unwrap_or_default();
             let log = (self.survey, self.products);
             MapTiles::new(depth_map, &isobaths, log, folder, self.progress)
         })
     }
 
-    /// The depths that a chart prints, in the plane of the map; none without a depth map.
+    /// Returns the depths that a chart prints, in the plane of the map; none without a depth map.
     pub(super) fn spot_soundings(&self) -> Result<&[DepthPoint], OutputError> {
         let made = once(&self.computed.spot_soundings, || {
             let Some(depth_map) = self.depth_map()? else {
@@ -368,14 +373,14 @@ impl<'a> Results<'a> {
         made.map(Option::as_ref)
     }
 
-    /// The mosaic in the plane of the map; `None` where nothing is shown.
+    /// Returns the mosaic in the plane of the map; `None` where no log has echoes with a place.
     pub(super) fn mosaic(&self) -> Result<Option<Arc<Mosaic>>, OutputError> {
         let plane = MosaicPlane::Map(self.plane.map.clone());
         let made = (self.order.derived).mosaic(self.order.logs, plane, self.progress);
         made.map_err(OutputError::from)
     }
 
-    /// The survey against the reference; `None` without one.
+    /// Returns the agreement of the survey with the reference; `None` without a reference.
     pub(super) fn agreement(&self) -> Result<Option<&Agreement>, OutputError> {
         let made = once(&self.computed.agreement, || {
             let Some((reference, matching)) = self.order.reference else {
@@ -387,7 +392,7 @@ impl<'a> Results<'a> {
         made.map(Option::as_ref)
     }
 
-    /// The files that the reference was read from.
+    /// Returns the files that the reference was read from; none without a reference.
     pub(super) fn reference_inputs(&self) -> Result<&[Input], OutputError> {
         let made = once(&self.computed.reference_inputs, || match self.order.reference {
             Some((reference, _)) => Ok(reference.inputs(self.progress)?),
@@ -415,8 +420,8 @@ impl<'a> Results<'a> {
         made.map(|found| Some(found.as_slice()))
     }
 
-    /// Returns the boxes that a search found in each log as a review in which nothing is decided;
-    /// numbers of boxes go on from log to log.
+    /// Returns the review with proposals from the search added for the logs that satisfy
+    /// `is_asked`, none of them decided; numbers of boxes continue from log to log.
     fn found_review(&self, is_asked: impl Fn(usize) -> bool) -> Result<SurveyReview, OutputError> {
         let mut review = self.order.review.clone();
         review.logs.resize(self.order.logs.len(), None);
@@ -439,7 +444,7 @@ impl<'a> Results<'a> {
         Ok(review)
     }
 
-    /// Returns the objects that a search found in all logs; `None` where none searched.
+    /// Returns the objects that a search found in all logs; `None` without a search.
     pub(super) fn found_objects(&self) -> Result<Option<&ObjectList>, OutputError> {
         if self.found()?.is_none() {
             return Ok(None);
@@ -454,7 +459,7 @@ impl<'a> Results<'a> {
     /// Returns the objects that a search found, with their shapes.
     ///
     /// # Errors
-    /// When none searched, too.
+    /// When there was no search, or the objects cannot be computed.
     pub(super) fn shaped_found(&self) -> Result<(&ObjectList, &Shapes), OutputError> {
         let list = self.found_objects()?;
         let list = list.ok_or("nothing searched for objects")?;
@@ -462,8 +467,8 @@ impl<'a> Results<'a> {
         Ok((list, shapes))
     }
 
-    /// The objects of the survey: of each log those that were decided about, or else those that a
-    /// search found; `None` where nobody looked.
+    /// Returns the objects of the survey: for each log those of its review, or else those that a
+    /// search found; `None` without a search or a review.
     pub(super) fn objects(&self) -> Result<Option<&ObjectList>, OutputError> {
         let is_searched = self.order.asks_for(When::Searched);
         match (self.order.review.has_boxes(), is_searched) {
@@ -482,7 +487,7 @@ impl<'a> Results<'a> {
     /// Returns the objects of the survey with their shapes.
     ///
     /// # Errors
-    /// When nobody looked, too.
+    /// When there was neither a search nor a review, or the objects cannot be computed.
     pub(super) fn shaped_objects(&self) -> Result<(&ObjectList, &Shapes), OutputError> {
         if !self.order.review.has_boxes() {
             return self.shaped_found();
@@ -497,7 +502,7 @@ impl<'a> Results<'a> {
         Ok(find_shapes(list, self.order.logs, self.progress)?)
     }
 
-    /// The logs as tables of boxes name them.
+    /// Returns the logs with the names that tables of boxes use.
     pub(super) fn object_logs(&self) -> Vec<ObjectLog<'_>> {
         let logs = self.names.iter().zip(self.logs());
         logs.map(|(name, (survey, _))| ObjectLog { name, survey }).collect()

@@ -1,14 +1,15 @@
-//! The files of a run appear in their folder together.
+//! Puts the files of a run into their folder together.
 //!
 //! A run writes into a side folder within its folder, so that a run that fails, is cancelled or is
-//! killed leaves the files of the run before as they were. When all are written, a journal that
-//! names them is put beside them; from then on the run is decided, and what is left are renames:
-//! the old manifest goes first, the new one comes last, so that a folder with a manifest is whole.
-//! A run that is killed among these renames is finished by the next one into the same folder.
+//! killed leaves the files of the earlier run unchanged. When all files are written, a journal with
+//! their names is put beside them. From then on the run is complete except for renames: the old
+//! manifest is removed first, the new one is put in place last, so that a folder with a manifest is
+//! consistent. If a run is killed among these renames, the next run into the same folder finishes
+//! them.
 //!
-//! What an earlier run wrote and this one does not is removed, as long as nobody has changed it
-//! since: a folder holds the files of one run. Files that no manifest names are the user's own and
-//! stay.
+//! Files that an earlier run wrote and the new one did not are removed, unless a person has changed
+//! them since: a folder holds the files of one run. Files that no manifest lists belong to the user
+//! and stay.
 
 mod earlier;
 mod journal;
@@ -25,18 +26,20 @@ use std::fs::{self, File, TryLockError};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
-/// The side folder. One name for all runs: whoever comes next finds what the one before left.
+/// Name of the side folder. It is the same for all runs, so that the next run finds the remains of
+/// a killed one.
 const SIDE: &str = ".bathyscope-run";
 /// Subfolder of [`SIDE`] with the unfinished files.
 const NEW: &str = "new";
 /// File in [`SIDE`] that the active run keeps locked.
 const LOCK: &str = "lock";
-/// File in [`SIDE`] that lists the renames and removals to do. Where it exists, the run is decided.
+/// File in [`SIDE`] that lists the renames and removals to do. If it exists, the files of the run
+/// are complete.
 const JOURNAL: &str = "commit.json";
-/// Files that named what belongs to a run before there was a manifest beside the report. At most
-/// one of them is in a folder.
+/// Files that listed the files of a run in versions without a separate manifest. A folder has at
+/// most one of them.
 pub(super) const EARLIER_MANIFESTS: [&str; 2] = ["report.json", "merged.json"];
-/// The folder of what a search for objects proposes.
+/// Folder of the objects that a search proposes.
 const OBJECTS: &str = "objects/";
 
 /// Files of an earlier run that the new run did not write again.
@@ -44,7 +47,7 @@ const OBJECTS: &str = "objects/";
 pub struct Replaced {
     /// Files that were removed.
     pub removed: Vec<String>,
-    /// Files that are still there: somebody has changed them, or no manifest names them.
+    /// Files that are still there, because a person has changed them or no manifest lists them.
     pub kept: Vec<String>,
 }
 
@@ -62,8 +65,8 @@ impl Replaced {
     }
 }
 
-/// A folder that a run writes into. Dropped before [`RunFolder::commit`], it leaves the folder as
-/// it was.
+/// A folder that a run writes into. If it is dropped before [`RunFolder::commit`], the files in the
+/// folder stay unchanged.
 #[derive(Debug)]
 pub struct RunFolder {
     folder: PathBuf,
@@ -73,12 +76,11 @@ pub struct RunFolder {
 }
 
 impl RunFolder {
-    /// Makes the folder when it is missing, finishes or clears away what a killed run left in it,
-    /// and keeps other runs out.
+    /// Makes the folder if it is missing, finishes or removes the remains of a killed run in it,
+    /// and locks it against other runs.
     ///
     /// # Errors
-    /// A sentence when the folder cannot be written into, or another run writes into it at this
-    /// moment.
+    /// When the folder cannot be written into, or another run is writing into it.
     pub fn begin(folder: &Path) -> Result<Self, OutputError> {
         let is_ours = !folder.exists();
         let fail = |error: io::Error| {
@@ -96,7 +98,7 @@ impl RunFolder {
         if let Some(journal) = Journal::read(&side.join(JOURNAL)) {
             journal.finish(&side.join(NEW), folder).map_err(fail)?;
         }
-        // A journal that is not for this folder is not followed.
+        // A journal that is not valid is ignored and removed.
         empty(&side).map_err(fail)?;
         earlier::remove_parts(folder);
         remove_passing_chips(folder);
@@ -109,7 +111,7 @@ impl RunFolder {
         self.folder.join(SIDE).join(NEW)
     }
 
-    /// Returns the folder to which the files move in the end.
+    /// Returns the folder into which the files are moved in the end.
     pub(crate) fn destination(&self) -> &Path {
         &self.folder
     }
@@ -120,10 +122,11 @@ impl RunFolder {
         self.folder.join(name).components().collect()
     }
 
-    /// The files written so far, by name; those that are `known` are not read again.
+    /// Returns the files written so far, by name; the fingerprints of `known` files are not
+    /// computed again.
     ///
     /// # Errors
-    /// A sentence when one cannot be read, or the work was cancelled.
+    /// When a file cannot be read, or the work was cancelled.
     pub fn files(
         &self,
         known: &[Fingerprint],
@@ -139,19 +142,18 @@ impl RunFolder {
         names.into_iter().map(read).collect()
     }
 
-    /// Puts the files of a whole run in the place of those of the run before, `manifest` among
-    /// them, and gives back what became of files of the earlier run that have no successor.
+    /// Puts the files of a whole run, `manifest` among them, in the place of those of the earlier
+    /// run. Returns the files of the earlier run that have no successor, removed or kept.
     ///
     /// # Errors
-    /// A sentence when something is in the way; then the folder is as it was, or the next run
-    /// finishes the job.
+    /// When something is in the way. The folder is then unchanged, or the next run finishes the
+    /// renames.
     pub(crate) fn commit(self, manifest: &str) -> Result<Replaced, OutputError> {
         self.swap(Some(manifest), |_| true)
     }
 
-    /// Puts files in place that belong to no run, in a folder that may hold a run: the manifest
-    /// there no longer names them. `group` tells which files they are and those that they take the
-    /// place of.
+    /// Puts files that belong to no run into a folder that may hold a run. The manifest there no
+    /// longer lists them. `group` returns true for these files and for those that they replace.
     ///
     /// # Errors
     /// As [`RunFolder::commit`].
@@ -176,7 +178,7 @@ impl RunFolder {
         let goes = |name: &str| is_of_ours(name) && !files.iter().any(|file| file == name);
         let EarlierFiles { unchanged: mut remove, changed: kept } =
             earlier::files(&self.folder, goes);
-        // Of a version without subfolders, pictures lie on top.
+        // In versions without subfolders, the pictures are in the folder itself.
         for (of, replaced) in [(OBJECTS, Some(new.join(OBJECTS))), ("", None)] {
             let chips = earlier_chips(&self.folder, of, replaced.as_deref(), &remove);
             remove.extend(chips);
@@ -203,8 +205,8 @@ impl RunFolder {
         self.clear();
         let mut removed = journal.remove;
         let all: Vec<String> = removed.iter().chain(&kept).cloned().collect();
-        // What belongs to a file goes with it unsaid: its record in versions that had such, and the
-        // pictures of a folder.
+        // Files that belong to another file are not reported: the record of a file in versions with
+        // such records, and the pictures of a folder.
         let is_record = |name: &str| {
             name.strip_suffix(".json").is_some_and(|of| all.iter().any(|one| one == of))
         };
@@ -212,7 +214,8 @@ impl RunFolder {
         Ok(Replaced { removed, kept })
     }
 
-    /// Refuses to write where a folder has the name of a file, or a file that of a folder.
+    /// Refuses to write where a folder has the name of a file to be written, or a file has the name
+    /// of a folder.
     fn refuse_in_the_way(&self, files: &[String]) -> Result<(), OutputError> {
         let named = |what: &str, name: &Path| {
             let path = self.destination_of(name);
@@ -236,8 +239,8 @@ impl RunFolder {
         Ok(())
     }
 
-    /// Refuses to replace or remove a file that another program holds open on Windows, while the
-    /// folder is as it was.
+    /// Refuses to replace or remove a file that another program holds open on Windows, as long as
+    /// the folder is unchanged.
     fn refuse_held<'a>(&self, names: impl Iterator<Item = &'a String>) -> Result<(), OutputError> {
         let mut paths = names.map(|name| self.destination_of(Path::new(name)));
         match paths.find(|path| is_held(path)) {
@@ -250,19 +253,19 @@ impl RunFolder {
         }
     }
 
-    /// Removes the side folder; best effort, for the next run does so too.
+    /// Removes the side folder; best effort, because the next run does so too.
     fn clear(&mut self) {
         let Some(lock) = self.lock.take() else {
             return;
         };
         let side = self.folder.join(SIDE);
         if side.join(JOURNAL).exists() {
-            // Decided, but not done: the next run needs what is here.
+            // The renames are not finished: the next run needs the files here.
             return;
         }
         empty(&side).ok();
-        // While it is held, so that nobody else can be working in there; on Windows only what
-        // nobody has open can be removed.
+        // The lock is held meanwhile, so that no other run can work in the folder; on Windows only
+        // closed files can be removed.
         let lock = (!cfg!(windows)).then_some(lock);
         fs::remove_file(side.join(LOCK)).ok();
         fs::remove_dir(&side).ok();
@@ -279,7 +282,7 @@ impl Drop for RunFolder {
     }
 }
 
-/// Locks the side folder, which is made when it is missing; `None` when another run holds it.
+/// Locks the side folder, which is made if it is missing; `None` if another run holds the lock.
 fn take_lock(folder: &Path) -> io::Result<Option<File>> {
     let side = folder.join(SIDE);
     let path = side.join(LOCK);
@@ -288,7 +291,7 @@ fn take_lock(folder: &Path) -> io::Result<Option<File>> {
             Err(error) if error.kind() != io::ErrorKind::AlreadyExists => return Err(error),
             _ => {}
         }
-        // Whoever may write here could lead us elsewhere by a link.
+        // A link in the place of the folder could lead to another folder.
         if !fs::symlink_metadata(&side)?.is_dir() {
             return Err(io::Error::other(format!("`{SIDE}` in it is no folder")));
         }
@@ -298,16 +301,16 @@ fn take_lock(folder: &Path) -> io::Result<Option<File>> {
         let mut lock = match options.open(&path) {
             Ok(lock) => lock,
             Err(error) if is_in_use(&error) => return Ok(None),
-            // The run before has just removed the side folder.
+            // The earlier run has just removed the side folder.
             Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
             Err(error) => return Err(error),
         };
-        // Some network drives know no locks: better to write without than not at all.
+        // Some network drives have no locks: writing without a lock is better than not at all.
         if !cfg!(windows) && matches!(lock.try_lock(), Err(TryLockError::WouldBlock)) {
             return Ok(None);
         }
-        // Locked may be a file that the run before has removed meanwhile: then the one at the path
-        // is another.
+        // The locked file may have been removed by the earlier run meanwhile; the file at the path
+        // is then another one.
         let token = format!("{} {attempt}\n", std::process::id());
         lock.set_len(0)?;
         lock.write_all(token.as_bytes())?;
@@ -318,7 +321,7 @@ fn take_lock(folder: &Path) -> io::Result<Option<File>> {
     Ok(None)
 }
 
-/// Removes all that is in a side folder but the lock.
+/// Removes everything in a side folder except the lock.
 fn empty(side: &Path) -> io::Result<()> {
     for entry in fs::read_dir(side)? {
         let entry = entry?;
@@ -331,7 +334,7 @@ fn empty(side: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// The files of a folder and of the folders in it, by name.
+/// Returns the names of the files in a folder and in its subfolders.
 fn names_in(folder: &Path) -> io::Result<Vec<String>> {
     let mut names = Vec::new();
     for entry in fs::read_dir(folder)? {

@@ -1,4 +1,4 @@
-//! The track and the insonified ground, for plotters and maps.
+//! Writes the track and the insonified ground, for plotters and maps.
 
 use super::content::{FileContent, FileResult};
 use super::ground::SideScanCoverage;
@@ -6,7 +6,7 @@ use super::results::Results;
 use crate::export::{self, LabelledLine, Summary, TrackPiece};
 use std::path::Path;
 
-/// Red, which stays legible on a map and on a picture of the earth.
+/// Red that is legible on a map and on a picture of the earth.
 const COLOUR: [u8; 3] = [214, 39, 40];
 
 /// Writes `track.gpx`.
@@ -29,7 +29,7 @@ pub(super) fn kmz(results: &Results<'_>, path: &Path) -> FileResult {
     Ok(FileContent::in_degrees(lines))
 }
 
-/// Writes `track.shp` with what belongs to it, in the system of the map.
+/// Writes `track.shp` with its companions, in the coordinate system of the map.
 pub(super) fn shapefile(results: &Results<'_>, path: &Path) -> FileResult {
     let crs = &results.plane.map.crs;
     let names = ["ping_from", "ping_to", "length_m"];

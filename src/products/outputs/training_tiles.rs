@@ -11,10 +11,10 @@ use serde::{Deserialize, Serialize};
 use std::fs;
 use std::path::Path;
 
-/// Author of the pictures in the manifest.
+/// Name of the program in the manifest of the pictures.
 const PROGRAM: &str = "bathyscope review";
 
-/// The decided boxes of a log with what is needed to draw them.
+/// The decided boxes of a log with the data that their pictures are drawn from.
 pub(super) struct TrainingTiles<'a> {
     pub survey: &'a Survey,
     pub review: &'a Review,
@@ -22,7 +22,7 @@ pub(super) struct TrainingTiles<'a> {
     pub classes: &'a [String],
     pub raster: &'a Raster,
     pub tiles: &'a [ReviewedTile],
-    /// The part that all of the log belongs to.
+    /// Part of the dataset that the whole log belongs to.
     pub part: DatasetPart,
 }
 
@@ -35,12 +35,12 @@ struct Manifest<'a> {
     pixel_m: f64,
     tile_px: usize,
     classes: &'a [String],
-    /// Pictures in which all was rejected.
+    /// Number of pictures in which all boxes were rejected.
     hard_negatives: usize,
     parts: [PartSummary; 3],
 }
 
-/// Identifies an earlier export of a log among other people's pictures.
+/// The parts of a manifest that identify an earlier export of the same log.
 #[derive(Deserialize)]
 struct Earlier {
     program: String,
@@ -48,7 +48,7 @@ struct Earlier {
 }
 
 impl TrainingTiles<'_> {
-    /// Writes the pictures with their labels; returns how many are hard negatives.
+    /// Writes the pictures with their labels; returns the number of hard negatives.
     pub(super) fn write(&self, root: &Path, progress: &Progress) -> Result<usize, OutputError> {
         self.clear(root)?;
         let (classes, places) = self.review.training_classes(self.classes);
@@ -106,8 +106,8 @@ impl TrainingTiles<'_> {
         }
     }
 
-    /// Removes the pictures of an earlier export of this log, which may have been more; refuses a
-    /// folder of other pictures.
+    /// Removes the pictures of an earlier export of this log, which may have had more pictures;
+    /// refuses a folder of other pictures.
     fn clear(&self, root: &Path) -> Result<(), OutputError> {
         if !fs::read_dir(root).is_ok_and(|mut entries| entries.next().is_some()) {
             return Ok(());
@@ -140,7 +140,7 @@ impl TrainingTiles<'_> {
     }
 }
 
-/// Returns true if a file is named as those that are written: six digits.
+/// Returns true if a file name has the form of those that are written: six digits.
 fn is_numbered(path: &Path, ending: &str) -> bool {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let is_number = stem.len() == 6 && stem.bytes().all(|byte| byte.is_ascii_digit());

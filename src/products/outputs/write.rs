@@ -1,5 +1,5 @@
-//! All files of a run; and those of a search for objects by itself, into a folder that may hold the
-//! files of a run.
+//! Writes all files of a run, or only those of a search for objects, into a folder that may hold
+//! the files of a run.
 
 use super::content::{FileContent, Missing, Need};
 use super::groups::{first_missing, place, write_groups};
@@ -28,16 +28,15 @@ use std::path::Path;
 pub struct Written {
     /// The files, in the order of writing.
     pub files: Vec<&'static OutputFile>,
-    /// Number of files that were made of the results, with those that belong to them and the
-    /// pictures.
+    /// Number of files that were made from the results, with their companions and the pictures.
     pub file_count: usize,
-    /// Bytes of all of them.
+    /// Total size of these files, bytes.
     pub byte_count: u64,
     /// Files of an earlier run that were removed or kept.
     pub replaced: Replaced,
     /// The report, as written to `report.json`.
     pub report: Report,
-    /// Boxes and objects that were found, where a model searched.
+    /// Boxes and objects that were found; `None` without a search.
     pub found: Option<Proposed>,
 }
 
@@ -54,21 +53,22 @@ impl Written {
     }
 }
 
-/// Writes every file of the registry that is asked for, `report.html`, `report.json` and the
-/// manifest of them all, and puts them in the place of an earlier run's files.
+/// Writes every requested file of the registry, `report.html`, `report.json` and the manifest of
+/// all files, and puts them in the place of the files of an earlier run.
 ///
-/// `on_step` receives the next step.
+/// `on_step` receives the name of the next step.
 ///
 /// # Errors
-/// A sentence that names the file, a log that was cut or changed meanwhile among them, or says that
-/// the work was cancelled; the folder is then as it was.
+/// When a file cannot be made or written, a log was cut or changed meanwhile, or the work was
+/// cancelled; the sentence names the file. The folder is then unchanged.
 pub fn write(
     order: &Order<'_>,
     folder: RunFolder,
     progress: &Progress,
     mut on_step: impl FnMut(&'static str),
 ) -> Result<Written, OutputError> {
-    // Before the work: a system that does not fit should not cost a hash of all inputs first.
+    // This is checked first: an unsuitable coordinate system should be reported before all inputs
+    // are hashed.
     let results = Results::new(order, progress)?;
     refuse_overwrite(order, folder.destination())?;
     let path = folder.path();
@@ -118,7 +118,7 @@ pub fn write(
     })
 }
 
-/// The report of the log, or of all logs.
+/// Returns the report of the log, or of all logs.
 fn report(results: &Results<'_>) -> Result<Report, Cancelled> {
     let several = match results.order.logs {
         [_] => None,
@@ -131,14 +131,14 @@ fn report(results: &Results<'_>) -> Result<Report, Cancelled> {
     Ok(Report { corrections: results.order.corrections.to_vec(), ..report })
 }
 
-/// Files that were made of results, and why others were not.
+/// Files that were made from results, and the reasons why others were not.
 struct MadeFiles {
     files: Vec<(&'static OutputFile, FileContent)>,
     warnings: Vec<String>,
 }
 
-/// Writes the files that are made of the results alone, as far as they are asked for and possible;
-/// the search for objects comes first.
+/// Writes the files that are made from the results alone, if they are requested and possible; the
+/// search for objects is done first.
 fn write_rows(
     results: &Results<'_>,
     folder: &Path,
@@ -167,7 +167,7 @@ fn write_rows(
     Ok(made)
 }
 
-/// Writes `manifest.json`, which names every other file of the run.
+/// Writes `manifest.json`, which lists every other file of the run.
 fn manifest(run: &OutputRun<'_>, path: &Path) -> Result<(), OutputError> {
     let files = (run.folder).files(&run.hashed, run.results.progress)?;
     let compared = run.made.iter().any(|(row, _)| row.needs.contains(&Need::Reference));
@@ -175,12 +175,12 @@ fn manifest(run: &OutputRun<'_>, path: &Path) -> Result<(), OutputError> {
     write_manifest(path, &run.report, &run.made, &files, more_inputs)
 }
 
-/// Searches a survey and writes what is found, in the place of what an earlier search wrote there;
-/// gives back what became of that, too.
+/// Searches a survey and writes the found objects in the place of those of an earlier search.
+/// Returns the found boxes, and the earlier files that were removed or kept.
 ///
 /// # Errors
-/// A sentence that names the file, or says that the work was cancelled; the folder is then as it
-/// was.
+/// When a file cannot be made or written, or the work was cancelled; the sentence names the file.
+/// The folder is then unchanged.
 pub fn write_detected(
     log: &ProcessedLog,
     model: &Model,
@@ -204,7 +204,8 @@ pub fn write_detected(
     Ok((found, run.commit_group(is_of_search)?))
 }
 
-/// Does the same for a picture of another program, by its name in the table.
+/// Searches a picture of another program and writes the found boxes like [`write_detected`]; `name`
+/// is the name of the picture in the table.
 ///
 /// # Errors
 /// As [`write_detected`].
@@ -218,7 +219,7 @@ pub fn write_detected_in_picture(
 ) -> Result<(Vec<Scored>, Replaced), OutputError> {
     let found = find_in_picture(picture, model, settings, progress)?;
     let folder = run.path().join("objects");
-    // The chips come first, and make the folder.
+    // The chips are written first, because this makes the folder.
     export::picture_chips(&folder, picture, model.names(), &found).and_then(|_| {
         let table = folder.join("detections.csv");
         export::picture_boxes_csv(&table, name, model.names(), &found)
@@ -226,13 +227,13 @@ pub fn write_detected_in_picture(
     Ok((found, run.commit_group(is_of_search)?))
 }
 
-/// Returns true if a file is of a search, in whatever version's layout.
+/// Returns true if a file belongs to a search, in the layout of any version.
 fn is_of_search(name: &str) -> bool {
     let row = row_of(name).or_else(|| row_of_beside(name));
     row.is_some_and(|row| is_asked(row.when))
 }
 
-/// Returns true for files that a search alone writes.
+/// Returns true for files that a search for objects writes.
 fn is_asked(when: When) -> bool {
     matches!(when, When::Searched | When::Listed)
 }

@@ -1,8 +1,8 @@
-//! Differences of the points of a survey, of one log or of several, from a reference, point by
-//! point.
+//! Computes the differences of the points of a survey, of one log or of several, from a reference,
+//! point by point.
 //!
 //! In: the results of logs, and a reference. Out: a difference for each point that has a reference,
-//! with statistics, of each source of points, too, and tables by what may cause it.
+//! with statistics of all points and of each source, and tables by possible causes.
 //!
 //! `reference` opens the reference: a file of points or another mission.
 
@@ -22,7 +22,7 @@ use reference::{ReferenceFault, bounds, distance_m};
 use serde::Serialize;
 use std::sync::Arc;
 
-/// Sources whose agreement is told, each with a name.
+/// Groups of sources that are compared, each with a name.
 const PARTS: [(&str, &[PointSource]); 6] = [
     ("all points", &PointSource::ALL),
     ("down-scan", &[PointSource::DownScan]),
@@ -31,17 +31,17 @@ const PARTS: [(&str, &[PointSource]); 6] = [
     ("starboard", &[PointSource::Starboard]),
     ("swath", &[PointSource::Swath]),
 ];
-/// Headings that are taken together, degrees.
+/// Width of a bin of headings, degrees.
 const SECTOR_DEG: f64 = 45.0;
-/// Width of a bin where the values give none, as where all points lie at one distance from the
-/// track, metres.
+/// Width of a bin, metres, if the values give none, for example if all points are at one distance
+/// from the track.
 const ANY_WIDTH_M: f64 = 0.5;
 
-/// Points of one or several logs and how they differ from a reference, measured minus reference
+/// Differences of the points of one or several logs from a reference, measured minus reference
 /// elevation: up is positive.
 #[derive(Clone, Debug)]
 pub struct Agreement {
-    /// The points, log by log.
+    /// Differences of the points of each log.
     pub logs: Vec<LogDifferences>,
     /// Reference of the points; `None` for the survey's own soundings.
     pub reference: Option<Arc<Reference>>,
@@ -53,15 +53,15 @@ pub struct Agreement {
     pub tables: ResidualTables,
 }
 
-/// The points of a log that have a reference.
+/// Points of a log that have a reference.
 #[derive(Clone, Debug)]
 pub struct LogDifferences {
     /// Cloud of the points.
     pub cloud: Arc<PointCloud>,
-    /// Points that were compared with the reference.
+    /// Number of points that were compared with the reference.
     pub measured: usize,
-    /// Differences of the points that have a reference, in the cloud's order: `measured` of each is
-    /// the index there. Empty where the reference is elsewhere.
+    /// Differences of the points that have a reference, in the cloud's order; their field
+    /// `measured` is the index in the cloud. Empty if no point has a reference.
     pub differences: Vec<Match>,
 }
 
@@ -74,11 +74,11 @@ pub struct ResidualTables {
     pub by_across_m: Vec<Bin>,
     /// Bins by the heading, degrees clockwise from north.
     pub by_heading_deg: Vec<Bin>,
-    /// Count of the differences by size.
+    /// Number of differences by size; `None` if there is none.
     pub histogram: Option<DifferenceHistogram>,
 }
 
-/// A point of one of the logs. As small as it can be: there are millions.
+/// Point of one of the logs: its indices, in 32 bits because there are millions.
 #[derive(Clone, Copy)]
 struct Chosen {
     log: u32,
@@ -87,7 +87,8 @@ struct Chosen {
 
 impl Agreement {
     /// Compares the kept points of some sources of all logs with the triangulated soundings of all
-    /// logs at the same place; `None` where no point lies over them. The logs lie in one frame.
+    /// logs at the same place; `None` if no point is over the soundings. The logs are in one local
+    /// coordinate frame.
     ///
     /// # Errors
     /// When the work was cancelled.
@@ -112,11 +113,12 @@ impl Agreement {
         Self::of(logs, &asked, soundings, matching, progress)
     }
 
-    /// Compares the kept points of all logs that a depth map is made of with a reference. The logs
-    /// lie in one frame.
+    /// Compares the kept points of all logs from which a depth map is made with a reference. The
+    /// logs are in one local coordinate frame.
     ///
     /// # Errors
-    /// When there is no log, the reference lies elsewhere, or the work was cancelled.
+    /// When there is no log, the reference cannot be used, no point has a reference, or the work
+    /// was cancelled.
     pub fn with_reference(
         logs: &[ProcessedLog],
         reference: &Arc<Reference>,
@@ -131,8 +133,8 @@ impl Agreement {
         let there = bounds(points.map(|point| [point.east_m, point.north_m]));
         let mut places = reference.places(first, progress)?;
         let all = bounds(places.iter().map(|&[x, y, _]| [x, y]));
-        // No triangle that the surface keeps, and no radius, reaches farther: what is left out
-        // changes nothing.
+        // No triangle that the surface keeps, and no radius, reaches farther: the points removed
+        // here have no influence.
         let reach_m = match matching {
             Matching::Nearest { radius_m } => radius_m,
             Matching::Surface { max_gap_m } => 2.0 * max_gap_m,
@@ -150,7 +152,7 @@ impl Agreement {
     }
 
     /// Compares chosen points of the logs, sorted by log, with reference points in the same plane;
-    /// `None` where no point has a reference.
+    /// `None` if no point has a reference.
     fn of(
         logs: &[ProcessedLog],
         chosen: &[Chosen],
@@ -181,13 +183,14 @@ impl Agreement {
         }))
     }
 
-    /// All differences, log by log, each with the cloud that its `measured` is the index in.
+    /// Returns all differences, log by log, each with the cloud in which its `measured` is an
+    /// index.
     pub fn differences(&self) -> impl Iterator<Item = (&PointCloud, &Match)> {
         let logs = self.logs.iter();
         logs.flat_map(|log| log.differences.iter().map(|one| (&*log.cloud, one)))
     }
 
-    /// The statistics of each log by itself.
+    /// Returns the statistics of each log alone.
     pub(crate) fn comparison_of_each(&self, logs: &[ProcessedLog]) -> Vec<Comparison> {
         let each = self.logs.iter().zip(logs);
         each.map(|(found, log)| {
@@ -199,8 +202,8 @@ impl Agreement {
 }
 
 impl Agreement {
-    /// The comparison of all points of the logs that it was made of, and of those of each source
-    /// that has some.
+    /// Returns the comparison of all points of the logs from which this agreement was made, and of
+    /// the points of each group of sources that has some.
     pub(crate) fn by_source(&self, logs: &[ProcessedLog]) -> Vec<NamedComparison> {
         let counted: Vec<Vec<usize>> = logs.iter().map(|log| counted(&log.products)).collect();
         let reference = self.reference.as_ref();
@@ -226,13 +229,14 @@ impl Agreement {
     }
 }
 
-/// The elevation of the water that the depths of all points are counted from: the first log's.
+/// Returns the elevation of the water surface from which the depths of all points are counted: that
+/// of the first log.
 fn level_m(logs: &[ProcessedLog]) -> f64 {
     let first = logs.first();
     first.map_or(0.0, |log| log.products.correction.middle_level_m())
 }
 
-/// Points of all logs, in the order of logs and of points.
+/// Returns points of all logs, in the order of the logs and of their points.
 fn chosen(logs: &[ProcessedLog], of: impl Fn(&Products) -> Vec<usize>) -> Vec<Chosen> {
     let mut all = Vec::new();
     for (log, one) in (0..).zip(logs) {
@@ -248,7 +252,8 @@ fn point(logs: &[ProcessedLog], chosen: Chosen) -> &CloudPoint {
     &logs[chosen.log as usize].products.cloud.points[chosen.point as usize]
 }
 
-/// Differences whose `measured` counts the chosen points, with each log.
+/// Splits the differences by log; their field `measured` changes from the index among the chosen
+/// points to the index in the log's cloud.
 fn by_log(logs: &[ProcessedLog], chosen: &[Chosen], differences: &[Match]) -> Vec<LogDifferences> {
     let with = |(number, log): (u32, &ProcessedLog)| {
         let first = chosen.partition_point(|one| one.log < number);
@@ -278,25 +283,27 @@ fn unmatched(matching: Matching, away_m: f64) -> ReferenceFault {
     }
 }
 
-/// Indices of the kept points that count.
+/// Returns the indices of the kept points for which `counts` is true.
 fn kept(products: &Products, counts: impl Fn(&CloudPoint) -> bool) -> Vec<usize> {
     let chosen = || {
         let kept = products.cloud.kept(&products.classes);
         kept.filter(|(_, point)| counts(point))
     };
-    // Counted first: a vector of a million that grows takes three times its memory for a moment.
+    // Counted first: a vector of a million elements that grows takes three times its memory for a
+    // moment.
     let mut indices = Vec::with_capacity(chosen().count());
     indices.extend(chosen().map(|(index, _)| index));
     indices
 }
 
-/// Indices of the kept points that a depth map is made of.
+/// Returns the indices of the kept points from which a depth map is made.
 fn counted(products: &Products) -> Vec<usize> {
     let settings = &products.settings.surface;
     kept(products, |point| settings.weight(point) > 0.0)
 }
 
-/// Sorts differences; `measured` tells the point of each, and the results that it is of.
+/// Sorts differences into tables; `measured` returns the results of the log and the point of each
+/// difference.
 fn tables<'a>(
     differences: &[Match],
     measured: impl Fn(&Match) -> (&'a Products, &'a CloudPoint),
@@ -329,7 +336,8 @@ fn boat<'a>(products: &'a Products, point: &CloudPoint) -> Option<&'a PingNav> {
     point.record().place(&products.navigation)
 }
 
-/// Distance of a point from where the boat was, to starboard; NaN where that is not known.
+/// Returns the distance of a point to starboard of the boat, metres; NaN if the boat's place is
+/// unknown.
 fn across_m(products: &Products, point: &CloudPoint) -> f64 {
     let across = boat(products, point).and_then(|boat| {
         let [east, north] = boat.starboard()?;

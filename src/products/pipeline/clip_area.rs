@@ -1,23 +1,24 @@
-//! The area that isobaths end at, brought from degrees into the plane of a map.
+//! Transforms the area that clips the isobaths from degrees into the plane of a map.
 
 use bathyscope_bottom::bathymetry::isobaths::{ClipArea, IsobathSettings, NoIsobaths};
 use bathyscope_log::support::geo::LonLat;
 use bathyscope_log::support::outline::{between, bounds, edges};
 
-/// Edges are straight in degrees; pieces so long, metres, are off that by less than a millimetre
-/// where they are straight in the plane.
+/// Length of the pieces into which edges are cut, metres. Edges are straight in degrees, pieces are
+/// straight in the plane; at this length they differ by less than a millimetre.
 const PIECE_M: f64 = 50.0;
-/// Most pieces of all edges: beyond them pieces are longer.
+/// Most pieces of all edges; longer edges are cut into longer pieces.
 const MOST_PIECES: f64 = 1e6;
 /// Margin around the map within which edges count, degrees: a shoreline may be that of a continent,
-/// which no plane holds.
+/// which no plane can hold.
 const MARGIN_DEG: f64 = 0.01;
 
-/// The area that `isobaths.clip` names, within a box about the map (west, south, east, north,
-/// degrees) and in the plane that `place` leads to; `None` where none is named. It may be empty.
+/// Returns the area that `isobaths.clip` names, within a box about the map (west, south, east,
+/// north, degrees) and in the plane to which `place` transforms; `None` if no area is named. The
+/// area may be empty.
 ///
 /// # Errors
-/// When the file has not been read.
+/// When the file of the area has not been read.
 pub fn clip_area(
     settings: &IsobathSettings,
     bounds_deg: [f64; 4],
@@ -52,8 +53,9 @@ pub fn clip_area(
     Ok(Some(ClipArea::new(rings.iter().map(in_pieces).collect())))
 }
 
-/// A ring within a box (Sutherland and Hodgman 1974): what lies beyond runs along the edges of the
-/// box. Beyond the date line it lies where its middle is nearest to a longitude.
+/// Clips a ring to a box (Sutherland and Hodgman 1974): the parts outside follow the edges of the
+/// box. A ring beyond the date line is moved by whole turns, so that its middle is nearest to
+/// `middle_deg`.
 fn within(ring: &[LonLat], middle_deg: f64, around: [f64; 4]) -> Vec<[f64; 2]> {
     let [west, _, east, _] = bounds(ring.iter().map(|at| [at.lon_deg, at.lat_deg]));
     let turns = ((middle_deg - 0.5 * (west + east)) / 360.0).round();
@@ -94,7 +96,7 @@ mod tests {
         }
     }
 
-    /// A hundred kilometres a degree.
+    /// Converts degrees to metres: a hundred kilometres a degree.
     fn plane(at: LonLat) -> [f64; 2] {
         [1e5 * at.lon_deg, 1e5 * at.lat_deg]
     }

@@ -1,5 +1,5 @@
-//! The stages of one log behind the window: one worker, the newest request wins, the last result
-//! stays on screen.
+//! Runs the stages of one log in the background of the window: one worker, a new request replaces
+//! the current one, the last result stays on screen.
 
 use super::{Jobs, Products, Settings, Stage, Task, TaskOutcome, run};
 use bathyscope_log::survey::Survey;
@@ -13,19 +13,19 @@ pub enum EngineStatus {
     Idle,
     /// A stage runs.
     Running {
-        /// The stage.
+        /// Current stage.
         stage: Stage,
-        /// Its done share, 0 to 1.
+        /// Share of the stage that is done, 0 to 1.
         fraction: f32,
     },
 }
 
-/// A stage ended in a panic.
+/// Error of a stage that ended in a panic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("a processing step failed unexpectedly; the last result stays")]
 pub struct StageFailed;
 
-/// Runs [`run`] in a background thread. A new request cancels the one under way.
+/// Runner of [`run`] in a background thread. A new request cancels the current one.
 pub struct Engine {
     jobs: Jobs,
     running: Option<Running>,
@@ -37,13 +37,13 @@ struct Running {
 }
 
 impl Engine {
-    /// Works as `jobs` says.
+    /// Creates an engine that starts its work by `jobs`.
     pub fn new(jobs: Jobs) -> Self {
         Self { jobs, running: None }
     }
 
-    /// Starts over with these inputs; stages whose settings equal those of `previous` are not run
-    /// again.
+    /// Starts a run with these inputs and cancels the current one; stages whose settings equal
+    /// those of `previous` are not run again.
     pub fn request(&mut self, survey: Arc<Survey>, settings: Settings, previous: Option<Products>) {
         self.cancel();
         let stage = Arc::new(Mutex::new(Stage::Navigation));
@@ -58,12 +58,13 @@ impl Engine {
         self.running = Some(Running { stage, task });
     }
 
-    /// Stops the work under way; its result is dropped.
+    /// Cancels the current run; its result is dropped.
     pub fn cancel(&mut self) {
         self.running = None;
     }
 
-    /// The result of the last request, once, when it is there. `Err` when its worker died.
+    /// Returns the result of the last request once, when the run has ended; `None` before and
+    /// after. `Err` means that the worker panicked.
     pub fn poll(&mut self) -> Option<Result<Products, StageFailed>> {
         let outcome = match self.running.as_ref()?.task.poll() {
             TaskOutcome::Pending => return None,

@@ -1,4 +1,4 @@
-//! Identifies one version of a file.
+//! Identifies a version of a file by its name, size and hash.
 
 use super::Settings;
 use bathyscope_log::support::file_error::FileError;
@@ -12,33 +12,34 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-/// Bytes hashed between two looks at whether the work was cancelled.
+/// Bytes hashed between two checks for cancellation.
 const CHUNK: usize = 1 << 20;
 
-/// One file read.
+/// File that was read.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Input {
-    /// Its name, as it was given.
+    /// Name of the file, as it was given.
     pub file: String,
-    /// Its size.
+    /// Size of the file, bytes.
     pub bytes: usize,
-    /// SHA-256, hexadecimal.
+    /// SHA-256 of the file, hexadecimal.
     pub sha256: String,
 }
 
-/// A file of a folder, by name and content.
+/// Fingerprint of a file in a folder, by name and content.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Fingerprint {
-    /// Its name in the folder; with `/` before it the subfolder's.
+    /// Name of the file in the folder; for a file in a subfolder, with the subfolder's name and `/`
+    /// before it.
     pub file: String,
-    /// Its size.
+    /// Size of the file, bytes.
     pub bytes: u64,
-    /// SHA-256, hexadecimal.
+    /// SHA-256 of the file, hexadecimal.
     pub sha256: String,
 }
 
 impl Fingerprint {
-    /// Reads a file of `folder`.
+    /// Computes the fingerprint of a file in `folder`.
     ///
     /// # Errors
     /// The system's error; [`io::ErrorKind::Other`] when the work was cancelled.
@@ -48,20 +49,20 @@ impl Fingerprint {
         Ok(Self { file: file.to_owned(), bytes, sha256 })
     }
 
-    /// Returns true if there is a file of that name and size in `folder`, whatever it holds.
+    /// Returns true if there is a file of that name and size in `folder`, whatever its content.
     pub(crate) fn is_as_long_in(&self, folder: &Path) -> bool {
         let there = folder.join(&self.file).symlink_metadata();
         there.is_ok_and(|there| there.is_file() && there.len() == self.bytes)
     }
 
-    /// Returns true if the file of that name in `folder` is still this one.
+    /// Returns true if the file of that name in `folder` still has this fingerprint.
     pub(crate) fn is_unchanged(&self, folder: &Path) -> bool {
         let again = || Self::of(folder, &self.file, &Progress::new());
         self.is_as_long_in(folder) && again().is_ok_and(|again| again == *self)
     }
 }
 
-/// The files of a log, read for their hashes.
+/// Hashes the files of a log.
 pub(super) fn hash_inputs(survey: &Survey, progress: &Progress) -> Result<Vec<Input>, Cancelled> {
     progress.start(survey.bytes.iter().map(|bytes| bytes.len() as u64).sum());
     let files = survey.source.files.iter().zip(&survey.bytes);
@@ -71,22 +72,22 @@ pub(super) fn hash_inputs(survey: &Survey, progress: &Progress) -> Result<Vec<In
             Ok(Input {
                 file: path.display().to_string(),
                 bytes: bytes.len(),
-                // Memory can be read, unless somebody says to stop; `Survey::check_files` tells of
-                // what reads as zero.
+                // Reading memory cannot fail; the only error is a cancellation.
+                // `Survey::check_files` detects bytes that read as zero because the file changed.
                 sha256: sha256.map_err(|_| Cancelled)?.1,
             })
         })
         .collect()
 }
 
-/// A log by its bytes, and all files that its results depend on.
+/// Hash of a log, and fingerprints of all files on which its results depend.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct LogFiles {
-    /// SHA-256 of its file; of a log of several files, that of their hashes in a row. Names and
-    /// folders do not matter.
+    /// SHA-256 of the log's file; for a log of several files, SHA-256 of their concatenated hashes.
+    /// Names and folders have no influence.
     pub sha256: String,
-    /// Its files, the track of another receiver and the readings of the water level, by their names
-    /// without folders.
+    /// Files of the log, the track of another receiver and the readings of the water level, by
+    /// their names without folders.
     pub files: Vec<Fingerprint>,
 }
 
@@ -132,10 +133,10 @@ pub enum InputError {
     /// The work was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
-    /// A log did not stay what it was.
+    /// A file of the log has changed.
     #[error(transparent)]
     Log(#[from] FileError<FileFault>),
-    /// The system does not give it.
+    /// The system cannot read the file.
     #[error("cannot read the file: {source}: {}", path.display())]
     Unreadable {
         /// The system's error.
@@ -145,7 +146,7 @@ pub enum InputError {
     },
 }
 
-/// A file that is no log.
+/// Hashes a file that is not a log.
 pub(super) fn hash_file(path: &Path, progress: &Progress) -> Result<Input, InputError> {
     let fail = |source: io::Error| match progress.check() {
         Err(cancelled) => InputError::from(cancelled),
@@ -158,7 +159,7 @@ pub(super) fn hash_file(path: &Path, progress: &Progress) -> Result<Input, Input
     Ok(Input { file: path.display().to_string(), bytes: bytes as usize, sha256 })
 }
 
-/// Length and SHA-256 of what is read.
+/// Computes the length and SHA-256 of the bytes read.
 ///
 /// # Errors
 /// The system's error; [`io::ErrorKind::Other`] when the work was cancelled.
@@ -166,7 +167,7 @@ pub(crate) fn sha256_of(from: impl Read, progress: &Progress) -> io::Result<(u64
     hash(from, || progress.check(), |_| ())
 }
 
-/// Length and SHA-256 of what is read; `check` may stop it.
+/// Computes the length and SHA-256 of the bytes read; an error of `check` stops the reading.
 fn hash(
     mut from: impl Read,
     check: impl Fn() -> Result<(), Cancelled>,
@@ -186,7 +187,7 @@ fn hash(
     }
 }
 
-/// Bytes of a hash as text.
+/// Returns the bytes of a hash as hexadecimal text.
 pub fn in_hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }

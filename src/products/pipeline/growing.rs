@@ -1,10 +1,10 @@
-//! Results of a log that is still being written: the stages are run over its last pings, and what
-//! they find is joined to what was there.
+//! Extends the results of a log that is still being written: the stages are run over its last
+//! pings, and their results are joined to the earlier ones.
 //!
-//! Nothing is measured anew that belongs to the log as a whole: calibration, flat stretches,
-//! correction of depths and the scale of the picture stay those of the last run over all of it. The
-//! results are good for looking at the log while it grows; those that stay come from
-//! [`run`](super::run) over the whole log.
+//! Properties of the whole log are not measured again: calibration, flat stretches, correction of
+//! depths and the scale of the picture stay those of the last run over the whole log. The results
+//! are for viewing the log while it grows; the final results come from [`run`](super::run) over the
+//! whole log.
 
 use super::Products;
 use super::run_stages::bottom_line;
@@ -24,23 +24,24 @@ use bathyscope_log::survey::{
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Pings before the first new one whose results are made again: they had no neighbours behind them.
+/// Number of pings before the first new ping whose results are computed again, since they had no
+/// neighbours after them.
 const AGAIN: usize = 128;
-/// Pings before those that the stages look at as well.
+/// Number of further pings before those, which the stages read as well.
 const CONTEXT: usize = 384;
-/// The line of first returns is found in stretches that begin at multiples of this: here as over
-/// the whole log.
+/// Stretches in which the line of first returns is found begin at multiples of this number of
+/// pings, as in a run over the whole log.
 const ALIGNED: usize = 512;
 
 /// State from which the results of a growing log are extended.
 #[derive(Debug)]
 pub struct GrowingResults {
-    /// The scale of its picture, measured over all of it.
+    /// Scale of the picture, measured over the whole log.
     normalisation: Normalisation,
     versions: ResultVersions,
 }
 
-/// The lists of the results, each of which goes on from the one before.
+/// Versions of the lists of results, each of which extends the one before.
 #[derive(Debug, Default)]
 struct ResultVersions {
     pings: Versions<PingNav>,
@@ -54,7 +55,7 @@ struct ResultVersions {
 }
 
 impl GrowingResults {
-    /// Measures the scale of the picture of a log as it is now.
+    /// Measures the scale of the picture of a log in its current state.
     ///
     /// # Errors
     /// When the work was cancelled.
@@ -69,20 +70,20 @@ impl GrowingResults {
     }
 }
 
-/// Pings whose results are made again, and those that are looked at for it; both reach to the end
-/// of the log.
+/// Pings whose results are computed again (from `first`), and those that the stages read for it
+/// (from `context`); both reach to the end of the log.
 struct Part {
     first: usize,
     context: usize,
-    /// Starts of both in the other records.
+    /// Starts of `first` and `context` in the other records.
     first_start: StretchStart,
     context_start: StretchStart,
 }
 
-/// The results of `before`, of the same log when it was shorter, with those of what was added. All
-/// pings before `unchanged` are as they were. Takes time for the new pings; of the rest only the
-/// classes of points are copied, and what lies under bottom edits and excluded stretches is found
-/// anew.
+/// Extends the results `before`, of the same log when it was shorter, by the results of the added
+/// pings. All pings before `unchanged` are unchanged. The time needed depends on the number of new
+/// pings; for the other pings, only the classes of points are copied, and the bottom edits and
+/// excluded stretches are applied again.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -159,14 +160,14 @@ pub fn extend(
         cloud: Arc::new(cloud),
         classes: Arc::new(classes),
         depths: all_depths,
-        // Level under what is new: the surface is that of the whole log.
+        // The new part has a level bottom: the surface is that of the last run over the whole log.
         relief: before.relief.clone(),
         depth_range_m,
         scales: before.scales.with(new_scales),
     })
 }
 
-/// First returns of all pings, those of the part anew.
+/// Returns the first returns of all pings; those of the part are found again.
 fn found(
     stretch: &Survey,
     part: &Part,
@@ -197,7 +198,7 @@ fn found(
     })
 }
 
-/// The picks of a stretch of pings that count.
+/// Returns the picks of a stretch of pings, without those of excluded pings.
 fn counted_of(
     returns: &FirstReturns,
     pings: Range<usize>,
@@ -218,7 +219,8 @@ fn counted_of(
 }
 
 impl Part {
-    /// The stretch from the context on, without the soundings that first returns contradict.
+    /// Returns the stretch from the context on, with the soundings marked that first returns
+    /// contradict.
     fn judged(&self, stretch: Survey, found: &FirstReturns) -> Survey {
         let from = self.context_start.sounding;
         let here = found.false_soundings.iter().filter(|one| one.soundings.end > from);
@@ -231,7 +233,7 @@ impl Part {
         here.judged(&stretch).unwrap_or(stretch)
     }
 
-    /// The false soundings of before that lie before the part, and the new ones of it.
+    /// Returns the earlier false soundings before the part, and the new ones in the part.
     fn join_false_soundings(
         &self,
         known: &FirstReturns,
@@ -270,7 +272,7 @@ impl Part {
         let new_soundings = &new.soundings[known - self.context_start.sounding..];
         let known_swath = self.first_start.swath.min(before.swath.len());
         let new_swath = &new.swath[known_swath - self.context_start.swath..];
-        // How many pings of the part move is not told apart from how many of the context do.
+        // The share of moving pings is taken to be equal in the part and in the context.
         let share = added.len() as f64 / new.pings.len().max(1) as f64;
         let known_share = self.first as f64 / before.pings.len().max(1) as f64;
         let moving = before.moving as f64 * known_share + new.moving as f64 * share;
@@ -278,7 +280,7 @@ impl Part {
         let [known_records, new_records] = records.map(|count| count as f64);
         let squares =
             known_records * before.rounding_m.powi(2) + new_records * new.rounding_m.powi(2);
-        // Neither has one, or both have one for each ping.
+        // Either no ping has an antenna place, or each ping has one.
         let antenna = new.antenna.get(self.first - self.context..);
         Navigation {
             antenna: (versions.antenna).next(
@@ -296,8 +298,7 @@ impl Part {
         }
     }
 
-    /// The points of before that lie before the part, and the new ones of the part; with their
-    /// classes.
+    /// Joins the earlier points before the part and the new points of the part, with their classes.
     fn join_points(
         &self,
         before: &Products,
@@ -324,7 +325,7 @@ impl Part {
         (points, joined)
     }
 
-    /// A point of the stretch as one of the log; `None` where it lies before the part, or is
+    /// Converts a point of the stretch to a point of the log; `None` if it is before the part or
     /// excluded.
     fn counted_point(&self, point: &CloudPoint, exclusions: &Exclusions) -> Option<CloudPoint> {
         let StretchStart { sounding, swath } = self.context_start;
@@ -339,7 +340,7 @@ impl Part {
         counts.then_some(point)
     }
 
-    /// Returns true if a record of the log belongs to the part.
+    /// Returns true if a record of the log is in the part.
     fn is_new(&self, record: PointRecord) -> bool {
         match record {
             PointRecord::Ping(index) => index >= self.first,

@@ -1,4 +1,4 @@
-//! Part of a report on each log: counts and scales.
+//! Part of a report on one log: counts and scales.
 
 use bathyscope_bottom::calibration::{Calibration, PingRange, ScaleMode};
 use bathyscope_bottom::cloud::ClassCounts;
@@ -8,47 +8,48 @@ use serde::Serialize;
 /// Counts of a run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RunCounts {
-    /// Side-scan pings.
+    /// Number of side-scan pings.
     pub pings: usize,
-    /// Depths that the recorder gave.
+    /// Number of depths that the recorder measured.
     pub soundings: usize,
-    /// Number of soundings that do not count, by their fault. Faulty ones that a first return
-    /// confirms count.
+    /// Number of soundings that are not used, by their fault. Faulty soundings that a first return
+    /// confirms are used.
     pub false_soundings: FaultCounts,
-    /// Pings with a port first return.
+    /// Number of pings with a port first return.
     pub port_first_returns: usize,
-    /// Pings with a starboard first return.
+    /// Number of pings with a starboard first return.
     pub starboard_first_returns: usize,
-    /// First returns above the recorded depth: weed, fish or boulders.
+    /// Number of first returns above the recorded depth: weed, fish or boulders.
     pub above_bottom: usize,
-    /// Points of these that do not count for the depth map, neither outliers nor of too low
-    /// confidence.
+    /// Number of points above the recorded depth that are left out of the depth map, though they
+    /// are neither outliers nor of too low confidence.
     pub above_bottom_left_out: usize,
-    /// Points of these that count for the depth map: all, or those of long stretches.
+    /// Number of points above the recorded depth that are used for the depth map: all, or those of
+    /// long stretches.
     pub above_bottom_kept: usize,
-    /// Side-scan points that are not kept because the confidence of their first return is less than
-    /// `first_return.min_confidence`.
+    /// Number of side-scan points that are not kept because the confidence of their first return is
+    /// less than `first_return.min_confidence`.
     pub low_confidence: usize,
-    /// Pings at which the boat moves.
+    /// Number of pings at which the boat moves.
     pub moving: usize,
-    /// Pings without a heading.
+    /// Number of pings without a heading.
     pub zero_heading: usize,
-    /// Side-scan pings that are excluded.
+    /// Number of excluded side-scan pings.
     pub excluded_pings: usize,
-    /// Soundings that are excluded.
+    /// Number of excluded soundings.
     pub excluded_soundings: usize,
-    /// Points, whatever their class.
+    /// Number of points of all classes.
     pub points: usize,
-    /// Points that count for the depth map: `kept` of `cloud.csv`, class 40 of every file.
+    /// Number of points used for the depth map: `kept` of `cloud.csv`, class 40 of every file.
     pub kept: usize,
-    /// Points by the code of their class.
+    /// Number of points by the code of their class.
     pub classes: ClassCounts,
-    /// Points that are first returns of the side-scan.
+    /// Number of points that are first returns of the side-scan.
     pub side_scan_points: usize,
-    /// The depths across the track; absent where the recorder measured none.
+    /// Counts of the depths across the track; `None` if the recorder measured none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub swath: Option<SwathCounts>,
-    /// Points that the filter removed.
+    /// Number of points that the outlier filter removed.
     pub outliers_removed: usize,
     /// Removed share of the points of side-scan and swath, 0 to 1.
     pub outliers_removed_share: f64,
@@ -57,15 +58,15 @@ pub struct RunCounts {
 /// Counts of the depths that a recorder measured across the track, and of their use.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct SwathCounts {
-    /// Pings of the swath.
+    /// Number of pings of the swath.
     pub pings: usize,
-    /// Pings of the swath without a heading, which give no points.
+    /// Number of pings of the swath without a heading, which give no points.
     pub zero_heading: usize,
-    /// Depths as recorded, without the unreliable ones.
+    /// Number of recorded depths, without the unreliable ones.
     pub depths: usize,
-    /// Depths that the recorder marks as unreliable. They are not used.
+    /// Number of depths that the recorder marks as unreliable, which are not used.
     pub unreliable: usize,
-    /// Points of the cloud: of the depths of a ping that lie close together one is used.
+    /// Number of points in the cloud: of depths of a ping that are close together, one is used.
     pub points: usize,
 }
 
@@ -94,7 +95,7 @@ impl SwathCounts {
         }
     }
 
-    /// Returns the counts in one line for people.
+    /// Returns the counts as one line of text.
     pub(super) fn summary(&self) -> String {
         format!(
             "swath: {} depths of {} pings give {} points; {} pings without heading; {} depths that the recorder marks as unreliable are not used",
@@ -104,7 +105,7 @@ impl SwathCounts {
 }
 
 impl RunCounts {
-    /// Adds those of another log.
+    /// Adds the counts of another log.
     pub(super) fn add(&mut self, other: &Self) {
         self.pings += other.pings;
         self.soundings += other.soundings;
@@ -132,49 +133,49 @@ impl RunCounts {
     }
 }
 
-/// The scales, flat, as scripts want them.
+/// Scales of a log, in one flat table for scripts.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CalibrationReport {
-    /// `flat_spot` or `header`.
+    /// Mode of the scale in force, `flat_spot` or `header`.
     pub mode: ScaleMode,
-    /// Pixels (u8 samples) per metre at the flat spot.
+    /// Pixels (u8 samples) per metre at the flat spot; `None` without one.
     pub ppd_px_per_m: Option<f64>,
-    /// Its robust standard deviation.
+    /// Robust standard deviation of the pixels per metre at the flat spot.
     pub ppd_spread_px_per_m: Option<f64>,
-    /// Picks behind it.
+    /// Number of picks from which the pixels per metre were computed.
     pub ppd_picks: usize,
-    /// Metres that one metre of the header measures at the flat spot.
+    /// Metres on the flat spot that correspond to one metre by the header.
     pub ppd_factor: Option<f64>,
     /// Pings of the flat spot, `A..B`.
     pub pings: Option<PingRange>,
-    /// Recorded depth at the flat spot.
+    /// Recorded depth at the flat spot, metres.
     pub flat_spot_depth_m: Option<f64>,
     /// Pixels per metre that the headers imply.
     pub header_px_per_m: Option<f64>,
-    /// Its spread over the log: above zero when the range changed.
+    /// Spread of the header's pixels per metre over the log: above zero if the range changed.
     pub header_spread_px_per_m: Option<f64>,
     /// Slope of range against depth.
     pub k: Option<f64>,
-    /// Offset of range against depth.
+    /// Offset of range against depth, metres.
     pub b_m: Option<f64>,
-    /// Taken off every slant range, metres (`calibration.offset`).
+    /// Offset subtracted from every slant range, metres (`calibration.offset`).
     pub offset_m: f64,
-    /// The offset that the log shows, in force or not, metres.
+    /// Offset measured in the log, in force or not, metres.
     pub offset_measured_m: Option<f64>,
-    /// Its error by its scatter, metres.
+    /// Uncertainty of the measured offset by its scatter, metres.
     pub offset_uncertainty_m: Option<f64>,
-    /// Reason why no offset is taken off.
+    /// Reason why no offset is subtracted; `None` if one is.
     pub offset_note: Option<&'static str>,
-    /// Angle by which the beams look past the nadir, degrees; absent where no slope shows it.
+    /// Angle by which the beams reach past the nadir, degrees; `None` if no slope shows it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub overlap_deg: Option<f64>,
-    /// Robust standard deviation about that line.
+    /// Robust standard deviation about the line of range against depth, metres.
     pub fit_spread_m: Option<f64>,
 }
 
 impl CalibrationReport {
-    /// The scale in force first, and what is done to the ranges; `None` where nothing gives a
-    /// scale.
+    /// Returns the scale in force and the other one, and the offset of the ranges, as text; `None`
+    /// if there is no scale.
     pub(super) fn summary(&self) -> Option<String> {
         let header = (self.header_px_per_m).map(|px| format!("as recorded {px:.2} px/m"));
         let flat_spot = (self.ppd_px_per_m.zip(self.ppd_spread_px_per_m))

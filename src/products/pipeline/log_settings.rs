@@ -1,8 +1,8 @@
-//! Settings of several logs: those that all share, and those that one log has for itself.
+//! Settings of several logs: the shared ones, and those of a single log.
 //!
-//! A log's settings are the shared ones with its own keys over them ([`LogSettings::compose`]); the
-//! pipeline takes the result as it takes the settings of a single log. Keys are those of `--set`:
-//! `draft_m`, `first_return.threshold`.
+//! A log's settings are the shared ones with its own values in place of some
+//! ([`LogSettings::compose`]); the pipeline uses the result like the settings of a single log. Keys
+//! are those of `--set`: `draft_m`, `first_return.threshold`.
 
 use super::settings::{in_one_line, renamed, row};
 use super::{Settings, SettingsError};
@@ -16,7 +16,7 @@ use toml::{Table, Value};
 /// Settings by their dotted keys.
 pub type SettingValues = BTreeMap<String, Value>;
 
-/// Keys that say nothing about another log, so that they cannot be shared.
+/// Keys whose values cannot apply to another log, so that they cannot be shared.
 const NEVER_SHARED: [&str; 15] = [
     "calibration.pings",
     "excluded.log",
@@ -34,7 +34,8 @@ const NEVER_SHARED: [&str; 15] = [
     "track.file",
     "track.offset_s",
 ];
-/// Other keys that belong to one log by their nature: a change of them never concerns another log.
+/// Other keys that usually belong to one log: a change of their values is stored with that log
+/// only.
 const SELDOM_SHARED: [&str; 14] = [
     "draft_m",
     "picture.absorption_db_m",
@@ -51,15 +52,15 @@ const SELDOM_SHARED: [&str; 14] = [
     "water_level.file",
     "water_level_m",
 ];
-/// Kept by itself: it is made of many strokes.
+/// Key of the bottom edits, which are stored apart because they consist of many strokes.
 const BOTTOM: &str = "bottom";
-/// The log that excluded stretches are of.
+/// Key of the log to which excluded stretches belong.
 const EXCLUDED_LOG: &str = "excluded.log";
 
-/// Reads values that any version wrote, under the keys of this one.
+/// Deserializes values written by any version; keys are converted to those of this version.
 ///
 /// # Errors
-/// When they are no table of values.
+/// When the input is not a table of values.
 pub fn deserialize_values<'de, D: Deserializer<'de>>(from: D) -> Result<SettingValues, D::Error> {
     let values = SettingValues::deserialize(from)?.into_iter();
     let current = |(key, value): (String, Value)| match renamed(&key) {
@@ -69,19 +70,19 @@ pub fn deserialize_values<'de, D: Deserializer<'de>>(from: D) -> Result<SettingV
     Ok(values.map(current).collect())
 }
 
-/// Returns true if there is a setting of this key; the bottom edits are none.
+/// Returns true if there is a setting of this key; the bottom edits are not a setting.
 pub(crate) fn is_setting(key: &str) -> bool {
     row(key).is_some()
 }
 
-/// Returns true if a change of this key is one of a single log, not of all: draft, water level,
+/// Returns true if a change of this key applies to a single log, not to all: draft, water level,
 /// height offset, track and its clock, mounting, position shift, flat spot, excluded stretches, and
-/// how its picture is shown.
+/// how the picture of the log is shown.
 pub fn is_of_one_log(key: &str) -> bool {
     NEVER_SHARED.contains(&key) || SELDOM_SHARED.contains(&key)
 }
 
-/// All settings that have a value, by their keys, but for the bottom edits.
+/// Returns all settings that have a value, by their keys, without the bottom edits.
 pub fn setting_values(settings: &Settings) -> SettingValues {
     let mut table = table_of(settings);
     table.remove(BOTTOM);
@@ -90,8 +91,8 @@ pub fn setting_values(settings: &Settings) -> SettingValues {
     values
 }
 
-/// Settings as a table. They are numbers, names and paths, which can be written; of a path that is
-/// no text, what is text of it.
+/// Returns the settings as a table. They are numbers, names and paths, which a table can hold; in a
+/// path that is not Unicode, the invalid parts are replaced.
 fn table_of(settings: &Settings) -> Table {
     let mut settings = settings.clone();
     let paths = [
@@ -113,7 +114,7 @@ fn flatten(prefix: &str, table: Table, values: &mut SettingValues) {
             prefix => format!("{prefix}.{key}"),
         };
         match value {
-            // A key with a table for its value: which log the stretches are of.
+            // The value of this key is a table: the log of the excluded stretches.
             Value::Table(inner) if !is_of_one_log(&key) => {
                 flatten(&key, inner, values);
             }
@@ -124,8 +125,8 @@ fn flatten(prefix: &str, table: Table, values: &mut SettingValues) {
     }
 }
 
-/// A number as it was given: one that a setting keeps in 32 bits is `0.41`, not what these are
-/// in 64.
+/// Returns a number with as few digits as it was given: a setting of 32 bits is `0.41`, not the
+/// nearest value in 64 bits with all its digits.
 fn shortest(value: Value) -> Value {
     match value {
         Value::Float(number) if number.is_finite() && f64::from(number as f32) == number => {
@@ -136,11 +137,11 @@ fn shortest(value: Value) -> Value {
     }
 }
 
-/// Settings with the given values over them. What was loaded from a file stays where the file
-/// stays.
+/// Returns the settings with the given values in place of theirs. Content loaded from a file is
+/// kept if the path of the file is unchanged.
 ///
 /// # Errors
-/// A sentence that names the key, when it is none or cannot have that value.
+/// A sentence that names the key, when the key does not exist or cannot have that value.
 pub fn with_values(settings: &Settings, values: &SettingValues) -> Result<Settings, SettingsError> {
     if values.is_empty() {
         return Ok(settings.clone());
@@ -176,12 +177,13 @@ fn insert(table: &mut Table, key: &str, value: Value) {
 #[derive(Clone, Debug, Default)]
 pub struct LogSettings {
     own: SettingValues,
-    /// The bottom edits of this log.
+    /// Bottom edits of this log.
     pub bottom: BottomSettings,
-    /// Content of its own `water_level.file`, once it has been read. It follows from the key, and
-    /// is no difference by itself.
+    /// Content of the log's own `water_level.file`, once it has been read. Not compared by `==`,
+    /// since it follows from the key.
     pub gauge: Option<Arc<Gauge>>,
-    /// Likewise the content of its own `isobaths.clip`.
+    /// Content of the log's own `isobaths.clip`, once it has been read; not compared by `==`
+    /// either.
     pub area: Option<Arc<WaterArea>>,
 }
 
@@ -192,7 +194,7 @@ impl PartialEq for LogSettings {
 }
 
 impl LogSettings {
-    /// The log's own values, by key.
+    /// Returns the log's own values, by key.
     pub fn own(&self) -> &SettingValues {
         &self.own
     }
@@ -202,29 +204,29 @@ impl LogSettings {
         self.own.contains_key(key)
     }
 
-    /// Returns true if port and starboard of the log are exchanged: `mounting.swap_sides`, its own
-    /// or else the shared one.
+    /// Returns true if port and starboard of the log are exchanged: the log's own
+    /// `mounting.swap_sides`, or the shared one.
     pub(crate) fn swaps_sides(&self, shared: &Settings) -> bool {
         let own = self.own.get("mounting.swap_sides").and_then(Value::as_bool);
         own.unwrap_or(shared.mounting.swap_sides)
     }
 
-    /// Gives the log its own value of a setting.
+    /// Sets the log's own value of a setting.
     pub fn set(&mut self, key: &str, value: Value) {
         self.own.insert(key.to_owned(), value);
     }
 
-    /// Leaves a setting to what all logs share.
+    /// Removes the log's own value of a setting, so that the shared one applies.
     pub fn unset(&mut self, key: &str) {
         self.own.remove(key);
     }
 
-    /// The settings that the log is processed with: the shared ones, and its own over them. Its
-    /// gauge is in them when [`LogSettings::gauge`] is there, and so is its area; otherwise
-    /// [`Settings::load_files`] reads them.
+    /// Returns the settings with which the log is processed: the shared ones with the log's own
+    /// values in place of some. They include the log's own gauge and area if [`LogSettings::gauge`]
+    /// and [`LogSettings::area`] are set; otherwise [`Settings::load_files`] reads them.
     ///
     /// # Errors
-    /// A sentence that names the key, when an own value cannot be used.
+    /// A sentence that names the key, when one of the log's own values cannot be used.
     pub fn compose(&self, shared: &Settings) -> Result<Settings, SettingsError> {
         let mut settings = with_values(shared, &self.own)?;
         if self.is_own("water_level.file") {
@@ -237,16 +239,17 @@ impl LogSettings {
         Ok(settings)
     }
 
-    /// The same with what its own files hold, as settings that it was composed into have it once
-    /// they are loaded ([`Settings::load_files`]): composed anew, these files count still.
+    /// Returns these settings with the content of the log's own files, taken from composed settings
+    /// that were loaded ([`Settings::load_files`]): settings composed again then include the
+    /// content.
     #[must_use]
     pub fn with_files_of(self, loaded: &Settings) -> Self {
         Self { gauge: loaded.water_level.gauge.clone(), area: loaded.isobaths.area.clone(), ..self }
     }
 
-    /// Shared settings and this log's own after the log's composed settings became `after`: what
-    /// belongs to one log, and what was its own already, stays with the log; every other change is
-    /// one of the shared settings.
+    /// Returns the shared settings and this log's own after the log's composed settings became
+    /// `after`: a change of a key that belongs to one log, or that the log had as its own, is
+    /// stored with the log; every other change is made in the shared settings.
     ///
     /// # Errors
     /// As [`LogSettings::compose`].
@@ -281,8 +284,8 @@ impl LogSettings {
         Ok((changed, own))
     }
 
-    /// The same for a log of which more was written since: bottom edits and excluded stretches
-    /// belong to it still. `None` where nothing has to be said anew.
+    /// Returns these settings for the same log after more of it was written: bottom edits and
+    /// excluded stretches still apply to the log. `None` if nothing has to be changed.
     pub fn carried_to(&self, survey: &Survey) -> Option<LogSettings> {
         let own = Identity::of(survey);
         let mut carried = self.clone();
@@ -301,9 +304,9 @@ impl LogSettings {
         (carried != *self).then_some(carried)
     }
 
-    /// Makes a setting the log's own, with the value that it has now, or leaves it to all logs,
-    /// with the value that they have. `None` when that changes nothing, or cannot be: a flat spot,
-    /// a track and a mounting say nothing about another log.
+    /// Returns the settings after a key became the log's own, with the shared value, or after its
+    /// own value was removed. `None` if nothing would change, or if the key cannot be shared: a
+    /// flat spot, a track and a mounting do not apply to another log.
     pub fn owning(&self, shared: &Settings, key: &str, own: bool) -> Option<LogSettings> {
         if own == self.is_own(key) || (!own && NEVER_SHARED.contains(&key)) {
             return None;
@@ -319,10 +322,10 @@ impl LogSettings {
     }
 }
 
-/// Settings that have these values and no other: an optional key that is missing has none.
+/// Returns the settings with exactly these values: an optional key that is missing has no value.
 ///
 /// # Errors
-/// A sentence that names the key, when it is none or cannot have that value.
+/// A sentence that names the key, when the key does not exist or cannot have that value.
 pub(crate) fn from_values(values: &SettingValues) -> Result<Settings, SettingsError> {
     with_values(&Settings::default(), values)
 }
@@ -393,7 +396,7 @@ mod tests {
         assert_eq!(all.surface.cell_m, Some(0.5));
         assert_eq!(all.first_return.threshold, shared.first_return.threshold);
         assert!(all.bottom.is_empty());
-        // Back to no value.
+        // The optional value is removed again.
         let mut back = after.clone();
         back.surface.cell_m = None;
         let (all, _) = one.change(&all, &back).expect("settings");

@@ -1,19 +1,20 @@
-//! Runs the stages in order, keeps what is still valid, and knows what is stale.
+//! Runs the stages in order, keeps the results that are still valid, and runs again those that are
+//! stale.
 //!
-//! In: surveys and settings. Out: the results of every stage for each log, and what all logs give
-//! together.
+//! In: surveys and settings. Out: the results of every stage for each log, and the joint results of
+//! all logs.
 //!
-//! `settings` holds every setting and the two presets, `log_settings` those that one of several
-//! logs has for itself, `run_stages` has the stages, which of them a change of settings makes
-//! stale, and runs them, `products` is what they made, `engine` runs them on a worker for the
-//! window, `growing` over what was added to a log that is being written, `task` is how all work
-//! runs off its thread. `derived` makes what all logs give together, once and on demand, and says
-//! where echoes lie. `depth` makes the depth map and what follows from it, `agreement` compares
-//! points with a reference, `objects` says where objects lie, `report` sums a run up (`log_report`
-//! has what it says of each log), `scale_trial` what another scale would change, `fingerprint`
-//! tells versions of files apart, `source` puts right what a log does not say of itself,
-//! `survey_coverage` what a plan of further lines starts from, `joint` what all logs of a survey
-//! give together. Nothing is written here: see `outputs`.
+//! `settings` defines every setting and the two presets, `log_settings` the settings that one of
+//! several logs has of its own. `run_stages` defines the stages and which of them a change of
+//! settings makes stale, and runs them; `products` holds their results, `engine` runs them on a
+//! worker for the window, `growing` runs them over the added part of a log that is being written,
+//! `task` runs any work on another thread. `derived` computes the joint results of all logs, once
+//! and on demand, and the places of echoes. `depth` makes the depth map and its products,
+//! `agreement` compares points with a reference, `objects` computes the places of objects, `report`
+//! sums a run up (`log_report` holds the part on each log), `scale_trial` computes the effect of
+//! another scale, `fingerprint` distinguishes versions of files, `source` corrects a log where its
+//! file has wrong or no data on itself, `survey_coverage` computes the starting point of a plan of
+//! further lines, `joint` combines all logs of a survey. No files are written here: see `outputs`.
 
 mod agreement;
 mod clip_area;
@@ -79,10 +80,10 @@ pub use task::{Background, Jobs, Same, Task, TaskOutcome};
 use bathyscope_log::support::geo::{CrsError, MapPlane};
 use bathyscope_log::survey::Survey;
 
-/// The plane of the system that `crs` names.
+/// Returns the plane of the coordinate system that `crs` names.
 ///
 /// # Errors
-/// When the system is not known, or does not fit the place.
+/// When the system is unknown, or does not fit the survey's place.
 pub fn map_plane(survey: &Survey, settings: &Settings) -> Result<MapPlane, CrsError> {
     let origin = survey.track.frame.origin();
     Ok(MapPlane::new(settings.crs.at(origin)?, origin))

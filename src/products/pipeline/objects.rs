@@ -1,6 +1,6 @@
-//! Objects on the bottom: their places, with what is known of water and transducer, as the points
-//! of the cloud are; the list of objects of processed logs; and the shapes of objects: a solid on
-//! the bottom for what the boxes of one log or several show of one object.
+//! Computes the places of objects on the bottom, corrected as the points of the cloud are; the list
+//! of objects of processed logs; and the shapes of objects: a solid on the bottom from the boxes of
+//! one object in one log or several.
 
 use super::{ProcessedLog, Products};
 use bathyscope_bottom::cloud::Correction;
@@ -12,7 +12,7 @@ use bathyscope_objects::targets::{
 };
 use bathyscope_objects::{Mark, MeasuredShadow, ObjectExtent};
 
-/// Places boxes of one survey.
+/// Locator of the boxes of one survey.
 pub struct ObjectLocator<'a> {
     placer: Placer<'a>,
     survey: &'a Survey,
@@ -20,7 +20,7 @@ pub struct ObjectLocator<'a> {
 }
 
 impl<'a> ObjectLocator<'a> {
-    /// Gets ready for the boxes of a survey.
+    /// Creates a locator for the boxes of a survey.
     pub fn new(survey: &'a Survey, products: &'a Products) -> Self {
         let Products { navigation, returns, calibration, correction, relief, .. } = products;
         let placer = Placer::new(survey, navigation, returns, calibration)
@@ -29,14 +29,14 @@ impl<'a> ObjectLocator<'a> {
         Self { placer, survey, correction }
     }
 
-    /// Returns the place of the object of a box, with its depth below the level that depths count
-    /// from; `None` as for [`Placer::place`].
+    /// Returns the place of the object of a box, with its depth below the level from which depths
+    /// count; `None` as for [`Placer::place`].
     pub fn place(&self, mark: &Mark) -> Option<Target> {
         self.place_as(mark, ObjectExtent::Found, None, TopShape::Unknown)
     }
 
-    /// Returns the same as [`ObjectLocator::place`], with the extent and shadow that the analyst
-    /// has drawn, and the shape that the class states: [`Placer::place_as`].
+    /// Returns the place as [`ObjectLocator::place`] does, with the extent and shadow that the
+    /// analyst has drawn, and the top shape of the class: [`Placer::place_as`].
     pub fn place_as(
         &self,
         mark: &Mark,
@@ -50,7 +50,7 @@ impl<'a> ObjectLocator<'a> {
         Some(Target { depth_m: -self.correction.z_m(ping.time_s, target.depth_m), ..target })
     }
 
-    /// The recording.
+    /// Returns the survey of the boxes.
     pub fn survey(&self) -> &Survey {
         self.survey
     }
@@ -62,7 +62,7 @@ impl<'a> ObjectLocator<'a> {
     }
 }
 
-/// Places the boxes of the logs, and joins those that show one object.
+/// Places the boxes of the logs, and joins the boxes of one object.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -89,11 +89,11 @@ pub fn list_objects(
     Ok(ObjectList::join(boxes, &pass_logs, &review.numbers))
 }
 
-/// The shape of an object by its boxes, each with its log and its place; places of all logs are in
-/// one plane. What is drawn as a point has no extent, and tells nothing of a shape.
+/// Fits the shape of an object to its boxes, each with its log and its place; places of all logs
+/// are in one plane. A box drawn as a point has no extent, and does not contribute to the shape.
 ///
 /// # Errors
-/// Why it has none.
+/// The reason why the object has no shape.
 pub fn object_shape(boxes: &[(&ProcessedLog, &Target)]) -> Result<FittedShape, ShapeError> {
     let sightings: Vec<(&Target, Option<BoxLevels>)> = (boxes.iter())
         .map(|(log, target)| {

@@ -1,28 +1,28 @@
-//! Finds the passes of a log that saw a place: consecutive pings that have it on one side.
+//! Finds the passes of a log over a place: consecutive pings that show the place on one side.
 
 use super::{Derived, ProcessedLog};
 use bathyscope_bottom::mosaic::{MosaicLayout, MosaicRay};
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::Side;
 
-/// Calibration may make ranges longer by a few percent.
+/// Factor on the recorded range, since the calibration may make ranges longer by a few percent.
 const SLACK: f64 = 1.2;
 
-/// A pass over a place: the pings of a log that saw it, one after the other, on one side.
+/// Pass over a place: consecutive pings of a log that show the place on one side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pass {
-    /// Side of the boat that the place lies on.
+    /// Side of the boat on which the place is.
     pub side: Side,
-    /// The first and the last ping.
+    /// First and last ping.
     pub pings: [usize; 2],
-    /// The ping in the middle, and its sample of the place.
+    /// Ping in the middle, and the sample at which it shows the place.
     pub middle: (usize, f64),
-    /// Slant range of that sample, metres.
+    /// Slant range of the sample, metres.
     pub range_m: f64,
 }
 
-/// The strips that show a place, in the order of the log: ping, side, and the ray that it lies
-/// beside, so many metres out.
+/// Returns the strips that show a place, in the order of the log: ping, side, ray, and the distance
+/// of the place along the ray, metres.
 fn strips_at(
     layout: &MosaicLayout,
     [x, y]: [f64; 2],
@@ -37,8 +37,9 @@ fn strips_at(
     })
 }
 
-/// The passes of a log over a place of its plane, by side and in the order of the log, as the
-/// mosaic lays its echoes out. Logs that were far away are not laid out.
+/// Finds the passes of a log over a place of the log's plane, by side and in the order of the log,
+/// with the echoes placed as in the mosaic. The layout is not computed for a log that was far from
+/// the place.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -71,8 +72,8 @@ pub fn passes_over(
     Ok(passes.collect())
 }
 
-/// Returns true if the boat came as near to a place as its side-scan reaches: of most logs of a
-/// large survey it did not.
+/// Returns true if the boat came as near to a place as its side-scan reaches; false for most logs
+/// of a large survey.
 fn is_near(log: &ProcessedLog, [x, y]: [f64; 2]) -> bool {
     let (survey, products) = (&log.survey, &log.products);
     let factor = products.correction.range_factor();
@@ -84,8 +85,8 @@ fn is_near(log: &ProcessedLog, [x, y]: [f64; 2]) -> bool {
     })
 }
 
-/// Returns the place of a sample of a ping in the plane of its log; `None` where the ping shows no
-/// bottom there.
+/// Returns the place of a sample of a ping in the plane of its log; `None` if the sample is not on
+/// the bottom.
 pub fn place_of(layout: &MosaicLayout, ping: usize, side: Side, sample: f64) -> Option<[f64; 2]> {
     let ray = layout.ray(ping, side)?;
     let out_m = ray.across.ground_m(ray.under_m, ray.range_m(sample));

@@ -1,5 +1,4 @@
-//! The results of the stages, each tagged with the settings that made it, and a log with its
-//! results.
+//! Results of the stages, with the settings from which they were made; and a log with its results.
 
 use super::Settings;
 use bathyscope_bottom::calibration::{self, Calibration, CalibrationSettings, FlatSpot};
@@ -18,36 +17,37 @@ use std::sync::Arc;
 /// in force.
 const CONTRADICTED_S: f64 = 0.15;
 const CONTRADICTED_SIGMAS: f64 = 3.0;
-/// Least number of crossings that show the difference of depths well.
+/// Least number of crossings for an estimate of the difference of depths.
 const FEWEST_CROSSINGS: usize = 6;
-/// Depths of one recorder differ where its track crosses itself by this much, metres, and by this
-/// share of the depth, where boat and instruments are steady; standard deviation.
+/// Standard deviation of the depths of one recorder where its track crosses itself, with boat and
+/// instruments steady: this constant, metres, plus this share of the depth.
 const STEADY_M: f64 = 0.05;
 const STEADY_SHARE: f64 = 0.005;
 /// Standard deviation of normal errors over their mean absolute value.
 const SIGMA_PER_MAE: f64 = 1.2533;
-/// Share of a lag of soundings that crossings may show besides: an average is no delay.
+/// Share of a lag of soundings that crossings may show in addition, since the lag is an average
+/// over the log.
 const LAG_LEFT: f64 = 0.15;
 
-/// Latency of the positions of a log, as its crossings show it.
+/// Latency of the positions of a log, derived from its crossings.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LogLatency {
     /// Value that `mounting.latency_s` should have, seconds.
     pub latency_s: f64,
-    /// Its standard error, seconds.
+    /// Standard error of the latency, seconds.
     pub standard_error_s: f64,
     /// Latency in force, seconds.
     pub in_force_s: f64,
 }
 
 impl LogLatency {
-    /// Returns true if the crossings contradict what is in force.
+    /// Returns true if the crossings contradict the latency in force.
     pub(crate) fn contradicts(&self) -> bool {
         let off_s = (self.latency_s - self.in_force_s).abs();
         off_s > CONTRADICTED_S && off_s > CONTRADICTED_SIGMAS * self.standard_error_s
     }
 
-    /// The sentence about what is in force, where the crossings contradict it.
+    /// Returns the warning that the crossings contradict the latency in force.
     fn warning(&self) -> String {
         let more_s = self.latency_s - self.in_force_s;
         let (when, cause) = if more_s > 0.0 {
@@ -63,7 +63,7 @@ impl LogLatency {
         )
     }
 
-    /// `0.62 s, standard error 0.08 s`.
+    /// Returns the latency as text: `0.62 s, standard error 0.08 s`.
     pub fn in_words(&self) -> String {
         format!("{:.2} s, standard error {:.2} s", self.latency_s, self.standard_error_s)
     }
@@ -72,90 +72,90 @@ impl LogLatency {
 /// Results of the pipeline for a survey and its settings. Cheap to clone: every part is shared.
 #[derive(Clone, Debug)]
 pub struct Products {
-    /// The settings that made them.
+    /// Settings from which the results were made.
     pub settings: Arc<Settings>,
     /// Position and heading of every ping.
     pub navigation: Arc<Navigation>,
-    /// Parts of the log that count for nothing: no point, depth, echo or box comes from there.
+    /// Excluded parts of the log: they give no point, depth, echo or box.
     pub exclusions: Arc<Exclusions>,
     /// Ranked flat stretches.
     pub flat_spots: Arc<Vec<FlatSpot>>,
-    /// First returns as they were found.
+    /// First returns as they were found, without the bottom edits.
     pub found: Arc<FirstReturns>,
-    /// The survey with the soundings that first returns contradict marked as those of a lost
-    /// bottom; `None` where they contradict none, and in the provisional results of a log that
-    /// grows.
+    /// Survey in which the soundings that first returns contradict are marked as soundings of a
+    /// lost bottom; `None` if they contradict none, and in the provisional results of a growing
+    /// log.
     pub judged: Option<Arc<Survey>>,
-    /// First returns with the bottom edits.
+    /// First returns with the bottom edits applied.
     pub returns: Arc<FirstReturns>,
-    /// The bottom that the picture is laid out by: these first returns, or the recorded depths with
-    /// the bottom edits.
+    /// Bottom line of the side-scan picture: these first returns, or the recorded depths, with the
+    /// bottom edits.
     pub bottom_line: Arc<FirstReturns>,
-    /// Scales.
+    /// Scales of the log.
     pub calibration: Arc<Calibration>,
     /// Correction of depths.
     pub correction: Arc<Correction>,
-    /// All points.
+    /// Cloud of all points.
     pub cloud: Arc<PointCloud>,
-    /// The class of each point.
+    /// Class of each point.
     pub classes: Arc<Vec<PointClass>>,
-    /// The depth under the boat at every side-scan ping.
+    /// Depth under the boat at every side-scan ping.
     pub depths: Arc<Vec<PingDepth>>,
     /// Shape of the bottom across the track.
     pub relief: Arc<Relief>,
-    /// Ends of the colour scale of depth, metres: the 2nd and 98th percentile of the soundings that
-    /// the recorder had the bottom for, as corrected. The others would stretch the colours. In a
-    /// log without such soundings, those of the depths that side-scan gives; `None` where no depth
-    /// is known.
+    /// Ends of the colour scale of depth, metres: the 2nd and 98th percentile of the corrected
+    /// soundings at which the recorder had not lost the bottom. The other soundings would stretch
+    /// the colours. In a log without such soundings, the percentiles of the depths that side-scan
+    /// gives; `None` if no depth is known.
     pub depth_range_m: Option<[f32; 2]>,
     /// Ends of the colour scales of echo level and slant range.
     pub scales: PointScales,
-    /// Latency of positions, as the track's crossings with itself show it; `None` where they do
-    /// not.
+    /// Latency of positions, derived from the crossings of the track with itself; `None` if they do
+    /// not determine it.
     pub latency: Option<LogLatency>,
-    /// Clutter among the first returns; `None` without any, and of a log that grows.
+    /// Clutter among the first returns; `None` if there is none, and for a growing log.
     pub clutter: Option<Clutter>,
-    /// Difference of depths where the track crosses itself; `None` where it does not.
+    /// Difference of depths where the track crosses itself; `None` if it does not.
     pub repeatability: Option<Residuals>,
 }
 
-/// A log of a survey and its results. Cheap to clone: every part is shared.
+/// Log of a survey and its results. Cheap to clone: every part is shared.
 #[derive(Clone, Debug)]
 pub struct ProcessedLog {
-    /// The recording. All logs of one survey lie in the frame of the first ([`Survey::in_frame`]).
+    /// Recording. All logs of one survey are in the local coordinate frame of the first
+    /// ([`Survey::in_frame`]).
     pub survey: Arc<Survey>,
-    /// Results of the recording, by its own settings and calibration.
+    /// Results of the recording, with its own settings and calibration.
     pub products: Products,
 }
 
 impl ProcessedLog {
-    /// A log with its results. The survey is the judged one where they have one
+    /// Creates a log with its results. The survey is the judged one if the results have one
     /// ([`Products::judged`]).
     pub fn new(survey: Arc<Survey>, products: Products) -> Self {
         Self { survey: products.judged.clone().unwrap_or(survey), products }
     }
 
-    /// Returns the survey and navigation by which the passes of the boat are counted.
+    /// Returns the survey and navigation for counting the passes of the boat.
     pub fn pass_log(&self) -> PassLog<'_> {
         (&self.survey, &self.products.navigation)
     }
 
-    /// The kept points, in the order of the cloud.
+    /// Returns the kept points, in the order of the cloud.
     pub fn kept_points(&self) -> impl Iterator<Item = &bathyscope_bottom::cloud::CloudPoint> {
         self.products.kept_points()
     }
 }
 
 impl Products {
-    /// Returns the conversion of samples and recorded depths to metres by these results, for every
-    /// read-out.
+    /// Returns the conversion of samples and recorded depths to metres by these results.
     pub fn reduction(&self) -> Reduction<'_> {
         Reduction::new(&self.calibration, &self.correction)
     }
 
-    /// The sentence about positions that are late, or early, where crossings contradict the latency
-    /// in force. A lag of the soundings looks like positions that are early: what is known of it is
-    /// no latency.
+    /// Returns a warning of late or early positions if crossings contradict the latency in force. A
+    /// lag of the soundings has the same effect as early positions: the known lag is added to the
+    /// latency found before the comparison.
     pub fn latency_warning(&self) -> Option<String> {
         let found = self.latency?;
         let lag = self.calibration.sounding_lag;
@@ -169,8 +169,8 @@ impl Products {
         latency.contradicts().then(|| latency.warning())
     }
 
-    /// The sentence about depths that differ where the track crosses itself by more than those of a
-    /// steady boat; `None` where they do not, or a warning names the cause.
+    /// Returns a warning if depths differ where the track crosses itself by more than those of a
+    /// steady boat; `None` if they do not, or another warning names the cause.
     pub fn repeatability_warning(&self) -> Option<String> {
         let found = self.repeatability.filter(|found| found.n >= FEWEST_CROSSINGS)?;
         let [least_m, most_m] = self.depth_range_m?.map(f64::from);
@@ -185,17 +185,17 @@ impl Products {
         })
     }
 
-    /// The first returns that count: those of excluded pings do not.
+    /// Returns the first returns without those of excluded pings.
     pub(super) fn counted_returns(&self) -> Arc<FirstReturns> {
         counted(&self.returns, &self.exclusions)
     }
 
-    /// The first returns that a calibration may be based on.
+    /// Returns the first returns from which the flat stretches and the scale may be derived.
     pub(super) fn judged_returns(&self, survey: &Survey) -> Arc<FirstReturns> {
         judged(survey, &self.settings, &self.found, &self.exclusions, || self.counted_returns())
     }
 
-    /// The scales by other settings, from first returns that they may be based on
+    /// Computes the scales with other settings, from first returns that are suited to it
     /// ([`Self::judged_returns`]).
     pub(super) fn calibrated(
         &self,
@@ -208,8 +208,8 @@ impl Products {
         calibration::calibrate(survey, navigation, judged, spots, settings, progress)
     }
 
-    /// All points by another calibration and other settings, from the first returns that count
-    /// ([`Self::counted_returns`]) and their traits.
+    /// Computes all points with another calibration and other settings, from the first returns that
+    /// count ([`Self::counted_returns`]) and their traits.
     pub(super) fn placed(
         &self,
         survey: &Survey,
@@ -230,27 +230,28 @@ impl Products {
         Ok(cloud.without(&self.exclusions))
     }
 
-    /// The points that count for the map, in the order of the cloud.
+    /// Returns the points that count for the depth map, in the order of the cloud.
     pub fn kept_points(&self) -> impl Iterator<Item = &CloudPoint> + Clone {
         self.cloud.kept(&self.classes).map(|(_, point)| point)
     }
 }
 
-/// Ends of the colour scale of depth over some results, metres: from the least to the greatest that
-/// one of them needs. `None` where no depth is known.
+/// Returns the ends of a colour scale of depth that includes those of all results, metres; `None`
+/// if no depth is known.
 pub fn colour_range_m<'a>(all: impl Iterator<Item = &'a Products>) -> Option<[f32; 2]> {
     let each = all.filter_map(|products| products.depth_range_m);
     each.reduce(|[shallow, deep], [s, d]| [shallow.min(s), deep.max(d)])
 }
 
-/// The first returns that count: those of excluded pings do not.
+/// Returns the first returns without those of excluded pings.
 pub(super) fn counted(returns: &Arc<FirstReturns>, exclusions: &Exclusions) -> Arc<FirstReturns> {
     if exclusions.is_empty() { returns.clone() } else { Arc::new(returns.without(exclusions)) }
 }
 
-/// The first returns that a calibration may be based on. What was accepted as bottom is flagged
-/// there as it was found: it is bottom beside the boat, at another depth than that of the
-/// soundings. `counted` are all that count.
+/// Returns the first returns from which the flat stretches and the scale may be derived. First
+/// returns that the analyst accepted as bottom keep the flag with which they were found: they are
+/// bottom beside the boat, at another depth than the soundings. `counted` returns all first returns
+/// that count.
 pub(super) fn judged(
     survey: &Survey,
     settings: &Settings,

@@ -1,4 +1,4 @@
-//! Shape of the bottom across the track, by the depths that the log itself measured.
+//! Computes the shape of the bottom across the track from the depths that the log itself measured.
 
 use super::depth::depth_points;
 use bathyscope_bottom::bathymetry::{Surface, SurfaceMethod, SurfaceSettings, surface_of_depths};
@@ -7,19 +7,20 @@ use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::support::statistics::{median, quantile};
 use bathyscope_log::survey::{Navigation, Relief, Side, Survey};
 
-/// Cells of the surface that it is read from are this share of the median depth, and this long at
-/// least, metres: what is smaller is noise as seen from the transducer.
+/// Side of the cells of the surface from which the shape is read, as a share of the median depth,
+/// and its least value, metres: smaller shapes are noise as seen from the transducer.
 const CELL_SHARE: f64 = 0.25;
 const LEAST_CELL_M: f64 = 1.0;
-/// The bottom is read up to the slant range that this share of all sides does not exceed.
+/// Share of all sides that do not exceed the slant range up to which the shape is computed.
 const RANGE_SHARE: f64 = 0.98;
-/// Most cells along a side.
+/// Most cells along a side of the surface.
 const MOST_CELLS: usize = 2048;
 
-/// The bottom across the track of every ping; level where none is known, or none is asked for.
+/// Computes the bottom across the track of every ping; level where no depth is known, and
+/// everywhere if `surface.relief` is off.
 ///
-/// It is read from linear triangles, whatever the depth map is made by: what the depths between
-/// lines are to a decimetre, an echo ten metres out is placed to within a few centimetres by.
+/// The surface is always made of linear triangles, whatever method the depth map uses: a decimetre
+/// of difference between lines moves an echo ten metres away by a few centimetres only.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -53,7 +54,8 @@ pub(super) fn relief(
     Ok(Relief::new(pings, farthest_m(survey), deeper_m))
 }
 
-/// Depth of the bottom at a distance across the track, less that under the boat.
+/// Returns the depth of the bottom at a distance across the track minus the depth under the boat,
+/// metres; `None` if one of them is unknown.
 fn deeper_m(
     bottom: &Surface,
     navigation: &Navigation,
@@ -63,7 +65,8 @@ fn deeper_m(
 ) -> Option<f64> {
     let boat = navigation.pings.get(ping)?;
     let beside = boat.abeam(side, ground_m)?;
-    // At its edge, where the outermost lines lie, a cell has no neighbours to be bilinear between.
+    // A cell at the edge of the surface, where the outermost lines are, has no neighbour for the
+    // bilinear interpolation.
     let depth_m = |[east_m, north_m]: [f64; 2]| {
         let of_cell = || bottom.at(east_m, north_m).map(|(depth_m, _)| depth_m);
         bottom.depth_at([east_m, north_m]).or_else(of_cell)
@@ -73,14 +76,15 @@ fn deeper_m(
     Some(f64::from(there_m - under_m))
 }
 
-/// Slant range that nearly no side of a ping exceeds, metres: a damaged header may state any.
+/// Returns the slant range that nearly no side of a ping exceeds, metres: a damaged header may
+/// contain any range.
 pub(super) fn farthest_m(survey: &Survey) -> f64 {
     let pings = survey.side_scan.iter();
     let spans = pings.flat_map(|ping| [ping.port, ping.starboard]).flatten();
     let ranges = spans.map(|span| f64::from(span.far_m));
     let mut ranges: Vec<f64> = ranges.filter(|far_m| far_m.is_finite()).collect();
     ranges.sort_by(f64::total_cmp);
-    // Of none it is NaN, and the greater of NaN and 1 is 1.
+    // The quantile of no ranges is NaN, and the greater of NaN and 1 is 1.
     quantile(&ranges, RANGE_SHARE).max(1.0)
 }
 

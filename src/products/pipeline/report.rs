@@ -1,4 +1,4 @@
-//! `report.json`: what went in, with which settings, what came out, and how far to trust it.
+//! Makes the contents of `report.json`: inputs, settings, results, and their reliability.
 
 use super::fingerprint::{Fingerprint, Input, hash_inputs, in_hexadecimal};
 use super::joint::{LogsReport, RequestedCorrection};
@@ -13,52 +13,52 @@ use serde::Serialize;
 use sha2::{Digest as _, Sha256};
 use std::collections::HashSet;
 
-/// Bytes of a hash that name a run.
+/// Number of bytes of a hash that are the name of a run.
 const RUN_BYTES: usize = 8;
 
-/// The record written beside the products. Field names are the contract of `report.json`.
+/// Record written beside the products. Field names are the contract of `report.json`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Report {
     /// Program and version.
     pub program: String,
-    /// Names the run, as the manifest and `report.html` do: the same inputs, settings and products
-    /// have the same name. Empty until [`Report::name_run`].
+    /// Name of the run, as in the manifest and `report.html`: runs with the same inputs, settings
+    /// and products have the same name. Empty until [`Report::name_run`].
     pub run: String,
-    /// The files read.
+    /// Files that were read.
     pub inputs: Vec<Input>,
     /// Format in words.
     pub format: String,
-    /// Unix seconds of the log's time zero.
+    /// Unix seconds of the log's time zero; `None` if unknown.
     pub start_unix_s: Option<f64>,
-    /// `published`, `recommended` or `changed`.
+    /// Preset of the settings: `published`, `recommended` or `changed`.
     pub preset: &'static str,
     /// Every setting.
     pub settings: Settings,
     /// Counts.
     pub counts: RunCounts,
-    /// Stretches that count for nothing, in time order, and why.
+    /// Excluded stretches in time order, with the reasons.
     pub excluded: Vec<ExcludedStretch>,
     /// Scales.
     pub calibration: CalibrationReport,
     /// Sources of the depths along the track.
     pub track: TrackShare,
-    /// Elevation of the kept side-scan points minus that of the recorded depth at the same ping:
-    /// above 0 is shallower; absent without any.
+    /// Residuals: elevation of the kept side-scan points minus that of the recorded depth at the
+    /// same ping, above 0 is shallower; `None` without any.
     pub residuals: Option<Residuals>,
-    /// Corrections of recorded positions, in sentences; empty where there are none, and for a
-    /// survey of several logs, each of which has its own.
+    /// Corrections of recorded positions, in sentences; empty if there are none, and for a survey
+    /// of several logs, each of which has its own.
     pub positions: String,
     /// Corrections of positions and heights that were requested, applied or refused.
     pub corrections: Vec<RequestedCorrection>,
-    /// Uncertainty that all depths have in common, one standard deviation each: it is in the stated
-    /// error of the map.
+    /// Uncertainty that all depths have in common, one standard deviation each, which is included
+    /// in the stated error of the map.
     pub uncertainty: CommonUncertainty,
-    /// Sentences on the depths between the lines, where a depth map was made.
+    /// Sentences on the depths between the lines; `None` if no depth map was made.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub depths_between_lines: Option<String>,
     /// Statement of what these depths are, and what was not corrected.
     pub statement: String,
-    /// The logs of a survey of several, and how they agree; absent of one log.
+    /// Report on the logs of a survey of several, and on their agreement; `None` for one log.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub logs: Option<LogsReport>,
     /// Warnings of the reader and of every stage.
@@ -145,7 +145,8 @@ impl Report {
         })
     }
 
-    /// Takes over the products of the run, and names it after them and what they were made from.
+    /// Sets the name of the run from the products and the inputs and settings from which they were
+    /// made.
     ///
     /// # Errors
     /// When a setting cannot be written as text.
@@ -156,7 +157,7 @@ impl Report {
         Ok(())
     }
 
-    /// Returns the results in a few lines for people.
+    /// Returns the results in a few lines of text.
     pub fn summary(&self) -> String {
         let Self {
             counts,
@@ -229,7 +230,7 @@ impl Report {
     }
 }
 
-/// Counts the faults of soundings that no first return confirms.
+/// Counts the faults of the soundings that no first return confirms.
 fn faults(survey: &Survey, cloud: &PointCloud) -> FaultCounts {
     let confirmed = cloud.points.of(PointSource::DownScan).iter();
     let confirmed = confirmed.filter(|point| point.fault.is_none());
@@ -241,7 +242,7 @@ fn faults(survey: &Survey, cloud: &PointCloud) -> FaultCounts {
     FaultCounts::of(left_out.filter_map(|(_, sounding)| sounding.fault))
 }
 
-/// All warnings of the reader and the stages, for the report and the window.
+/// Returns all warnings of the reader and the stages, for the report and the window.
 pub(super) fn warnings(survey: &Survey, products: &Products) -> Vec<String> {
     let read = survey.warnings.iter().map(|warning| warning.text.clone());
     read.chain(products.bottom_line.warnings.iter().cloned())
@@ -265,7 +266,7 @@ fn positions(survey: &Survey, settings: &Settings) -> String {
     format!("{said} {}", corrected_positions(settings)).trim_end().to_owned()
 }
 
-/// Returns the corrections of recorded positions, in sentences; empty where there are none.
+/// Returns the corrections of recorded positions, in sentences; empty if there are none.
 fn corrected_positions(settings: &Settings) -> String {
     let compass = settings.heading.source == HeadingSource::Compass;
     let mounting = settings.mounting.statement(compass);
@@ -284,8 +285,8 @@ fn whose(track: &Track) -> String {
     }
 }
 
-/// The log's files, and the readings of the water level and the area of the isobaths where they are
-/// in force.
+/// Returns the files of the log, and those of the water levels and of the isobaths' area if these
+/// are in force.
 fn inputs(
     survey: &Survey,
     products: &Products,

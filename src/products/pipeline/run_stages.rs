@@ -1,5 +1,5 @@
-//! The stages of a log, which of them a change of settings makes stale, and a run over a survey:
-//! the stages in order, each with what it is made of and what it makes.
+//! Defines the stages of a log and which of them a change of settings makes stale, and runs the
+//! stages over a survey in order.
 
 use super::joint::{crossline_analysis, latencies};
 use super::products::{LogLatency, Products, counted, judged};
@@ -19,10 +19,10 @@ use bathyscope_log::survey::{
 };
 use std::sync::Arc;
 
-/// Number of flat stretches that are ranked.
+/// Number of flat stretches in the ranking.
 const FLAT_SPOTS: usize = 8;
 
-/// A stage of the pipeline, in the order of the data.
+/// Stage of the pipeline, in the order of the data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Stage {
     /// Position and heading of every ping.
@@ -31,11 +31,11 @@ pub enum Stage {
     FirstReturn,
     /// Flat stretches of the track, and scales.
     Calibration,
-    /// Points.
+    /// Points of the cloud.
     Cloud,
-    /// Class of each point; the outlier filter runs here.
+    /// Class of each point; includes the outlier filter.
     Outliers,
-    /// The bottom across the track.
+    /// Shape of the bottom across the track.
     Relief,
 }
 
@@ -52,10 +52,11 @@ named! {
 }
 
 impl Stage {
-    /// The first stage whose result differs between two settings; `None` when all results are the
-    /// same.
+    /// Returns the first stage whose result differs between two settings; `None` if all results are
+    /// equal.
     pub fn first_stale(old: &Settings, new: &Settings) -> Option<Stage> {
-        // With the sides of a log all that is known of it is another, its places included.
+        // A change of the sides, or of another property of the log, changes all data of the log,
+        // including its places.
         let same_log =
             old.track == new.track && old.source == new.source && old.mounting == new.mounting;
         let same_places = old.heading == new.heading
@@ -144,8 +145,8 @@ pub fn run(
     Ok(products)
 }
 
-/// Finds the latency of the positions of a log, and the difference of its depths, where its track
-/// crosses itself.
+/// Finds the latency of the positions of a log, and the differences of its depths, from the
+/// crossings of its track with itself.
 fn by_crossings(
     survey: &Survey,
     products: &Products,
@@ -161,9 +162,9 @@ fn by_crossings(
 struct Run<'a, OnStage> {
     survey: &'a Survey,
     settings: &'a Settings,
-    /// Results of the same survey; those that are still valid are taken over.
+    /// Results of an earlier run over the same survey; those that are still valid are used again.
     previous: Option<&'a Products>,
-    /// The first stage whose result differs from that of `previous`.
+    /// First stage whose result differs from that of `previous`; `None` if all are equal.
     stale: Option<Stage>,
     progress: &'a Progress,
     /// Called at the beginning of each stage that runs.
@@ -179,7 +180,7 @@ struct PointResults {
 }
 
 impl<'a, OnStage: FnMut(Stage)> Run<'a, OnStage> {
-    /// The same over a survey whose soundings were judged.
+    /// Returns this run over another version of the survey, whose soundings were judged.
     fn over<'b>(self, survey: &'b Survey) -> Run<'b, OnStage>
     where
         'a: 'b,
@@ -188,10 +189,10 @@ impl<'a, OnStage: FnMut(Stage)> Run<'a, OnStage> {
         Run { survey, settings, previous, stale, progress, on_stage }
     }
 
-    /// The results of before, where that of this stage is still valid.
+    /// Returns the earlier results if that of this stage is still valid.
     fn reusable(&self, stage: Stage) -> Option<&'a Products> {
         self.previous.filter(|old| match stage {
-            // The bottom edits are applied again, which costs next to nothing.
+            // The bottom edits are applied again in any case, which takes little time.
             Stage::FirstReturn => finds_the_same(&old.settings, self.settings),
             _ => self.stale.is_none_or(|first| stage < first),
         })
@@ -202,7 +203,7 @@ impl<'a, OnStage: FnMut(Stage)> Run<'a, OnStage> {
         self.progress.check()
     }
 
-    /// Position and heading of every ping.
+    /// Returns position and heading of every ping.
     fn navigation(&mut self) -> Result<Arc<Navigation>, Cancelled> {
         if let Some(old) = self.reusable(Stage::Navigation) {
             return Ok(old.navigation.clone());
@@ -213,7 +214,7 @@ impl<'a, OnStage: FnMut(Stage)> Run<'a, OnStage> {
         Ok(Arc::new(navigation))
     }
 
-    /// Finds the parts of the log that count for nothing.
+    /// Returns the parts of the log that are excluded.
     fn exclusions(&self, navigation: &Arc<Navigation>) -> Arc<Exclusions> {
         let excluded = &self.settings.excluded;
         let is_same = |old: &&Products| {
@@ -225,7 +226,7 @@ impl<'a, OnStage: FnMut(Stage)> Run<'a, OnStage> {
         }
     }
 
-    /// The first returns, without bottom edits.
+    /// Returns the first returns, without bottom edits.
     fn found(&mut self) -> Result<Arc<FirstReturns>, Cancelled> {
         if let Some(old) = self.reusable(Stage::FirstReturn) {
             return Ok(old.found.clone());
@@ -236,8 +237,8 @@ impl<'a, OnStage: FnMut(Stage)> Run<'a, OnStage> {
         Ok(Arc::new(found))
     }
 
-    /// The survey without the soundings that first returns contradict, and with those that the
-    /// analyst trusts, if there are any.
+    /// Returns the survey in which soundings that first returns contradict are marked as false, and
+    /// those that the analyst trusts as good; `None` if there are neither.
     fn judged(
         &self,
         found: &Arc<FirstReturns>,
@@ -256,7 +257,7 @@ impl<'a, OnStage: FnMut(Stage)> Run<'a, OnStage> {
         trusted.or(judged).map(Arc::new)
     }
 
-    /// The first returns with the bottom edits.
+    /// Returns the first returns with the bottom edits.
     fn returns(&self, found: &Arc<FirstReturns>) -> Arc<FirstReturns> {
         let edits = &self.settings.bottom;
         if edits.is_empty() {
@@ -272,8 +273,8 @@ impl<'a, OnStage: FnMut(Stage)> Run<'a, OnStage> {
         Arc::new(returns)
     }
 
-    /// The flat stretches, and the scales from one of them. `counted` are those of `returns` that
-    /// count.
+    /// Returns the flat stretches, and the scales from one of them. `counted` are the first returns
+    /// of `returns` that count.
     fn calibration(
         &mut self,
         navigation: &Arc<Navigation>,
@@ -288,8 +289,8 @@ impl<'a, OnStage: FnMut(Stage)> Run<'a, OnStage> {
         self.begin(Stage::Calibration)?;
         let (survey, settings) = (self.survey, self.settings);
         let judged = judged(survey, settings, found, exclusions, || counted.clone());
-        // Flat stretches depend on track and picks only: choosing one of them, or a scale, leaves
-        // the ranking as it is.
+        // Flat stretches depend on the track and the picks only: their ranking does not change when
+        // one of them, or another scale, is chosen.
         let same_spots = self.previous.filter(|old| {
             Arc::ptr_eq(&old.navigation, navigation)
                 && Arc::ptr_eq(&old.returns, returns)
@@ -316,7 +317,7 @@ impl<'a, OnStage: FnMut(Stage)> Run<'a, OnStage> {
         }
     }
 
-    /// The bottom that the picture is laid out by.
+    /// Returns the bottom line of the side-scan picture.
     fn bottom_line(
         &self,
         returns: &Arc<FirstReturns>,
@@ -335,7 +336,7 @@ impl<'a, OnStage: FnMut(Stage)> Run<'a, OnStage> {
         }
     }
 
-    /// All points, excluded ones without a place, and the clutter among the first returns.
+    /// Returns all points, and the clutter among the first returns; excluded points have no place.
     fn cloud(
         &mut self,
         navigation: &Navigation,
@@ -361,8 +362,8 @@ impl<'a, OnStage: FnMut(Stage)> Run<'a, OnStage> {
         Ok((Arc::new(made.without(exclusions)), traits.clutter()))
     }
 
-    /// The class of each point, and what follows from that: depths under the boat, and the ends of
-    /// colour scales.
+    /// Returns the class of each point, and the results that depend on it: depths under the boat,
+    /// and the ends of colour scales.
     fn point_results(
         &mut self,
         (cloud, places): (&PointCloud, &[PingNav]),
@@ -414,8 +415,9 @@ impl<'a, OnStage: FnMut(Stage)> Run<'a, OnStage> {
     }
 }
 
-/// Returns true if the search for first returns finds the same with both settings. It depends on
-/// neither position nor heading: a change of heading source must not run the tracker again.
+/// Returns true if the search for first returns has the same result with both settings. The search
+/// does not depend on position or heading: a change of the heading source must not run the tracker
+/// again.
 fn finds_the_same(old: &Settings, new: &Settings) -> bool {
     old.image == new.image
         && old.mounting.swap_sides == new.mounting.swap_sides
@@ -424,7 +426,7 @@ fn finds_the_same(old: &Settings, new: &Settings) -> bool {
         && old.first_return.finds_the_same(&new.first_return)
 }
 
-/// The bottom line by the settings.
+/// Returns the bottom line that the settings select.
 pub(super) fn bottom_line(
     survey: &Survey,
     settings: &Settings,
@@ -439,7 +441,7 @@ pub(super) fn bottom_line(
     Arc::new(first_return::at_recorded_depth(survey, returns, sample_at))
 }
 
-/// The percentiles of [`Products::depth_range_m`].
+/// Computes the percentiles of [`Products::depth_range_m`].
 fn depth_range_m(
     survey: &Survey,
     correction: &Correction,

@@ -1,4 +1,4 @@
-//! Tries another scale on a log before anything is changed.
+//! Computes the effect of another scale on a log before any setting is changed.
 
 use super::{Products, Settings};
 use bathyscope_bottom::calibration::{
@@ -8,17 +8,17 @@ use bathyscope_bottom::cloud::{self, DepthChange, PickTraits, Residuals};
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::Survey;
 
-/// The scale that a stretch of pings gives, and what it changes.
+/// Scale that a stretch of pings gives, and its effect.
 #[derive(Clone, Debug)]
 pub struct ScaleTrial {
-    /// The stretch and its scale.
+    /// Stretch of pings and its scale.
     pub spot: FlatSpot,
     /// Objections to the scale, in sentences.
     pub objections: Vec<String>,
-    /// First returns of the whole log against recorded depths, by the recorder's scale.
+    /// Ranges of the first returns of the whole log at recorded depths, by the recorder's scale.
     pub points: Vec<RangeAtDepth>,
-    /// Effect of the scale on the depths; `None` where the stretch gives no scale, or the log has
-    /// no side-scan depths.
+    /// Effect of the scale on the depths; `None` if the stretch gives no scale, or the log has no
+    /// side-scan depths.
     pub effect: Option<ScaleEffect>,
 }
 
@@ -27,12 +27,12 @@ pub struct ScaleTrial {
 pub struct ScaleEffect {
     /// Change of the depths.
     pub change: DepthChange,
-    /// Elevation of side-scan points minus that of the soundings of the same pings, now and then;
-    /// `None` without soundings.
+    /// Elevation of side-scan points minus that of the soundings of the same pings, with the
+    /// present scale and with the other; `None` without soundings.
     pub residuals: Option<[Residuals; 2]>,
 }
 
-/// The settings with the scale of a stretch.
+/// Returns the calibration settings with the scale of a stretch.
 pub(super) fn with_stretch(settings: &Settings, pings: PingRange) -> CalibrationSettings {
     CalibrationSettings {
         mode: ScaleMode::FlatSpot,
@@ -42,7 +42,7 @@ pub(super) fn with_stretch(settings: &Settings, pings: PingRange) -> Calibration
 }
 
 impl ScaleTrial {
-    /// Tries the scale that a stretch of pings gives, on a log with its results.
+    /// Computes the scale that a stretch of pings gives, and its effect on a log with its results.
     ///
     /// # Errors
     /// When the work was cancelled.
@@ -70,7 +70,7 @@ impl ScaleTrial {
     }
 }
 
-/// Computes the effect of a calibration from the points that it would give.
+/// Computes the effect of a calibration from the points that result from it.
 fn effect(
     survey: &Survey,
     products: &Products,
@@ -84,7 +84,7 @@ fn effect(
     let counted = (&*counted, &traits);
     let after = products.placed(survey, counted, calibration, settings, progress)?;
     let change = DepthChange::between(before, classes, &after);
-    // The same first returns give the same points, each of which keeps its class.
+    // The same first returns give the same number of points, each of which keeps its class.
     let is_alike = after.points.len() == before.points.len();
     let of = |cloud| cloud::residuals(survey, cloud, &products.correction, classes);
     let then = is_alike.then(|| of(&after)).flatten();

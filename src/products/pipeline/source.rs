@@ -1,5 +1,5 @@
-//! Turns the log that was read into the survey that the stages see: what the log does not say, or
-//! says wrongly, is put right before any of them.
+//! Makes the survey for the stages from the log that was read: missing or wrong facts of the log
+//! are set or corrected before any stage.
 
 use super::Settings;
 use super::settings::SourceSettings;
@@ -10,18 +10,18 @@ use bathyscope_log::survey::{MountingSettings, Survey, TrackSettings};
 /// Reason why a log cannot be used with its settings, in one sentence.
 #[derive(Debug, thiserror::Error)]
 pub enum SourceError {
-    /// The metres of its positions are not those of `source.crs`.
+    /// The metres of the log's positions are not those of `source.crs`.
     #[error(transparent)]
     System(#[from] CrsError),
-    /// The track does not fit it.
+    /// The track of another receiver does not fit the log.
     #[error(transparent)]
     Track(#[from] TrackError),
 }
 
-/// The settings that a survey depends on: with the same ones it is the same survey.
+/// Settings on which a survey depends: equal keys give equal surveys.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SourceKey {
-    /// The track of another receiver.
+    /// Settings of the track of another receiver.
     pub track: TrackSettings,
     swap_sides: bool,
     clock_offset_s: f64,
@@ -32,7 +32,7 @@ pub struct SourceKey {
 impl SourceKey {
     /// Creates the key from these settings.
     pub fn of(settings: &Settings) -> Self {
-        // Without a track its clock says nothing.
+        // Without a track, its time offset has no effect.
         let track = Some(settings.track.clone()).filter(|track| track.file.is_some());
         Self {
             track: track.unwrap_or_default(),
@@ -44,9 +44,9 @@ impl SourceKey {
     }
 }
 
-/// A log that was read, with what `mounting.*` and `source.*` put right: its sides, its clock, the
-/// times of its soundings, the system of positions in metres, and which frequency is shown. Lever
-/// arm and heading offset act where pings are placed.
+/// Returns the log that was read, corrected by `mounting.*` and `source.*`: its sides, its clock,
+/// the times of its soundings, the coordinate system of positions in metres, and the frequency that
+/// is shown. Lever arm and heading offset are applied when pings are placed.
 ///
 /// # Errors
 /// When the metres of its positions are not those of `source.crs`.
@@ -62,14 +62,14 @@ pub fn as_mounted(
     let mut survey = recorded.mounted(mounting);
     if let Some(crs) = source.crs.filter(|_| survey.track.projected.is_some()) {
         survey.track = survey.track.in_system(&crs.system()?)?;
-        // It says that the system is not known.
+        // The warning is that the coordinate system is unknown.
         survey.warnings.retain(|warning| !warning.text.contains("source.crs"));
     }
     Ok(survey)
 }
 
-/// A log that was read as its settings have it, with the track of another receiver over it, if
-/// there is one.
+/// Returns the log that was read, corrected by its settings, with the track of another receiver
+/// applied if there is one.
 ///
 /// # Errors
 /// When the metres of its positions are not those of `source.crs`, or the track does not fit the

@@ -14,15 +14,15 @@ use bathyscope_log::survey::{Projection, Side};
 use bathyscope_objects::objects::{Object, ObjectList};
 use std::f64::consts::FRAC_PI_3;
 
-/// Looks of one side are so far apart along the track at least, metres.
+/// Least distance along the track between two looks of one side, metres.
 const LOOK_STEP_M: f64 = 0.4;
-/// A boat that has turned by so much since a pass began is on another one.
+/// Turn of the boat since the start of a pass at which a new pass begins, radians.
 const NEW_PASS_RAD: f64 = FRAC_PI_3;
-/// A boat that is faster than this moves, metres a second.
+/// Speed above which the boat is taken to move, metres a second.
 const MOVING_MPS: f64 = 0.3;
 
-/// Collects the coverage of the logs of a survey in the plane of the first log's frame. `objects`
-/// have their places in that plane. `None` without any log.
+/// Collects the coverage of the logs of a survey in the plane of the local coordinate frame of the
+/// first log. The places of `objects` are in that plane. `None` without any log.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -73,18 +73,18 @@ fn finite_or_zero(value: f64) -> f64 {
     if value.is_finite() { value } else { 0.0 }
 }
 
-/// A log in the plane that all logs share.
+/// Log in the plane that all logs share.
 struct Log<'a> {
     log: &'a ProcessedLog,
     frame: &'a LocalFrame,
 }
 
 impl Log<'_> {
-    /// A place of the log's own plane.
+    /// Returns the place in the shared plane for a place in the log's own plane.
     fn place(&self, east_m: f64, north_m: f64) -> [f64; 2] {
         let navigation = &self.log.products.navigation;
         match navigation.projection {
-            // All logs of a survey lie in one frame.
+            // All logs of a survey are in one local coordinate frame.
             Projection::Enu => [east_m, north_m],
             Projection::Mercator => {
                 let track = &self.log.survey.track;
@@ -93,7 +93,7 @@ impl Log<'_> {
         }
     }
 
-    /// The points that count for the depth map.
+    /// Returns the points that count for the depth map.
     fn points(&self) -> Vec<DepthPoint> {
         let products = &self.log.products;
         let (cloud, classes) = (&products.cloud, &products.classes);
@@ -112,8 +112,7 @@ impl Log<'_> {
         placed.collect()
     }
 
-    /// Adds the ground that both sides insonified, but for stretches that are excluded, and the
-    /// ranges.
+    /// Adds the ground that both sides insonified, without excluded stretches, and the ranges.
     fn add_looks(&self, looks: &mut Vec<InsonifiedSide>, ranges_m: &mut Vec<f64>) {
         let ProcessedLog { survey, products } = self.log;
         if !survey.has_side_scan() {
@@ -157,8 +156,8 @@ impl Log<'_> {
     }
 }
 
-/// The objects that were accepted or drawn by hand, with the headings of their sightings in all
-/// logs.
+/// Returns the objects that were accepted or drawn by hand, with the headings of their sightings in
+/// all logs.
 fn seen_objects(list: &ObjectList, first: &Log<'_>) -> Vec<SeenObject> {
     let is_decided = |object: &&Object| {
         let mut members = list.members(object);

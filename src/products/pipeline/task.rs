@@ -1,5 +1,5 @@
-//! Work in background threads: one piece of it, or one kind of it for what is on the screen, where
-//! the newest request wins and the last result stays.
+//! Runs work in background threads: single tasks, and kinds of work for the screen, of which the
+//! newest request replaces the current one and the last result stays.
 
 use bathyscope_log::support::progress::Progress;
 use std::sync::{Arc, mpsc};
@@ -7,14 +7,14 @@ use std::sync::{Arc, mpsc};
 /// Way in which background work is run.
 #[derive(Clone)]
 pub enum Jobs {
-    /// Worker threads, which call this function when there is something to show.
+    /// Worker threads, which call this function when there is a result to show.
     Threads(Arc<dyn Fn() + Send + Sync>),
-    /// Inside the call.
+    /// The calling thread: the work is done before the call returns.
     Inline,
 }
 
 impl Jobs {
-    /// Says that there is something to show.
+    /// Calls the function of [`Jobs::Threads`]: there is a result to show.
     pub(crate) fn wake(&self) {
         match self {
             Self::Threads(waker) => waker(),
@@ -23,17 +23,17 @@ impl Jobs {
     }
 }
 
-/// Result of a task.
+/// State of a task, with its result.
 pub enum TaskOutcome<T> {
-    /// It still runs, or its result was taken.
+    /// The task still runs.
     Pending,
-    /// Its result, once.
+    /// The result, returned once.
     Done(T),
-    /// Its thread died.
+    /// The thread panicked, or the result was already returned.
     Failed,
 }
 
-/// Wakes the window when it is dropped.
+/// Guard that wakes the window when it is dropped.
 struct WakeAtEnd(Arc<dyn Fn() + Send + Sync>);
 
 impl Drop for WakeAtEnd {
@@ -42,14 +42,14 @@ impl Drop for WakeAtEnd {
     }
 }
 
-/// Work under way. Dropping it cancels it.
+/// Task that runs in the background; dropping it cancels the work.
 pub struct Task<T> {
     progress: Progress,
     result: mpsc::Receiver<T>,
 }
 
 impl<T: Send + 'static> Task<T> {
-    /// Starts `work` on a thread of its own, or inside this call for [`Jobs::Inline`].
+    /// Starts `work` on its own thread, or runs it in this call for [`Jobs::Inline`].
     pub fn start(jobs: &Jobs, work: impl FnOnce(&Progress) -> T + Send + 'static) -> Self {
         let (sender, result) = mpsc::channel();
         let progress = Progress::new();
@@ -61,10 +61,10 @@ impl<T: Send + 'static> Task<T> {
             Jobs::Threads(waker) => {
                 let at_end = WakeAtEnd(waker.clone());
                 std::thread::spawn(move || {
-                    // Dropped in turn, the channel first, also where the work panics: who is woken
-                    // finds out what became of it.
+                    // Dropped in this order, the sender first, even if the work panics: when the
+                    // window wakes, the outcome is known.
                     let (_at_end, sender) = (at_end, sender);
-                    // Nobody listens any more when the task was replaced meanwhile.
+                    // Sending fails if the task was replaced meanwhile.
                     sender.send(work(&progress)).ok();
                 });
             }
@@ -72,7 +72,7 @@ impl<T: Send + 'static> Task<T> {
         task
     }
 
-    /// The result, if it is there.
+    /// Returns the state of the task, with the result if it is ready.
     pub fn poll(&self) -> TaskOutcome<T> {
         match self.result.try_recv() {
             Ok(result) => TaskOutcome::Done(result),
@@ -81,12 +81,12 @@ impl<T: Send + 'static> Task<T> {
         }
     }
 
-    /// Waits for the result; `None` when its thread died, or the result was taken.
+    /// Waits for the result; `None` if the thread panicked, or the result was already returned.
     pub fn wait(&self) -> Option<T> {
         self.result.recv().ok()
     }
 
-    /// Done share, 0 to 1.
+    /// Returns the share of the work that is done, 0 to 1.
     pub fn fraction(&self) -> f32 {
         self.progress.fraction()
     }
@@ -98,8 +98,8 @@ impl<T> Drop for Task<T> {
     }
 }
 
-/// One kind of work in the background. `K` is the key of the inputs of a result; the same key is
-/// not worked on twice.
+/// One kind of work in the background. `K` is the key of the inputs of a result; a request with the
+/// key of the last request starts no work.
 pub struct Background<K, T> {
     key: Option<K>,
     running: Option<Task<Option<T>>>,
@@ -113,8 +113,8 @@ impl<K, T> Default for Background<K, T> {
 }
 
 impl<K: PartialEq, T: Send + 'static> Background<K, T> {
-    /// Makes sure that the result of `key` is there or under way. `work` returns `None` when it was
-    /// cancelled or when there is nothing to show; what was shown before stays then.
+    /// Starts the work for `key`, unless it is the key of the last request. `work` returns `None`
+    /// if it was cancelled or there is no result; the earlier result then stays.
     pub fn ask(
         &mut self,
         key: K,
@@ -123,18 +123,18 @@ impl<K: PartialEq, T: Send + 'static> Background<K, T> {
     ) {
         if self.key.as_ref() != Some(&key) {
             self.key = Some(key);
-            // Replacing a task cancels the one before.
+            // Replacing a task cancels the earlier one.
             self.running = Some(Task::start(jobs, work));
         }
         self.collect();
     }
 
-    /// The last result, perhaps of an older key.
+    /// Returns the last result, which may be of an older key.
     pub fn result(&self) -> Option<&T> {
         self.result.as_ref()
     }
 
-    /// Returns true if work is under way.
+    /// Returns true if work is running.
     pub fn is_running(&self) -> bool {
         self.running.is_some()
     }
@@ -152,8 +152,8 @@ impl<K: PartialEq, T: Send + 'static> Background<K, T> {
     }
 }
 
-/// A shared result as a key: the same allocation, not equal contents. Holding it keeps its address
-/// from being used again.
+/// Shared value as a key: equal if it is the same allocation, not if the contents are equal. The
+/// key keeps the value alive, so that its address is not used again.
 pub struct Same<T>(pub std::sync::Arc<T>);
 
 impl<T> Clone for Same<T> {

@@ -1,4 +1,4 @@
-//! Finds the logs of a project: at their place, or where they were moved to with it or within its
+//! Finds the logs of a project: at their recorded place, or moved with the project or within its
 //! folder.
 
 use super::log::{LogFile, LogKey};
@@ -12,29 +12,30 @@ use std::fs;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
-/// Folders below the project's that are looked into, one in another.
+/// Greatest depth of the folders searched below the project's folder.
 const DEEPEST: usize = 5;
-/// Files that are looked at. A folder with more is somebody's whole disk.
+/// Most files examined: a folder with more may be a whole disk.
 const MOST_FILES: usize = 50_000;
 
 /// Location of a log.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum LogLocation {
-    /// The log lies at its place.
+    /// The log is at its recorded place.
     Here,
-    /// The log lies elsewhere: [`super::ProjectLog::at`] takes it from there.
+    /// The log is at this path: [`super::ProjectLog::at`] returns the log with it.
     Moved(PathBuf),
-    /// A file of the same length with other bytes lies at its place, and the log is nowhere else.
+    /// A file of the same length with other bytes is at the recorded place, and the log was not
+    /// found elsewhere.
     Changed,
-    /// Another recording lies at its place, and the log is nowhere else.
+    /// Another recording is at the recorded place, and the log was not found elsewhere.
     Replaced,
-    /// The log was not found: the analyst is asked.
+    /// The log was not found: the analyst is asked for its place.
     Missing,
 }
 
-/// Looks for the logs of a project in a folder: at their place; by name in the project's folder and
-/// the folders below it; by their bytes under any name there. Elsewhere than at its place, a log
-/// counts by its hash only.
+/// Searches for the logs of a project: at their recorded place; by name in the project's folder and
+/// the folders below it; by their bytes under any name there. At a place other than the recorded
+/// one, a file is taken for the log only if its hash is equal.
 pub fn find(
     project: &Project,
     folder: &Path,
@@ -63,7 +64,7 @@ fn search(
     progress: &Progress,
 ) -> Result<Option<PathBuf>, Cancelled> {
     let name = log.path.file_name().unwrap_or_default().to_string_lossy();
-    // A path that another system wrote is one long name here.
+    // A path that another system wrote is one long file name on this one.
     let name = paths::name_from_text(&name);
     let (named, others): (Vec<_>, Vec<_>) =
         files.iter().partition(|path| path.file_name() == Some(name.as_os_str()));
@@ -76,7 +77,7 @@ fn search(
     Ok(None)
 }
 
-/// Examines the file at the log's own place. It may have grown since.
+/// Examines the file at the log's recorded place, which may have grown since.
 fn at_its_place(log: &LogFile, progress: &Progress) -> Result<LogLocation, Cancelled> {
     let path = &log.path;
     if is_log(log, path, progress)? || has_grown(log, path, progress)? {
@@ -112,7 +113,8 @@ fn is_log(log: &LogFile, path: &Path, progress: &Progress) -> Result<bool, Cance
     }
 }
 
-/// Returns true if a file is longer than the log and begins with it: more of it was written since.
+/// Returns true if a file is longer than the log and begins with the log's bytes: more was written
+/// since.
 fn has_grown(log: &LogFile, path: &Path, progress: &Progress) -> Result<bool, Cancelled> {
     let is_longer =
         fs::metadata(path).is_ok_and(|there| there.is_file() && there.len() > log.byte_count);
@@ -130,8 +132,8 @@ fn is_as_long(log: &LogFile, path: &Path) -> bool {
     there.is_ok_and(|there| there.is_file() && there.len() == log.byte_count)
 }
 
-/// Returns true if a file may be the first of a recording in several: it is shorter than the whole,
-/// and ends as the log's does.
+/// Returns true if a file may be the first file of the log's recording in several: it is shorter
+/// than the whole, and has the ending of the log's file.
 fn starts_recording(log: &LogFile, path: &Path) -> bool {
     let ending = |path: &Path| path.extension().map(|ending| ending.to_ascii_lowercase());
     let role = formats::role_by_name(&log.path);
@@ -143,7 +145,7 @@ fn starts_recording(log: &LogFile, path: &Path) -> bool {
         && there.is_ok_and(|there| there.is_file() && there.len() < log.byte_count)
 }
 
-/// The log in a file, if it is one.
+/// Opens the log in a file; `None` if the file is not a log.
 fn opened(
     path: &Path,
     progress: &Progress,
@@ -155,8 +157,8 @@ fn opened(
     }
 }
 
-/// The files in a folder and the folders below it, the nearest first. Links to folders are not
-/// followed: they may lead in a circle.
+/// Returns the files in a folder and the folders below it, the nearest first. Links to folders are
+/// not followed: they may form a loop.
 fn files_below(folder: &Path) -> Vec<PathBuf> {
     let mut files = Vec::new();
     let mut folders = VecDeque::from([(folder.to_owned(), 0)]);
@@ -209,7 +211,7 @@ mod tests {
         let project = Project::default().with_log(ProjectLog::new(file)).expect("a log");
         assert_eq!(places(&project, &folder), [LogLocation::Here]);
 
-        // Elsewhere with the same name lies another recording of the same size.
+        // In another folder, another recording has the same name and size.
         let [day, other] = ["day 1", "day 2"].map(|name| folder.join(name));
         fs::create_dir_all(&day).expect("a folder");
         fs::create_dir_all(&other).expect("a folder");
@@ -225,7 +227,7 @@ mod tests {
         fs::write(&named, &bytes).expect("a log");
         assert_eq!(places(&project, &folder), [LogLocation::Moved(named)]);
 
-        // Other bytes at its place, as many.
+        // The file at the recorded place has other bytes, of the same length.
         fs::write(&log, &spoilt).expect("a log");
         assert!(matches!(places(&project, &folder)[0], LogLocation::Moved(_)));
         for moved in [&moved, &other.join("pond.sl2")] {
@@ -239,13 +241,13 @@ mod tests {
         fs::create_dir(&day).expect("a folder");
         fs::write(&moved, &bytes).expect("a log");
 
-        // Another recording at its place.
+        // Another recording is at the recorded place.
         fs::write(&log, &bytes[..bytes.len() - 1000]).expect("a log");
         assert!(matches!(places(&project, &folder)[0], LogLocation::Moved(_)));
         fs::remove_dir_all(&other).expect("a folder");
         assert_eq!(places(&project, &folder), [LogLocation::Replaced]);
 
-        // As Windows wrote it.
+        // The path as written on Windows.
         fs::remove_file(&log).expect("a log");
         fs::write(day.join("pond.sl2"), &bytes).expect("a log");
         let text = project

@@ -1,5 +1,5 @@
-//! Undo and redo: whole states with the name of the change that led away from them. States share
-//! what stayed between them, so a step costs what it changed.
+//! Undo and redo: complete states, each with the name of the change that followed it. States share
+//! their unchanged parts, so that a step only needs memory for its changes.
 
 use std::borrow::Cow;
 use std::collections::VecDeque;
@@ -7,25 +7,25 @@ use std::collections::VecDeque;
 /// Name of a change in menus and in the list of the history.
 type ChangeLabel = Cow<'static, str>;
 
-/// A history of states; a drag is one step however many states it passes.
+/// History of states, in which a drag is one step, however many states it passes.
 #[derive(Clone, Debug)]
 pub struct History<T> {
     undo: VecDeque<(T, ChangeLabel)>,
     redo: Vec<(T, ChangeLabel)>,
-    /// The state before the drag under way, and its name.
+    /// State before the current drag, and the name of the drag; `None` outside a drag.
     open: Option<(T, ChangeLabel)>,
 }
 
-/// A step in the list of the history.
+/// Step in the list of the history.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct HistoryStep<'a> {
     /// Name of the change.
     pub label: &'a str,
-    /// True if it was undone, and can be done again.
+    /// True if the step was undone and can be redone.
     pub is_undone: bool,
 }
 
-/// Steps kept.
+/// Most steps that can be undone.
 const DEPTH: usize = 200;
 
 impl<T> Default for History<T> {
@@ -35,20 +35,20 @@ impl<T> Default for History<T> {
 }
 
 impl<T: Clone + PartialEq> History<T> {
-    /// The history of changes that were made before: each state with the name of the change that
-    /// led away from it, the oldest first.
+    /// Creates a history of changes that were made before: each state with the name of the change
+    /// that followed it, the oldest first.
     pub fn of_past(past: impl IntoIterator<Item = (T, ChangeLabel)>) -> Self {
         Self { undo: past.into_iter().collect(), ..Self::default() }
     }
 
-    /// The changes that undo takes back: each state with the name of the change that led away from
+    /// Returns the changes that can be undone: each state with the name of the change that followed
     /// it, the oldest first.
     pub fn past(&self) -> impl DoubleEndedIterator<Item = (&T, &str)> {
         self.undo.iter().map(|(state, label)| (state, &**label))
     }
 
-    /// Notes that `before` became `after`. `live` changes belong to the step that the next change
-    /// of the same name ends.
+    /// Records a change from `before` to `after`. Changes with `live` are part of a drag: the next
+    /// change of the same name without `live` ends it, and all are one step.
     pub fn record(&mut self, before: &T, after: &T, label: impl Into<ChangeLabel>, live: bool) {
         let label = label.into();
         if self.open.as_ref().is_some_and(|(_, open)| *open != label) {
@@ -62,14 +62,14 @@ impl<T: Clone + PartialEq> History<T> {
         }
     }
 
-    /// Returns the state at which the step began that a change of this name from `before` ends: the
-    /// state before its drag, if one is under way.
+    /// Returns the state at the start of the step that a change with this name from `before` would
+    /// end: the state before its drag, if there is one, else `before`.
     pub fn start_of<'a>(&'a self, label: &str, before: &'a T) -> &'a T {
         let open = self.open.as_ref().filter(|(_, open)| open == label);
         open.map_or(before, |(start, _)| start)
     }
 
-    /// Gives the last step its full name: `threshold 0.41`, where its drag was a `threshold`.
+    /// Renames the last step: the drag `threshold` becomes `threshold 0.41`.
     pub fn name_last(&mut self, label: impl Into<ChangeLabel>) {
         if let Some((_, last)) = self.undo.back_mut() {
             *last = label.into();
@@ -92,7 +92,7 @@ impl<T: Clone + PartialEq> History<T> {
         }
     }
 
-    /// The state to go back to.
+    /// Undoes the last step and returns the state before it; `None` if there is none.
     pub fn undo(&mut self, now: &T) -> Option<T> {
         self.close(now);
         let (state, label) = self.undo.pop_back()?;
@@ -100,24 +100,24 @@ impl<T: Clone + PartialEq> History<T> {
         Some(state)
     }
 
-    /// The state to go forward to.
+    /// Redoes the last undone step and returns the state after it; `None` if there is none.
     pub fn redo(&mut self, now: &T) -> Option<T> {
         let (state, label) = self.redo.pop()?;
         self.undo.push_back((now.clone(), label));
         Some(state)
     }
 
-    /// Name of what [`History::undo`] would take back.
+    /// Returns the name of the step that [`History::undo`] would undo.
     pub fn undo_label(&self) -> Option<&str> {
         self.open.as_ref().or(self.undo.back()).map(|(_, label)| label.as_ref())
     }
 
-    /// Name of what [`History::redo`] would do again.
+    /// Returns the name of the step that [`History::redo`] would redo.
     pub fn redo_label(&self) -> Option<&str> {
         self.redo.last().map(|(_, label)| label.as_ref())
     }
 
-    /// All steps in the order in which they were done, and after them those that were taken back.
+    /// Returns all steps in their order, the undone ones after the others.
     pub fn steps(&self) -> impl Iterator<Item = HistoryStep<'_>> {
         let done = self
             .undo
@@ -127,8 +127,8 @@ impl<T: Clone + PartialEq> History<T> {
         done.chain(self.redo.iter().rev().map(|(_, label)| HistoryStep { label, is_undone: true }))
     }
 
-    /// The state after the first `count` of [`History::steps`]; `None` when that is the present
-    /// one, or there are fewer.
+    /// Goes to the state after the first `count` of [`History::steps`] and returns it; `None` if it
+    /// is the present state, or there are fewer steps.
     pub fn go_to(&mut self, count: usize, now: &T) -> Option<T> {
         self.close(now);
         if count > self.undo.len() + self.redo.len() {

@@ -1,5 +1,5 @@
-//! A project as input for work without a window: its logs where they lie now, each with its
-//! settings.
+//! Makes the inputs of a project for work without a window: its logs at their present places, each
+//! with its settings.
 
 use super::find::{LogLocation, find};
 use super::log::ProjectLog;
@@ -11,20 +11,20 @@ use bathyscope_log::support::progress::{Cancelled, Progress};
 use std::path::Path;
 use std::sync::Arc;
 
-/// A log of a project, to be opened and processed.
+/// Log of a project, to be opened and processed.
 #[derive(Clone, Debug)]
 pub struct ProjectInput {
-    /// The log, its file where it lies now.
+    /// The log, with the present path of its file.
     pub log: Arc<ProjectLog>,
-    /// The settings that it is processed with; the water levels and the area that they name are
-    /// read.
+    /// Settings with which the log is processed; the water levels and the area that they name are
+    /// loaded.
     pub settings: Settings,
-    /// The confidence from which undecided proposals count.
+    /// Confidence from which undecided proposals count.
     pub least_confidence: f32,
-    /// The frame that all logs of the project lie in, as the window has them; `None` where it is
-    /// not kept.
+    /// Local coordinate frame of all logs of the project, as in the window; `None` if the project
+    /// has no origin yet.
     pub frame: Option<LocalFrame>,
-    /// Warning about its file.
+    /// Warning about the log's file; `None` if there is none.
     pub warning: Option<String>,
 }
 
@@ -34,13 +34,13 @@ pub enum ProjectInputError {
     /// The project cannot be read.
     #[error(transparent)]
     Store(#[from] StoreError),
-    /// A log has settings that cannot be used, or that name a file that cannot.
+    /// Settings of a log cannot be used, or name a file that cannot be read.
     #[error(transparent)]
     Settings(#[from] SettingsError),
     /// The work was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
-    /// A log is not where it was, or none is shown.
+    /// A log is not at its place, or no log is visible.
     #[error(transparent)]
     Logs(#[from] FileError<LogsFault>),
 }
@@ -48,29 +48,29 @@ pub enum ProjectInputError {
 /// Reason why the logs of a project cannot be processed, in a sentence without the file.
 #[derive(Debug, thiserror::Error)]
 pub enum LogsFault {
-    /// Another recording is called as the log of this name was.
+    /// Another recording is at the place of the log of this name.
     #[error(
         "another recording lies where the log `{0}` of the project was; put it back beside the project"
     )]
     Replaced(String),
-    /// The log of this name is nowhere.
+    /// The log of this name was not found.
     #[error(
         "the log `{0}` of the project is not there; put it back, or anywhere below the project's folder"
     )]
     Missing(String),
-    /// No log is visible.
+    /// No log of the project is visible.
     #[error("the project has no log that is shown")]
     NoneShown,
 }
 
-/// The visible logs of a project, in their order.
+/// Returns the visible logs of a project, in their order.
 ///
 /// # Errors
-/// When the project cannot be read, holds no visible log, or a log or a file that its settings name
-/// is not there.
+/// When the project cannot be read, contains no visible log, or a log or a file that its settings
+/// name is missing.
 pub fn inputs(path: &Path, progress: &Progress) -> Result<Vec<ProjectInput>, ProjectInputError> {
     let mut project = read(path)?;
-    // Once for all logs.
+    // Loaded once for all logs.
     project.settings.load_area()?;
     let folder = super::store::folder_of(path);
     let places = find(&project, &folder, progress)?;

@@ -1,9 +1,10 @@
-//! Journal of the changes since a project was saved: one line a gesture, in a file beside it.
+//! Journal of the changes since a project was saved: one line for each change, in a file beside it.
 //!
-//! A line is written in one piece as soon as the gesture is done, so that it outlives the program
-//! from then on; a thread asks the disk to keep it at once, so that it outlives the computer's end
-//! some milliseconds later, without the window ever waiting for the disk. Each line begins with a
-//! part of its hash: one that is not whole is none.
+//! A line is written in one piece as soon as the change is made: from then on a crash of the
+//! program does not lose it. A thread then syncs the file to the disk, so that some milliseconds
+//! later a crash of the computer does not lose it either; the window never waits for the disk. Each
+//! line begins with a part of the hash of its text; a line whose text has another hash, such as an
+//! incomplete one, is ignored.
 
 use super::lock::{self, Locked, Owner};
 use super::row::{Key, Row, Rows};
@@ -21,31 +22,31 @@ use std::thread::JoinHandle;
 
 /// Bytes of the hash before a line.
 const CHECK_BYTES: usize = 4;
-/// Most attempts to open a journal that others remove meanwhile.
+/// Most attempts to open a journal that other programs remove meanwhile.
 const TRIES: usize = 20;
 
-/// A line of the journal.
+/// Entry of the journal, one line.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum Entry {
-    /// The file whose hash this is holds all that was done before this line, if it is the one that
-    /// lies there.
+    /// The project's file with this hash contains all changes before this line; the entry applies
+    /// only if the present file has this hash.
     Saved {
         /// SHA-256 of the file's text.
         sha256: String,
-        /// Its layout, which is also that of the rows that follow.
+        /// Version of the layout of the file and of the rows that follow.
         version: u32,
     },
-    /// A window opened the project.
+    /// A program opened the project.
     Opened(Owner),
     /// A change was made.
     Done {
-        /// Name.
+        /// Name of the change.
         label: String,
-        /// Lines of the project that are new or other.
+        /// Lines of the project that are new or changed.
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
         set: Vec<String>,
-        /// Keys of lines that are gone.
+        /// Keys of lines that were removed.
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
         gone: Vec<String>,
     },
@@ -73,7 +74,7 @@ impl Entry {
     }
 
     pub(super) fn to_line(&self) -> String {
-        // Texts and whole numbers, which can be written.
+        // Strings and whole numbers, whose serialization cannot fail.
         let json = serde_json::to_string(self).unwrap_or_default();
         format!("{} {json}\n", check(&json))
     }
@@ -88,14 +89,14 @@ fn check(json: &str) -> String {
     in_hexadecimal(&Sha256::digest(json)[..CHECK_BYTES])
 }
 
-/// A journal that lies on disk.
+/// Content of a journal on disk.
 #[derive(Debug, Default, PartialEq)]
 pub(super) struct Read {
-    /// Its whole lines.
+    /// Entries of its valid lines.
     pub entries: Vec<Entry>,
-    /// Lines between them that are not whole.
+    /// Number of lines that are not valid.
     pub damaged: usize,
-    /// Bytes up to the end of the last line that ends.
+    /// Bytes up to the end of the last complete line.
     whole: u64,
 }
 
@@ -112,7 +113,7 @@ impl Read {
         read
     }
 
-    /// Returns the program that had the project open last.
+    /// Returns the program that opened the project last; `None` if no entry names one.
     pub(super) fn owner(&self) -> Option<&Owner> {
         self.entries.iter().rev().find_map(|entry| match entry {
             Entry::Opened(owner) => Some(owner),
@@ -121,7 +122,7 @@ impl Read {
     }
 }
 
-/// Reason why there is no journal to write into.
+/// Reason why a journal cannot be opened for writing.
 #[derive(Debug)]
 pub(super) enum NoJournal {
     /// Another window has the project open.
@@ -136,7 +137,7 @@ impl From<io::Error> for NoJournal {
     }
 }
 
-/// The journal of an open project, which nobody else writes into.
+/// Journal of an open project, into which no other program writes.
 #[derive(Debug)]
 pub(super) struct ProjectJournal {
     path: PathBuf,
@@ -145,7 +146,7 @@ pub(super) struct ProjectJournal {
     keeper: Option<Keeper>,
 }
 
-/// The thread that asks the disk to keep what was written.
+/// Thread that syncs the written lines to the disk.
 #[derive(Debug)]
 struct Keeper {
     wake: SyncSender<()>,
@@ -155,11 +156,11 @@ struct Keeper {
 impl Keeper {
     fn start(file: &File) -> io::Result<Self> {
         let file = file.try_clone()?;
-        // One message is enough: whoever takes it keeps all that was written before.
+        // One message in the channel is enough: its receiver syncs all lines written before.
         let (wake, wakes) = mpsc::sync_channel(1);
         let keep = move || {
             while wakes.recv().is_ok() {
-                // A disk that cannot keep it says so when the project is saved.
+                // A failure of the disk is reported when the project is saved.
                 file.sync_data().ok();
             }
         };
@@ -168,22 +169,22 @@ impl Keeper {
     }
 }
 
-/// Asks the disk to keep a journal.
+/// Handle that syncs a journal to the disk.
 #[derive(Debug)]
 pub(super) struct Syncing(File);
 
 impl Syncing {
-    /// Asks, and waits.
+    /// Syncs the journal to the disk, and waits for it.
     pub(super) fn sync(&self) -> io::Result<()> {
         self.0.sync_data()
     }
 }
 
 impl ProjectJournal {
-    /// Opens the journal at a path for this window alone, with what lies in it.
+    /// Opens the journal at a path for this window alone; returns the journal and its content.
     ///
     /// # Errors
-    /// When another window has it, or the folder cannot be written into.
+    /// When another window has the journal open, or the folder cannot be written into.
     pub(super) fn open(path: &Path) -> Result<(Self, Read), NoJournal> {
         let mut options = File::options();
         options.read(true).write(true).create(true).truncate(false);
@@ -217,7 +218,7 @@ impl ProjectJournal {
             if is_taken {
                 return Err(NoJournal::Taken(owner));
             }
-            // What a program that was killed had half written would spoil the next line.
+            // An incomplete line of a program that was killed would damage the next line.
             file.set_len(read.whole)?;
             file.seek(SeekFrom::End(0))?;
             let journal = Self {
@@ -231,27 +232,27 @@ impl ProjectJournal {
         Err(io::Error::other("the journal beside the project comes and goes").into())
     }
 
-    /// Writes a line; from then on it outlives the program.
+    /// Writes a line; from then on a crash of the program does not lose it.
     ///
     /// # Errors
-    /// The system's error; the journal is as before.
+    /// The system's error; the journal is then unchanged.
     pub(super) fn append(&mut self, entry: &Entry) -> io::Result<()> {
         let line = entry.to_line();
         if let Err(error) = self.file.write_all(line.as_bytes()) {
-            // A disk that is full takes half a line.
+            // A full disk may have taken a part of the line.
             self.file.set_len(self.length)?;
             self.file.seek(SeekFrom::End(0))?;
             return Err(error);
         }
         self.length += line.len() as u64;
         if let Some(keeper) = &self.keeper {
-            // Full means that it is awake already.
+            // If the channel is full, the thread has a message already.
             keeper.wake.try_send(()).ok();
         }
         Ok(())
     }
 
-    /// Begins anew: all that was done is in the file with this hash.
+    /// Empties the journal and starts it again: all changes are in the file with this hash.
     pub(super) fn restart(&mut self, sha256: &str, version: u32) -> io::Result<()> {
         self.file.set_len(0)?;
         self.file.seek(SeekFrom::Start(0))?;
@@ -260,17 +261,17 @@ impl ProjectJournal {
         self.append(&Entry::Opened(Owner::now()))
     }
 
-    /// Returns a handle that asks the disk to keep all that was written so far, on any thread.
+    /// Returns a handle with which any thread can sync all lines written so far to the disk.
     pub(super) fn syncing(&self) -> io::Result<Syncing> {
         self.file.try_clone().map(Syncing)
     }
 
-    /// Takes the journal away: nothing in it is missing in the file.
+    /// Removes the journal: the project's file contains all its changes.
     pub(super) fn remove(self) {
         let path = self.path.clone();
-        // On Windows only what nobody has open can be removed.
+        // On Windows a file must be closed before it can be removed.
         let open = (!cfg!(windows)).then_some(self);
-        // Left behind, it would be opened next time, and nothing be in it.
+        // A journal that cannot be removed is opened next time, and adds no change.
         fs::remove_file(path).ok();
         drop(open);
     }
@@ -297,7 +298,8 @@ mod tests {
         }
     }
 
-    /// Cut at any byte, a journal holds all lines but the one that was cut, and goes on from there.
+    /// A journal that is cut at any byte contains all lines but the one that was cut, and can be
+    /// continued.
     #[test]
     fn a_journal_that_was_cut_anywhere_loses_its_last_line_at_most() {
         let folder = tempfile::tempdir().expect("a folder");

@@ -1,9 +1,9 @@
-//! One window a project: the journal beside the file is locked by the window that has it open. On
-//! Windows nobody else can open it for writing, which is the lock.
+//! Lock that lets only one window open a project: the window locks the journal beside the file. On
+//! Windows the journal is opened such that no other program can open it for writing.
 //!
-//! The system lets go of the lock when the program ends in whatever way, so none is ever left over.
-//! Where a file system knows no locks, the journal's last line about its owner counts instead: a
-//! program of this computer that runs no more owns nothing.
+//! The system releases the lock when the program ends in any way, so that no lock is left over. On
+//! a file system without locks, the journal's last entry about its owner is used instead: a program
+//! of this computer that no longer runs does not own the project.
 
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -12,19 +12,19 @@ use std::io;
 use std::path::Path;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-/// The program that has a project open.
+/// Program that has a project open.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Owner {
-    /// Its process number.
+    /// Process number of the program.
     pub pid: u32,
-    /// The computer that it runs on; empty where that has no name.
+    /// Name of the computer on which the program runs; empty if it has no name.
     pub host: String,
-    /// Time at which it opened the project, Unix seconds.
+    /// Time at which the program opened the project, Unix seconds.
     pub since_unix_s: u64,
 }
 
 impl Owner {
-    /// This program, now.
+    /// Returns this program as the owner from now on.
     pub(crate) fn now() -> Self {
         let since = SystemTime::now().duration_since(UNIX_EPOCH);
         Self {
@@ -34,7 +34,8 @@ impl Owner {
         }
     }
 
-    /// Returns true if it may still run. Of another computer that cannot be known.
+    /// Returns true if the program may still run; always true for another computer, where that is
+    /// unknown.
     pub(crate) fn may_run(&self) -> bool {
         let is_here = self.host == host();
         !is_here || !cfg!(target_os = "linux") || process_exists(self.pid)
@@ -65,21 +66,21 @@ fn host() -> String {
 /// Result of a request for a lock.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) enum Locked {
-    /// It is ours.
+    /// This program has the lock.
     Ours,
-    /// Another window has it.
+    /// Another window has the lock.
     Taken,
-    /// The file system knows no locks.
+    /// The file system has no locks.
     Unknown,
 }
 
-/// Number and interval of the requests for a lock that another program has: a program that this one
-/// starts holds a copy of each of its open files, and with it of a lock that was just given up,
-/// until it runs its own code.
+/// Number and interval of the requests for a lock that another program has. A process started by
+/// that program has copies of its open files, including a lock that was just released, until the
+/// process runs its own code.
 const ATTEMPTS: u32 = 6;
 const APART: Duration = Duration::from_millis(20);
 
-/// Asks for the lock of an open file; where another has it, for a tenth of a second.
+/// Requests the lock of an open file; tries for a tenth of a second if another program has it.
 pub(super) fn lock(file: &File) -> io::Result<Locked> {
     for _ in 1..ATTEMPTS {
         match try_lock(file)? {
@@ -92,7 +93,7 @@ pub(super) fn lock(file: &File) -> io::Result<Locked> {
 
 fn try_lock(file: &File) -> io::Result<Locked> {
     if cfg!(windows) {
-        // Whoever could open it has it alone.
+        // The program that could open the file is the only one.
         return Ok(Locked::Ours);
     }
     match file.try_lock() {
@@ -101,7 +102,7 @@ fn try_lock(file: &File) -> io::Result<Locked> {
         Err(TryLockError::Error(error)) if error.kind() == io::ErrorKind::Unsupported => {
             Ok(Locked::Unknown)
         }
-        // What Linux says of file systems without locks.
+        // Errors of Linux for file systems without locks.
         Err(TryLockError::Error(error)) if matches!(error.raw_os_error(), Some(37 | 38 | 95)) => {
             Ok(Locked::Unknown)
         }
@@ -109,7 +110,7 @@ fn try_lock(file: &File) -> io::Result<Locked> {
     }
 }
 
-/// Returns true if an open file is still the one of that name: another window may have removed it
+/// Returns true if an open file is still the file at the path: another window may have removed it
 /// between opening and locking.
 #[cfg(unix)]
 pub(super) fn is_still(file: &File, path: &Path) -> bool {
@@ -118,7 +119,8 @@ pub(super) fn is_still(file: &File, path: &Path) -> bool {
     matches!((open, there), (Ok(open), Ok(there)) if open.ino() == there.ino() && open.dev() == there.dev())
 }
 
-/// Returns true if an open file is still the one of that name: nobody can have removed it.
+/// Returns true if an open file is still the file at the path; no other program can remove an open
+/// file here.
 #[cfg(not(unix))]
 pub(super) fn is_still(_: &File, path: &Path) -> bool {
     path.exists()
@@ -132,7 +134,7 @@ mod tests {
     fn an_owner_that_ended_owns_nothing() {
         let own = Owner::now();
         assert!(own.may_run());
-        // No process has this number: it is above the most that Linux gives.
+        // The number is above the largest process number of Linux.
         let ended = Owner { pid: 4_294_967_294, ..own.clone() };
         assert_eq!(ended.may_run(), !cfg!(target_os = "linux"));
         let elsewhere = Owner { host: "another computer".to_owned(), ..ended };

@@ -1,4 +1,4 @@
-//! A log of a project: where it lies, what tells it from another, and what was decided about it.
+//! Log of a project: its file, its identity, and the decisions about it.
 
 use super::paths;
 use crate::pipeline::{LogSettings, sha256_of};
@@ -13,19 +13,19 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Letters of a log's name in its key.
+/// Most letters of a log's name in its key.
 const LONGEST_STEM: usize = 32;
-/// Digits of the hash in a log's key.
+/// Number of digits of the hash in a log's key.
 const HASH_DIGITS: usize = 8;
 
-/// Names a log within a project, for ever: its first file name and the start of its hash,
-/// `chart_1-3f9a2c41`. Two people who add the same log give it the same key, and two logs of one
-/// name have different ones.
+/// Permanent key of a log within a project: its first file name and the start of its hash,
+/// `chart_1-3f9a2c41`. Two people who add the same log get the same key, and two logs of the same
+/// name have different keys.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct LogKey(String);
 
 impl LogKey {
-    /// The key of a log that is added now.
+    /// Creates the key of a log that is added to a project.
     pub fn of(file: &LogFile) -> Self {
         let stem = file.path.file_stem().unwrap_or_default();
         let stem = stem.to_string_lossy().to_lowercase();
@@ -38,12 +38,12 @@ impl LogKey {
         Self(format!("{plain}-{hash}"))
     }
 
-    /// A key as it stands in a file.
+    /// Creates a key from its text in a file.
     pub(crate) fn from_text(text: &str) -> Self {
         Self(text.to_owned())
     }
 
-    /// The key as it stands in a file.
+    /// Returns the key as its text in a file.
     pub fn as_str(&self) -> &str {
         &self.0
     }
@@ -55,22 +55,22 @@ impl fmt::Display for LogKey {
     }
 }
 
-/// A recording on disk. The program only ever reads it.
+/// Recording on disk, which the program only reads.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LogFile {
-    /// The file to open, absolute; of a recording in several files the first.
+    /// Absolute path of the file to open; for a recording in several files, the first.
     pub path: PathBuf,
-    /// SHA-256 of its files, one after the other, hexadecimal: `cat FILES | sha256sum` says the
-    /// same.
+    /// SHA-256 of the log's files, one after the other, hexadecimal: equal to `cat FILES |
+    /// sha256sum`.
     pub sha256: String,
-    /// Bytes of all its files.
+    /// Sum of the bytes of the log's files.
     pub byte_count: u64,
-    /// Side-scan pings.
+    /// Number of side-scan pings.
     pub pings: usize,
 }
 
 impl LogFile {
-    /// Describes an open log. Reads all of it once: about a second a gigabyte.
+    /// Describes an open log. Reads the whole log once: about a second per gigabyte.
     pub fn of(survey: &Survey, progress: &Progress) -> Result<Self, Cancelled> {
         let identity = Identity::of(survey);
         let path = survey.source.files.first().cloned().unwrap_or_default();
@@ -93,51 +93,51 @@ impl LogFile {
         }
     }
 
-    /// Returns true if an open log is this one. The bytes count, whatever the file is called.
+    /// Returns true if an open log is this one, by its bytes, whatever the name of its file.
     pub fn is_of(&self, survey: &Survey, progress: &Progress) -> Result<bool, Cancelled> {
         let may_be = self.identity().is_same_log(&Identity::of(survey));
         Ok(may_be && sha256(survey, progress)? == self.sha256)
     }
 }
 
-/// Returns the SHA-256 of the log's own files: a track that was applied to it comes last among the
-/// bytes, and does not count.
+/// Returns the SHA-256 of the log's own files; the track of another receiver, the last of the
+/// survey's files, is not included.
 fn sha256(survey: &Survey, progress: &Progress) -> Result<String, Cancelled> {
     let track = usize::from(survey.track.external.is_some());
     let own = survey.bytes.len().saturating_sub(track);
     let none: Box<dyn Read> = Box::new(io::empty());
     let all = (survey.bytes[..own].iter()).fold(none, |all, bytes| Box::new(all.chain(&bytes[..])));
-    // Memory can be read, unless somebody says to stop.
+    // Reading memory cannot fail; the only error is a cancellation.
     let hashed = sha256_of(all, progress).map_err(|_| Cancelled)?;
     Ok(hashed.1)
 }
 
-/// A log and what was decided about it.
+/// Log and the decisions about it.
 #[derive(Clone, Debug)]
 pub struct ProjectLog {
-    /// Names it within the project.
+    /// Key of the log within the project.
     pub key: LogKey,
-    /// The recording.
+    /// Recording on disk.
     pub file: LogFile,
-    /// Its name for people.
+    /// Name of the log that is shown.
     pub name: String,
-    /// Its colour on the map and in lists, red, green and blue; `None` for one by its place in the
-    /// list.
+    /// Colour of the log on the map and in lists, red, green and blue; `None` for a colour by its
+    /// place in the list.
     pub colour: Option<[u8; 3]>,
-    /// True if it takes part in maps, clouds and products.
+    /// True if the log is part of maps, clouds and products.
     pub is_visible: bool,
-    /// Position among the logs: the lower, the higher in the list.
+    /// Sort key in the list of logs, the lowest first.
     pub order: f64,
-    /// Its own settings and its bottom edits.
+    /// Settings of this log, with its bottom edits.
     pub settings: LogSettings,
-    /// The boxes on it and the decisions about them.
+    /// Boxes of the log and the decisions about them.
     pub review: Arc<Review>,
-    /// Numbers of the objects that its boxes show. They follow from the decisions and from the
-    /// numbers before: none of them is one.
+    /// Numbers of the objects in the log's boxes. They follow from the decisions and the earlier
+    /// numbers, and are not a decision.
     pub object_numbers: LogNumbers,
 }
 
-/// Equality of the decisions: `object_numbers` do not count.
+/// Equality of the decisions: `object_numbers` are not compared.
 impl PartialEq for ProjectLog {
     fn eq(&self, other: &Self) -> bool {
         let Self {
@@ -163,7 +163,7 @@ impl PartialEq for ProjectLog {
 }
 
 impl ProjectLog {
-    /// A log with nothing decided yet; [`super::Project::with_log`] gives it its place.
+    /// Creates a log without decisions; [`super::Project::with_log`] sets its place in the list.
     pub fn new(file: LogFile) -> Self {
         let identity = file.identity();
         let stem = file.path.file_stem().unwrap_or_default();
@@ -180,7 +180,7 @@ impl ProjectLog {
         }
     }
 
-    /// Returns the message where a file of the same length with other bytes lies at its place
+    /// Returns the message that a file of the same length with other bytes is at the log's place
     /// ([`super::LogLocation::Changed`]).
     pub fn is_changed(&self) -> String {
         format!(
@@ -190,7 +190,7 @@ impl ProjectLog {
         )
     }
 
-    /// The same log where it lies now. Its key stays.
+    /// Returns the log with another path of its file; the key stays.
     pub fn at(&self, path: &Path) -> Self {
         let mut moved = self.clone();
         moved.file.path = paths::placed(path);

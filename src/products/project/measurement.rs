@@ -1,11 +1,11 @@
-//! Measurements on the map and in the waterfall.
+//! Defines measurements on the map and in the waterfall.
 
 use bathyscope_log::support::geo::{LonLat, area_m2, distance_m};
 use bathyscope_log::survey::{Identity, Side, Survey};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Kind of a measurement: the quantity that its line was drawn for.
+/// Kind of a measurement: the quantity for which its line was drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum MeasurementKind {
@@ -15,12 +15,13 @@ pub enum MeasurementKind {
     Area,
     /// Depths along a line.
     Profile,
-    /// Height of what casts a shadow in the waterfall, from the top to the end of its shadow.
+    /// Height of an object that casts a shadow in the waterfall, from its top to the end of the
+    /// shadow.
     Height,
 }
 
 impl MeasurementKind {
-    /// `distance`, `area`, `profile` or `height`.
+    /// Returns the name: `distance`, `area`, `profile` or `height`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Distance => "distance",
@@ -30,7 +31,7 @@ impl MeasurementKind {
         }
     }
 
-    /// Corners that there is something to measure between.
+    /// Returns the least number of corners with which the quantity can be measured.
     fn least_corners(self) -> usize {
         match self {
             Self::Distance | Self::Profile | Self::Height => 2,
@@ -42,36 +43,37 @@ impl MeasurementKind {
 /// Place in a log's side-scan at which a corner was set.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Pick {
-    /// The log.
+    /// Log of the picked place.
     pub log: Identity,
-    /// The side.
+    /// Side of the picked place.
     pub side: Side,
-    /// The side-scan ping.
+    /// Side-scan ping of the picked place.
     pub ping: usize,
     /// Slant range on the recorder's scale, metres.
     pub slant_m: f64,
 }
 
 impl Pick {
-    /// Its side in a log: what was picked while the sides were exchanged lies on the other one when
-    /// they are not.
+    /// Returns the side of the picked place in a log: the other side if the sides were exchanged
+    /// when it was picked and are not now, or the reverse.
     pub fn side_in(&self, survey: &Survey) -> Side {
         if self.log.swapped_sides == survey.swapped_sides { self.side } else { self.side.other() }
     }
 }
 
-/// A line that was drawn to measure. What it measures follows from it, so only the line is kept. It
-/// is kept as positions, so that it stays on its ground when the plane of the survey changes.
+/// Line that was drawn to measure a quantity. The quantity follows from the line, so only the line
+/// is stored, as positions, so that it stays at its place on the ground when the plane of the
+/// survey changes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measurement {
     /// Kind of the measurement.
     pub kind: MeasurementKind,
-    /// Its corners in the order of drawing; an area is closed from the last to the first.
+    /// Corners in the order of drawing; an area is closed from the last to the first.
     pub corners: Vec<LonLat>,
-    /// Places in the side-scan at which its corners were set, by their number from 0; corners that
-    /// were set on the map have no entry. A height has both.
+    /// Places in the side-scan at which corners were set, by the index of the corner from 0; a
+    /// corner that was set on the map has no entry. Both corners of a height have one.
     pub picks: BTreeMap<usize, Pick>,
-    /// The analyst's remark.
+    /// Analyst's remark.
     pub note: String,
 }
 
@@ -81,7 +83,8 @@ impl Measurement {
         Self { kind, corners: Vec::new(), picks: BTreeMap::new(), note: String::new() }
     }
 
-    /// Metres along the line from its start to each of its corners, on the ellipsoid.
+    /// Returns the distances along the line from its start to each of its corners, on the
+    /// ellipsoid, metres.
     pub fn distances_m(&self) -> Vec<f64> {
         let legs = self.corners.windows(2).scan(0.0, |sum_m, leg| {
             *sum_m += distance_m(leg[0], leg[1]);
@@ -91,7 +94,7 @@ impl Measurement {
         start.into_iter().chain(legs).collect()
     }
 
-    /// Metres along the line; around an area.
+    /// Returns the length of the line, or the perimeter of an area, metres.
     pub fn length_m(&self) -> f64 {
         let along_m = self.distances_m().last().copied().unwrap_or(0.0);
         match (self.kind, self.corners.first(), self.corners.last()) {
@@ -100,12 +103,13 @@ impl Measurement {
         }
     }
 
-    /// Square metres of an area, on the ellipsoid.
+    /// Returns the area on the ellipsoid, square metres.
     pub fn area_m2(&self) -> f64 {
         area_m2(&self.corners)
     }
 
-    /// The measurement with one more corner, and where in the side-scan it was set if it was there.
+    /// Returns the measurement with one more corner; `pick` is its place in the side-scan if it was
+    /// set there.
     pub fn with(&self, corner: LonLat, pick: Option<Pick>) -> Self {
         let mut longer = self.clone();
         longer.picks.extend(pick.map(|pick| (longer.corners.len(), pick)));
@@ -113,7 +117,7 @@ impl Measurement {
         longer
     }
 
-    /// The measurement without its last corner.
+    /// Returns the measurement without its last corner.
     pub fn without_last(&self) -> Self {
         let mut shorter = self.clone();
         shorter.corners.pop();
@@ -122,21 +126,21 @@ impl Measurement {
         shorter
     }
 
-    /// Both ends of a shadow: its side and ping, and the slant ranges of both ends on the
-    /// recorder's scale, metres.
+    /// Returns the side and ping of a shadow, and the slant ranges of both its ends on the
+    /// recorder's scale, metres; `None` if the measurement is not a height with both ends.
     pub fn shadow(&self) -> Option<(&Pick, [f64; 2])> {
         let [top, end] = [0, 1].map(|corner| self.picks.get(&corner));
         let (top, end) = top.zip(end).filter(|_| self.kind == MeasurementKind::Height)?;
         Some((top, [top.slant_m, end.slant_m]))
     }
 
-    /// Returns true if there is something between its corners.
+    /// Returns true if there are enough corners to measure the quantity.
     pub fn is_measurable(&self) -> bool {
         self.corners.len() >= self.kind.least_corners()
     }
 }
 
-/// A measurement as the file keeps it.
+/// Measurement as stored in the file.
 #[derive(Serialize, Deserialize)]
 pub(super) struct MeasurementRow {
     kind: MeasurementKind,
@@ -148,7 +152,7 @@ pub(super) struct MeasurementRow {
     picks: Vec<PickRow>,
 }
 
-/// A [`Pick`] with the number of its corner.
+/// [`Pick`] with the index of its corner.
 #[derive(Serialize, Deserialize)]
 struct PickRow {
     corner: usize,
@@ -157,7 +161,7 @@ struct PickRow {
 }
 
 impl MeasurementRow {
-    /// The fields of a row.
+    /// Names of the fields of a row.
     pub(super) const FIELDS: [&str; 4] = ["corners", "kind", "note", "picks"];
 
     pub(super) fn of(measurement: &Measurement) -> Self {
@@ -171,10 +175,11 @@ impl MeasurementRow {
         }
     }
 
-    /// The measurement; the error says what no map has.
+    /// Converts the row to a measurement.
     ///
     /// # Errors
-    /// What no map has.
+    /// A sentence on the rule that the row breaks, when a corner is not on the earth or a pick is
+    /// not valid.
     pub(super) fn read(self) -> Result<Measurement, &'static str> {
         let corners = self.corners.into_iter();
         let corners = corners.map(|[lon_deg, lat_deg]| LonLat { lon_deg, lat_deg });

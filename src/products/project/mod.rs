@@ -1,19 +1,19 @@
-//! A survey as a project: its logs and all that was decided about them, as one text file that
-//! lasts.
+//! Project of a survey: its logs and all decisions about them, stored as one text file.
 //!
 //! In: decisions of the analyst, or the text of a project. Out: the project, its text, and steps of
 //! undo.
 //!
-//! `log` is one log, `history` what undo goes back to, and `past` keeps that on disk. `rows` turns
-//! a project into lines and back, `row` is one line, `text` the file of them, which takes in what
-//! older versions wrote, `paths` how files are named in it. `store` keeps the file: saved aside and
-//! renamed, every gesture in a `journal` beside it, guarded by a `lock`. `find` looks for logs that
-//! were moved, `inputs` hands them to work without a window, `sidecar` takes in the files that
-//! earlier versions kept beside a log. No log is ever written.
+//! `log` is one log, `history` holds the states for undo, and `past` stores them on disk. `rows`
+//! converts a project to lines and back, `row` is one line, `text` reads and writes all lines and
+//! converts those of older versions, `paths` converts the paths of files. `store` writes the file
+//! under a temporary name and renames it, with every change in a `journal` beside it, guarded by a
+//! `lock`. `find` searches for logs that were moved, `inputs` makes the inputs for work without a
+//! window, `sidecar` imports the files that earlier versions stored beside a log. Logs are never
+//! written.
 //!
 //! # The file
 //!
-//! `NAME.bathyscope` is UTF-8 text, and TOML, of which every line stands for itself:
+//! `NAME.bathyscope` is UTF-8 text in TOML, in which every value is on one line:
 //!
 //! ```toml
 //! bathyscope = 1                           # the version of the layout; a newer one is refused, an older one is taken in
@@ -71,12 +71,12 @@
 //! [view]                                   # how things are shown, as the program that wrote it means it
 //! ```
 //!
-//! Lines stand in the order of their keys, numbers by their value, so that a decision changes its
-//! own line and nothing else. Between two lines with a value there is a blank one, because git
-//! merges two people's changes only where a line between them stayed: changes of different
-//! decisions merge by themselves. Where two people added lines at the same place git asks; both
-//! stay, unless they have the same number. What this version does not know, a line or a field of
-//! one, is kept and written back. Comments are not.
+//! Lines are in the order of their keys, numbers by their value, so that a decision changes only
+//! its own line. Between two lines with a value there is a blank line, because git merges the
+//! changes of two people only if there is an unchanged line between them: changes of different
+//! decisions merge automatically. If two people added lines at the same place, git reports a
+//! conflict; both lines can stay, unless they have the same number. Lines and fields that this
+//! version does not know are kept and written back; comments are not.
 
 mod find;
 mod history;
@@ -114,10 +114,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use toml::{Table, Value};
 
-/// A text that is no project of this program.
+/// Error of a text that is not a project this program can read.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ProjectError {
-    /// One line makes no sense.
+    /// A line is not valid.
     #[error("line {line}: {what}")]
     Line {
         /// Number of the line, from 1.
@@ -125,13 +125,13 @@ pub enum ProjectError {
         /// Description of the error, with the correct form.
         what: String,
     },
-    /// A newer program wrote it.
+    /// The file was written by a newer program.
     #[error(
         "this project has layout {version}, this program reads layouts up to {}; use a newer Bathyscope",
         text::VERSION
     )]
     Newer {
-        /// The version that it says.
+        /// Version in the file.
         version: u32,
     },
 }
@@ -142,28 +142,28 @@ impl ProjectError {
     }
 }
 
-/// The view ([`Project::view`]) that says how boxes are reviewed: their order, and the confidence
-/// from which undecided ones count.
+/// Name of the view ([`Project::view`]) with the display settings of the review: the order of
+/// boxes, and the confidence from which undecided ones count.
 pub const REVIEW_VIEW: &str = "review";
 
-/// Content of the file that this version does not know; it is written back.
+/// Content of the file that this version does not know, which is written back.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Unknown {
     rows: Rows,
-    /// Fields of rows that it knows.
+    /// Unknown fields of known rows.
     fields: BTreeMap<Key, Table>,
 }
 
-/// Everything that an analyst decides about a survey. A value: a change makes another one
-/// ([`Project::with_changed`]), which shares what stayed.
+/// All decisions of an analyst about a survey. An immutable value: a change makes a new project
+/// ([`Project::with_changed`]), which shares the unchanged parts.
 #[derive(Clone, Debug, Default)]
 pub struct Project {
-    /// The settings that all logs share; it holds no bottom edits.
+    /// Settings that all logs share, without bottom edits.
     pub settings: Settings,
-    /// Place at which the plane that all logs lie in touches the ellipsoid: places in metres count
-    /// from there. `None` until a log has a place.
+    /// Position at which the plane of all logs touches the ellipsoid, and from which places in
+    /// metres count; `None` until a log has a position.
     pub origin: Option<LonLat>,
-    /// Other files that belong to the survey, by what they are: `base_map`, `reference`. Absolute.
+    /// Absolute paths of other files of the survey, by their kind: `base_map`, `reference`.
     pub files: BTreeMap<String, PathBuf>,
     /// Measurements, by number.
     pub measurements: BTreeMap<u32, Measurement>,
@@ -173,7 +173,7 @@ pub struct Project {
     unknown: Unknown,
 }
 
-/// Cheap where two versions share their logs, as those of a history do.
+/// Cheap if two versions share their logs, as those of a history do.
 impl PartialEq for Project {
     fn eq(&self, other: &Self) -> bool {
         let Self { settings, origin, files, measurements, views, logs, unknown } = self;
@@ -190,17 +190,17 @@ impl PartialEq for Project {
 }
 
 impl Project {
-    /// The logs in their order.
+    /// Returns the logs in their order.
     pub fn logs(&self) -> &[Arc<ProjectLog>] {
         &self.logs
     }
 
-    /// A log by its key.
+    /// Returns a log by its key.
     pub fn log(&self, key: &LogKey) -> Option<&Arc<ProjectLog>> {
         self.logs.iter().find(|log| log.key == *key)
     }
 
-    /// The log that has these bytes, under whatever name: a log is in a project once.
+    /// Returns the log with the same bytes as a file, under any name: a project has each log once.
     pub fn log_like(&self, file: &LogFile) -> Option<&Arc<ProjectLog>> {
         let is_same = |log: &&Arc<ProjectLog>| {
             log.file.sha256 == file.sha256 && log.file.byte_count == file.byte_count
@@ -208,17 +208,17 @@ impl Project {
         self.logs.iter().find(is_same)
     }
 
-    /// The settings that a log is processed with;
+    /// Returns the settings with which a log is processed; see
     /// [`LogSettings::compose`](crate::pipeline::LogSettings::compose).
     ///
     /// # Errors
-    /// When an own value cannot be used.
+    /// When one of the log's own values cannot be used.
     pub fn settings_of(&self, log: &ProjectLog) -> Result<Settings, SettingsError> {
         log.settings.compose(&self.settings)
     }
 
-    /// Returns the project with one more log, the last of the list. `None` when its bytes are there
-    /// already.
+    /// Returns the project with one more log, at the end of the list; `None` if the project has a
+    /// log with the same bytes or key.
     pub fn with_log(&self, mut log: ProjectLog) -> Option<Self> {
         if self.log_like(&log.file).is_some() || self.log(&log.key).is_some() {
             return None;
@@ -229,8 +229,8 @@ impl Project {
         Some(after)
     }
 
-    /// Returns the project with another version of a log in its place. `None` when it is the same,
-    /// or no log of the project.
+    /// Returns the project with a log replaced by another version; `None` if it is equal, or the
+    /// project has no log with its key.
     pub fn with_changed(&self, log: ProjectLog) -> Option<Self> {
         let index = self.logs.iter().position(|one| one.key == log.key)?;
         let before = &self.logs[index];
@@ -243,16 +243,16 @@ impl Project {
         })
     }
 
-    /// Stores display settings under a name that Bathyscope chooses. They are no part of the
+    /// Stores display settings under a name that Bathyscope chooses. They are not part of the
     /// history.
     pub fn set_view(&mut self, name: &str, shown: &impl Serialize) {
-        // Options are numbers, names and lists, which can be written.
+        // Options are numbers, names and lists, whose serialization cannot fail.
         if let Ok(value) = Value::try_from(shown) {
             self.views.insert(name.to_owned(), value);
         }
     }
 
-    /// The confidence from which undecided proposals count; 0 where the project does not say.
+    /// Returns the confidence from which undecided proposals count; 0 if none is stored.
     pub fn least_confidence(&self) -> f32 {
         #[derive(serde::Deserialize)]
         struct Kept {
@@ -262,26 +262,26 @@ impl Project {
         kept.map_or(0.0, |kept| kept.threshold)
     }
 
-    /// Returns display settings by their name; `None` where nothing is stored, or nothing that this
-    /// version can use.
+    /// Returns display settings by their name; `None` if none are stored, or this version cannot
+    /// read them.
     pub fn view<T: DeserializeOwned>(&self, name: &str) -> Option<T> {
         self.views.get(name)?.clone().try_into().ok()
     }
 
-    /// The text of its file in a folder.
+    /// Returns the text of the project's file in a folder.
     pub fn to_text(&self, folder: &Path) -> String {
         text::write(&rows::of(self, folder))
     }
 
-    /// Reads the text of a file in a folder.
+    /// Parses the text of a project's file in a folder.
     ///
     /// # Errors
-    /// A sentence with the line that makes no sense, or that a newer program is needed.
+    /// A sentence that names the line that is not valid, or that a newer program is needed.
     pub fn from_text(text: &str, folder: &Path) -> Result<Self, ProjectError> {
         rows::read(text::read(text)?, folder)
     }
 
-    /// Puts the logs in the order that they say.
+    /// Sorts the logs by their `order`, then by their key.
     fn put_in_order(&mut self) {
         let by_order = |one: &Arc<ProjectLog>, other: &Arc<ProjectLog>| {
             (one.order.total_cmp(&other.order)).then_with(|| one.key.cmp(&other.key))
@@ -291,8 +291,8 @@ impl Project {
 }
 
 impl Project {
-    /// Returns the project without a log, whose file stays. `None` when it is no log of the
-    /// project.
+    /// Returns the project without a log; the log's file is not removed. `None` if the project has
+    /// no such log.
     pub fn without_log(&self, key: &LogKey) -> Option<Self> {
         self.log(key)?;
         let mut after = self.clone();
@@ -300,11 +300,11 @@ impl Project {
         Some(after)
     }
 
-    /// Returns the project with a log moved to place `to` of the list, counted from 0. `None` when
-    /// it is there already, or no log of the project.
+    /// Returns the project with a log moved to place `to` of the list, counted from 0; `None` if it
+    /// is there already, or the project has no such log.
     ///
-    /// Its order becomes a number between those of its neighbours, so that the others stay as they
-    /// are; where there is no number between, all are numbered.
+    /// The order of the log becomes a number between those of its neighbours, so that the others do
+    /// not change; if there is no such number, all logs are numbered again.
     pub fn with_log_at(&self, key: &LogKey, to: usize) -> Option<Self> {
         let from = self.logs.iter().position(|log| log.key == *key)?;
         let mut after = self.clone();

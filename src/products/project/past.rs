@@ -1,10 +1,10 @@
-//! The changes that led to the present state of a project: undo takes them back after the project
-//! is opened again.
+//! Stores the changes that led to the present state of a project, so that they can be undone after
+//! the project is opened again.
 //!
-//! They lie in a file beside the project, `NAME.bathyscope-history`: first the hash of the
-//! project's file that they lead to, then a line a change, the newest first, with what leads back
-//! from the state after it to the state before. What was done since the project was saved is in its
-//! journal. A file of another version of the project counts for nothing.
+//! The changes are in a file beside the project, `NAME.bathyscope-history`: first the hash of the
+//! project's file to which they lead, then a line for each change, the newest first, with the
+//! differences from the state after it to the state before. The changes since the project was saved
+//! are in its journal. A file for another version of the project is ignored.
 
 use super::journal::Entry;
 use super::row::Rows;
@@ -19,40 +19,41 @@ use std::sync::Arc;
 
 /// Name of undo and redo in the journal.
 pub const UNDONE: &str = "undo or redo";
-/// Changes kept.
+/// Most changes that are stored.
 const KEPT: usize = 100;
-/// A longer file was not written by this program.
+/// Largest size of the file, bytes: this program does not write a longer one.
 const LONGEST: u64 = 256 << 20;
 /// Suffix of the file's name after the project's.
 const HISTORY: &str = "-history";
 
-/// A change that was made.
+/// Change that was made.
 #[derive(Clone, Debug)]
 pub struct PastStep {
-    /// Name.
+    /// Name of the change.
     pub label: String,
-    /// The project before it.
+    /// Project before the change.
     pub before: Project,
 }
 
-/// The changes in the order in which they were made.
+/// Changes in the order in which they were made.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Past(VecDeque<PastStep>);
 
 impl Past {
-    /// These changes, the oldest first; of very many the last ones.
+    /// Creates the past from these changes, the oldest first; of more than [`KEPT`], the last ones
+    /// are kept.
     pub(super) fn of_steps(steps: Vec<PastStep>) -> Self {
         let surplus = steps.len().saturating_sub(KEPT);
         Self(steps.into_iter().skip(surplus).collect())
     }
 
-    /// The changes, the oldest first.
+    /// Returns the changes, the oldest first.
     pub(super) fn into_steps(self) -> impl Iterator<Item = PastStep> {
         self.0.into_iter()
     }
 
-    /// Notes that a project became another one. One that comes back to an earlier state takes the
-    /// changes since then away.
+    /// Records a change of a project. An undo or redo to an earlier state removes the changes since
+    /// then.
     pub(super) fn note(&mut self, label: &str, before: &Project, after: &Project) {
         if label == UNDONE
             && let Some(at) = self.0.iter().rposition(|step| decides_alike(&step.before, after))
@@ -65,8 +66,8 @@ impl Past {
         }
     }
 
-    /// Notes what a journal says that was done since a project was saved, whose rows have the
-    /// journal's layout.
+    /// Records the changes in a journal since a project was saved; its rows have the journal's
+    /// layout.
     pub(super) fn replay(
         &mut self,
         saved: &Project,
@@ -90,8 +91,8 @@ impl Past {
         }
     }
 
-    /// Writes the file of the changes that led to a project, whose own file has this hash. It is of
-    /// use to undo alone: what fails is lost silently.
+    /// Writes the file of the changes that led to a project, whose own file has this hash. Errors
+    /// are ignored, since only undo needs the file.
     pub(super) fn write(&self, path: &Path, now: &Project, sha256: &str, folder: &Path) {
         let saved = Entry::Saved { sha256: sha256.to_owned(), version: VERSION };
         let mut text = saved.to_line();
@@ -104,8 +105,8 @@ impl Past {
         export::write_bytes(&history_of(path), text).ok();
     }
 
-    /// Reads the changes that led to the project in a file with this hash, of which these are the
-    /// rows; none where that is not known.
+    /// Reads the changes that led to the project, whose file has this hash and these rows; empty if
+    /// they are unknown.
     pub(super) fn read(
         path: &Path,
         (saved, mut rows): (&Project, Rows),
@@ -135,7 +136,7 @@ impl Past {
     }
 }
 
-/// Returns true if an analyst decided the same in two versions; how they are shown is no decision.
+/// Returns true if the decisions in two versions are equal; display settings are not compared.
 fn decides_alike(one: &Project, other: &Project) -> bool {
     let is_same = |(one, other): (&Arc<_>, &Arc<_>)| Arc::ptr_eq(one, other) || one == other;
     one.settings == other.settings
@@ -144,7 +145,7 @@ fn decides_alike(one: &Project, other: &Project) -> bool {
         && one.logs.iter().zip(&other.logs).all(is_same)
 }
 
-/// The project with what it has in common with another one as the same in memory.
+/// Returns the project with the parts that equal those of another one shared with it in memory.
 fn sharing(mut project: Project, with: &Project) -> Project {
     for log in &mut project.logs {
         let Some(same) = with.log(&log.key) else {

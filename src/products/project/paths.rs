@@ -1,15 +1,16 @@
-//! Paths as a project writes them: from the project's folder, with `/`, and with nothing that is no
-//! text.
+//! Converts paths to text and back as a project stores them: relative to the project's folder, with
+//! `/`, and with bytes that are not text encoded.
 //!
-//! A file's absolute place is written only where no way leads there from the project's folder
-//! (another drive): it would tell every reader of the file whose computer it was written on, and
-//! change with each of them.
+//! An absolute path is written only if there is no relative path from the project's folder (another
+//! drive): it would show every reader of the file on whose computer it was written, and change with
+//! each writer.
 
 use std::fs;
 use std::io;
 use std::path::{Component, Path, PathBuf};
 
-/// A path as text, from the project's folder. Both must be absolute, or start from the same folder.
+/// Returns a path as text, relative to the project's folder. Both must be absolute, or relative to
+/// the same folder.
 pub(super) fn to_text(path: &Path, folder: &Path) -> String {
     let (path, folder) = (cleaned(path), cleaned(folder));
     let shared = (path.components().zip(folder.components()))
@@ -27,24 +28,24 @@ pub(super) fn to_text(path: &Path, folder: &Path) -> String {
     parts.join("/")
 }
 
-/// The path that a text means, in the project's folder.
+/// Returns the path for a text, in the project's folder.
 pub(super) fn from_text(text: &str, folder: &Path) -> PathBuf {
-    // Joined to an absolute path, that one counts.
+    // Joining an absolute path replaces the folder.
     cleaned(&folder.join(decoded(text)))
 }
 
-/// The last name of a path, whichever separator wrote it.
+/// Returns the last name of a path, with either separator.
 pub(super) fn name_of(text: &str) -> &str {
     text.rsplit(['/', '\\']).next().unwrap_or(text)
 }
 
-/// A name of a path's text as the system's.
+/// Returns the last name of a path's text as a path of this system.
 pub(super) fn name_from_text(text: &str) -> PathBuf {
     decoded(name_of(text))
 }
 
-/// A path as it is kept: absolute, its folder by its own name and not by a link, so that the way
-/// from one file to another is the same however they were opened.
+/// Returns a path as it is stored: absolute, with links in its folder resolved, so that relative
+/// paths between files do not depend on how the files were opened.
 pub(super) fn placed(path: &Path) -> PathBuf {
     let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let folder = path.parent().and_then(|folder| canonical(folder).ok());
@@ -54,14 +55,14 @@ pub(super) fn placed(path: &Path) -> PathBuf {
     }
 }
 
-/// The path of a file that is there without links. On Windows it is written as people and other
-/// programs do, without the `\\?\` that the system puts before it.
+/// Returns the path of an existing file without links. On Windows it has the usual form, without
+/// the prefix `\\?\` of the system.
 pub(super) fn canonical(path: &Path) -> io::Result<PathBuf> {
     let path = fs::canonicalize(path)?;
     Ok(if cfg!(windows) { path.to_str().and_then(plain).unwrap_or(path) } else { path })
 }
 
-/// `C:\lake` of `\\?\C:\lake`, and `\\server\lake` of `\\?\UNC\server\lake`.
+/// Returns `C:\lake` for `\\?\C:\lake`, and `\\server\lake` for `\\?\UNC\server\lake`.
 fn plain(path: &str) -> Option<PathBuf> {
     let path = path.strip_prefix(r"\\?\")?;
     Some(match path.strip_prefix(r"UNC\") {
@@ -70,13 +71,13 @@ fn plain(path: &str) -> Option<PathBuf> {
     })
 }
 
-/// An absolute path as text.
+/// Returns an absolute path as text.
 fn text_of(path: &Path) -> String {
     let text = encoded(path.as_os_str().as_encoded_bytes());
     if cfg!(windows) { text.replace('\\', "/") } else { text }
 }
 
-/// `.` left out and `..` taken back where the text allows it; no link is looked at.
+/// Returns the path without `.`, and without `..` where possible; links are not resolved.
 pub(super) fn cleaned(path: &Path) -> PathBuf {
     let mut clean = PathBuf::new();
     for part in path.components() {
@@ -93,7 +94,7 @@ pub(super) fn cleaned(path: &Path) -> PathBuf {
     clean
 }
 
-/// Bytes that are no text as `%FF`, and `%` as `%25`.
+/// Returns the bytes as text, those that are not text as `%FF`, and `%` as `%25`.
 fn encoded(bytes: &[u8]) -> String {
     let mut text = String::new();
     for chunk in bytes.utf8_chunks() {
@@ -113,7 +114,7 @@ fn decoded(text: &str) -> PathBuf {
 
 #[cfg(not(unix))]
 fn decoded(text: &str) -> PathBuf {
-    // A name that is no text cannot be made here; it is looked for as it is written.
+    // A name that is not text cannot exist here; the encoded name is used instead.
     String::from_utf8(bytes_of(text)).unwrap_or_else(|_| text.to_owned()).into()
 }
 
@@ -153,7 +154,7 @@ mod tests {
             assert_eq!(text, expected);
             assert_eq!(from_text(&text, Path::new("/lake")), cleaned(Path::new(path)));
         }
-        // A folder that was moved with its logs still finds them.
+        // The logs are found after the folder was moved together with them.
         assert_eq!(from_text("day1/a.sl2", Path::new("/new")), Path::new("/new/day1/a.sl2"));
         assert_eq!(name_of("C:\\lake\\pond.sl2"), "pond.sl2");
         assert_eq!(name_of("lake/pond.sl2"), "pond.sl2");

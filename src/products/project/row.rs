@@ -1,61 +1,61 @@
-//! The lines of a project: keys in a fixed order, values on one line.
+//! Defines the lines of a project: keys in a fixed order, values on one line.
 
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 use std::fmt::{self, Write as _};
 use toml::Value;
 
-/// The longest key that is read, in parts.
+/// Most parts of a key that is read.
 const MOST_PARTS: usize = 16;
-/// Greatest depth of tables and lists in one another.
+/// Most levels of tables and lists in one another.
 const DEEPEST: usize = 16;
 
-/// The full name of a line: `log.pond-3f9a2c41.box.17`. Lines lie in the file in the order of their
+/// Full key of a line: `log.pond-3f9a2c41.box.17`. Lines are in the file in the order of their
 /// keys, by section, numbers by their value.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Key {
     parts: Vec<String>,
-    /// Number of them that the heading of the section has.
+    /// Number of parts in the heading of the section.
     section: usize,
 }
 
-/// A line's value, on one line, and where it was read.
+/// Value of a line, as text on one line, and the line where it was read.
 #[derive(Clone, Debug)]
 pub(super) struct Row {
-    /// The value as TOML.
+    /// Value as TOML.
     pub text: String,
-    /// Line of the file, from 1; 0 of what was not read from it.
+    /// Line of the file, from 1; 0 if it was not read from the file.
     pub line: usize,
 }
 
-/// Two rows are the same wherever they stand.
+/// Two rows are equal if their values are, in any line.
 impl PartialEq for Row {
     fn eq(&self, other: &Self) -> bool {
         self.text == other.text
     }
 }
 
-/// The lines of a project by their keys.
+/// Lines of a project by their keys.
 pub(super) type Rows = BTreeMap<Key, Row>;
 
 impl Row {
-    /// A row that was not read.
+    /// Creates a row that was not read from a file.
     pub(super) fn new(value: &Value) -> Self {
         Self { text: one_line(value), line: 0 }
     }
 
-    /// Its value.
+    /// Parses the value.
     ///
     /// # Errors
-    /// When its text is no value.
+    /// When the text is not a value.
     pub(super) fn value(&self) -> Result<Value, ValueError> {
         parse_value(&self.text)
     }
 }
 
 impl Key {
-    /// A key of these parts, of which one may have the name of an earlier version: files, journals
-    /// and histories are read through this.
+    /// Creates a key of these parts, with the name of an earlier version replaced by the present
+    /// one: files, journals and histories are read with it.
     pub fn new<T: Into<String>>(parts: impl IntoIterator<Item = T>) -> Self {
         let mut parts: Vec<String> = parts.into_iter().map(Into::into).collect();
         let group = match parts.first().map(String::as_str) {
@@ -72,12 +72,13 @@ impl Key {
         Self { parts, section }
     }
 
-    /// All its parts.
+    /// Returns all parts of the key.
     pub fn parts(&self) -> Vec<&str> {
         self.parts.iter().map(String::as_str).collect()
     }
 
-    /// The heading that it stands under, without brackets; empty above the first.
+    /// Returns the heading of the key's section, without brackets; empty for keys before the first
+    /// heading.
     pub fn section(&self) -> String {
         joined(&self.parts[..self.section])
     }
@@ -87,7 +88,7 @@ impl Key {
         joined(&self.parts[self.section..])
     }
 
-    /// Reads a dotted key.
+    /// Parses a dotted key; `None` if it is not valid.
     pub fn parse(text: &str) -> Option<Vec<String>> {
         let mut parts = Vec::new();
         let mut rest = text.trim();
@@ -121,7 +122,7 @@ fn quoted(text: &str) -> Option<(String, &str)> {
     Some((part, &text[end + 1..]))
 }
 
-/// Returns the position of the closing quote of the string that a text begins with.
+/// Returns the position of the closing quote of the string with which a text begins.
 fn closing_quote(text: &str) -> Option<usize> {
     let mut is_escaped = false;
     for (at, letter) in text.char_indices().skip(1) {
@@ -135,10 +136,10 @@ fn closing_quote(text: &str) -> Option<usize> {
     None
 }
 
-/// Splits a line at the `=` behind its key.
+/// Splits a line at the `=` after its key.
 pub(super) fn split(line: &str) -> Option<(Vec<String>, &str)> {
     let mut from = 0;
-    // A quoted part of the key may hold one, too.
+    // A quoted part of the key may contain `=`, too.
     while let Some(at) = line[from..].find(['=', '"']).map(|at| at + from) {
         if line[at..].starts_with('=') {
             return Some((Key::parse(&line[..at])?, line[at + 1..].trim()));
@@ -195,7 +196,7 @@ fn by_parts(one: &[String], other: &[String]) -> Ordering {
     first.unwrap_or_else(|| one.len().cmp(&other.len()))
 }
 
-/// Numbers by their value and before words.
+/// Orders parts: numbers by their value, before words.
 fn by_part(one: &str, other: &str) -> Ordering {
     let number = |text: &str| {
         let is_number = !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
@@ -209,23 +210,23 @@ fn by_part(one: &str, other: &str) -> Ordering {
     }
 }
 
-/// A text that is no value.
+/// Error of a text that is not a value.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub(super) enum ValueError {
-    /// It may be a value, but would be read one level after the other.
+    /// The text has too many levels of tables and lists for the recursive parser.
     #[error("it holds lists within lists")]
     TooDeep,
-    /// It is no TOML.
+    /// The text is not TOML.
     #[error("{}", .0.message().lines().collect::<Vec<_>>().join(" "))]
     NotToml(#[from] toml::de::Error),
 }
 
-/// Reads a value that stands on one line.
+/// Parses a value that is on one line.
 ///
 /// # Errors
-/// When it is no TOML, or goes too deep.
+/// When the text is not TOML, or has too many levels.
 pub(super) fn parse_value(text: &str) -> Result<Value, ValueError> {
-    // The reader of the format calls itself for what lies inside.
+    // The parser of TOML is recursive.
     let opened = text.bytes().scan(0_usize, |depth, byte| {
         match byte {
             b'[' | b'{' => *depth += 1,
@@ -240,7 +241,7 @@ pub(super) fn parse_value(text: &str) -> Result<Value, ValueError> {
     Ok(text.parse()?)
 }
 
-/// A value as TOML on one line, the same whenever the value is the same.
+/// Returns a value as TOML on one line; equal values give equal texts.
 pub(super) fn one_line(value: &Value) -> String {
     let mut text = String::new();
     write_value(&mut text, value);
@@ -285,8 +286,8 @@ fn write_string(text: &mut String, string: &str) {
             '\\' => text.push_str("\\\\"),
             '\n' => text.push_str("\\n"),
             '\t' => text.push_str("\\t"),
-            // What ends a line for some programs, or turns the direction of writing, would not be
-            // one line for every reader.
+            // Characters that end a line for some programs, or change the direction of writing, are
+            // escaped, so that the value is one line for every reader.
             letter if letter.is_control() || is_hidden(letter) => {
                 write!(text, "\\u{:04X}", u32::from(letter)).unwrap_or_default();
             }

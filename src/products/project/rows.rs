@@ -1,4 +1,4 @@
-//! A project as lines.
+//! Converts a project to lines, and finds the lines that differ between two versions.
 
 use super::log::ProjectLog;
 use super::measurement::MeasurementRow;
@@ -16,7 +16,7 @@ mod read;
 
 pub(crate) use read::read;
 
-/// Settings that are paths: they are written from the project's folder.
+/// Settings that are paths, which are written relative to the project's folder.
 const PATH_KEYS: [&str; 4] = ["detector.model", "isobaths.clip", "track.file", "water_level.file"];
 /// Fields of the row of a box.
 const BOX_FIELDS: [&str; 16] = [
@@ -39,24 +39,24 @@ const BOX_FIELDS: [&str; 16] = [
 ];
 /// Fields of the row of a stretch of the bottom.
 const BOTTOM_FIELDS: [&str; 3] = ["accepted", "corners", "last"];
-/// The setting that holds the stretches that are excluded of a log, and the one that says of which
-/// log.
+/// Keys of the settings with the excluded stretches of a log, and with the log to which they
+/// belong.
 const EXCLUDED: &str = "excluded.stretches";
 const EXCLUDED_LOG: &str = "excluded.log";
-/// Units that a stretch is counted in.
+/// Units in which a stretch can be given.
 const EXCLUDED_UNITS: [&str; 2] = ["pings", "time_s"];
-/// Fields of the row of a stretch that is excluded.
+/// Fields of the row of an excluded stretch.
 const EXCLUDED_FIELDS: [&str; 2] = ["last", "reason"];
-/// Fields of the row of what was searched.
+/// Fields of the row of a stretch that a model has searched.
 const SEARCHED_FIELDS: [&str; 2] = ["end", "model"];
 
-/// All lines of a project in a folder.
+/// Returns all lines of a project in a folder.
 pub(super) fn of(project: &Project, folder: &Path) -> Rows {
     differing(project, None, folder)
 }
 
 /// Returns the changes in the lines of a project from one version to another: rows that are new or
-/// other, and the keys of those that are gone. Parts that the versions share are not examined.
+/// changed, and the keys of the removed ones. Parts that the versions share are not examined.
 pub(super) fn changes(before: &Project, after: &Project, folder: &Path) -> (Rows, Vec<Key>) {
     let old = differing(before, Some(after), folder);
     let mut new = differing(after, Some(before), folder);
@@ -66,7 +66,8 @@ pub(super) fn changes(before: &Project, after: &Project, folder: &Path) -> (Rows
     (new, gone)
 }
 
-/// The lines of a project, of the parts that are not the same in another one.
+/// Returns the lines of those parts of a project that differ from `other`; of all parts without
+/// `other`.
 fn differing(project: &Project, other: Option<&Project>, folder: &Path) -> Rows {
     let mut rows = Rows::new();
     let mut put = |key: Key, value: &Value| {
@@ -108,7 +109,7 @@ fn differing(project: &Project, other: Option<&Project>, folder: &Path) -> Rows 
     rows
 }
 
-/// A row's fields; all of them are numbers, texts and lists, which can be written.
+/// Converts a row's fields, which are numbers, texts and lists, whose serialization cannot fail.
 fn value_of(row: &impl serde::Serialize) -> Value {
     Value::try_from(row).unwrap_or(Value::Table(Table::new()))
 }
@@ -156,7 +157,7 @@ fn put_log(
     let classes = log.review.classes().iter().cloned();
     head("classes", Value::Array(classes.map(Value::String).collect()));
     let mut own = log.settings.own().clone();
-    // Which log they are of is this one; each stretch is a line of its own.
+    // The log of the excluded stretches is this one; each stretch has its own line.
     own.remove(EXCLUDED_LOG);
     if let Some(Value::Array(stretches)) = own.remove(EXCLUDED) {
         put_excluded(put, key, &stretches);
@@ -179,8 +180,8 @@ fn put_log(
     put_review(put, log, same);
 }
 
-/// Stretches that are excluded, by what they are counted in and where they begin; more than one
-/// from the same place are numbered.
+/// Adds the excluded stretches, with keys of their unit and start; stretches with the same start
+/// are numbered.
 fn put_excluded(put: &mut impl FnMut(Key, &Value), log: &str, stretches: &[Value]) {
     let mut taken: BTreeMap<String, u32> = BTreeMap::new();
     for stretch in stretches.iter().filter_map(Value::as_table) {
@@ -218,7 +219,7 @@ fn put_review(put: &mut impl FnMut(Key, &Value), of: &ProjectLog, same: Option<&
         let parts = ["log", log, "searched", &one.pings.start.to_string()];
         put(Key::new(parts), &Value::Table(row));
     }
-    // A class is written by its name: with other classes every box may read otherwise.
+    // A class is written by its name, so with other classes every box may be written differently.
     let same = same.filter(|same| same.review.classes() == review.classes());
     for one in review.shared() {
         let object = of.object_numbers.get(&one.id);
@@ -238,7 +239,7 @@ fn put_review(put: &mut impl FnMut(Key, &Value), of: &ProjectLog, same: Option<&
                 fields.insert("object".to_owned(), Value::Integer((*number).into()));
             }
             if let Some(score) = one.score {
-                // The shortest number that means the same: as 64 bits, 0.91 would become
+                // The shortest number with the same value: converted to 64 bits, 0.91 would be
                 // 0.9100000262260437.
                 let shortest = score.to_string().parse().unwrap_or(f64::from(score));
                 fields.insert("score".to_owned(), Value::Float(shortest));
@@ -248,8 +249,8 @@ fn put_review(put: &mut impl FnMut(Key, &Value), of: &ProjectLog, same: Option<&
     }
 }
 
-/// Adds what this version does not know: whole lines, unless they are of a log that is gone, and
-/// fields of lines that are there.
+/// Adds the content that this version does not know: whole lines, unless their log was removed, and
+/// fields of known lines.
 fn add_unknown(rows: &mut Rows, project: &Project, other: Option<&Project>) {
     let Unknown { rows: lines, fields } = &project.unknown;
     let is_there = |key: &Key| match key.parts().as_slice() {

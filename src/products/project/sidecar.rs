@@ -1,5 +1,6 @@
-//! The bottom edits that earlier versions kept beside a log, `LOG.bottom.toml`. They are read when
-//! the log is opened, a project keeps them from then on, and the file stays as it is.
+//! Reads the bottom edits that earlier versions stored in a sidecar file, `LOG.bottom.toml`. They
+//! are read when the log is opened, and stored in the project from then on; the sidecar file is not
+//! changed.
 
 use bathyscope_bottom::first_return::{BottomSettings, OtherLog};
 use bathyscope_log::support::file_error::FileError;
@@ -10,9 +11,9 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// A longer file of bottom edits was not written by this program.
+/// Largest size of a file of bottom edits, bytes: this program does not write a longer one.
 const LONGEST: u64 = 64 << 20;
-/// Settings as `bathyscope process --settings` takes them.
+/// Contents of the file, in the form of the settings for `bathyscope process --settings`.
 #[derive(Deserialize)]
 struct BottomFile {
     bottom: BottomSettings,
@@ -22,27 +23,27 @@ fn bottom_path(log: &Path) -> PathBuf {
     log.with_extension(BottomSettings::SIDECAR)
 }
 
-/// Bottom edits beside a log that cannot be used.
+/// Error of bottom edits beside a log that cannot be used.
 pub type BottomFileError = FileError<BottomFault>;
 
 /// Fault of bottom edits in a file.
 #[derive(Debug, thiserror::Error)]
 pub enum BottomFault {
-    /// The system does not give it.
+    /// The file cannot be read.
     #[error("cannot use the bottom edits: {0}")]
     Io(#[from] io::Error),
-    /// It is no TOML of bottom edits.
+    /// The file is not TOML of bottom edits.
     #[error("cannot use the bottom edits: {}", .0.message())]
     NotToml(#[from] toml::de::Error),
-    /// No hand can have drawn them.
+    /// The edits contain values that are not possible.
     #[error("cannot use the bottom edits: {0}")]
     Impossible(&'static str),
-    /// They were drawn on another log.
+    /// The edits were made on another log.
     #[error("cannot use the bottom edits: {0}")]
     OtherLog(#[from] OtherLog),
 }
 
-/// Reads what was drawn on a log, if anything was.
+/// Reads the bottom edits of a log; `None` if it has no sidecar file.
 pub fn read_bottom(log: &Path, survey: &Survey) -> Option<Result<BottomSettings, BottomFileError>> {
     let path = bottom_path(log);
     let found = fs::metadata(&path).ok();

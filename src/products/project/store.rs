@@ -1,11 +1,11 @@
-//! Keeps a project on disk.
+//! Stores a project on disk.
 //!
-//! - Saving writes the text aside, has the disk keep it, and renames it: there is always one whole
-//!   file.
-//! - Every gesture goes into the journal beside the file ([`Store::record`]); opening takes in what
-//!   was not saved. After a crash at most the gesture under way is missing.
-//! - One window has a project open at a time. Where that cannot be known, a file that another
-//!   program changed meanwhile is not written over.
+//! - Saving writes a temporary file, syncs it to the disk, and renames it: there is always one
+//!   complete file.
+//! - Every change is written into the journal beside the file ([`Store::record`]); opening applies
+//!   the changes that were not saved. After a crash at most the last change is missing.
+//! - Only one window has a project open at a time. If that cannot be ensured, a file that another
+//!   program changed meanwhile is not replaced.
 
 use super::journal::{Entry, NoJournal, ProjectJournal, Read, Syncing};
 use super::past::{Past, PastStep};
@@ -24,7 +24,7 @@ use std::path::{Path, PathBuf};
 
 pub(crate) use super::lock::Owner;
 
-/// End of a project's file name.
+/// Ending of a project's file name.
 pub const ENDING: &str = "bathyscope";
 /// Suffix of the journal's name after the project's.
 const JOURNAL: &str = "-journal";
@@ -35,45 +35,45 @@ pub type StoreError = FileError<StoreFault>;
 /// Reason why a project cannot be opened or saved, in a sentence without the file.
 #[derive(Debug, thiserror::Error)]
 pub enum StoreFault {
-    /// It cannot be read.
+    /// The file cannot be read.
     #[error("cannot read the project: {0}")]
     Read(#[source] io::Error),
-    /// Its text is none of this program's: what is wrong, and in which line.
+    /// The text of the file is not a valid project.
     #[error("cannot use the project: {0}")]
     Text(#[source] ProjectError),
-    /// Another window has it open, of this program.
+    /// Another window of this program has the project open.
     #[error(
         "the project is open in another window ({0}); close it there, or save this one under another name"
     )]
     Taken(Owner),
-    /// The project or a file beside it cannot be written: [`read`] still shows it.
+    /// The project or a file beside it cannot be written; [`read`] can still read the project.
     #[error("the project cannot be written here: {0}; save it under another name")]
     NotWritable(#[source] io::Error),
-    /// Another program has changed it since it was read.
+    /// Another program has changed the file since it was read.
     #[error(
         "another program has changed the project since it was opened, so it is not written over; save this one under another name"
     )]
     Changed,
-    /// It would be written over a log, or is not called as a project is.
+    /// The path is that of a log, or does not have the ending of a project.
     #[error("a project is kept in a file of its own, whose name ends in .bathyscope")]
     Name,
 }
 
-/// A project that was opened.
+/// Project that was opened.
 #[derive(Debug)]
 pub struct OpenedProject {
-    /// Store that keeps it from now on.
+    /// Store with which the project is saved from now on.
     pub store: Store,
-    /// The project, with the gestures that were not saved.
+    /// Project with the changes that were not saved.
     pub project: Project,
-    /// Notes to the analyst, in sentences: gestures that were recovered, or could not be.
+    /// Notes to the analyst, in sentences, on changes that were recovered, or could not be.
     pub notes: Vec<String>,
-    /// The changes that led to it, the oldest first, as far as they are known.
+    /// Changes that led to the project, the oldest first, as far as they are known.
     pub past: Vec<PastStep>,
 }
 
-/// File and journal of an open project. When dropped, it leaves the journal where something in it
-/// is not saved.
+/// File and journal of an open project. When the store is dropped, the journal stays if it has
+/// changes that are not saved.
 #[derive(Debug)]
 pub struct Store {
     path: PathBuf,
@@ -81,19 +81,20 @@ pub struct Store {
     journal: Option<ProjectJournal>,
     /// Hash of the file as this window read or wrote it.
     sha256: String,
-    /// The project that the file and the journal together hold.
+    /// Project that the file and the journal together contain.
     recorded: Project,
-    /// The project that the file holds; `None` where it is not the whole of what was opened.
+    /// Project that the file contains; `None` if the file lacks a part of the project that was
+    /// opened.
     saved: Option<Project>,
-    /// The changes that led to what was recorded.
+    /// Changes that led to the recorded project.
     past: Past,
 }
 
-/// Reads a project without keeping it: to look at it, or to process it. What is in a journal beside
-/// it does not count.
+/// Reads a project without opening it for changes: to view it, or to process it. A journal beside
+/// it is ignored.
 ///
 /// # Errors
-/// A sentence when it cannot be read or makes no sense.
+/// A sentence, when the file cannot be read or is not a valid project.
 pub fn read(path: &Path) -> Result<Project, StoreError> {
     let (text, _) = text_of(path)?;
     let read = Project::from_text(&text, &folder_of(path));
@@ -101,21 +102,22 @@ pub fn read(path: &Path) -> Result<Project, StoreError> {
 }
 
 impl Store {
-    /// Opens a project, for this window alone, and takes in what was not saved when it was last
-    /// open.
+    /// Opens a project for this window alone, and applies the changes that were not saved when it
+    /// was last open.
     ///
     /// # Errors
-    /// When it cannot be read, makes no sense, is open elsewhere, or lies where nothing can be
-    /// written.
+    /// When the file cannot be read, is not a valid project, is open in another window, or is in a
+    /// folder that cannot be written into.
     pub fn open(path: &Path) -> Result<OpenedProject, StoreError> {
-        // The file itself is renamed into place, whatever link leads to it, and has one journal.
+        // The path without links, since saving renames a file to it, and there is one journal for
+        // it.
         let path = paths::canonical(path)
             .map_err(|error| StoreError::new(StoreFault::Read(error), path))?;
-        // Before anything is written beside it: this may be no project at all.
+        // Checked before any file is written beside it: it may not be a project.
         let wrong = |error| StoreError::new(StoreFault::Text(error), &path);
         text::read_as_written(&text_of(&path)?.0).map_err(wrong)?;
         let (mut journal, mut read) = lock(&path)?;
-        // Once more, now that no other window can save it.
+        // Read again, since from here on no other window can save it.
         let (text, sha256) = text_of(&path)?;
         let (written, version) = text::read_as_written(&text).map_err(wrong)?;
         let folder = folder_of(&path);
@@ -166,18 +168,18 @@ impl Store {
         Ok(OpenedProject { store, project, notes, past: past.into_steps().collect() })
     }
 
-    /// Begins to keep a project in a file, which is written over if it is there: whoever chose the
-    /// name was asked.
+    /// Creates the file of a project and opens it for changes. An existing file is replaced:
+    /// whoever chose the name has confirmed it.
     ///
     /// # Errors
-    /// When another window has it open, when it is a log or not called `NAME.bathyscope`, or when
-    /// it cannot be written.
+    /// When another window has the file open, when it is a log or its name is not of the form
+    /// `NAME.bathyscope`, or when it cannot be written.
     pub fn create(path: &Path, project: &Project) -> Result<Self, StoreError> {
         Self::create_with_past(path, project, Vec::new())
     }
 
-    /// [`Store::create`] of a project that these changes led to, the oldest first: undo takes them
-    /// back when it is opened again.
+    /// Creates the file as [`Store::create`] does, for a project to which these changes led, the
+    /// oldest first, so that they can be undone when it is opened again.
     ///
     /// # Errors
     /// As [`Store::create`].
@@ -197,7 +199,8 @@ impl Store {
         };
         let (mut journal, read) = lock(&path)?;
         if read.entries.iter().any(|entry| matches!(entry, Entry::Done { .. })) {
-            // Somebody's work that was not saved, under the name of the file that goes.
+            // The journal has unsaved changes to the file that is replaced; it is kept under
+            // another name.
             aside(&path, journal, "")?;
             (journal, _) = lock(&path)?;
         }
@@ -214,27 +217,27 @@ impl Store {
         Ok(store)
     }
 
-    /// The file.
+    /// Returns the path of the project's file.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// The folder that paths in it start from.
+    /// Returns the folder to which paths in the file are relative.
     pub fn folder(&self) -> PathBuf {
         folder_of(&self.path)
     }
 
-    /// Returns true if the file holds another version than this one.
+    /// Returns true if the file contains another version of the project than this one.
     pub fn is_unsaved(&self, project: &Project) -> bool {
         self.saved.as_ref() != Some(project)
     }
 
-    /// Writes what changed since the last gesture into the journal, as one line; nothing where
-    /// nothing changed. From then on it is not lost when the program ends in whatever way. Takes as
-    /// long as what changed is large: under a millisecond for a decision.
+    /// Writes the changes since the last call into the journal, as one line; no line if there are
+    /// none. From then on a crash of the program does not lose them. The time depends on the size
+    /// of the changes: under a millisecond for a decision.
     ///
     /// # Errors
-    /// When it cannot be written; the next call tries again with all that is missing.
+    /// When the journal cannot be written; the next call tries again with all missing changes.
     pub fn record(&mut self, project: &Project, label: &str) -> Result<(), StoreError> {
         let (set, gone) = rows::changes(&self.recorded, project, &self.folder());
         if !set.is_empty() || !gone.is_empty() {
@@ -251,16 +254,17 @@ impl Store {
     /// Writes the project into its file.
     ///
     /// # Errors
-    /// When another program has changed the file, or it cannot be written; what was done stays in
-    /// the journal.
+    /// When another program has changed the file, or the file cannot be written; the changes stay
+    /// in the journal.
     pub fn save(&mut self, project: &Project) -> Result<(), StoreError> {
         let saving = self.begin_save(project)?;
         self.end_save(saving.write())
     }
 
-    /// Begins to write the project into its file. [`Saving::write`] does so, on another thread if
-    /// it may take long; [`Store::end_save`] ends it. What is recorded in between comes after it:
-    /// whenever the program ends, the journal goes with the file that lies there.
+    /// Begins to write the project into its file. [`Saving::write`] writes the file, on another
+    /// thread if that may take long; [`Store::end_save`] ends it. Changes recorded in between
+    /// follow it in the journal: whenever the program ends, the journal fits the file that is
+    /// there.
     ///
     /// # Errors
     /// When the journal cannot be written.
@@ -269,18 +273,18 @@ impl Store {
         self.saving(project, Some(self.sha256.clone()))
     }
 
-    /// Takes over that the project was written, or was not.
+    /// Updates the store after the project was written, or not written.
     ///
     /// # Errors
-    /// Why it was not.
+    /// The reason why the project was not written.
     pub fn end_save(&mut self, written: SavingOutcome) -> Result<(), StoreError> {
         let SavingOutcome { result, sha256, project } = written;
         result?;
         self.sha256.clone_from(&sha256);
         let is_all = self.recorded == project;
         self.saved = Some(project);
-        // What was done since stays in the journal, behind the line that says that the file holds
-        // all before.
+        // Later changes stay in the journal, after the entry that the file contains all earlier
+        // ones.
         if is_all {
             let path = &self.path;
             let journal = self.journal.as_mut().ok_or_else(|| closed(path))?;
@@ -299,8 +303,8 @@ impl Store {
         let sha256 = in_hexadecimal(&Sha256::digest(&text));
         let path = self.path.clone();
         let journal = self.journal.as_mut().ok_or_else(|| closed(&path))?;
-        // Ended between the renaming and the new journal, the file says by its hash that it holds
-        // all of this.
+        // If the program ends between the renaming and the new journal, the hash of the file shows
+        // that it contains all earlier changes.
         let about = Entry::Saved { sha256: sha256.clone(), version: VERSION };
         journal.append(&about).map_err(not_writable(&path))?;
         Ok(Saving {
@@ -314,8 +318,8 @@ impl Store {
         })
     }
 
-    /// Leaves the project. What was done since it was saved stays in the journal for the next time
-    /// if `keep`, or is forgotten.
+    /// Closes the project. Changes since the last save stay in the journal for the next time if
+    /// `keep`, or are lost.
     pub fn close(mut self, keep: bool) {
         if !keep && let Some(journal) = self.journal.take() {
             journal.remove();
@@ -323,11 +327,11 @@ impl Store {
     }
 }
 
-/// A project that is to be written into its file.
+/// Project to be written into its file.
 #[derive(Debug)]
 pub struct Saving {
     path: PathBuf,
-    /// Hash that the file has unless another program changed it.
+    /// Hash of the file if no other program changed it; `None` if any file is replaced.
     expected: Option<String>,
     text: String,
     sha256: String,
@@ -345,14 +349,15 @@ pub struct SavingOutcome {
 }
 
 impl Saving {
-    /// Writes it: aside, kept by the disk, renamed.
+    /// Writes the project to a temporary file, syncs it to the disk, and renames it.
     pub fn write(self) -> SavingOutcome {
         SavingOutcome { result: self.try_write(), sha256: self.sha256, project: self.project }
     }
 
     fn try_write(&self) -> Result<(), StoreError> {
         let path = &self.path;
-        // One that was removed can be written again; of one that cannot be read, the writing tells.
+        // A file that was removed is written again. A file that cannot be read is not compared:
+        // writing it succeeds or returns the error.
         if let (Some(expected), Ok((_, sha256))) = (&self.expected, text_of(path))
             && sha256 != *expected
         {
@@ -387,8 +392,8 @@ fn closed(path: &Path) -> StoreError {
     not_writable(path)(io::Error::other("it was closed"))
 }
 
-/// The gestures of a journal that the file with this hash does not hold, and the layout of their
-/// rows; `None` when the journal knows no such file.
+/// Returns the changes of a journal that the file with this hash lacks, and the layout of their
+/// rows; `None` if the journal has no entry for that file.
 fn unsaved<'a>(read: &'a Read, sha256: &str) -> Option<(&'a [Entry], u32)> {
     let is_done = |entry: &Entry| matches!(entry, Entry::Done { .. });
     if !read.entries.iter().any(is_done) {
@@ -405,11 +410,11 @@ fn unsaved<'a>(read: &'a Read, sha256: &str) -> Option<(&'a [Entry], u32)> {
     Some((rest, version))
 }
 
-/// A project as [`Store::open`] reads it with the journal beside it, from memory, for the fuzzer.
-/// `sha256` is that of the text.
+/// Reads a project as [`Store::open`] does with the journal beside it, but from memory, for the
+/// fuzzer. `sha256` is the hash of the text.
 ///
 /// # Errors
-/// As [`Project::from_text`], and where the gestures make no sense.
+/// As [`Project::from_text`], and when the changes are not valid.
 pub fn with_journal(
     text: &str,
     sha256: &str,
@@ -429,7 +434,8 @@ pub fn with_journal(
     Ok(project)
 }
 
-/// The project with gestures done again. Rows and gestures meet in the layout of the gestures.
+/// Returns the project with the changes applied again. The rows are converted to the layout of the
+/// changes first.
 fn replayed(
     written: Rows,
     version: u32,
@@ -447,7 +453,7 @@ fn replayed(
     rows::read(migrate(rows, entry_version, VERSION), folder)
 }
 
-/// Returns notes on gestures that were recovered from the journal.
+/// Returns notes on the changes that were recovered from the journal.
 fn taken_in(entries: &[Entry], damaged: usize) -> Vec<String> {
     let mut labels = entries.iter().filter_map(|entry| match entry {
         Entry::Done { label, .. } => Some(label.as_str()),
@@ -465,7 +471,7 @@ fn taken_in(entries: &[Entry], damaged: usize) -> Vec<String> {
     notes
 }
 
-/// Puts a journal that cannot be used under another name, and says so.
+/// Renames a journal that cannot be used, and returns a sentence about it.
 fn aside(path: &Path, journal: ProjectJournal, why: &str) -> Result<String, StoreError> {
     drop(journal);
     let kept = export::rename_older(&journal_of(path))
@@ -491,14 +497,14 @@ fn journal_of(path: &Path) -> PathBuf {
     path.with_file_name(name)
 }
 
-/// The folder of a file, absolute.
+/// Returns the folder of a file, absolute.
 pub(super) fn folder_of(path: &Path) -> PathBuf {
-    // As logs are named, so that the way from one to the other is short.
+    // In the same form as the paths of logs, so that relative paths are short.
     let path = paths::placed(path);
     path.parent().map(Path::to_owned).unwrap_or_default()
 }
 
-/// The text of a project's file and its hash.
+/// Returns the text of a project's file and its hash.
 fn text_of(path: &Path) -> Result<(String, String), StoreError> {
     let fail = StoreError::at(path);
     let bytes =
@@ -513,9 +519,9 @@ fn text_of(path: &Path) -> Result<(String, String), StoreError> {
     Ok((text, sha256))
 }
 
-/// Has the disk keep the new name of a file.
+/// Syncs the new name of a file to the disk.
 fn sync_folder(folder: &Path) {
-    // Not every system opens folders; the file itself is kept in any case.
+    // Not every system can open folders; the content of the file is synced in any case.
     if let Ok(folder) = File::open(folder) {
         folder.sync_all().ok();
     }

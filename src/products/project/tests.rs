@@ -12,7 +12,7 @@ mod changes;
 mod decisions;
 mod on_disk;
 
-/// A log of so many pings that needs no file.
+/// Creates a log of 500 pings that needs no file.
 fn log(name: &str) -> ProjectLog {
     let sha256 = crate::pipeline::in_hexadecimal(&<sha2::Sha256 as sha2::Digest>::digest(name));
     ProjectLog::new(LogFile {
@@ -54,7 +54,7 @@ fn bottom(lines: &[BottomEdit]) -> BottomSettings {
     lines.iter().fold(empty, |all, line| all.with(line.clone()))
 }
 
-/// A project with something of everything.
+/// Creates a project with content of every kind.
 fn full() -> Project {
     let mut project = Project::default();
     project.settings.first_return.threshold = 0.41;
@@ -99,8 +99,8 @@ fn read(text: &str) -> Result<Project, ProjectError> {
     Project::from_text(text, folder())
 }
 
-/// Lines of one text that the other has not, and the other way round; a line that is there twice
-/// counts twice.
+/// Returns the lines that only one of two texts has, for each text; a line that occurs twice counts
+/// twice.
 fn lines_that_differ(one: &str, other: &str) -> [Vec<String>; 2] {
     let only = |one: &str, other: &str| {
         let mut there: Vec<&str> = other.lines().collect();
@@ -121,7 +121,7 @@ fn a_project_comes_back_from_its_text() {
     let project = full();
     let text = project.to_text(folder());
     assert_eq!(read(&text).expect("a project"), project);
-    // The whole of it is TOML for whoever reads that.
+    // The whole text is valid TOML.
     let table: Table = text.parse().expect("TOML");
     let settings = project.settings_of(&project.logs()[0]).expect("settings");
     assert_eq!(settings.excluded.stretches.len(), 3);
@@ -139,14 +139,14 @@ fn a_project_comes_back_from_its_text() {
     assert_eq!(log["settings"]["track"]["file"].as_str(), Some("tracks/gps.csv"));
     assert_eq!(log["box"]["12"]["score"].as_float(), Some(0.91));
     assert_eq!(table["file"]["base_map"].as_str(), Some("../maps/aerial.tif"));
-    // Moved with its logs, it means the same in the new place.
+    // The text of a project that was moved with its logs has the same meaning in the new folder.
     let moved = Project::from_text(&text, Path::new("/else/where")).expect("a project");
     assert_eq!(moved.logs()[0].file.path, Path::new("/else/where/day 1/Chart 1.sl2"));
     assert_eq!(moved.to_text(Path::new("/else/where")), text);
 }
 
-/// The lines are those of the file's documentation; a program that writes them otherwise makes
-/// every project differ.
+/// Tests that the lines are those of the file's documentation: another form of writing would change
+/// every project file.
 #[test]
 fn the_text_of_a_project_stays_as_it_is() {
     let mut project = full();
@@ -217,7 +217,8 @@ fn what_this_version_does_not_know_is_kept() {
     }
     assert!(written.contains("depth_of_interest_m = 3.5"));
     assert_eq!(read(&written).expect("a project"), read_back);
-    // A change beside them leaves them, and a box or a log that goes takes its own with it.
+    // A change of another line does not change the unknown lines; a removed box or log removes its
+    // own.
     let edit = Edit::Accept(BoxId(12));
     let decided = read_back.apply(&Change::Box { log: key.clone(), edit }).expect("a change");
     let differ = lines_that_differ(&written, &decided.to_text(folder()));
@@ -279,7 +280,7 @@ fn what_is_wrong_is_said_in_a_sentence_with_its_line() {
             ProjectError::Line { line, .. } => line,
             ProjectError::Newer { .. } => 0,
         };
-        // A colour that is there twice is said of the second.
+        // The error about a colour that occurs twice names the second line.
         assert!(
             said == line || sentence.contains("stands here"),
             "{to}: {sentence}, expected line {line}"
@@ -304,8 +305,7 @@ fn a_newer_project_is_refused_whatever_is_in_it() {
     }
 }
 
-/// Two people decide about different things; git makes one file of it, and it holds what both
-/// decided.
+/// Tests that git merges the different decisions of two people into one file that contains both.
 #[test]
 fn git_merges_what_two_people_decided() {
     if Command::new("git").arg("--version").output().is_err() {
@@ -320,7 +320,7 @@ fn git_merges_what_two_people_decided() {
         let after = base.settings.with_assignment(&text).expect("a setting");
         Change::Settings { log: None, after: Box::new(after), label: "setting" }
     };
-    // Neighbours in the file, and additions at different places.
+    // Neighbouring lines, and additions at different places.
     let ours = [
         decide(Edit::Accept(BoxId(5))),
         decide(Edit::Reject(BoxId(7))),
@@ -337,7 +337,7 @@ fn git_merges_what_two_people_decided() {
         Change::Colour(first.clone(), None),
     ];
     let apply = |project: Project, change: &Change| match change {
-        // The one setting over what the others say by now.
+        // Only the one changed setting is applied to the current settings.
         Change::Settings { after, .. } => {
             let mut project = project;
             if after.mosaic.cell_m == base.settings.mosaic.cell_m {
@@ -376,8 +376,8 @@ fn a_log_is_in_a_project_once_and_moves_in_the_list() {
         project.logs().iter().map(|log| log.name.chars().take(3).collect()).collect()
     };
     assert_eq!(names(&project), ["Cha", "the", "bay"]);
-    // Between the same two again and again: halving ends after fifty times, and then all are
-    // numbered.
+    // Moved again and again between the same two logs: after some fifty halvings there is no number
+    // between, and all logs are numbered.
     for turn in 0..200 {
         let log = project.logs()[2].key.clone();
         let before = names(&project);

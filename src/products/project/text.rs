@@ -1,31 +1,31 @@
-//! The text of a project file: lines to and from the file, without their meaning; and older
-//! projects: what each version changed, step by step.
+//! Converts lines to the text of a project file and back, whatever their meaning; and converts
+//! older projects, one version after the other.
 
 use super::ProjectError;
 use super::row::{Key, Row, Rows, one_line, parse_value, split};
 use toml::Value;
 
-/// Bytes of the longest file that is read.
+/// Largest file that is read, bytes.
 pub(super) const LONGEST: u64 = 256 << 20;
-/// Lines with a value that are read at most: a survey of fifty logs has some thousand.
+/// Most lines with a value that are read: a survey of fifty logs has some thousand.
 const MOST_ROWS: usize = 2_000_000;
-/// Bytes of the longest line that is read.
+/// Longest line that is read, bytes.
 const LONGEST_LINE: usize = 4 << 20;
-/// The line that makes the file a project, with the number of its layout.
+/// Key of the line that marks the file as a project, whose value is the version of the layout.
 const MARK: &str = "bathyscope";
 
 const HEAD: &str = "# A survey of Bathyscope: one line is one decision. `bathyscope manual` tells what the lines mean.\n";
-/// The version that is written.
+/// Version of the layout that is written.
 pub(super) const VERSION: u32 = 1;
 
-/// Makes rows of one version those of the next.
+/// Function that converts rows of one version to those of the next.
 type Step = fn(Rows) -> Rows;
 
 /// Steps from each version to the next, that from 1 to 2 first: one step less than there are
-/// versions. Each version has a file in the tests that opens for ever.
+/// versions. The tests contain a file of each version, which must always open.
 const STEPS: [Step; VERSION as usize - 1] = [];
 
-/// The file's text.
+/// Returns the text of the file.
 pub(super) fn write(rows: &Rows) -> String {
     let mut text = HEAD.to_owned();
     text.push_str(&format!("{MARK} = {VERSION}\n"));
@@ -36,41 +36,41 @@ pub(super) fn write(rows: &Rows) -> String {
             text.push_str(&format!("\n[{heading}]\n"));
             section = heading;
         }
-        // A blank line between two decisions: git merges changes of neighbours only with a line
-        // between them that nobody changed.
+        // A blank line between two decisions: git merges changes of neighbouring lines only if
+        // there is an unchanged line between them.
         text.push_str(&format!("\n{} = {}\n", key.name(), row.text));
     }
     text
 }
 
-/// One line of a journal, `full.key = value`.
+/// Returns a row as one line of a journal, `full.key = value`.
 pub(super) fn write_row(key: &Key, row: &Row) -> String {
     format!("{key} = {}", row.text)
 }
 
-/// Reads what [`write_row`] wrote.
+/// Parses a line that [`write_row`] wrote; `None` if it is not valid.
 pub(super) fn read_row(line: &str) -> Option<(Key, Row)> {
     let (parts, value) = split(line)?;
     let value = parse_value(value).ok()?;
     Some((Key::new(parts), Row::new(&value)))
 }
 
-/// Reads a file, of this version or an older one, whose rows become those of this version.
+/// Reads a file of this version or an older one, whose rows are converted to this version.
 ///
 /// # Errors
-/// A sentence with the line that cannot be read, or that a newer program is needed.
+/// A sentence that names the line that cannot be read, or that a newer program is needed.
 pub(super) fn read(text: &str) -> Result<Rows, ProjectError> {
     let (rows, version) = read_as_written(text)?;
     Ok(migrate(rows, version, VERSION))
 }
 
-/// The rows as they stand in the file, and the version that they are of.
+/// Returns the rows as written in the file, and their version.
 ///
 /// # Errors
-/// When the text is no project, or one of a newer version.
+/// When the text is not a valid project, or is of a newer version.
 pub(super) fn read_as_written(text: &str) -> Result<(Rows, u32), ProjectError> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    // First of all: of a newer file nothing else need make sense here.
+    // Checked first: the other lines of a newer file may not be valid in this version.
     let version = version(text)?;
     if version > VERSION {
         return Err(ProjectError::Newer { version });
@@ -122,7 +122,8 @@ pub(super) fn read_as_written(text: &str) -> Result<(Rows, u32), ProjectError> {
     Ok((rows, version))
 }
 
-/// The number of the layout, which stands in the first line that says something.
+/// Returns the version of the layout, which is in the first line that is neither blank nor a
+/// comment.
 fn version(text: &str) -> Result<u32, ProjectError> {
     let lines = text.lines().zip(1..);
     let mut said = lines.filter(|(line, _)| !line.trim().is_empty() && !line.starts_with('#'));
@@ -145,7 +146,7 @@ fn version(text: &str) -> Result<u32, ProjectError> {
     }
 }
 
-/// Rows of one version as those of a later one.
+/// Converts rows of one version to a later version.
 pub(super) fn migrate(rows: Rows, from: u32, to: u32) -> Rows {
     through(&STEPS, rows, from, to)
 }

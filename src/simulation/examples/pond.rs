@@ -1,5 +1,5 @@
-//! Writes the log of a simulated pond and prints how deep it is:
-//! `cargo run --release -p bathyscope-simulation --example pond -- FILE.sl2`.
+//! Writes the log of a simulated pond and prints its greatest depth under the boat: `cargo run
+//! --release -p bathyscope-simulation --example pond -- FILE.sl2`.
 
 use bathyscope_log::support::progress::Progress;
 use bathyscope_simulation::{Scene, simulate};

@@ -1,26 +1,26 @@
-//! The axes of a plot in a panel: where values lie, and their lines and numbers.
+//! Draws the axes of a plot in a panel, with lines and numbers, and places values on the screen.
 
 use bathyscope_bottom::presentation::plot::Axis;
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, pos2, vec2};
 
-/// Room for numbers and a name below, points.
+/// Space below for numbers and a name, points.
 const BELOW: f32 = 26.0;
-/// Room for half of the last number, points.
+/// Space on the right for half of the last number, points.
 const RIGHT: f32 = 20.0;
-/// Room above for half of the highest number, points.
+/// Space above for half of the highest number, points.
 const ABOVE: f32 = 6.0;
 
-/// Two axes on the screen.
+/// The two axes of a plot on the screen.
 pub(crate) struct PlotAxes {
-    /// Area of the curves.
+    /// Area in which curves are drawn.
     pub area: Rect,
     across: Axis,
     up: Axis,
 }
 
 impl PlotAxes {
-    /// Creates axes with room on the left for numbers and name: of a number that is cut, the sign
-    /// would be lost first.
+    /// Creates axes with space on the left for numbers and name: a number that is cut off would
+    /// lose its sign first.
     pub(crate) fn new(painter: &Painter, rect: Rect, across: Axis, up: Axis) -> Self {
         let width = |(_, label): &(f64, String)| {
             let galley = painter.layout_no_wrap(label.clone(), font(), Color32::PLACEHOLDER);
@@ -32,14 +32,14 @@ impl PlotAxes {
         Self { area: Rect::from_min_max(min, rect.max - vec2(RIGHT, BELOW)), across, up }
     }
 
-    /// Place of a pair of values on the screen.
+    /// Returns the position of a pair of values on the screen.
     pub(crate) fn at(&self, x: f64, y: f64) -> Pos2 {
-        // Shares, which an `f32` holds.
+        // The shares are small enough for an `f32`.
         let [x, y] = [self.across.share(x), self.up.share(y)].map(|share| share as f32);
         self.area.lerp_inside(vec2(x, 1.0 - y))
     }
 
-    /// Draws lines, numbers and names.
+    /// Draws lines, numbers and names of both axes.
     pub(crate) fn draw(&self, painter: &Painter, ink: Color32) {
         let faint = Stroke::new(1.0, ink.gamma_multiply(0.2));
         for (value, label) in &self.across.ticks {

@@ -1,4 +1,4 @@
-//! Steps 3 and 4: the point cloud, and its outliers.
+//! Draws steps 3 and 4: the point cloud, and its outliers.
 
 use super::parts::{self, fact, setting};
 use super::section::{Section, section};
@@ -11,13 +11,13 @@ use bathyscope_products::pipeline::settings::rows;
 use bathyscope_products::pipeline::{Products, Stage};
 use egui::Ui;
 
-/// Name of the figure that compares side-scan points with the soundings of their own pings; the
-/// same in every panel.
+/// Name of the figure that compares side-scan points with the soundings of their own pings, which
+/// is the same in every panel.
 pub(super) const SAME_PING: &str = "Minus sounding";
 /// Hint of this figure.
 pub(super) const SAME_PING_HINT: &str = "Elevation of side-scan points minus that of the sounding at the same ping: median (above 0 is shallower) and 95 % limit.";
 
-/// Its figures.
+/// Returns the text of this figure.
 pub(super) fn same_ping(residuals: &Residuals, units: Units) -> String {
     let median = units.signed_difference(residuals.median_m);
     let p95 = units.difference(residuals.p95_m);
@@ -76,8 +76,8 @@ fn controls(ui: &mut Ui, context: &mut ViewContext<'_>) {
     }
 }
 
-/// Describes the change that the printed equations make to the depth that they were calibrated on:
-/// at the calibration spot r = d, and z = r cos(α2).
+/// Describes the change by the published equations of the depth on which they were calibrated: at
+/// the calibration spot r = d, and z = r cos(α2).
 fn published_depth(alpha2_deg: f64) -> String {
     let percent = 100.0 * (alpha2_deg.to_radians().cos() - 1.0);
     format!(
@@ -85,7 +85,7 @@ fn published_depth(alpha2_deg: f64) -> String {
     )
 }
 
-/// Draws the section of radius outlier removal, shown before anything goes.
+/// Draws the section of radius outlier removal, where the removed points can be seen first.
 pub(super) fn outliers(ui: &mut Ui, context: &mut ViewContext<'_>) {
     section(ui, context, Section::new("Outliers").step(4).of(Stage::Outliers), |ui, context| {
         removed(ui, context);

@@ -1,5 +1,5 @@
-//! Sections that correct what was recorded: the depths, by water and transducer, and the positions,
-//! by another receiver's track and by shifts and latencies.
+//! Draws the sections that correct the recording: the depths, by water and transducer, and the
+//! positions, by another receiver's track and by shifts and latencies.
 
 use super::parts::{self, fact, name_of, press, press_short, remark, setting};
 use super::section::{Section, section};
@@ -10,7 +10,7 @@ use bathyscope_products::pipeline::Stage;
 use bathyscope_products::pipeline::settings::rows;
 use egui::{RichText, Ui};
 
-/// Initial temperature of the slider, °C: usual for a lake in spring and autumn.
+/// Initial temperature of the slider, °C: typical of a lake in spring and autumn.
 const USUAL_C: f64 = 12.0;
 
 /// Draws the section of the settings of water and transducer that correct the depths.
@@ -58,8 +58,8 @@ fn sound_speed(ui: &mut Ui, context: &mut ViewContext<'_>) {
     }
 }
 
-/// Draws the section of the positions: the track of another receiver in place of the recorder's,
-/// how far its clock is off, and how far all positions are.
+/// Draws the section of the positions: the track of another receiver, the offset of its clock, and
+/// the shifts of all positions.
 pub(super) fn positions(ui: &mut Ui, context: &mut ViewContext<'_>) {
     section(ui, context, Section::new("Position").of(Stage::Navigation), |ui, context| {
         let path = context.app.log.settings.track.file.clone();
@@ -72,14 +72,14 @@ pub(super) fn positions(ui: &mut Ui, context: &mut ViewContext<'_>) {
         for row in [&rows::SHIFT_EAST, &rows::SHIFT_NORTH] {
             setting(ui, context, row);
         }
-        // Of several logs they are compared where the logs are listed.
+        // With several logs, their positions are compared in the list of logs.
         if context.app.log_count() == 1 {
             shifts(ui, context);
         }
     });
 }
 
-/// The offset of the clock, and what it does to the distance between the tracks.
+/// Draws the offset of the clock, and the distance between the tracks that results from it.
 fn clock(ui: &mut Ui, context: &mut ViewContext<'_>) {
     setting(ui, context, &rows::TRACK_OFFSET);
     let apart = &context.app.log.external.apart;
@@ -96,7 +96,7 @@ fn clock(ui: &mut Ui, context: &mut ViewContext<'_>) {
     );
 }
 
-/// Draws the buttons for shifts and latencies of the positions of the logs, and what was found.
+/// Draws the buttons for shifts and latencies of the positions of the logs, and the results.
 pub(super) fn shifts(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let app = context.app;
     ui.horizontal(|ui| {

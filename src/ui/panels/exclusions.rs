@@ -1,5 +1,5 @@
-//! Lists the stretches that are excluded from every result: turns and stops that are found, and
-//! stretches that were drawn.
+//! Lists the stretches that are excluded from every result: found turns and stops, and drawn
+//! stretches.
 
 use super::parts::{remark, setting, warning};
 use super::section::{Section, section};
@@ -13,7 +13,7 @@ use egui::{Align, Button, Layout, Response, ScrollArea, Ui};
 
 /// Height of a row of the list, points.
 const ROW: f32 = 18.0;
-/// Rows of the list that are in view at once.
+/// Number of rows of the list that are visible at once.
 const ROWS: f32 = 7.0;
 
 /// Draws the section.
@@ -46,7 +46,7 @@ fn tool(ui: &mut Ui, context: &mut ViewContext<'_>) {
     context.keyed_button(button.accessible_name(action.label()), action);
 }
 
-/// Excluded length, for each reason and of all logs.
+/// Draws the excluded length, by reason and in total of all logs.
 fn counts(ui: &mut Ui, context: &ViewContext<'_>, found: &FoundExclusions) {
     use ExclusionReason::{Bad, Drawn, Stop, Turn};
     let units = context.units();
@@ -75,7 +75,7 @@ fn counts(ui: &mut Ui, context: &ViewContext<'_>, found: &FoundExclusions) {
     }
 }
 
-/// The stretches: a click shows one in all views, × includes it again.
+/// Draws the list of excluded stretches: a click shows a stretch in all views, × includes it again.
 fn list(ui: &mut Ui, context: &mut ViewContext<'_>, found: &FoundExclusions) {
     let stretches: Vec<(&ExcludedStretch, f64)> = found.stretches().collect();
     let Some(survey) = context.app.log.survey.clone() else {
@@ -102,7 +102,7 @@ fn list(ui: &mut Ui, context: &mut ViewContext<'_>, found: &FoundExclusions) {
     });
 }
 
-/// The stretches that count although something is found there.
+/// Draws the stretches that count although a turn or a stop is found there.
 fn kept(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let app = context.app;
     let Some(survey) = app.log.survey.clone() else {
@@ -127,7 +127,7 @@ fn kept(ui: &mut Ui, context: &mut ViewContext<'_>) {
     }
 }
 
-/// A stretch with a button that does something about it; the response is that of the stretch.
+/// Draws a stretch with a button that edits it; returns the response of the stretch.
 fn row(
     ui: &mut Ui,
     context: &mut ViewContext<'_>,
@@ -168,7 +168,8 @@ fn holds(part: LogPart, mark: LogPlace) -> bool {
     matches!(part, LogPart::Pings([first, last]) if (first..=last).contains(&mark.ping))
 }
 
-/// Pings of a stretch, `1200..1350`, or its clock times where the log has no pings.
+/// Returns the pings of a stretch as text, `1200..1350`, or its clock times if the log has no
+/// pings.
 fn place(survey: &Survey, part: LogPart) -> String {
     match part {
         LogPart::Pings([first, last]) => format!("{first}..{last}"),

@@ -1,10 +1,11 @@
-//! Finds the control of a setting and goes there: the palette finds settings by their names.
+//! Finds the control of a setting and moves the keyboard to it: the palette finds settings by their
+//! names.
 
 use crate::ui::{ViewContext, theme};
 use bathyscope_products::pipeline::settings::{SettingRow, rows};
 use egui::{Context, Id, Response, Stroke, StrokeKind, Ui};
 
-/// Place of the controls of some settings.
+/// Place in the window where the controls of some settings are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ControlPlace {
     /// A section of the panel of steps.
@@ -14,7 +15,7 @@ pub(crate) enum ControlPlace {
 }
 
 impl ControlPlace {
-    /// Before the name of a setting in the palette.
+    /// Returns the text before the name of a setting in the palette.
     pub(crate) fn name(self) -> &'static str {
         match self {
             ControlPlace::Section(title) => title,
@@ -23,7 +24,7 @@ impl ControlPlace {
     }
 }
 
-/// All settings that have a control in the window, by the place where it is.
+/// All settings that have a control in the window, by the place of the control.
 pub(crate) static CONTROLS: &[(ControlPlace, &[&SettingRow])] = &[
     (
         ControlPlace::Section("First return"),
@@ -125,13 +126,13 @@ pub(crate) static CONTROLS: &[(ControlPlace, &[&SettingRow])] = &[
     ),
 ];
 
-/// The settings that have their controls in a place.
+/// Returns the settings whose controls are in a place.
 pub(crate) fn rows_in(place: ControlPlace) -> impl Iterator<Item = &'static SettingRow> {
     let here = CONTROLS.iter().filter(move |(other, _)| *other == place);
     here.flat_map(|(_, rows)| rows.iter().copied())
 }
 
-/// Place of the control of a setting.
+/// Returns the place of the control of a setting; `None` if it has no control.
 pub(crate) fn place_of(key: &str) -> Option<ControlPlace> {
     let holds = |(_, rows): &&(ControlPlace, &[&SettingRow])| rows.iter().any(|row| row.key == key);
     CONTROLS.iter().find(holds).map(|(place, _)| *place)
@@ -145,26 +146,26 @@ fn marked_id() -> Id {
     Id::unique("setting that is marked")
 }
 
-/// Has the control of a setting take the keyboard when it is drawn next.
+/// Requests that the control of a setting takes the keyboard when it is drawn next.
 pub(crate) fn seek(ctx: &Context, key: &'static str) {
     ctx.data_mut(|data| data.insert_temp(sought_id(), key));
 }
 
-/// The setting whose control was sought and not drawn since.
+/// Returns the setting whose control is requested and was not drawn since.
 pub(crate) fn sought(ctx: &Context) -> Option<&'static str> {
     ctx.data(|data| data.get_temp(sought_id()))
 }
 
-/// Gives up looking for a control.
+/// Withdraws the request for a control.
 pub(crate) fn give_up(ctx: &Context) {
     ctx.data_mut(|data| data.remove::<&'static str>(sought_id()));
 }
 
-/// Gives the keyboard to the control of a setting that is sought, brings it into view, and frames
-/// it while it has the keyboard.
+/// Gives the keyboard to the control of a setting if it is requested, brings it into view, and
+/// frames it while it has the keyboard.
 pub(crate) fn answer(ui: &Ui, context: &ViewContext<'_>, key: &str, control: &Response) {
     let ctx = ui.ctx();
-    // Before its size is known a list cannot scroll to it.
+    // A list cannot scroll to a control before the size of the control is known.
     if sought(ctx) == Some(key) && !ui.is_sizing_pass() {
         ctx.data_mut(|data| data.insert_temp(marked_id(), key.to_owned()));
         give_up(ctx);
@@ -179,7 +180,7 @@ pub(crate) fn answer(ui: &Ui, context: &ViewContext<'_>, key: &str, control: &Re
     }
 }
 
-/// The setting whose control is framed while it has the keyboard.
+/// Returns the setting whose control is framed while it has the keyboard.
 #[cfg(test)]
 pub(crate) fn marked(ctx: &Context) -> Option<String> {
     ctx.data(|data| data.get_temp(marked_id()))
@@ -190,8 +191,8 @@ mod tests {
     use super::*;
     use bathyscope_products::pipeline::settings::rows::ROWS;
 
-    /// Settings without a control: they are drawn in a view, edited in a list of their own, found
-    /// by a search, or for files and `--set` alone.
+    /// Settings without a control: they are drawn in a view, edited in their own list, found by a
+    /// search, or only set in files and by `--set`.
     const WITHOUT: [&str; 18] = [
         "height_offset_m",
         "sound_speed.m_s",

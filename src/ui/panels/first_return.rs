@@ -1,4 +1,4 @@
-//! Step 1: where the bottom is first detected.
+//! Draws step 1: the detection of the first return of the bottom.
 
 mod above_bottom;
 
@@ -39,7 +39,7 @@ fn found(ui: &mut Ui, context: &mut ViewContext<'_>) {
         );
         return;
     };
-    // A preview may hold the visible pings only; the counts are those of the whole log.
+    // A preview may hold the visible pings only; the counts refer to the whole log.
     let options = context.options();
     let pings = products.returns.port.len().max(1);
     let hint = |side: &str, found: usize| {
@@ -69,7 +69,7 @@ fn found(ui: &mut Ui, context: &mut ViewContext<'_>) {
     }
 }
 
-/// The pen, and what was drawn with it.
+/// Draws the button of the pen, and the edits that were made with it.
 fn bottom_edits(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let app = context.app;
     let bottom = &app.log.settings.bottom;

@@ -1,5 +1,5 @@
-//! The list of open logs: which one is shown, which take part, in which order, and how their
-//! heights stand to each other.
+//! Draws the list of open logs, with which one is shown, their visibility and order, and the height
+//! differences between them.
 
 use super::corrections;
 use super::parts::{self, fact, name_of, press, remark, warning};
@@ -38,7 +38,7 @@ fn add(ui: &mut Ui, context: &mut ViewContext<'_>) {
     context.keyed_button(button, Action::AddLog);
 }
 
-/// One log; what was asked for on its row.
+/// Draws the row of a log; returns the command that was requested on it.
 fn row(
     ui: &mut Ui,
     app: &App,
@@ -70,7 +70,8 @@ fn row(
                 accessible(button, egui::Role::Button, &named).on_hover_text(what).clicked()
             };
             ask(button(ui, "×", "Close", true), Command::CloseLog(id));
-            // On one row only: there is no room for them beside every name.
+            // The buttons are drawn on the row of the shown log only: beside every name there is no
+            // space for them.
             if id == app.log.id && (can_rise || can_sink) {
                 let [down, up] = [Command::MoveLog(id, 1), Command::MoveLog(id, -1)];
                 ask(button(ui, "Down", "Move down", can_sink), down);
@@ -106,7 +107,7 @@ fn accessible(response: egui::Response, role: egui::Role, name: &str) -> egui::R
     response
 }
 
-/// Date, length, depths and warnings of a log.
+/// Draws date, length, depths and warnings of a log.
 fn describe(ui: &mut Ui, log: &OpenLog, units: Units) {
     let Some(survey) = &log.survey else {
         return;
@@ -144,7 +145,7 @@ const HEIGHTS: [(&str, &str); 4] = [
     ("crossings", "Crossings of its track with other tracks."),
 ];
 
-/// The choice of the log whose height stays.
+/// Draws the choice of the log whose height stays.
 fn hold(ui: &mut Ui, context: &mut ViewContext<'_>) {
     const MEAN: &str = "mean of all";
     let app = context.app;
@@ -165,7 +166,7 @@ fn hold(ui: &mut Ui, context: &mut ViewContext<'_>) {
     context.commands.extend(picked.map(Command::HoldHeight));
 }
 
-/// Height differences between the logs, where their tracks meet.
+/// Draws the height differences between the logs, where their tracks meet.
 fn heights(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let app = context.app;
     let contradicted = app.contradicted_soundings();

@@ -1,5 +1,5 @@
-//! Settings of depth map, isobaths and mosaic, on the map and in the files, and the files
-//! themselves.
+//! Draws the settings of depth map, isobaths and mosaic, which apply to the map and the files, and
+//! the section that writes the files.
 
 use super::parts::{self, fact};
 use super::section::{Section, section};
@@ -23,7 +23,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     section(ui, context, Section::new(MOSAIC), mosaic);
 }
 
-/// Shows or hides a layer, and says which it is now.
+/// Draws the button that shows or hides a layer.
 fn layer_button(ui: &mut Ui, context: &mut ViewContext<'_>, layer: MapLayer, action: Action) {
     let shown = context.options().map.layers.is_visible(layer);
     let text = if shown { "Hide on the map" } else { "Show on the map" };
@@ -43,7 +43,8 @@ fn isobaths(ui: &mut Ui, context: &mut ViewContext<'_>) {
     parts::file(ui, context, &rows::CLIP, area.as_deref(), actions);
 }
 
-/// Draws the method of the map between depths, and the errors of its depths where they are known.
+/// Draws the method of interpolation between depths, and the errors of the interpolated depths if
+/// they are known.
 fn worth(ui: &mut Ui, context: &ViewContext<'_>) {
     let Some(map) = context.app.depth_map().flatten() else {
         return;
@@ -66,7 +67,7 @@ fn worth(ui: &mut Ui, context: &ViewContext<'_>) {
     }
 }
 
-/// Describes the source of the depths between the lines.
+/// Describes the source of the depths between the survey lines.
 fn between_lines(surface: &Surface) -> String {
     match surface.levels {
         FromLevels::Used { .. } => "from echo levels".to_owned(),
@@ -76,8 +77,8 @@ fn between_lines(surface: &Surface) -> String {
     }
 }
 
-/// Errors at withheld soundings, with the method for depths between the lines and without it, where
-/// both were tried: `0.06 m, 0.08 m without`.
+/// Returns the errors at withheld soundings, with and without the method for depths between the
+/// lines, if both were tried: `0.06 m, 0.08 m without`.
 fn withheld_errors(surface: &Surface, units: Units) -> Option<String> {
     let [without_m, with_m] = match (surface.levels, surface.bends) {
         (FromLevels::Used { left_out_m }, _) => left_out_m?,
@@ -96,7 +97,7 @@ fn mosaic(ui: &mut Ui, context: &mut ViewContext<'_>) {
     parts::settings_of(ui, context, MOSAIC);
 }
 
-/// Draws the section of step 6: what other programs open.
+/// Draws the section of step 6: the files for other programs.
 pub(super) fn products(ui: &mut Ui, context: &mut ViewContext<'_>) {
     section(ui, context, Section::new("Products").step(6), |ui, context| {
         let action = Action::Export;

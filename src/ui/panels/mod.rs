@@ -1,4 +1,4 @@
-//! Panels around the views, one file each. Each panel reads the state and pushes commands.
+//! Draws the panels around the views, one file each. Each panel reads the state and sends commands.
 
 pub(super) mod axes;
 mod calibration;
@@ -24,7 +24,7 @@ pub(super) mod status;
 pub(super) mod survey;
 pub(super) mod timeline;
 
-/// Height of the line of words at the bottom of the window, points.
+/// Height of the status line at the bottom of the window, points.
 pub(super) const STATUS_HEIGHT: f32 = 24.0;
 
 pub(crate) use parts::of_given_width;
@@ -33,7 +33,7 @@ pub(crate) use section::{focus_section, unfold_section};
 
 use super::ViewContext;
 
-/// The left side: the survey and the paper's steps in order.
+/// Draws the left side: the survey and the paper's steps in order.
 pub(super) fn steps(ui: &mut egui::Ui, context: &mut ViewContext<'_>) {
     survey::ui(ui, context);
     if context.app.log.survey.is_none() {

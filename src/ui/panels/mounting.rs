@@ -1,5 +1,5 @@
-//! Settings of the mounting of the recorder on its boat, its default, the coordinate system of
-//! positions in metres, and the frequency that is shown.
+//! Draws the settings of the mounting of the recorder on its boat, its default, the coordinate
+//! system of positions in metres, and the shown frequency.
 
 use super::find_setting;
 use super::parts::{self, name_cell, remark, warning};
@@ -62,7 +62,7 @@ fn by_crossings(ui: &mut Ui, context: &ViewContext<'_>) {
     }
 }
 
-/// The lag of the soundings that first returns show, with the button that applies it.
+/// Draws the lag of the soundings that first returns show, with the button that applies it.
 fn sounding_lag(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let Some((lag, _)) = context.app.log.sounding_lag() else {
         return;
@@ -109,7 +109,7 @@ fn usual(ui: &mut Ui, context: &mut ViewContext<'_>) {
     });
 }
 
-/// The system of positions that are metres: its number is typed.
+/// Draws the field for the coordinate system of positions in metres.
 fn system(ui: &mut Ui, context: &mut ViewContext<'_>, survey: &Survey) {
     let row = &rows::SOURCE_CRS;
     let in_force = context.app.log.settings.source.crs.map(String::from);
@@ -146,7 +146,7 @@ fn system(ui: &mut Ui, context: &mut ViewContext<'_>, survey: &Survey) {
     }
 }
 
-/// The pairs of side-scan channels, of which one is shown.
+/// Draws the choice of the pair of side-scan channels that is shown.
 fn frequency(ui: &mut Ui, context: &mut ViewContext<'_>, survey: &Survey) {
     let row = &rows::SOURCE_FREQUENCY;
     ui.horizontal_wrapped(|ui| {
@@ -166,7 +166,7 @@ fn frequency(ui: &mut Ui, context: &mut ViewContext<'_>, survey: &Survey) {
     });
 }
 
-/// Asks for the system that was typed; a bare number is EPSG's.
+/// Sets the typed coordinate system; a number alone is an EPSG code.
 fn take_system(context: &mut ViewContext<'_>, typed: &str, in_force: &str) {
     if typed == in_force {
         return;

@@ -1,5 +1,5 @@
-//! Offers what can be opened: any log, the demo survey, the logs on cards and drives, and those
-//! opened before.
+//! Offers logs to open while none is: any log, the demo survey, the logs on cards and drives, and
+//! those opened before.
 
 use super::parts::remark;
 use crate::app::{Action, CARDS_LISTED_EVERY, Command};
@@ -10,10 +10,11 @@ use egui::{Button, Label, Ui, vec2};
 use std::path::Path;
 use std::time::SystemTime;
 
-/// Folders of cards, and logs of each or of before, that are offered; the dialog has them all.
+/// Greatest number of offered folders on cards, of logs of each folder, and of logs opened before;
+/// the dialog lists all.
 const SHOWN: usize = 3;
 
-/// Draws them.
+/// Draws the offers.
 pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     ui.label("Nothing is open.");
     remark(ui, format!("Drop a log on the window, or open one: {}.", formats_to_open()));
@@ -33,11 +34,11 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     for path in app.recent.iter().take(SHOWN) {
         offer(ui, context, name(path), path, || Command::Open(path.clone()));
     }
-    // Nothing else draws the window when a card is put in.
+    // No other event redraws the window when a card is inserted.
     ui.ctx().request_repaint_after(CARDS_LISTED_EVERY);
 }
 
-/// The newest logs of a folder, and all of them.
+/// Draws the newest logs of a folder, and a button for all of them.
 fn on_card(ui: &mut Ui, context: &mut ViewContext<'_>, folder: &LogFolder) {
     ui.add_space(8.0);
     let words = format!("On {}", folder.on_card.display());
@@ -75,7 +76,7 @@ fn name(path: &Path) -> String {
     name.to_string_lossy().into_owned()
 }
 
-/// The day on which the drive says that a log was written last.
+/// Returns the day on which a log was last written, by the file system of the drive.
 fn written(log: &FoundLog) -> Option<String> {
     let since = log.written?.duration_since(SystemTime::UNIX_EPOCH).ok()?;
     Some(calendar::date(since.as_secs_f64()))

@@ -1,7 +1,7 @@
-//! Sentences for the analyst, until they are dismissed or, where nothing is wrong and nothing to
-//! do, have been there for a while: the list of notices keeps them. They lie over the upper right
-//! corner of the views, where a view has no buttons, and not in a line of their own: one that came
-//! and went would move what is being clicked.
+//! Draws notices until they are dismissed or, if they report no fault and offer no action, have
+//! been visible for a while; the list of notices keeps them. They cover the upper right corner of
+//! the views, where a view has no buttons, instead of a separate line: a line that appears and
+//! disappears would move the button that is being clicked.
 
 use super::parts::severity;
 use crate::app::{Action, Command, Notice};
@@ -12,21 +12,21 @@ use egui::{
 };
 use std::time::Duration;
 
-/// Notices shown at once.
+/// Greatest number of notices that are drawn at once.
 const SHOWN: usize = 4;
-/// Lines of a notice; what is longer is shown whole under the pointer.
+/// Greatest number of lines of a notice; a longer one is shown completely under the pointer.
 const LINES: usize = 4;
-/// Widest that a notice becomes, points.
+/// Greatest width of a notice, points.
 const WIDEST: f32 = 460.0;
-/// Time for which a notice stays that says what was done.
+/// Time after which a notice about a completed action disappears.
 const PATIENCE: Duration = Duration::from_secs(15);
-/// Frames that only wait for one to go are so far apart at least.
+/// Least time between frames that are drawn only because a notice disappears.
 const REST: Duration = Duration::from_secs(1);
-/// Room above them for the titles of the views, points.
+/// Space above the notices for the titles of the views, points.
 const TITLES: f32 = 30.0;
 
-/// Draws them over the upper right corner of the views, which cover `views`. Nothing when there is
-/// no notice.
+/// Draws the notices over the upper right corner of the views, which cover `views`. Draws nothing
+/// if there are no notices.
 pub(crate) fn show(ctx: &egui::Context, context: &mut ViewContext<'_>, views: Rect) {
     let app = context.app;
     if app.notices.is_empty() {
@@ -49,23 +49,23 @@ pub(crate) fn show(ctx: &egui::Context, context: &mut ViewContext<'_>, views: Re
             }
         });
     });
-    // Whoever reads one keeps it.
+    // A notice under the pointer stays, because the analyst may be reading it.
     if !shown.response.contains_pointer() {
         forget_old(ctx, context);
     }
 }
 
-/// Takes notices off the screen that say what was done and have been there for a while.
+/// Dismisses notices about completed actions that have been visible for a while.
 fn forget_old(ctx: &egui::Context, context: &mut ViewContext<'_>) {
     let mut next = None;
-    // From the last: an index holds while those behind it go.
+    // The order from the last to the first keeps the smaller indices valid.
     for (index, notice) in context.app.notices.iter().enumerate().rev() {
-        // What can be taken back stays so: the Edit menu and Ctrl+Z do that as well.
+        // An offered undo does not keep a notice: the Edit menu and Ctrl+Z still undo the change.
         let waits = notice.offer.is_some_and(|offer| offer != Action::Undo);
         if notice.is_error || waits {
             continue;
         }
-        // A clock that was set back says nothing: the notice stays until it has caught up.
+        // After the clock was set back, the notice stays until the clock has caught up.
         let age = notice.at.elapsed().unwrap_or_default();
         match PATIENCE.checked_sub(age).filter(|left| !left.is_zero()) {
             None => context.commands.push(Command::Dismiss(index)),
@@ -73,8 +73,8 @@ fn forget_old(ctx: &egui::Context, context: &mut ViewContext<'_>) {
         }
     }
     if let Some(next) = next {
-        // Nobody waits for it, and a shorter time would have the window drawn over and over for
-        // nothing.
+        // The exact time does not matter, and a shorter wait would redraw the window again and
+        // again without need.
         ctx.request_repaint_after(next.max(REST));
     }
 }
@@ -91,8 +91,8 @@ fn line(ui: &mut Ui, context: &mut ViewContext<'_>, index: usize, notice: &Notic
             }
             ui.with_layout(Layout::left_to_right(Align::Min), |ui| {
                 let text = context.units().sentence(&notice.text);
-                // Laid out here: a label in a row would be as wide as its text, and lie over the
-                // buttons.
+                // The text is laid out here: a label in a row would be as wide as its text, and
+                // cover the buttons.
                 let lines = ui.painter().layout_job(words(ui, &text));
                 ui.add(Label::new(lines)).on_hover_text(&text);
             });
@@ -100,7 +100,7 @@ fn line(ui: &mut Ui, context: &mut ViewContext<'_>, index: usize, notice: &Notic
     });
 }
 
-/// The sentence in a few lines; a path without a space breaks where the line ends.
+/// Lays the sentence out in a few lines; a path without a space is broken at the end of a line.
 fn words(ui: &Ui, text: &str) -> LayoutJob {
     let mut job = LayoutJob::default();
     let colour = ui.visuals().strong_text_color();

@@ -1,4 +1,4 @@
-//! Step 5: objects on the bottom, found by a detector and decided by the analyst.
+//! Draws step 5: objects on the bottom, found by a detector and decided by the analyst.
 
 use super::parts::{self, fact};
 use super::section::{Section, section};
@@ -68,7 +68,7 @@ fn search(ui: &mut Ui, context: &mut ViewContext<'_>) {
     });
 }
 
-/// `Searching lake-2, log 2 of 4`.
+/// Returns the text of a running search: `Searching lake-2, log 2 of 4`.
 fn searching(context: &ViewContext<'_>, status: &SearchStatus) -> String {
     let log = status.log.and_then(|id| context.app.open_log(id));
     let place = format!("log {} of {}", status.place, status.logs);

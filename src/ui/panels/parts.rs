@@ -1,4 +1,4 @@
-//! The few parts that all panels are made of: rows, facts, and controls that change a setting.
+//! Draws the parts that all panels use: rows, facts, and controls that change a setting.
 
 use super::find_setting::{self, ControlPlace};
 use crate::app::{Action, App, LogId, OpenLog};
@@ -11,8 +11,8 @@ use bathyscope_products::pipeline::settings::{
 };
 use egui::{Align, Button, Layout, ProgressBar, Response, RichText, Ui, WidgetText};
 
-/// Draws the sign of a notice: a triangle with `!` for what could not be done, a circle with `i`
-/// for what was done.
+/// Draws the sign of a notice: a triangle with `!` for a failed action, a circle with `i` for a
+/// completed one.
 pub(crate) fn severity(ui: &mut Ui, look: crate::app::ThemeChoice, is_error: bool) {
     let (rect, response) = ui.allocate_exact_size(egui::vec2(16.0, 16.0), egui::Sense::hover());
     let (colour, sign, name) = if is_error {
@@ -37,8 +37,8 @@ pub(crate) fn severity(ui: &mut Ui, look: crate::app::ThemeChoice, is_error: boo
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, name));
 }
 
-/// A name on the left and a control on the right that carries the name for screen readers and
-/// tests.
+/// Draws a name on the left and a control on the right; the control has this name for screen
+/// readers and tests.
 pub(crate) fn row(
     ui: &mut Ui,
     name: &str,
@@ -53,7 +53,7 @@ pub(crate) fn row(
     .inner
 }
 
-/// The name of a row, as wide as those of all rows.
+/// Draws the name of a row, as wide as the names of all rows.
 pub(crate) fn name_cell(ui: &mut Ui, name: &str, hint: &str) -> Response {
     let size = egui::vec2(theme::LABEL_WIDTH, ui.spacing().interact_size.y);
     let label = ui
@@ -65,7 +65,7 @@ pub(crate) fn name_cell(ui: &mut Ui, name: &str, hint: &str) -> Response {
     if hint.is_empty() { label } else { label.on_hover_text(hint) }
 }
 
-/// A name and a value that can be selected and copied.
+/// Draws a name and a value that can be selected and copied.
 pub(crate) fn fact(ui: &mut Ui, name: &str, hint: &str, value: impl Into<WidgetText>) {
     let value: WidgetText = value.into();
     let value = value.strong();
@@ -75,7 +75,7 @@ pub(crate) fn fact(ui: &mut Ui, name: &str, hint: &str, value: impl Into<WidgetT
     let width = value.clone().into_galley(ui, extend, f32::INFINITY, style);
     let row = |ui: &mut Ui| {
         name_cell(ui, name, hint);
-        // What is cut off is not known: a long value takes another line.
+        // The value must be complete: a long one is wrapped.
         let value = ui.add(egui::Label::new(value).wrap());
         if !hint.is_empty() {
             value.on_hover_text(hint);
@@ -88,7 +88,7 @@ pub(crate) fn fact(ui: &mut Ui, name: &str, hint: &str, value: impl Into<WidgetT
     };
 }
 
-/// A setting that is a file: the one in use, with buttons that choose one and that leave it.
+/// Draws a setting that is a file: its path, with buttons that choose and remove the file.
 pub(crate) fn file(
     ui: &mut Ui,
     context: &mut ViewContext<'_>,
@@ -120,8 +120,8 @@ pub(crate) fn file(
     });
 }
 
-/// A list of which the rows in sight are drawn, whatever its length. When `here` is another row
-/// than before, because keys walk along the list, it comes into the middle.
+/// Draws the visible rows of a list of any length. When `here` has changed, because keys step
+/// through the list, that row is scrolled to the middle.
 pub(crate) fn list_rows(
     ui: &mut Ui,
     name: &'static str,
@@ -154,13 +154,13 @@ pub(crate) fn list_rows(
     });
 }
 
-/// Share of something that is done.
+/// Returns a bar for the done share of some work.
 pub(crate) fn progress_bar(context: &ViewContext<'_>, share: f32, width: f32) -> ProgressBar {
     let bar = ProgressBar::new(share).desired_width(width);
     bar.desired_height(8.0).fill(theme::accent_colour(context.theme()))
 }
 
-/// A table of small text, its headings with what they mean.
+/// Draws a table of small text, with hints for its headings.
 pub(crate) fn table(ui: &mut Ui, name: &str, columns: &[(&str, &str)], rows: impl FnOnce(&mut Ui)) {
     egui::Grid::new(name).num_columns(columns.len()).spacing([8.0, 2.0]).striped(true).show(
         ui,
@@ -174,19 +174,19 @@ pub(crate) fn table(ui: &mut Ui, name: &str, columns: &[(&str, &str)], rows: imp
     );
 }
 
-/// A quiet remark.
+/// Draws a remark in small, weak text.
 pub(crate) fn remark(ui: &mut Ui, text: impl Into<String>) {
     ui.add(egui::Label::new(RichText::new(text).small().weak()).wrap());
 }
 
-/// Something that does not agree or could not be used.
+/// Draws a warning about a contradiction, or about something that cannot be used.
 pub(crate) fn warning(ui: &mut Ui, context: &ViewContext<'_>, text: &str) {
     let colour = theme::stale_colour(context.theme());
     ui.add(egui::Label::new(RichText::new(text).small().color(colour)).wrap());
 }
 
-/// Width of the value beside a slider: a unit as long as `m/s` must find room, or the row is wider
-/// than its panel.
+/// Returns the width of the value beside a slider, points: without space for a unit as long as
+/// `m/s`, the row would be wider than its panel.
 fn value_width(ui: &Ui, number: &ShownNumber<'_>, none_word: Option<&str>) -> f32 {
     let font = egui::TextStyle::Button.resolve(ui.style());
     let width = |text: String| {
@@ -201,9 +201,9 @@ fn value_width(ui: &Ui, number: &ShownNumber<'_>, none_word: Option<&str>) -> f3
     (widest + 2.0 * ui.spacing().button_padding.x).ceil().max(58.0)
 }
 
-/// A part of a window whose content, however wide, leaves it as wide as it is: a panel that took
-/// the width of its content would offer that width again in the next frame, and a row that is a
-/// little too wide would widen it for ever.
+/// Draws content without widening the part of the window that contains it: a panel with the width
+/// of its content would get that width again in the next frame, and a row that is a little too wide
+/// would widen it for ever.
 pub(crate) fn of_given_width(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
     let area = ui.available_rect_before_wrap();
     let mut inner = ui.new_child(egui::UiBuilder::new().max_rect(area));
@@ -211,7 +211,7 @@ pub(crate) fn of_given_width(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
     ui.advance_cursor_after_rect(area);
 }
 
-/// A part of a panel of which no row, however wide, widens what follows it.
+/// Draws a part of a panel, so that a row that is too wide does not widen the parts below it.
 pub(crate) fn within(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
     let area = ui.available_rect_before_wrap();
     let mut inner = ui.new_child(egui::UiBuilder::new().max_rect(area));
@@ -221,22 +221,23 @@ pub(crate) fn within(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
     ui.advance_cursor_after_rect(used);
 }
 
-/// The control of a setting, as its row of the table has it; a whole drag is one undo step.
+/// Draws the control of a setting, as the table of settings defines it; a whole drag is one undo
+/// step.
 pub(crate) fn setting(ui: &mut Ui, context: &mut ViewContext<'_>, row: &'static SettingRow) {
-    // A figure above that comes or goes with the results must not end a drag.
+    // A figure above that appears or disappears with the results must not end a drag.
     let own = egui::UiBuilder::new().scope_id(egui::Id::unique(("setting", row.key)));
     ui.scope_builder(own, |ui| {
         let control = match &row.kind {
             SettingKind::Number(setting) => number(ui, context, row, setting),
             SettingKind::Choice(setting) => choice(ui, context, row, setting),
-            // Files have [`file`]; what else is not a number or a name is chosen in a view.
+            // Files are drawn by [`file`]; other settings are changed in a view.
             SettingKind::Numbers { .. } | SettingKind::Text(_) => return,
         };
         find_setting::answer(ui, context, row.key, &control);
     });
 }
 
-/// The controls of all settings that are numbers or names in the section with this title.
+/// Draws the controls of all settings that are numbers or names in the section with this title.
 pub(crate) fn settings_of(ui: &mut Ui, context: &mut ViewContext<'_>, title: &'static str) {
     for row in find_setting::rows_in(ControlPlace::Section(title)) {
         if matches!(row.kind, SettingKind::Number(_) | SettingKind::Choice(_)) {
@@ -264,7 +265,7 @@ fn number(
     let none_word = number.none_word().filter(|_| is_none || number.zero_is_none());
     let shows_word = none_word.is_some() && requested == 0.0;
     let suffix = if shows_word { "" } else { &shown.suffix };
-    // Zero is written as what it stands for.
+    // Zero is shown as the word for its meaning.
     let written = |value: f64| match none_word.filter(|_| value == 0.0) {
         Some(word) => word.to_owned(),
         None => format!("{value:.*}", shown.decimals),
@@ -282,7 +283,7 @@ fn number(
         if number.control == Control::Drag {
             let value = number_field(&mut requested)
                 .range(least..=most)
-                // Showing must change nothing.
+                // Drawing must not change the value.
                 .clamp_existing_to_range(false)
                 .speed(2.0 * shown.step)
                 .custom_formatter(|value, _| written(value))
@@ -296,8 +297,8 @@ fn number(
             number_slider(&mut requested, least..=most)
                 .logarithmic(number.control == Control::LogSlider)
                 .smallest_positive(shown.step)
-                // A value is rounded when it is edited, not when it is shown: showing must change
-                // nothing.
+                // A value is rounded when it is edited, not when it is shown: drawing must not
+                // change the value.
                 .clamping(egui::SliderClamping::Edits)
                 .step_by(shown.step)
                 .custom_formatter(|value, _| written(value))
@@ -342,12 +343,12 @@ fn choice(
     response
 }
 
-/// A small button of an action.
+/// Draws a small button of an action.
 pub(crate) fn press(ui: &mut Ui, context: &mut ViewContext<'_>, action: Action, is_enabled: bool) {
     press_short(ui, context, (action, action.label()), is_enabled);
 }
 
-/// A small button of an action with a label that the button before it explains.
+/// Draws a small button of an action with a short label, which the button before it explains.
 pub(crate) fn press_short(
     ui: &mut Ui,
     context: &mut ViewContext<'_>,
@@ -359,7 +360,7 @@ pub(crate) fn press_short(
     context.named_button(button, action);
 }
 
-/// The name of an open log; empty where it is open no longer.
+/// Returns the name of an open log; empty if the log is not open any more.
 pub(crate) fn name_of(app: &App, id: LogId) -> String {
     app.open_log(id).map_or_else(String::new, OpenLog::name)
 }
@@ -379,7 +380,7 @@ mod tests {
         });
         panel.run();
         let height = |text: &str| panel.get_by_label(text).rect().height();
-        // In two lines, where one has no room; what has room stays in one.
+        // A long value takes two lines; a value with enough space stays in one.
         assert!(height(value) > 1.5 * height("3.20 m"));
         assert!(panel.get_by_label(value).rect().right() <= 220.0);
     }

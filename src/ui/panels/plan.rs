@@ -1,4 +1,4 @@
-//! Survey planning: how long, how fast, how tight.
+//! Draws the section of survey planning, with duration, speed and turning radius.
 
 use super::parts::{remark, row};
 use super::section::{Section, section};
@@ -45,7 +45,7 @@ fn plan(ui: &mut Ui, context: &mut ViewContext<'_>) {
         let suffix = format!(" {}", units.symbol());
         ui.add(value.speed(0.1).max_decimals(1).suffix(suffix))
     });
-    // A value that nobody changed is not rounded by the unit that it is shown in.
+    // A value that was not edited is not rounded by the unit in which it is shown.
     if (radius * of_length - asked.turn_radius_m).abs() > 1e-6 {
         asked.turn_radius_m = radius * of_length;
     }

@@ -1,32 +1,31 @@
-//! The foldable parts of a panel: their headings, whether they are open, and how the keyboard comes
-//! to them.
+//! Draws the foldable sections of a panel, with their headings, and moves the keyboard to them.
 
 use super::parts::within;
 use crate::ui::{ViewContext, theme};
 use bathyscope_products::pipeline::{EngineStatus, Stage};
 use egui::{Response, Ui};
 
-/// The heading of a panel's part, and whether it is open.
+/// The heading of a section.
 pub(crate) struct Section {
     number: Option<u8>,
     title: &'static str,
-    /// The stage whose result it shows, for the mark of stale results.
+    /// The stage whose result the section shows, for the mark of stale results.
     stage: Option<Stage>,
 }
 
 impl Section {
-    /// A part with this name.
+    /// Creates a section with a title.
     pub(crate) fn new(title: &'static str) -> Self {
         Self { number: None, title, stage: None }
     }
 
-    /// It is a step of the paper.
+    /// Marks the section as a step of the paper.
     pub(crate) fn step(mut self, number: u8) -> Self {
         self.number = Some(number);
         self
     }
 
-    /// It shows the result of a stage.
+    /// Sets the stage whose result the section shows.
     pub(crate) fn of(mut self, stage: Stage) -> Self {
         self.stage = Some(stage);
         self
@@ -37,9 +36,9 @@ impl Section {
 #[derive(Clone, Copy, PartialEq)]
 enum Freshness {
     Fresh,
-    /// Made with other settings, and nothing is under way to change that.
+    /// The result was made with other settings, and no work is running to update it.
     OutOfDate,
-    /// Made anew as soon as the stages before it are.
+    /// The result is made again after the stages before it.
     Waiting,
     Running(f32),
 }
@@ -71,7 +70,7 @@ fn wanted_id() -> egui::Id {
     egui::Id::unique("section that gets the keyboard")
 }
 
-/// Has the title of a section take the keyboard when it is drawn next.
+/// Requests that the title of a section takes the keyboard when it is drawn next.
 pub(crate) fn focus_section(ctx: &egui::Context, title: &'static str) {
     ctx.data_mut(|data| data.insert_temp(wanted_id(), title));
 }
@@ -81,10 +80,10 @@ pub(crate) fn unfold_section(ctx: &egui::Context, title: &str) {
     ctx.data_mut(|data| data.insert_persisted(folded_id(title), false));
 }
 
-/// Height of a window below which steps begin folded, points.
+/// Height of a window below which the steps are folded initially, points.
 const LOW_WINDOW: f32 = 600.0;
 
-/// A titled part of a panel; a click on the title folds it.
+/// Draws a section of a panel with a title; a click on the title folds or opens it.
 pub(crate) fn section(
     ui: &mut Ui,
     context: &mut ViewContext<'_>,
@@ -92,7 +91,7 @@ pub(crate) fn section(
     body: impl FnOnce(&mut Ui, &mut ViewContext<'_>),
 ) {
     let folded_id = folded_id(section.title);
-    // In a low window the settings of the steps begin folded: what was found stays in sight.
+    // In a low window the settings of the steps are folded initially, so that results stay visible.
     let begins_folded = section.number.is_some() && ui.content_rect().height() < LOW_WINDOW;
     let known = ui.data_mut(|data| data.get_persisted::<bool>(folded_id));
     let mut folded = known.unwrap_or(begins_folded);
@@ -171,7 +170,8 @@ fn heading(
     response.on_hover_cursor(egui::CursorIcon::PointingHand)
 }
 
-/// Points down while a part is open, to the right while it is folded.
+/// Draws the triangle of a heading: down while the section is open, to the right while it is
+/// folded.
 fn triangle(painter: &egui::Painter, at: egui::Pos2, folded: bool, ink: egui::Color32) {
     let corners = if folded {
         [[-2.5, -4.0], [3.5, 0.0], [-2.5, 4.0]]

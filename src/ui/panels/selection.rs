@@ -1,4 +1,4 @@
-//! Shows the selected ping with everything known about it, to read and to copy.
+//! Shows the selected ping with all its facts, which can be copied.
 
 use super::parts::{fact, remark};
 use super::section::{Section, section};
@@ -102,8 +102,8 @@ fn heading(ui: &mut Ui, context: &ViewContext<'_>, ping: usize) {
     fact(ui, "Speed", hint, context.units().speed(here.speed_mps, 1));
 }
 
-/// Draws the position of the transducer relative to the antenna at the ping, and that the sides are
-/// exchanged, where either is not as recorded.
+/// Draws the position of the transducer relative to the antenna at the ping, and a mark of
+/// exchanged sides, if these differ from the recording.
 fn mounting(ui: &mut Ui, context: &ViewContext<'_>, ping: usize) {
     let Some(products) = &context.app.log.products else {
         return;

@@ -1,5 +1,5 @@
-//! The height from a shadow that was measured in the waterfall: its construction, and all that it
-//! follows from.
+//! Draws the height from a shadow that was measured in the waterfall: its construction, and the
+//! quantities that it is computed from.
 
 use super::parts::{fact, remark};
 use super::section::{Section, section};
@@ -13,7 +13,7 @@ use egui::{Align2, FontId, Pos2, Rect, Sense, Shape, Stroke, Ui, pos2, vec2};
 /// Height of the drawing, points.
 const DRAWING_HEIGHT: f32 = 110.0;
 
-/// Draws the section; nothing where no height is measured.
+/// Draws the section; draws nothing if no height is measured.
 pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let measuring = &context.app.map.measuring;
     let figure = measuring.figure.as_deref();
@@ -57,8 +57,8 @@ fn inputs(ui: &mut Ui, context: &mut ViewContext<'_>, shadow: &ShadowHeight) {
     });
 }
 
-/// A section across the track: transducer, bottom, object, and the ray over its top to the end of
-/// its shadow.
+/// Draws a section across the track: transducer, bottom, object, and the ray over its top to the
+/// end of its shadow.
 fn drawing(ui: &mut Ui, context: &ViewContext<'_>, shadow: &ShadowHeight) {
     let (area, response) =
         ui.allocate_exact_size(vec2(ui.available_width(), DRAWING_HEIGHT), Sense::hover());
@@ -70,8 +70,8 @@ fn drawing(ui: &mut Ui, context: &ViewContext<'_>, shadow: &ShadowHeight) {
     let weak = ui.visuals().weak_text_color();
     let inner = Rect::from_min_max(area.min + vec2(18.0, 12.0), area.max - vec2(14.0, 18.0));
     let [top_m, end_m] = shadow.ground_m();
-    // Heights are drawn larger than distances where the water is shallow; the drawing says how, not
-    // how much.
+    // Over shallow water heights are drawn at a larger scale than distances: the drawing explains
+    // the method, not the sizes.
     let at = |ground_m: f64, height_m: f64| -> Pos2 {
         let x = (ground_m / end_m.max(1e-6)) as f32;
         let y = (height_m / shadow.altitude_m) as f32;

@@ -1,4 +1,4 @@
-//! The survey: what was found in the log, what is wrong with it, and which settings are in force.
+//! Draws the survey: the contents of the log, its warnings, and the preset in force.
 
 use super::nothing_open;
 use super::parts::{fact, remark, warning};
@@ -12,7 +12,7 @@ use bathyscope_log::survey::{SideScanState, Survey};
 use bathyscope_products::pipeline::Preset;
 use egui::Ui;
 
-/// Warnings shown at once; a damaged log can have thousands.
+/// Greatest number of warnings that are shown at once; a damaged log can have thousands.
 const WARNINGS_SHOWN: usize = 40;
 
 /// Draws the section.
@@ -87,7 +87,7 @@ fn soundings(context: &ViewContext<'_>, survey: &Survey) -> String {
     }
 }
 
-/// Format and size; every channel of the log on hover.
+/// Draws format and size; hovering shows every channel of the log.
 fn channels(ui: &mut Ui, survey: &Survey, units: Units) {
     let format = &survey.source.format;
     let bytes = text::bytes(survey.source.byte_count);

@@ -1,5 +1,5 @@
-//! Draws the bottom into a [`RenderTarget`]'s pass: tiles of a grid, each as finely as the screen
-//! shows it.
+//! Draws the bottom into a [`RenderTarget`]'s pass, as tiles of a grid, each with squares as fine
+//! as the screen can show.
 
 use super::camera::corners;
 use super::pipeline::PipelineParts;
@@ -10,20 +10,22 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec2, Vec3, Vec4};
 use std::ops::Range;
 
-/// Squares along a side of a tile; its corners are one more, and shared with the tiles beside it.
+/// Squares along a side of a tile. A side has one corner more than squares, and adjacent tiles
+/// share the corners of their common side.
 pub const BOTTOM_TILE: usize = 64;
 /// Corners along a side of a tile.
 const SIDE: usize = BOTTOM_TILE + 1;
 /// Vertices of a tile: its corners, and those of the skirts along its four sides.
 const VERTICES: usize = SIDE * SIDE + 4 * SIDE;
-/// A tile is drawn with squares of 1, 2, 4 ... of the finest ones along a side.
+/// Levels of detail of a tile: it is drawn with squares of 1, 2, 4 ... of the finest ones along a
+/// side.
 const LEVELS: usize = BOTTOM_TILE.ilog2() as usize + 1;
-/// A square takes so many pixels along a side at most, where the finest ones allow.
+/// Largest side of a drawn square, pixels, unless the finest squares are larger.
 const SQUARE_PX: f32 = 3.0;
-/// Tiles that a buffer holds: some 7 MB, which are in memory while they are uploaded.
+/// Tiles in one buffer: some 7 MB, which are in memory during the upload.
 const TILES_A_BUFFER: usize = 64;
-/// Skirts hang so far below a tile as a share of its own relief: gaps to a coarser neighbour are
-/// not seen through.
+/// Height of the skirts that hang below a tile, as a share of the tile's relief: they hide the gaps
+/// to a coarser neighbour.
 const SKIRT: f32 = 0.1;
 
 /// A corner, as the shader reads it.
@@ -32,12 +34,12 @@ const SKIRT: f32 = 0.1;
 pub struct BottomVertex {
     /// Metres from the scene's origin: east, north, up.
     pub place: [f32; 3],
-    /// East and north of the direction that the bottom faces there, times 32767.
+    /// East and north components of the unit vector perpendicular to the bottom, times 32767.
     pub faces: [i16; 2],
     /// sRGB; alpha 255 where something is drawn ([`BottomPart`]), else 0.
     pub colour: [u8; 4],
-    /// sRGB where squares are four of the finest ones long, or more: the mean of the ground around;
-    /// alpha 255 where it is lit, else 0.
+    /// sRGB for squares that are four of the finest ones long, or more: the mean of the ground
+    /// around; alpha 255 where the corner is lit, else 0.
     pub far_colour: [u8; 4],
 }
 
@@ -46,9 +48,9 @@ pub struct BottomVertex {
 pub enum BottomPart {
     /// The corner and its squares are not drawn.
     None,
-    /// Its colour alone, without light and isobaths.
+    /// The corner has its colour alone, without light and isobaths.
     Plain,
-    /// Its colour in the light, with isobaths.
+    /// The corner has its colour in the light, with isobaths.
     Lit,
 }
 
@@ -78,10 +80,10 @@ impl BottomVertex {
     }
 }
 
-/// The box around what is drawn of a tile.
+/// The box around the drawn corners of a tile.
 type Extent = [Vec3; 2];
 
-/// `None` where nothing is drawn.
+/// Returns the box around the drawn corners of a tile; `None` where nothing is drawn.
 fn extent(tile: &[BottomVertex]) -> Option<Extent> {
     let mut drawn = tile.iter().filter(|vertex| vertex.is_drawn());
     let first = Vec3::from(drawn.next()?.place);
@@ -91,7 +93,8 @@ fn extent(tile: &[BottomVertex]) -> Option<Extent> {
     }))
 }
 
-/// The corners of a tile with its skirts: those of each side once more, lower.
+/// Returns the corners of a tile with those of its skirts, which are the corners of each side
+/// again, lower.
 fn with_skirts(tile: Vec<BottomVertex>, extent: Extent) -> impl Iterator<Item = BottomVertex> {
     let [low, high] = extent;
     let drop_m = SKIRT * (high.z - low.z);
@@ -105,7 +108,7 @@ fn with_skirts(tile: Vec<BottomVertex>, extent: Extent) -> impl Iterator<Item = 
     tile.into_iter().chain(skirts)
 }
 
-/// The corner of a tile that lies on a side, by its number along that.
+/// Returns the index of the corner at the number `along` of a side of a tile.
 fn on_side(side: usize, along: usize) -> usize {
     match side {
         0 => along,
@@ -115,7 +118,8 @@ fn on_side(side: usize, along: usize) -> usize {
     }
 }
 
-/// The triangles of a tile, each corner a number, with squares of `stride` of the finest.
+/// Returns the triangles of a tile as indices of corners, with squares that are `stride` of the
+/// finest ones long.
 fn triangles(stride: usize) -> Vec<u16> {
     let mut numbers = Vec::new();
     let mut square = |[a, b, c, d]: [usize; 4]| {
@@ -139,8 +143,8 @@ fn triangles(stride: usize) -> Vec<u16> {
     numbers
 }
 
-/// The level whose squares are nearest to, and no larger than, what a square of the screen may be,
-/// with the finest of so many pixels.
+/// Returns the coarsest level whose squares are no longer than [`SQUARE_PX`], with finest squares
+/// of `finest_px` pixels; level 0 if the finest are already longer.
 fn level(finest_px: f32) -> usize {
     let times = SQUARE_PX / finest_px.max(1e-9);
     (times.log2().floor().max(0.0) as usize).min(LEVELS - 1)
@@ -194,13 +198,13 @@ impl BottomBuffers {
         }
     }
 
-    /// The box around what is drawn; `None` where nothing is.
+    /// Returns the box around everything that is drawn; `None` where nothing is.
     pub fn extent(&self) -> Option<[Vec3; 2]> {
         let boxes = self.extents.iter().copied();
         boxes.reduce(|[low, high], [from, to]| [low.min(from), high.max(to)])
     }
 
-    /// The tiles that are seen in a picture of this height, and the level of each.
+    /// Returns the tiles that are visible in a picture of this height, and the level of each.
     fn seen(&self, draw: &BottomDraw, height_px: f32) -> impl Iterator<Item = (usize, usize)> {
         let tiles = self.extents.iter().enumerate();
         tiles.filter_map(move |(tile, extent)| {
@@ -229,22 +233,23 @@ fn nearest(projection: &CameraProjection, [low, high]: [Vec3; 2]) -> Option<f32>
 pub struct BottomDraw {
     /// Projection from world metres to the picture.
     pub projection: CameraProjection,
-    /// Towards the light, of length 1: east, north, up.
+    /// Unit vector towards the light: east, north, up.
     pub light: Vec3,
-    /// Factor on elevations that the projection holds.
+    /// Vertical exaggeration, which the projection includes.
     pub exaggeration: f32,
-    /// Metres from one isobath to the next and the depth of one of them; `None` for no lines.
+    /// Distance between isobaths and the depth of one of them, metres; `None` for no isobaths.
     pub isobaths_m: Option<[f32; 2]>,
     /// Width of an isobath, pixels.
     pub line_px: f32,
-    /// Brightness of a bottom that is turned away from the light, where that of level ground is 1.
+    /// Brightness of a bottom that is turned away from the light; that of level ground is 1.
     pub darkest: f32,
     /// The part that is drawn.
     pub part: ScenePart,
 }
 
 impl BottomDraw {
-    /// Pixels that a metre square to the view takes so far in front of the camera.
+    /// Returns the pixels that a metre perpendicular to the view takes at `away_m` in front of the
+    /// camera.
     fn pixels_a_metre(&self, height_px: f32, away_m: f32) -> f32 {
         let upward = self.projection.clip_from_world.row(1).truncate();
         let upward = Vec3::new(upward.x, upward.y, upward.z / self.exaggeration);
@@ -252,7 +257,8 @@ impl BottomDraw {
     }
 }
 
-/// Towards a light from a compass direction, so high over the horizon, degrees.
+/// Returns the unit vector towards a light at this compass direction and height over the horizon,
+/// degrees.
 pub fn towards_light(azimuth_deg: f32, altitude_deg: f32) -> Vec3 {
     let (sin_altitude, cos_altitude) = altitude_deg.to_radians().sin_cos();
     let (sin_azimuth, cos_azimuth) = azimuth_deg.to_radians().sin_cos();
@@ -337,7 +343,7 @@ impl BottomRenderer {
             let (buffer, place) = (tile / TILES_A_BUFFER, tile % TILES_A_BUFFER);
             pass.set_vertex_buffer(0, bottom.tiles[buffer].slice(..));
             let first = (place * VERTICES) as i32;
-            // The shader knows the level by the number of the instance.
+            // The shader gets the level as the number of the instance.
             let instance = level as u32;
             pass.draw_indexed(bottom.levels[level].clone(), first, instance..instance + 1);
         }
@@ -414,7 +420,7 @@ mod tests {
                 darkest: 0.25,
                 part: ScenePart::WHOLE,
             };
-            // Along the picture's own right, a metre is a metre of the world whatever the
+            // Along the picture's horizontal axis, a metre is a metre of the world whatever the
             // exaggeration.
             let (sin, cos) = camera.azimuth_rad.sin_cos();
             let at = |metres: f32| projection.project(Vec3::new(cos, -sin, 0.0) * metres);

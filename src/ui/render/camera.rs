@@ -1,16 +1,17 @@
-//! A camera that orbits a target, and its projection. World: x east, y north, z up, metres.
+//! Provides a camera that orbits a target, and its projection. World: x east, y north, z up,
+//! metres.
 
 use glam::camera::rh::proj::directx::perspective_infinite_reverse;
 use glam::{Mat3, Mat4, Vec2, Vec3};
 
 /// Vertical field of view, radians.
 const FIELD_OF_VIEW: f32 = 0.7;
-/// Nearest and farthest that the camera comes to its target, metres.
+/// Least and greatest distance of the camera from its target, metres.
 const DISTANCES_M: [f32; 2] = [0.05, 1e6];
 
-/// Least and greatest distance of the camera that is held to a box, as a share of the box's size.
+/// Least and greatest distance that [`OrbitCamera::hold`] allows, as a share of the box's size.
 const HELD: [f32; 2] = [0.002, 20.0];
-/// Least distance, metres.
+/// Least distance in [`OrbitCamera::hold`] and [`OrbitCamera::close_up`], metres.
 const LEAST_M: f32 = 0.3;
 
 /// A direction to look from.
@@ -18,14 +19,14 @@ const LEAST_M: f32 = 0.3;
 pub(crate) enum Direction {
     /// View from above, north up.
     Top,
-    /// Level, from the south.
+    /// Level view, from the south.
     South,
 }
 
-/// Looks at a target from a distance; never rolls, so that up stays up.
+/// A camera that looks at a target from a distance and never rolls, so that up stays up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OrbitCamera {
-    /// The point looked at, metres, before vertical exaggeration.
+    /// Point that the camera looks at, metres, before vertical exaggeration.
     pub target: Vec3,
     /// Distance from the target, metres.
     pub distance_m: f32,
@@ -33,7 +34,7 @@ pub struct OrbitCamera {
     pub azimuth_rad: f32,
     /// Height of the camera over the horizon seen from the target, radians.
     pub elevation_rad: f32,
-    /// Factor on z.
+    /// Factor on z (vertical exaggeration).
     pub exaggeration: f32,
 }
 
@@ -50,8 +51,8 @@ impl Default for OrbitCamera {
 }
 
 impl OrbitCamera {
-    /// Turns by a drag across the picture, in pictures' heights: right turns the scene right, down
-    /// lifts the camera.
+    /// Turns the camera by a drag across the picture, in pictures' heights: right turns the scene
+    /// right, down lifts the camera.
     pub(crate) fn orbit(&mut self, drag: Vec2) {
         use std::f32::consts::{FRAC_PI_2, TAU};
         self.azimuth_rad = (self.azimuth_rad + drag.x * TAU * 0.5).rem_euclid(TAU);
@@ -65,8 +66,8 @@ impl OrbitCamera {
         self.move_target(-(right * drag.x - up * drag.y) * height_m);
     }
 
-    /// Comes `factor` times nearer (above 1) while the place under `ndc` stays where it is in the
-    /// picture.
+    /// Moves the camera `factor` times nearer (above 1) while the place under `ndc` stays where it
+    /// is in the picture.
     pub fn zoom(&mut self, factor: f32, ndc: Vec2, aspect: f32) {
         let [nearest, farthest] = DISTANCES_M;
         let distance_m = (self.distance_m / factor).clamp(nearest, farthest);
@@ -77,8 +78,9 @@ impl OrbitCamera {
         self.distance_m = distance_m;
     }
 
-    /// Looks at the depth of a place from where the camera is: the picture stays as it is, and what
-    /// comes next turns and zooms about that depth. A place behind the camera changes nothing.
+    /// Moves the target to the depth of a place without moving the camera: the picture stays as it
+    /// is, and later turns and zooms are about that depth. A place behind the camera changes
+    /// nothing.
     pub(crate) fn look_at_depth_of(&mut self, place: Vec3) {
         let [_, _, back] = self.axes();
         let eye = self.target + self.shrink(back * self.distance_m);
@@ -90,8 +92,8 @@ impl OrbitCamera {
         }
     }
 
-    /// Keeps the camera about a box: the target within half of its size around it, and as near and
-    /// far as there is something to see.
+    /// Keeps the camera near a box: the target within half of the box's size around the box, and
+    /// the distance between limits that depend on that size.
     pub(crate) fn hold(&mut self, [low, high]: [Vec3; 2]) {
         let half = 0.5 * (high - low).max(Vec3::ONE);
         self.target = self.target.clamp(low - half, high + half);
@@ -100,8 +102,8 @@ impl OrbitCamera {
         self.distance_m = self.distance_m.clamp(nearest.max(LEAST_M), farthest.max(1.0));
     }
 
-    /// Shows a box whole, from the direction the camera has, within the inner `1 / margin` of the
-    /// picture.
+    /// Moves the camera so that a box is entirely within the inner `1 / margin` of the picture,
+    /// without turning.
     pub fn fit(&mut self, [low, high]: [Vec3; 2], aspect: f32, margin: f32) {
         self.target = 0.5 * (low + high);
         let tan = (0.5 * FIELD_OF_VIEW).tan();
@@ -116,8 +118,8 @@ impl OrbitCamera {
         self.distance_m = distance_m.max(0.5).clamp(nearest, farthest);
     }
 
-    /// Enlarges a place, from the direction the camera has: what has this size there fills about a
-    /// third of the picture's height.
+    /// Moves the camera to a place without turning, so that something of this size there fills
+    /// about a third of the picture's height.
     pub fn close_up(&mut self, place: Vec3, size_m: f32) {
         let [nearest, farthest] = DISTANCES_M;
         self.target = place;
@@ -125,7 +127,7 @@ impl OrbitCamera {
         self.distance_m = distance_m.clamp(nearest.max(LEAST_M), farthest);
     }
 
-    /// Looks from a direction.
+    /// Turns the camera to a direction.
     pub(crate) fn look_from(&mut self, direction: Direction) {
         self.azimuth_rad = 0.0;
         self.elevation_rad = match direction {
@@ -134,7 +136,7 @@ impl OrbitCamera {
         };
     }
 
-    /// The projection for a picture of this width over height.
+    /// Returns the projection for a picture with this ratio of width to height.
     pub fn projection(&self, aspect: f32) -> CameraProjection {
         let [right, up, back] = self.axes();
         let view_from_world = Mat4::from_mat3(Mat3::from_cols(right, up, back).transpose());
@@ -148,7 +150,7 @@ impl OrbitCamera {
         CameraProjection { clip_from_world, eye: self.target + self.shrink(back * self.distance_m) }
     }
 
-    /// Right, up and back of the camera in the exaggerated world.
+    /// Returns right, up and back of the camera in the exaggerated world.
     fn axes(&self) -> [Vec3; 3] {
         let (sin_a, cos_a) = self.azimuth_rad.sin_cos();
         let (sin_e, cos_e) = self.elevation_rad.sin_cos();
@@ -170,7 +172,7 @@ impl OrbitCamera {
     }
 }
 
-/// The eight corners of a box; bit 0 of the index is x, bit 1 y, bit 2 z.
+/// Returns the eight corners of a box; bit 0 of the index is x, bit 1 y, bit 2 z.
 pub(super) fn corners(low: Vec3, high: Vec3) -> [Vec3; 8] {
     std::array::from_fn(|index| {
         let pick = |bit: usize, axis: usize| {
@@ -183,31 +185,31 @@ pub(super) fn corners(low: Vec3, high: Vec3) -> [Vec3; 8] {
 /// Projection from the world to the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraProjection {
-    /// Clip space from world metres.
+    /// Matrix from world metres to clip space.
     pub clip_from_world: Mat4,
     /// Position of the camera, world metres.
     pub eye: Vec3,
 }
 
 impl CameraProjection {
-    /// A place in normalised device coordinates (x right, y up, -1 to 1) and its nearness
+    /// Returns a place in normalised device coordinates (x right, y up, -1 to 1) and its nearness
     /// (reverse-Z: larger is nearer); `None` behind the camera.
     pub fn project(&self, place: Vec3) -> Option<Vec3> {
         let clip = self.clip_from_world * place.extend(1.0);
         (clip.w > 1e-6).then(|| clip.truncate() / clip.w)
     }
 
-    /// The direction from the camera to what is seen at a place of the picture; `None` where the
-    /// projection has no inverse.
+    /// Returns the direction from the camera to what is visible at a place of the picture; `None`
+    /// where the projection has no inverse.
     pub(crate) fn towards(&self, ndc: Vec2) -> Option<Vec3> {
         let place = self.clip_from_world.inverse() * ndc.extend(0.5).extend(1.0);
         let towards = place.truncate() / place.w - self.eye;
         towards.try_normalize()
     }
 
-    /// The point under the pointer: the nearest within `reach_px`, and of those as near (to the
-    /// pixel; all within `cover_px` count as under the pointer) the one in front; its number.
-    /// `pointer_px` and `size_px` are in pixels from the top left.
+    /// Returns the number of the point under the pointer: the nearest one within `reach_px`, or the
+    /// one in front if several are equally near. Distances are rounded to pixels, and all within
+    /// `cover_px` count as equal. `pointer_px` and `size_px` are in pixels from the top left.
     pub fn pick(
         &self,
         points: impl Iterator<Item = (usize, Vec3)>,

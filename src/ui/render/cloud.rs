@@ -30,7 +30,7 @@ struct ViewUniform {
     cut: Vec4,
 }
 
-/// Points a buffer holds: 64 MB, a quarter of what every device grants.
+/// Points in one buffer: 64 MB, a quarter of what every device grants.
 const POINTS_A_BUFFER: usize = 1 << 22;
 
 /// Points on the GPU.
@@ -58,14 +58,14 @@ impl CloudBuffers {
 /// Parameters of a picture of the cloud.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct CloudDraw {
-    /// Clip space from metres.
+    /// Matrix from metres to clip space.
     pub clip_from_world: Mat4,
     /// Radius of a point, pixels.
     pub radius_px: f32,
-    /// The first so many points are drawn.
+    /// Number of points to draw, from the first on.
     pub count: usize,
-    /// Share of their distance by which the points count as nearer, so that points are visible on a
-    /// bottom that runs through them.
+    /// Share of their distance by which the points are drawn nearer, so that points are visible on
+    /// a bottom that runs through them.
     pub nearer: f32,
     /// The part that is drawn.
     pub part: ScenePart,

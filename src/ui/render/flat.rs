@@ -1,4 +1,4 @@
-//! Draws flat parts of a pass of the window: areas of one colour, and pictures that lie texel by
+//! Draws flat parts of a pass of the window: areas of one colour, and pictures with one texel per
 //! pixel.
 //!
 //! The window's painter draws both as triangles of a filtered texture. A driver without a graphics
@@ -78,12 +78,13 @@ impl FlatRenderer {
         bind_group(device, &self.picture_layout, &[view])
     }
 
-    /// Fills the viewport with a colour that is prepared.
+    /// Fills the viewport with a colour; does nothing if the colour is not prepared.
     pub(crate) fn fill(&self, pass: &mut wgpu::RenderPass<'_>, colour: Rgba) {
         self.draw(pass, &self.fill, colour);
     }
 
-    /// Shows a picture of the size of the viewport, multiplied by a colour that is prepared.
+    /// Shows a picture of the size of the viewport, multiplied by a colour; does nothing if the
+    /// colour is not prepared.
     pub(crate) fn show(
         &self,
         pass: &mut wgpu::RenderPass<'_>,

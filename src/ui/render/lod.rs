@@ -1,4 +1,5 @@
-//! Levels of detail of a long coloured line: what is drawn does not grow with what was recorded.
+//! Builds levels of detail of a long coloured line, so that the number of drawn segments does not
+//! grow with the length of the recording.
 
 use bytemuck::{Pod, Zeroable};
 use std::ops::Range;
@@ -29,15 +30,15 @@ const FINEST_M: f32 = 0.02;
 const COARSER: f32 = 2.0;
 /// Vertices that one straight piece replaces, at most.
 const STRAIGHT: usize = 24;
-/// Difference of colour that is not seen along a line, of 255.
+/// Largest difference of colour that is not visible along a line, of 255.
 const EVEN_COLOUR: f32 = 6.0;
-/// Tolerances that a piece must extend over to be more than a speck.
+/// Least extent of a piece that is more than a speck, in tolerances of its level.
 const SPECK: f32 = 2.0;
-/// Levels stop here.
+/// Number of vertices at or below which no coarser level is built.
 const FEW: usize = 256;
 
-/// The line drawn with fewer vertices than it was recorded with. The vertices themselves are on the
-/// GPU.
+/// One level: the line with fewer vertices than it was recorded with. The vertices themselves are
+/// on the GPU.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct LineLevel {
     /// Largest distance of the drawn line from the recorded one, metres.
@@ -49,7 +50,7 @@ pub(crate) struct LineLevel {
 }
 
 impl LineLevel {
-    /// The runs of segments whose chunks touch the view; neighbours are joined.
+    /// Returns the runs of segments whose chunks touch the view; adjacent runs are joined.
     pub(crate) fn visible(&self, view: LayerBounds) -> Vec<Range<u32>> {
         let mut runs: Vec<Range<u32>> = Vec::new();
         for (index, chunk) in self.chunks.iter().enumerate() {
@@ -88,9 +89,10 @@ pub(crate) struct LinePyramid {
 /// Treatment of pieces that are smaller than a level resolves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Specks {
-    /// They stay, as a dot: a boat at anchor was there.
+    /// Pieces stay, as a dot: a boat at anchor was there.
     Kept,
-    /// They go: many of them, as the isobaths of a rough bed have, would fill every level.
+    /// Pieces are left out: many of them, as the isobaths of a rough bed have, would fill every
+    /// level.
     Dropped,
 }
 
@@ -125,8 +127,9 @@ impl LinePyramid {
         Self { levels }
     }
 
-    /// Index of the level to draw when a pixel covers `metres_per_px`, and its visible runs:
-    /// nothing coarser than a pixel and a half unless more than `most` segments would be drawn.
+    /// Returns the index of the level to draw when a pixel covers `metres_per_px`, and its visible
+    /// runs. The tolerance of the level is a pixel and a half at most, unless more than `most`
+    /// segments would be drawn.
     pub(crate) fn choose(
         &self,
         metres_per_px: f32,
@@ -155,13 +158,13 @@ fn is_place(vertex: &Vertex) -> bool {
     vertex.place.iter().all(|c| c.is_finite())
 }
 
-/// The line with fewer vertices: none nearer to the one before than `tolerance_m`, none on a
-/// straight piece of even colour.
+/// Returns the line with fewer vertices: none nearer to the one before than `tolerance_m`, except
+/// at breaks, and none on a straight piece of even colour.
 fn thin(vertices: &[Vertex], tolerance_m: f32) -> Vec<Vertex> {
     straighten(&space_out(vertices, tolerance_m), 0.5 * tolerance_m)
 }
 
-/// The pieces that extend over at least `least_m`.
+/// Returns the pieces that extend over at least `least_m`.
 fn without_specks(vertices: &[Vertex], least_m: f32) -> Vec<Vertex> {
     let extends = |piece: &&[Vertex]| {
         let [west, south, east, north] = bounds(piece);
@@ -181,7 +184,7 @@ fn space_out(vertices: &[Vertex], spacing_m: f32) -> Vec<Vertex> {
     let mut colours = MeanColour::default();
     for (index, vertex) in vertices.iter().enumerate() {
         let near = kept.last().is_some_and(|last| distance(last, vertex) < spacing_m);
-        // The end of a piece stays, however near: a break must not eat into the line.
+        // The end of a piece stays, however near: a break must not shorten the line.
         let ends = vertices.get(index + 1).is_none_or(|next| !is_place(next));
         if near && !ends {
             colours.add(vertex.colour);
@@ -222,8 +225,8 @@ impl MeanColour {
     }
 }
 
-/// Leaves out vertices that lie within `off_m` of the straight line between their neighbours and
-/// have the colour it has there.
+/// Leaves out vertices that are within `off_m` of the straight line between their neighbours and
+/// have the colour of this line there.
 fn straighten(vertices: &[Vertex], off_m: f32) -> Vec<Vertex> {
     let Some(first) = vertices.first() else {
         return Vec::new();
@@ -287,7 +290,7 @@ mod tests {
 
     const ALL: LayerBounds = [-1e9, -1e9, 1e9, 1e9];
 
-    /// A weaving boat on lines of 1000 vertices, 5 m apart.
+    /// Returns the track of a weaving boat, on lines of 1000 vertices, 5 m apart.
     fn track(count: usize) -> Vec<Vertex> {
         (0..count)
             .map(|i| {
@@ -324,7 +327,7 @@ mod tests {
         assert!((20..100).contains(&seen), "{seen}");
     }
 
-    /// The pyramid, and the vertices of each of its levels.
+    /// Returns the pyramid, and the vertices of each of its levels.
     fn pyramid(line: &[Vertex]) -> (LinePyramid, Vec<Vec<Vertex>>) {
         let mut kept = Vec::new();
         let pyramid =

@@ -11,13 +11,14 @@ use std::ops::Range;
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct LineUniform {
-    /// Pixels from metres: scale x, scale y (negative: north is up), offset x, offset y.
+    /// Scale and offset from metres to pixels: scale x, scale y (negative: north is up), offset x,
+    /// offset y.
     pub px_from_world: [f32; 4],
     /// Size of the picture in pixels; set by [`LineRenderer::draw`].
     pub size_px: [f32; 2],
     /// Half of the line's width, pixels.
     pub half_width_px: f32,
-    /// Above 0: `colour` instead of the segments' own.
+    /// Above 0: `colour` replaces the colours of the segments.
     pub plain: f32,
     /// sRGB and alpha, 0 to 1.
     pub colour: [f32; 4],
@@ -30,7 +31,8 @@ pub(crate) struct TrackBuffers {
 }
 
 impl TrackBuffers {
-    /// Uploads one more level, coarser than those before. One that no buffer can hold is left out.
+    /// Uploads one more level, coarser than those before. A level that no buffer can hold is not
+    /// drawn.
     pub(crate) fn add(&mut self, uploader: &Uploader, vertices: &[Vertex]) {
         let fits = size_of_val(vertices) as u64 <= uploader.most_bytes();
         let buffer = (vertices.len() > 1 && fits).then(|| {
@@ -41,22 +43,22 @@ impl TrackBuffers {
     }
 }
 
-/// Lines to draw: a level, its runs of segments, and the strokes drawn over each other, first
-/// below.
+/// Parameters of a line: a level, its runs of segments, and the strokes drawn over each other, the
+/// lowest first.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct LineDraw {
     /// Index of the level.
     pub level: usize,
-    /// Segments.
+    /// Runs of segments to draw.
     pub runs: Vec<Range<u32>>,
-    /// Casing, then colour.
+    /// Uniforms of the casing, then of the coloured line.
     pub strokes: [LineUniform; 2],
 }
 
 /// The pipeline for lines, with the uniforms of one picture.
 pub(crate) struct LineRenderer {
     pipeline: OffscreenPipeline,
-    /// Two for each line drawn so far.
+    /// Uniforms, two for each line drawn so far.
     strokes: Vec<Uniform>,
 }
 
@@ -69,7 +71,8 @@ impl LineRenderer {
                 label: "track",
                 shader: include_str!("../../../shaders/track.wgsl"),
                 entries: ["vertex", "fragment"],
-                // The same vertices twice, one apart: a segment goes from each to the next.
+                // The same buffer twice, offset by one vertex: a segment joins each vertex to the
+                // next.
                 buffers: &[
                     Some(vertices(&wgpu::vertex_attr_array![0 => Float32x2, 2 => Unorm8x4])),
                     Some(vertices(&wgpu::vertex_attr_array![1 => Float32x2, 3 => Unorm8x4])),

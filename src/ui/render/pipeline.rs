@@ -1,5 +1,5 @@
-//! Building blocks of all renderers: buffers, bind groups and their layouts, and the pipeline
-//! itself; the part of a scene that is drawn; and the uploader, which fills buffers.
+//! Provides the building blocks of all renderers: buffers, bind groups and their layouts, and the
+//! pipeline itself; the part of a scene that is drawn; and the uploader, which fills buffers.
 
 /// Properties that differ between the pipelines.
 pub(super) struct PipelineParts<'a> {
@@ -58,7 +58,7 @@ pub(super) fn pipeline(
     })
 }
 
-/// A buffer that is written from the CPU.
+/// Creates a buffer that is written from the CPU.
 pub(super) fn buffer(
     device: &wgpu::Device,
     bytes: usize,
@@ -72,7 +72,7 @@ pub(super) fn buffer(
     })
 }
 
-/// A uniform block, in both shaders.
+/// Returns the layout entry of a uniform block that both shaders read.
 pub(super) fn uniform_entry(binding: u32) -> wgpu::BindGroupLayoutEntry {
     let ty = wgpu::BindingType::Buffer {
         ty: wgpu::BufferBindingType::Uniform,
@@ -82,7 +82,7 @@ pub(super) fn uniform_entry(binding: u32) -> wgpu::BindGroupLayoutEntry {
     entry(binding, wgpu::ShaderStages::VERTEX_FRAGMENT, ty)
 }
 
-/// A texture that the fragment shader loads texels of.
+/// Returns the layout entry of a texture whose texels the fragment shader loads.
 pub(super) fn texture_entry(binding: u32) -> wgpu::BindGroupLayoutEntry {
     let ty = wgpu::BindingType::Texture {
         sample_type: wgpu::TextureSampleType::Float { filterable: false },
@@ -100,7 +100,7 @@ fn entry(
     wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None }
 }
 
-/// The layout of a group with these entries.
+/// Creates the layout of a group with these entries.
 pub(super) fn bind_group_layout(
     device: &wgpu::Device,
     entries: &[wgpu::BindGroupLayoutEntry],
@@ -108,7 +108,7 @@ pub(super) fn bind_group_layout(
     device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries })
 }
 
-/// A group of resources, whose bindings are their places.
+/// Creates a group of resources; the binding of each is its index.
 pub(super) fn bind_group(
     device: &wgpu::Device,
     layout: &wgpu::BindGroupLayout,
@@ -127,37 +127,36 @@ pub(super) fn bind_group(
 use bytemuck::Pod;
 use glam::{Vec2, Vec3, Vec4};
 
-/// Bytes on their way at once. The graphics library holds a copy of what it is given until the GPU
-/// has it.
+/// Bytes uploaded at once. The graphics library keeps a copy of each piece until the GPU has it.
 const PIECE: usize = 1 << 20;
 
-/// Part of a scene in a box, and on one side of a vertical plane.
+/// Part of a scene inside a box and on one side of a vertical plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScenePart {
     /// Corners of the box outside of which nothing is drawn, metres.
     pub corners: [Vec3; 2],
-    /// The plane beyond which nothing is drawn.
+    /// The plane beyond which nothing is drawn; `None` for no plane.
     pub cut: Option<Cut>,
 }
 
-/// An upright plane.
+/// A vertical plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cut {
-    /// Unit vector square to it, towards what is left out: east and north.
+    /// Unit vector perpendicular to the plane, towards the part that is left out: east and north.
     pub outward: Vec2,
-    /// Distance of the plane along that vector, metres.
+    /// Distance of the plane from the origin along `outward`, metres.
     pub at_m: f32,
 }
 
 impl Default for ScenePart {
-    /// Everything.
+    /// Returns the whole scene.
     fn default() -> Self {
         Self::WHOLE
     }
 }
 
 impl ScenePart {
-    /// Everything.
+    /// The whole scene.
     pub const WHOLE: Self = Self { corners: [Vec3::MIN, Vec3::MAX], cut: None };
 
     /// Returns true if a place is drawn.
@@ -178,8 +177,8 @@ impl ScenePart {
     }
 }
 
-/// A device and the queue that fills its buffers, a piece at a time, so that nothing needs all
-/// vertices in memory at once. Can be used from a worker.
+/// A device and the queue that fills its buffers, a piece at a time, so that not all vertices are
+/// in memory at once. It can be used from a worker.
 #[derive(Clone)]
 pub struct Uploader {
     device: wgpu::Device,
@@ -187,13 +186,13 @@ pub struct Uploader {
 }
 
 impl Uploader {
-    /// Uploads to this device.
+    /// Creates an uploader for this device.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
         Self { device: device.clone(), queue: queue.clone() }
     }
 
-    /// A buffer with the first `count` of the vertices, or of numbers of vertices. Those that are
-    /// missing are zeros.
+    /// Creates a buffer with the first `count` of `vertices`, which are vertices or indices of
+    /// vertices. Missing ones are zeros.
     pub(super) fn buffer<T: Pod>(
         &self,
         label: &str,
@@ -218,13 +217,13 @@ impl Uploader {
             }
             let bytes = bytemuck::cast_slice(&piece);
             self.queue.write_buffer(&buffer, offset, bytes);
-            // Sends the piece on its way; without it all of them would wait for the next frame.
+            // Sends the piece to the GPU; without this, all pieces would wait for the next frame.
             self.queue.submit([]);
             offset += bytes.len() as u64;
         }
     }
 
-    /// The size of the largest buffer that the device can hold, bytes.
+    /// Returns the size of the largest buffer that the device can hold, bytes.
     pub(super) fn most_bytes(&self) -> u64 {
         self.device.limits().max_buffer_size
     }
@@ -235,7 +234,7 @@ pub(super) mod tests {
     use super::*;
     use wgpu::naga::{self, TypeInner};
 
-    /// Size in bytes and byte offsets of the members of a struct of a shader.
+    /// Returns size in bytes and byte offsets of the members of a struct of a shader.
     pub(crate) fn layout(shader: &str, name: &str) -> (usize, Vec<usize>) {
         let module = naga::front::wgsl::parse_str(shader).expect("a valid shader");
         let of_name = |inner: &naga::Type| inner.name.as_deref() == Some(name);
@@ -249,7 +248,8 @@ pub(super) mod tests {
         }
     }
 
-    /// Asserts that the struct of a shader lies in memory as ours does, whose members are listed.
+    /// Asserts that a struct of a shader has the memory layout of the Rust struct whose members are
+    /// listed.
     macro_rules! assert_laid_out {
         ($shader:literal, $name:literal, $ours:ident { $($member:ident),* $(,)? }) => {{
             let shader = include_str!(concat!("../../../shaders/", $shader));

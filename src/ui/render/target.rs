@@ -1,4 +1,4 @@
-//! An offscreen picture with its own depth buffer, and the pipelines that draw into it.
+//! Provides an offscreen picture with its own depth buffer, and the pipelines that draw into it.
 
 use super::pipeline::{
     PipelineParts, bind_group, bind_group_layout, buffer, pipeline, uniform_entry,
@@ -12,8 +12,7 @@ const COLOUR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
 /// A colour picture, transparent where nothing is drawn, and its depth buffer. The window's own
-/// render pass has no depth buffer that can be relied on, so 3D is drawn here and then shown as an
-/// image.
+/// render pass has no reliable depth buffer, so 3D is drawn here and then shown as an image.
 pub struct RenderTarget {
     size_px: [u32; 2],
     colour: wgpu::TextureView,
@@ -21,7 +20,7 @@ pub struct RenderTarget {
 }
 
 impl RenderTarget {
-    /// A target of at least 1 x 1 and at most the device's largest texture.
+    /// Creates a target of at least 1 x 1 and at most the device's largest texture.
     pub fn new(device: &wgpu::Device, size_px: [u32; 2]) -> Self {
         let size_px = Self::possible(device, size_px);
         Self {
@@ -31,18 +30,18 @@ impl RenderTarget {
         }
     }
 
-    /// The size that a target of a requested size gets.
+    /// Returns the size that a target of a requested size gets.
     pub(crate) fn possible(device: &wgpu::Device, size_px: [u32; 2]) -> [u32; 2] {
         let most = device.limits().max_texture_dimension_2d;
         size_px.map(|side| side.clamp(1, most))
     }
 
-    /// Width and height in pixels.
+    /// Returns width and height in pixels.
     pub fn size_px(&self) -> [u32; 2] {
         self.size_px
     }
 
-    /// The picture.
+    /// Returns the picture.
     pub fn colour(&self) -> &wgpu::TextureView {
         &self.colour
     }
@@ -78,14 +77,14 @@ fn texture(
     size: [u32; 2],
     format: wgpu::TextureFormat,
 ) -> wgpu::TextureView {
-    // A picture may be read back, too.
+    // The picture may be read back, too.
     let usage = wgpu::TextureUsages::RENDER_ATTACHMENT
         | wgpu::TextureUsages::TEXTURE_BINDING
         | wgpu::TextureUsages::COPY_SRC;
     plain_texture(device, size, format, usage).create_view(&Default::default())
 }
 
-/// A texture of two dimensions and one level.
+/// Creates a texture of two dimensions and one level.
 pub(super) fn plain_texture(
     device: &wgpu::Device,
     size: [u32; 2],
@@ -104,7 +103,7 @@ pub(super) fn plain_texture(
     })
 }
 
-/// The size of a texture of two dimensions.
+/// Returns the size of a texture of two dimensions.
 pub fn extent([width, height]: [u32; 2]) -> wgpu::Extent3d {
     wgpu::Extent3d { width, height, depth_or_array_layers: 1 }
 }
@@ -116,7 +115,8 @@ pub(super) struct OffscreenPipeline {
 }
 
 impl OffscreenPipeline {
-    /// Draws over what is nearer only where it `tests_depth`.
+    /// Creates the pipeline. If `tests_depth`, nearer parts hide those behind them; otherwise each
+    /// drawing covers the earlier ones.
     pub(super) fn new(device: &wgpu::Device, parts: PipelineParts<'_>, tests_depth: bool) -> Self {
         let layout = bind_group_layout(device, &[uniform_entry(0)]);
         let depth_compare = if tests_depth {
@@ -135,7 +135,7 @@ impl OffscreenPipeline {
         Self { pipeline, layout }
     }
 
-    /// A uniform block of the pipeline.
+    /// Creates a uniform block for the pipeline.
     pub(super) fn uniform(&self, device: &wgpu::Device, size: usize) -> Uniform {
         let buffer = buffer(device, size, wgpu::BufferUsages::UNIFORM);
         let group = bind_group(device, &self.layout, &[buffer.as_entire_binding()]);
@@ -150,7 +150,7 @@ pub(super) struct Uniform {
 }
 
 impl Uniform {
-    /// Writes the block, and has what is drawn next read it.
+    /// Writes the block and binds it for the next draw calls.
     pub(super) fn set(&self, queue: &wgpu::Queue, pass: &mut wgpu::RenderPass<'_>, to: &impl Pod) {
         queue.write_buffer(&self.buffer, 0, bytemuck::bytes_of(to));
         pass.set_bind_group(0, &self.group, &[]);

@@ -1,5 +1,5 @@
-//! Draws waterfall tiles: one quad each, coloured in the shader, so that colours and gain cost a
-//! uniform write.
+//! Draws waterfall tiles, one quad each. The shader colours them, so that a change of colours or
+//! gain needs only a uniform write.
 
 use super::pipeline::{
     PipelineParts, bind_group, bind_group_layout, buffer, pipeline, texture_entry, uniform_entry,
@@ -7,21 +7,21 @@ use super::pipeline::{
 use super::target::{extent, plain_texture};
 use bytemuck::{Pod, Zeroable};
 
-/// Tiles in one picture at most: 4K at the worst zoom needs 160.
+/// Largest number of tiles in one picture: 4K at the worst zoom needs 160.
 pub(crate) const MAX_QUADS: usize = 512;
 
-/// Rows of a tile at most. Same as in the shader.
+/// Largest number of rows of a tile. Same as in the shader.
 pub(crate) const TILE_ROWS: usize = 512;
-/// Places of a curve in the table of curves. Same as in the shader.
+/// Values of a curve in the table of curves. Same as in the shader.
 const CURVE_PLACES: usize = 64;
 
 /// Conversion of echo strength into colour. Same layout as `EchoStyle` in `shaders/waterfall.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub(crate) struct EchoStyle {
-    /// Exponent is 1 / gamma.
+    /// Gamma; the exponent is 1 / gamma.
     pub gamma: f32,
-    /// Share of the maximum in what is shown; the rest is the mean.
+    /// Share of the maximum in the shown value; the rest is the mean.
     pub highlight: f32,
     /// Intensity shown as 0, after gain and before gamma.
     pub black: f32,
@@ -50,11 +50,11 @@ pub(crate) struct EchoStyle {
     pub curve_far_m: f32,
     /// Factor on the product of the curves.
     pub curve_factor: f32,
-    /// Nothing.
+    /// Unused; fills the block.
     pub padding: f32,
 }
 
-/// Place of a tile, or of the part of it in view. Same layout as `Quad` in the shader.
+/// Place of a tile, or of its visible part. Same layout as `Quad` in the shader.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub(crate) struct Quad {
@@ -70,9 +70,9 @@ pub(crate) struct Quad {
     pub footprint: [f32; 2],
     /// Metres from the middle at the edges across.
     pub across_m: [f32; 2],
-    /// Recorded slant range where column 0 begins, and what a column covers, metres.
+    /// Recorded slant range where column 0 begins, and slant range that a column covers, metres.
     pub column_m: [f32; 2],
-    /// 0 port, 1 starboard.
+    /// Side: 0 port, 1 starboard.
     pub side: u32,
 }
 
@@ -83,13 +83,13 @@ pub(crate) type GainCurves<'a> = [&'a [f32]; 4];
 /// stripe filter]`.
 pub type TileRow = [f32; 4];
 
-/// The gain curves that tiles are brought to one level by, on the GPU. Clones share it.
+/// The gain curves that bring tiles to one level, on the GPU. Clones share the data.
 #[derive(Clone, Debug)]
 pub(crate) struct GainBuffer {
     bind_group: wgpu::BindGroup,
 }
 
-/// A tile on the GPU. Clones share it.
+/// A tile on the GPU. Clones share the data.
 #[derive(Clone, Debug)]
 pub(crate) struct TileTexture {
     bind_group: wgpu::BindGroup,
@@ -122,7 +122,7 @@ pub(crate) struct WaterfallPicture {
 }
 
 impl WaterfallPicture {
-    /// Builds everything for targets of this format.
+    /// Builds the pipeline and the buffers for targets of this format.
     pub(crate) fn new(device: &wgpu::Device, target: wgpu::TextureFormat) -> Self {
         // Arrays in a buffer are read several times faster than textures by a driver without a
         // graphics card.
@@ -160,7 +160,7 @@ impl WaterfallPicture {
         }
     }
 
-    /// Replaces the colours.
+    /// Replaces the colours of the palette.
     pub(crate) fn set_palette(&self, queue: &wgpu::Queue, palette: &[[u8; 3]; 256]) {
         let rgba: Vec<[u8; 4]> = palette.iter().map(|&[r, g, b]| [r, g, b, 255]).collect();
         queue.write_buffer(&self.palette, 0, bytemuck::cast_slice(&rgba));
@@ -184,7 +184,7 @@ impl WaterfallPicture {
         GainBuffer { bind_group: bind_group(device, &self.frame_layout, &resources) }
     }
 
-    /// Puts what the rows of a tile are brought to one level by on the GPU.
+    /// Puts on the GPU the values that bring the rows of a tile to one level.
     pub(crate) fn upload_rows(
         &self,
         device: &wgpu::Device,
@@ -210,8 +210,8 @@ impl WaterfallPicture {
         TileTexture { bind_group }
     }
 
-    /// Writes what the next [`WaterfallPicture::paint`] draws; beyond [`MAX_QUADS`] tiles nothing
-    /// is drawn.
+    /// Writes the style and the quads that the next [`WaterfallPicture::paint`] draws; tiles beyond
+    /// the first [`MAX_QUADS`] are not drawn.
     pub(crate) fn prepare<'a>(
         &self,
         queue: &wgpu::Queue,
@@ -246,14 +246,14 @@ impl WaterfallPicture {
     }
 }
 
-/// A uniform block of these bytes.
+/// Creates a uniform block of these bytes.
 fn filled(device: &wgpu::Device, queue: &wgpu::Queue, bytes: &[u8]) -> wgpu::Buffer {
     let filled = buffer(device, bytes.len(), wgpu::BufferUsages::UNIFORM);
     queue.write_buffer(&filled, 0, bytes);
     filled
 }
 
-/// A texture of these texels, row by row.
+/// Creates a texture of these texels, row by row.
 fn texture(
     device: &wgpu::Device,
     queue: &wgpu::Queue,

@@ -1,4 +1,4 @@
-//! Carries out the commands of the window; the rest goes to the state.
+//! Carries out the commands of the window, and passes all other commands to the app.
 
 use super::printing::BUSY;
 use super::sides::SidePanel;
@@ -9,12 +9,12 @@ use crate::ui::panels::{self, find_setting, find_setting::ControlPlace};
 use bathyscope_products::pipeline::settings;
 use std::path::PathBuf;
 
-/// Frames within which the control of a setting is drawn, if it is: a list that drops down needs a
-/// few.
+/// Number of frames in which a requested control of a setting must be drawn: a list that drops down
+/// needs a few.
 const SEEK_FRAMES: u8 = 6;
 
 impl Shell {
-    /// Carries out a command.
+    /// Carries out a command of the window or of the app.
     pub(super) fn carry_out(&mut self, ctx: &egui::Context, command: Command) {
         match command {
             Command::Do(action) => self.act(ctx, action),
@@ -27,8 +27,8 @@ impl Shell {
         }
     }
 
-    /// Carries out what a bare key asks for, unless that needs more than a key, and says what it
-    /// changed.
+    /// Carries out the command of a bare key, unless it needs more than a key, and notifies the
+    /// analyst of changes.
     fn act_by_key(&mut self, ctx: &egui::Context, keys: Keys, command: Command, focus: KeyFocus) {
         if self.app.holds_key_back(keys, &command, focus) {
             return ctx.request_repaint();
@@ -43,8 +43,8 @@ impl Shell {
             Some(action) => self.act_in_window(ctx, action),
             None => {
                 if action == Action::FindObjects {
-                    // What is found is reviewed in the views: the next Tab goes to the first box,
-                    // not to the next control.
+                    // The boxes that are found are reviewed in the views: the next Tab selects the
+                    // first box instead of the next control.
                     leave_control(ctx);
                 }
                 self.app.apply(Command::Do(action));
@@ -123,7 +123,7 @@ impl Shell {
         }
     }
 
-    /// Asks for a path.
+    /// Asks for a path in a dialog of the system.
     fn ask(&mut self, purpose: PathPurpose) {
         self.dialogs.ask(purpose, self.app.jobs());
     }
@@ -133,8 +133,8 @@ impl Shell {
         self.views.request(view, request);
     }
 
-    /// Asks which products to write, and where, unless there are none or some are still being
-    /// written.
+    /// Opens the dialog of the products and their folder, unless there are no results, or some are
+    /// still being written.
     fn ask_to_export(&mut self) {
         if self.app.log.products.is_none() {
             let text = "there is no result to export yet; open a log first";
@@ -148,8 +148,8 @@ impl Shell {
         }
     }
 
-    /// Saves what is worked on: the project; without one, the review file that is open; without
-    /// either, a project to be named.
+    /// Saves the project; without a project, the open review file; without either, asks for the
+    /// name of a project.
     fn save_project(&mut self) {
         if self.app.project_path().is_some() {
             self.app.apply(Command::SaveProject);
@@ -160,12 +160,12 @@ impl Shell {
         }
     }
 
-    /// Shows the folder that was written last.
+    /// Opens the folder that was written last in the file manager of the system.
     fn open_exported(&mut self) {
         let Some(folder) = &self.app.written_into else {
             return;
         };
-        // Nobody looks at a file manager in a test.
+        // Tests must not open a file manager.
         if matches!(self.app.jobs(), Jobs::Threads(_))
             && let Err(error) = open::that_detached(folder)
         {
@@ -179,7 +179,7 @@ impl Shell {
         self.show_panel(panel, !panel.is_shown(panels, width), ctx);
     }
 
-    /// Shows or hides a panel, unless it is so already.
+    /// Shows or hides a panel, unless it is in that state already.
     fn show_panel(&mut self, panel: SidePanel, shown: bool, ctx: &egui::Context) {
         let (panels, width) = (self.app.view.options.panels, ctx.content_rect().width());
         if panel.is_shown(panels, width) != shown {
@@ -187,18 +187,18 @@ impl Shell {
         }
     }
 
-    /// Says why something is not done.
+    /// Notifies the analyst of the reason why a command is not carried out.
     pub(super) fn say(&mut self, text: &str) {
         self.app.apply(Command::Notify(text.to_owned()));
     }
 
-    /// Says that there is nothing to save or write.
+    /// Notifies the analyst that there are no boxes to save or write.
     fn say_no_boxes(&mut self) {
         let key = Action::NewBox.key();
         self.say(&format!("there are no boxes yet; find objects, or draw a box with {key}"));
     }
 
-    /// Says that there is no profile to save or copy.
+    /// Notifies the analyst that there is no depth profile to save or copy.
     fn say_no_profile(&mut self) {
         let key = Action::DepthProfile.key();
         self.say(&format!(
@@ -206,13 +206,13 @@ impl Shell {
         ));
     }
 
-    /// Asks where a file is to be written, which is proposed beside the log.
+    /// Asks for the path of a file to write, and proposes one beside the log.
     pub(super) fn ask_beside_log(&mut self, purpose: PathPurpose, ending: &str) {
         let proposed = self.sidecar_path(ending);
         self.dialogs.name(purpose, proposed, self.app.jobs());
     }
 
-    /// Moves the keyboard on: to the steps, to the details, back to the views.
+    /// Moves the keyboard to the steps, then to the details, then back to the views.
     fn focus_panels(&mut self, ctx: &egui::Context) {
         let focused = ctx.memory(|memory| memory.focused());
         let width = ctx.content_rect().width();
@@ -234,7 +234,7 @@ impl Shell {
         panels::focus_section(ctx, title);
     }
 
-    /// Opens where the control of a setting is, and moves the keyboard to it.
+    /// Shows the place of the control of a setting, and moves the keyboard to the control.
     fn show_setting(&mut self, ctx: &egui::Context, key: &'static str) {
         match find_setting::place_of(key) {
             Some(ControlPlace::Section(title)) => {
@@ -249,8 +249,8 @@ impl Shell {
         ctx.request_repaint();
     }
 
-    /// Says where the control of a setting would be that was sought and is not drawn: other
-    /// settings decide about it.
+    /// Notifies the analyst of the place of a requested control that is not drawn, because other
+    /// settings hide it.
     pub(super) fn give_up_seeking(&mut self, ctx: &egui::Context) {
         let Some(key) = find_setting::sought(ctx) else {
             return;
@@ -282,7 +282,7 @@ impl Shell {
         self.review.name_box();
     }
 
-    /// Asks where the project is to be kept.
+    /// Asks for the file in which the project is to be saved.
     fn name_project(&mut self) {
         if self.app.log_count() == 0 {
             return self.say("there is nothing to keep yet; open a log first");
@@ -292,8 +292,8 @@ impl Shell {
         self.dialogs.name(PathPurpose::SaveProject, proposed, self.app.jobs());
     }
 
-    /// Writes the review where it is kept, or asks where that is to be; those of several logs
-    /// without asking.
+    /// Saves the review in its file, or asks for one; reviews of several logs are saved without a
+    /// question.
     fn save_review(&mut self) {
         if self.app.review_counts().logs > 1 {
             return self.app.apply(Command::Write(FileToWrite::Reviews));
@@ -310,7 +310,7 @@ impl Shell {
         }
     }
 
-    /// The path of a sidecar file of the log.
+    /// Returns the path of a sidecar file of the log.
     pub(super) fn sidecar_path(&self, ending: &str) -> PathBuf {
         let survey = self.app.log.survey.as_ref();
         let log = survey.and_then(|survey| survey.source.files.first());
@@ -333,7 +333,7 @@ impl Shell {
         }
     }
 
-    /// Asks where a copy of the log is to be written.
+    /// Asks for the file of a copy of the log.
     fn ask_for_copy(&mut self, purpose: PathPurpose, ending: &str) {
         if self.app.log.survey.is_none() {
             self.say("there is no log to export yet; open one first");
@@ -363,7 +363,7 @@ impl Shell {
     }
 }
 
-/// Takes the keyboard from the control that has it, and gives it back to the views.
+/// Takes the keyboard from the focused control, so that the views have it.
 fn leave_control(ctx: &egui::Context) {
     if let Some(focused) = ctx.memory(|memory| memory.focused()) {
         ctx.memory_mut(|memory| memory.surrender_focus(focused));

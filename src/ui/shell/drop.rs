@@ -1,4 +1,5 @@
-//! Logs, base maps, points to compare with and tables of other instruments, dropped on the window.
+//! Opens logs, base maps, reference points and tables of other instruments that are dropped on the
+//! window.
 
 use crate::app::{Command, FileToOpen};
 use bathyscope_log::formats::points::is_named_as_elevations;
@@ -6,14 +7,14 @@ use bathyscope_log::formats::{FileRole, role_by_name};
 use egui::Ui;
 use std::path::{Path, PathBuf};
 
-/// Opens what was dropped; logs beside those that are open. Tables and points belong to a log:
-/// where none is open, they are taken for logs themselves, for some are.
+/// Opens dropped files; logs are added to the open ones. Tables and points belong to a log: if none
+/// is open, they are opened as logs, which some of them are.
 pub(super) fn collect(ui: &Ui, has_log: bool, commands: &mut Vec<Command>) {
     let dropped: Vec<PathBuf> = ui.input(|input| {
         let files = input.raw.dropped_files.iter();
         files.map(|file| file.path().to_owned()).collect()
     });
-    // A table that comes with the picture of its name is part of that log.
+    // A table with the name of a dropped picture is part of the log of that picture.
     let is_of_picture = |table: &PathBuf| {
         let is_its = |path: &PathBuf| {
             role_by_name(path) == Some(FileRole::Paired)
@@ -43,13 +44,13 @@ pub(super) fn collect(ui: &Ui, has_log: bool, commands: &mut Vec<Command>) {
     }
 }
 
-/// Returns true if a file's name ends in one of these.
+/// Returns true if the name of a file has one of these endings.
 fn is_named(path: &Path, endings: &[&str]) -> bool {
     let extension = path.extension().unwrap_or_default();
     endings.iter().any(|ending| extension.eq_ignore_ascii_case(ending))
 }
 
-/// Says what a drop would do while files hang over the window.
+/// Describes the effect of a drop while files are dragged over the window.
 pub(super) fn overlay(ui: &Ui) {
     let Some(name) = ui.input(|input| {
         let file = input.raw.hovered_files.first()?;

@@ -1,4 +1,4 @@
-//! The dialog that asks which products are written, and into which folder.
+//! Draws the dialog that asks for the products to write, and for their folder.
 
 use crate::app::{App, Command, FileToWrite};
 use crate::ui::dialogs::PathPurpose;
@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 /// Width of the dialog, points.
 const WIDTH: f32 = 460.0;
 
-/// The dialog, while it is open.
+/// The dialog of the products, if it is open.
 #[derive(Default)]
 pub(super) struct ExportDialog {
     open: Option<Asked>,
@@ -24,15 +24,15 @@ pub(super) struct ExportDialog {
 /// State of the open dialog.
 struct Asked {
     folder: String,
-    /// The folder was named, and not only proposed.
+    /// True if the analyst has named the folder; false if it is only proposed.
     is_named: bool,
-    /// Amounts of data that the sizes of the files follow from.
+    /// Amounts of data that determine the sizes of the files.
     amounts: Amounts,
     /// Level that the depths are counted from, and corrections that are not applied.
     statement: Vec<String>,
-    /// The folder that was looked at, and what happens to it.
+    /// The folder that was checked last, and the effect of the export on it.
     known: Option<(String, String)>,
-    /// The folder's field takes the keyboard in the next frame.
+    /// True if the field of the folder takes the keyboard in the next frame.
     takes_keyboard: bool,
 }
 
@@ -46,8 +46,8 @@ enum Pressed {
 }
 
 impl ExportDialog {
-    /// Asks what goes where; products go into `folder` unless another is named. `statement` says
-    /// what the depths are.
+    /// Opens the dialog; products are written into `folder` unless another is named. `statement`
+    /// describes the depths.
     pub(super) fn ask(&mut self, folder: &Path, amounts: Amounts, statement: Vec<String>) {
         self.open = Some(Asked {
             folder: folder.display().to_string(),
@@ -59,7 +59,7 @@ impl ExportDialog {
         });
     }
 
-    /// Takes a folder that was chosen in the system's dialog.
+    /// Sets a folder that was chosen in the dialog of the system.
     pub(super) fn take_folder(&mut self, folder: &Path) {
         if let Some(asked) = &mut self.open {
             asked.folder = folder.display().to_string();
@@ -73,7 +73,8 @@ impl ExportDialog {
         self.open.is_some()
     }
 
-    /// Draws the dialog while it is open; what is to be asked of the system's dialog.
+    /// Draws the dialog while it is open; returns the path that the dialog of the system is to ask
+    /// for.
     pub(super) fn ui(
         &mut self,
         ctx: &egui::Context,
@@ -112,7 +113,7 @@ impl ExportDialog {
     }
 }
 
-/// A box to tick for each group of files, with its size.
+/// Draws a check box for each group of files, with its size.
 fn products(ui: &mut Ui, context: &mut ViewContext<'_>, amounts: &Amounts) {
     let mut options = context.options().clone();
     let grid = egui::Grid::new("products").num_columns(2);
@@ -144,7 +145,7 @@ fn products(ui: &mut Ui, context: &mut ViewContext<'_>, amounts: &Amounts) {
     context.show(options);
 }
 
-/// The files of a product.
+/// Returns the names of the files of a product.
 fn files(app: &App, product: Product) -> String {
     let files = product.files();
     if product != Product::Residuals || app.map.comparing.reference.is_none() {
@@ -154,9 +155,9 @@ fn files(app: &App, product: Product) -> String {
     format!("{files}; {}", files_in_words(compared))
 }
 
-/// The field of the folder, and what happens to that folder. Returns what was pressed, and whether
-/// the keyboard goes on to the button. Return alone writes nothing into a folder that is only
-/// proposed.
+/// Draws the field of the folder, and the effect of the export on it. Returns the pressed button,
+/// and true if the keyboard moves on to the button. Return alone does not start an export into a
+/// folder that is only proposed.
 fn folder(ui: &mut Ui, asked: &mut Asked) -> (Pressed, bool) {
     let label = ui.label("Folder to write into");
     let (mut pressed, mut goes_on) = (Pressed::Nothing, false);
@@ -170,7 +171,7 @@ fn folder(ui: &mut Ui, asked: &mut Asked) -> (Pressed, bool) {
         let line = shown.response.response.labelled_by(label.id);
         asked.is_named |= line.changed();
         if std::mem::take(&mut asked.takes_keyboard) {
-            // Typing replaces what was proposed.
+            // Typing replaces the proposed folder.
             let end = CCursor::new(asked.folder.chars().count());
             let all = CCursorRange::two(CCursor::new(0), end);
             shown.state.cursor.set_char_range(Some(all));

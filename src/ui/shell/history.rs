@@ -1,4 +1,4 @@
-//! The history as a list: what was changed, where we are in it, and a click that goes anywhere.
+//! Draws the list of changes, with the present step; a click goes back or forward to a step.
 
 use crate::app::Command;
 use crate::ui::list_keys::ListKeys;
@@ -10,17 +10,18 @@ const HEIGHT: f32 = 420.0;
 /// Height of a row, points.
 const ROW: f32 = 20.0;
 
-/// The list; closed at the start.
+/// The list of changes; closed at the start.
 #[derive(Default)]
 pub(super) struct HistoryList {
-    /// True if it is shown.
+    /// True if the list is shown.
     pub open: bool,
-    /// Steps done when it was last drawn: where that changes, the list shows the present step.
+    /// Number of done steps when the list was last drawn; when it changes, the list scrolls to the
+    /// present step.
     at: Option<usize>,
 }
 
 impl HistoryList {
-    /// Draws it while it is open.
+    /// Draws the list while it is open.
     pub(super) fn ui(&mut self, ctx: &egui::Context, context: &mut ViewContext<'_>) {
         if !self.open {
             self.at = None;
@@ -67,7 +68,7 @@ impl HistoryList {
     }
 }
 
-/// A step, weak where it was taken back.
+/// Draws a step, in weak text if it was undone.
 fn row(
     ui: &mut Ui,
     context: &ViewContext<'_>,

@@ -1,11 +1,11 @@
-//! Keys of the command table, turned into commands.
+//! Turns keys of the command table into commands.
 
 use crate::app::{Action, App, Command, KeyFocus, Keys, Nudge, Tool, View, is_bare};
 use bathyscope_objects::review::Edit;
 use egui::{Event, FocusDirection, Key, KeyboardShortcut, Modifiers, Ui};
 use std::sync::LazyLock;
 
-/// A key of the command table.
+/// A key of the command table, and its action.
 struct Bound {
     /// Key in the notation of the table.
     keys: Keys,
@@ -13,8 +13,8 @@ struct Bound {
     action: Action,
 }
 
-/// All keys, those with most modifiers first: `Z` with Ctrl would otherwise eat `Z` with Ctrl and
-/// Shift.
+/// All keys, those with most modifiers first: `Z` with Ctrl would otherwise also match `Z` with
+/// Ctrl and Shift.
 static BOUND: LazyLock<Vec<Bound>> = LazyLock::new(|| {
     let of = |action: Action| {
         let bound = move |keys| Some(Bound { keys, shortcut: parse(keys)?, action });
@@ -29,7 +29,7 @@ static BOUND: LazyLock<Vec<Bound>> = LazyLock::new(|| {
     bound
 });
 
-/// Turns the table's text into a shortcut: `Ctrl+Shift+Z`, `[`, `F11`, `+`.
+/// Parses a key of the table as a shortcut: `Ctrl+Shift+Z`, `[`, `F11`, `+`.
 fn parse(keys: &str) -> Option<KeyboardShortcut> {
     let (held, key) = match keys.rfind('+') {
         Some(last) if last > 0 && last + 1 < keys.len() => keys.split_at(last + 1),
@@ -47,12 +47,12 @@ fn parse(keys: &str) -> Option<KeyboardShortcut> {
     Some(KeyboardShortcut::new(modifiers, Key::from_name(key)?))
 }
 
-/// Returns true if a text field has a meaning of its own for it: taking back what was typed.
+/// Returns true if a text field uses the key of an action itself, to undo typing.
 fn is_of_text(action: Action) -> bool {
     matches!(action, Action::Undo | Action::Redo)
 }
 
-/// Returns true if a held key is to go on acting: an arrow, or the key of an action that repeats.
+/// Returns true if a held key acts repeatedly: an arrow, or the key of an action that repeats.
 fn may_repeat(key: Key, held: Modifiers) -> bool {
     let arrows = [Key::ArrowLeft, Key::ArrowRight, Key::ArrowUp, Key::ArrowDown];
     let is_of = |one: &Bound| {
@@ -63,15 +63,15 @@ fn may_repeat(key: Key, held: Modifiers) -> bool {
     arrows.contains(&key) || BOUND.iter().any(is_of)
 }
 
-/// Removes the presses that a held key sends again, where its action is done once per press. That
-/// holds for a focused button as well, which Space and Enter press.
+/// Removes repeated presses of a held key if its action acts once a press. This includes a focused
+/// button, which Space and Enter press.
 fn drop_repeats(ui: &Ui) {
     take_presses(ui, |key, held, repeat| repeat && !may_repeat(key, held));
 }
 
-/// Pushes a command for each key of the table that was pressed, and for those of the selected box,
-/// which go first. A bare key counts only where it has a meaning for `focus`, what has the
-/// keyboard; `None` while a field, a dialog or a list of its own has it.
+/// Pushes a command for each pressed key of the table, after those for the keys of the selected
+/// box. A bare key counts only if it has a meaning for `focus`, the part of the window with the
+/// keyboard; `None` while a field, a dialog or a list has the keyboard.
 pub(super) fn collect(
     ui: &mut Ui,
     app: &App,
@@ -79,11 +79,12 @@ pub(super) fn collect(
     commands: &mut Vec<Command>,
 ) {
     if asks_for_palette(ui) {
-        // What was typed after it in the same frame, on a busy machine, is for its field.
+        // Text that is typed after this key in the same frame, on a busy machine, belongs to the
+        // field of the palette.
         return commands.push(Command::Do(Action::Palette));
     }
     let typing = ui.text_edit_focused();
-    // A focused slider or button steps with arrows and acts on Space.
+    // A focused slider or button uses the arrows and Space itself.
     let control_focused = ui.memory(|memory| memory.focused().is_some());
     if !typing {
         drop_repeats(ui);
@@ -121,7 +122,7 @@ pub(super) fn collect(
             });
         }
         if presses > 0 && shortcut.logical_key == Key::Tab {
-            // egui has seen it too, and would walk to the next control.
+            // egui also handles the key, and would move to the next control.
             ui.memory_mut(|memory| memory.move_focus(FocusDirection::None));
         }
     }
@@ -130,10 +131,9 @@ pub(super) fn collect(
     }
 }
 
-/// Counts the presses of a key since the last frame and consumes them; there is more than one where
-/// frames are slow. A letter with Shift is another key than the letter: where one of them has no
-/// meaning, the other one must not act in its place. Whether a sign takes Shift depends on the
-/// keyboard.
+/// Counts and removes the presses of a key since the last frame; there can be several if frames are
+/// slow. A letter with Shift is another key than the letter alone: one of them must not act for the
+/// other. Whether a sign needs Shift depends on the keyboard.
 fn consume(ui: &Ui, shortcut: &KeyboardShortcut) -> usize {
     let name = shortcut.logical_key.name();
     let is_letter =
@@ -150,8 +150,8 @@ fn consume(ui: &Ui, shortcut: &KeyboardShortcut) -> usize {
     })
 }
 
-/// Removes the presses of keys that are asked for by the key, what is held with it, and whether it
-/// is held itself; how many there were.
+/// Removes the presses for which `is_it` is true, given the key, the modifiers, and whether the
+/// press is a repetition; returns their number.
 fn take_presses(ui: &Ui, is_it: impl Fn(Key, Modifiers, bool) -> bool) -> usize {
     let is_it = |event: &Event| match *event {
         Event::Key { key, pressed: true, modifiers, repeat, .. } => is_it(key, modifiers, repeat),
@@ -164,14 +164,14 @@ fn take_presses(ui: &Ui, is_it: impl Fn(Key, Modifiers, bool) -> bool) -> usize 
     })
 }
 
-/// Returns true if Escape, which no tool, field or menu has a use for now, gives the screen back.
+/// Returns true if Escape, which no tool, field or menu uses now, ends full screen.
 fn leaves_full_screen(ui: &Ui) -> bool {
     let is_full = ui.input(|input| input.viewport().fullscreen == Some(true));
     is_full && ui.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Escape))
 }
 
-/// Returns true if the palette's key was pressed, with nothing else held: other keys with more
-/// modifiers hold its letter too.
+/// Returns true if the key of the palette was pressed without other modifiers: keys with more
+/// modifiers use its letter, too.
 fn asks_for_palette(ui: &Ui) -> bool {
     let shortcuts: Vec<_> = Action::Palette.all_keys().filter_map(parse).collect();
     let presses = take_presses(ui, |key, held, _| {
@@ -182,8 +182,8 @@ fn asks_for_palette(ui: &Ui) -> bool {
     presses > 0
 }
 
-/// Returns true if a key that others want too is for boxes now: Tab walks through the controls
-/// while there are no boxes, or once a control has the keyboard.
+/// Returns true if a key that is also used otherwise acts as a command now: Tab steps through the
+/// controls while there are no boxes, or while a control has the keyboard.
 fn has_meaning(app: &App, action: Action, control_focused: bool) -> bool {
     let reviewing = &app.log.reviewing;
     match action {
@@ -197,7 +197,7 @@ fn has_meaning(app: &App, action: Action, control_focused: bool) -> bool {
         Action::TakeCornerBack => {
             app.map.measuring.tool.is_some() && app.map.measuring.figure.is_some()
         }
-        // With a tool for corners or targets in hand the arrows move its cross.
+        // With a tool for corners or targets the arrows move its cross.
         Action::PreviousPing | Action::NextPing | Action::Back25 | Action::Forward25 => {
             app.map.measuring.tool.is_none() && reviewing.tool != Tool::Point
         }
@@ -217,7 +217,7 @@ const DIGITS: [(Key, Keys); 9] = [
     (Key::Num9, "9"),
 ];
 
-/// While a box is selected the digits name its class, and no view.
+/// Makes the digits choose the class of the selected box, instead of a view.
 fn name_box(ui: &mut Ui, app: &App, push: &mut impl FnMut(Keys, Command)) {
     let Some(id) = app.log.reviewing.selected else {
         return;
@@ -232,7 +232,7 @@ fn name_box(ui: &mut Ui, app: &App, push: &mut impl FnMut(Keys, Command)) {
     }
 }
 
-/// While a box is edited the arrows move it, and no ping.
+/// Makes the arrows move the edited box, instead of the selected ping.
 fn move_box(ui: &mut Ui, app: &App, push: &mut impl FnMut(Keys, Command)) {
     if app.log.reviewing.tool != Tool::Edit || app.log.reviewing.selected.is_none() {
         return;
@@ -243,7 +243,7 @@ fn move_box(ui: &mut Ui, app: &App, push: &mut impl FnMut(Keys, Command)) {
         (Key::ArrowUp, "Up", 0, -1),
         (Key::ArrowDown, "Down", 0, 1),
     ];
-    // Those with most modifiers first: a plain arrow would match with Shift held too.
+    // The most modifiers come first: a plain arrow would match with Shift held, too.
     let held = [
         (Modifiers::COMMAND | Modifiers::SHIFT, 10, true),
         (Modifiers::COMMAND, 1, true),
@@ -253,7 +253,7 @@ fn move_box(ui: &mut Ui, app: &App, push: &mut impl FnMut(Keys, Command)) {
     for (key, keys, right, down) in arrows {
         for (modifiers, steps, resize) in held {
             if ui.input_mut(|input| input.consume_key(modifiers, key)) {
-                // egui has seen it too, and would walk to a control.
+                // egui also handles the key, and would move to a control.
                 ui.memory_mut(|memory| memory.move_focus(FocusDirection::None));
                 let nudge = Nudge { right: right * steps, down: down * steps, resize };
                 push(keys, Command::Nudge(nudge));
@@ -262,7 +262,7 @@ fn move_box(ui: &mut Ui, app: &App, push: &mut impl FnMut(Keys, Command)) {
     }
 }
 
-/// While the bottom is drawn, Up and Down make it shallower and deeper at the selected ping.
+/// Makes Up and Down draw the bottom shallower and deeper at the selected ping.
 fn move_bottom(ui: &mut Ui, app: &App, push: &mut impl FnMut(Keys, Command)) {
     if app.log.reviewing.tool != Tool::Bottom {
         return;
@@ -270,7 +270,7 @@ fn move_bottom(ui: &mut Ui, app: &App, push: &mut impl FnMut(Keys, Command)) {
     for (key, keys, outward) in [(Key::ArrowUp, "Up", -1), (Key::ArrowDown, "Down", 1)] {
         for (modifiers, samples) in [(Modifiers::SHIFT, 10), (Modifiers::NONE, 1)] {
             if ui.input_mut(|input| input.consume_key(modifiers, key)) {
-                // egui has seen it too, and would walk to a control.
+                // egui also handles the key, and would move to a control.
                 ui.memory_mut(|memory| memory.move_focus(FocusDirection::None));
                 push(keys, Command::NudgeBottom(outward * samples));
             }

@@ -1,5 +1,5 @@
-//! The tiles of the centre: which view lies where, which one has the keyboard, and which one fills
-//! the centre.
+//! Arranges the views of the centre as tiles, with the view that has the keyboard and the view that
+//! fills the centre.
 
 use super::{Views, toolbar};
 use crate::app::{Action, App, LayoutPreset, View};
@@ -17,13 +17,14 @@ pub(super) struct Layout {
     tree: Tree<View>,
     focus: View,
     maximised: Option<View>,
-    /// True until the user arranges the views; until then they lie as there is room.
+    /// True until the analyst arranges the views; until then the arrangement follows the size of
+    /// the window.
     #[serde(default)]
     is_automatic: bool,
 }
 
-/// Height of the centre from which three views lie side by side; below it each has the whole of it,
-/// and they are chosen by their titles.
+/// Height of the centre from which three views are drawn beside each other, points; in a lower
+/// centre each view fills it, and the views are chosen by their titles.
 const ROOM: f32 = 400.0;
 
 impl Default for Layout {
@@ -37,7 +38,7 @@ impl Default for Layout {
     }
 }
 
-/// Returns true if all views lie behind each other.
+/// Returns true if all views are tabs of one tile.
 fn is_stacked(tree: &Tree<View>) -> bool {
     let tiles = tree.active_tiles();
     let views = tiles.iter().filter_map(|tile| tree.tiles.get_pane(tile));
@@ -53,7 +54,7 @@ fn tree(preset: LayoutPreset) -> Tree<View> {
     let root = match preset {
         LayoutPreset::Only(view) => tab(view, &mut tiles),
         LayoutPreset::Survey | LayoutPreset::Review => {
-            // The table is as wide as the waterfall, behind it.
+            // The table is a tab beside the waterfall, and as wide.
             let panes = [View::Waterfall, View::Objects].map(|view| tiles.insert_pane(view));
             let waterfall = tiles.insert_tab_tile(panes.to_vec());
             let map = tab(View::Map, &mut tiles);
@@ -68,7 +69,7 @@ fn tree(preset: LayoutPreset) -> Tree<View> {
 }
 
 impl Layout {
-    /// Starts over with an arrangement.
+    /// Replaces the arrangement by a preset.
     pub(super) fn arrange(&mut self, preset: LayoutPreset) {
         self.tree = tree(preset);
         self.maximised = None;
@@ -84,7 +85,7 @@ impl Layout {
         if self.maximised.is_some() {
             self.maximised = Some(view);
         } else if self.tree.tiles.find_pane(&view).is_none() {
-            // An arrangement of one view, or of an earlier version, does not hold this one.
+            // An arrangement of one view, or of an earlier version, does not contain this view.
             self.add(view);
         } else {
             self.bring_to_front(view);
@@ -95,7 +96,7 @@ impl Layout {
         self.tree.make_active(|_, tile| matches!(tile, Tile::Pane(pane) if *pane == view));
     }
 
-    /// Adds a view as a tab beside the waterfall, or else beside the first view on screen.
+    /// Adds a view as a tab beside the waterfall, or else beside the first visible view.
     fn add(&mut self, view: View) {
         let beside = (self.tree.tiles.find_pane(&View::Waterfall)).or_else(|| {
             let mut active = self.tree.active_tiles().into_iter();
@@ -108,12 +109,12 @@ impl Layout {
                 tabs.add_child(pane);
                 self.bring_to_front(view);
             }
-            // Each view lies in tabs; a saved arrangement that says otherwise is started over.
+            // Each view is in tabs; a saved arrangement without them is replaced.
             _ => self.arrange(LayoutPreset::Only(view)),
         }
     }
 
-    /// Gives the whole centre to a view, or gives it back.
+    /// Lets a view fill the whole centre, or shows all views again.
     pub(super) fn toggle_maximised(&mut self, view: View) {
         self.focus = view;
         self.maximised = match self.maximised {
@@ -122,8 +123,8 @@ impl Layout {
         };
     }
 
-    /// The view that keys act in: the one that was clicked or chosen last, or the first on screen
-    /// where that one lies behind another.
+    /// Returns the view in which keys act: the view that was clicked or chosen last, or the first
+    /// visible view if that one is hidden behind another.
     pub(super) fn target(&self) -> View {
         let shown = self.shown();
         match shown.first() {
@@ -132,7 +133,7 @@ impl Layout {
         }
     }
 
-    /// The views on screen.
+    /// Returns the visible views.
     pub(super) fn shown(&self) -> Vec<View> {
         match self.maximised {
             Some(view) => vec![view],
@@ -144,8 +145,8 @@ impl Layout {
         }
     }
 
-    /// Lays the views out anew where the window has become low or high, and nobody has arranged
-    /// them.
+    /// Arranges the views again if the window has become low or high, and the analyst has not
+    /// arranged them.
     fn follow_window(&mut self, height: f32) {
         if !self.is_automatic || is_stacked(&self.tree) == (height < ROOM) {
             return;
@@ -158,7 +159,7 @@ impl Layout {
         self.bring_to_front(self.focus);
     }
 
-    /// Draws the tiles.
+    /// Draws the views in their tiles.
     pub(super) fn ui(&mut self, ui: &mut Ui, views: &mut Views, context: &mut ViewContext<'_>) {
         self.follow_window(ui.available_height());
         let mut panes = Panes {
@@ -187,18 +188,18 @@ impl Layout {
     }
 }
 
-/// Behaviour of the panes for egui_tiles.
+/// Behaviour of the tiles for egui_tiles.
 struct Panes<'a, 'c> {
     views: &'a mut Views,
     context: &'a mut ViewContext<'c>,
     focus: View,
     pressed: Option<View>,
     maximise: Option<View>,
-    /// A view was moved, or a border between two.
+    /// True if a view, or a border between two views, was moved.
     is_edited: bool,
 }
 
-/// State of the results of a view, for the title of its tab.
+/// Returns the state of the results of a view, for the title of its tab.
 fn state_of(view: View, app: &App) -> &'static str {
     match view {
         View::Waterfall if app.is_following() => " (following)",
@@ -231,7 +232,7 @@ impl Behavior<View> for Panes<'_, '_> {
     ) -> egui::Response {
         if let Some(&view) = tiles.get_pane(&tile) {
             if view == self.focus {
-                // Underlined, so that no colour alone says which view has the keyboard.
+                // The underline marks the view with the keyboard without relying on colour.
                 let colour = theme::accent_colour(self.context.theme());
                 let painter = response.ctx.layer_painter(response.layer_id);
                 let line = response.rect.shrink(6.0);
@@ -342,7 +343,7 @@ mod tests {
         layout.arrange(LayoutPreset::Only(View::Map));
         layout.focus(View::Cloud);
         assert_eq!(layout.shown(), [View::Cloud]);
-        // The other one stays behind it.
+        // The other view stays behind the map.
         layout.focus(View::Map);
         assert_eq!(layout.shown(), [View::Map]);
     }
@@ -356,7 +357,7 @@ mod tests {
         let mut saved: Layout = serde_json::from_str(&text).unwrap();
         assert_eq!(saved.tree.tiles.find_pane(&View::Objects), None);
         saved.focus(View::Objects);
-        // In front of the waterfall; map and cloud stay where they are.
+        // The table is in front of the waterfall; map and cloud stay where they are.
         let shown = saved.shown();
         assert_eq!(shown.len(), 3, "{shown:?}");
         assert!(shown.contains(&View::Objects) && !shown.contains(&View::Waterfall));

@@ -1,5 +1,5 @@
-//! Gain, filters and levels of the waterfall, with the histogram that black and white are dragged
-//! in.
+//! Draws gain, filters and levels of the waterfall, with a histogram in which black and white can
+//! be dragged.
 
 use crate::app::Action;
 use crate::ui::panels::{find_setting, parts};
@@ -12,12 +12,12 @@ use egui::{Color32, CursorIcon, Painter, Pos2, Rect, Response, Sense, Stroke, Ui
 const WIDTH: f32 = 300.0;
 /// Height of the histogram, points.
 const HEIGHT: f32 = 72.0;
-/// Half of the knob of a level, points.
+/// Half of the size of the knob of a level, points.
 const KNOB: f32 = 5.0;
-/// Black and white keep at least this apart, levels.
+/// Least difference between black and white, levels.
 const APART: f64 = 1.0;
 
-/// Draws it all.
+/// Draws all controls of the picture.
 pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     ui.set_width(WIDTH);
     names(ui, context, &rows::PICTURE_GAIN);
@@ -40,7 +40,8 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     context.button(ui.button("Reset"), Action::LevelsReset);
 }
 
-/// A setting of few names, side by side: a list of its own would close the panel with it.
+/// Draws a setting of few names side by side, because a drop-down list would close the panel with
+/// it.
 fn names(ui: &mut Ui, context: &mut ViewContext<'_>, setting: &'static SettingRow) {
     let SettingKind::Choice(choice) = &setting.kind else {
         return;
@@ -63,7 +64,7 @@ fn names(ui: &mut Ui, context: &mut ViewContext<'_>, setting: &'static SettingRo
     });
 }
 
-/// Black and white as they are shown, levels.
+/// Returns black and white as they are shown, levels.
 fn shown(context: &ViewContext<'_>, counted: &LevelHistogram) -> [f64; 2] {
     let picture = &context.app.log.settings.picture;
     [
@@ -85,7 +86,7 @@ fn automatic(ui: &mut Ui, context: &mut ViewContext<'_>) {
             let levels = if is_automatic {
                 None
             } else {
-                // Where they are: what is seen does not jump.
+                // The levels stay at their present values, so that the picture does not jump.
                 levels.or(Some([0.0, 255.0]))
             };
             set(context, levels, "levels of the waterfall", false);
@@ -99,7 +100,7 @@ fn automatic(ui: &mut Ui, context: &mut ViewContext<'_>) {
     });
 }
 
-/// Puts black and white at these levels, or leaves them to the log.
+/// Sets black and white to these levels; with `None` they follow the log.
 fn set(context: &mut ViewContext<'_>, levels: Option<[f64; 2]>, label: &'static str, live: bool) {
     let rounded = levels.map(|levels| levels.map(|level| (10.0 * level).round() / 10.0));
     context.change_live(label, live, |settings| {
@@ -108,7 +109,7 @@ fn set(context: &mut ViewContext<'_>, levels: Option<[f64; 2]>, label: &'static 
     });
 }
 
-/// Draws the histogram of the levels, with black and white to be dragged.
+/// Draws the histogram of the levels, with black and white, which can be dragged.
 fn histogram(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let size = vec2(ui.available_width(), HEIGHT);
     let (area, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
@@ -140,7 +141,7 @@ fn histogram(ui: &mut Ui, context: &mut ViewContext<'_>) {
     follow(ui, &response, context, levels, level_at);
 }
 
-/// A drag takes the nearer of the two with it.
+/// Moves the nearer of black and white with a drag.
 fn follow(
     ui: &Ui,
     response: &Response,
@@ -177,7 +178,8 @@ fn bars(painter: &Painter, area: Rect, counted: &LevelHistogram, reach: f64, ink
     let most = counted.bars.iter().copied().max().unwrap_or(1).max(1);
     let width = area.width() * counted.reach / (reach as f32 * counted.bars.len() as f32);
     for (index, &count) in counted.bars.iter().enumerate() {
-        // By the root: the water column and the shadows would hide the rest.
+        // The height is the square root of the count: otherwise the water column and the shadows
+        // would hide the rest.
         let height = area.height() * (count as f32 / most as f32).sqrt();
         let top = pos2(area.left() + index as f32 * width, area.bottom() - height);
         let bar = Rect::from_min_max(top, pos2(top.x + width, area.bottom()));

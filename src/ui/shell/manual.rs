@@ -1,4 +1,4 @@
-//! The manual in the window: a list of pages, the page, and a search over all of them.
+//! Draws the manual: a list of pages, the chosen page, and a search of all of them.
 
 use crate::app::manual::Topic;
 use crate::app::manual::markdown::{PageBlock, Span, blocks, sections};
@@ -13,12 +13,12 @@ const SIZE: [f32; 2] = [900.0, 620.0];
 const LIST_WIDTH: f32 = 210.0;
 const TEXT_SIZE: f32 = 13.0;
 const CODE_SIZE: f32 = 12.0;
-/// Width of all columns of a table but the last, which takes what is left, points.
+/// Width of each column of a table, points; the last column gets the remaining width.
 const COLUMN_WIDTH: f32 = 210.0;
 
-/// The manual; closed at the start.
+/// The window of the manual; closed at the start.
 pub(super) struct Manual {
-    /// True if it is shown.
+    /// True if the manual is shown.
     pub open: bool,
     topic: Topic,
     query: String,
@@ -33,7 +33,7 @@ impl Default for Manual {
 }
 
 impl Manual {
-    /// Draws it while it is open.
+    /// Draws the manual while it is open.
     pub(super) fn ui(&mut self, ctx: &egui::Context) {
         if self.open && ctx.input(|input| input.key_pressed(egui::Key::Escape)) {
             self.open = false;
@@ -65,7 +65,7 @@ impl Manual {
         self.open = open;
     }
 
-    /// The search field and the list of pages.
+    /// Draws the search field and the list of pages.
     fn contents(&mut self, ui: &mut Ui) {
         ui.set_width(LIST_WIDTH);
         ui.label(concat!("Bathyscope ", env!("CARGO_PKG_VERSION")));
@@ -82,12 +82,11 @@ impl Manual {
         }
     }
 
-    /// The page that was chosen, or the sections of all pages in which all words of the search
-    /// occur.
+    /// Draws the chosen page, or the sections of all pages in which all words of the search occur.
     fn page(&self, ui: &mut Ui) {
         let words = words_of(&self.query);
         let area = ScrollArea::vertical().auto_shrink([false, false]);
-        // Another page begins at its top.
+        // Another page is shown from its top.
         let area = area.id_salt((self.topic, &self.query));
         area.show(ui, |ui| {
             if words.is_empty() {
@@ -103,7 +102,7 @@ impl Manual {
                         let title = RichText::new(topic.title()).weak().size(theme::SMALL);
                         ui.label(title);
                         section.iter().for_each(|one| match one {
-                            // Of a long table only the rows that are sought.
+                            // Only the rows of a table that match are shown.
                             PageBlock::Table(rows) => {
                                 table(ui, &matching_rows(rows, &words), &words)
                             }
@@ -132,7 +131,7 @@ fn matches(section: &[PageBlock], words: &[String]) -> bool {
     words.iter().all(|word| text.contains(word))
 }
 
-/// The head of a table and the rows that hold every word; all rows where none does.
+/// Returns the head of a table and the rows that contain every word; all rows if none does.
 fn matching_rows(rows: &[Vec<Vec<Span>>], words: &[String]) -> Vec<Vec<Vec<Span>>> {
     let holds = |row: &&Vec<Vec<Span>>| {
         let row = PageBlock::Table(vec![(*row).clone()]);
@@ -195,7 +194,7 @@ fn table(ui: &mut Ui, rows: &[Vec<Vec<Span>>], words: &[String]) {
                             section.format.color = strong;
                         }
                     }
-                    // Laid out here: a grid would not wrap it.
+                    // The text is laid out here, because a grid would not wrap it.
                     let text = ui.painter().layout_job(text);
                     ui.add(Label::new(text));
                 }
@@ -206,7 +205,8 @@ fn table(ui: &mut Ui, rows: &[Vec<Vec<Span>>], words: &[String]) {
     ui.add_space(6.0);
 }
 
-/// Spans as one text, code in a fixed width, the words of the search on a ground of their own.
+/// Lays out spans as one text: code in a fixed width, the words of the search on a coloured
+/// background.
 fn job(ui: &Ui, spans: &[Span], words: &[String]) -> LayoutJob {
     let mut job = LayoutJob::default();
     let (ink, mark) = (ui.visuals().text_color(), ui.visuals().selection.bg_fill);
@@ -230,7 +230,7 @@ fn job(ui: &Ui, spans: &[Span], words: &[String]) -> LayoutJob {
     job
 }
 
-/// A text cut where a word of the search begins and ends.
+/// Cuts a text before and after each word of the search; true marks these words.
 fn pieces<'a>(text: &'a str, words: &[String]) -> Vec<(&'a str, bool)> {
     let lower = text.to_lowercase();
     let mut found = Vec::new();

@@ -1,5 +1,4 @@
-//! The layers of the map to choose from, the topmost first: shown or not, how strongly, in which
-//! order.
+//! Draws the controls of the layers of the map, the topmost first: visibility, opacity and order.
 
 use crate::app::{LayerShown, LayerStack};
 use crate::ui::controls::number_slider;
@@ -8,7 +7,7 @@ use egui::{Button, Checkbox, RichText, Ui};
 /// Width of a layer's name and of its opacity, points.
 const WIDTHS: [f32; 2] = [118.0, 84.0];
 
-/// A row for each layer.
+/// Draws a row for each layer.
 pub(super) fn control(ui: &mut Ui, stack: &mut LayerStack) {
     let rows: Vec<LayerShown> = stack.bottom_up().rev().copied().collect();
     let last = rows.len().saturating_sub(1);

@@ -1,4 +1,4 @@
-//! The menu bar. Entries come from the command table.
+//! Draws the menu bar, whose entries come from the command table.
 
 use super::sides::SidePanel;
 use super::{levels, map_layers, swipe};
@@ -14,7 +14,7 @@ use egui::{Button, Ui};
 /// Function that draws the entries of a menu.
 type Contents = fn(&mut Ui, &mut ViewContext<'_>);
 
-/// Draws the bar.
+/// Draws the menu bar.
 pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     egui::containers::menu::MenuBar::new().ui(ui, |ui| {
         let menus: [(&str, Contents); 6] = [
@@ -39,7 +39,7 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     });
 }
 
-/// A menu that is longer than the window is tall is scrolled.
+/// Draws a menu, which scrolls if it is longer than the window is tall.
 fn scrolled(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
     let most = ui.content_rect().bottom() - ui.cursor().top() - 16.0;
     egui::ScrollArea::vertical().max_height(most.max(120.0)).show(ui, add);
@@ -62,7 +62,7 @@ fn entries(ui: &mut Ui, context: &mut ViewContext<'_>, group: ActionGroup) {
     entries_where(ui, context, group, App::is_available);
 }
 
-/// Entries that can be chosen where a condition holds.
+/// Draws the entries of a group; those for which `enabled` is false cannot be chosen.
 fn entries_where(
     ui: &mut Ui,
     context: &mut ViewContext<'_>,
@@ -109,7 +109,7 @@ fn external(ui: &mut Ui, context: &mut ViewContext<'_>) {
 }
 
 fn edit(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    // A change that was made in metres is named in the units in use.
+    // A change that was made in metres is named in the present unit.
     let units = context.units();
     for (action, label) in
         [(Action::Undo, context.app.undo_label()), (Action::Redo, context.app.redo_label())]
@@ -265,7 +265,7 @@ fn theme_button(ui: &mut Ui, context: &mut ViewContext<'_>) {
 fn palette_field(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let action = Action::Palette;
     let room = (ui.available_width() - 8.0).min(280.0);
-    // The menus have the rest of a narrow bar: there the key alone opens the palette.
+    // The menus take most of a narrow bar: there the palette is opened by its key only.
     let (title, keys) = match room {
         240.0.. => ("Search or run a command", action.keys()),
         130.0.. => ("Search", action.keys()),

@@ -1,7 +1,8 @@
-//! The window as a whole: menu, panels and tiles of views, and what ties them to the state.
+//! Draws the window as a whole: menu, panels and tiles of views, connected with the state of the
+//! app.
 //!
-//! In: the state, keys, dropped files and the commands of panels and views. Out: the window, and a
-//! changed state.
+//! The window reads the state, keys, dropped files and the commands of panels and views, and
+//! changes the state by commands.
 
 mod commands;
 mod drop;
@@ -49,7 +50,7 @@ pub enum Alone {
     Profile,
 }
 
-/// The views with where each of them looks.
+/// The views, each with the part of the survey that it shows.
 #[derive(Default)]
 struct Views {
     waterfall: WaterfallView,
@@ -77,20 +78,21 @@ impl Views {
             View::Waterfall => self.waterfall.request(request),
             View::Map => self.map.request(request),
             View::Cloud => self.cloud.request(request),
-            // It has no scale.
+            // The table has no scale.
             View::Objects => {}
         }
     }
 
-    /// Width and height of a view, points; those of a small window while it has not been shown.
+    /// Returns the width and height of a view, points; those of a small window if it was not drawn
+    /// yet.
     fn size(&self, view: View) -> [f32; 2] {
         let area = self.areas[view as usize].filter(|area| area.width() > 0.0);
         area.map_or([800.0, 500.0], |area| area.size().into())
     }
 
-    /// The one of these views that a control lies in.
+    /// Returns the visible view that contains a control; `None` if none does.
     fn around(&self, shown: &[View], control: &Response) -> Option<View> {
-        // What lies over the views is none of them.
+        // A control above the views belongs to none of them.
         if control.layer_id != LayerId::background() {
             return None;
         }
@@ -101,7 +103,7 @@ impl Views {
         shown.iter().copied().find(holds)
     }
 
-    /// Views that look at the same places, for a picture.
+    /// Returns copies of the views that show the same part of the survey, for a picture.
     fn for_picture(&self, app: &App) -> Self {
         Self {
             waterfall: self.waterfall.for_picture(),
@@ -121,9 +123,9 @@ impl Views {
     }
 }
 
-/// The window: the state, the views, and everything around them.
+/// The window: state of the app, views, and everything around them.
 pub struct Shell {
-    /// The state that all of it shows.
+    /// The state of the app.
     pub app: App,
     views: Views,
     layout: Layout,
@@ -138,25 +140,25 @@ pub struct Shell {
     history: HistoryList,
     notices: NoticeList,
     alone: Option<Alone>,
-    /// Words around it, on a print.
+    /// Text around the view on a print; `None` without a print.
     text_around: Option<PrintText>,
     started: bool,
-    /// Frames begin in the colour of the panels.
+    /// True if each frame begins in the colour of the panels.
     is_cleared: bool,
-    /// The panel that the keyboard was moved to.
+    /// The panel to which the keyboard was moved, if it was.
     keyboard_in: Option<SidePanel>,
-    /// Frames in which the control of a setting is sought still.
+    /// Number of frames in which a requested control of a setting may still be drawn.
     seeking: u8,
-    /// The analyst knows that closing loses decisions.
+    /// True if the analyst was warned that closing loses decisions.
     warned_of_loss: bool,
-    /// The survey that the play head ran over.
+    /// Serial number of the shown log at the last frame; the play head stops when it changes.
     met: u64,
     /// Title of the window.
     title: String,
 }
 
 impl Shell {
-    /// A window on `app`.
+    /// Creates the window of `app`.
     pub fn new(app: App) -> Self {
         Self {
             app,
@@ -184,14 +186,14 @@ impl Shell {
         }
     }
 
-    /// Leaves the background to the window, whose frames begin as [`eframe::App::clear_color`]
-    /// says. A picture begins transparent.
+    /// Leaves the background to the window, whose frames begin in the colour of
+    /// [`eframe::App::clear_color`]. A picture begins transparent.
     pub(crate) fn on_cleared_window(mut self) -> Self {
         self.is_cleared = true;
         self
     }
 
-    /// Fills the whole picture with one view, without anything around it.
+    /// Fills the whole picture with one view, without panels around it.
     pub fn show_alone(&mut self, alone: Alone) {
         self.alone = Some(alone);
     }
@@ -201,8 +203,7 @@ impl Shell {
         self.views.waterfall.show_pings(pings);
     }
 
-    /// Returns true if nothing runs any more and everything on screen is drawn at its final
-    /// quality.
+    /// Returns true if no work is running and everything visible is drawn in its final quality.
     pub fn is_settled(&self) -> bool {
         let views_settled = match self.alone {
             Some(Alone::View(view)) => self.views.is_settled(view),
@@ -218,12 +219,12 @@ impl Shell {
         self.app.is_idle() && views_settled
     }
 
-    /// Writes title and facts around the one view that is shown.
+    /// Writes title and facts around the view that is shown alone.
     fn frame_with(&mut self, text: PrintText) {
         self.text_around = Some(text);
     }
 
-    /// Share of the map's tiles that is drawn, 0 to 1.
+    /// Returns the drawn share of the map's tiles, 0 to 1.
     pub(crate) fn drawn_share(&self) -> f32 {
         match self.views.map.missing() {
             [_, 0] => 0.0,
@@ -231,8 +232,8 @@ impl Shell {
         }
     }
 
-    /// One frame: collects what workers finished, draws everything, and carries out what the
-    /// analyst asked for.
+    /// Draws a frame: collects the results of finished work, draws everything, and carries out the
+    /// commands of the analyst.
     pub fn frame(&mut self, ui: &mut Ui, render_state: Option<&RenderState>) {
         self.app.poll();
         self.meet_survey(ui.ctx());
@@ -266,7 +267,7 @@ impl Shell {
         let ctx = ui.ctx().clone();
         self.give_up_seeking(&ctx);
         if !self.started {
-            // The first frame was laid out in sizes that were not ours yet.
+            // The first frame was laid out in sizes other than those of the theme.
             self.started = true;
             ctx.request_repaint();
         }
@@ -280,8 +281,7 @@ impl Shell {
         }
     }
 
-    /// Updates the window after a survey was opened: shows its name in the title, and stops the
-    /// play head.
+    /// Updates the window after another log is shown: sets the title, and stops the play head.
     fn meet_survey(&mut self, ctx: &egui::Context) {
         let title = self.title();
         if title != self.title {
@@ -294,7 +294,8 @@ impl Shell {
         }
     }
 
-    /// The project, with a mark while its file does not hold everything, or the log.
+    /// Returns the title: the name of the project, with a mark if its file does not contain all
+    /// changes, or that of the log.
     fn title(&self) -> String {
         let project = self.app.project_path().and_then(|path| path.file_stem());
         let mark = if self.app.is_project_unsaved() { "*" } else { "" };
@@ -305,8 +306,8 @@ impl Shell {
         }
     }
 
-    /// Decisions about boxes that no file keeps are not lost by a slip: the first request to close
-    /// only says so.
+    /// Protects unsaved decisions about boxes from closing by mistake: the first request to close
+    /// only warns the analyst.
     fn guard_decisions(&mut self, ctx: &egui::Context) {
         let closes = ctx.input(|input| input.viewport().close_requested());
         if closes {
@@ -326,8 +327,8 @@ impl Shell {
         }
     }
 
-    /// Part of the window that bare keys act in; `None` while a dialog, a drop-down list, the
-    /// manual or a control outside of views and review has the keyboard.
+    /// Returns the part of the window in which bare keys act; `None` while a dialog, a drop-down
+    /// list, the manual or a control outside of views and review has the keyboard.
     fn key_focus(&self, ui: &Ui) -> Option<KeyFocus> {
         let ctx = ui.ctx();
         if self.dialogs.is_waiting() || self.manual.open || egui::Popup::is_any_open(ctx) {
@@ -347,7 +348,7 @@ impl Shell {
         }
     }
 
-    /// The view that keys are about.
+    /// Returns the view in which keys act.
     fn target(&self) -> View {
         match self.alone {
             Some(Alone::View(view)) => view,
@@ -355,7 +356,7 @@ impl Shell {
         }
     }
 
-    /// Draws everything; what the analyst wants to name in the system's dialog.
+    /// Draws the window; returns the path that the dialog of the system is to ask for.
     fn draw(
         &mut self,
         ui: &mut Ui,
@@ -371,7 +372,7 @@ impl Shell {
             draw_alone(ui, &mut self.views, &mut context, alone);
             return None;
         }
-        // One fill under everything: panels have none of their own.
+        // One fill is drawn below everything: panels have no fill of their own.
         if !self.is_cleared {
             let (window, fill) = (ui.content_rect(), ui.visuals().panel_fill);
             flat::fill(ui.painter(), window, fill, render_state);
@@ -419,8 +420,8 @@ impl Shell {
     }
 }
 
-/// Gives the keyboard back to the views where the control that had it was not drawn any more: the
-/// first key would do nothing else.
+/// Gives the keyboard back to the views if the control that had it is not drawn any more: otherwise
+/// the first key would do nothing else.
 fn forget_vanished_control(ctx: &egui::Context) {
     if let Some(focused) = ctx.memory(|memory| memory.focused())
         && ctx.read_response(focused).is_none()
@@ -437,7 +438,7 @@ fn draw_alone(ui: &mut Ui, views: &mut Views, context: &mut ViewContext<'_>, alo
     });
 }
 
-/// The right side: the review while there are boxes, what is selected, and its profile.
+/// Draws the right side: the review while there are boxes, the selection, and its profile.
 fn details(
     ui: &mut Ui,
     context: &mut ViewContext<'_>,
@@ -450,7 +451,7 @@ fn details(
         panels::shadow::ui(ui, context);
         panels::selection::ui(ui, context);
         panels::section(ui, context, Section::new("Profile"), |ui, context| {
-            // Taller, the curve would be all spikes.
+            // In a taller area the curve would be all spikes.
             let left = (height - ui.min_rect().height() - 24.0).clamp(200.0, 400.0);
             let size = egui::vec2(ui.available_width(), left);
             ui.allocate_ui(size, |ui| profile.ui(ui, context));

@@ -1,4 +1,4 @@
-//! All that the program has said since it was started: when, what, and what can be done about it.
+//! Draws the list of all notices since the program was started: time, text, and offered action.
 
 use crate::app::Notice;
 use crate::ui::ViewContext;
@@ -9,15 +9,15 @@ use std::time::UNIX_EPOCH;
 
 const SIZE: [f32; 2] = [560.0, 420.0];
 
-/// The list; closed at the start.
+/// The list of notices; closed at the start.
 #[derive(Default)]
 pub(super) struct NoticeList {
-    /// True if it is shown.
+    /// True if the list is shown.
     pub open: bool,
 }
 
 impl NoticeList {
-    /// Draws it while it is open.
+    /// Draws the list while it is open.
     pub(super) fn ui(&mut self, ctx: &egui::Context, context: &mut ViewContext<'_>) {
         if !self.open {
             return;

@@ -1,5 +1,5 @@
-//! The command palette: a few letters of a name find any command, any setting of the panels, or a
-//! recent log.
+//! Draws the command palette: a few letters of a name find any command, any setting of the panels,
+//! or a recent log.
 
 use crate::app::{Action, Command};
 use crate::ui::panels::find_setting::{self, ControlPlace};
@@ -8,22 +8,22 @@ use bathyscope_products::pipeline::settings::SettingRow;
 use egui::text::{CCursor, CCursorRange};
 use egui::{Key, Modal, RichText, ScrollArea, TextEdit, Ui};
 
-/// The palette; closed at the start.
+/// The command palette; closed at the start.
 #[derive(Default)]
 pub(super) struct CommandPalette {
     open: bool,
     query: String,
     chosen: usize,
-    /// Its field has the keyboard: before that what is typed is taken here.
+    /// True if its field has the keyboard; before that, the palette reads the typed text itself.
     has_keyboard: bool,
 }
 
 /// Entry of the palette: a command to run, or a setting to go to.
 struct Item {
     label: String,
-    /// Another name that it is found by.
+    /// Another name by which the entry is found.
     alias: &'static str,
-    /// Its key, or the value of the setting.
+    /// Key of the command, or value of the setting.
     aside: String,
     hint: String,
     command: Command,
@@ -35,7 +35,7 @@ impl CommandPalette {
         *self = Self { open: true, ..Self::default() };
     }
 
-    /// Returns true if it is shown.
+    /// Returns true if the palette is shown.
     pub(super) fn is_open(&self) -> bool {
         self.open
     }
@@ -57,16 +57,17 @@ impl CommandPalette {
         }
     }
 
-    /// Draws the field and the list; returns whether something was run.
+    /// Draws the field and the list; returns true if an entry was chosen.
     fn contents(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) -> bool {
         let down = ui.input_mut(|input| input.consume_key(Default::default(), Key::ArrowDown));
         let up = ui.input_mut(|input| input.consume_key(Default::default(), Key::ArrowUp));
         let enter = ui.input(|input| input.key_pressed(Key::Enter));
         let id = egui::Id::unique("field of the command palette");
         if !self.has_keyboard {
-            // Its field does not take anything in the frame in which it appears.
+            // The field reads no text in the frame in which it appears.
             self.query += &take_typed(ui);
-            // Asked for before the field is drawn, it has the keyboard in this frame.
+            // The focus is requested before the field is drawn, so that the field has it in this
+            // frame.
             ui.memory_mut(|memory| memory.request_focus(id));
         }
         let mut field = TextEdit::singleline(&mut self.query)
@@ -142,8 +143,8 @@ fn items(context: &ViewContext<'_>) -> Vec<Item> {
     actions.chain(settings(context)).chain(recent).collect()
 }
 
-/// The settings that have a control, with their values; none while no log is open, and no panel has
-/// its controls.
+/// Returns the settings that have a control, with their values; none while no log is open, because
+/// no panel has controls then.
 fn settings(context: &ViewContext<'_>) -> Vec<Item> {
     let app = context.app;
     if app.log.survey.is_none() {
@@ -162,8 +163,8 @@ fn settings(context: &ViewContext<'_>) -> Vec<Item> {
     all.collect()
 }
 
-/// Items whose labels contain the letters of the query in order, best first; all of them in the
-/// table's order while nothing was typed.
+/// Returns the items whose labels contain the letters of the query in order, best first; without a
+/// query, all items in the order of the table.
 fn search(items: Vec<Item>, query: &str) -> Vec<Item> {
     if query.trim().is_empty() {
         return items;
@@ -179,8 +180,9 @@ fn search(items: Vec<Item>, query: &str) -> Vec<Item> {
     found.into_iter().map(|(_, item)| item).collect()
 }
 
-/// Score of the letters of `query` in `label` in order: letters that start a word or follow each
-/// other count more, and most where the label begins with all of them. `None` when they do not fit.
+/// Returns the score of the letters of `query` in `label`, in order: letters that start a word or
+/// follow each other count more, and most if the label begins with all of them. `None` if the label
+/// does not contain them.
 fn score(label: &str, query: &str) -> Option<i32> {
     let label = label.to_lowercase();
     let letters: Vec<char> = label.chars().collect();
@@ -220,8 +222,8 @@ mod tests {
     use egui::Event;
     use egui_kittest::Harness;
 
-    /// Settings whose controls are drawn once another setting has another value than in a survey
-    /// just opened.
+    /// Settings whose controls are drawn only if another setting differs from its value in a new
+    /// survey.
     const DEPEND: [&str; 10] = [
         "calibration.ppd",
         "cloud.alpha2_deg",

@@ -1,6 +1,6 @@
-//! Saves a person's preferences between runs (display options, arrangement, mountings), with recent
-//! logs, the settings that each was last given, and the path of the base map. Never data; and no
-//! setting of one survey for the next.
+//! Saves the analyst's preferences between runs (display options, arrangement, mountings), with
+//! recent logs, the last settings of each log, and the path of the base map. Data of surveys are
+//! never saved, and no setting of one survey is used for the next.
 
 use super::Shell;
 use super::layout::Layout;
@@ -8,10 +8,10 @@ use crate::app::{GivenSettings, Mountings, ViewOptions};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
-/// Key in the store; a new number when old contents cannot be read any more.
+/// Key in the store; its number grows when old contents cannot be read any more.
 const KEY: &str = "bathyscope window 1";
 
-/// Everything that is kept.
+/// The saved preferences, as they are read.
 #[derive(Serialize, Deserialize)]
 struct Saved {
     options: ViewOptions,
@@ -22,7 +22,8 @@ struct Saved {
     /// Default mountings of the recorders.
     #[serde(default)]
     mountings: Mountings,
-    /// Settings of another version may not be known here; the rest is taken all the same.
+    /// Settings of logs; those of another version may not be readable, which must not prevent
+    /// reading the rest.
     #[serde(default)]
     given: serde_json::Value,
 }
@@ -37,7 +38,7 @@ struct SavedWindow<'a> {
     given: GivenSettings,
 }
 
-/// Writes the window's state into the store.
+/// Writes the preferences into the store.
 pub(super) fn save(shell: &Shell, storage: &mut dyn eframe::Storage) {
     let base_map = shell.app.map.base_map.as_ref();
     let saving = SavedWindow {
@@ -54,7 +55,7 @@ pub(super) fn save(shell: &Shell, storage: &mut dyn eframe::Storage) {
 }
 
 impl Shell {
-    /// Takes over what an earlier run saved; anything unreadable is left as it is by default.
+    /// Restores the preferences of an earlier run; those that cannot be read keep their defaults.
     pub fn restore(&mut self, storage: &dyn eframe::Storage) {
         let Some(text) = storage.get_string(KEY) else {
             return;

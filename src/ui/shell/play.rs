@@ -1,13 +1,13 @@
-//! Running along the survey by itself.
+//! Plays along the survey: moves the selection with time.
 
 use crate::app::{Action, App, Command, LogPlace};
 use crate::ui::ViewContext;
 use egui::Ui;
 use std::time::Duration;
 
-/// Survey seconds in a second of playing.
+/// Speeds of playing: survey seconds per second.
 const SPEEDS: [f64; 6] = [1.0, 2.0, 4.0, 10.0, 20.0, 30.0];
-/// The one of them to begin with.
+/// Index of the initial speed in [`SPEEDS`].
 const FIRST_SPEED: usize = 2;
 
 /// Playback of the selection: its state and its speed.
@@ -15,9 +15,9 @@ pub(super) struct Play {
     running: bool,
     /// Index into [`SPEEDS`].
     speed: usize,
-    /// Survey time of the play head: finer than the pings.
+    /// Survey time of the play head, seconds; it is finer than the pings.
     time_s: f64,
-    /// The ping that it stands on.
+    /// The ping at the play head.
     ping: usize,
 }
 
@@ -28,7 +28,8 @@ impl Default for Play {
 }
 
 impl Play {
-    /// Starts at the selection, or stops. At the end it starts over.
+    /// Starts playing at the selection, or stops. At the end of the log, playing starts at its
+    /// beginning.
     pub(super) fn toggle(&mut self, app: &App) {
         let Some(pings) = app.log.survey.as_ref().map(|survey| &survey.side_scan) else {
             return;
@@ -42,13 +43,13 @@ impl Play {
         }
     }
 
-    /// Takes the next speed up or down; at the fastest and the slowest it stays.
+    /// Changes the speed by a number of steps, between the slowest and the fastest.
     pub(super) fn change_speed(&mut self, steps: isize) {
         let next = self.speed.saturating_add_signed(steps);
         self.speed = next.min(SPEEDS.len() - 1);
     }
 
-    /// Stays where it is.
+    /// Stops playing.
     pub(super) fn stop(&mut self) {
         self.running = false;
     }
@@ -63,7 +64,7 @@ impl Play {
             return;
         };
         let pings = &survey.side_scan;
-        // Whoever selects another ping meanwhile wants to go on from there.
+        // If the analyst selects another ping meanwhile, playing continues from there.
         let moved = app.view.selection.filter(|mark| mark.ping != self.ping);
         if let Some(ping) = moved.and_then(|mark| pings.get(mark.ping)) {
             self.time_s = ping.time_s;
@@ -116,7 +117,7 @@ impl Play {
     }
 }
 
-/// A triangle, or two bars: the font has neither.
+/// Draws a triangle or two bars, because the font has neither.
 fn icon(ui: &Ui, rect: egui::Rect, running: bool) {
     let at = rect.center();
     let colour = ui.visuals().strong_text_color();

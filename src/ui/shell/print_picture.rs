@@ -1,4 +1,4 @@
-//! The picture of a printed view: it is drawn off screen while the window goes on.
+//! Draws the picture of a printed view off screen, while the window can be used.
 
 use super::printing::map_scale;
 use super::{Alone, Shell, Views};
@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 impl Shell {
-    /// Starts drawing the view that was chosen, as it looks now, into a file.
+    /// Starts drawing the chosen view, as it looks now, into a file.
     pub(super) fn print_into(&mut self, path: PathBuf) {
         let view = self.printing.view.unwrap_or(View::Map);
         let is_png = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
@@ -33,7 +33,7 @@ impl Shell {
     }
 }
 
-/// The scale of a printed view in a sentence.
+/// Returns a sentence about the scale of a printed view.
 fn scale(app: &App, view: View, sheet: Sheet, views: &Views) -> String {
     let is_paper = app.view.options.print.paper != Paper::Pixels;
     match view {
@@ -64,7 +64,8 @@ fn scale(app: &App, view: View, sheet: Sheet, views: &Views) -> String {
     }
 }
 
-/// Draws a view on a device of its own and writes it; what was written, in a sentence.
+/// Draws a view on a separate graphics device, and writes it; returns a sentence about the written
+/// file.
 fn draw(
     mut shell: Shell,
     view: View,

@@ -1,5 +1,4 @@
-//! Printing a view: the dialog that asks for the size, and what stands around the view on the
-//! sheet.
+//! Draws the dialog for the size of a printed view, and the text around the view on the sheet.
 
 use super::{Shell, Views};
 use crate::app::{App, Paper, PrintOptions, PrintText, Sheet, View};
@@ -10,10 +9,10 @@ use crate::ui::drop_down::DropDown;
 use crate::ui::theme;
 use egui::{Id, Label, Modal, Panel, RichText, Ui};
 
-/// Said while nothing else can be written.
+/// Notice while products are still being written.
 pub(super) const BUSY: &str = "products are still being written; wait, or cancel that first";
 
-/// The view that is to be printed, and whether its dialog is open.
+/// State of the dialog: the view to print, and whether the dialog is open.
 #[derive(Default)]
 pub(super) struct Printing {
     pub(super) view: Option<View>,
@@ -21,7 +20,7 @@ pub(super) struct Printing {
 }
 
 impl Printing {
-    /// Asks how a view is to be printed.
+    /// Opens the dialog for a view.
     pub(super) fn ask(&mut self, view: View) {
         self.view = Some(view);
         self.is_open = true;
@@ -32,7 +31,7 @@ impl Printing {
         self.is_open
     }
 
-    /// Draws the dialog while it is open; whether the analyst wants to name the file now.
+    /// Draws the dialog while it is open; returns true if the analyst wants to name the file now.
     pub(super) fn ui(
         &mut self,
         ctx: &egui::Context,
@@ -94,7 +93,7 @@ fn choices(ui: &mut Ui, view: &mut View, options: &mut PrintOptions) {
     });
 }
 
-/// Size in words, and the scale that the map has on paper.
+/// Returns the size in words, with the scale of the map on paper.
 fn sheet_summary(view: View, sheet: Sheet, views: &Views) -> String {
     let [width, height] = sheet.size_px;
     let size = format!("{width} x {height} pixels");
@@ -104,8 +103,8 @@ fn sheet_summary(view: View, sheet: Sheet, views: &Views) -> String {
     }
 }
 
-/// Scale of the map on a sheet of [`PrintOptions::POINT_M`] points, as the length in nature over
-/// the length on paper; `None` while there is no map.
+/// Returns the scale of the map on a sheet of [`PrintOptions::POINT_M`] points, as the length in
+/// nature divided by the length on paper; `None` without a map.
 pub(super) fn map_scale(sheet: Sheet, views: &Views) -> Option<f64> {
     let [width, height] = sheet.size_px.map(|side| side as f32 / sheet.pixels_per_point);
     let inside = [width, (height - ABOVE - BELOW).max(1.0)];
@@ -117,7 +116,7 @@ pub(super) fn map_scale(sheet: Sheet, views: &Views) -> Option<f64> {
 const ABOVE: f32 = 30.0;
 const BELOW: f32 = 70.0;
 
-/// Title and facts of a print, above and below its view.
+/// Draws title and facts of a print above and below its view.
 pub(super) fn frame(ui: &mut Ui, app: &App, text: &PrintText) {
     let fill = theme::canvas_colour(&app.view.options);
     let ink = theme::canvas_text_colour(&app.view.options);
@@ -136,7 +135,7 @@ pub(super) fn frame(ui: &mut Ui, app: &App, text: &PrintText) {
 }
 
 impl Shell {
-    /// Opens the dialog, or says why not.
+    /// Opens the dialog, or notifies the analyst of the reason why not.
     pub(super) fn ask_to_print(&mut self) {
         if self.app.log.products.is_none() {
             self.say("there is nothing to print yet; open a log first");
@@ -149,7 +148,7 @@ impl Shell {
         }
     }
 
-    /// Asks for the file, with a name after log and view.
+    /// Asks for the file, with a proposed name made of log and view.
     pub(super) fn name_print(&mut self) {
         let view = self.printing.view.unwrap_or(View::Map);
         let ending = match view {

@@ -1,5 +1,4 @@
-//! The panels left and right of the views: whether they are shown, how wide they are, and the
-//! buttons that show and hide them.
+//! Draws the panels left and right of the views, and the buttons that show and hide them.
 
 use crate::app::{Action, PanelOptions, PanelShown};
 use crate::ui::{ViewContext, theme};
@@ -8,14 +7,15 @@ use egui::{Button, Frame, Id, Panel, Rect, Stroke, Ui, UiBuilder, UiKind, UiStac
 /// A panel beside the views.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum SidePanel {
-    /// The paper's steps, left.
+    /// The panel of steps, on the left.
     Steps,
-    /// The selection, right.
+    /// The panel of details, on the right.
     Details,
 }
 
 impl SidePanel {
-    /// Width of the window from which it is shown where nobody has decided about it, points.
+    /// Returns the width of the window from which the panel is shown if the analyst has not chosen,
+    /// points.
     fn room(self) -> f32 {
         match self {
             SidePanel::Steps => 700.0,
@@ -45,7 +45,7 @@ impl SidePanel {
         }
     }
 
-    /// Returns true if it is shown in a window of this width, points.
+    /// Returns true if the panel is shown in a window of this width, points.
     pub(super) fn is_shown(self, options: PanelOptions, width: f32) -> bool {
         match self.choice(options) {
             PanelShown::WithRoom => width >= self.room(),
@@ -54,8 +54,8 @@ impl SidePanel {
         }
     }
 
-    /// The choice after it was shown or hidden by hand. In a window without room for both, the
-    /// other one goes.
+    /// Returns the options after the panel was shown or hidden by hand. In a window without space
+    /// for both panels, the other one is hidden.
     pub(super) fn set_shown(self, options: PanelOptions, shown: bool, width: f32) -> PanelOptions {
         let mut options = options;
         self.choose(&mut options, shown);
@@ -65,7 +65,7 @@ impl SidePanel {
         options
     }
 
-    /// Width of the window from which both are shown at once, points.
+    /// Width of the window from which both panels are shown at once, points.
     const BOTH: f32 = 900.0;
 
     fn action(self) -> Action {
@@ -75,7 +75,7 @@ impl SidePanel {
         }
     }
 
-    /// Draws the panel while it is shown; it is hidden and shown by a drag of its edge too.
+    /// Draws the panel while it is shown; a drag of its edge hides or shows it, too.
     pub(super) fn ui(
         self,
         ui: &mut Ui,
@@ -87,8 +87,8 @@ impl SidePanel {
         let options = context.options().panels;
         let was_shown = self.is_shown(options, width);
         let mut is_shown = was_shown;
-        // What an earlier run saved is held to that as well: on a small screen the views keep half
-        // of the width.
+        // The limit also applies to a width that an earlier run saved: on a small screen the views
+        // keep half of the width.
         let widest = |most: f32| (width / 4.0).clamp(240.0, most);
         let (panel, sizes) = match self {
             SidePanel::Steps => (Panel::left("steps"), 240.0..=widest(480.0)),
@@ -104,7 +104,8 @@ impl SidePanel {
         }
     }
 
-    /// The button that shows and hides it: a window whose side is filled while the panel is shown.
+    /// Draws the button that shows and hides the panel: a small window, whose side is filled while
+    /// the panel is shown.
     pub(super) fn button(self, ui: &mut Ui, context: &mut ViewContext<'_>) {
         let action = self.action();
         let is_shown = self.is_shown(context.options().panels, ui.content_rect().width());
@@ -131,25 +132,25 @@ impl SidePanel {
     }
 }
 
-/// Width of a panel at first: in a window of 1280 points the views keep half of it, in one of 1400
-/// nothing is short of room.
+/// Returns the initial width of a panel, points: in a window of 1280 points the views keep half of
+/// the width, in one of 1400 points everything has enough space.
 fn default_width(window: f32) -> f32 {
     let least = 240.0;
     let share = ((window - 1280.0) / 120.0).clamp(0.0, 1.0);
     least + share * (theme::SIDE_PANEL_WIDTH - least)
 }
 
-/// Height of the time line in a window of this height, points.
+/// Returns the height of the time line in a window of this height, points.
 pub(super) fn time_line_height(window: f32) -> f32 {
     (0.104 * window).clamp(52.0, crate::ui::panels::timeline::HEIGHT)
 }
 
-/// The scroll area of a panel, which is scrolled whatever it holds. What it holds is as wide with a
-/// bar as without: text that is wrapped otherwise for the bar may be short enough to do without
-/// one, and the bar would come and go in every frame.
+/// Draws the scroll area of a panel. Its contents are as wide without a bar as with one: otherwise
+/// text that is wrapped for the bar could be short enough without it, and the bar would appear and
+/// disappear in every frame.
 pub(super) fn scrolled(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui)) {
     let width = ui.available_width() - ui.spacing().scroll.allocated_width();
-    // Nothing is filled here: the colour is what the contents fade into at the edges.
+    // Nothing is filled here: the contents fade into this colour at the edges.
     let ground = Frame::new().fill(ui.visuals().panel_fill);
     let ground = UiStackInfo::new(UiKind::Frame).with_frame(ground);
     ui.scope_builder(UiBuilder::new().ui_stack_info(ground), |ui| {
@@ -183,7 +184,7 @@ mod tests {
         assert_eq!(shown(details, 640.0), [false, true]);
         let both = SidePanel::Details.set_shown(options, true, 960.0);
         assert_eq!(shown(both, 960.0), [true, true]);
-        // What was chosen holds in a wide window too.
+        // The analyst's choice also holds in a wide window.
         let hidden = SidePanel::Steps.set_shown(options, false, 1600.0);
         assert_eq!(shown(hidden, 1600.0), [false, true]);
     }

@@ -1,11 +1,11 @@
-//! Control of the swipe: the layers of the map that lie left of its divider, and those right of it.
+//! Draws the controls of the swipe, which choose the side of the divider for each layer of the map.
 
 use crate::app::{Action, MapOptions, SwipeSide};
 use crate::ui::drop_down::DropDown;
 use crate::ui::hint_with_key;
 use egui::{RichText, Ui};
 
-/// Divides the map, and a row for each layer that is shown.
+/// Draws the check box that divides the map, and a row for each visible layer.
 pub(super) fn control(ui: &mut Ui, map: &mut MapOptions) {
     let mut on = map.swipe.on;
     let check = ui.checkbox(&mut on, "Swipe");

@@ -1,4 +1,4 @@
-//! The options of a view, at the right end of its title bar.
+//! Draws the options of a view at the right end of its title bar.
 
 use super::{levels, map_layers, swipe};
 use crate::app::{
@@ -12,7 +12,8 @@ use bathyscope_products::pipeline::BottomColour;
 use egui::containers::menu::{MenuButton, MenuConfig};
 use egui::{Popup, Ui};
 
-/// Width that the title and all controls of a view need side by side; below it they go into a menu.
+/// Returns the width that title and controls of a view need side by side, points; in less space the
+/// controls are in a menu.
 fn room(view: View) -> f32 {
     match view {
         View::Waterfall => 640.0,
@@ -22,7 +23,7 @@ fn room(view: View) -> f32 {
     }
 }
 
-/// Draws the controls from right to left; nothing while there is nothing to look at.
+/// Draws the controls from right to left; draws nothing while no log is open.
 pub(super) fn ui(ui: &mut Ui, view: View, context: &mut ViewContext<'_>) {
     if context.app.log.survey.is_none() {
         return;
@@ -45,7 +46,7 @@ fn controls(ui: &mut Ui, view: View, context: &mut ViewContext<'_>, options: &mu
         View::Waterfall => waterfall(ui, context, options),
         View::Map => map(ui, context, options),
         View::Cloud => cloud(ui, context, options),
-        // Its filter lies over its rows.
+        // The filter of the table is above its rows.
         View::Objects => {}
     }
 }
@@ -86,7 +87,7 @@ fn waterfall(ui: &mut Ui, context: &mut ViewContext<'_>, options: &mut ViewOptio
         .on_hover_text("Colours of echo strength.");
 }
 
-/// The channels that look down, where the log has any.
+/// Draws the choice of the down-looking channel, if the log has any.
 pub(super) fn channels(ui: &mut Ui, context: &ViewContext<'_>, shown: &mut WaterfallOptions) {
     let survey = context.app.log.survey.as_ref();
     let has = |channel: &EchogramChannel| match channel.kind() {
@@ -127,7 +128,7 @@ pub(super) fn channels(ui: &mut Ui, context: &ViewContext<'_>, shown: &mut Water
         .on_hover_text("Side-scan, or a down-looking channel with its bottom.");
 }
 
-/// A menu that stays open while its sliders are dragged.
+/// Returns a menu that stays open while its sliders are dragged.
 fn menu(title: egui::RichText) -> MenuButton<'static> {
     let stays = MenuConfig::new().close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside);
     MenuButton::new(title).config(stays)

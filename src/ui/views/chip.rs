@@ -1,4 +1,5 @@
-//! A box enlarged: the bottom around it in square pixels, turned as the waterfall is.
+//! Draws a picture of a box, enlarged: the bottom around it in square pixels, in the orientation of
+//! the waterfall.
 
 use super::waterfall::{outline, palette};
 use crate::app::{ColourMap, OpenLog, Orientation, PIXEL_M, WaterfallOptions};
@@ -10,11 +11,11 @@ use bathyscope_products::pipeline::Same;
 use egui::{ColorImage, Pos2, Rect, Response, Role, Sense, TextureHandle, Ui, Vec2, WidgetInfo};
 use egui::{pos2, vec2};
 
-/// Surroundings on each side of a box as a share of its longer side, and at least, pixels of the
-/// raster.
+/// Surroundings on each side of a box, as a share of its longer side, and the least width of the
+/// surroundings, pixels of the raster.
 const SURROUNDINGS: f32 = 0.35;
 const LEAST_AROUND_PX: f32 = 14.0;
-/// Least side of a picture, pixels: a box alone tells nothing.
+/// Least side of a picture, pixels: a box without surroundings cannot be judged.
 const LEAST_PX: f32 = 64.0;
 /// Longer side of a picture over its shorter one, at most.
 const LONGEST: f32 = 2.6;
@@ -27,9 +28,9 @@ pub(crate) struct ChipKey {
     pub mark: Mark,
     pub map: ColourMap,
     pub orientation: Orientation,
-    /// Later pings to the left, or above.
+    /// True if later pings are to the left or above.
     pub flip: bool,
-    /// Starboard first.
+    /// True if starboard is the upper or left side.
     pub starboard_first: bool,
 }
 
@@ -57,18 +58,19 @@ impl ChipKey {
 }
 
 /// Rotation of a raster's picture (range to the right, time downward) into the orientation in which
-/// the waterfall shows that side.
+/// the waterfall shows its side.
 #[derive(Clone, Copy)]
 struct Turned {
     orientation: Orientation,
-    /// Later pings to the left, or above.
+    /// True if later pings are to the left or above.
     flip: bool,
-    /// The side is the upper or left one: range grows upward or to the left.
+    /// True if the side is the upper or left one: range then grows upward or to the left.
     is_first: bool,
 }
 
 impl Turned {
-    /// Place of a point of the raster in the turned picture; both as shares of the picture.
+    /// Returns the place of a point of the raster in the turned picture; both as shares of the
+    /// picture.
     fn share(self, range: f32, time: f32) -> Pos2 {
         let across = if self.is_first { 1.0 - range } else { range };
         let time = if self.flip { 1.0 - time } else { time };
@@ -108,7 +110,8 @@ struct ChipWindow {
 }
 
 impl ChipWindow {
-    /// The box and its surroundings, in no shape too long to be looked at.
+    /// Returns width and height of the box with its surroundings, pixels; neither side is more than
+    /// [`LONGEST`] times the other.
     fn around(rect: &BoxRect) -> [f32; 2] {
         let [width, height] = [rect.x1 - rect.x0, rect.y1 - rect.y0];
         let around = (SURROUNDINGS * width.max(height)).max(LEAST_AROUND_PX);
@@ -130,7 +133,7 @@ impl ChipWindow {
     }
 }
 
-/// A picture of a box with what lies around it. Copies share the texture.
+/// A picture of a box with its surroundings. Copies share the texture.
 #[derive(Clone)]
 pub(crate) struct BoxChip {
     texture: TextureHandle,
@@ -139,12 +142,13 @@ pub(crate) struct BoxChip {
     /// The box as shares of the picture of the raster: range and time.
     share: Rect,
     turned: Turned,
-    /// Width and height on the bottom, metres.
+    /// Width and height that the picture covers on the bottom, metres.
     size_m: [f64; 2],
 }
 
 impl BoxChip {
-    /// Draws it; a box too large for a tile in coarser pixels, so that a hull is shown as a whole.
+    /// Draws the picture of a box; a box too large for a tile is drawn in coarser pixels, so that a
+    /// hull is shown as a whole. `None` if no pixel is in the picture.
     pub(crate) fn new(of: &ChipKey, ctx: &egui::Context) -> Option<Self> {
         let (survey, navigation, mark) = (&of.survey.0, &of.navigation.0, &of.mark);
         let fine = Raster::new(survey, navigation, PIXEL_M);
@@ -173,7 +177,7 @@ impl BoxChip {
         })
     }
 
-    /// Shows it as large as there is room.
+    /// Shows the picture as large as the available width allows.
     pub(crate) fn ui(&self, ui: &mut Ui, one: &Reviewed, review: &Review, units: Units) {
         let width = ui.available_width();
         let room = vec2(width, width / 1.2);
@@ -186,8 +190,8 @@ impl BoxChip {
         response.on_hover_text(hint);
     }
 
-    /// Draws it as large as fits into some room, in its own shape, with the line of the box's
-    /// state.
+    /// Draws the picture as large as fits into `room`, without distortion, and the box in the
+    /// outline of its state.
     pub(crate) fn draw(&self, ui: &mut Ui, one: &Reviewed, room: Vec2, sense: Sense) -> Response {
         let scale = (room / self.size).min_elem();
         let size = self.size * scale;
@@ -199,7 +203,7 @@ impl BoxChip {
         let at = |x: f32, y: f32| area.lerp_inside(self.turned.share(x, y).to_vec2());
         let (min, max) = (self.share.min, self.share.max);
         let frame = Rect::from_two_pos(at(min.x, min.y), at(max.x, max.y));
-        // With the line of its state, as in the waterfall.
+        // The outline is the same as in the waterfall.
         let style = outline::Style::of(one.state);
         match one.extent {
             ObjectExtent::Point => outline::point(&painter, frame.center(), style, false),
@@ -217,7 +221,7 @@ impl BoxChip {
     }
 }
 
-/// The pixels of a window in colour, turned as the waterfall is.
+/// Returns the pixels of a window in colour, in the orientation of the waterfall.
 fn image(pixels: &[u8], window: &ChipWindow, of: &ChipKey) -> ColorImage {
     let colours = palette(of.map);
     let size = Turned::size([window.columns, window.rows], of.orientation);

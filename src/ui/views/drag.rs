@@ -1,4 +1,4 @@
-//! Drags with a tool in hand, the same in all views.
+//! Handles drags with a tool, in the same way for all views.
 
 use crate::app::{App, Command, ExclusionEdit, LogId};
 use crate::ui::{stretch_text, theme};
@@ -26,7 +26,8 @@ impl Does {
         }
     }
 
-    /// Describes the effect, with the length that the drag covers.
+    /// Describes the effect, with the length that the drag covers; `None` if that length is
+    /// unknown.
     pub(super) fn words(self, app: &App, log: LogId, pings: [usize; 2]) -> Option<String> {
         let units = app.view.options.units;
         let extent = app.extent_of(log, LogPart::Pings(pings))?;
@@ -47,8 +48,8 @@ impl Does {
     }
 }
 
-/// Place where a drag with a tool in hand began in this frame; `None` while Space is held, which
-/// moves the picture instead.
+/// Returns the place where a drag with a tool began in this frame; `None` while Space is held,
+/// which makes the drag move the picture instead.
 pub(super) fn begun(ui: &Ui, response: &Response) -> Option<Pos2> {
     let (space, pressed) =
         ui.input(|input| (input.key_down(Key::Space), input.pointer.press_origin()));
@@ -57,13 +58,13 @@ pub(super) fn begun(ui: &Ui, response: &Response) -> Option<Pos2> {
     at.filter(|_| begun)
 }
 
-/// Returns true if a drag ended with the button still held: Escape ends it, and nothing is to come
-/// of it.
+/// Returns true if a drag has ended while the button is still held: Escape has ended it, and it
+/// must have no effect.
 pub(super) fn is_given_up(ui: &Ui, response: &Response) -> bool {
     response.drag_stopped() && ui.input(|input| input.pointer.primary_down())
 }
 
-/// Effect of the tool for excluded stretches with the keys that are held.
+/// Returns the effect of the tool for excluded stretches with the modifier keys that are held.
 pub(super) fn exclusion_edit(held: Modifiers) -> ExclusionEdit {
     if held.alt {
         ExclusionEdit::Reset

@@ -1,21 +1,21 @@
-//! Text and buttons of an empty view.
+//! Draws text and buttons of an empty view.
 
 use crate::app::Action;
 use crate::ui::{ViewContext, theme};
 use egui::{Rect, RichText, Ui, UiBuilder, vec2};
 
-/// Shown instead of what only a GPU can draw.
+/// Text shown instead of a drawing that needs a GPU.
 pub(super) const NO_GPU: &str =
     "No GPU: this picture needs a graphics driver (Vulkan, Metal or DirectX 12).";
 
-/// First steps of a person, one line each.
+/// First steps of a new user, one line each.
 const FIRST_STEPS: [&str; 3] = [
     "1. Open the log that your recorder wrote on its card, or drop it on the window.",
     "2. Look whether the line follows the bottom here, and at the depths on the map.",
     "3. Export the depth map, the mosaic and the report.",
 ];
 
-/// A sentence in the middle of the view.
+/// Shows a sentence in the middle of the view.
 pub(super) fn say(ui: &mut Ui, context: &ViewContext<'_>, rect: Rect, text: &str) {
     let colour = theme::canvas_text_colour(context.options());
     middle(ui, rect, 20.0, |ui| {
@@ -23,7 +23,7 @@ pub(super) fn say(ui: &mut Ui, context: &ViewContext<'_>, rect: Rect, text: &str
     });
 }
 
-/// Says what the view waits for, or offers to go on when processing was stopped.
+/// Shows what the view waits for, or a button to go on when processing was stopped.
 pub(super) fn wait(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, text: &str) {
     if !context.app.is_stopped() {
         return say(ui, context, rect, text);
@@ -35,7 +35,7 @@ pub(super) fn wait(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, text:
     });
 }
 
-/// Says what would fill the view, and offers to open something.
+/// Shows what would fill the view, with buttons to open a log or the demo.
 pub(super) fn offer_to_open(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, text: &str) {
     let colour = theme::canvas_text_colour(context.options());
     middle(ui, rect, 84.0, |ui| {
@@ -46,7 +46,7 @@ pub(super) fn offer_to_open(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Re
     });
 }
 
-/// Says what to do with the program, and offers to begin.
+/// Shows the first steps, with buttons to open a log or the demo.
 pub(super) fn first_steps(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect) {
     let colour = theme::canvas_text_colour(context.options());
     middle(ui, rect, 140.0, |ui| {

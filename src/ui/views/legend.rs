@@ -1,4 +1,4 @@
-//! Legends that lie on a view: scales of colours, and plates of text.
+//! Draws legends over a view: scales of colours, and plates of text.
 
 use super::ticks;
 use crate::app::ViewOptions;
@@ -10,13 +10,13 @@ use bathyscope_bottom::presentation::colours::{
 use bathyscope_bottom::presentation::units::Units;
 use egui::{Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Shape, Vec2, pos2, vec2};
 
-/// Width of the colour bar.
+/// Width of the colour bar, points.
 const BAR: f32 = 12.0;
 /// Steps of the colour bar.
 const STEPS: usize = 40;
 
-/// Returns true if a view has room for words beside its numbers; a small tile keeps scales and
-/// legends, and drops explanations.
+/// Returns true if a view has room for words beside its numbers; a small view keeps scales and
+/// legends, but shows no explanations.
 pub(super) fn has_room(rect: Rect) -> bool {
     rect.size().min_elem() >= 240.0
 }
@@ -26,21 +26,21 @@ pub(super) fn has_width(rect: Rect) -> bool {
     rect.width() >= 150.0
 }
 
-/// Small text on a view.
+/// Returns the font of small text on a view.
 pub(super) fn font() -> FontId {
     FontId::proportional(11.0)
 }
 
-/// Space between a text and the edge of its plate.
+/// Space between a text and the edge of its plate, points.
 const PLATE_MARGIN: Vec2 = vec2(4.0, 2.0);
 
-/// Size that [`plate`] takes for a text.
+/// Returns the size that [`plate`] takes for a text.
 pub(super) fn plate_size(painter: &Painter, text: &str) -> Vec2 {
     let galley = painter.layout_no_wrap(text.to_owned(), font(), Color32::WHITE);
     galley.size() + 2.0 * PLATE_MARGIN
 }
 
-/// Text on a plate; returns the plate.
+/// Writes a text on a plate; returns the area of the plate.
 pub(super) fn plate(
     painter: &Painter,
     options: &ViewOptions,
@@ -56,7 +56,7 @@ pub(super) fn plate(
     rect
 }
 
-/// Words on a plate, in the colour of words on a canvas; returns the plate.
+/// Writes words on a plate, in the colour of words on a canvas; returns the area of the plate.
 pub(super) fn words(
     painter: &Painter,
     options: &ViewOptions,
@@ -81,19 +81,19 @@ pub(super) fn framed(
     ui.scope_builder(egui::UiBuilder::new().max_rect(place), |ui| frame.show(ui, add));
 }
 
-/// Colours and what they stand for.
+/// A scale of colours with their values.
 pub(super) struct LegendScale {
     title: String,
     /// Values at the top and at the bottom, in the unit of the title.
     ends: [f64; 2],
-    /// Colour at a share of the way from the top.
+    /// Function from a share of the way from the top to a colour.
     colour: fn(f32) -> [u8; 3],
     /// True if values above zero carry a sign.
     signed: bool,
 }
 
 impl LegendScale {
-    /// Depths, shallow on top.
+    /// Creates a scale of depths, shallow on top.
     pub(super) fn of_depth(range_m: [f32; 2], reference: DepthReference, units: Units) -> Self {
         Self {
             title: reference.title(units.symbol()),
@@ -103,7 +103,7 @@ impl LegendScale {
         }
     }
 
-    /// Levels of echoes, the strongest on top.
+    /// Creates a scale of levels of echoes, the strongest on top.
     pub(super) fn of_levels([low, high]: [f32; 2]) -> Self {
         Self {
             title: "echo level".to_owned(),
@@ -113,17 +113,17 @@ impl LegendScale {
         }
     }
 
-    /// Slant ranges, the nearest on top.
+    /// Creates a scale of slant ranges, the nearest on top.
     pub(super) fn of_ranges(ends_m: [f32; 2], units: Units) -> Self {
         Self::of_metres("slant range", ends_m, units, share_colour)
     }
 
-    /// Uncertainties of depths, the least on top.
+    /// Creates a scale of uncertainties of depths, the least on top.
     pub(super) fn of_uncertainty(ends_m: [f32; 2], units: Units) -> Self {
         Self::of_metres("uncertainty", ends_m, units, uncertainty_colour)
     }
 
-    /// Distances to the nearest depth, the nearest on top.
+    /// Creates a scale of distances to the nearest depth, the nearest on top.
     pub(super) fn of_distance(ends_m: [f32; 2], units: Units) -> Self {
         Self::of_metres("to a depth", ends_m, units, distance_colour)
     }
@@ -137,7 +137,8 @@ impl LegendScale {
         }
     }
 
-    /// Hardness of the bed against the median of the map, decibels, the hardest on top.
+    /// Creates a scale of the hardness of the bed against the median of the map, decibels, the
+    /// hardest on top.
     pub(super) fn of_hardness([low_db, high_db]: [f32; 2]) -> Self {
         Self {
             title: "hardness, dB".to_owned(),
@@ -147,7 +148,7 @@ impl LegendScale {
         }
     }
 
-    /// Residuals up to `reach_m` to either side of zero, the higher on top.
+    /// Creates a scale of residuals up to `reach_m` to either side of zero, the higher on top.
     pub(super) fn of_residuals(reach_m: f64, units: Units) -> Self {
         let reach = units.in_unit(reach_m);
         Self {
@@ -158,7 +159,7 @@ impl LegendScale {
         }
     }
 
-    /// Draws it upright with its right bottom corner at `corner`; returns what it covers.
+    /// Draws the scale upright with its right bottom corner at `corner`; returns the covered area.
     pub(super) fn show(
         &self,
         painter: &Painter,

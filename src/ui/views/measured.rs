@@ -1,5 +1,5 @@
-//! Describes a measurement in words, and has the parts of measuring that the views share: the strip
-//! with the result and the keys of the cross.
+//! Describes a measurement in words, and provides the parts of measuring that the views share: the
+//! strip with the result and the keys of the cross.
 
 use super::legend;
 use crate::app::{Action, App};
@@ -10,10 +10,11 @@ use bathyscope_objects::targets::{ShadowError, ShadowHeight};
 use bathyscope_products::project::{Measurement, MeasurementKind};
 use egui::{FocusDirection, Key, Modifiers, Painter, Pos2, Rect, RichText, Stroke, Ui, pos2, vec2};
 
-/// Points that the cross moves at a key, and with Shift.
+/// Points that an arrow key moves the cross, and with Shift.
 const STEPS: [f64; 2] = [10.0, 1.0];
 
-/// The whole, and the last leg with its course.
+/// Describes the whole figure, and its last leg with the course; `None` with fewer than two
+/// corners.
 pub(crate) fn beside(app: &App, figure: &Measurement) -> Option<String> {
     let [.., from, to] = figure.corners[..] else {
         return None;
@@ -27,7 +28,7 @@ pub(crate) fn beside(app: &App, figure: &Measurement) -> Option<String> {
     Some(format!("{whole}\nleg {leg}{course}"))
 }
 
-/// Result of a measurement; `None` while there is nothing between the corners.
+/// Describes the result of a measurement; `None` while there are too few corners.
 fn measured(app: &App, figure: &Measurement) -> Option<String> {
     let units = app.view.options.units;
     let length = units.ground_length(figure.length_m());
@@ -49,7 +50,7 @@ fn measured(app: &App, figure: &Measurement) -> Option<String> {
     }
 }
 
-/// Result of a measurement with its name; `None` while there is nothing between the corners.
+/// Describes the result of a measurement with its name; `None` while there are too few corners.
 fn words(app: &App, figure: &Measurement) -> Option<String> {
     let measured = measured(app, figure)?;
     Some(match figure.kind {
@@ -60,7 +61,7 @@ fn words(app: &App, figure: &Measurement) -> Option<String> {
     })
 }
 
-/// A height with its standard deviation, or why there is none.
+/// Describes a height with its standard deviation, or the reason why there is none.
 pub(crate) fn height(found: &Result<ShadowHeight, ShadowError>, units: Units) -> String {
     match found {
         Ok(shadow) => {
@@ -73,8 +74,8 @@ pub(crate) fn height(found: &Result<ShadowHeight, ShadowError>, units: Units) ->
     }
 }
 
-/// Draws the result of a measurement and the buttons for it. The banner of the tool explains the
-/// measuring.
+/// Draws the result of a measurement and the buttons for it. The banner of the tool explains how to
+/// measure.
 pub(crate) fn strip(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, shown: &Measurement) {
     let Some(text) = words(context.app, shown) else {
         return;
@@ -111,7 +112,7 @@ pub(crate) fn cross(painter: &Painter, at: Pos2) {
     }
 }
 
-/// Points that the arrow keys move the cross by: to the right, and up.
+/// Returns the points by which the arrow keys move the cross: to the right, and up.
 pub(crate) fn arrows(ui: &mut Ui) -> [f64; 2] {
     if ui.text_edit_focused() || ui.memory(|memory| memory.focused().is_some()) {
         return [0.0; 2];
@@ -124,11 +125,11 @@ pub(crate) fn arrows(ui: &mut Ui) -> [f64; 2] {
     ];
     let mut moved = [0.0; 2];
     for (key, way) in keys {
-        // A plain arrow would match with Shift held too.
+        // A plain arrow would match with Shift held, too.
         for (modifiers, step) in [(Modifiers::SHIFT, STEPS[1]), (Modifiers::NONE, STEPS[0])] {
             let pressed = ui.input_mut(|input| input.count_and_consume_key(modifiers, key));
             if pressed > 0 {
-                // egui has seen it too, and would walk to a control.
+                // egui has handled the key too, and would move the keyboard to another control.
                 ui.memory_mut(|memory| memory.move_focus(FocusDirection::None));
             }
             for axis in 0..2 {

@@ -1,7 +1,7 @@
-//! The views of a survey: waterfall, map, cloud, profile, and the table of objects. One file a
-//! view.
+//! Draws the views of a survey: waterfall, map, cloud, profile, and the table of objects, each in
+//! its own module.
 //!
-//! In: the state. Out: a picture with marks for each view, and commands.
+//! Input: the state. Output: a picture with marks for each view, and commands.
 
 pub(super) mod chip;
 mod cloud;

@@ -1,5 +1,5 @@
-//! The banner at the top of a view while a tool is in hand: what it is called, what to do next, and
-//! its keys.
+//! Draws the banner at the top of a view while a tool is selected: the name of the tool, the next
+//! action of the user, and the keys.
 
 use super::legend;
 use crate::app::{Action, App, BoxEdge, Tool, View};
@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 /// Room around the words, points.
 const MARGIN: egui::Vec2 = vec2(7.0, 3.0);
-/// Lowest view that has room for the keys, points.
+/// Least height of a view whose banner shows all keys, points.
 const ROOM_FOR_KEYS: f32 = 170.0;
 
 /// Text of a banner.
@@ -27,7 +27,8 @@ impl Banner {
         Self { name, next: next.into(), keys: keys.into() }
     }
 
-    /// Creates the banner of the tool in hand that is of use in a view; `None` without one.
+    /// Creates the banner of the selected tool, if the tool can be used in this view; `None`
+    /// otherwise.
     pub(super) fn of(app: &App, view: View) -> Option<Self> {
         if let Some(kind) = app.map.measuring.tool {
             return measuring(app, kind, view);
@@ -55,15 +56,15 @@ impl Banner {
         }
     }
 
-    /// The whole of it in one line.
+    /// Returns the whole banner as one line.
     fn words(&self) -> String {
         format!("{}: {}. {}", self.name, self.next, self.keys)
     }
 
-    /// Lays it out in the upper left corner of `room`.
+    /// Lays the banner out in the upper left corner of `room`.
     pub(super) fn place(&self, ui: &Ui, room: Rect) -> PlacedBanner {
-        // All keys where they stand in two lines, else the one that leaves it: a banner that covers
-        // a small view helps nobody.
+        // All keys if they fit in two lines, else only the key that leaves the tool: a banner must
+        // not cover a small view.
         let has_room = room.height() >= ROOM_FOR_KEYS;
         let whole = has_room.then(|| self.lay_out(ui, room, &self.keys));
         let whole = whole.filter(|galley| galley.rows.len() <= 2);
@@ -82,7 +83,7 @@ impl Banner {
         let mut add = |text: &str, colour: Color32| {
             job.append(text, 0.0, TextFormat::simple(font.clone(), colour));
         };
-        // On a dark ground in any theme, as all words on the picture are.
+        // On a dark background in any theme, like all words on the picture.
         add(self.name, theme::MEASURE_COLOUR);
         add(&format!("  {}", self.next), Color32::from_gray(240));
         add(&format!("   {keys}"), Color32::from_gray(178));
@@ -100,7 +101,7 @@ pub(super) struct PlacedBanner {
 }
 
 impl PlacedBanner {
-    /// Draws it.
+    /// Draws the banner.
     pub(super) fn draw(&self, ui: &Ui) {
         let plate = self.plate;
         let painter = ui.painter();
@@ -114,7 +115,7 @@ impl PlacedBanner {
     }
 }
 
-/// Returns the banner of a tool that is of use in the waterfall alone.
+/// Returns the banner of a tool that is used in the waterfall only; `None` for other tools.
 fn of_picture(app: &App, tool: Tool) -> Option<Banner> {
     Some(match tool {
         Tool::Look | Tool::Exclude | Tool::Calibrate => return None,
@@ -204,7 +205,8 @@ fn measuring(app: &App, kind: MeasurementKind, view: View) -> Option<Banner> {
     Some(Banner::new(name, next, keys))
 }
 
-/// The banner of the tool in hand at the top of a view, if there is one and there is room.
+/// Returns the banner of the selected tool at the top of a view; `None` without a tool, without
+/// room, and in an exported picture.
 pub(super) fn in_view(ui: &Ui, app: &App, view: View, rect: Rect) -> Option<PlacedBanner> {
     let banner = Banner::of(app, view).filter(|_| !app.view.is_picture)?;
     let room = rect.shrink2(vec2(4.0, 4.0));

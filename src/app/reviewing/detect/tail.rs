@@ -1,7 +1,8 @@
-//! Searching what a followed log has got since it was searched.
+//! Searches the pings that a followed log has got since its last search.
 //!
-//! What is found is no step of the history: undo takes back what the analyst did. A step that
-//! brings an older version of the boxes back leaves pings unsearched, and they are searched again.
+//! The boxes that are found are no undo step, because undo reverts what the analyst did. An undo
+//! step that restores an older version of the boxes leaves pings unsearched, and these are searched
+//! again.
 
 use super::{LABEL, LEAST_SCORE};
 use crate::app::error::AppError;
@@ -10,9 +11,10 @@ use bathyscope_log::survey::Navigation;
 use bathyscope_objects::{Detection, DetectorSettings, find};
 use std::sync::Arc;
 
-/// New pings that are enough for a search: about half of a tile of the picture at a walking pace.
+/// Number of new pings that start a search: about half of a tile of the picture at a walking pace.
 const ENOUGH: usize = 150;
-/// Pings before them that are searched again: an object may have been cut off at the end.
+/// Number of earlier pings that are searched again, because an object may have been cut off at the
+/// end.
 const AGAIN: usize = 300;
 
 /// The search of the end of a log.
@@ -24,19 +26,19 @@ pub(super) struct TailSearch {
 
 struct Running {
     log: LogId,
-    /// First ping and the one behind the last.
+    /// First ping of the search, and the first ping after it.
     from: usize,
     to: usize,
     task: Task<Result<Vec<Detection>, AppError>>,
 }
 
 impl TailSearch {
-    /// Objects were asked for.
+    /// Enables the search, because objects were requested.
     pub(super) fn wants(&mut self) {
         self.is_wanted = true;
     }
 
-    /// They are not any more.
+    /// Stops and disables the search.
     pub(super) fn stop(&mut self) {
         *self = Self::default();
     }
@@ -50,7 +52,8 @@ impl super::ObjectSearch {
 }
 
 impl App {
-    /// Searches what a followed log has got since it was searched.
+    /// Starts searching the pings that a followed log has got since its last search, if objects
+    /// were requested.
     pub(in crate::app) fn search_tail(&mut self, id: LogId) {
         let tail = &self.findings.search.tail;
         if tail.is_wanted && tail.running.is_none() && !self.findings.search.is_busy() {
@@ -102,7 +105,7 @@ impl App {
         self.findings.search.tail.running = Some(Running { log: id, from, to, task });
     }
 
-    /// Collects what was found, also when the log is not followed any more.
+    /// Collects the boxes that were found, even if the log is not followed any more.
     pub(in crate::app) fn collect_tail(&mut self) {
         let found =
             match self.findings.search.tail.running.as_ref().map(|running| running.task.poll()) {
@@ -125,7 +128,8 @@ impl App {
 
     fn adopt_tail(&mut self, running: &Running, found: &[Detection]) {
         let &Running { log, from, to, .. } = running;
-        // The edge of the picture is no object, and what begins before is there already.
+        // A box at the edge of the picture is no object, and objects that begin before it are
+        // listed already.
         let inside = found.iter().filter(|one| one.mark.pings.start > from || from == 0);
         let inside: Vec<Detection> = inside.cloned().collect();
         let adopted = self.adopted(log, &inside, from..to);

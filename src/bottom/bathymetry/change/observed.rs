@@ -1,50 +1,53 @@
-//! The errors of the difference of two maps, estimated where the bottom did not change.
+//! Estimates the errors of the difference of two maps from the ground where the bottom did not
+//! change.
 //!
-//! Surveys along the same lines draw the ground between them alike: what that is wrong by is in
-//! both maps, and not in their difference. How much of the stated errors is in the difference is
-//! seen where nothing changed, as it is by those who compare terrain models on stable ground
-//! (Rolstad, Haug and Denby 2009, J. Glaciology 55; Hugonnet et al. 2022, IEEE JSTARS 15, doi
-//! 10.1109/JSTARS.2022.3188922).
+//! Surveys along the same lines draw the ground between the lines in the same way: the error of
+//! this is in both maps, and not in their difference. The share of the stated errors that is in the
+//! difference is measured where nothing changed, as for terrain models that are compared on stable
+//! ground (Rolstad, Haug and Denby 2009, J. Glaciology 55; Hugonnet et al. 2022, IEEE JSTARS 15,
+//! doi 10.1109/JSTARS.2022.3188922).
 
 use super::{ChangeErrors, ChangeField, ChangeRegion, WITHIN_95};
 use bathyscope_log::support::statistics::{median, quantile};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-/// Distance to the nearest place that the other map measured, metres, within which both measured
-/// the same place: no boat comes back to a line exactly.
+/// Greatest distance at which measured places of the two maps count as the same place, metres: no
+/// boat comes back to a line exactly.
 const SAME_PLACE_M: f32 = 1.0;
-/// Greatest ratio of two distances, to the nearest place that both maps measured and to the nearest
-/// place that either measured, where both maps draw a cell from the same places.
+/// Greatest ratio of two distances from a cell, to the nearest place that both maps measured and to
+/// the nearest place that either measured, at which both maps draw the cell from the same places.
 const FARTHER: f32 = 1.25;
-/// Share of the cells drawn from the same places from which on errors may reach less far than
-/// assumed: what is drawn anew errs along a whole line.
+/// Least share of cells drawn from the same places with which the range of the errors is estimated.
+/// With fewer, the assumed range is kept: what only one map draws errs along a whole line.
 const SAME_SHARE: f64 = 0.6;
-/// Stated errors within a factor of the square root of two are judged together.
+/// Groups of stated errors per octave: errors within a factor of the square root of two are judged
+/// together.
 const BINS_PER_OCTAVE: f64 = 2.0;
-/// Fewest cells that tell how large their errors are.
+/// Fewest cells from which the size of their errors is estimated.
 const FEWEST_CELLS: usize = 200;
-/// Fewest squares of ground that tell how far errors reach.
+/// Fewest squares of ground from which the range of the errors is estimated.
 const FEWEST_SQUARES: usize = 12;
 
-/// The errors of a difference as its cells without a change show them.
+/// Errors of a difference, estimated from its cells without a change.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObservedErrors {
-    /// Standard deviation of the depths' own errors in each cell's rise, metres: never larger than
-    /// stated.
+    /// Standard deviation of each cell's rise that comes from the depths' own errors, metres: at
+    /// most the stated one.
     pub sigma_m: Vec<f32>,
-    /// Depths farther apart err independently, metres: never farther than was assumed.
+    /// Distance beyond which the errors of depths are independent, metres: at most the assumed one.
     pub range_m: f64,
-    /// The median share of the stated errors that is in the difference; 1 where they stand.
+    /// Median share of the stated errors that is in the difference; 1 where the stated errors are
+    /// kept.
     pub share: f64,
 }
 
 impl ChangeField<'_> {
-    /// The errors that the cells show in which no change is detected with the stated ones.
+    /// Estimates the errors from the cells in which no change is detected with the stated errors.
     ///
-    /// Stated errors stand where a map was measured and the other drawn, and where too few cells
-    /// tell. A change that covers most of the ground is taken for an error, so that errors come out
-    /// too large, not too small.
+    /// The stated errors are kept where the maps are not drawn from the same places, and where
+    /// there are too few cells. A change that covers most of the ground is taken for an error, so
+    /// that errors come out too large, not too small.
     pub fn observed_errors(&self, errors: &ChangeErrors) -> ObservedErrors {
         let quiet = self.quiet(&self.regions(errors));
         let bins = self.bins();
@@ -68,8 +71,8 @@ impl ChangeField<'_> {
         ObservedErrors { sigma_m, range_m, share }
     }
 
-    /// The rise of the cells outside of the places that changed, less the median of all of them;
-    /// NaN in the others.
+    /// Returns the rise of the cells outside of the places that changed, less the median of these
+    /// cells, metres; NaN in the other cells.
     fn quiet(&self, regions: &[ChangeRegion]) -> Vec<f64> {
         let mut quiet_m: Vec<f64> = self.rise_m.iter().map(|rise_m| f64::from(*rise_m)).collect();
         for cell in regions.iter().flat_map(|region| &region.cells) {
@@ -83,8 +86,8 @@ impl ChangeField<'_> {
         quiet_m
     }
 
-    /// The group of stated errors that a cell is judged with; `None` where the maps are not drawn
-    /// from the same places, or state no error.
+    /// Returns the group of stated errors that each cell is judged with; `None` where the maps are
+    /// not drawn from the same places, or the stated error is 0.
     fn bins(&self) -> Vec<Option<i32>> {
         let [newer_m, older_m] = self.away_each_m();
         let is_shared = |cell: usize| {
@@ -148,7 +151,8 @@ impl ChangeField<'_> {
         let of_squares = means.iter().map(|mean| mean * mean).sum::<f64>() / means.len() as f64;
         let of_cells = cells.0 / cells.1;
         let square_m2 = self.cell_area_m2 * (side * side) as f64;
-        // The area that errs together, and the range of a spherical variogram that has it.
+        // The area whose errors are the same, and the range of a spherical variogram that has this
+        // area.
         let together_m2 = square_m2 * of_squares / of_cells;
         (5.0 * together_m2 / PI).sqrt().clamp(cell_m.min(assumed_m), assumed_m)
     }

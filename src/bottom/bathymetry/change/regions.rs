@@ -1,5 +1,5 @@
-//! The connected places where the bottom changed, from where the change is detected out to where it
-//! disappears in noise, and what of it is drawn between measured places.
+//! Finds the connected places where the bottom changed, from where the change is detected out to
+//! where it disappears in noise, and estimates the error of what is drawn between measured places.
 
 use super::{CellChange, ChangeErrors, ChangeSum, WITHIN_95};
 use bathyscope_log::support::statistics::{median, spread_about};
@@ -7,45 +7,45 @@ use std::f64::consts::PI;
 
 /// Half the side of the square that a change is averaged over before its rim is sought, metres.
 const SMOOTHED_M: f64 = 1.0;
-/// Largest half side in cells: larger averages add nothing.
+/// Largest half side of this square in cells: larger averages gain nothing.
 const MOST_SMOOTHED: usize = 10;
-/// Fewest detected cells of a place, and least ground that they cover, square metres: positions are
-/// off by as much.
+/// Fewest detected cells of a place, and the least area that they cover, square metres: errors of
+/// position may make smaller ones.
 const FEWEST_DETECTED: usize = 4;
 const LEAST_DETECTED_M2: f64 = 2.0;
-/// The share of maps without a change in which errors alone make a place.
+/// Share of maps without a change in which errors alone make a place.
 const BY_CHANCE: f64 = 0.05;
 /// A place ends where the change is less than this number of standard deviations of the undetected
 /// cells.
 const RIM_SIGMAS: f64 = 1.5;
-/// The edges of a change on both sides of a line err independently: together they are as uncertain
-/// as this share of their sum.
+/// Standard deviation of the two edges of a change together, as a share of the sum of their
+/// standard deviations: the edges on both sides of a line err independently.
 const EDGES_SHARE: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 /// A raster of changes, row by row.
 #[derive(Clone, Copy, Debug)]
 pub struct ChangeField<'a> {
-    /// Cells from west to east.
+    /// Number of cells from west to east.
     pub columns: usize,
-    /// Square metres of a cell.
+    /// Area of a cell, square metres.
     pub cell_area_m2: f64,
-    /// Rise of the bottom, metres; NaN where one of the maps knows nothing.
+    /// Rise of the bottom, metres; NaN where one of the maps has no depth.
     pub rise_m: &'a [f32],
-    /// Standard deviation of the depths' own errors in that, metres.
+    /// Standard deviation of the rise that comes from the depths' own errors, metres.
     pub sigma_m: &'a [f32],
-    /// True where a map measured a depth in the cell: the newer map, the older map.
+    /// True where a map measured a depth in the cell: the newer map first, then the older.
     pub is_measured: &'a [[bool; 2]],
 }
 
-/// A connected place that rose, or sank.
+/// Connected place where the bottom rose or sank.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ChangeRegion {
     /// True if the bottom rose.
     pub is_fill: bool,
-    /// Indices of its cells.
+    /// Indices of the cells of the place.
     pub cells: Vec<usize>,
-    /// Standard deviation of the rise of each, metres, because it is drawn between places that both
-    /// maps measured; all err together.
+    /// Standard deviation of the rise of each cell that comes from drawing it between places that
+    /// both maps measured, metres; the errors of all cells have the same sign.
     pub between_m: Vec<f64>,
 }
 
@@ -60,14 +60,14 @@ impl ChangeField<'_> {
         })
     }
 
-    /// The places where a change is detected, each grown as far as the smoothed change keeps its
-    /// sign and stands out of the noise, in the order of their first cells.
+    /// Returns the places where a change is detected, each grown as far as the smoothed change
+    /// keeps its sign and exceeds the noise, in the order of their first cells.
     ///
-    /// Noise is what undetected cells show, in units of their stated errors. Their median is what
-    /// one map is set off from the other, and a place has a cell that stands out of that by more
-    /// than the depths' own errors. The detected cells of a place together have to stand out of as
-    /// many independent errors as the map has: among many the largest passes the level of detection
-    /// without any change.
+    /// The noise is that of the undetected cells, in units of their stated errors. The median rise
+    /// of the undetected cells is the offset of one map from the other, and each place has a cell
+    /// that differs from this offset by more than the depths' own errors. The detected cells of a
+    /// place together must exceed the largest of as many independent errors as the map has: the
+    /// largest of many errors passes the level of detection without any change.
     pub fn regions(&self, errors: &ChangeErrors) -> Vec<ChangeRegion> {
         let sigmas = self.largest_of_errors(errors);
         let (mut regions, offset_m) = self.candidates(errors);
@@ -75,8 +75,8 @@ impl ChangeField<'_> {
         regions
     }
 
-    /// Returns the places that errors alone may have made, and the offset of one map from the
-    /// other, metres.
+    /// Returns the places with a detected change, some of which errors alone may have made, and the
+    /// offset of one map from the other, metres.
     fn candidates(&self, errors: &ChangeErrors) -> (Vec<ChangeRegion>, f64) {
         let smoothed = self.smoothed(errors);
         let (mut quiet, mut quiet_m) = (Vec::new(), Vec::new());
@@ -86,7 +86,7 @@ impl ChangeField<'_> {
                 quiet_m.push(cell.rise_m);
             }
         }
-        // Where everything changed there is no noise to be seen.
+        // Where everything changed, no noise can be measured.
         let (mut level, mut noise, mut offset_m) = (0.0, 0.0, 0.0);
         if !quiet.is_empty() {
             level = median(&mut quiet);
@@ -139,8 +139,8 @@ impl ChangeField<'_> {
         is_large && sum.volume_m3.abs() > sigmas * random_m3
     }
 
-    /// Standard deviations that the largest of the independent errors of a map does not exceed, in
-    /// 95 of 100 maps; at least those of the level of detection.
+    /// Returns the number of standard deviations that the largest of the independent errors of a
+    /// map does not exceed in 95 of 100 maps; at least that of the level of detection.
     fn largest_of_errors(&self, errors: &ChangeErrors) -> f64 {
         let known = self.rise_m.iter().filter(|rise_m| !rise_m.is_nan()).count();
         let together_m2 = (PI * errors.range_m.powi(2) / 5.0).max(self.cell_area_m2);
@@ -148,7 +148,8 @@ impl ChangeField<'_> {
         (2.0 * (independent / BY_CHANCE).ln()).sqrt().max(WITHIN_95)
     }
 
-    /// The cells around a seed, by their edges, that stand out too.
+    /// Returns the seed and all cells connected with it by edges that stand out too, and marks them
+    /// as taken.
     fn grown(
         &self,
         seed: usize,
@@ -178,12 +179,12 @@ impl ChangeField<'_> {
         cells
     }
 
-    /// A region of some cells. Farther from measured places than the change is wide where it was
-    /// measured, what is drawn is as uncertain as it is large. A change that is drawn to fall off
-    /// between two measured places has its edge anywhere between them. Of a change of height `h`
-    /// that ends evenly distributed over a gap `g`, the volume has a standard deviation of
-    /// `h g / sqrt(12)`; the fall away from the nearer place times the distance to it makes `h g /
-    /// 4`.
+    /// Creates the region of some cells. Where measured places are farther away than the change is
+    /// wide, the error of what is drawn is as large as the change. Where the change is drawn to
+    /// fall off between two measured places, its edge may lie anywhere between them: if a change of
+    /// height `h` ends evenly distributed over a gap `g`, its volume has a standard deviation of `h
+    /// g / sqrt(12)`. The fall away from the nearer place times the distance to this place gives `h
+    /// g / 4`.
     fn region(&self, is_fill: bool, cells: Vec<usize>, away: &[f32]) -> ChangeRegion {
         let width_m2 = self.width_m2(&cells);
         let between = cells.iter().map(|&cell| {
@@ -197,8 +198,8 @@ impl ChangeField<'_> {
         ChangeRegion { is_fill, between_m: between.collect(), cells }
     }
 
-    /// Gradient of metres at a cell, a metre to the east and to the south; 0 where neighbours are
-    /// unknown.
+    /// Returns the gradient of a raster of metres at a cell, metres a metre to the east and to the
+    /// south; 0 where neighbours are unknown.
     fn gradient(&self, metres: &[f32], cell: usize) -> [f64; 2] {
         let across_m = 2.0 * self.cell_area_m2.sqrt();
         let between = |before: Option<usize>, after: usize| {
@@ -212,9 +213,9 @@ impl ChangeField<'_> {
         [east, south].map(Option::unwrap_or_default)
     }
 
-    /// Variance of the Gaussian mound that has the moments of the change in the measured cells of a
-    /// region, square metres: on one line that crosses a mound its own, for the square of a
-    /// Gaussian has half of its variance.
+    /// Returns the variance of the Gaussian mound that has the moments of the change in the
+    /// measured cells of a region, square metres. On one line across a mound this is the variance
+    /// of the mound, since the square of a Gaussian has half of its variance.
     fn width_m2(&self, cells: &[usize]) -> f64 {
         let measured = cells.iter().filter(|cell| self.is_measured[**cell] != [false; 2]);
         let mut sums = [0.0; 4];
@@ -230,24 +231,24 @@ impl ChangeField<'_> {
         } else {
             0.0
         };
-        // A change in one cell is as wide as that.
+        // A change in a single cell is as wide as the cell.
         2.0 * self.cell_area_m2 * moment.max(0.5)
     }
 
-    /// Distance from each cell to the nearest one that was measured, of the map whose is farther,
-    /// metres.
+    /// Returns the distance from each cell to the nearest measured cell, metres, in the map where
+    /// it is farther away.
     fn away_m(&self) -> Vec<f32> {
         let [newer_m, older_m] = self.away_each_m();
         newer_m.into_iter().zip(older_m).map(|(one, other)| one.max(other)).collect()
     }
 
-    /// Distance from each cell to the nearest one that was measured, of the newer map and of the
-    /// older, metres.
+    /// Returns the distance from each cell to the nearest measured cell, metres, in the newer map
+    /// and in the older.
     pub(super) fn away_each_m(&self) -> [Vec<f32>; 2] {
         [0, 1].map(|map| self.away_from(|cell| self.is_measured[cell][map]))
     }
 
-    /// Distance from each cell to the nearest one of some, metres.
+    /// Returns the distance from each cell to the nearest cell for which `is_one` is true, metres.
     pub(super) fn away_from(&self, is_one: impl Fn(usize) -> bool) -> Vec<f32> {
         let cell_m = self.cell_area_m2.sqrt() as f32;
         let start =
@@ -256,14 +257,14 @@ impl ChangeField<'_> {
         cells.into_iter().map(|cells| cell_m * cells).collect()
     }
 
-    /// The change in units of its stated error, averaged over the known cells of a square; NaN
-    /// where the change is not known.
+    /// Returns the change in units of its stated error, averaged over the known cells of a square;
+    /// NaN where the change is not known.
     fn smoothed(&self, errors: &ChangeErrors) -> Vec<f64> {
         let reach = (SMOOTHED_M / self.cell_area_m2.sqrt()).round() as usize;
         let reach = reach.clamp(1, MOST_SMOOTHED);
         let own = |index: usize| match self.cell(index) {
             Some(cell) => {
-                // Maps that state no error still say where they differ.
+                // Without stated errors, the change itself is averaged.
                 let sigma_m = cell.sigma_m.hypot(errors.systematic_m);
                 let sigma_m = if sigma_m > 0.0 { sigma_m } else { 1.0 };
                 [cell.rise_m / sigma_m, 1.0]
@@ -279,8 +280,9 @@ impl ChangeField<'_> {
     }
 }
 
-/// Sums of the values within so many steps of each along one axis; the axis and the other one by
-/// their counts and by how far apart their neighbours lie.
+/// Returns the sum of the values within `reach` steps of each value along one axis. The first pair
+/// is the number of values along this axis and along the other one; the second pair is the distance
+/// of neighbours in the list along each.
 fn summed(
     values: &[[f64; 2]],
     [along, others]: [usize; 2],
@@ -308,8 +310,8 @@ fn summed(
     sums
 }
 
-/// Distances in cells from those that start at 0, by steps to the eight neighbours in two sweeps
-/// (Borgefors 1986): at most 8 % too long.
+/// Returns the distances in cells from the cells that are 0 at the start, by steps to the eight
+/// neighbours in two sweeps (Borgefors 1986): at most 8 % too long.
 fn chamfered(mut away: Vec<f32>, columns: usize) -> Vec<f32> {
     let diagonal = std::f32::consts::SQRT_2;
     for _ in 0..2 {
@@ -331,7 +333,7 @@ fn chamfered(mut away: Vec<f32>, columns: usize) -> Vec<f32> {
             }
             away[cell] = nearest;
         }
-        // The second sweep goes back, and the list lies as it did.
+        // The second sweep runs backwards; its own reversal restores the order of the list.
         away.reverse();
     }
     away

@@ -6,11 +6,11 @@ fn cell(rise_m: f64) -> CellChange {
     CellChange { rise_m, sigma_m: 0.04, area_m2: 0.25 }
 }
 
-/// 40 by 40 cells of half a metre.
+/// Number of cells along a side of the test raster; a cell has half a metre.
 const SIDE: usize = 40;
 
-/// Rises by the metres east and south of the first cell, under noise of a centimetre that repeats,
-/// with measured columns every so many.
+/// Test raster of rises, with a noise of a centimetre that is the same in each run; only some of
+/// its columns are measured.
 struct Field {
     rise_m: Vec<f32>,
     sigma_m: Vec<f32>,
@@ -51,7 +51,8 @@ impl Field {
     }
 }
 
-/// A mound of 40 cm and 1.5 m, and a hollow of 60 cm and 1 m, beside an offset of 1 cm.
+/// Returns the rise of a mound of 40 cm with a standard deviation of 1.5 m and of a hollow of 60 cm
+/// with a standard deviation of 1 m, plus an offset of 1 cm.
 fn mound_and_hollow(east_m: f64, south_m: f64) -> f64 {
     let bump = |east: f64, south: f64, sd: f64| {
         (-0.5 * ((east_m - east).powi(2) + (south_m - south).powi(2)) / (sd * sd)).exp()
@@ -66,7 +67,7 @@ fn a_place_has_its_whole_volume_and_noise_has_none() {
     let truth_m3 = [2.0 * PI * 0.4 * 2.25, -2.0 * PI * 0.6];
     for (sum, truth_m3) in [totals.fill, totals.cut].iter().zip(truth_m3) {
         assert_eq!(sum.places, 1);
-        // The offset belongs to the volume, since nobody knows that it is one.
+        // The volume includes the offset, since it cannot be distinguished from a change.
         let offset_m3 = 0.01 * sum.area_m2;
         let off_m3 = sum.volume_m3 - offset_m3 - truth_m3;
         assert!(off_m3.abs() < 0.05 * truth_m3.abs(), "{sum:?} {truth_m3}");

@@ -10,10 +10,10 @@ use rayon::prelude::*;
 pub enum Matching {
     /// The nearest reference point, seen from above, within a radius in metres.
     Nearest {
-        /// The radius, itself included.
+        /// The radius, inclusive, metres.
         radius_m: f64,
     },
-    /// The triangulated surface of the reference points at the place.
+    /// The triangulated surface of the reference points at the place of the point.
     Surface {
         /// The surface has no triangles between points farther apart than twice this
         /// ([`Tin::with_max_gap`]), metres.
@@ -42,11 +42,12 @@ pub struct Match {
     pub difference_m: f64,
 }
 
-/// Points placed by a worker between two looks at whether the work was cancelled.
+/// Number of points that a worker processes between two checks for cancellation.
 const CHUNK: usize = 1024;
 
-/// Finds the reference of each measured point, in their order; points without one are left out, as
-/// are those that are not finite. Points are east, north, elevation, metres; of both in one plane.
+/// Finds the reference of each measured point, in the order of the points; points without a
+/// reference and points that are not finite are left out. Points are east, north and elevation in
+/// metres, all in one plane.
 pub fn match_points(
     measured: &[[f64; 3]],
     reference: &[[f64; 3]],
@@ -60,13 +61,13 @@ pub fn match_points(
     )
 }
 
-/// A reference that several measurements are compared with.
+/// Reference points, prepared for comparison with several measurements.
 pub struct ReferencePoints(Prepared);
 
 enum Prepared {
     Nearest(NearPoints),
     Surface(Tin),
-    /// No point, or none that spans a surface.
+    /// No points, or points that span no surface.
     Nothing,
 }
 
@@ -119,7 +120,7 @@ fn each<T: Sync, R: FnMut([f64; 2]) -> Option<f64>>(
     progress: &Progress,
 ) -> Result<Vec<Match>, Cancelled> {
     progress.start(measured.len() as u64);
-    // One number a point, not a list a chunk: a log has more than a million points.
+    // One number per point, not a list per chunk: a log has more than a million points.
     let mut references_z_m = vec![f64::NAN; measured.len()];
     references_z_m.par_chunks_mut(CHUNK).zip(measured.par_chunks(CHUNK)).try_for_each(
         |(found, points)| {

@@ -1,9 +1,9 @@
-//! Logs whose depths differ the more, the deeper the water is.
+//! Finds logs whose depths differ more, the deeper the water is.
 //!
 //! A recorder that counts with another sound speed gives all depths larger by the same share. Where
-//! two logs cross in shallow and in deep water, that share is what their difference grows by, metre
-//! for metre of depth. A difference of heights, and one of positions on a slope, are parts of the
-//! same equation, so that neither is taken for it:
+//! two logs cross in shallow and in deep water, their difference grows with the depth by this
+//! share. A difference of heights, and one of positions on a slope, are parts of the same equation,
+//! so that neither is taken for the share:
 //!
 //! ```text
 //! depth of the other log - depth of the first = height + share depth + shift . gradient
@@ -22,13 +22,13 @@ const UNKNOWNS: usize = 4;
 const FEWEST: usize = 10;
 /// Rounds in which outliers lose their weight.
 const ROUNDS: usize = 12;
-/// Most lots in which lines are left out to find the error: one line in each, or several where
-/// there are more lines.
+/// Largest number of lots, of which one after another is left out to find the error: a lot holds
+/// one line, or several where there are more lines.
 const MOST_LOTS: usize = 40;
-/// Fewest lots that give an error.
+/// Fewest lots from which an error is found.
 const LEAST_LOTS: usize = 4;
-/// Least share that is reported: in standard errors, as a share, and as the difference that it
-/// makes between the shallowest and the deepest overlap, metres.
+/// Least share that is reported: as a number of standard errors, as a share, and as the difference
+/// that it makes between the shallowest and the deepest overlap, metres.
 const SIGMAS: f64 = 4.0;
 const LEAST_SHARE: f64 = 0.004;
 const LEAST_DIFFERENCE_M: f64 = 0.03;
@@ -36,21 +36,21 @@ const LEAST_DIFFERENCE_M: f64 = 0.03;
 /// Two logs whose depths differ by a share of the depth.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct DepthScale {
-    /// Indices of the log whose depths are greater, and of the other.
+    /// Index of the log whose depths are greater, and index of the other log.
     pub logs: [usize; 2],
-    /// Share of the depth by which they are greater: 0.02 is 2 %.
+    /// Share of the depth by which its depths are greater: 0.02 is 2 %.
     pub share: f64,
-    /// Its standard error.
+    /// Standard error of the share.
     pub standard_error: f64,
-    /// Least and greatest depth at which they were compared, metres.
+    /// Least and greatest depth at which the logs were compared, metres.
     pub depth_m: [f64; 2],
-    /// Number of places where they cross or overlap.
+    /// Number of places where the logs cross or overlap.
     pub n: usize,
 }
 
-/// Returns the pairs of logs whose depths differ by a share of the depth, beyond the error of that,
-/// in order. The error is found by leaving out one line after another, since the overlaps of a line
-/// err together.
+/// Returns the pairs of logs whose depths differ by a share of the depth that exceeds its error, in
+/// order. The error is found by leaving out one line after another, since the errors of the
+/// overlaps on one line are alike.
 pub(super) fn depth_scales(overlaps: &[LogOverlap]) -> Vec<DepthScale> {
     let mut pairs: BTreeMap<[usize; 2], Vec<&LogOverlap>> = BTreeMap::new();
     for overlap in overlaps {
@@ -104,7 +104,8 @@ fn fitted_share(overlaps: &[&LogOverlap]) -> Option<f64> {
                 }
             }
         }
-        // A level bed says nothing of a shift: a millimetre of it a metre is as good as none.
+        // A level bed does not determine a shift: this term counts as a slope of a millimetre a
+        // metre.
         for at in 2..UNKNOWNS {
             normal[(at, at)] += 1e-6;
         }
@@ -118,8 +119,8 @@ fn fitted_share(overlaps: &[&LogOverlap]) -> Option<f64> {
     solution.get(1).copied()
 }
 
-/// The standard error of the share, by leaving out the overlaps of one line of a log after another;
-/// `None` of too few lines.
+/// Returns the standard error of the share, by leaving out the overlaps of the lines of one log
+/// (`pass`) in turn; `None` where there are too few lines.
 fn jackknife_error(overlaps: &[&LogOverlap], pass: usize, share: f64) -> Option<f64> {
     let mut lots: BTreeMap<i64, usize> = BTreeMap::new();
     let line = |index: usize| overlaps[index].lines.map_or(index as i64, |lines| lines[pass]);

@@ -1,4 +1,4 @@
-//! Places that two logs measured.
+//! Finds the places that two logs measured.
 
 use super::{LogOverlap, OverlapKind};
 use crate::bathymetry::crosslines::{CrosslinePass, TrackDepth, crossings, velocity_mps};
@@ -6,21 +6,21 @@ use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::support::statistics::{ends, median};
 use std::collections::{BTreeMap, HashMap};
 
-/// Number of crossings of two logs below which places along which both went count as well.
+/// Number of crossings below which two logs are also compared where they run along each other.
 pub const FEW_CROSSINGS: usize = 3;
-/// Side of the squares in which two logs measured the same, metres.
+/// Side of the squares in which the depths of two logs are compared, metres.
 const SQUARE_M: f64 = 1.0;
-/// Squares of a block give one difference, since the errors of neighbours are alike: its side in
-/// squares, and the fewest squares.
+/// Side of a block in squares, and the fewest squares of a block that both logs measured: the
+/// errors of neighbouring squares are alike, so that a block gives one difference.
 const BLOCK_SQUARES: i64 = 10;
 const LEAST_SQUARES: usize = 3;
 
-/// A boat that turns by more than this from the course that a line began with begins another,
-/// degrees.
+/// Change of course that ends a line and begins another, degrees from the course at the start of
+/// the line.
 const LINE_TURN_DEG: f64 = 45.0;
 
-/// Crossings between logs; for pairs with fewer than three of them the blocks of 10 m in which both
-/// measured the same squares of 1 m too. By pair, in the order of the first log.
+/// Returns the crossings between logs and, for pairs of logs with fewer than three crossings, the
+/// blocks of 10 m in which both measured the same squares of 1 m. The places are sorted by pair.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -39,7 +39,7 @@ pub fn log_overlaps(
     Ok(log_overlaps)
 }
 
-/// Crossings between logs, in the order of their first pass.
+/// Returns the crossings between logs, in the order of their first pass.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -68,7 +68,7 @@ pub fn crossing_overlaps(
 }
 
 /// Returns the time at which the line of each depth of a track began, seconds: a line is a stretch
-/// of about one course, along which positions err alike.
+/// of about one course, along which the errors of positions are alike.
 fn line_starts_s(track: &[TrackDepth]) -> Vec<f64> {
     let mut line: Option<(f64, [f64; 2])> = None;
     let starts = track.iter().enumerate().map(|(index, depth)| {
@@ -87,15 +87,15 @@ fn line_starts_s(track: &[TrackDepth]) -> Vec<f64> {
     starts.collect()
 }
 
-/// A square that two logs measured: depth by the first, and elevation by the second minus that by
-/// the first.
+/// Square that two logs measured: the depth by the first log, and the elevation by the second log
+/// minus that by the first.
 struct Shared {
     depth_m: f64,
     difference_m: f64,
 }
 
-/// Blocks of 10 m in which two logs measured the same squares of 1 m, of the pairs that are wanted,
-/// in their order.
+/// Returns the blocks of 10 m in which two logs measured the same squares of 1 m, for the pairs of
+/// logs for which `is_wanted` is true, in the order of the pairs.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -126,7 +126,7 @@ pub fn overlaps(
     Ok(enough.map(|((logs, block), shared)| log_overlap(*logs, *block, shared)).collect())
 }
 
-/// Median depth of every square of a log.
+/// Returns the median depth of each square of a log.
 fn by_square(depths: &[TrackDepth]) -> BTreeMap<[i64; 2], f64> {
     let mut squares: BTreeMap<[i64; 2], Vec<f64>> = BTreeMap::new();
     for depth in depths {

@@ -1,14 +1,15 @@
-//! Height offsets between the depths of logs, from places where logs cross or overlap.
+//! Computes the height offsets between the depths of logs from places where logs cross or overlap.
 //!
 //! In: depths of several logs where these cross or overlap. Out: a height for each log, with its
 //! standard error.
 //!
 //! Drafts, water levels and the recorders' own constants differ from log to log, and each moves all
 //! depths of its log by the same height. Where two logs measured the same place their depths differ
-//! by the difference of these heights, so all overlaps together give the height of every log, but
-//! for one that they all share: the datum. `overlaps` finds the places, `network` solves for the
-//! heights, and with them for how far the positions of each log are off, since that moves depths on
-//! a slope. `depth_scales` finds logs whose depths differ by a share of the depth instead.
+//! by the difference of these heights, so all overlaps together give the height of every log,
+//! except for a height that all logs share: the datum. `log_overlaps` finds the places. `network`
+//! solves for the heights and, together with them, for the errors of position of each log, since
+//! these change the depths on a slope. `depth_scales` finds logs whose depths differ by a share of
+//! the depth instead.
 
 mod depth_scales;
 mod log_overlaps;
@@ -24,8 +25,8 @@ use bathyscope_log::support::progress::{Cancelled, Progress};
 use depth_scales::depth_scales;
 use serde::Serialize;
 
-/// Zero of the heights of the logs: their differences do not determine a height that all logs
-/// share.
+/// Zero of the heights of the logs: the differences between logs do not determine a height that all
+/// logs share.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Datum {
     /// The mean of the offsets of connected logs is zero: no log is taken for better than another.
@@ -39,9 +40,9 @@ pub enum Datum {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum OverlapKind {
-    /// Their tracks cross.
+    /// The tracks of the logs cross.
     Crossing,
-    /// They measured the same square metres without crossing: along the same line.
+    /// The logs measured the same square metres without crossing, along the same line.
     Overlap,
 }
 
@@ -58,19 +59,19 @@ pub struct LogOverlap {
     pub depth_m: f64,
     /// Elevation by the second log minus that by the first, metres.
     pub difference_m: f64,
-    /// Slope of the bottom, metres a metre: an error of position becomes one of depth by it. NaN
+    /// Slope of the bottom, metres a metre, by which an error of position becomes one of depth. NaN
     /// where it is not known.
     pub slope: f64,
     /// Increase of the depth per metre to the east and to the north, metres; NaN where the
     /// direction of the slope is not known.
     pub gradient: [f64; 2],
-    /// Time at which each log began the line that it was on there, whole seconds: overlaps of one
-    /// line err together. `None` where that is not known.
+    /// Time at which each log began the line on which it measured the place, whole seconds: the
+    /// errors of overlaps on one line are alike. `None` where the lines are not known.
     pub lines: Option<[i64; 2]>,
 }
 
 impl LogOverlap {
-    /// Returns an overlap whose depth, lines and direction of the slope are not known.
+    /// Creates an overlap whose depth, lines and direction of the slope are not known.
     pub fn new(
         logs: [usize; 2],
         kind: OverlapKind,
@@ -102,12 +103,13 @@ pub struct LogOffset {
     /// Height to be added to every elevation of the log, metres, so that it agrees with the others;
     /// 0 for a log that crosses and overlaps no other, or whose overlaps do not determine it.
     pub offset_m: f64,
-    /// Its standard error against the datum, metres; NaN where the offset is not determined.
+    /// Standard error of the offset against the datum, metres; NaN where the offset is not
+    /// determined.
     pub standard_error_m: f64,
-    /// Logs of the same group are connected by overlaps; groups are numbered by their first log.
-    /// Heights of different groups cannot be compared.
+    /// Number of the group of the log. Overlaps connect the logs of a group; groups are numbered in
+    /// the order of their first logs. Heights of different groups cannot be compared.
     pub group: usize,
-    /// Crossings and overlaps of the log with others.
+    /// Number of crossings and overlaps of the log with others.
     #[serde(rename = "meetings")]
     pub log_overlaps: usize,
 }
@@ -118,8 +120,8 @@ impl LogOffset {
         self.standard_error_m.is_finite()
     }
 
-    /// The offset as it is applied, metres: to the tenth of a millimetre, since it stands in
-    /// records and is no better known.
+    /// Returns the offset as it is applied, metres: rounded to the tenth of a millimetre, since it
+    /// is written to records and is not known any better.
     pub fn applied_m(&self) -> f64 {
         (self.offset_m * 1e4).round() / 1e4
     }
@@ -132,11 +134,11 @@ pub struct PairDifference {
     pub logs: [usize; 2],
     /// Crossing or overlap.
     pub kind: OverlapKind,
-    /// Places where they cross or overlap.
+    /// Number of places where the logs cross or overlap.
     pub n: usize,
     /// Median elevation by the second log minus that by the first, metres.
     pub difference_m: f64,
-    /// Robust standard deviation (1.4826 MAD) of the differences, metres; NaN of fewer than two.
+    /// Robust standard deviation (1.4826 MAD) of the differences, metres; NaN for fewer than two.
     pub spread_m: f64,
     /// Standard error of the median, metres.
     pub standard_error_m: f64,
@@ -151,18 +153,18 @@ const CONTRADICTION_M: f64 = 0.05;
 const CONTRADICTION_SIGMAS: f64 = 5.0;
 
 impl PairDifference {
-    /// Returns true if no offset of whole logs explains how these two differ: other ground, a
-    /// bottom that moved, a wrong clock or water level.
+    /// Returns true if no offset of whole logs explains the difference: the logs measured other
+    /// ground, the bottom moved, or a clock or water level is wrong.
     pub fn is_contradiction(&self) -> bool {
         let left_m = self.residual_m.abs();
         left_m > CONTRADICTION_M && left_m > CONTRADICTION_SIGMAS * self.standard_error_m
     }
 }
 
-/// Height offsets of all logs, and what they come from.
+/// Height offsets of all logs, and the differences that they come from.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct HeightOffsets {
-    /// One a log.
+    /// Offset of each log.
     pub logs: Vec<LogOffset>,
     /// Every pair of logs that cross or overlap, in order.
     pub pairs: Vec<PairDifference>,
@@ -170,27 +172,27 @@ pub struct HeightOffsets {
     pub scales: Vec<DepthScale>,
 }
 
-/// Least difference of heights that is worth a warning, metres: drafts and water levels are read no
-/// better.
+/// Least difference of heights that is worth a warning, metres: drafts and water levels are not
+/// known any better.
 const LEVEL_M: f64 = 0.02;
-/// Standard errors that a difference of heights exceeds where it is not chance.
+/// Number of standard errors above which a difference of heights is not chance.
 const LEVEL_SIGMAS: f64 = 3.0;
 
 /// Two logs whose depths differ where they cross.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeightDifference {
-    /// Indices of the log whose depths are deeper, and of the other.
+    /// Index of the log whose depths are deeper, and of the other.
     pub logs: [usize; 2],
     /// Size of the difference, metres.
     pub difference_m: f64,
-    /// Its standard error, metres.
+    /// Standard error of the difference, metres.
     pub standard_error_m: f64,
 }
 
 impl HeightOffsets {
-    /// Returns the logs whose depths differ the most, beyond the error of the difference, once the
-    /// offsets in force are applied to them, metres; `None` where all agree, or their overlaps do
-    /// not determine it.
+    /// Returns the two logs whose depths differ the most, beyond the error of the difference, once
+    /// the offsets `in_force_m` (metres) are applied to them; `None` where all logs agree, or their
+    /// overlaps do not determine the difference.
     pub fn unlevelled(&self, in_force_m: &[f64]) -> Option<HeightDifference> {
         let logs = self.logs.iter().zip(in_force_m).enumerate();
         let known: Vec<(usize, &LogOffset, f64)> = logs
@@ -204,7 +206,7 @@ impl HeightOffsets {
             Some(HeightDifference {
                 logs: [deeper.0, other.0],
                 difference_m: deeper.2 - other.2,
-                // Both count from one datum, so that their errors may have opposite signs.
+                // Both offsets count from one datum, so that their errors may have opposite signs.
                 standard_error_m: deeper.1.standard_error_m + other.1.standard_error_m,
             })
         };
@@ -215,7 +217,7 @@ impl HeightOffsets {
         differences.max_by(|a, b| a.difference_m.total_cmp(&b.difference_m))
     }
 
-    /// Adds a height to the offsets of a log and of all that are connected with it, metres.
+    /// Adds a height in metres to the offsets of a log and of all logs that are connected with it.
     pub fn raise(&mut self, log: usize, by_m: f64) {
         let group = self.logs.get(log).map(|log| log.group);
         let connected = self.logs.iter_mut().filter(|log| Some(log.group) == group);

@@ -1,13 +1,13 @@
-//! Robust weighted least squares over the graph of logs.
+//! Solves for the heights of logs by robust weighted least squares over the graph of logs.
 
 use super::{Datum, HeightOffsets, LogOffset, LogOverlap, PairDifference};
 use crate::sparse::{Equations, Factor, Pattern};
 use bathyscope_log::support::statistics::{SIGMA_PER_MAD, median, spread_about};
 use std::collections::BTreeMap;
 
-/// Standard deviation of a difference on level ground, metres, and of the place of an overlap: they
-/// weigh overlaps against each other, so only their ratio matters. What a slope makes of half a
-/// metre is more than the noise of a sounding beyond 3 degrees.
+/// Standard deviation of a difference on level ground, and of the position of an overlap, metres:
+/// they weigh overlaps against each other, so only their ratio matters. On slopes of more than 3
+/// degrees, half a metre of position makes more difference than the noise of a sounding.
 const DEPTH_SIGMA_M: f64 = 0.03;
 const POSITION_SIGMA_M: f64 = 0.5;
 /// Slope that is assumed where none is known.
@@ -17,34 +17,35 @@ const USUAL_SLOPE: f64 = 0.05;
 const HUBER: f64 = 1.345;
 const TUKEY: f64 = 4.685;
 const ROUNDS: usize = 50;
-/// Offsets that change by less than this are found, metres.
+/// Change of the offsets below which the iteration ends, metres.
 const SETTLED_M: f64 = 1e-7;
-/// The scale of the residuals is at least this share of what the weights assume: differences may
-/// agree to the last digit.
+/// Least scale of the residuals, as a share of what the weights assume: differences may agree to
+/// the last digit.
 const LEAST_SCALE: f64 = 1e-6;
-/// Weight of the variance that is assumed before differences check each other, as a number of
-/// differences.
+/// Weight of the assumed variance, as a number of differences: it counts where few differences
+/// check each other.
 const ASSUMED_DIFFERENCES: f64 = 1.0;
-/// Least robust weight that connects two logs.
+/// Least robust weight of an overlap that connects two logs.
 const LEAST_SHARE: f64 = 1e-9;
-/// An offset is not determined where its standard error is larger than this, metres, and than this
-/// share of the offset: overlaps on false depths contradict each other by metres, and what is left
-/// of them says nothing.
+/// Largest standard error of an offset that is determined, metres, and as a share of the offset:
+/// overlaps on false depths contradict each other by metres, and what is left of them determines
+/// nothing.
 const MOST_ERROR_M: f64 = 0.25;
 const MOST_ERROR_SHARE: f64 = 1.0 / 3.0;
-/// Standard error of a median over that of a mean.
+/// Standard error of a median, as a multiple of that of a mean.
 const MEDIAN_SHARE: f64 = 1.2533;
 
-/// Heights of `count` logs from their overlaps.
+/// Returns the heights of `count` logs, computed from their overlaps.
 ///
 /// The offsets `h` fulfil `h_first - h_second = difference` as well as they can: least squares
-/// weighted by the noise that the slope of the bottom lets expect, first with Huber's weights and
-/// from there with Tukey's, so that an overlap over weed or on a lost bottom counts little or
-/// nothing. Where the direction of the slope is known the east and north shift of each log's
-/// positions, half a metre give or take, is found with its height, so that the standard errors hold
-/// what such a shift makes of a slope. They are those of the weighted residuals; where pairs of
-/// logs, or the single lines of logs, disagree as a whole by more than their single overlaps
-/// scatter (a tide, positions that are off all along a line), they are larger by that much.
+/// weighted by the noise that is expected from the slope of the bottom, first with Huber's weights
+/// and then with Tukey's, so that an overlap over weed or on a lost bottom counts little or
+/// nothing. Where the direction of the slope is known, the east and north shift of each log's
+/// positions, assumed to be about half a metre, is solved for together with the height, so that the
+/// standard errors include the effect of such a shift on a slope. The standard errors come from the
+/// weighted residuals; where pairs of logs, or the single lines of logs, disagree as a whole by
+/// more than their single overlaps scatter (a tide, positions that are off all along a line), they
+/// are larger accordingly.
 pub fn adjust(count: usize, log_overlaps: &[LogOverlap], datum: Datum) -> HeightOffsets {
     let known: Vec<LogOverlap> = log_overlaps
         .iter()
@@ -91,14 +92,14 @@ pub fn adjust(count: usize, log_overlaps: &[LogOverlap], datum: Datum) -> Height
     HeightOffsets { logs, pairs, scales: Vec::new() }
 }
 
-/// Standard deviation of the difference between two depths at one place, metres, where the bottom
-/// has some slope.
+/// Returns the standard deviation of the difference between two depths at one place, metres, for a
+/// slope of the bottom.
 pub(crate) fn difference_sigma_m(slope: f64) -> f64 {
     let slope = if slope.is_nan() { USUAL_SLOPE } else { slope };
     DEPTH_SIGMA_M.hypot(slope * POSITION_SIGMA_M)
 }
 
-/// Huber's weights of some residuals, and their robust standard deviation.
+/// Returns Huber's weights of some residuals, and the robust standard deviation of the residuals.
 pub(crate) fn robust_shares(residuals: &[f64]) -> (Vec<f64>, f64) {
     weighted_shares(residuals, &huber)
 }
@@ -114,10 +115,10 @@ fn weighted_shares(residuals: &[f64], weight: &dyn Fn(f64) -> f64) -> (Vec<f64>,
     (shares, scale)
 }
 
-/// The group of every log, numbered in the order of their first logs: those that cross or overlap,
-/// directly or through others, share one.
+/// Returns the group of every log: logs that cross or overlap, directly or through others, share a
+/// group. Groups are numbered in the order of their first logs.
 pub(crate) fn groups(count: usize, log_overlaps: impl Iterator<Item = [usize; 2]>) -> Vec<usize> {
-    // Each log leads to one before it, or to itself where it is the first of its group.
+    // Each log points to a log before it, or to itself if it is the first of its group.
     let mut first: Vec<usize> = (0..count).collect();
     fn first_of(first: &mut [usize], mut log: usize) -> usize {
         while first[log] != log {
@@ -141,22 +142,22 @@ pub(crate) fn groups(count: usize, log_overlaps: impl Iterator<Item = [usize; 2]
 /// Connected logs and their overlaps.
 struct LogNetwork<'a> {
     log_overlaps: &'a [LogOverlap],
-    /// The two logs of each overlap as places in the group.
+    /// The two logs of each overlap, as indices in the group.
     ends: Vec<[usize; 2]>,
-    /// Standard deviation that each difference is expected to have.
+    /// Expected standard deviation of each difference, metres.
     sigmas_m: Vec<f64>,
     size: usize,
-    /// True if the shifts of positions are unknowns, too: east and north of each log, behind the
+    /// True if the shifts of positions are unknowns, too: east and north of each log, after the
     /// heights.
     has_shifts: bool,
-    /// The member whose offset is zero; without one their mean is.
+    /// Index of the member whose offset is zero; `None` if the mean of the offsets is zero.
     fixed: Option<usize>,
 }
 
-/// A solution with some weights of the overlaps.
+/// Solution for given weights of the overlaps.
 struct Weighted {
     heights_m: Vec<f64>,
-    /// East and north of each log's shift; none where no slope has a direction.
+    /// Shift of each log to the east and north, metres; empty where no slope has a direction.
     shifts_m: Vec<f64>,
     shares: Vec<f64>,
     scale: f64,
@@ -185,7 +186,7 @@ impl<'a> LogNetwork<'a> {
         }
     }
 
-    /// Solves for the heights; `None` for a log alone.
+    /// Solves for the heights; `None` for a log alone, or where the equations have no solution.
     fn solve(&self) -> Option<SolvedNetwork> {
         if self.size < 2 {
             return None;
@@ -198,7 +199,7 @@ impl<'a> LogNetwork<'a> {
         for weight in [&huber as &dyn Fn(f64) -> f64, &tukey] {
             for _ in 0..ROUNDS {
                 let (shares, scale) = weighted_shares(&self.residuals(&at), weight);
-                // Where Tukey's weights would cut a log off, Huber's stand.
+                // Where the weights would disconnect a log, the last solution is kept.
                 let Some(next) = self.weighted(&pattern, &mut equations, shares, scale) else {
                     break;
                 };
@@ -219,7 +220,8 @@ impl<'a> LogNetwork<'a> {
         })
     }
 
-    /// Heights of all logs but the first, and shifts where they are known.
+    /// Returns the number of unknowns: the heights of all logs but the first, and the shifts, if
+    /// any.
     fn unknowns(&self) -> usize {
         self.size - 1 + if self.has_shifts { 2 * self.size } else { 0 }
     }
@@ -230,24 +232,25 @@ impl<'a> LogNetwork<'a> {
         self.size - 1 + 2 * log
     }
 
-    /// Variance of a residual in units of what was expected of it.
+    /// Returns the variance of a residual, in units of its expected variance.
     fn variance(&self, at: &Weighted, of_unknowns: &[f64]) -> f64 {
         let residuals = self.residuals(at);
         let squares: f64 = residuals.iter().zip(&at.shares).map(|(u, w)| w * u * u).sum();
-        // A shift takes a freedom as far as the overlaps say more of it than was assumed.
+        // A shift takes away a degree of freedom as far as the overlaps determine it better than
+        // assumed.
         let assumed = (POSITION_SIGMA_M / at.scale).powi(2);
         let shifts = &of_unknowns[self.size - 1..];
         let shifts: f64 = shifts.iter().map(|own| (1.0 - own / assumed).max(0.0)).sum();
         let parameters = (self.size - 1) as f64 + shifts;
         let freedom = (at.shares.iter().sum::<f64>() - parameters).max(0.0);
-        // A tree of single differences checks nothing: what was assumed of them counts then.
+        // Where no difference checks another, the assumed variance counts.
         let single = (squares + ASSUMED_DIFFERENCES) / (freedom + ASSUMED_DIFFERENCES);
         let of_pairs = self.variance_of_pairs(&residuals, &at.shares);
         let of_lines = self.variance_of_lines(&residuals, &at.shares, parameters, single);
         single.max(of_pairs).max(of_lines)
     }
 
-    /// Differences less what the heights and the shifts make of them, in standard deviations.
+    /// Returns what the heights and the shifts leave of each difference, in standard deviations.
     fn residuals(&self, at: &Weighted) -> Vec<f64> {
         let all = self.log_overlaps.iter().zip(&self.ends).zip(&self.sigmas_m);
         all.map(|((one, [a, b]), sigma_m)| {
@@ -262,10 +265,10 @@ impl<'a> LogNetwork<'a> {
         .collect()
     }
 
-    /// Returns the variance of a single residual by the mean residuals of the lines, as by those of
-    /// the pairs; a line has the weight of its overlaps, which is its weight in a height. Each
-    /// overlap lies on a line of either log, so that the excess of the lines counts twice. 0 where
-    /// too few lines cross.
+    /// Returns the variance of a single residual by the mean residuals of the lines, as
+    /// [`Self::variance_of_pairs`] does for pairs. A line has the weight of its overlaps, which is
+    /// its weight in a height. Each overlap lies on a line of either log, so that the excess of the
+    /// lines counts twice. 0 where too few lines cross.
     fn variance_of_lines(
         &self,
         residuals: &[f64],
@@ -278,7 +281,7 @@ impl<'a> LogNetwork<'a> {
         for (((one, ends), sigma_m), (u, share)) in all.zip(residuals.iter().zip(shares)) {
             let weight = share / (sigma_m * sigma_m);
             for (end, line) in one.lines.into_iter().flatten().enumerate() {
-                // The residual is that of the first log less the second's.
+                // The residual is that of the first log less that of the second log.
                 let sign = if end == 0 { 1.0 } else { -1.0 };
                 let [sum, weights] = lines.entry((ends[end], line)).or_default();
                 (*sum, *weights) = (*sum + sign * weight * u * sigma_m, *weights + weight);
@@ -286,7 +289,7 @@ impl<'a> LogNetwork<'a> {
         }
         let total = |of: fn(&[f64; 2]) -> f64| lines.values().map(of).sum::<f64>();
         let weights = total(|[_, weight]| *weight);
-        // Effective number of lines: this number of lines of one weight would count alike.
+        // Effective number of lines: the number of lines of equal weight that would count the same.
         let count = weights * weights / total(|[_, weight]| weight * weight);
         let freedom = count - parameters - 1.0;
         // NaN without any line.
@@ -315,7 +318,7 @@ impl<'a> LogNetwork<'a> {
     }
 
     /// Returns the equations of the overlaps for the heights of all logs but the first, which is
-    /// taken for zero, and for the shifts; behind them the assumptions about the shifts.
+    /// set to zero, and for the shifts; after them, the assumptions about the shifts.
     fn equations(&self) -> Equations {
         let mut equations = Equations::default();
         let all = self.log_overlaps.iter().zip(&self.ends).zip(&self.sigmas_m);
@@ -336,9 +339,10 @@ impl<'a> LogNetwork<'a> {
         equations
     }
 
-    /// Heights by least squares with some weights, from the datum, and the matrix that they come
-    /// from; `None` where the weights cut the logs into several groups. The scale is that of the
-    /// residuals, in which what is assumed of shifts is weighed against them.
+    /// Returns the least-squares solution for some weights of the overlaps, with heights from the
+    /// datum, and the factor of its matrix; `None` where the weights cut the logs into several
+    /// groups. `scale` is that of the residuals, by which the assumptions about shifts are weighed
+    /// against them.
     fn weighted(
         &self,
         pattern: &Pattern,
@@ -371,9 +375,9 @@ impl<'a> LogNetwork<'a> {
         is_known.then_some(Weighted { heights_m, shifts_m, shares, scale, factor })
     }
 
-    /// Variances of the heights from the datum, before they are scaled by that of the residuals:
-    /// with the covariance `C` against the first log and weights `w` that make the datum, `C_ii - 2
-    /// (C w)_i + w C w`.
+    /// Returns the variances of the heights from the datum, before they are scaled by the variance
+    /// of the residuals: with the covariance `C` against the first log and the weights `w` of the
+    /// logs in the datum, `C_ii - 2 (C w)_i + w C w`.
     fn variances(&self, factor: &Factor, of_unknowns: &[f64]) -> Vec<f64> {
         let weight = |log: usize| match self.fixed {
             Some(fixed) => f64::from(u8::from(log == fixed)),
@@ -396,8 +400,7 @@ impl<'a> LogNetwork<'a> {
     }
 }
 
-/// Returns the difference of each pair of logs by its overlaps, and its remainder after the
-/// offsets.
+/// Returns the difference of each pair of logs by its overlaps, and what the offsets leave of it.
 fn pair_differences(log_overlaps: &[LogOverlap], logs: &[LogOffset]) -> Vec<PairDifference> {
     let mut by_pair: BTreeMap<[usize; 2], Vec<&LogOverlap>> = BTreeMap::new();
     for log_overlap in log_overlaps {
@@ -415,7 +418,7 @@ fn pair_differences(log_overlaps: &[LogOverlap], logs: &[LogOffset]) -> Vec<Pair
             let n = found.len();
             let sigmas_m = found.iter().map(|one| difference_sigma_m(one.slope));
             let sigma_m = median(&mut sigmas_m.collect::<Vec<f64>>());
-            // Few differences may agree by chance.
+            // Few differences may agree by chance, so that the expected error counts, too.
             let sigma_m = spread_m.max(sigma_m / (n as f64).sqrt());
             PairDifference {
                 logs: [a, b],

@@ -1,4 +1,4 @@
-//! Depth areas: what lies between two levels, as polygons.
+//! Computes depth areas: the parts of a surface between two levels, as polygons.
 
 mod rings;
 
@@ -9,26 +9,26 @@ use crate::bathymetry::Surface;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 
-/// The part of a surface between two depths.
+/// Part of a surface between two depths.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DepthArea {
-    /// Shallow limit, itself included, metres.
+    /// Shallow limit, inclusive, metres.
     pub from_m: f64,
-    /// Deep limit, itself not included, metres.
+    /// Deep limit, exclusive, metres.
     pub to_m: f64,
-    /// Its parts; they do not overlap.
+    /// Parts of the area; they do not overlap.
     pub polygons: Vec<Polygon>,
 }
 
 impl DepthArea {
-    /// Square metres.
+    /// Returns the area, square metres.
     pub fn area_m2(&self) -> f64 {
         self.polygons.iter().map(Polygon::area_m2).sum()
     }
 }
 
-/// The areas between each level and the next (`levels_m` ascends). Their borders are the isobaths
-/// ([`super::isobaths`], unsmoothed) and the edge of the surface.
+/// Returns the areas between each level and the next (`levels_m` ascends). Their borders are the
+/// isobaths ([`super::isobaths`], unsmoothed) and the edge of the surface.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -66,12 +66,12 @@ enum Stop {
     Deep(CellEdge),
 }
 
-/// A step of the border in one square, the area on its left.
+/// Step of the border in one square, with the area on its left.
 #[derive(Clone, Copy, Debug)]
 struct Piece {
     from: Stop,
     to: Stop,
-    /// The square's north-western cell.
+    /// Index of the square's north-western cell.
     square: usize,
 }
 
@@ -96,7 +96,8 @@ impl DepthBand<'_> {
         Ok(pieces)
     }
 
-    /// The isobaths within a square: the shallower one as it runs, the deeper one against its run.
+    /// Adds the isobaths within a square: the shallower one in its direction, the deeper one
+    /// reversed.
     fn cuts(&self, square: &Square, pieces: &mut Vec<Piece>) {
         let [shallow, deep] = self.levels_m.map(|level_m| square.cuts(level_m));
         let piece = |from, to| Piece { from, to, square: square.cell };
@@ -106,7 +107,7 @@ impl DepthBand<'_> {
         pieces.extend(deep.into_iter().flatten().map(against));
     }
 
-    /// The sides of a square beyond which nothing is known, as far as they lie in the band.
+    /// Adds the sides of a square beyond which no depth is known, as far as they lie in the band.
     fn borders(&self, at: &Square, row: usize, column: usize, pieces: &mut Vec<Piece>) {
         let known = |row: Option<usize>, column: Option<usize>| {
             row.zip(column).and_then(|(row, column)| square(self.surface, row, column)).is_some()
@@ -119,7 +120,7 @@ impl DepthBand<'_> {
         ];
         let (edges, corners) = (at.edges(), at.corners());
         for side in (0..4).filter(|side| open[*side]) {
-            // Sides run clockwise from the north-west; against that, the square lies on the left.
+            // Sides run clockwise from the north-west; in reverse, the square lies on the left.
             let [from, to] = [(side + 1) % 4, side];
             let depths_m = [from, to].map(|corner| at.depths_m[corner]);
             let stops = self.stops(edges[side], [from, to].map(|corner| corners[corner]), depths_m);
@@ -127,7 +128,8 @@ impl DepthBand<'_> {
         }
     }
 
-    /// The part of an edge within the band: depths are linear along it, so it is one at most.
+    /// Returns the part of an edge within the band, if any. Depths are linear along the edge, so
+    /// there is at most one part.
     fn stops(&self, edge: CellEdge, cells: [usize; 2], depths_m: [f64; 2]) -> Option<[Stop; 2]> {
         let [shallow_m, deep_m] = self.levels_m;
         let beyond = depths_m.map(|depth| (depth < shallow_m, depth >= deep_m));

@@ -1,14 +1,14 @@
-//! Lines cut at the edges of tiles, and put together again.
+//! Cuts lines at the edges of tiles, and joins them again.
 
 use super::lines::{Isobath, join};
 use std::collections::HashMap;
 
-/// Parts shorter than this, metres, are left out: rounded to the millimetre of the files, they are
-/// no lines any more.
+/// Least length of a part, metres: shorter parts, rounded to the millimetre of the files, are no
+/// lines any more.
 pub(super) const LEAST_LENGTH_M: f64 = 0.01;
 
-/// The parts of a line that lie in a box (west, south, east, north). Where a line leaves a box and
-/// enters the next one the place is the same number in both.
+/// Returns the parts of a line that lie in a box (west, south, east, north). Where a line leaves a
+/// box and enters the next one, the place is exactly the same in both.
 pub fn clipped(line: &Isobath, bounds: [f64; 4]) -> Vec<Isobath> {
     let mut parts: Vec<Vec<[f64; 2]>> = Vec::new();
     for step in line.points.windows(2) {
@@ -27,7 +27,7 @@ pub fn clipped(line: &Isobath, bounds: [f64; 4]) -> Vec<Isobath> {
     parts.filter(|part| part.length_m() > LEAST_LENGTH_M).collect()
 }
 
-/// The part of a step in a box (Liang and Barsky 1984); `None` where they do not meet.
+/// Returns the part of a step in a box (Liang and Barsky 1984); `None` where they do not meet.
 fn within(
     [from, to]: [[f64; 2]; 2],
     [west, south, east, north]: [f64; 4],
@@ -70,11 +70,11 @@ fn within(
     (entry.0 < exit.0).then(|| [at(entry, from), at(exit, to)])
 }
 
-/// Depth and place of the begin or end of a piece, bit by bit.
+/// Depth and place of the start or end of a piece, as bits.
 type End = [u64; 3];
 
-/// The lines that pieces make: one that ends where another of its depth begins goes on there.
-/// Pieces that begin at the same place stay apart.
+/// Joins pieces to lines: a piece that ends where another piece of its depth begins continues with
+/// it. A piece that begins where an earlier one of its depth does stays apart.
 pub fn joined(pieces: Vec<Isobath>) -> Vec<Isobath> {
     let end = |depth_m: f64, [x, y]: [f64; 2]| -> End { [depth_m, x, y].map(f64::to_bits) };
     let (mut by_begin, mut links, mut lines) = (HashMap::new(), Vec::new(), Vec::new());

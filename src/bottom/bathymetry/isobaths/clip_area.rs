@@ -1,5 +1,5 @@
-//! Lines and areas cut at the edges of an area, such as a shoreline with its islands, and area and
-//! volume below a level in it.
+//! Cuts lines and areas at the edges of an area, such as a shoreline with its islands, and computes
+//! the area and volume below a level in it.
 
 use super::clip::LEAST_LENGTH_M;
 use super::{DepthArea, Isobath, Polygon};
@@ -11,32 +11,33 @@ use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::float::single::SingleFloatOverlay as _;
 use serde::Serialize;
 
-/// Distance beyond its ends at which a step still touches an edge, as a share of it: where a line
-/// passes through a corner, rounding must not let it slip between the two edges.
+/// Distance beyond its ends at which a step still touches an edge, as a share of its length: where
+/// a line passes through a corner, rounding must not let it slip between the two edges.
 const SLACK: f64 = 1e-9;
-/// The same distance across bands, metres.
+/// Distance beyond its ends at which a step still reaches a band, metres.
 const SLACK_M: f64 = 1e-6;
-/// Corners of an area so near to each other, metres, are one: in the digits of files they would
-/// fold into a spike.
+/// Distance below which two corners of an area count as one, metres: in the digits of files they
+/// would fold into a spike.
 const SAME_M: f64 = 0.002;
-/// Most bands, and most bands that an edge lies in on average.
+/// Largest number of bands, and largest number of bands that an edge lies in on average.
 const MOST_BANDS: usize = 4096;
 const MOST_TIMES: usize = 8;
 
-/// An area in the plane of a map: a place is in it where an odd number of its rings go around it.
+/// Area in the plane of a map: a place is inside where an odd number of the rings go around it.
 #[derive(Clone, Debug)]
 pub struct ClipArea {
-    /// Each corner once.
+    /// Rings, each corner once.
     rings: Vec<Vec<[f64; 2]>>,
     edges: Vec<[[f64; 2]; 2]>,
-    /// Edges in each band from west to east, so that few are examined; from the south.
+    /// Edges in each band from west to east, so that few are examined; bands are in order from the
+    /// south.
     bands: Vec<Vec<u32>>,
     south_m: f64,
     band_m: f64,
 }
 
 impl ClipArea {
-    /// Creates an area from rings that name each corner once; rings without three corners, and
+    /// Creates an area from rings that contain each corner once; rings without three corners, and
     /// corners that are not finite, are ignored.
     pub fn new(rings: Vec<Vec<[f64; 2]>>) -> Self {
         let mut rings = rings;
@@ -72,7 +73,7 @@ impl ClipArea {
         area
     }
 
-    /// Returns true if it has no place at all.
+    /// Returns true if no place lies in the area.
     pub fn is_empty(&self) -> bool {
         self.rings.is_empty()
     }
@@ -85,7 +86,8 @@ impl ClipArea {
         near.is_some_and(|near| near.iter().filter(crosses).count() % 2 == 1)
     }
 
-    /// The parts of a line in the area, each as the line runs. They end at its edges.
+    /// Returns the parts of a line in the area, in the direction of the line. They end at the edges
+    /// of the area.
     pub fn parts_of(&self, line: &Isobath) -> Vec<Isobath> {
         let mut parts: Vec<Vec<[f64; 2]>> = Vec::new();
         let mut is_inside = None;
@@ -107,7 +109,7 @@ impl ClipArea {
                 }
             };
             for ends in stops.windows(2) {
-                // A step that meets no edge is where the one before it was.
+                // A step that meets no edge is inside where the step before it was.
                 let known = is_inside.filter(|_| shares.is_empty());
                 let now = known.unwrap_or_else(|| self.holds(at(0.5 * (ends[0] + ends[1]))));
                 is_inside = Some(now);
@@ -128,7 +130,7 @@ impl ClipArea {
         lines.filter(|line| line.length_m() > LEAST_LENGTH_M).collect()
     }
 
-    /// The part of a depth area in the area.
+    /// Returns the part of a depth area that lies in this area.
     pub fn part_of(&self, area: &DepthArea) -> DepthArea {
         let open = |ring: &Vec<[f64; 2]>| ring[..ring.len().saturating_sub(1)].to_vec();
         let rings: Vec<Vec<[f64; 2]>> = (area.polygons.iter())
@@ -138,7 +140,7 @@ impl ClipArea {
         let polygons = if rings.is_empty() || self.is_empty() {
             Vec::new()
         } else {
-            // In 64 bits, whose steps are far below those of the coordinates.
+            // With integers of 64 bits, whose steps are far below those of the coordinates.
             rings.overlay_as::<i64>(&self.rings, OverlayRule::Intersect, FillRule::EvenOdd)
         };
         let polygon = |shape: Vec<Vec<[f64; 2]>>| {
@@ -148,10 +150,10 @@ impl ClipArea {
         DepthArea { polygons: polygons.into_iter().filter_map(polygon).collect(), ..*area }
     }
 
-    /// The bands that lie between two northings.
+    /// Returns the bands that lie between two northings.
     fn bands_over(&self, one_m: f64, other_m: f64) -> std::ops::RangeInclusive<usize> {
         let last = self.bands.len() - 1;
-        // Places north or south of all edges are in no ring, in whatever band they are sought.
+        // Places north or south of all edges are in no ring, whatever band is searched.
         let band = |north_m: f64| ((north_m - self.south_m) / self.band_m) as usize;
         band(one_m.min(other_m) - SLACK_M).min(last)..=band(one_m.max(other_m) + SLACK_M).min(last)
     }
@@ -168,8 +170,7 @@ impl ClipArea {
             let turn = cross(way, edge);
             let along = [cross(off, edge) / turn, cross(off, way) / turn];
             let meets = |share: &f64| (-SLACK..=1.0 + SLACK).contains(share);
-            // Where the two are parallel, neither is a number or they lie apart; the edges beside
-            // that one are met.
+            // A step that is parallel to an edge meets the edges next to this one instead.
             (turn != 0.0 && along.iter().all(meets)).then_some(along[0])
         };
         let bands = self.bands_over(from[1], to[1]);
@@ -180,8 +181,8 @@ impl ClipArea {
     }
 }
 
-/// A ring that names each corner once, closed, and without corners that are as good as the one
-/// before or the one before that; `None` where nothing is left.
+/// Closes a ring that contains each corner once, and removes corners that are nearly the same as
+/// the one before or the one before that; `None` where nothing is left.
 fn without_spikes(ring: Vec<[f64; 2]>) -> Option<Vec<[f64; 2]>> {
     let is_same = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]) < SAME_M;
     let mut kept: Vec<[f64; 2]> = Vec::with_capacity(ring.len() + 1);
@@ -192,7 +193,7 @@ fn without_spikes(ring: Vec<[f64; 2]>) -> Option<Vec<[f64; 2]>> {
             _ => kept.push(corner),
         }
     }
-    // Likewise where it ends and begins.
+    // The same where the ring ends and begins.
     loop {
         match kept.as_slice() {
             [first, .., last] if is_same(*first, *last) => _ = kept.pop(),
@@ -205,8 +206,8 @@ fn without_spikes(ring: Vec<[f64; 2]>) -> Option<Vec<[f64; 2]>> {
     (kept.len() > 3).then_some(kept)
 }
 
-/// Joins the ends of a ring that was cut: the part that ends where the line began goes on with the
-/// part that begins there.
+/// Joins the ends of a ring that was cut: the part that ends where the line began continues with
+/// the part that begins there.
 fn join_ends(parts: &mut Vec<Vec<[f64; 2]>>, start: [f64; 2]) {
     let begins = parts.first().and_then(|part| part.first()) == Some(&start);
     let ends = parts.last().and_then(|part| part.last()) == Some(&start);
@@ -218,19 +219,19 @@ fn join_ends(parts: &mut Vec<Vec<[f64; 2]>>, start: [f64; 2]) {
     }
 }
 
-/// The part of a surface below a level.
+/// Part of a surface below a level.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Storage {
-    /// The level: its depth, metres.
+    /// Depth of the level, metres.
     pub depth_m: f64,
-    /// Area of the bottom that is deeper, seen from above, square metres.
+    /// Area of the bottom that is deeper than the level, seen from above, square metres.
     pub area_m2: f64,
-    /// Water between the level and that bottom, cubic metres.
+    /// Volume of water between the level and the bottom below it, cubic metres.
     pub volume_m3: f64,
 }
 
-/// Area and volume below each level. Every cell counts as a column of its own depth; what was not
-/// measured does not count, nor do cells whose middle lies outside the area, where there is one.
+/// Returns the area and volume below each level. Every cell counts as a column of its own depth;
+/// cells without a depth do not count, nor do cells whose centre lies outside `within`, if given.
 ///
 /// The levels with their areas and volumes are a reservoir's table.
 pub fn storage(surface: &Surface, levels_m: &[f64], within: Option<&ClipArea>) -> Vec<Storage> {
@@ -242,7 +243,7 @@ pub fn storage(surface: &Surface, levels_m: &[f64], within: Option<&ClipArea>) -
     let known = known.filter(|(cell, depth)| !depth.is_nan() && is_within(*cell));
     let mut depths: Vec<f64> = known.map(|(_, depth)| f64::from(*depth)).collect();
     depths.sort_unstable_by(f64::total_cmp);
-    // Sums from the deepest up to each place in the order.
+    // Sums of the depths from the deepest up to each place in the order.
     let mut deepest_first = Vec::with_capacity(depths.len() + 1);
     let mut sum_m = 0.0;
     deepest_first.push(sum_m);
@@ -323,7 +324,7 @@ mod tests {
     fn a_ring_inside_stays_one_and_one_that_is_cut_has_no_seam() {
         let inside = [[6.0, 1.0], [8.0, 1.0], [8.0, 3.0], [6.0, 1.0]];
         assert_eq!(cut(&inside), [inside.to_vec()]);
-        // Around the island it is whole, and where it leaves in the south it is open; it begins
+        // The ring is whole around the island, and open where it leaves in the south; it begins
         // inside.
         let ring = [[7.0, 1.0], [7.0, -1.0], [4.0, -1.0], [4.0, 1.0], [7.0, 1.0]];
         let parts = cut(&ring);

@@ -10,12 +10,13 @@ use std::sync::Arc;
 
 /// Number of isobaths from one that is thick and labelled to the next, counted from depth 0.
 pub const INDEX: f64 = 5.0;
-/// More isobaths than this are a mistake, not a map.
+/// Largest number of isobaths: more are a mistake, not a map.
 const MOST_LEVELS: f64 = 1000.0;
 /// Approximate number of isobaths where the settings do not determine it.
 const TARGET_LEVELS: f64 = 10.0;
 /// Least interval of isobaths in standard deviations of the depth, where the settings do not
-/// determine it: two thirds of a line's places are nearer to its own depth than to another's.
+/// determine it: two thirds of the places on a line then have depths nearer to this line's than to
+/// another's.
 const SIGMAS_APART: f64 = 2.0;
 
 /// The depths of a map that isobaths are drawn through.
@@ -23,7 +24,7 @@ const SIGMAS_APART: f64 = 2.0;
 pub struct DepthExtent {
     /// The shallowest and the deepest depth, metres.
     pub range_m: [f64; 2],
-    /// Standard deviation of measured depths, their median, metres; 0 where none is stated.
+    /// Median of the standard deviations of measured depths, metres; 0 where none is stated.
     pub error_m: f64,
 }
 
@@ -62,12 +63,12 @@ pub struct IsobathSettings {
     pub smooth: u32,
     /// True if every depth that is shallower than a line lies on its shallow side.
     pub shoal_safe: bool,
-    /// No spot sounding is nearer to another than this, metres; when not given, a round distance by
-    /// the extent of the map.
+    /// Least distance between spot soundings, metres; when not given, a round distance by the
+    /// extent of the map.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub spot_radius_m: Option<f64>,
-    /// The file of the area that isobaths, the areas between them and spot soundings end at; when
-    /// not given, they are wherever there are depths.
+    /// File of the area at whose edges isobaths, the areas between them and spot soundings end;
+    /// when not given, they are wherever there are depths.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub clip: Option<PathBuf>,
     /// Area in the file, once it has been read.
@@ -78,7 +79,7 @@ pub struct IsobathSettings {
 /// Reason why there are no isobaths.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NoIsobaths {
-    /// The interval would draw more of them than anybody can read.
+    /// The interval would draw more isobaths than anybody can read.
     #[error(
         "isobaths.interval_m is {interval_m}, which over depths from {least_m:.2} to {most_m:.2} m makes more than 1000 isobaths; choose a larger one"
     )]
@@ -96,7 +97,7 @@ pub enum NoIsobaths {
         /// File of the area.
         path: PathBuf,
     },
-    /// The area is another water's.
+    /// The area belongs to another water.
     #[error("the area of isobaths.clip lies elsewhere than the depths; choose that of this water: {}", path.display())]
     AreaElsewhere {
         /// File of the area.
@@ -104,8 +105,8 @@ pub enum NoIsobaths {
     },
 }
 
-/// Metres from one of some rising depths to the next, and the first of them; `None` where they are
-/// not equally far apart, and of none.
+/// Returns the interval of rising depths and the first of them, metres; `None` where the depths are
+/// not equally far apart, and without depths. A single depth has an interval of 1000 km.
 pub fn evenly_apart_m(levels_m: &[f64]) -> Option<[f64; 2]> {
     const ALONE_M: f64 = 1e6;
     let first_m = *levels_m.first()?;
@@ -116,10 +117,10 @@ pub fn evenly_apart_m(levels_m: &[f64]) -> Option<[f64; 2]> {
 }
 
 impl IsobathSettings {
-    /// Returns the same settings with an interval that is round in a unit of `unit_m` metres, where
-    /// the interval is left to the depths.
+    /// Returns the settings with an interval that is round in a unit of `unit_m` metres, where they
+    /// have no interval.
     pub fn round_in(&self, unit_m: f64, depths: DepthExtent) -> Self {
-        // A unit of the settings counts for files and the display alike.
+        // A unit in the settings applies to files and the display alike.
         let unit_m = match self.unit {
             LengthUnit::Metres => unit_m,
             other => other.metres(),
@@ -128,7 +129,7 @@ impl IsobathSettings {
         Self { interval_m: Some(self.interval_m.unwrap_or_else(chosen_m)), ..self.clone() }
     }
 
-    /// The interval that is given, round in the unit: 1.52 m are 5 feet.
+    /// Returns the interval of the settings, metres, round in the unit: 1.52 m are 5 feet.
     fn given_m(&self) -> Option<f64> {
         let unit_m = self.unit.metres();
         let interval_m = self.interval_m?;
@@ -143,21 +144,21 @@ impl IsobathSettings {
         Smoothing { passes: self.smooth, toward_deep: self.shoal_safe }
     }
 
-    /// A depth in the unit of the lines, to a ten thousandth of it.
+    /// Returns a depth in the unit of the lines, to a ten thousandth of the unit.
     pub fn in_unit(&self, depth_m: f64) -> f64 {
-        // No depth is minus zero.
+        // Adding zero makes minus zero zero.
         (depth_m / self.unit.metres() * 1e4).round() / 1e4 + 0.0
     }
 
-    /// A depth as charts print it: to a tenth of a metre or of a fathom or a whole foot, and never
-    /// deeper than it is.
+    /// Returns a depth as charts print it: to a tenth of a metre or of a fathom or to a whole foot,
+    /// and never deeper than it is.
     pub fn charted(&self, depth_m: f64) -> String {
         let decimals = match self.unit {
             LengthUnit::Metres | LengthUnit::Fathoms => 1,
             LengthUnit::Feet => 0,
         };
         let steps = 10f64.powi(decimals);
-        // What a quotient is off by should cost no step; and no depth is minus zero.
+        // A rounding error of the quotient must not cost a step; adding zero makes minus zero zero.
         let whole = (depth_m / self.unit.metres() * steps + 1e-6).floor() / steps + 0.0;
         format!("{whole:.*}", decimals as usize)
     }
@@ -169,7 +170,7 @@ impl IsobathSettings {
         (count / INDEX).fract() == 0.0
     }
 
-    /// Metres from one isobath to the next; `None` where their depths were listed.
+    /// Returns the metres from one isobath to the next; `None` where their depths were listed.
     pub fn step_m(&self, levels_m: &[f64]) -> Option<f64> {
         if !self.depths_m.is_empty() {
             return None;
@@ -178,8 +179,8 @@ impl IsobathSettings {
         self.given_m().or(first_two.map(|(first, second)| second - first))
     }
 
-    /// Returns the levels that a map makes thick and labels: every fifth; where none of them is
-    /// one, or their depths were listed, all.
+    /// Returns the levels that a map makes thick and labels: every fifth level; all levels where
+    /// none of them is a fifth, or their depths were listed.
     pub fn index_levels_m(&self, levels_m: &[f64]) -> Vec<f64> {
         let step_m = self.step_m(levels_m);
         let fifth = |level_m: &&f64| step_m.is_some_and(|step_m| Self::is_index(**level_m, step_m));
@@ -193,7 +194,10 @@ impl IsobathSettings {
         self.given_m().unwrap_or_else(|| depths.usual_interval_m(self.unit.metres()))
     }
 
-    /// The levels, ascending, for some depths.
+    /// Returns the levels for some depths, metres, ascending.
+    ///
+    /// # Errors
+    /// When the interval makes more than 1000 levels.
     pub fn levels_m(&self, depths: DepthExtent) -> Result<Vec<f64>, NoIsobaths> {
         let [least_m, most_m] = depths.range_m;
         if !self.depths_m.is_empty() {
@@ -207,13 +211,13 @@ impl IsobathSettings {
         if last - first >= MOST_LEVELS {
             return Err(NoIsobaths::TooMany { interval_m, least_m, most_m });
         }
-        // A level bottom has an interval that is no number, and no isobath.
+        // A level bottom has an interval of NaN, and no isobath.
         let count = if interval_m > 0.0 && first <= last { (last - first) as usize + 1 } else { 0 };
         Ok((0..count).map(|step| tidy((first + step as f64) * interval_m)).collect())
     }
 }
 
-/// A number to two digits.
+/// Returns a number rounded to two digits.
 fn two_digits(value: f64) -> f64 {
     let one = 10f64.powf(value.abs().log10().floor() - 1.0);
     if one.is_normal() { (value / one).round() * one } else { value }
@@ -224,7 +228,7 @@ fn readable(at_least_m: f64) -> f64 {
     if at_least_m > 0.0 { ticks::round_up(at_least_m) } else { f64::NAN }
 }
 
-/// Rounds to the micrometre: three times 0.1 is then 0.3.
+/// Rounds to the micrometre, so that three times 0.1 is 0.3.
 fn tidy(metres: f64) -> f64 {
     (metres * 1e6).round() / 1e6
 }

@@ -1,5 +1,6 @@
-//! Isobaths: the cuts of one level through the squares whose corners are the centres of four cells
-//! (marching squares), joined, and rounded for those who prefer looks to exactness.
+//! Draws isobaths: cuts the squares whose corners are the centres of four cells at one level
+//! (marching squares), joins the cuts, and rounds the lines for those who prefer looks to
+//! exactness.
 
 use crate::bathymetry::Surface;
 use bathyscope_log::support::outline::between;
@@ -15,7 +16,7 @@ pub(super) type CellEdge = usize;
 /// A square of four centres, all of known depth.
 #[derive(Clone, Copy)]
 pub(super) struct Square {
-    /// Index of its north-western cell.
+    /// Index of the square's north-western cell.
     pub cell: usize,
     /// Depths north-west, north-east, south-east, south-west.
     pub depths_m: [f64; 4],
@@ -31,7 +32,8 @@ const E: usize = 1;
 const S: usize = 2;
 const W: usize = 3;
 
-/// The square whose north-western cell this is; `None` where a depth is unknown or the grid ends.
+/// Returns the square with this north-western cell; `None` where a depth is unknown or the grid
+/// ends.
 pub(super) fn square(surface: &Surface, row: usize, column: usize) -> Option<Square> {
     let columns = surface.grid.columns;
     if row + 1 >= surface.grid.rows || column + 1 >= columns {
@@ -45,20 +47,20 @@ pub(super) fn square(surface: &Surface, row: usize, column: usize) -> Option<Squ
 }
 
 impl Square {
-    /// Edges to the north, east, south and west.
+    /// Returns the edges to the north, east, south and west.
     pub(super) fn edges(&self) -> [CellEdge; 4] {
         let [north, south] = [self.cell, self.cell + self.columns].map(|cell| 2 * cell);
         [north, north + 3, south, north + 1]
     }
 
-    /// Cells at the corners: north-west, north-east, south-east, south-west.
+    /// Returns the cells at the corners: north-west, north-east, south-east, south-west.
     pub(super) fn corners(&self) -> [usize; 4] {
         let south = self.cell + self.columns;
         [self.cell, self.cell + 1, south + 1, south]
     }
 
-    /// Cuts at a level. A corner at the level counts as deeper; of a saddle, the corners on the
-    /// side of the mean of the four are joined.
+    /// Returns the cuts at a level. A corner at the level counts as deeper; in a saddle, the
+    /// corners on the side of the mean of the four are joined.
     pub(super) fn cuts(&self, level_m: f64) -> Cuts {
         let deeper = self.depths_m.map(|depth| depth >= level_m);
         let joined = || self.depths_m.iter().sum::<f64>() >= 4.0 * level_m;
@@ -86,7 +88,8 @@ impl Square {
     }
 }
 
-/// East and north of the place on an edge where the depth is `level_m`, linear between its ends.
+/// Returns east and north of the place on an edge where the depth is `level_m`, linear between the
+/// ends of the edge.
 pub(super) fn crossing(surface: &Surface, edge: CellEdge, level_m: f64) -> [f64; 2] {
     let grid = &surface.grid;
     let (cell, runs_south) = (edge / 2, edge % 2 == 1);
@@ -101,30 +104,30 @@ pub(super) fn crossing(surface: &Surface, edge: CellEdge, level_m: f64) -> [f64;
     }
 }
 
-/// A line of equal depth.
+/// Line of equal depth.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Isobath {
-    /// Its depth, metres.
+    /// Depth of the line, metres.
     pub depth_m: f64,
     /// East and north, metres, with the deeper side on the left; a ring ends where it began.
     pub points: Vec<[f64; 2]>,
 }
 
 impl Isobath {
-    /// Returns true if it ends where it began.
+    /// Returns true if the line ends where it began.
     pub fn is_ring(&self) -> bool {
         self.points.len() > 3 && self.points.first() == self.points.last()
     }
 
-    /// Metres along it.
+    /// Returns the length of the line, metres.
     pub fn length_m(&self) -> f64 {
         let steps = self.points.windows(2);
         steps.map(|step| (step[1][0] - step[0][0]).hypot(step[1][1] - step[0][1])).sum()
     }
 }
 
-/// The isobaths of a surface at some depths, in the order of these. Lines end where the surface
-/// ends: none follows its edge.
+/// Returns the isobaths of a surface at some depths, in the order of the depths. Lines end where
+/// the surface ends: none follows its edge.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -163,7 +166,7 @@ fn cuts(
     Ok(cuts)
 }
 
-/// Cuts joined at the edges that they share. On every edge at most one cut ends and one begins.
+/// Joins cuts at the edges that they share. On every edge at most one cut ends and one begins.
 pub(super) fn join<E: Copy + Eq + Hash>(cuts: &[[E; 2]]) -> Vec<Vec<E>> {
     let mut next: HashMap<E, E> = cuts.iter().map(|[from, to]| (*from, *to)).collect();
     let ends: HashSet<E> = cuts.iter().map(|[_, to]| *to).collect();
@@ -184,7 +187,8 @@ pub(super) fn join<E: Copy + Eq + Hash>(cuts: &[[E; 2]]) -> Vec<Vec<E>> {
     lines
 }
 
-/// `None` where all of a ring is one place: a summit that just touches the level.
+/// Returns the line through some edges; `None` where all of a ring is one place: a summit that just
+/// touches the level.
 fn place(surface: &Surface, level_m: f64, edges: &[CellEdge]) -> Option<Isobath> {
     let mut points: Vec<[f64; 2]> =
         edges.iter().map(|edge| crossing(surface, *edge, level_m)).collect();
@@ -286,8 +290,8 @@ mod tests {
         assert!(area(&smoothed(&hole, safe)) < 0.9);
         let shoal: Vec<[f64; 2]> = hole.into_iter().rev().collect();
         assert_eq!(smoothed(&shoal, safe), shoal);
-        // Of a line to the east with a bend to the left and one to the right, the water south of it
-        // is shallow: it moves north alone.
+        // The water south of this line to the east is shallow: only its bend to the left moves, to
+        // the north, and the bend to the right stays.
         let line = [[0.0, 0.0], [4.0, 0.0], [8.0, 4.0], [12.0, 4.0]];
         let moved = smoothed(&line, safe);
         assert!(moved.contains(&[8.0, 4.0]) && !moved.contains(&[4.0, 0.0]), "{moved:?}");

@@ -1,12 +1,12 @@
-//! Lines of equal depth, the areas between them, and what lies below a level.
+//! Computes lines of equal depth, the areas between them, and the area and volume below a level.
 //!
 //! In: a surface and the depths of the lines. Out: isobaths, depth areas, and area and volume below
 //! a level.
 //!
 //! `lines` cuts the squares between the centres of cells, joins the cuts to isobaths and rounds
-//! these where that is asked for, `areas` joins the cuts to polygons, `levels` chooses the depths,
-//! `shoalest` keeps lines from understating a shoal, `clip` cuts lines at the edges of tiles,
-//! `clip_area` lines and areas at a shoreline, and counts area and volume.
+//! these on request, `areas` joins the cuts to polygons, `levels` chooses the depths, `shoalest`
+//! keeps lines from understating a shoal, `clip` cuts lines at the edges of tiles, and `clip_area`
+//! cuts lines and areas at a shoreline and computes area and volume.
 
 mod areas;
 mod clip;

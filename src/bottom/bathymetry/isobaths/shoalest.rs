@@ -1,9 +1,9 @@
-//! The surface whose isobaths understate no shoal, and the shoalest depth of each cell.
+//! Computes the surface whose isobaths understate no shoal, and the shoalest depth of each cell.
 
 use crate::bathymetry::{DepthPoint, Grid, Surface};
 
-/// The shoalest depth that was measured in each cell, metres, rounded toward the shallow side; NaN
-/// where none was.
+/// Returns the shoalest depth that was measured in each cell, metres, rounded toward the shallow
+/// side; NaN where none was measured.
 pub fn shoalest_m<'a>(grid: &Grid, depths: impl IntoIterator<Item = &'a DepthPoint>) -> Vec<f32> {
     let mut shoalest_m = vec![f32::NAN; grid.len()];
     for point in depths {
@@ -16,10 +16,10 @@ pub fn shoalest_m<'a>(grid: &Grid, depths: impl IntoIterator<Item = &'a DepthPoi
     shoalest_m
 }
 
-/// A surface that is nowhere deeper than the depths it was made from: the four cells around each
-/// depth are as shallow as it, at least. A line of equal depth crosses no square of four centres
-/// whose cells are all shallower, so every depth that is shallower than the line lies on its
-/// shallow side.
+/// Returns the surface, made shallower so that it is nowhere deeper than some depths: the four
+/// cells around each depth are at most as deep as this depth. A line of equal depth crosses no
+/// square of four centres whose cells are all shallower, so every depth that is shallower than the
+/// line lies on its shallow side.
 pub fn with_shoalest<'a>(
     surface: &Surface,
     depths: impl IntoIterator<Item = &'a DepthPoint>,
@@ -30,7 +30,8 @@ pub fn with_shoalest<'a>(
         let column = (point.east_m - grid.west_m) / grid.cell_m - 0.5;
         let row = (grid.north_m - point.north_m) / grid.cell_m - 0.5;
         let depth_m = not_deeper(point.depth_m);
-        // The last row and column have no square beyond them, and a cell beyond the grid is none.
+        // The last row and column have no square beyond them, and outside of the grid there is no
+        // cell.
         for (row, column) in [(0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0)]
             .map(|(down, right)| (row.floor() + down, column.floor() + right))
         {
@@ -38,7 +39,7 @@ pub fn with_shoalest<'a>(
             if is_inside(row, grid.rows) && is_inside(column, grid.columns) {
                 let cell = row as usize * grid.columns + column as usize;
                 let known_m = shoalest.depth_m[cell];
-                // What is not known stays so.
+                // A depth that is not known stays unknown.
                 if known_m > depth_m {
                     shoalest.depth_m[cell] = depth_m;
                 }
@@ -48,7 +49,7 @@ pub fn with_shoalest<'a>(
     shoalest
 }
 
-/// A depth in the precision of a surface, rounded toward the shallow side.
+/// Returns a depth in the precision of a surface, rounded toward the shallow side.
 fn not_deeper(depth_m: f64) -> f32 {
     let rounded = depth_m as f32;
     if f64::from(rounded) > depth_m { rounded.next_down() } else { rounded }

@@ -1,22 +1,23 @@
-//! Error of a depth by the distance to the nearest sounding.
+//! Computes the error of a depth from the distance to the nearest sounding.
 
 use super::LeftOutMiss;
 use bathyscope_log::support::statistics::sigma_of_sizes;
 
-/// Bins by distance of what a stated error is read from, of large squares; small ones are one bin.
+/// Number of bins by distance for the misses of large squares; those of small squares are one bin.
 const BINS: usize = 8;
 
-/// The standard deviation of a depth's error by the distance to the nearest sounding.
+/// Standard deviation of a depth's error by the distance to the nearest sounding.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SigmaByDistance {
-    /// Distance and standard deviation, metres, both rising.
+    /// Pairs of distance and standard deviation, metres, both rising.
     steps: Vec<[f64; 2]>,
 }
 
 impl SigmaByDistance {
-    /// A sounding that is left out is missed by the error of the prediction and by its own. Its
-    /// neighbours predict it about as well as it was measured, so that half of the square of the
-    /// least miss is the noise of a depth.
+    /// Computes the standard deviations from left-out soundings, `near` ones of small squares and
+    /// `far` ones of large squares. A miss contains the error of the prediction and that of the
+    /// left-out sounding. The neighbours predict a sounding about as well as it was measured, so
+    /// that half of the square of the least miss is the noise of a depth.
     pub(super) fn of(near: &[LeftOutMiss], far: &[LeftOutMiss]) -> Self {
         let mut steps = [bins(near, 1), bins(far, BINS)].concat();
         steps.sort_by(|a, b| a[0].total_cmp(&b[0]));
@@ -28,7 +29,7 @@ impl SigmaByDistance {
         Self { steps }
     }
 
-    /// The larger of two at every distance that one of them was measured at.
+    /// Returns the larger of two standard deviations at every distance that either was measured at.
     pub(super) fn larger(&self, other: &Self) -> Self {
         let both = [self, other];
         let mut distances_m: Vec<f64> = both
@@ -37,7 +38,7 @@ impl SigmaByDistance {
             .collect();
         distances_m.sort_by(f64::total_cmp);
         distances_m.dedup();
-        // Neither grows beyond what it was measured at.
+        // Neither grows beyond the last distance that it was measured at.
         let measured = |one: &Self, distance_m: f64| {
             let last_m = one.steps.last().map_or(0.0, |[last_m, _]| *last_m);
             one.at(distance_m.min(last_m))
@@ -50,7 +51,7 @@ impl SigmaByDistance {
     }
 
     /// Returns the standard deviation at a distance from the nearest sounding, metres; beyond the
-    /// distances of all left-out soundings it grows on as between the last two.
+    /// distances of all left-out soundings it grows as between the last two.
     pub fn at(&self, away_m: f64) -> f64 {
         let after = self.steps.partition_point(|[distance_m, _]| *distance_m <= away_m);
         let pair = match (after, self.steps.len()) {
@@ -63,7 +64,7 @@ impl SigmaByDistance {
     }
 }
 
-/// Middle distance and spread of the misses of as many bins of equal counts.
+/// Returns the middle distance and the spread of the misses, in `count` bins of equal counts.
 fn bins(misses: &[LeftOutMiss], count: usize) -> Vec<[f64; 2]> {
     let mut misses = misses.to_vec();
     misses.sort_by(|a, b| a.away_m.total_cmp(&b.away_m));
@@ -76,8 +77,8 @@ fn bins(misses: &[LeftOutMiss], count: usize) -> Vec<[f64; 2]> {
     bins.collect()
 }
 
-/// Makes the second numbers rise by giving neighbours that do not their mean (pool adjacent
-/// violators).
+/// Makes the second numbers rise by replacing neighbours that do not rise by their mean (pool
+/// adjacent violators).
 fn rising(steps: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     let mut pools: Vec<(f64, usize)> = Vec::new();
     for [_, value] in &steps {

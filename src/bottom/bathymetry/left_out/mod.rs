@@ -1,16 +1,17 @@
-//! Uncertainty of the depths of a surface, from the errors with which left-out soundings are
-//! predicted.
+//! Estimates the uncertainty of the depths of a surface from the errors with which left-out
+//! soundings are predicted.
 //!
-//! In: depths with their places, and their surface. Out: a standard deviation for each cell, and by
-//! the distance to the nearest sounding.
+//! In: depths with their places, and their surface. Out: a standard deviation for each cell, and
+//! one as a function of the distance to the nearest sounding.
 //!
-//! They are left out in squares of a few cells for the noise of the depths themselves, and for the
-//! ground between lines in squares as large as the gaps between them, and in strips along the lines
-//! as wide: whole lines are predicted from their neighbours, as the ground between them is. On a
-//! bank along a line its own soundings predict each other well. `by_distance` says how the error
-//! grows with the distance to the nearest sounding, and `roughness` where it is larger or smaller
-//! than that. The same left-out soundings say whether triangles that bend by the slopes on the
-//! lines (`super::slopes`) predict the ground better than straight ones.
+//! The noise of the depths themselves comes from soundings left out in squares of a few cells. The
+//! error of the ground between lines comes from soundings left out in squares as large as the gaps
+//! between the lines, and in strips of this width along the lines: whole lines are then predicted
+//! from their neighbours, as the ground between them is. Soundings on a bank along a line predict
+//! each other well. `by_distance` describes how the error grows with the distance to the nearest
+//! sounding, and `roughness` where it is larger or smaller than that. The same left-out soundings
+//! decide whether triangles that bend by the slopes on the lines (`super::slopes`) predict the
+//! ground better than straight ones.
 
 mod by_distance;
 mod roughness;
@@ -24,36 +25,38 @@ use bathyscope_log::support::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 use roughness::{Roughness, RoughnessSampler};
 
-/// Times that soundings are left out, a quarter of all squares each time.
+/// Number of times that soundings are left out, a quarter of all squares each time.
 const FOLDS: usize = 4;
 /// Fewest left-out soundings that determine an error.
 const LEAST_MISSES: usize = 40;
-/// Most soundings that are left out or kept: of more, as many are taken evenly from among them.
+/// Largest number of soundings that are left out or kept: of more, this many are taken evenly.
 const MOST_NODES: usize = 30_000;
-/// Large squares have a side of twice the distance to a sounding that this share of the map does
-/// not exceed: their middles are then as far from soundings as the map between lines.
+/// Share of the map whose distances to a sounding determine the side of the large squares: twice
+/// the distance that this share does not exceed. The middles of the squares are then as far from
+/// soundings as the map between lines.
 const DISTANCE_SHARE: f64 = 0.9;
 /// Side of the small squares, cells.
 const SMALL_CELLS: f64 = 2.0;
-/// Slopes are taken over three squares by three of this share of the large ones.
+/// Side of the squares that slopes are taken over, three by three, as a share of the large ones.
 const SLOPE_SHARE: f64 = 0.25;
-/// Soundings lie along lines where the directions to their neighbours agree by this share of their
-/// number.
+/// Least agreement of the directions from soundings to their neighbours, as a share of the number
+/// of soundings, at which the soundings lie along lines.
 const LEAST_ALIGNED: f64 = 0.25;
 /// Standard deviation of the depth as a share of the distance to the nearest of the planes through
 /// the corners: of bent triangles, and of straight ones.
 const BENT_ERROR: f64 = 0.2;
 const STRAIGHT_ERROR: f64 = 0.5;
-/// Bends count in full where they predict left-out soundings best at this share or more, so that
-/// two surveys along the same lines bend alike.
+/// Share from which bends count in full: bends of this share or more predict left-out soundings
+/// best. Two surveys along the same lines then bend alike.
 const FULL_SHARE: f64 = 0.8;
-/// They count where left-out soundings are then missed by at most this share.
+/// Largest ratio of the errors of left-out soundings with bends to those without them, at which
+/// bends count.
 const MOST_RATIO: f64 = 0.98;
 /// Most cells whose distances determine the size of the large squares.
 const MOST_CELLS_TRIED: usize = 10_000;
 
-/// A sounding that was left out: the predicted depth less its own, and its distance to the nearest
-/// sounding that was there, metres.
+/// Miss of a sounding that was left out: the predicted depth less the measured one, and the
+/// distance to the nearest sounding that was kept, metres.
 #[derive(Clone, Copy, Debug)]
 struct LeftOutMiss {
     place: [f64; 2],
@@ -62,18 +65,18 @@ struct LeftOutMiss {
     bend: Bend,
 }
 
-/// The standard deviation of a depth's error by place and distance to the nearest sounding.
+/// Standard deviation of a depth's error by place and distance to the nearest sounding.
 struct StatedError {
     by_distance: SigmaByDistance,
     /// Factors on the variance of the depths themselves, and on that of the bottom between them.
     near: Roughness,
     far: Roughness,
-    /// `None` where they are straight.
+    /// Bends of the triangles; `None` where these are straight.
     bends: Option<Bends>,
 }
 
-/// The cells of a surface: depths, their spread, and the distance to the nearest sounding, metres,
-/// row by row; NaN where nothing is known.
+/// Cells of a surface: depths, their spread, and the distance to the nearest sounding, metres, row
+/// by row; NaN where nothing is known.
 pub(super) struct SurfaceCells<'a> {
     pub grid: Grid,
     pub depth_m: &'a mut [f32],
@@ -81,18 +84,18 @@ pub(super) struct SurfaceCells<'a> {
     pub distance_m: &'a [f32],
 }
 
-/// The result of leaving soundings of a surface out.
+/// Result of leaving out soundings of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum LeftOut {
     /// There are too few soundings: depths and spreads stay as they are.
     TooFew,
-    /// Spreads are now standard deviations of errors; the triangles bend by these bends, `None`
+    /// The spreads are standard deviations of errors now; the triangles bend by these bends, `None`
     /// where they stay straight.
     Told(Option<Bends>),
 }
 
-/// Bends the triangles of a surface as far as left-out soundings are predicted better by it, and
-/// gives its cells the standard deviation of their depth's error for their spread.
+/// Bends the triangles of a surface as far as left-out soundings are then predicted better, and
+/// replaces the spread of the cells by the standard deviation of their depth's error.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -127,8 +130,8 @@ pub(super) fn bend_and_state_error(
             let mut bend_m = 0.0;
             if let Some(bend) = bends.at(place) {
                 *depth_m += (share * bend.deeper_m()) as f32;
-                // Within a square that slopes are taken over, they do not determine how the bottom
-                // bends.
+                // Nearer to a sounding than a side of the squares that slopes are taken over,
+                // slopes do not determine how the bottom bends.
                 let near = (1.0 - away_m / squares.slope_m()).max(0.0);
                 bend_m = (error_share + near * (STRAIGHT_ERROR - error_share)) * bend.least_m;
             }
@@ -167,7 +170,7 @@ pub fn sigma_by_distance(
     Ok(stated.map(|stated| stated.by_distance))
 }
 
-/// The sides of the squares that soundings are left out in, metres.
+/// Sides of the squares that soundings are left out in, metres.
 #[derive(Clone, Copy)]
 struct Squares {
     small_m: f64,
@@ -175,7 +178,7 @@ struct Squares {
 }
 
 impl Squares {
-    /// Side of the squares that slopes are taken over.
+    /// Returns the side of the squares that slopes are taken over.
     fn slope_m(self) -> f64 {
         SLOPE_SHARE * self.large_m
     }
@@ -196,8 +199,8 @@ impl StatedError {
         progress: &Progress,
     ) -> Result<Option<Self>, Cancelled> {
         let step = nodes.len().div_ceil(MOST_NODES).max(1);
-        // Small squares ask for the neighbours of a sounding, so that whole large squares are
-        // taken.
+        // The small squares need the neighbours of a sounding, so that whole columns of large
+        // squares are taken.
         let dense = nodes.iter().filter(|node| {
             step == 1 || column_and_row(node, squares.large_m)[0].rem_euclid(step as i64) == 0
         });
@@ -266,19 +269,20 @@ impl StatedErrorSampler<'_> {
     }
 }
 
-/// The number of the square that a node lies in; neighbours have others.
+/// Returns the number of the square that a node lies in; it differs for neighbouring squares.
 fn square_of(node: &Node, side_m: f64) -> i64 {
     let [column, row] = column_and_row(node, side_m);
     column + 2 * row
 }
 
-/// The number of the strip along a direction that a node lies in.
+/// Returns the number of the strip along a direction that a node lies in.
 fn strip_of(node: &Node, [x, y]: [f64; 2], width_m: f64) -> i64 {
     let [east_m, north_m] = node.place();
     ((east_m * y - north_m * x) / width_m).floor() as i64
 }
 
-/// Unit vector along the lines that most places lie on; `None` where they lie on none.
+/// Returns the unit vector along the lines that most places lie on; `None` where they lie on no
+/// lines.
 fn direction(places: &[[f64; 2]]) -> Option<[f64; 2]> {
     let others: Vec<[f64; 2]> = places.iter().skip(1).step_by(2).copied().collect();
     let near = Nearest::of(&others)?;
@@ -298,8 +302,8 @@ fn direction(places: &[[f64; 2]]) -> Option<[f64; 2]> {
     (is_along && count > 0.0).then(|| [angle_rad.cos(), angle_rad.sin()])
 }
 
-/// The errors of triangles at soundings that are left out, those of every fourth part at a time;
-/// `part_of` is the number of the square or strip that a node lies in.
+/// Returns the errors of triangles at left-out soundings; every fourth part is left out at a time.
+/// `part_of` returns the number of the square or strip that a node lies in.
 fn misses(
     nodes: Vec<Node>,
     part_of: impl Fn(&Node) -> i64 + Sync,
@@ -337,11 +341,12 @@ fn predicted(out: &[Node], used: Vec<Node>, between: Between, slope_m: f64) -> V
     out.iter().filter_map(miss).collect()
 }
 
-/// The bends of the triangles; `None` where straight ones predict left-out soundings about as well.
+/// Returns the bends of the triangles; `None` where straight ones predict left-out soundings about
+/// as well.
 ///
 /// The share that counts is that of least squares. Errors and bends grow with the distance to the
-/// nearest sounding, so that the farthest would decide by themselves: they are weighed by its
-/// square.
+/// nearest sounding, so that the farthest soundings alone would decide: each is weighed by the
+/// inverse square of this distance.
 fn bends(far: &[LeftOutMiss], strips: &[LeftOutMiss], squares: Squares) -> Option<Bends> {
     let misses = || far.iter().chain(strips);
     let (mut product, mut square) = (0.0, 0.0);
@@ -362,12 +367,13 @@ fn bends(far: &[LeftOutMiss], strips: &[LeftOutMiss], squares: Squares) -> Optio
     is_better.then(|| Bends { square_m: squares.slope_m(), share, left_out_m })
 }
 
-/// The square that a sounding lies in.
+/// Returns the column and row of the square that a sounding lies in.
 fn column_and_row(node: &Node, square_m: f64) -> [i64; 2] {
     node.place().map(|metres| (metres / square_m).floor() as i64)
 }
 
-/// Returns the distance that [`DISTANCE_SHARE`] of some distances do not exceed; 0 without any.
+/// Returns the distance that [`DISTANCE_SHARE`] of some distances do not exceed; 0 without any
+/// distance.
 fn usual_of(mut distances: Vec<f32>) -> f64 {
     let Some(last) = distances.len().checked_sub(1) else {
         return 0.0;

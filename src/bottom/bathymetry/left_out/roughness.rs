@@ -9,10 +9,11 @@ use std::collections::HashMap;
 const MOST_SQUARE: f64 = 9.0;
 /// Weight of the usual roughness, in squares: it makes a few misses count little.
 const USUAL_SQUARES: f64 = 1.0;
-/// Squares to both sides that count, by a bell curve with a standard deviation of one square.
+/// Number of squares to each side that count, weighted by a bell curve with a standard deviation of
+/// one square.
 const REACH: i64 = 2;
 
-/// The mean square of misses as a share of what is usual at their distance, by place.
+/// Mean square of misses as a share of what is usual at their distance, by place.
 pub(super) struct Roughness {
     square_m: f64,
     shares: HashMap<[i64; 2], f64>,
@@ -23,7 +24,7 @@ impl Roughness {
         let mut squares: HashMap<[i64; 2], (f64, f64)> = HashMap::new();
         let noise = usual.at(0.0).powi(2);
         for miss in misses {
-            // Its own noise is in a miss, too.
+            // A miss contains the noise of the left-out sounding, too.
             let expected = usual.at(miss.away_m).powi(2) + noise;
             let share = (miss.error_m.powi(2) / expected).min(MOST_SQUARE);
             let square = miss.place.map(|metres| (metres / square_m).floor() as i64);
@@ -51,8 +52,8 @@ impl Roughness {
         RoughnessSampler { roughness: self, last: None }
     }
 
-    /// Returns the shares of the squares whose middles are the corners around a place; 1 where
-    /// nothing was left out.
+    /// Returns the shares of the squares whose middles are the corners around a place; 1 for a
+    /// square where nothing was left out.
     fn around(&self, corner: [i64; 2]) -> [f64; 4] {
         CORNERS.map(|step| {
             let square = [0, 1].map(|axis| corner[axis] + step[axis] as i64);
@@ -61,10 +62,11 @@ impl Roughness {
     }
 }
 
-/// Steps from the south-western of the four middles of squares around a place to each of them.
+/// Steps from the south-western one of the four middles of squares around a place to each of the
+/// four.
 const CORNERS: [[f64; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
 
-/// Keeps what it looked up last.
+/// Sampler that keeps the shares around the last place.
 pub(super) struct RoughnessSampler<'a> {
     roughness: &'a Roughness,
     last: Option<([i64; 2], [f64; 4])>,

@@ -9,7 +9,7 @@ fn lines(noise_m: f64, bed: impl Fn(f64, f64) -> f64) -> Vec<DepthPoint> {
     let points = (0..4).flat_map(|line| (0..160).map(move |step| (line, step)));
     let places = points.map(|(line, step)| (0.5 * f64::from(step), 8.0 * f64::from(line)));
     let mut random = random();
-    // Twelve of them have a standard deviation of 1, about 6.
+    // The sum of twelve random numbers has a standard deviation of 1 about 6.
     let mut noise = move || noise_m * ((0..12).map(|_| random()).sum::<f64>() - 6.0);
     places.map(|(east_m, north_m)| point(east_m, north_m, bed(east_m, north_m) + noise())).collect()
 }

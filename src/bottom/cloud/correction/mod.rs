@@ -1,13 +1,13 @@
-//! Corrects recorded depths to depths below a level: sound speed, draft, and the water's own height
-//! over time.
+//! Corrects recorded depths to depths below a level: for sound speed, draft, and the water's own
+//! height over time.
 //!
-//! In: recorded depths and slant ranges, and what the settings say of the water. Out: depths below
-//! the chosen level.
+//! In: recorded depths and slant ranges, and the settings for the water. Out: depths below the
+//! chosen level.
 //!
-//! It stands where points are made, because a sound speed scales slant ranges before any geometry,
-//! and so that soundings and side-scan points, and all that is drawn or written of them, are
-//! corrected alike and once. `sound_speed` has the equation, `statement` says in words what was
-//! done.
+//! The correction is applied where points are made, because a sound speed scales slant ranges
+//! before any geometry, and so that soundings, side-scan points and all their products are
+//! corrected alike and once. `sound_speed` has the equation, `statement` describes the correction
+//! in words.
 
 mod sound_speed;
 mod statement;
@@ -29,7 +29,7 @@ pub struct WaterLevelSettings {
     /// [`bathyscope_log::formats::read_gauge`] reads them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<PathBuf>,
-    /// Readings in the file, once it has been read.
+    /// Readings in the file; `None` until it has been read.
     #[serde(skip)]
     pub gauge: Option<Arc<Gauge>>,
 }
@@ -40,21 +40,21 @@ pub struct DepthSettings {
     /// Depth of the transducer below the water's surface, metres.
     pub draft_m: f64,
     /// Height of the water's surface above the level that depths count from, metres; with readings,
-    /// that of the gauge's zero.
+    /// the height of the gauge's zero.
     pub water_level_m: f64,
     /// Readings of the water's height.
     pub water_level: WaterLevelSettings,
     /// Height added to every elevation, metres, so that the log agrees with others of its survey
     /// (`bathymetry::height_offsets`).
     pub height_offset_m: f64,
-    /// Sound speed.
+    /// Settings of the sound speed.
     pub sound_speed: SoundSpeedSettings,
 }
 
 /// Reason why readings of the water's height are not in force: one sentence, the path last.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum WaterLevelError {
-    /// The settings name a file only.
+    /// The settings name a file, but it has not been read.
     #[error("the readings of the water level have not been read: {}", path.display())]
     NotRead {
         /// The file of the readings.
@@ -74,9 +74,9 @@ pub enum WaterLevelError {
         moment(readings_s[0]), moment(readings_s[1]), moment(log_s[0]), moment(log_s[1]), path.display()
     )]
     NotCovered {
-        /// The first and the last reading, Unix seconds.
+        /// Times of the first and the last reading, Unix seconds.
         readings_s: [f64; 2],
-        /// Begin and end of the log, Unix seconds.
+        /// Start and end of the log, Unix seconds.
         log_s: [f64; 2],
         /// The file of the readings.
         path: PathBuf,
@@ -91,22 +91,24 @@ pub enum WaterLevelError {
 ///
 /// A clock that is wrong by `e` takes the reading of another time, so depths are off by `e` times
 /// the rate at which the water rises: 1 cm for 6 minutes where it rises 10 cm an hour, and as much
-/// as the height of a tide for hours. The part that is the same all along the log is in the height
-/// offset that crossings show; the part that changes along the log stays, unless
-/// `mounting.clock_offset_s` says how far the clock is behind. Recorders take the time from the
+/// as the height of a tide for hours. The part of this error that is the same all along the log is
+/// in the height offset that crossings show; the part that changes along the log stays, unless
+/// `mounting.clock_offset_s` gives the delay of the clock. Recorders take the time from the
 /// satellites, so a drift within a log is below a second.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Correction {
     settings: DepthSettings,
-    /// Unix seconds of the log's time zero, its clock put right, where readings are in force.
+    /// Time zero of the log by its corrected clock, Unix seconds; `None` where no readings are in
+    /// force.
     start_unix_s: Option<f64>,
     /// Offset added to the log's clock, seconds.
     clock_offset_s: f64,
     /// The water's height in the middle of the survey, metres.
     middle_level_m: f64,
-    /// Reason why the readings of the water's height are not in force.
+    /// Reason why the readings of the water's height are not in force, if any.
     refused: Option<WaterLevelError>,
-    /// The readings, Unix seconds and metres, between which the level of the survey is a guess.
+    /// Readings before and after a gap in which the level of the survey is a guess, Unix seconds
+    /// and metres.
     gap: Option<[(f64, f64); 2]>,
 }
 
@@ -114,13 +116,13 @@ pub struct Correction {
 /// both are exceeded, the water's height is not known, as it may have risen first and fallen later.
 const LONGEST_BRIDGE_S: f64 = 3600.0;
 const BRIDGED_M: f64 = 0.02;
-/// Standard deviation of a level that is drawn straight between such readings, in units of their
+/// Standard deviation of a level that is interpolated between such readings, in units of their
 /// difference: a tide between its low and its high water is off by a tenth, and a flood by more.
 const GAP_SHARE: f64 = 0.25;
 
 impl Correction {
-    /// Creates the correction of a survey. Readings that do not cover it are not applied, and
-    /// [`Correction::refused`] says why.
+    /// Creates the correction of a survey. Readings that do not cover the survey are not applied,
+    /// and [`Correction::refused`] returns the reason.
     pub fn new(settings: DepthSettings, survey: &Survey) -> Self {
         let over = over_survey(&settings.water_level, survey);
         let mut made = Self {
@@ -147,13 +149,13 @@ impl Correction {
         made
     }
 
-    /// Returns the reason why the readings of the water's height are not in force.
+    /// Returns the reason why the readings of the water's height are not in force, if any.
     pub fn refused(&self) -> Option<&WaterLevelError> {
         self.refused.as_ref()
     }
 
-    /// Standard deviation of the water's height where it is drawn between readings that are far
-    /// apart, metres; 0 where it is not.
+    /// Returns the standard deviation of the water's height where it is interpolated between
+    /// readings that are far apart, metres; 0 without such a gap.
     pub fn gap_sigma_m(&self) -> f64 {
         self.gap.map_or(0.0, |[before, after]| GAP_SHARE * (after.1 - before.1).abs())
     }
@@ -174,13 +176,13 @@ impl Correction {
         self.settings.draft_m > 0.0
     }
 
-    /// Elevation of a place that lies `below_m` metres, by the true speed of sound, below the
-    /// transducer at a time of the log.
+    /// Returns the elevation of a place that lies `below_m` metres, by the true speed of sound,
+    /// below the transducer at a time of the log.
     pub fn z_m(&self, time_s: f64, below_m: f64) -> f64 {
         self.level_m(time_s) + self.settings.height_offset_m - self.settings.draft_m - below_m
     }
 
-    /// Returns the depth that a recorded depth means at a time of the log, metres.
+    /// Returns the corrected depth for a depth recorded at a time of the log, metres.
     pub fn depth_m(&self, time_s: f64, recorded_m: f64) -> f64 {
         -self.z_m(time_s, recorded_m * self.range_factor())
     }
@@ -190,18 +192,18 @@ impl Correction {
         self.settings.height_offset_m
     }
 
-    /// The water's height in the middle of the survey, metres above the level that depths count
-    /// from.
+    /// Returns the water's height in the middle of the survey, metres above the level that depths
+    /// count from.
     pub fn middle_level_m(&self) -> f64 {
         self.middle_level_m
     }
 
-    /// The readings in force.
+    /// Returns the readings in force, if any.
     pub fn gauge(&self) -> Option<&Gauge> {
         self.start_unix_s.and(self.settings.water_level.gauge.as_deref())
     }
 
-    /// The water's height at a time of the log.
+    /// Returns the water's height at a time of the log, metres.
     fn level_m(&self, time_s: f64) -> f64 {
         let reading_m = match (self.start_unix_s, self.gauge()) {
             (Some(start_unix_s), Some(gauge)) => gauge.level_m(start_unix_s + time_s),
@@ -211,8 +213,8 @@ impl Correction {
     }
 }
 
-/// Unix seconds of the log's zero, and the times of the log's begin and end, where readings cover
-/// the survey; `None` without readings.
+/// Returns the Unix seconds of the log's time zero, and the times of its start and end, where
+/// readings cover the survey; `None` without readings.
 fn over_survey(
     level: &WaterLevelSettings,
     survey: &Survey,
@@ -236,7 +238,7 @@ fn over_survey(
     Ok(Some((start_unix_s, [from_s, to_s])))
 }
 
-/// First and last time of what gives points.
+/// Returns the first and last time of the records that give points; `None` without any.
 fn record_span_s(survey: &Survey) -> Option<(f64, f64)> {
     let pings = survey.side_scan.iter().map(|ping| ping.time_s);
     let times = pings.chain(survey.soundings.iter().map(|sounding| sounding.time_s));
@@ -247,7 +249,7 @@ fn record_span_s(survey: &Survey) -> Option<(f64, f64)> {
     })
 }
 
-/// Date and time of day, UTC.
+/// Returns the date and time of day, UTC.
 fn moment(unix_s: f64) -> String {
     format!("{} {}", calendar::date(unix_s), calendar::time_of_day(unix_s))
 }

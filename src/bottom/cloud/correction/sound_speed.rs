@@ -1,10 +1,10 @@
-//! Speed of sound in the water, and the speed that the recorder assumed.
+//! Provides the speed of sound in the water, and the speed that the recorder assumed.
 
 use serde::{Deserialize, Serialize};
 
-/// Speed that a recorder is taken to assume: 1500 m/s, usual for sea water. Some assume 4800 feet a
-/// second (1463 m/s), usual for fresh water, or let their owner choose; logs of fish-finders do not
-/// say which.
+/// Speed of sound that a recorder is taken to assume: 1500 m/s, usual for sea water. Some recorders
+/// assume 4800 feet a second (1463 m/s), usual for fresh water, or let their owner choose; logs of
+/// fish-finders do not record it.
 const RECORDER_M_S: f64 = 1500.0;
 
 /// `sound_speed.*` settings. Without `m_s` and `temperature_c` ranges stay as the recorder computed
@@ -20,10 +20,10 @@ pub struct SoundSpeedSettings {
     pub temperature_c: Option<f64>,
     /// Practical salinity: 0 in fresh water, 35 in the ocean.
     pub salinity_psu: f64,
-    /// Depth that temperature and salinity stand for, metres: half the water's depth where they are
+    /// Depth at which temperature and salinity hold, metres: half the water's depth where they are
     /// the same throughout.
     pub depth_m: f64,
-    /// The speed that the recorder computed its ranges and depths with, metres a second.
+    /// Speed of sound that the recorder computed its ranges and depths with, metres a second.
     pub recorder_m_s: f64,
 }
 
@@ -40,16 +40,16 @@ impl Default for SoundSpeedSettings {
 }
 
 impl SoundSpeedSettings {
-    /// The speed of sound where the settings give one, metres a second.
+    /// Returns the speed of sound, metres a second; `None` where the settings give none.
     pub fn water_m_s(&self) -> Option<f64> {
         let computed = |celsius| sound_speed_m_s(celsius, self.salinity_psu, self.depth_m);
         self.m_s.or(self.temperature_c.map(computed))
     }
 
-    /// Refuses what says two things at once, in a sentence.
+    /// Checks that the settings give the speed in one way only.
     ///
     /// # Errors
-    /// A sentence that says what contradicts what.
+    /// A sentence if they give both a speed and a temperature.
     pub fn check(&self) -> Result<(), &'static str> {
         match (self.m_s, self.temperature_c) {
             (Some(_), Some(_)) => Err(
@@ -77,8 +77,8 @@ const A: [[f64; 5]; 4] = [
 const B: [[f64; 2]; 2] = [[-1.922e-2, -4.42e-5], [7.3637e-5, 1.7945e-7]];
 const D: [[f64; 1]; 2] = [[1.727e-3], [-7.9836e-6]];
 
-/// Speed of sound, metres a second, in water of a temperature (0 to 40 C) and a practical salinity
-/// (0 to 40) at a depth.
+/// Returns the speed of sound, metres a second, in water of a temperature (0 to 40 C) and a
+/// practical salinity (0 to 40) at a depth.
 ///
 /// The UNESCO equation: Chen and Millero, J. Acoust. Soc. Am. 62 (1977) 1129, as printed by
 /// Fofonoff and Millard, UNESCO Technical Papers in Marine Science 44 (1983) 46. It holds in fresh
@@ -95,7 +95,7 @@ fn at_pressure(t: f64, s: f64, bar: f64) -> f64 {
         + polynomial(&D, t, bar) * s * s
 }
 
-/// Horner's rule over rows of pressure and columns of temperature.
+/// Returns a polynomial by Horner's rule over rows of pressure and columns of temperature.
 fn polynomial<const N: usize>(rows: &[[f64; N]], t: f64, bar: f64) -> f64 {
     let row = |row: &[f64; N]| row.iter().rev().fold(0.0, |sum, factor| sum * t + factor);
     rows.iter().rev().fold(0.0, |sum, factors| sum * bar + row(factors))

@@ -1,4 +1,4 @@
-//! Statement of what was and was not corrected, in words for every product.
+//! States what was and was not corrected, in words for every product.
 
 use super::{Correction, moment};
 
@@ -44,13 +44,13 @@ impl DepthReference {
 }
 
 impl Correction {
-    /// States what depths count from, what was applied, and what was not.
+    /// Returns sentences about what depths count from, what was applied, and what was not.
     pub fn statement(&self) -> String {
         self.sentences().join(" ")
     }
 
-    /// Returns the same in two parts: what depths count from and what was applied, then what was
-    /// not.
+    /// Returns the sentences of [`Correction::statement`] in two parts: what depths count from and
+    /// what was applied, then what was not.
     pub fn sentences(&self) -> [String; 2] {
         let applied = self.applied();
         let missing = self.missing();
@@ -78,8 +78,8 @@ impl Correction {
         self.settings.water_level_m != 0.0 || self.gauge().is_some()
     }
 
-    /// The warning about readings of the water's height that are far apart; `None` where they are
-    /// close enough.
+    /// Returns a warning about readings of the water's height that are far apart; `None` where they
+    /// are close enough.
     pub fn gap_warning(&self) -> Option<String> {
         let ([before, after], gauge) = (self.gap?, self.gauge()?);
         let name = gauge.path.file_name().unwrap_or_default().to_string_lossy();

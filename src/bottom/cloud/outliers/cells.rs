@@ -1,4 +1,4 @@
-//! Points sorted by cell: rows of cells along x, ascending within the row.
+//! Sorts points by cell: rows of cells along x, ascending within the row.
 
 use super::PointPlace;
 use bathyscope_log::support::progress::{Cancelled, Progress};
@@ -9,7 +9,7 @@ use std::collections::HashMap;
 /// cell, not a grid.
 #[derive(Debug)]
 struct CellAxis {
-    /// Begin of each occupied stretch, ascending, with its first cell number.
+    /// Start of each occupied stretch, ascending, with its first cell number.
     stretches: Vec<(f64, u32)>,
     cells_per_m: f64,
     /// Number of cells.
@@ -17,11 +17,11 @@ struct CellAxis {
 }
 
 impl CellAxis {
-    /// More cells than this along an axis make their numbers inexact: empty stretches must be left
-    /// out.
+    /// Largest number of cells along an axis whose numbers are exact: with more, empty stretches
+    /// must be left out.
     const MAX_DIRECT: f64 = 1e9;
 
-    /// One cell for everything.
+    /// Creates an axis with one cell for everything.
     fn single() -> Self {
         Self { stretches: vec![(0.0, 0)], cells_per_m: 0.0, len: 1 }
     }
@@ -60,7 +60,7 @@ impl CellAxis {
         axis
     }
 
-    /// The cell of a value that the axis was made from.
+    /// Returns the cell of a value that the axis was made from.
     fn cell(&self, value: f64) -> u32 {
         let (start, first) = match self.stretches.as_slice() {
             [only] => *only,
@@ -70,20 +70,20 @@ impl CellAxis {
     }
 }
 
-/// A grid with more cells than this times the points is mostly empty: sorting by comparison is
-/// cheaper than counting.
+/// Largest number of cells per point that are sorted by counting: a grid with more is mostly empty,
+/// and sorting by comparison is cheaper.
 const DENSE_CELLS_PER_POINT: u64 = 4;
-/// Points that are looked at to find out whether the cloud is flat, at most.
+/// Largest number of points that are examined to find out whether the cloud is flat.
 const FLATNESS_POINTS: usize = 1_000_000;
-/// Columns that are looked at to find out whether the cloud is flat.
+/// Number of columns that are examined to find out whether the cloud is flat.
 const FLATNESS_COLUMNS: usize = 256;
 
-/// A row of cells that holds points.
+/// Row of cells that holds points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct CellRow {
     /// `z cell * row stride + y cell`.
     pub(super) key: u64,
-    /// First of its points in sorted order.
+    /// Index of the row's first point in sorted order.
     pub(super) start: u32,
 }
 
@@ -95,9 +95,9 @@ pub(super) struct CellPoints {
     pub(super) points: Vec<[f64; 3]>,
     /// Cell along x of each sorted point.
     pub(super) x_cells: Vec<u32>,
-    /// The rows that hold points, ascending by key, and a last one past the end.
+    /// Rows that hold points, ascending by key, and a last one past the end.
     pub(super) rows: Vec<CellRow>,
-    /// Rows in a layer, with room for a neighbour beyond either end.
+    /// Number of rows in a layer, with room for a neighbour beyond either end.
     pub(super) stride: u64,
     /// True if there is one layer only (columns).
     pub(super) flat: bool,
@@ -111,7 +111,8 @@ struct Axes {
 }
 
 impl Axes {
-    /// The smallest grid that the points `order` allow; its cells are at least `cell_m` wide.
+    /// Creates the smallest grid that the points `order` allow; its cells are at least `cell_m`
+    /// wide.
     fn new(place: &impl PointPlace, order: &[u32], cell_m: f64) -> Self {
         let along = |axis: usize| order.iter().map(move |&index| place(index)[axis]);
         let even = |axis: usize| CellAxis::even(along(axis), cell_m);
@@ -201,7 +202,7 @@ impl CellPoints {
     }
 }
 
-/// Counting sort: stable, so that points of a cell keep their order.
+/// Sorts by counting, which is stable, so that points of a cell keep their order.
 fn by_counting(place: &impl PointPlace, order: &[u32], axes: &Axes, cell_count: usize) -> Vec<u32> {
     let cell = |index: &u32| {
         let point = &place(*index);

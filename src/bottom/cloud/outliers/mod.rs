@@ -1,13 +1,13 @@
-//! Radius outlier removal with the exact rule of Open3D's `PointCloud::remove_radius_outlier`.
+//! Removes outliers by radius, with the exact rule of Open3D's `PointCloud::remove_radius_outlier`.
 //!
 //! In: places, a radius and a number of neighbours. Out: which places are kept.
 //!
 //! A point is kept when more than `min_neighbors` points, itself included, lie strictly nearer than
-//! the radius. The points are sorted into cells one radius wide, so that all that matters to a cell
-//! lies in the cells around it, and in memory the cells of a row lie side by side. Counting stops
-//! as soon as a point is known to be kept. A flat cloud is sorted into columns instead, because its
-//! cells above and below are empty. Where a cell is so full that testing all in it would take too
-//! long, a tree of boxes counts instead.
+//! the radius. The points are sorted into cells one radius wide, so that all neighbours of a point
+//! lie in the cells around its own, and the cells of a row lie side by side in memory. Counting
+//! stops as soon as a point is known to be kept. A flat cloud is sorted into columns instead,
+//! because its cells above and below are empty. Where a cell is so full that testing all its points
+//! would take too long, a tree of boxes counts instead.
 
 mod cells;
 mod sweep;
@@ -16,8 +16,8 @@ mod tree;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use cells::CellPoints;
 
-/// Cells are this much wider than the radius, so that rounding never puts neighbours two cells
-/// apart.
+/// Width of a cell as a multiple of the radius: a little wider, so that rounding never puts
+/// neighbours two cells apart.
 const CELL_MARGIN: f64 = 1.0 + 1e-6;
 
 /// Returns a flag for each point, true if more than `min_neighbors` points (itself included) lie
@@ -54,7 +54,7 @@ pub(super) fn keep_places(
     let finite_count = (0..count as u32).filter(finite).count();
     let mut order = Vec::with_capacity(finite_count);
     order.extend((0..count as u32).filter(finite));
-    // A negated comparison, so that a radius that is no number keeps nothing either.
+    // A radius that is NaN or not above 0 keeps nothing.
     if order.is_empty() || radius_m.is_nan() || radius_m <= 0.0 {
         return Ok(kept);
     }

@@ -1,4 +1,4 @@
-//! Counts neighbours, row by row.
+//! Counts the neighbours of each point, row by row.
 
 use super::cells::CellPoints;
 use super::tree::{Tree, distance_square};
@@ -7,12 +7,12 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::OnceLock;
 
-/// Rows that a worker takes at a time.
+/// Number of rows that a worker takes at a time.
 const ROWS_A_TASK: usize = 64;
-/// Tests between two looks at whether a point has enough neighbours.
+/// Number of tests between two checks whether a point has enough neighbours.
 const BLOCK: usize = 8;
-/// Tests of one point, after which the tree is asked instead: in the densest survey a point has its
-/// neighbours together sooner.
+/// Number of tests of one point after which the tree counts instead: in the densest survey a point
+/// has enough neighbours sooner.
 const MOST_TESTS: usize = 2048;
 
 /// Returns a flag for each sorted point, true if more than `min_neighbors` points lie strictly
@@ -48,7 +48,7 @@ pub(super) fn flags(
     Ok(swept.concat())
 }
 
-/// The part of a row that lies within a cell of the cell at hand; it slides along as the cell does.
+/// Part of a row that lies within a cell of the current cell; it slides along with this cell.
 #[derive(Clone, Copy, Default)]
 struct RowSlice {
     start: usize,
@@ -96,8 +96,8 @@ fn slice_of(cells: &CellPoints, row: usize) -> RowSlice {
     RowSlice { start, end: start, row_end: cells.rows[row + 1].start as usize }
 }
 
-/// The occupied rows around a row, itself left out: two beside it, and three in the layers below
-/// and above.
+/// Returns the occupied rows around a row, without the row itself: two beside it, and three in each
+/// of the layers below and above.
 fn neighbour_rows(cells: &CellPoints, row: usize) -> ([RowSlice; 8], usize) {
     let rows = &cells.rows[..cells.rows.len() - 1];
     let key = rows[row].key;
@@ -128,9 +128,9 @@ struct Counter<'a> {
     points: &'a [[f64; 3]],
     /// Square of the radius.
     square: f64,
-    /// Points within the radius, itself included, that keep a point.
+    /// Number of points within the radius, itself included, that keep a point.
     enough: usize,
-    /// All points, once a point asks for it.
+    /// Tree of all points, created when it is first needed.
     tree: OnceLock<Tree>,
 }
 
@@ -146,7 +146,7 @@ impl Counter<'_> {
         }
         let (mut found, mut tested) = (0, 0);
         for slice in slices {
-            // In blocks without a branch in them; a look at the count after each keeps dense cells
+            // Blocks have no branch in them; the check of the count after each keeps dense cells
             // cheap.
             for block in self.points[slice].chunks(BLOCK) {
                 found +=

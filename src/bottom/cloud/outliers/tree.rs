@@ -1,27 +1,27 @@
 //! Counts neighbours in a tree of boxes: for points among so many others that testing each would
 //! take too long.
 //!
-//! A box that lies within the radius as a whole is counted by its number of points, one that lies
-//! beyond is passed over, so that a million points at one place cost one test. Rounding is
+//! A box that lies within the radius as a whole is counted by its number of points, and a box that
+//! lies beyond is skipped, so that a million points at one place cost one test. Rounding is
 //! monotonic: the square of the distance to the far corner of a box, computed as for a point, is
-//! never below that of a point in the box, so that the outcome is that of testing each.
+//! never below that of a point in the box, so that the result is the same as by testing each point.
 
 use std::collections::VecDeque;
 use std::ops::Range;
 
-/// Points below which a box is not halved.
+/// Largest number of points of a box that is not halved.
 const LEAF: usize = 16;
 
 /// Boxes around runs of points, halves of each other.
 pub(super) struct Tree {
-    /// The points, those of a box side by side.
+    /// Points, those of a box side by side.
     points: Vec<[f64; 3]>,
     /// The box around all points, then both halves of each box: box `n` has the halves `2 n + 1`
     /// and `2 n + 2`.
     boxes: Vec<PointBounds>,
 }
 
-/// The smallest and largest coordinates of some points.
+/// Smallest and largest coordinates of some points.
 #[derive(Clone, Copy, Debug)]
 struct PointBounds {
     low: [f64; 3],
@@ -46,7 +46,8 @@ impl PointBounds {
         longest.unwrap_or(0)
     }
 
-    /// Squares of the distances to the nearest and to the farthest corner or face.
+    /// Returns the squares of the distances from a place to the nearest and the farthest point of
+    /// the box.
     fn distance_squares(&self, at: &[f64; 3]) -> [f64; 2] {
         let (mut near, mut far) = ([0.0_f64; 3], [0.0_f64; 3]);
         for axis in 0..3 {
@@ -100,7 +101,7 @@ impl Tree {
     }
 }
 
-/// The halves of a run of points; `None` where it stays whole.
+/// Returns the halves of a run of points; `None` for a run that is not halved.
 fn halves(range: &Range<usize>) -> Option<[Range<usize>; 2]> {
     let middle = range.start + range.len() / 2;
     (range.len() > LEAF).then_some([range.start..middle, middle..range.end])
@@ -121,7 +122,7 @@ fn halve(points: &mut [[f64; 3]], index: usize, boxes: &mut Vec<PointBounds>) {
     halve(right, 2 * index + 2, boxes);
 }
 
-/// Square of the distance between two points.
+/// Returns the square of the distance between two points.
 pub(super) fn distance_square(a: &[f64; 3], b: &[f64; 3]) -> f64 {
     let [x, y, z] = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
     x * x + y * y + z * z

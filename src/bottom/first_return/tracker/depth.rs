@@ -1,4 +1,4 @@
-//! Limits that the recorded depth sets to the place of the line.
+//! Limits the place of the line by the recorded depth.
 
 use super::super::beyond_depth::farthest_m;
 use super::TUNING;
@@ -7,21 +7,21 @@ use super::score::Scores;
 use bathyscope_log::survey::Survey;
 use std::ops::Range;
 
-/// Longest pause in a stretch, rows: rows that do not lie far beyond the depth.
+/// Largest number of consecutive rows within a stretch that are not far beyond the depth.
 const PAUSE: usize = 8;
 
-/// The recorded depth along a chunk, in cells of its picture.
+/// Recorded depths along a chunk, in cells of its picture.
 pub(super) struct Depths {
-    /// NaN where there is none to believe.
+    /// Depth at each row, cells of range; NaN where there is none to believe.
     cells: Vec<f64>,
-    /// Cells before the picture begins: it may start at a range beyond 0.
+    /// Range at which the picture starts, cells: it may be more than 0.
     near: f64,
     /// Length of a cell, metres.
     cell_m: f64,
 }
 
 impl Depths {
-    /// The depths of a chunk's pings.
+    /// Creates the depths of the pings of a chunk.
     pub(super) fn of(survey: &Survey, chunk: &TrackerChunk, cell_m: f64) -> Self {
         let depths = chunk.pings.iter().map(|&ping| {
             let depth_m = f64::from(survey.good_depth_m(ping as usize));
@@ -30,8 +30,8 @@ impl Depths {
         Self { cells: depths.collect(), near: chunk.near_m / cell_m, cell_m }
     }
 
-    /// Lowers what lies far from the recorded depth. Soft, since that depth may be wrong; no depth,
-    /// no change.
+    /// Lowers the scores of cells far from the recorded depth. The cost is small, since that depth
+    /// may be wrong; without a depth nothing changes.
     pub(super) fn weigh(&self, scores: &mut Scores) {
         let (near, far) = TUNING.depth_window;
         for (row, depth) in self.known() {
@@ -40,15 +40,16 @@ impl Depths {
         }
     }
 
-    /// True where some of the line lies beyond the recorded depth: the bottom below the boat
-    /// returns at that range, so nothing farther can be the first return. Under a boulder's or a
-    /// wreck's echo the line runs on along the ground.
+    /// Returns true if some of the line is beyond the recorded depth: the bottom below the boat
+    /// returns at that range, so nothing farther can be the first return. Under the echo of a
+    /// boulder or a wreck the line continues along the ground.
     pub(super) fn is_passed(&self, line: &[usize]) -> bool {
         self.known().any(|(row, depth)| line[row] > self.limit(depth))
     }
 
-    /// The stretches in which the line lies far beyond the recorded depth, as where it leapt to a
-    /// wall. A little beyond it is the edge of the bottom where the depth is late or rounded.
+    /// Returns the stretches of rows in which the line is far beyond the recorded depth, for
+    /// example where it leapt to a wall. A line a little beyond the depth is the edge of the bottom
+    /// where the depth is late or rounded.
     pub(super) fn leaps(&self, line: &[usize]) -> Vec<Range<usize>> {
         let mut stretches: Vec<Range<usize>> = Vec::new();
         let is_far =
@@ -62,12 +63,12 @@ impl Depths {
         stretches
     }
 
-    /// Lowers what lies beyond the recorded depth in some rows.
+    /// Lowers the scores of cells beyond the recorded depth in some rows.
     pub(super) fn forbid_beyond(&self, rows: &Range<usize>, scores: &mut Scores) {
         self.lower_beyond(rows, TUNING.farther_cost, scores);
     }
 
-    /// Takes [`Depths::forbid_beyond`] back.
+    /// Reverses [`Depths::forbid_beyond`] in some rows.
     pub(super) fn allow_beyond(&self, rows: &Range<usize>, scores: &mut Scores) {
         self.lower_beyond(rows, -TUNING.farther_cost, scores);
     }
@@ -78,8 +79,8 @@ impl Depths {
         }
     }
 
-    /// True where the depth bounds the line on nearly all pings of the chunk, and so has earned to
-    /// be believed everywhere.
+    /// Returns true if the line is within the limits of the depth on nearly all pings of the chunk,
+    /// so that the depth can be believed at every ping.
     pub(super) fn bounds(&self, line: &[usize]) -> bool {
         let nearest = |depth: f64| self.cell(TUNING.depth_window.0 * depth);
         let (mut known, mut agreeing) = (0, 0);
@@ -90,7 +91,7 @@ impl Depths {
         agreeing as f64 >= TUNING.depth_trust * f64::from(known)
     }
 
-    /// The farthest cell at which the bottom below the boat returns.
+    /// Returns the farthest cell at which the bottom below the boat returns; `depth` is in cells.
     fn limit(&self, depth: f64) -> usize {
         self.cell(farthest_m(depth * self.cell_m) / self.cell_m)
     }
@@ -100,7 +101,7 @@ impl Depths {
         all.filter(|(_, depth)| depth.is_finite())
     }
 
-    /// The picture's cell at a range in cells.
+    /// Returns the index of the cell of the picture at a range in cells.
     fn cell(&self, range: f64) -> usize {
         (range - self.near).max(0.0) as usize
     }

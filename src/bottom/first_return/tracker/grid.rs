@@ -1,6 +1,6 @@
-//! Rows of numbers, one row a ping.
+//! Stores rows of numbers, one row for each ping, with fast functions for their maxima.
 
-/// Rows of equal width.
+/// Rows of numbers, of equal width.
 #[derive(Default)]
 pub(super) struct TrackerGrid {
     cells: Vec<f32>,
@@ -8,7 +8,7 @@ pub(super) struct TrackerGrid {
 }
 
 impl TrackerGrid {
-    /// Makes it `rows` by `width`, every cell `fill`; memory is kept.
+    /// Resizes the grid to `rows` by `width`, sets every cell to `fill` and keeps its memory.
     #[inline(always)]
     pub(super) fn reset(&mut self, rows: usize, width: usize, fill: f32) {
         self.width = width;
@@ -16,29 +16,29 @@ impl TrackerGrid {
         self.cells.resize(rows * width, fill);
     }
 
-    /// Number of rows.
+    /// Returns the number of rows.
     pub(super) fn len(&self) -> usize {
         self.cells.len().checked_div(self.width).unwrap_or(0)
     }
 
-    /// Cells in a row.
+    /// Returns the number of cells in a row.
     pub(super) fn width(&self) -> usize {
         self.width
     }
 
-    /// One row.
+    /// Returns a row.
     #[inline(always)]
     pub(super) fn row(&self, row: usize) -> &[f32] {
         &self.cells[row * self.width..][..self.width]
     }
 
-    /// One row, to be changed.
+    /// Returns a row, to be changed.
     #[inline(always)]
     pub(super) fn row_mut(&mut self, row: usize) -> &mut [f32] {
         &mut self.cells[row * self.width..][..self.width]
     }
 
-    /// One row to be changed, with the row before it (empty for the first).
+    /// Returns the row before a row (empty for the first), and the row, to be changed.
     #[inline(always)]
     pub(super) fn row_after(&mut self, row: usize) -> (&[f32], &mut [f32]) {
         let (before, rest) = self.cells.split_at_mut(row * self.width);
@@ -47,10 +47,10 @@ impl TrackerGrid {
     }
 }
 
-/// Values that [`highest`] compares at a time.
+/// Number of values that [`highest`] compares at a time.
 const BLOCK: usize = 64;
 
-/// Index of the highest value, the first of several.
+/// Returns the index of the highest value; of equal ones, the first.
 #[inline(always)]
 pub(super) fn highest(values: &[f32]) -> usize {
     let (mut start, mut most) = (0, f32::NEG_INFINITY);
@@ -64,7 +64,7 @@ pub(super) fn highest(values: &[f32]) -> usize {
     start + within.unwrap_or(0)
 }
 
-/// The highest value; in lanes, so that it is not one long chain of comparisons.
+/// Returns the highest value; computed in lanes, so that it is not one long chain of comparisons.
 #[inline(always)]
 pub(super) fn maximum(values: &[f32]) -> f32 {
     let mut lanes = [f32::NEG_INFINITY; 16];
@@ -84,7 +84,8 @@ pub(super) fn maximum(values: &[f32]) -> f32 {
     most
 }
 
-/// Scores are never NaN; without `f32::max`'s care for it this is a single instruction.
+/// Returns the larger score. Scores are never NaN; without the check of `f32::max` for NaN this is
+/// a single instruction.
 #[inline(always)]
 pub(super) fn larger(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }

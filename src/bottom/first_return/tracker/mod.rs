@@ -1,13 +1,14 @@
-//! The bottom edge as a whole line: the path over range, along the track, that gathers most
-//! evidence of a step from water to bottom and jumps least.
+//! Finds the bottom edge as a whole line: the path over range, along the track, with most evidence
+//! of a step from water to bottom and the fewest leaps.
 //!
-//! In: a survey, with the scale of its picture. Out: a sample and a confidence for each ping on
-//! both sides.
+//! In: a survey, with the normalisation of its picture. Out: a first return with its evidence for
+//! each ping on both sides.
 //!
-//! `runs` cuts the log where the line may break and into chunks, `rows` brings the picture, `score`
-//! measures the step at every sample, `depth` compares the recorded depth with it, `viterbi` finds
-//! the best path, and `refine` finds the edge within a fraction of a sample on the picture that
-//! `straight` lays along the line, with what `onset` finds just before it.
+//! `runs` divides the log where the line may break, and into chunks. `rows` loads the picture,
+//! `score` measures the step at every sample, `depth` limits the line by the recorded depth, and
+//! `viterbi` finds the best path. `refine` finds the edge within a fraction of a sample on the
+//! picture that `straight` aligns along the line, with the earlier echoes that `onset` finds just
+//! before it.
 
 mod depth;
 mod grid;
@@ -29,47 +30,49 @@ use runs::TrackerChunk;
 use score::Scores;
 use std::ops::Range;
 
-/// Settings of the tracker; chosen on simulated ponds and verified on real recordings.
+/// Settings of the tracker, chosen on simulated ponds and verified on real recordings.
 ///
-/// Lengths are in metres where the bottom decides, with limits in cells of the picture where the
-/// recorder's grid does: a range of 37 m in 512 samples is coarser than any step.
+/// Lengths that depend on the bottom are in metres, with limits in cells of the picture where they
+/// depend on the recorder's grid: a range of 37 m in 512 samples is coarser than any step.
 struct Tuning {
-    /// Length of the windows compared on both sides of a step, metres.
+    /// Length of the windows that are compared before and after a step, metres.
     window_m: f64,
-    /// Fewest cells of that window; a line one or two cells wide must not fill it.
+    /// Least number of cells in such a window: a bright line one or two cells wide must not fill
+    /// it.
     window_cells: usize,
-    /// Farthest that the line moves from ping to ping without a leap, metres.
+    /// Largest movement of the line from ping to ping without a leap, metres.
     move_m: f64,
-    /// Score that a metre of such a move costs, but no more than `move_cost_per_cell` a cell.
-    /// Little: a bottom that slopes 20 degrees along the track moves 5 cm at every ping, and must
-    /// not be left for it.
+    /// Cost in score of a metre of such a movement, limited to `move_cost_per_cell` for each cell.
+    /// It is low: a bottom that slopes 20 degrees along the track moves 5 cm at every ping, and the
+    /// line must follow it.
     move_cost_per_m: f64,
     /// See `move_cost_per_m`.
     move_cost_per_cell: f64,
     /// Largest rise of the echo before a step above quiet water, in standard deviations of the
-    /// noise. Over the boulders of the real river the step from a boulder to the ground behind it
-    /// is often the greater one; the first is the one from the water.
+    /// noise, without a cost. Over the boulders of the real river the step from a boulder to the
+    /// ground behind it is often the greater one; the first is the one from the water.
     quiet: f32,
-    /// Score that each further one costs. On the river any from 0.3 on finds the boulders; on ponds
-    /// none up to 1 changes the error by more than a tenth of a millimetre.
+    /// Cost in score of each further standard deviation. On the river any cost from 0.3 on finds
+    /// the boulders; on ponds none up to 1 changes the error by more than a tenth of a millimetre.
     loud_cost: f32,
-    /// Greatest growth of the water's brightness with range, bytes a metre.
+    /// Largest growth of the water's brightness with range, bytes a metre.
     water_grows_per_m: f64,
-    /// Score that a leap costs, to wherever: the edge of a boulder, a weed bed, a wall.
+    /// Cost in score of a leap to any cell: at the edge of a boulder, a weed bed or a wall.
     leap_cost: f32,
-    /// Score that lying outside the window around the recorded depth costs.
+    /// Cost in score of a place outside the window around the recorded depth.
     depth_cost: f32,
-    /// Window around the recorded depth, as shares of it.
+    /// Window around the recorded depth, as shares of the depth.
     depth_window: (f64, f64),
-    /// Share of the pings whose line must lie before that for the depth to be believed.
+    /// Share of the pings whose line must be within the limits of the depth for the depth to be
+    /// believed everywhere.
     depth_trust: f64,
-    /// Score that lying farther costs then: more than any step gathers.
+    /// Cost in score of a place beyond the limit of a believed depth: more than any step gathers.
     farther_cost: f32,
-    /// Mean score of a line before the recorded depth from which it is the bottom, whatever lies
-    /// beyond: beside walls, and over ground beside boulders, it is 2.2 to 3.5 where the bottom is
-    /// there, and below 1.2 where it is not (a slope, a depth that is late).
+    /// Least mean score at which a line before the recorded depth is the bottom, whatever is
+    /// beyond: beside walls, and over ground beside boulders, the mean is 2.2 to 3.5 where the
+    /// bottom is before the depth, and below 1.2 where it is not (a slope, a depth that is late).
     within_evidence: f32,
-    /// Share of the recorded depth beyond which the line has leapt.
+    /// Multiple of the recorded depth beyond which the line has leapt.
     leap_share: f64,
 }
 
@@ -90,11 +93,11 @@ const TUNING: Tuning = Tuning {
     within_evidence: 1.7,
     leap_share: 1.25,
 };
-/// A line whose mean score along these rows to both sides is lower is no bottom.
+/// Least mean score of a line over [`ALONG`] rows to both sides; a line with less is no bottom.
 const LEAST_EVIDENCE: f32 = 0.8;
-/// Rows to both sides that evidence is averaged over.
+/// Number of rows before and after a row that its evidence is averaged over.
 const ALONG: usize = 4;
-/// Distance from the line at which another step is a rival, metres.
+/// Distance from the line beyond which another step is a rival, metres.
 const RIVAL_M: f64 = 0.25;
 
 /// Tracks the bottom on both sides (port, starboard) of `pings`.
@@ -130,7 +133,7 @@ pub(super) fn track(
     Ok(sides)
 }
 
-/// Buffers that a worker uses for one chunk after another.
+/// Buffers that a worker thread reuses for one chunk after another.
 #[derive(Default)]
 struct Workspace {
     rows: rows::SampleRows,
@@ -140,8 +143,8 @@ struct Workspace {
 }
 
 impl Workspace {
-    /// The best line, which stays before the recorded depth where the echo shows a bottom there
-    /// too.
+    /// Returns the best line. It stays before the recorded depth where the echo shows a bottom
+    /// there too.
     fn line_within(&mut self, depths: &depth::Depths, motion: &viterbi::MotionCost) -> Vec<usize> {
         let line = self.paths.line(self.scores.grid(), motion);
         if !depths.is_passed(&line) {
@@ -203,7 +206,7 @@ impl Workspace {
     }
 }
 
-/// The mean score of the line around each row; `None` where it is no pick.
+/// Returns the mean score of the line around each row; `None` where the line gives no pick.
 fn evidence(scores: &TrackerGrid, line: &[usize]) -> Vec<Option<f32>> {
     let own: Vec<f32> = (0..line.len()).map(|row| scores.row(row)[line[row]]).collect();
     (0..line.len())
@@ -215,7 +218,7 @@ fn evidence(scores: &TrackerGrid, line: &[usize]) -> Vec<Option<f32>> {
         .collect()
 }
 
-/// The mean score of the line over some rows.
+/// Returns the mean score of the line over some rows.
 fn mean_score(scores: &TrackerGrid, line: &[usize], rows: &Range<usize>) -> f32 {
     let own: Vec<f32> = rows.clone().map(|row| scores.row(row)[line[row]]).collect();
     mean(&own)

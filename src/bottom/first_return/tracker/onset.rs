@@ -1,9 +1,9 @@
-//! The echo just before the edge: a stone, the side of a boulder, the crest of a bump.
+//! Finds the echo just before the edge: of a stone, the side of a boulder or the crest of a bump.
 //!
-//! The edge is read off a profile that is averaged over many pings, which a stone of two pings does
-//! not survive. Its echo is weaker than that of the ground behind it, but it is the first return.
-//! So each row is read once more, hardly averaged: where does what lies unbroken before the edge
-//! rise out of the water?
+//! The edge is read from a profile averaged over many pings, in which a stone of two pings
+//! disappears. The echo of the stone is weaker than that of the ground behind it, but it is the
+//! first return. Each row is therefore read once more, with hardly any averaging, to find the place
+//! where the unbroken echo before the edge rises out of the water.
 
 use super::grid::TrackerGrid;
 use super::rows::SampleRows;
@@ -11,29 +11,29 @@ use super::straight::{extract, gaussian, smooth_along};
 use bathyscope_log::support::statistics::upper_median;
 use std::ops::Range;
 
-/// Standard deviation of the averaging along the track, pings, and length of that along the range,
-/// metres.
+/// Standard deviation of the averaging along the track, pings, and length of the averaging along
+/// the range, metres.
 const ALONG_PINGS: f32 = 0.6;
 const BLUR_M: f64 = 0.04;
-/// The water is measured from the first to the second distance before the edge, the bottom so far
-/// beyond it, metres.
+/// Distances before the edge between which the water is measured, and beyond the edge between which
+/// the bottom is, metres.
 const WATER_M: (f64, f64) = (0.45, 0.25);
 const BOTTOM_M: (f64, f64) = (0.03, 0.12);
 /// Rise above the water that is an onset, as a share of the usual contrast between bottom and
 /// water.
 const RISE: f32 = 0.18;
-/// Least rise of an onset, in standard deviations of the water. In louder water nothing that faint
-/// can be distinguished from noise, and the edge stays where it is.
+/// Least rise of an onset, in standard deviations of the water. A fainter rise cannot be
+/// distinguished from noise, and the edge stays where it is.
 const QUIET: f32 = 4.0;
-/// Range by which an onset may be earlier than usual by its noise alone, metres.
+/// Distance by which noise alone may make an onset earlier than usual, metres.
 const NOISE_M: f64 = 0.003;
 
-/// Looks for onsets in a chunk.
+/// Buffers of the search for onsets in a chunk.
 #[derive(Default)]
 pub(super) struct Onsets {
     band: TrackerGrid,
     averaged: TrackerGrid,
-    /// The picture along the edge, one row a ping; the edge is in the middle.
+    /// Picture along the edge, one row for each ping, with the edge in the middle.
     picture: TrackerGrid,
     levels: Vec<EdgeLevels>,
 }
@@ -46,10 +46,10 @@ struct EdgeLevels {
 }
 
 impl Onsets {
-    /// Moves the places of the edge to earlier onsets, so far as those stand out from noise.
+    /// Moves the places of the edge to earlier onsets as far as they exceed the noise.
     ///
-    /// Every onset lies a little before the edge that is read off the averaged profile; the usual
-    /// lead is not taken for a stone.
+    /// Every onset is a little before the edge of the averaged profile; this usual distance is not
+    /// counted as a stone.
     pub(super) fn advance(
         &mut self,
         rows: &SampleRows,
@@ -81,16 +81,17 @@ impl Onsets {
         let usual = upper_median(&mut known, f32::total_cmp).unwrap_or(0.0);
         let noise = (NOISE_M / cell_m) as f32;
         for (place, lead) in places.iter_mut().zip(&leads) {
-            // Without an onset this is NaN, and the comparison false.
+            // Without an onset `early` is NaN, and the comparison false.
             let early = usual - lead;
             if early > noise {
-                // The more it exceeds the noise, the more of it is believed.
+                // The more the lead exceeds the noise, the larger is the part of it that is used.
                 *place -= early * (1.0 - (noise / early).powi(2));
             }
         }
     }
 
-    /// Fills the picture with the rows along the edge, averaged a little both ways.
+    /// Fills the picture with the rows along the edge, averaged a little along the track and along
+    /// the range.
     fn lay_straight(
         &mut self,
         rows: &SampleRows,
@@ -130,7 +131,8 @@ impl EdgeLevels {
     }
 }
 
-/// Means over the cells up to `reach` to both sides; at the ends over those that there are.
+/// Writes the mean over the cells up to `reach` to both sides of each cell; at the ends, over the
+/// cells that exist.
 fn blur_row(values: &[f32], reach: usize, out: &mut [f32]) {
     for (at, out) in out.iter_mut().enumerate() {
         let near = &values[at.saturating_sub(reach)..values.len().min(at + reach + 1)];
@@ -138,8 +140,8 @@ fn blur_row(values: &[f32], reach: usize, out: &mut [f32]) {
     }
 }
 
-/// Returns the place where, coming from the end, the values last lie above a level, interpolated;
-/// `None` where they never fall below it.
+/// Returns the place, interpolated, at which the values fall below a level for the first time, seen
+/// from the end; `None` where they never fall below it.
 fn rises_above(level: f32, values: &[f32]) -> Option<f32> {
     let below = values.iter().rposition(|&value| value < level)?;
     let high = *values.get(below + 1)?;

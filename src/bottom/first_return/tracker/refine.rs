@@ -1,10 +1,11 @@
 //! Refines the line from whole cells to the place of the edge within a fraction of a cell.
 //!
-//! The first search smooths along the track and so blurs a sloping edge. Here the picture is laid
-//! straight along the line, searched again close by with shorter windows, and the edge is then read
-//! off the averaged profile at a fixed drop below the bottom's plateau. The recorders' picture is
-//! logarithmic, so the toe of a strong echo shows earlier than that of a weak one; a fixed drop in
-//! bytes is a fixed drop in decibels, at which both edges lie equally far from the true range.
+//! The first search smooths along the track and so blurs a sloping edge. Here the picture is
+//! aligned along the line and searched again near the line with shorter windows. The edge is then
+//! read from the averaged profile at a fixed drop below the bottom's plateau. The recorders'
+//! picture is logarithmic, so the edge of a strong echo starts earlier than that of a weak one; a
+//! fixed drop in bytes is a fixed drop in decibels, at which both edges are equally far from the
+//! true range.
 
 use super::grid::{TrackerGrid, peak_offset};
 use super::onset::Onsets;
@@ -15,29 +16,29 @@ use super::viterbi::{MotionCost, Paths};
 use bathyscope_log::support::statistics::upper_median;
 use std::ops::Range;
 
-/// Standard deviation, in pings, of the smoothing of: the line that the picture is laid straight
-/// by, the picture that is searched again, the profile that the edge is read off.
+/// Standard deviations of the smoothing, pings: of the line that the picture is aligned along, of
+/// the picture that is searched again, and of the profile that the edge is read from.
 const LINE_PINGS: f32 = 3.0;
 const SEARCH_PINGS: f32 = 1.1;
 const PROFILE_PINGS: f32 = 6.0;
 
-/// Length of the windows compared on both sides of a step, metres.
+/// Length of the windows that are compared before and after a step, metres.
 const WINDOW_M: f64 = 0.1;
-/// Distance from the smoothed line that is searched, metres.
+/// Largest distance from the smoothed line that is searched, metres.
 const SEARCH_M: f64 = 0.2;
-/// The second search moves at most this many cells from row to row, at this cost each.
+/// Largest movement of the second search from row to row, cells, and cost of each cell.
 const MOVE: (usize, f32) = (4, 0.5);
-/// Distances beyond the edge between which the bottom's plateau lies, and before it the water,
-/// metres.
+/// Distances beyond the edge between which the bottom's plateau is measured, and before the edge
+/// between which the water is, metres.
 const PLATEAU_M: (f64, f64) = (0.05, 0.14);
 const WATER_M: (f64, f64) = (0.07, 0.17);
 /// Drop below the plateau at which the edge is read, as a share of the median contrast between
 /// plateau and water.
 const DROP: f32 = 0.6;
-/// The edge is read at least this share of a row's own contrast above the water.
+/// Least rise above the water at which the edge is read, as a share of the row's own contrast.
 const LEAST_RISE: f32 = 0.15;
 
-/// Works the line of a chunk over.
+/// Buffers of the refinement of lines.
 #[derive(Default)]
 pub(super) struct Refiner {
     band: TrackerGrid,
@@ -49,8 +50,8 @@ pub(super) struct Refiner {
 }
 
 impl Refiner {
-    /// The place of the edge on every row, in cells. `limit` is how far the line moves from row to
-    /// row without a leap.
+    /// Returns the place of the edge on every row, cells. `limit` is the largest movement of the
+    /// line from row to row without a leap, cells.
     pub(super) fn refine(
         &mut self,
         rows: &SampleRows,
@@ -84,7 +85,7 @@ impl Refiner {
         places
     }
 
-    /// The steps close to `line`, searched again on the straightened picture.
+    /// Returns the places of the steps near `line`, searched again on the aligned picture.
     fn search(
         &mut self,
         rows: &SampleRows,
@@ -113,8 +114,8 @@ fn cells(metres: f64, cell_m: f64, least: usize) -> usize {
     ((metres / cell_m).round() as usize).clamp(least, 255)
 }
 
-/// The score of the first search, with windows short enough for the place of the edge, on a few
-/// cells.
+/// Computes scores like those of the first search, with windows short enough to locate the edge,
+/// over a few cells.
 fn short_steps(cells: &[f32], window: usize, out: &mut [f32]) {
     for at in window..(cells.len() + 1).saturating_sub(window) {
         let (near, far) = (moments(&cells[at - window..at]), moments(&cells[at..at + window]));
@@ -122,7 +123,7 @@ fn short_steps(cells: &[f32], window: usize, out: &mut [f32]) {
     }
 }
 
-/// Mean and variance.
+/// Returns mean and variance.
 fn moments(values: &[f32]) -> (f32, f32) {
     let n = values.len() as f32;
     let (sum, square) = values
@@ -132,7 +133,7 @@ fn moments(values: &[f32]) -> (f32, f32) {
     (mean, (square / n - mean * mean).max(0.0))
 }
 
-/// The picture averaged along the line; the line goes through the middle cell.
+/// Picture of a row, averaged along the line; the line is in the middle cell.
 struct LineProfile<'a> {
     values: &'a [f32],
     /// Cell at the end of the plateau, where the search for the edge begins.
@@ -160,7 +161,8 @@ impl<'a> LineProfile<'a> {
         self.plateau - self.water
     }
 
-    /// Cells from the middle to where, coming from the plateau, the profile has fallen by `drop`.
+    /// Returns the distance in cells from the middle to the place where, seen from the plateau, the
+    /// profile has fallen by `drop`.
     fn edge(&self, drop: f32) -> f32 {
         let least = self.water + LEAST_RISE * self.contrast();
         let level = (self.plateau - drop).max(least);

@@ -1,10 +1,11 @@
-//! The picture of a chunk: one row of bytes a ping, nearest cell first, whatever the samples are.
+//! Loads the picture of a chunk: one row of bytes for each ping, nearest cell first, for samples of
+//! either mode.
 
 use super::super::{Normalisation, SampleMode, int32_image};
 use super::runs::TrackerChunk;
 use bathyscope_log::survey::{Side, Survey};
 
-/// Samples in a cell of the picture.
+/// Returns the number of samples in a cell of the picture.
 pub(super) fn cell(samples: SampleMode) -> usize {
     match samples {
         SampleMode::Bytes => 1,
@@ -12,23 +13,23 @@ pub(super) fn cell(samples: SampleMode) -> usize {
     }
 }
 
-/// Cells that are searched, nearest first. Recorders write some 3000; a damaged header must not ask
-/// for gigabytes.
+/// Largest number of cells of a row that are searched, nearest first. Recorders write some 3000;
+/// the limit keeps a damaged header from taking gigabytes.
 const MOST_CELLS: usize = 16_384;
 
 /// Rows of equal width; cells that were not recorded are zero.
 #[derive(Default)]
 pub(super) struct SampleRows {
     cells: Vec<u8>,
-    /// Cells in a row.
+    /// Number of cells in a row.
     pub width: usize,
-    /// Cells that were recorded, for each row.
+    /// Number of cells that were recorded in each row.
     pub recorded: Vec<usize>,
     scratch: Vec<u8>,
 }
 
 impl SampleRows {
-    /// Replaces the picture by that of `chunk`.
+    /// Replaces the picture with that of `chunk`.
     pub(super) fn load(
         &mut self,
         survey: &Survey,
@@ -65,12 +66,12 @@ impl SampleRows {
         }
     }
 
-    /// Number of rows.
+    /// Returns the number of rows.
     pub(super) fn len(&self) -> usize {
         self.recorded.len()
     }
 
-    /// One row; beyond the ends, the end rows.
+    /// Returns a row; beyond the ends, the first or the last row.
     pub(super) fn row(&self, row: isize) -> &[u8] {
         let row = row.clamp(0, self.len() as isize - 1) as usize;
         &self.cells[row * self.width..][..self.width]

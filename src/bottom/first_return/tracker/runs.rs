@@ -1,38 +1,39 @@
-//! Splits the pings where the line may not run on, and into chunks that are tracked on their own.
+//! Splits the pings where the line may break, and into chunks that are tracked independently.
 
 use bathyscope_log::survey::{Side, SideSpan, Survey};
 use std::ops::Range;
 
-/// Pings that a chunk answers for. Chunks begin at multiples of it, whatever part of the log is
-/// asked for.
+/// Number of pings whose picks a chunk gives. Chunks begin at multiples of this number in a run,
+/// whatever part of the log is requested.
 const KEPT: usize = 512;
 
-/// Pings beyond both ends of a chunk that its line is found with, so that neighbours meet.
+/// Number of further pings at both ends of a chunk that its line is found with, so that the lines
+/// of neighbouring chunks meet.
 const OVERLAP: usize = 96;
 
-/// Longest time between pings that the line runs across, seconds.
+/// Longest time between two pings of one line, seconds.
 const LONGEST_GAP_S: f64 = 1.5;
 
 /// Pings of one side that are tracked together.
 pub(super) struct TrackerChunk {
     /// All pings, overlap included.
     pub pings: Vec<u32>,
-    /// Range of `pings` that this chunk answers for.
+    /// Range of `pings` whose picks this chunk gives.
     pub kept: Range<usize>,
-    /// Slant range of a sample, the same for all of them.
+    /// Length of a sample in slant range, metres, the same for all pings.
     pub metres_per_sample: f64,
-    /// Slant range at the near edge of the first sample.
+    /// Slant range at the near edge of the first sample, metres.
     pub near_m: f64,
 }
 
 impl TrackerChunk {
-    /// The pings that this chunk answers for.
+    /// Returns the pings whose picks this chunk gives.
     pub(super) fn kept_pings(&self) -> &[u32] {
         &self.pings[self.kept.clone()]
     }
 }
 
-/// The chunks of one side that answer for at least one ping of `requested`.
+/// Returns the chunks of one side that give the pick of at least one ping of `requested`.
 pub(super) fn chunks(survey: &Survey, side: Side, requested: &Range<usize>) -> Vec<TrackerChunk> {
     let mut chunks = Vec::new();
     for run in runs(survey, side) {
@@ -58,7 +59,7 @@ pub(super) fn chunks(survey: &Survey, side: Side, requested: &Range<usize>) -> V
     chunks
 }
 
-/// Pings of one side between time gaps and changes of range.
+/// Returns the pings of one side in runs, divided at time gaps and changes of range.
 fn runs(survey: &Survey, side: Side) -> Vec<Vec<u32>> {
     let mut runs: Vec<Vec<u32>> = Vec::new();
     let mut last: Option<(f64, &SideSpan)> = None;
@@ -83,7 +84,8 @@ fn can_track(span: &SideSpan) -> bool {
     span.count >= 16 && metres.is_finite() && metres > 0.0
 }
 
-/// Humminbird pings differ in their number of samples but not in scale: that is no change of range.
+/// Returns true if two pings have the same scale. Humminbird pings differ in their number of
+/// samples but not in scale: that is no change of range.
 fn same_scale(a: &SideSpan, b: &SideSpan) -> bool {
     let (one, other) = (a.metres_per_sample(), b.metres_per_sample());
     (one - other).abs() <= 0.002 * one && f64::from((a.near_m - b.near_m).abs()) < one

@@ -1,4 +1,4 @@
-//! Scores the likeness of every cell of every row to the step from water to bottom.
+//! Scores how much every cell of every row looks like the step from water to bottom.
 
 use super::super::{FirstReturnSettings, Normalisation, SampleMode};
 use super::TUNING;
@@ -11,38 +11,39 @@ use std::ops::{Bound, RangeBounds};
 /// Weights of the smoothing along the track: a gaussian of 1.2 pings that sums to 64.
 const ALONG: [u16; 4] = [22, 15, 5, 1];
 
-/// Smoothed values are kept as 8 times a byte, in integers, so that sums over windows are exact.
+/// Factor of smoothed values on bytes: they are kept as integers, so that sums over windows are
+/// exact.
 const FINE: f32 = 8.0;
 
-/// Variance of the noise floor, bytes squared: even quiet water is not certain to less than 3
-/// bytes.
+/// Variance of the noise floor, bytes squared: even the level of quiet water has an uncertainty of
+/// 3 bytes.
 pub(super) const FLOOR: f32 = 9.0;
 
-/// Neighbouring pings to each side of which an echo may be the one that reaches the threshold:
-/// speckle fades any one of them.
+/// Number of pings before and after a ping whose echo may reach the threshold in its place: speckle
+/// may fade the echo of any one ping.
 const LOUD_ALONG: isize = 2;
 
-/// Windows before a step that must be dark together.
+/// Number of windows before a step whose mean must be dark.
 const LONG_WINDOWS: usize = 5;
 
-/// Scores are cut here: one glaring echo must not pull the line off for many pings.
+/// Largest score: one very bright echo must not move the line over many pings.
 pub(super) const MOST: f32 = 6.0;
 
 /// Windows, limits and threshold of the score, in the units of a chunk's picture.
 pub(super) struct Kernel {
-    /// Cells of each of the two windows.
+    /// Number of cells in each of the two windows.
     window: usize,
     /// First cell that can be a return.
     first: usize,
-    /// Byte that a recorded cell within the far window must reach, on this ping or a neighbour;
-    /// above 255 for none.
+    /// Least byte that some cell within the far window must have, on this ping or a neighbour; 256
+    /// if no byte reaches the threshold.
     level: u16,
-    /// Greatest growth of the water's brightness from cell to cell, in fine values.
+    /// Largest growth of the water's brightness from cell to cell, in units of 1 / [`FINE`] byte.
     creep: f32,
 }
 
 impl Kernel {
-    /// The kernel for the scale of a chunk.
+    /// Creates the kernel for the scale of a chunk.
     pub(super) fn new(
         normalisation: &Normalisation,
         settings: &FirstReturnSettings,
@@ -55,8 +56,8 @@ impl Kernel {
         };
         Self {
             window: ((TUNING.window_m / cell_m).round() as usize).clamp(TUNING.window_cells, 255),
-            // Far beyond any row is far enough: sums of indices must not wrap where a header's
-            // range is next to nothing.
+            // The limit is far beyond any row: sums of indices must not wrap where the range of a
+            // header is close to 0.
             first: ((settings.dead_zone_m - chunk.near_m) / cell_m).ceil().clamp(0.0, 1e9) as usize,
             level: level.ceil().clamp(0.0, 256.0) as u16,
             creep: FINE * (TUNING.water_grows_per_m * cell_m).min(255.0) as f32,
@@ -71,18 +72,18 @@ pub(super) struct Scores {
     fine: Vec<i16>,
     loudest: Vec<u8>,
     spare: Vec<u8>,
-    /// Running sums of the rows that are measured together.
+    /// Running sums of the rows that are processed together.
     sums: [RunningSums; TOGETHER],
     quiet: [Vec<f32>; TOGETHER],
     before: Vec<f32>,
 }
 
-/// Rows that are measured together: what is known of a cell's water waits for that of the cell
-/// before, so one row's waits are filled with the others' work.
+/// Number of rows that are processed together: the brightness of water at a cell depends on that at
+/// the cell before, so the work on the other rows fills the waiting time of one row.
 const TOGETHER: usize = 4;
 
-/// Sums of the first cells of a row, from none to all; they may wrap, differences over a window do
-/// not.
+/// Running sums over the first cells of a row, from none to all. The sums may wrap; differences
+/// over a window do not.
 #[derive(Default)]
 struct RunningSums {
     sums: Vec<u32>,
@@ -90,22 +91,22 @@ struct RunningSums {
 }
 
 impl Scores {
-    /// The score of a cell that does not pass the threshold or cannot be measured.
+    /// Score of a cell that does not pass the threshold or cannot be measured.
     pub(super) const CLOSED: f32 = -1.0;
 
-    /// Replaces the scores by those of the rows.
+    /// Replaces the scores with those of the rows.
     pub(super) fn measure(&mut self, rows: &SampleRows, kernel: &Kernel) {
         vectorised(Measure { scores: self, rows, kernel });
     }
 
-    /// The same, not vectorised.
+    /// Computes the scores as [`Scores::measure`] does; not vectorised.
     #[inline(always)]
     fn measure_inlined(&mut self, rows: &SampleRows, kernel: &Kernel) {
         self.grid.reset(rows.len(), rows.width, Self::CLOSED);
         for first in (0..rows.len()).step_by(TOGETHER) {
             let last = rows.len() - 1;
             for index in 0..TOGETHER {
-                // Where fewer are left, the last is taken again.
+                // Where fewer rows are left, the last one is processed again.
                 self.smooth(rows, last.min(first + index));
                 self.sums[index].of(&self.fine);
             }
@@ -122,12 +123,12 @@ impl Scores {
         }
     }
 
-    /// Scores of all rows.
+    /// Returns the scores of all rows.
     pub(super) fn grid(&self) -> &TrackerGrid {
         &self.grid
     }
 
-    /// Lowers some cells of a row; what of them lies beyond the row is left out.
+    /// Lowers the scores of some cells of a row; cells beyond the row are ignored.
     pub(super) fn lower(&mut self, row: usize, cells: impl RangeBounds<usize>, cost: f32) {
         let row = self.grid.row_mut(row);
         let start = match cells.start_bound() {
@@ -163,8 +164,8 @@ impl Scores {
         }
     }
 
-    /// Finds for every cell the loudest one in the window that begins there, over this ping and its
-    /// neighbours.
+    /// Finds for every cell the largest byte in the window that begins there, over this ping and
+    /// its neighbours.
     #[inline(always)]
     fn find_loudest(&mut self, rows: &SampleRows, row: usize, window: usize) {
         self.loudest.clear();
@@ -179,7 +180,7 @@ impl Scores {
 }
 
 impl RunningSums {
-    /// Replaces them by those of a row.
+    /// Replaces the sums with those of a row.
     #[inline(always)]
     fn of(&mut self, fine: &[i16]) {
         let (mut sum, mut square) = (0u32, 0u32);
@@ -197,7 +198,7 @@ impl RunningSums {
     }
 }
 
-/// The scores of all rows.
+/// Arguments of [`Scores::measure`] for the vectorised loop.
 struct Measure<'a> {
     scores: &'a mut Scores,
     rows: &'a SampleRows,
@@ -213,9 +214,9 @@ impl VectorLoop for Measure<'_> {
     }
 }
 
-/// Writes for every cell the mean of all cells before it from the dead zone on, or of the last few
-/// windows' worth if that is brighter: this must be dark for a step to be the first. Behind a
-/// boulder's shadow, the boulder lies in between.
+/// Writes for every cell the mean of all cells before it from the dead zone on, or the mean of the
+/// last [`LONG_WINDOWS`] windows if that is brighter: this must be dark for a step to be the first
+/// one. For a step in the shadow of a boulder, the boulder is among these cells.
 #[inline(always)]
 fn brightness_before(out: &mut Vec<f32>, sums: &[u32], kernel: &Kernel) {
     let first = kernel.first.min(sums.len());
@@ -235,14 +236,14 @@ fn brightness_before(out: &mut Vec<f32>, sums: &[u32], kernel: &Kernel) {
     }
 }
 
-/// Writes for every cell the brightness of the darkest window so far, up to the window that ends
-/// there; it may brighten slowly with range. What lies unbroken between that water and a step is an
-/// echo already: the step is not the first.
+/// Writes for every cell the brightness of the darkest window up to the one that ends there; it may
+/// grow slowly with range. Where a brighter echo continues without a gap from that water to a step,
+/// the step is not the first one.
 #[inline(always)]
 fn quiet_water(out: &mut [Vec<f32>; TOGETHER], rows: &[RunningSums; TOGETHER], kernel: &Kernel) {
     let per = 1.0 / kernel.window as f32;
     let length = rows[0].sums.len();
-    // Until there is a window before the window, nothing is known.
+    // Until there are two whole windows, the brightness of the water is not known.
     let known = (kernel.first + 2 * kernel.window).min(length);
     for out in out.iter_mut() {
         out.clear();
@@ -268,7 +269,7 @@ fn quiet_water(out: &mut [Vec<f32>; TOGETHER], rows: &[RunningSums; TOGETHER], k
     }
 }
 
-/// Brightness before every cell of a row.
+/// Brightness of the water before every cell of a row.
 struct WaterBrightness<'a> {
     /// See [`brightness_before`].
     before: &'a [f32],
@@ -276,8 +277,8 @@ struct WaterBrightness<'a> {
     quiet: &'a [f32],
 }
 
-/// `(mean after - mean before) / sqrt(variance after + variance before + floor)` at every cell,
-/// less where the cells before it are no quiet water.
+/// Computes `(mean after - mean before) / sqrt(variance after + variance before + floor)` at every
+/// cell, less a cost where the cells before it are not quiet water.
 #[inline(always)]
 fn step_scores(
     out: &mut [f32],
@@ -290,8 +291,7 @@ fn step_scores(
     let last = recorded.saturating_sub(window);
     let full = (kernel.first + window).min(last);
     let per = 1.0 / window as f32;
-    // Just beyond the dead zone the near window is cut short, so that the ring-down stays out of
-    // it.
+    // Just beyond the dead zone the near window is shorter, so that it does not hold the ring-down.
     let short = kernel.first + window / 4;
     for (cell, out) in out.iter_mut().enumerate().take(full).skip(short) {
         let near = 1.0 / (cell - kernel.first) as f32;
@@ -349,7 +349,7 @@ impl Moments {
     }
 }
 
-/// Closes the cells behind which nothing reaches the threshold.
+/// Sets the score of the cells behind which nothing reaches the threshold to [`Scores::CLOSED`].
 #[inline(always)]
 fn close_below_level(out: &mut [f32], loudest: &[u8], level: u16) {
     for (score, &loudest) in out.iter_mut().zip(loudest) {
@@ -357,7 +357,7 @@ fn close_below_level(out: &mut [f32], loudest: &[u8], level: u16) {
     }
 }
 
-/// Replaces every value by the maximum of the `window` values that start there.
+/// Replaces every value with the maximum of the `window` values that start there.
 #[inline(always)]
 fn window_maximum(values: &mut Vec<u8>, spare: &mut Vec<u8>, window: usize) {
     let mut covered = 1;

@@ -1,11 +1,11 @@
-//! The picture along the line: bands of cells around it, so that what follows the line lies level
-//! and can be averaged along the track without smearing a sloping edge.
+//! Aligns the picture along the line: it extracts bands of cells around the line, in which the line
+//! is level, so that they can be averaged along the track without smearing a sloping edge.
 
 use super::grid::TrackerGrid;
 use super::rows::SampleRows;
 use std::ops::Range;
 
-/// Stretches of rows over which the line moves no more than `limit` cells a row.
+/// Returns the stretches of rows over which the line moves no more than `limit` cells a row.
 pub(super) fn stretches(line: &[usize], limit: usize) -> Vec<Range<usize>> {
     let mut stretches: Vec<Range<usize>> = Vec::new();
     for row in 0..line.len() {
@@ -17,13 +17,14 @@ pub(super) fn stretches(line: &[usize], limit: usize) -> Vec<Range<usize>> {
     stretches
 }
 
-/// Half of a gaussian: weights at distances 0, 1, 2 ... up to three standard deviations.
+/// Returns half of a gaussian: weights at distances 0, 1, 2 ... up to three standard deviations.
 pub(super) fn gaussian(deviation: f32) -> Vec<f32> {
     let reach = (3.0 * deviation).ceil() as usize;
     (0..=reach).map(|distance| (-0.5 * (distance as f32 / deviation).powi(2)).exp()).collect()
 }
 
-/// The weighted mean of each value with its neighbours; at the ends over those that there are.
+/// Returns the weighted mean of each value with its neighbours; at the ends, over the neighbours
+/// that exist.
 pub(super) fn smooth(values: &[f32], weights: &[f32]) -> Vec<f32> {
     (0..values.len())
         .map(|at| {
@@ -37,7 +38,7 @@ pub(super) fn smooth(values: &[f32], weights: &[f32]) -> Vec<f32> {
         .collect()
 }
 
-/// Places and weights of the neighbours of `at` (itself included) that lie within `count`.
+/// Returns indices and weights of the neighbours of `at` (itself included) below `count`.
 fn neighbours(count: usize, at: usize, weights: &[f32]) -> impl Iterator<Item = (usize, f32)> {
     let reach = weights.len() - 1;
     let range = at.saturating_sub(reach)..count.min(at + reach + 1);
@@ -71,7 +72,7 @@ pub(super) fn extract(
     }
 }
 
-/// Averages the band along the track.
+/// Writes the average of the band along the track to `out`.
 pub(super) fn smooth_along(band: &TrackerGrid, weights: &[f32], out: &mut TrackerGrid) {
     out.reset(band.len(), band.width(), 0.0);
     for row in 0..band.len() {

@@ -1,4 +1,5 @@
-//! The best path through the scores: for every cell, the most that a path through it can gather.
+//! Finds the best path through the scores, from the largest score that a path through each cell can
+//! gather.
 
 use super::TUNING;
 use super::grid::{TrackerGrid, highest, larger, maximum};
@@ -6,16 +7,16 @@ use crate::vectors::{VectorLoop, vectorised};
 
 /// Cost of moving the line from one ping to the next.
 pub(super) struct MotionCost {
-    /// Cells that it may move without a leap.
+    /// Largest movement of the line without a leap, cells.
     pub limit: usize,
-    /// Cost of each.
+    /// Cost of each cell of movement.
     pub cost: f32,
-    /// Cost of going anywhere.
+    /// Cost of a leap to any cell.
     pub leap: f32,
 }
 
 impl MotionCost {
-    /// The motion on a grid of cells of this length.
+    /// Creates the cost of motion on a grid with cells of this length in metres.
     pub(super) fn at(cell_m: f64) -> Self {
         Self {
             limit: ((TUNING.move_m / cell_m).ceil() as usize).clamp(6, 64),
@@ -25,7 +26,7 @@ impl MotionCost {
     }
 }
 
-/// Score of the best path through every cell.
+/// Score of the best path through every cell, with buffers.
 #[derive(Default)]
 pub(super) struct Paths {
     through: TrackerGrid,
@@ -33,15 +34,15 @@ pub(super) struct Paths {
 }
 
 impl Paths {
-    /// The cell in each row that the best path goes through.
+    /// Returns the cell of each row that the best path goes through.
     ///
-    /// Solved forward, then backward: the best path through a cell gathers `forward + backward -
-    /// score`, and the highest of a row lies on the best path of all.
+    /// The path is solved forward, then backward: the best path through a cell gathers `forward +
+    /// backward - score`, and the cell with the highest sum of a row is on the best path of all.
     pub(super) fn line(&mut self, scores: &TrackerGrid, motion: &MotionCost) -> Vec<usize> {
         vectorised(BestLine { paths: self, scores, motion })
     }
 
-    /// The same, not vectorised.
+    /// Finds the line as [`Paths::line`] does; not vectorised.
     #[inline(always)]
     fn line_inlined(&mut self, scores: &TrackerGrid, motion: &MotionCost) -> Vec<usize> {
         let (width, rows) = (scores.width(), scores.len());
@@ -56,7 +57,7 @@ impl Paths {
             }
         }
         let mut line = vec![0; rows];
-        // What a path gathers after this row, by the best way on from each cell.
+        // Score that the best path from each cell gathers after this row.
         let mut onward = vec![0.0; width];
         for row in (0..rows).rev() {
             let through = self.through.row_mut(row);
@@ -73,14 +74,14 @@ impl Paths {
         line
     }
 
-    /// Returns how much less than the line the best path gathers that passes more than `apart`
-    /// cells nearer, or farther, on each row; at most [`MOST_MARGIN`]. For the line that was found
-    /// last.
+    /// Returns for each row the difference in score between the line and the best path that passes
+    /// more than `apart` cells nearer, or farther; at most [`MOST_MARGIN`]. `line` must be the line
+    /// that was found last.
     pub(super) fn margins(&self, line: &[usize], apart: usize) -> Vec<[f32; 2]> {
         vectorised(Margins { paths: self, line, apart })
     }
 
-    /// The same, not vectorised.
+    /// Computes the margins as [`Paths::margins`] does; not vectorised.
     #[inline(always)]
     fn margins_inlined(&self, line: &[usize], apart: usize) -> Vec<[f32; 2]> {
         let mut margins = Vec::with_capacity(line.len());
@@ -95,7 +96,7 @@ impl Paths {
     }
 }
 
-/// [`Paths::line`].
+/// Arguments of [`Paths::line`] for the vectorised loop.
 struct BestLine<'a> {
     paths: &'a mut Paths,
     scores: &'a TrackerGrid,
@@ -111,7 +112,7 @@ impl VectorLoop for BestLine<'_> {
     }
 }
 
-/// [`Paths::margins`].
+/// Arguments of [`Paths::margins`] for the vectorised loop.
 struct Margins<'a> {
     paths: &'a Paths,
     line: &'a [usize],
@@ -127,10 +128,12 @@ impl VectorLoop for Margins<'_> {
     }
 }
 
-/// Upper limit of a margin: two leaps and the row's own step. A larger margin means no more.
+/// Upper limit of a margin: two leaps and the row's own step. A larger margin has no further
+/// meaning.
 const MOST_MARGIN: f32 = 20.0;
 
-/// `max over |k| <= limit of value[j + k] - cost |k|` by doubling, or the best of all less a leap.
+/// Buffers for the best score that each cell can be reached with: `max over |k| <= limit of value[j
+/// + k] - cost |k|`, computed by doubling, or the best of all cells less the cost of a leap.
 #[derive(Default)]
 struct Reach {
     right: Vec<f32>,
@@ -154,7 +157,7 @@ impl Reach {
             }
             let cost = motion.cost * step as f32;
             let kept = values.len() - step;
-            // The halves that a shift has nothing for stay as they are.
+            // Cells without a shifted counterpart stay as they are.
             self.spare[kept..].copy_from_slice(&self.right[kept..]);
             higher(&mut self.spare, &self.right, &self.right[step..], cost);
             std::mem::swap(&mut self.right, &mut self.spare);
@@ -171,7 +174,7 @@ impl Reach {
     }
 }
 
-/// `out = max(stay, moved - cost)`, for as long as all of them last.
+/// Computes `out = max(stay, moved - cost)` up to the end of the shortest slice.
 #[inline(always)]
 fn higher(out: &mut [f32], stay: &[f32], moved: &[f32], cost: f32) {
     for ((out, &stay), &moved) in out.iter_mut().zip(stay).zip(moved) {
@@ -183,7 +186,7 @@ fn higher(out: &mut [f32], stay: &[f32], moved: &[f32], cost: f32) {
 mod tests {
     use super::*;
 
-    /// Score that a path gathers.
+    /// Returns the score that a path gathers.
     fn gathered(scores: &TrackerGrid, path: &[usize], motion: &MotionCost) -> f32 {
         let cost = |from: usize, to: usize| {
             let cells = from.abs_diff(to);

@@ -1,12 +1,12 @@
-//! A layout of as many pings as a coarse picture shows.
+//! Reduces a layout to the pings that a coarse picture needs.
 
 use super::MosaicLayout;
 
 impl MosaicLayout {
-    /// These pings without those that a picture with cells of `apart_m` has no use for: between two
-    /// that stay, neither the boat nor the far ends of its swath move farther than that. The ends
-    /// of every stretch stay. Each that stays stands for those that lie nearer to it than to the
-    /// next.
+    /// Returns the layout without the pings that a picture with cells of `apart_m` does not need:
+    /// between two pings that stay, neither the boat nor the far ends of its swath move farther
+    /// than `apart_m`. The ends of every stretch stay. A ping that stays represents the pings that
+    /// are nearer to it than to the next one.
     pub fn thinned(&self, apart_m: f64) -> Self {
         let mut chosen: Vec<usize> = Vec::new();
         let mut joined = Vec::new();
@@ -51,8 +51,8 @@ impl MosaicLayout {
         .boxed()
     }
 
-    /// The pings of the survey around each chosen one: half way to the one before and to the next,
-    /// within a stretch.
+    /// Returns the range of pings of the survey that each chosen ping represents: from half way to
+    /// the one before to half way to the next, within a stretch.
     fn nearest_to(&self, chosen: &[usize], joined: &[bool]) -> Vec<[u32; 2]> {
         let half_way = |index: usize| match (joined.get(index), chosen.get(index + 1)) {
             (Some(true), Some(next)) => Some(chosen[index].midpoint(*next) + 1),
@@ -67,8 +67,8 @@ impl MosaicLayout {
         around.collect()
     }
 
-    /// Sum of the distances that the boat and an end of its swath move from one ping to another,
-    /// metres.
+    /// Returns the sum of the distances that the boat and an end of its swath move from one ping to
+    /// another, metres.
     fn moved_m(&self, from: usize, to: usize) -> f64 {
         let (Some(from), Some(to)) = (self.placed[from], self.placed[to]) else {
             return f64::INFINITY;

@@ -1,24 +1,24 @@
-//! Lines of a graticule: at round degrees, minutes or seconds, named with no more digits than that
-//! takes.
+//! Computes the lines of a graticule at round degrees, minutes or seconds, and their labels with no
+//! more digits than needed.
 
 use bathyscope_log::support::geo::CoordinateFormat;
 
-/// Millionths of a second of arc in a degree, a minute, a second: what every step is a whole number
-/// of.
+/// Number of millionths of a second of arc in a degree, a minute and a second; every step is a
+/// whole number of these units.
 const DEGREE: i64 = 3_600_000_000;
 const MINUTE: i64 = DEGREE / 60;
 const SECOND: i64 = MINUTE / 60;
 
-/// A latitude or a longitude.
+/// Axis of degrees: latitude or longitude.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum DegreeAxis {
-    /// Named north or south.
+    /// Latitude: labels end in N or S.
     Latitude,
-    /// Named east or west.
+    /// Longitude: labels end in E or W.
     Longitude,
 }
 
-/// Lines of one axis at multiples of a round step.
+/// Lines at multiples of a round step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Graticule {
     format: CoordinateFormat,
@@ -26,16 +26,16 @@ pub(super) struct Graticule {
 }
 
 impl Graticule {
-    /// The smallest round step of at least `least_deg`: 1, 2 or 5 times a power of ten of what the
-    /// format counts in, and 10, 15, 20 and 30 of minutes and seconds. UTM takes the degrees of the
-    /// poles, where it is not defined.
+    /// Creates the graticule with the smallest round step of at least `least_deg`: 1, 2 or 5 times
+    /// a power of ten of the unit of the format, and 10, 15, 20 and 30 minutes and seconds. UTM
+    /// uses degrees, since it is not defined at the poles.
     pub(super) fn new(format: CoordinateFormat, least_deg: f64) -> Self {
         let least = (least_deg * DEGREE as f64).min(90.0 * DEGREE as f64);
         let fitting = steps(format).into_iter().find(|step| *step as f64 >= least);
         Self { format, step: fitting.unwrap_or(90 * DEGREE) }
     }
 
-    /// The lines from `low_deg` to `high_deg`, degrees; at most a thousand.
+    /// Returns the lines from `low_deg` to `high_deg`, degrees; at most a thousand.
     pub(super) fn lines(self, low_deg: f64, high_deg: f64) -> impl Iterator<Item = f64> {
         let step = self.step as f64;
         let first = (low_deg * DEGREE as f64 / step).ceil();
@@ -44,7 +44,7 @@ impl Graticule {
         (0..count).map(move |index| (first + index as f64) * step / DEGREE as f64)
     }
 
-    /// The name of a line: `36.8775° N`, `36° 52.65' N`, `36° 52' 38" N`.
+    /// Returns the label of a line: `36.8775° N`, `36° 52.65' N`, `36° 52' 38" N`.
     pub(super) fn label(self, degrees: f64, axis: DegreeAxis) -> String {
         let turned = match axis {
             DegreeAxis::Longitude if degrees.abs() > 180.0 => {
@@ -56,7 +56,7 @@ impl Graticule {
         let letter = match (axis, turned < 0.0 && units != 0) {
             (DegreeAxis::Latitude, false) => " N",
             (DegreeAxis::Latitude, true) => " S",
-            // Both sides of the date line, and Greenwich, are neither.
+            // The date line and Greenwich are neither east nor west.
             (DegreeAxis::Longitude, _) if units == 180 * DEGREE || units == 0 => "",
             (DegreeAxis::Longitude, false) => " E",
             (DegreeAxis::Longitude, true) => " W",
@@ -87,8 +87,8 @@ impl Graticule {
     }
 }
 
-/// `value / unit` with the decimals that multiples of `step` have, and at least `digits` before the
-/// point.
+/// Returns `value / unit` as text, with the decimals that multiples of `step` have, and at least
+/// `digits` digits before the point.
 fn decimal(value: i64, step: i64, unit: i64, digits: usize) -> String {
     let needed = (0..9).find(|places| step * 10i64.pow(*places) % unit == 0);
     let places = needed.unwrap_or(9) as usize;
@@ -96,7 +96,7 @@ fn decimal(value: i64, step: i64, unit: i64, digits: usize) -> String {
     format!("{:0width$.places$}", value as f64 / unit as f64)
 }
 
-/// The round steps of a format, smallest first.
+/// Returns the round steps of a format, smallest first.
 fn steps(format: CoordinateFormat) -> Vec<i64> {
     let sixths = |unit: i64| [1, 2, 5, 10, 15, 20, 30].map(|count| count * unit);
     let degrees = [1, 2, 5, 10, 15, 30, 45, 90].map(|count| count * DEGREE);
@@ -117,7 +117,7 @@ fn steps(format: CoordinateFormat) -> Vec<i64> {
     }
 }
 
-/// Returns 1, 2 and 5 units at each of `places` places after the point.
+/// Returns 1, 2 and 5 times the unit at each of `places` decimal places, smallest first.
 fn decimals(unit: i64, places: u32) -> Vec<i64> {
     let at = |place: u32| [1, 2, 5].map(|count| count * unit / 10i64.pow(place));
     (1..=places).rev().flat_map(at).collect()

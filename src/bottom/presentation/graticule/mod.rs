@@ -1,7 +1,7 @@
-//! The graticule of a map, in Bathyscope and in the report: lines at round degrees, or metres of
-//! the UTM zone, with their names.
+//! Computes the graticule of a map, for Bathyscope and for the report: lines at round degrees, or
+//! at round metres of the UTM zone, with their labels.
 //!
-//! In: bounds of a map, and the form of coordinates. Out: lines with names.
+//! In: bounds of a map, and the format of coordinates. Out: lines with labels.
 
 mod degrees;
 
@@ -9,15 +9,15 @@ use super::ticks;
 use bathyscope_log::support::geo::{CoordinateFormat, LonLat, UtmZone};
 use degrees::{DegreeAxis, Graticule};
 
-/// Coordinates that the lines of a map stand for.
+/// Coordinates of the lines on a map.
 #[derive(Clone, Copy, Debug)]
 pub enum Net {
-    /// Longitude and latitude; longitudes are counted on from that of the middle, so that the date
-    /// line is no gap.
+    /// Longitude and latitude; longitudes continue beyond 180 degrees from that of the middle, so
+    /// that there is no gap at the date line.
     Degrees {
-        /// Longitude in the middle of the map, degrees.
+        /// Longitude of the middle of the map, degrees.
         middle_deg: f64,
-        /// Format that a place is written in.
+        /// Format of coordinates.
         format: CoordinateFormat,
     },
     /// Easting and northing of a zone, metres.
@@ -27,7 +27,7 @@ pub enum Net {
 /// West, south, east and north of a map, in degrees or metres of its net.
 pub type NetBounds = [f64; 4];
 
-/// A family of lines: meridians or lines of easting, parallels or lines of northing.
+/// Family of lines: meridians or lines of easting, parallels or lines of northing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LineFamily {
     /// Lines from south to north, each at an easting or a longitude.
@@ -36,17 +36,18 @@ pub enum LineFamily {
     Level,
 }
 
-/// A line with its name.
+/// Line with its label.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GraticuleLine {
-    /// Degrees or metres at which it lies.
+    /// Coordinate of the line, degrees or metres.
     pub value: f64,
-    /// `36.8775° N`, `462500 E`.
+    /// Label of the line: `36.8775° N`, `462500 E`.
     pub label: String,
 }
 
 impl Net {
-    /// The net of a map about `middle`; at the poles, where UTM is not defined, that of degrees.
+    /// Creates the net of a map around `middle`; from 80 degrees of latitude on, where UTM is not
+    /// defined everywhere, a net of degrees.
     pub fn new(format: CoordinateFormat, zone: UtmZone, middle: LonLat) -> Self {
         match format {
             CoordinateFormat::Utm if middle.lat_deg.abs() < 80.0 => Self::Utm(zone),
@@ -72,7 +73,8 @@ impl Net {
         }
     }
 
-    /// The bounds of a map from places along its edge; `None` where one is no place.
+    /// Returns the bounds of a map from places along its edge; `None` where a coordinate is not
+    /// finite.
     pub fn bounds(&self, edge: impl IntoIterator<Item = LonLat>) -> Option<NetBounds> {
         let nowhere = [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
         let places = edge.into_iter().map(|at| self.of_position(at));
@@ -81,7 +83,7 @@ impl Net {
         bounds.iter().all(|edge| edge.is_finite()).then_some(bounds)
     }
 
-    /// The lines of a family within bounds, at least `least` degrees or metres apart.
+    /// Returns the lines of a family within bounds, at least `least` degrees or metres apart.
     pub fn lines(&self, family: LineFamily, bounds: NetBounds, least: f64) -> Vec<GraticuleLine> {
         let [west, south, east, north] = bounds;
         let [low, high] = match family {
@@ -110,8 +112,8 @@ impl Net {
         }
     }
 
-    /// Returns a name as long as those of upright lines at least `least` apart: it determines the
-    /// room that they take.
+    /// Returns a label as long as those of upright lines at least `least` apart, to measure the
+    /// space that they take.
     pub fn typical_label(&self, [west, _, east, _]: NetBounds, least: f64) -> String {
         match self {
             Self::Degrees { format, .. } => {
@@ -121,7 +123,7 @@ impl Net {
         }
     }
 
-    /// Places along a line from one bound to the other, `count` of them and two at least.
+    /// Returns places along a line from one bound to the other, `count` of them, at least two.
     pub fn places(
         self,
         family: LineFamily,

@@ -1,5 +1,5 @@
 //! Converts sentences in metres into the units in use: the rest of the program writes its sentences
-//! in metres, and Bathyscope shows them in the units of the analyst.
+//! in metres, and Bathyscope shows them in the units that the analyst chose.
 
 use super::{FEET_PER_FATHOM, LengthUnit, METRES_PER_NAUTICAL_MILE, SpeedUnit, Units};
 use bathyscope_log::support::geo::METRES_PER_FOOT;
@@ -7,14 +7,14 @@ use std::ops::Range;
 
 /// Limit between speeds of boats and speeds of sound, metres a second.
 const FASTEST_BOAT_MPS: f64 = 1000.0;
-/// Texts that may stand between two numbers that share the unit behind the second.
+/// Texts between two numbers that share the unit after the second number.
 const JOINTS: [&str; 4] = [" to ", " × ", " ± ", " ±"];
-/// The units that are turned, the longer before those that they begin with.
+/// Units that are converted, longer ones before those that they begin with.
 const UNITS: [&str; 4] = ["m/s", "cm", "km", "m"];
 
 impl Units {
-    /// Returns the unit for the speed of sound, in metres a second, with its symbol: it follows the
-    /// lengths, since the speed of sound is never given in knots.
+    /// Returns the unit of the speed of sound, as its speed in metres a second, and its symbol. It
+    /// depends on the unit of lengths, since the speed of sound is never given in knots.
     pub fn sound_speed(self) -> (f64, &'static str) {
         match self.length {
             LengthUnit::Metres => (1.0, "m/s"),
@@ -22,10 +22,10 @@ impl Units {
         }
     }
 
-    /// A sentence with its figures in metres, centimetres, kilometres and metres a second turned
-    /// into the units in use. A figure is a number, a space and the unit; of `1 to 2 m` and `1 × 2
-    /// m` both numbers are. All else stays as it is, pixels per metre too, and so do names: what
-    /// stands between “ and ” or two `, and paths.
+    /// Converts the figures of a sentence in metres, centimetres, kilometres and metres a second to
+    /// the units in use. A figure is a number, a space and the unit; in `1 to 2 m` and `1 × 2 m`
+    /// both numbers are figures. All other text stays as it is, including pixels per metre and
+    /// names: text between “ and ” or between two `, and paths.
     pub fn sentence(self, text: &str) -> String {
         let names = names(text);
         let is_name = |number: &Range<usize>| names.iter().any(|name| name.contains(&number.start));
@@ -60,7 +60,7 @@ impl Units {
         turned + &text[done..]
     }
 
-    /// A number with its unit in the unit in use; `None` where that is the same.
+    /// Converts a number with its unit to the unit in use; `None` where the unit stays the same.
     fn turned(self, number: &str, unit: &str) -> Option<(String, &'static str)> {
         let value: f64 = number.parse().ok()?;
         let is_metric = self.length == LengthUnit::Metres;
@@ -79,7 +79,8 @@ impl Units {
         };
         let written = number.split_once('.').map_or(0, |(_, behind)| behind.len());
         let value = factor * value;
-        // A whole number of metres is not known to a tenth of a foot, but 1 m is not 3 ft either.
+        // A whole number of metres is not known to a tenth of a foot, but 3 ft would be too coarse
+        // for 1 m.
         let decimals = match written {
             0 if value >= 10.0 * FEET_PER_FATHOM => 0,
             some => some.clamp(1, 2),
@@ -89,8 +90,8 @@ impl Units {
     }
 }
 
-/// Finds the ranges of names: between “ and ” or two `, and from the beginning of an absolute path
-/// to the end of its part of the sentence.
+/// Finds the ranges of names: between “ and ” or between two `, and from the beginning of an
+/// absolute path to the next colon or semicolon.
 fn names(text: &str) -> Vec<Range<usize>> {
     let mut found = Vec::new();
     let mut from = 0;
@@ -98,7 +99,8 @@ fn names(text: &str) -> Vec<Range<usize>> {
         let opens = text[start..].chars().next().unwrap_or_default();
         let inside = start + opens.len_utf8();
         from = inside;
-        // A root in the middle of a word is a share, `px/m`, or the rest of a path.
+        // A slash in the middle of a word belongs to a ratio, such as `px/m`, or to the rest of a
+        // path.
         let before = text[..start].chars().next_back();
         if opens == '/' && before.is_some_and(|c| !(c.is_whitespace() || c == '(')) {
             continue;
@@ -111,15 +113,15 @@ fn names(text: &str) -> Vec<Range<usize>> {
         let end = ends.iter().filter_map(|end| text[inside..].find(end)).min();
         let end = end.map_or(text.len(), |end| inside + end);
         found.push(start..end);
-        // The sign that closes a name opens no other.
+        // The character that closes a name does not open another one.
         let closes = text[end..].chars().next().filter(|c| *c == opens);
         from = end + closes.map_or(0, char::len_utf8);
     }
     found
 }
 
-/// Finds the ranges of plain numbers, without their signs: not the digits of a name or of a time of
-/// day.
+/// Finds the ranges of plain numbers, without their signs, and without the digits of a name or of a
+/// time of day.
 fn numbers(text: &str) -> Vec<Range<usize>> {
     let is_part = |c: char| c.is_ascii_digit() || c == '.';
     let mut found: Vec<Range<usize>> = Vec::new();
@@ -129,7 +131,7 @@ fn numbers(text: &str) -> Vec<Range<usize>> {
         let length = text[start..].find(|c| !is_part(c));
         let end = length.map_or(text.len(), |length| start + length);
         from = end;
-        // A full stop behind it ends the sentence.
+        // A full stop after a number ends the sentence.
         let end = start + text[start..end].trim_end_matches('.').len();
         let before = text[..start].chars().next_back();
         if before.is_none_or(|c| !(c.is_alphanumeric() || "_:/\\".contains(c))) {
@@ -139,7 +141,7 @@ fn numbers(text: &str) -> Vec<Range<usize>> {
     found
 }
 
-/// The unit that stands behind a number, if it is one of those that are turned and no other word
+/// Returns the unit after a number; `None` where no unit of [`UNITS`] follows, or a longer word
 /// begins with it.
 fn unit_after(text: &str) -> Option<&'static str> {
     let behind = text.strip_prefix(' ')?;

@@ -1,4 +1,4 @@
-//! The depth maps of either side of a change: of a run, of an archive, or of any program.
+//! Reads the two depth maps of a change: of a run, of an archive, or of any program.
 
 use crate::cli::Failure;
 use bathyscope_bottom::bathymetry::CellSource;
@@ -9,20 +9,20 @@ use bathyscope_log::support::geo::{Crs, MapPlane, bounds_deg, boxes_meet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Names of the files that `process` and `archive` write: the depths, and in the same folder their
-/// standard deviations and sources.
+/// Names of the files that `process` and `archive` write: the depths, and in the same folder the
+/// standard deviations and the sources of the depths.
 const DEPTH: &str = "depth.tif";
 const UNCERTAINTY: &str = "uncertainty.tif";
 const SOURCE: &str = "source.tif";
 
-/// A depth map in one file, or in many.
+/// Depth map in one file, or in many.
 pub(super) struct DepthMaps {
     path: PathBuf,
     files: Vec<PathBuf>,
 }
 
 impl DepthMaps {
-    /// The map that an argument names: a GeoTIFF, the folder of a run, or an archive.
+    /// Opens the map that an argument names: a GeoTIFF, the folder of a run, or an archive.
     pub(super) fn open(path: &Path) -> Result<Self, Failure> {
         let of_run = path.join("depth").join(DEPTH);
         let files = match (path.is_dir(), of_run.is_file()) {
@@ -39,22 +39,22 @@ impl DepthMaps {
         Ok(Self { path: path.to_owned(), files })
     }
 
-    /// Returns the path that was given.
+    /// Returns the path that was passed to [`open`](Self::open).
     pub(super) fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Returns true if the standard deviations of the depths are there.
+    /// Returns true if every file of the map has a file of standard deviations.
     pub(super) fn has_errors(&self) -> bool {
         self.files.iter().all(|file| beside(file, UNCERTAINTY).is_some())
     }
 
-    /// Every part of the map, one after the other.
+    /// Reads the parts of the map, one after the other.
     pub(super) fn parts(&self) -> impl Iterator<Item = Result<DepthPart, Failure>> {
         self.files.iter().map(|file| DepthPart::read(file))
     }
 
-    /// The parts that lie around another one.
+    /// Reads the parts whose bounds meet those of a part of another map.
     pub(super) fn around(&self, other: &DepthPart) -> Result<Vec<DepthPart>, Failure> {
         let own = other.bounds_deg();
         let parts = self.files.iter().map(|file| {
@@ -66,7 +66,8 @@ impl DepthMaps {
     }
 }
 
-/// The maps of an archive's tiles, in the order of their names.
+/// Returns the paths of the depth maps of an archive's tiles, sorted by path; empty if there is no
+/// folder `tiles`.
 fn tiles(archive: &Path) -> Result<Vec<PathBuf>, Failure> {
     let folder = archive.join("tiles");
     if !folder.is_dir() {
@@ -81,13 +82,15 @@ fn tiles(archive: &Path) -> Result<Vec<PathBuf>, Failure> {
     Ok(files)
 }
 
-/// Returns the path of another raster in the folder of the depths, for a map that Bathyscope wrote.
+/// Returns the path of a raster in the folder of the depths; `None` if that raster is missing or
+/// Bathyscope did not write the depths.
 fn beside(depths: &Path, name: &str) -> Option<PathBuf> {
     let beside = depths.with_file_name(name);
     (depths.file_name()? == DEPTH && beside.is_file()).then_some(beside)
 }
 
-/// Reads the cells of a raster in the folder of the depths, which has as many.
+/// Reads the cells of a raster in the folder of the depths, whose size must be `size`; `None` if
+/// there is no such raster.
 fn cells_beside<T>(
     depths: &Path,
     name: &str,
@@ -110,7 +113,7 @@ fn cells_beside<T>(
 pub(super) struct DepthPart {
     raster: RasterValues,
     sigma_m: Option<Vec<f32>>,
-    /// Classes of [`CellSource`].
+    /// Sources of the depths, as numbers of [`CellSource`]; `None` without them.
     sources: Option<Vec<u8>>,
     crs: Crs,
     /// Name of the tile in an archive, with which the names of its results begin; otherwise empty.
@@ -120,12 +123,12 @@ pub(super) struct DepthPart {
 /// Depth at a place, with its uncertainty.
 #[derive(Clone, Copy)]
 pub(super) struct Depth {
-    /// Metres, positive down.
+    /// Depth, metres, positive down.
     pub depth_m: f64,
-    /// Its standard deviation, metres.
+    /// Standard deviation of the depth, metres.
     pub sigma_m: f64,
-    /// True if it was measured there, or inferred from echoes of there; where a map does not say,
-    /// it was.
+    /// True if the depth was measured there, or inferred from echoes at that place; also true if
+    /// the map has no sources.
     pub is_measured: bool,
 }
 
@@ -159,7 +162,7 @@ impl DepthPart {
         })
     }
 
-    /// Cells from west to east and from north to south.
+    /// Returns the numbers of cells from west to east and from north to south.
     pub(super) fn size(&self) -> [usize; 2] {
         [self.raster.columns, self.raster.rows]
     }
@@ -171,7 +174,7 @@ impl DepthPart {
         bounds_deg(corners.map(|at| self.crs.to_lon_lat(self.raster.transform.at(at))))
     }
 
-    /// Square metres of a cell on the ground, in the middle of the map.
+    /// Returns the area of a cell on the ground, square metres, in the middle of the map.
     pub(super) fn cell_area_m2(&self) -> f64 {
         let middle = self.size().map(|count| 0.5 * count as f64);
         let middle = self.crs.to_lon_lat(self.raster.transform.at(middle));
@@ -199,7 +202,7 @@ impl DepthPart {
     }
 
     /// Returns the depth at the middle of a cell of another map, interpolated between the middles
-    /// of its own cells; `None` where a cell that counts is unknown.
+    /// of this map's cells; `None` if a cell with a weight above 0 is unknown.
     pub(super) fn at_cell_of(&self, other: &Self, [column, row]: [usize; 2]) -> Option<Depth> {
         let there = other.raster.transform.at([column as f64, row as f64]);
         let place =
@@ -212,13 +215,14 @@ impl DepthPart {
         self.between(at)
     }
 
-    /// Bilinear between cells; in the outer half of the outermost ones what is known of these.
+    /// Interpolates bilinearly between cells; in the outer half of the outermost cells, with the
+    /// values of these cells.
     fn between(&self, at: [f64; 2]) -> Option<Depth> {
         let about = |axis: usize| {
             let count = self.size()[axis];
             let inside = (-0.5..count as f64 - 0.5).contains(&at[axis]);
             let held = at[axis].clamp(0.0, count.saturating_sub(1) as f64);
-            // A hair off a middle is on it.
+            // A place very close to the middle of a cell counts as the middle.
             let held = if (held - held.round()).abs() < 1e-6 { held.round() } else { held };
             inside.then(|| (held as usize, held.fract()))
         };
@@ -230,7 +234,8 @@ impl DepthPart {
                 if share > 0.0 {
                     let cell = self.cell(row * self.raster.columns + column)?;
                     sum.depth_m += share * cell.depth_m;
-                    // Neighbours err together.
+                    // The errors of neighbouring cells are correlated: their deviations add
+                    // linearly.
                     sum.sigma_m += share * cell.sigma_m;
                     sum.is_measured |= cell.is_measured;
                 }

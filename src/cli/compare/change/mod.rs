@@ -1,4 +1,5 @@
-//! `bathyscope compare NEW OLD --change DIR`: how the bottom changed between two depth maps.
+//! `bathyscope compare NEW OLD --change DIR`: computes how the bottom changed between two depth
+//! maps.
 //!
 //! In: two depth maps: folders of `process`, archives or GeoTIFFs. Out: files of the difference,
 //! and lines of text.
@@ -28,7 +29,7 @@ use rayon::prelude::*;
 use record::ChangeRecord;
 use std::path::{Path, PathBuf};
 
-/// Steps of the colours in a style.
+/// Number of colour steps in a style.
 const STEPS: usize = 16;
 
 /// Options of a comparison of two depth maps.
@@ -67,7 +68,7 @@ impl ChangeArgs {
     }
 }
 
-/// Compares two depth maps, writes what changed and prints the volumes.
+/// Compares two depth maps, writes the files of the change and prints the volumes.
 pub(super) fn run(args: &CompareArgs, folder: &Path) -> Result<(), Failure> {
     let [newer, older] =
         [&args.measured, &args.reference].map(|name| DepthMaps::open(Path::new(name)));
@@ -113,7 +114,7 @@ pub(super) fn run(args: &CompareArgs, folder: &Path) -> Result<(), Failure> {
     let errors = observed.errors(&assumed);
     let record = ChangeRecord::new([newer.path(), older.path()], &totals, errors, observed.share());
     write_json(&folder.join("change.json"), &record)?;
-    // One picture of many tiles would show a part as if it were all.
+    // With many tiles, one picture would show a part as if it were all.
     let shown = (written.len() == 1).then_some(shown);
     let page = report_page::of(&record, shown.as_deref());
     write_bytes(&folder.join("change.html"), page)?;
@@ -121,16 +122,17 @@ pub(super) fn run(args: &CompareArgs, folder: &Path) -> Result<(), Failure> {
     if args.json { output::json(&record) } else { output::results(record.table()) }
 }
 
-/// Errors of the maps as observed in their parts.
+/// Errors of the maps, observed in the parts of the newer map.
 #[derive(Default)]
 struct Observed {
     range_m: f64,
-    /// Median share of the stated errors that is in the difference, for each part.
+    /// Share of the stated errors that is found in the difference, one value for each part.
     shares: Vec<f64>,
 }
 
 impl Observed {
-    /// Puts the errors that a part shows in place of those that its maps state.
+    /// Replaces the errors that the maps state for a part by the errors observed in it; returns the
+    /// errors with the observed range.
     fn put_into(&mut self, change: &mut PartChange<'_>, assumed: &ChangeErrors) -> ChangeErrors {
         let found = change.field().observed_errors(assumed);
         change.sigma_m = found.sigma_m;
@@ -139,12 +141,13 @@ impl Observed {
         ChangeErrors { range_m: found.range_m, ..*assumed }
     }
 
-    /// The errors of all parts together: the farthest range.
+    /// Returns the errors for all parts together, with the largest observed range.
     fn errors(&self, assumed: &ChangeErrors) -> ChangeErrors {
         ChangeErrors { range_m: self.range_m, ..*assumed }
     }
 
-    /// Share of the stated errors that is in the difference, in the usual part.
+    /// Returns the median over all parts of the share of the stated errors that is found in the
+    /// difference.
     fn share(&self) -> f64 {
         median(&mut self.shares.clone())
     }
@@ -154,11 +157,11 @@ impl Observed {
 struct PartChange<'a> {
     part: &'a DepthPart,
     cell_area_m2: f64,
-    /// Rise of the bottom, metres; NaN where one of the maps knows nothing.
+    /// Rise of the bottom, metres; NaN where it is unknown in one of the maps.
     rise_m: Vec<f32>,
-    /// Standard deviation of that by the depths' own errors, metres.
+    /// Standard deviation of the rise by the errors of the depths alone, metres.
     sigma_m: Vec<f32>,
-    /// True if the depth was measured there, in the newer map and in the older.
+    /// True if the depth was measured in that cell: in the newer map, in the older map.
     is_measured: Vec<[bool; 2]>,
 }
 
@@ -188,7 +191,7 @@ impl<'a> PartChange<'a> {
         }
     }
 
-    /// Returns the value of a function for each cell, NaN where nothing is known.
+    /// Returns the value of a function for each cell; NaN where the change is unknown.
     fn layer(&self, value: impl Fn(usize, &CellChange) -> f64) -> Vec<f32> {
         let field = self.field();
         let cells = 0..self.rise_m.len();
@@ -197,8 +200,8 @@ impl<'a> PartChange<'a> {
         values.map(|value| value as f32).collect()
     }
 
-    /// Standard deviation of each cell's rise, metres: of the errors of both maps, and of what is
-    /// drawn between measured places.
+    /// Returns the standard deviation of each cell's rise, metres: of the errors of both maps, and
+    /// of the depths interpolated between measured places.
     fn uncertainty_m(&self, errors: &ChangeErrors, regions: &[ChangeRegion]) -> Vec<f32> {
         let mut between_m = vec![0.0; self.rise_m.len()];
         for region in regions {
@@ -212,8 +215,8 @@ impl<'a> PartChange<'a> {
         })
     }
 
-    /// Writes `difference.tif`, `detection_level.tif` and `uncertainty.tif`, of an archive behind
-    /// the name of the tile; gives back where they lie.
+    /// Writes `difference.tif`, `detection_level.tif` and `uncertainty.tif`, for an archive with
+    /// the name of the tile and `_` before each name; returns their paths.
     fn write(
         &self,
         folder: &Path,
@@ -257,13 +260,14 @@ impl<'a> PartChange<'a> {
     }
 }
 
-/// The cells of a raster by their numbers alone: where they lie is said by the raster.
+/// Returns a grid with the columns and rows of a raster, cells of 1 m and its corner at 0: the
+/// position of the cells is in the raster.
 fn cells_of(spec: &RasterSpec) -> Grid {
     Grid { west_m: 0.0, north_m: 0.0, cell_m: 1.0, columns: spec.columns, rows: spec.rows }
 }
 
-/// Colours for QGIS, the same for all parts of a map: blue where the bottom sank, red where it
-/// rose.
+/// Writes colour styles for QGIS, the same for all parts of a map: blue where the bottom sank, red
+/// where it rose.
 fn write_styles(written: &[[PathBuf; 3]], totals: &ChangeTotals) -> Result<(), ExportError> {
     let reach_m = difference_reach_m(totals.reach_m());
     let level_m = totals.median_level_m().unwrap_or_default();

@@ -6,40 +6,41 @@ use std::path::Path;
 
 const SIGN: &str = "newer minus older elevation, metres; positive where the bottom rose (fill)";
 
-/// The figures of a change.
+/// Figures of a change.
 #[derive(Serialize)]
 pub(super) struct ChangeRecord {
-    /// The newer map.
+    /// Path of the newer map.
     pub newer: String,
-    /// The older map.
+    /// Path of the older map.
     pub older: String,
     sign: &'static str,
-    /// The confidence of the level of detection and the intervals.
+    /// Confidence of the level of detection and of the intervals.
     confidence: f64,
-    /// Standard deviation of what is the same everywhere, metres.
+    /// Standard deviation of the errors that are the same everywhere, metres.
     pub systematic_m: f64,
-    /// Depths farther apart err independently, metres.
+    /// Distance from which on the errors of two depths are independent, metres.
     pub error_range_m: f64,
-    /// The part of the errors that the maps state which is in their difference, as cells without a
-    /// change show it: what both draw alike between the same lines is not.
+    /// Share of the errors stated by the maps that is in their difference, as observed in cells
+    /// without a change: an error that both maps have alike between the same lines is not in the
+    /// difference.
     pub error_share: f64,
-    /// The median change, metres.
+    /// Median change, metres; `None` if unknown.
     pub median_m: Option<f64>,
-    /// The median level of detection, metres.
+    /// Median level of detection, metres; `None` if unknown.
     pub detection_level_m: Option<f64>,
-    /// Places where a change is detected and the bottom rose.
+    /// Sum over the places where a change is detected and the bottom rose.
     pub fill: Volume,
-    /// Places where a change is detected and the bottom sank.
+    /// Sum over the places where a change is detected and the bottom sank.
     pub cut: Volume,
-    /// Both together.
+    /// Sum of fill and cut.
     pub net: Volume,
-    /// All cells that both maps know, whatever is detected.
+    /// Sum over all cells that are known in both maps, with or without a detected change.
     pub all: Volume,
-    /// The most fill that may hide where no change is detected, cubic metres.
+    /// Largest fill that may be hidden where no change is detected, cubic metres.
     pub hidden_fill_m3: f64,
-    /// The most cut.
+    /// Largest cut that may be hidden where no change is detected, cubic metres.
     pub hidden_cut_m3: f64,
-    /// The scale of colours reaches so far either way, metres.
+    /// Change at either end of the colour scale, metres.
     #[serde(skip)]
     pub reach_m: f64,
 }
@@ -47,18 +48,18 @@ pub(super) struct ChangeRecord {
 /// Area and volume of some cells.
 #[derive(Clone, Copy, Serialize)]
 pub(super) struct Volume {
-    /// Connected places.
+    /// Number of connected places.
     places: usize,
     cells: usize,
     area_m2: f64,
     volume_m3: f64,
-    /// Standard deviation by errors that vary from place to place.
+    /// Standard deviation of the volume by errors that vary from place to place.
     random_sigma_m3: f64,
-    /// Standard deviation by errors that are the same everywhere.
+    /// Standard deviation of the volume by errors that are the same everywhere.
     systematic_sigma_m3: f64,
-    /// Standard deviation by what is drawn between measured places.
+    /// Standard deviation of the volume by the interpolation between measured places.
     between_sigma_m3: f64,
-    /// Half the width of the interval of 95 %.
+    /// Half the width of the interval that contains the volume with a probability of 95 %.
     within_95_m3: f64,
 }
 
@@ -77,7 +78,7 @@ impl Volume {
         }
     }
 
-    /// `12.3 m3 ± 1.2 m3 on 45 m2`.
+    /// Returns the volume as text: `12.3 m3 ± 1.2 m3 on 45 m2`.
     pub(super) fn in_words(&self) -> String {
         format!("{:+.2} m3 ± {:.2} m3 on {:.1} m2", self.volume_m3, self.within_95_m3, self.area_m2)
     }
@@ -113,7 +114,7 @@ impl ChangeRecord {
         }
     }
 
-    /// Names and figures, a line each.
+    /// Returns the names and figures, one pair for each line.
     pub(super) fn rows(&self) -> Vec<(&'static str, String)> {
         let metres =
             |value: Option<f64>| value.map_or_else(String::new, |metres| format!("{metres:+.3} m"));
@@ -148,7 +149,7 @@ impl ChangeRecord {
         ]
     }
 
-    /// The rows for a terminal.
+    /// Returns the rows as text for a terminal.
     pub(super) fn table(&self) -> String {
         let first =
             "newer minus older (up is positive); fill, cut and net of the places where a change is detected; ± is 95 %"

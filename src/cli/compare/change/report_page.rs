@@ -1,4 +1,4 @@
-//! The change on one page: figures and a picture.
+//! Writes the HTML page of a change: figures and a picture.
 
 use super::record::ChangeRecord;
 use base64::Engine as _;
@@ -9,7 +9,7 @@ use image::{ExtendedColorType, ImageEncoder as _, codecs::png::PngEncoder};
 
 /// Longest side of the picture, pixels.
 const MOST_PIXELS: usize = 900;
-/// A picture of fewer cells is shown in larger squares, about so long, pixels.
+/// Approximate side of a picture with fewer cells, which is shown with larger squares, pixels.
 const SHOWN_PIXELS: u32 = 640;
 
 const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;color:#1b1b1b;margin:24px auto;max-width:960px;padding:0 16px}\
@@ -17,13 +17,14 @@ table{border-collapse:collapse}td,th{border:1px solid #d0d0d0;padding:3px 10px;t
 img{max-width:100%;height:auto;image-rendering:pixelated;border:1px solid #d0d0d0}#bar{height:14px;max-width:480px;border:1px solid #888888}\
 #ends{display:flex;justify-content:space-between;max-width:480px;font-size:13px}";
 
-/// A picture on its way into the page: the changes of its pixels, metres, row by row.
+/// Picture for the page: the change of each pixel, metres, row by row.
 pub(super) struct ChangeImage {
     rise_m: Vec<f32>,
     size: [usize; 2],
 }
 
-/// The changes of some cells, joined where there are more than can be seen.
+/// Makes a picture of the changes of the cells; joins cells where there are more than
+/// [`MOST_PIXELS`].
 pub(super) fn picture(rise_m: &[f32], [columns, rows]: [usize; 2]) -> Box<ChangeImage> {
     let joined = columns.max(rows).div_ceil(MOST_PIXELS).max(1);
     let size = [columns.div_ceil(joined), rows.div_ceil(joined)];
@@ -35,13 +36,13 @@ pub(super) fn picture(rise_m: &[f32], [columns, rows]: [usize; 2]) -> Box<Change
         let known = cells.map(|cell| rise_m[cell]).filter(|rise| !rise.is_nan());
         let (sum, count) =
             known.fold((0.0, 0.0), |(sum, count), rise| (sum + rise, count + 1.0_f32));
-        // Of none it is no number.
+        // The mean of no cells is NaN.
         sum / count
     };
     Box::new(ChangeImage { rise_m: (0..size[0] * size[1]).map(mean).collect(), size })
 }
 
-/// The page.
+/// Returns the page as HTML.
 pub(super) fn of(record: &ChangeRecord, shown: Option<&ChangeImage>) -> String {
     let rows = record.rows().into_iter();
     let rows: String = rows

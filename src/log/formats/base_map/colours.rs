@@ -1,7 +1,7 @@
-//! Converts the bytes of a block to colours, and hides those that its mask does not show.
+//! Converts the bytes of a block to colours, and makes pixels transparent that its mask hides.
 //!
-//! The decoder knows neither palettes nor masks. It is shown grey levels in their place, which are
-//! the indices, or what is seen ([`AsGrey`]).
+//! The TIFF decoder reads neither palettes nor masks. [`AsGrey`] shows both to the decoder as grey
+//! levels, which are then the indices into the palette, or the bits of the mask.
 
 use super::{BaseMapFault, Tiff};
 use crate::formats::geotiff::{DirectoryWalk, check_claims};
@@ -11,17 +11,18 @@ use tiff::ColorType;
 use tiff::decoder::Decoder;
 use tiff::tags::Tag;
 
-/// Red, green, blue and opacity; transparent is all zero.
+/// Red, green, blue and opacity; all four are 0 where transparent.
 pub type RgbaPixel = [u8; 4];
 
-/// The tag that says what a sample means, and its values for a palette, a mask and grey levels.
+/// TIFF tag for the meaning of a sample (`PhotometricInterpretation`), with its values for a
+/// palette, a mask and grey levels.
 const PHOTOMETRIC: u16 = 262;
 const PALETTE: u16 = 3;
 const MASK: u16 = 4;
 const GREY: u8 = 1;
-/// Kinds of directory (TIFF's `NewSubfileType`) that are masks: that of the full picture, and that
-/// of an overview. GDAL keeps them in a GeoTIFF, pictures of one bit a pixel beside that of the
-/// colours, set where these are seen.
+/// Kinds of directory (TIFF's `NewSubfileType`) that are masks: the mask of the full picture, and
+/// the mask of an overview. GDAL stores masks in a GeoTIFF as pictures of one bit a pixel, set
+/// where the pixel is visible.
 const KINDS: [u32; 2] = [4, 5];
 
 /// Encoding of the colour of a pixel in its bytes.
@@ -30,7 +31,8 @@ pub(super) struct Coding {
     kind: Kind,
     /// Bytes of a pixel.
     pub bytes: usize,
-    /// The grey, the index, or all three of the colour that stand for no data.
+    /// Value for "no data" of the grey level, of the index, or of each of the three colours; `None`
+    /// where the file has no such value.
     nodata: Option<u8>,
 }
 
@@ -40,23 +42,24 @@ enum Kind {
     GreyAlpha,
     Rgb,
     Rgba,
-    /// Colours as JPEG holds them, ITU-R BT.601 over the full range.
+    /// YCbCr colours of JPEG, ITU-R BT.601 over the full range.
     YCbCr,
     Palette(Vec<RgbaPixel>),
-    /// Bands that the file gives no meaning: the first three are taken for a colour, or the first
-    /// for a grey.
+    /// Bands whose meaning the file does not state: the first three are shown as a colour, or the
+    /// first as a grey level.
     Bands,
 }
 
 impl Coding {
-    /// Reads the encoding of the picture that the decoder is at.
+    /// Reads the encoding of the current picture of the decoder.
     ///
     /// # Errors
-    /// When its colours cannot be read, or are of a kind that is not shown.
+    /// When the colours of the picture cannot be read, or their type is not supported.
     pub(super) fn read<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Self, BaseMapFault> {
         let colours = decoder.colortype()?;
         let (kind, bytes) = match colours {
-            // Said to be paletted, or left grey by GDAL because its palette came late.
+            // The file states a palette, or GDAL left the type at grey because the palette was
+            // added later.
             ColorType::Gray(8) if has_palette(decoder) => (Kind::Palette(palette(decoder)?), 1),
             ColorType::Gray(8) => (Kind::Grey, 1),
             ColorType::GrayA(8) => (Kind::GreyAlpha, 2),
@@ -81,7 +84,7 @@ impl Coding {
         })
     }
 
-    /// The colours of a block.
+    /// Returns the colours of a block.
     pub(super) fn colours(&self, bytes: &[u8]) -> Vec<RgbaPixel> {
         bytes.chunks_exact(self.bytes).map(|pixel| self.colour(pixel)).collect()
     }
@@ -121,7 +124,7 @@ fn has_palette<R: Read + Seek>(decoder: &mut Decoder<R>) -> bool {
     decoder.find_tag(Tag::ColorMap).is_ok_and(|map| map.is_some())
 }
 
-/// All reds, then all greens, then all blues, in 16 bits.
+/// Reads the palette of the picture: all reds, then all greens, then all blues, in 16 bits.
 fn palette<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Vec<RgbaPixel>, BaseMapFault> {
     let map = decoder.get_tag_u16_vec(Tag::ColorMap)?;
     let count = map.len() / 3;
@@ -131,17 +134,17 @@ fn palette<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Vec<RgbaPixel>, B
     Ok(colours.collect())
 }
 
-/// A file in which every palette and mask is said to be grey levels.
+/// A TIFF file in which every palette and mask reads as grey levels.
 pub(super) struct AsGrey {
     file: BufReader<File>,
     at: u64,
-    /// Offsets of the bytes that say palette or mask.
+    /// Offsets of the bytes with the value for a palette or a mask.
     said: Vec<u64>,
 }
 
 impl AsGrey {
-    /// Looks through the directories of a TIFF; what cannot be followed is left to the decoder to
-    /// refuse.
+    /// Searches the directories of a TIFF for palettes and masks; fails where the file cannot be
+    /// read or a tag claims more bytes than the file has. Other errors are left to the decoder.
     pub(super) fn new(file: File) -> io::Result<Self> {
         let mut file = BufReader::new(file);
         check_claims(&mut file)?;
@@ -172,13 +175,13 @@ impl Seek for AsGrey {
     }
 }
 
-/// Returns the offsets of the low bytes of all values that say palette or mask.
+/// Returns the offsets of the low bytes of all tags whose value is a palette or a mask.
 fn palettes(file: &mut BufReader<File>) -> Vec<u64> {
     let mut found = Vec::new();
     if let Some(walk) = DirectoryWalk::begin(file) {
         walk.run(|walk, entry| {
             if entry.tag == u64::from(PHOTOMETRIC) {
-                // The value, a short, fills the first two bytes of the last field.
+                // The value, a 16-bit number, is in the first two bytes of the last field.
                 walk.file.seek(SeekFrom::Start(entry.value_at)).ok()?;
                 if [PALETTE, MASK].map(u64::from).contains(&walk.number(2)?) {
                     found.push(entry.value_at + u64::from(walk.is_big_endian));
@@ -190,8 +193,8 @@ fn palettes(file: &mut BufReader<File>) -> Vec<u64> {
     found
 }
 
-/// Returns the size of the picture that the mask at the decoder belongs to, columns and rows, and
-/// the size of a block; `None` where the decoder is at no mask.
+/// Returns the size (columns and rows) of the picture that the current mask of the decoder belongs
+/// to, and the size of a block; `None` where the current directory is not a mask.
 pub(super) fn masked_size(tiff: &mut Tiff, kind: Option<u32>) -> Option<([u32; 2], [u32; 2])> {
     if !KINDS.contains(&kind?) || tiff.colortype().ok()? != ColorType::Gray(1) {
         return None;
@@ -201,8 +204,8 @@ pub(super) fn masked_size(tiff: &mut Tiff, kind: Option<u32>) -> Option<([u32; 2
     Some(([columns, rows], [across, down.min(rows)]))
 }
 
-/// Makes the pixels of a block transparent that its mask does not show; both lie row by row, `wide`
-/// pixels in each.
+/// Makes the pixels of a block transparent that its mask hides; both are stored row by row, `wide`
+/// pixels in each row.
 pub(super) fn hide(colours: &mut [RgbaPixel], mask: &[u8], wide: usize) {
     if wide == 0 || colours.is_empty() {
         return;

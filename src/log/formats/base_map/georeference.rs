@@ -1,4 +1,4 @@
-//! Place of the pixels of a base map.
+//! Maps pixels of a base map to positions and back.
 
 use super::BaseMapFault;
 use crate::formats::geotiff::{GeoKeys, GeoTransform};
@@ -6,47 +6,48 @@ use crate::support::geo::{Crs, LonLat};
 use std::io::{Read, Seek};
 use tiff::decoder::Decoder;
 
-/// Degrees of WGS84, ETRS89 and NAD83.
+/// EPSG code of WGS84, and the codes in degrees that are read as WGS84: WGS84, ETRS89 and NAD83.
 const WGS84: u16 = 4326;
 const DEGREES: [u16; 3] = [WGS84, 4258, 4269];
 
 /// Place of the pixels of a picture, north up.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Georeference {
-    /// The system that the numbers are in.
+    /// Coordinate system of the corner and the pixel size.
     pub crs: Crs,
-    /// x and y of the upper left corner of the upper left pixel.
+    /// x and y of the upper left corner of the upper left pixel, in units of the system.
     pub corner: [f64; 2],
-    /// Width and height of a pixel.
+    /// Width and height of a pixel, in units of the system.
     pub pixel: [f64; 2],
 }
 
 impl Georeference {
-    /// Column and row of a position, counted from the upper left corner of the picture, fractions
-    /// within a pixel.
+    /// Returns the column and row of a position, counted from the upper left corner of the picture,
+    /// with fractions of a pixel.
     pub fn to_pixels(&self, at: LonLat) -> [f64; 2] {
         let [x, y] = self.crs.place(at);
         [(x - self.corner[0]) / self.pixel[0], (self.corner[1] - y) / self.pixel[1]]
     }
 
-    /// Inverse of [`Georeference::to_pixels`].
+    /// Returns the position of a column and row; the inverse of [`Georeference::to_pixels`].
     pub fn to_position(&self, [column, row]: [f64; 2]) -> LonLat {
         let x = self.corner[0] + column * self.pixel[0];
         let y = self.corner[1] - row * self.pixel[1];
         self.crs.to_lon_lat([x, y])
     }
 
-    /// Reads keys and transform of the picture that the decoder is at.
+    /// Reads the GeoTIFF keys and the transform of the current picture of the decoder.
     ///
     /// # Errors
-    /// When it has none, or such as are not known or not north up.
+    /// When the picture has no EPSG number or no transform, its system is not supported, or it is
+    /// not north up.
     pub(crate) fn read<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Self, BaseMapFault> {
         let keys = GeoKeys::read(decoder);
         let code = if keys.is_geographic() { keys.geographic() } else { keys.projected() };
         let Some(epsg) = code else {
             return Err(BaseMapFault::Nowhere("a GeoTIFF with an EPSG number does"));
         };
-        // Degrees of NAD83 and ETRS89 lie within 2 m of those of WGS84.
+        // Coordinates in NAD83 and ETRS89 differ from WGS84 by less than 2 m.
         let known = if DEGREES.contains(&epsg) { WGS84 } else { epsg };
         let crs = Crs::from_epsg(known).map_err(|_| BaseMapFault::UnknownSystem(epsg))?;
         let Some(transform) = GeoTransform::read(decoder, &keys) else {

@@ -1,10 +1,11 @@
-//! A picture of the analyst's own under the map: a GeoTIFF, read block by block as it is looked at.
+//! Opens the user's own picture under the map, a GeoTIFF, and reads it block by block as parts are
+//! shown.
 //!
-//! In: a GeoTIFF, and the part of it that is looked at. Out: the colours of that part.
+//! In: a GeoTIFF, and the part of it that is shown. Out: the colours of that part.
 //!
-//! `georeference` says where its pixels lie, `colours` what they mean and which of them are seen.
-//! Files are untrusted: a block larger than [`MOST_BLOCK_BYTES`] is refused, and what a look takes
-//! is bounded by [`MOST_PIXELS`].
+//! `georeference` maps its pixels to positions, `colours` decodes their colours and masks. Files
+//! are untrusted: a block larger than [`MOST_BLOCK_BYTES`] is refused, and the memory of a
+//! [`Window`] is bounded by [`MOST_PIXELS`].
 
 mod colours;
 mod georeference;
@@ -26,17 +27,17 @@ use tiff::decoder::{Decoder, Limits};
 use tiff::tags::Tag;
 use tiff::{ColorType, TiffError};
 
-/// Bytes of a block that is still read.
+/// Most bytes of a block that is read.
 const MOST_BLOCK_BYTES: u64 = 64 << 20;
-/// Pixels that one look reads at most.
+/// Most pixels of a [`Window`].
 const MOST_PIXELS: u64 = 16 << 20;
-/// Pixels of a picture without overviews that are read to make one.
+/// Most pixels of a picture without overviews from which an overview is made.
 const MOST_WITHOUT_OVERVIEWS: u64 = 1 << 30;
-/// Pixels along the longer side of the coarsest level, so that all of it can be looked at.
+/// Most pixels along the longer side of the coarsest level, so that the whole level can be shown.
 const COARSE_SIDE: u32 = 2048;
-/// Overviews that a file may have.
+/// Most directories of a file that are searched for overviews.
 const MOST_LEVELS: usize = 32;
-/// Bytes of colours that are kept of the blocks that were read last.
+/// Most bytes of colours in the cache of blocks.
 const BUDGET: usize = 96 << 20;
 
 /// A decoder of the file.
@@ -48,7 +49,7 @@ pub enum BaseMapError {
     /// The file cannot be read or shown.
     #[error(transparent)]
     Unusable(#[from] FileError<BaseMapFault>),
-    /// The user stopped it.
+    /// The user cancelled the opening.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }
@@ -56,41 +57,41 @@ pub enum BaseMapError {
 /// Fault of a base map, as a sentence without the path.
 #[derive(Debug, thiserror::Error)]
 pub enum BaseMapFault {
-    /// The system does not give it.
+    /// The operating system cannot read the file.
     #[error("the base map cannot be read: {0}")]
     Io(#[from] io::Error),
-    /// It is no TIFF, or one of a kind that is not known.
+    /// The file is no TIFF, or a TIFF of a kind that is not supported.
     #[error("the base map cannot be read: {0}")]
     Tiff(#[from] TiffError),
-    /// It contradicts itself, or has no pixels.
+    /// The file contradicts itself, or has no pixels.
     #[error("the base map cannot be read: {0}")]
     Damaged(&'static str),
-    /// Its pixels have colours of another kind.
+    /// The pixels have colours of a type that is not supported.
     #[error(
         "the base map is no picture of 8 bits a colour (RGB, grey or paletted); make one with gdal_translate"
     )]
     Colours(ColorType),
-    /// It holds all reds before all greens.
+    /// The file stores all reds before all greens.
     #[error("the base map keeps its colours apart; write it with INTERLEAVE=PIXEL")]
     ColoursApart,
-    /// It has no system or no transform.
+    /// The file has no coordinate system or no transform.
     #[error("the picture does not say where on Earth it lies; {0}")]
     Nowhere(&'static str),
-    /// It names a system that is not known.
+    /// The file names a coordinate system that is not supported.
     #[error(
         "the base map is in EPSG:{0}, which is not known here; turn it into WGS84, web Mercator or a UTM zone with gdalwarp"
     )]
     UnknownSystem(u16),
-    /// Its rows do not run from west to east, north first.
+    /// The rows do not run from west to east, or the first row is not the north.
     #[error("the base map is not north up; turn it with gdalwarp")]
     Turned,
-    /// Its blocks, of so many bytes, are too large.
+    /// The blocks are too large; the field is the bytes of one block.
     #[error(
         "the base map holds blocks of {} MB, more than is read at once; write it with TILED=YES",
         .0 >> 20
     )]
     LargeBlocks(u64),
-    /// It is too large to make an overview of.
+    /// The picture has no overviews and is too large to make one.
     #[error(
         "the base map has {columns} by {rows} pixels and no overviews of them; add some with gdaladdo"
     )]
@@ -104,11 +105,11 @@ pub enum BaseMapFault {
 
 /// A base map.
 pub struct BaseMap {
-    /// The file.
+    /// Path of the file.
     pub path: PathBuf,
-    /// Place of its pixels.
+    /// Position of the pixels on Earth.
     pub place: Georeference,
-    /// Columns and rows.
+    /// Columns and rows of the full picture.
     pub size: [u32; 2],
     levels: Vec<PictureLevel>,
     coding: Coding,
@@ -121,7 +122,7 @@ struct PictureLevel {
     /// Columns and rows of a block.
     block: [u32; 2],
     kept: Kept,
-    /// The directory of its mask.
+    /// Number of the directory with the mask of this level; `None` without a mask.
     mask: Option<usize>,
 }
 
@@ -135,17 +136,17 @@ enum Kept {
 
 struct Reader {
     tiff: Tiff,
-    /// The directory that the decoder is at, once it is known.
+    /// Number of the current directory of the decoder; `None` while it is unknown.
     directory: Option<usize>,
-    /// The blocks of that directory where they are JPEG streams.
+    /// Blocks of the current directory where they are JPEG streams.
     jpegs: Option<JpegBlocks>,
     blocks: BlockCache,
 }
 
-/// A directory of the file, and a block of it.
+/// Number of a directory of the file, and number of a block in it.
 type BlockKey = (usize, u32);
 
-/// Blocks of the map that were read last, the one that was used last at the end.
+/// Blocks of the map that were used last; the most recently used is at the end.
 #[derive(Default)]
 struct BlockCache {
     kept: Vec<(BlockKey, Arc<Vec<RgbaPixel>>)>,
@@ -153,7 +154,7 @@ struct BlockCache {
 }
 
 impl BlockCache {
-    /// A block that is still there.
+    /// Returns a block of the cache and marks it as the most recently used.
     fn get(&mut self, key: BlockKey) -> Option<Arc<Vec<RgbaPixel>>> {
         let index = self.kept.iter().rposition(|(other, _)| *other == key)?;
         let found = self.kept.remove(index);
@@ -162,7 +163,7 @@ impl BlockCache {
         Some(block)
     }
 
-    /// Keeps a block in place of those that were not used for longest.
+    /// Adds a block; drops blocks that were not used for the longest time where the cache is full.
     fn keep(&mut self, key: BlockKey, block: Vec<RgbaPixel>) -> Arc<Vec<RgbaPixel>> {
         let block = Arc::new(block);
         self.bytes += size_of_val(&block[..]);
@@ -177,20 +178,20 @@ impl BlockCache {
     }
 }
 
-/// Part of a level.
+/// A rectangular part of a level, with its pixels.
 pub struct Window {
-    /// Pixels of the full picture along a pixel of the window.
+    /// Pixels of the full picture along the width and the height of a pixel of this window.
     pub scale: [f64; 2],
-    /// First column and row of the level.
+    /// First column and row, in pixels of the level.
     pub first: [u32; 2],
-    /// Columns and rows.
+    /// Columns and rows of the window.
     pub size: [u32; 2],
-    /// Row by row.
+    /// Colours row by row.
     pub pixels: Vec<RgbaPixel>,
 }
 
 impl Window {
-    /// The colour at a column and row of the full picture; transparent outside.
+    /// Returns the colour at a column and row of the full picture; transparent outside the window.
     pub fn at(&self, full: [f64; 2]) -> RgbaPixel {
         let cell = |axis: usize| {
             let here = (full[axis] / self.scale[axis]).floor() - f64::from(self.first[axis]);
@@ -201,11 +202,12 @@ impl Window {
     }
 }
 
-/// Opens a GeoTIFF: 8 bits a colour, north up, in degrees or metres of a system that
-/// [`crate::support::geo::Crs`] knows. Reads all of it once where it has no overviews and is large.
+/// Opens a GeoTIFF with 8 bits a colour, north up, in degrees or metres of a system that
+/// [`crate::support::geo::Crs`] supports. Reads the whole file once if it is large and has no
+/// overviews.
 ///
 /// # Errors
-/// When the file cannot be read or shown, or the work was cancelled.
+/// When the file cannot be read or shown, or the user cancelled the opening.
 pub fn open(path: &Path, progress: &Progress) -> Result<BaseMap, BaseMapError> {
     let damaged = || Err(BaseMapFault::Damaged("it is damaged").into());
     let opened = catch_panic(|| open_file(path, progress)).unwrap_or_else(damaged);
@@ -215,7 +217,7 @@ pub fn open(path: &Path, progress: &Progress) -> Result<BaseMap, BaseMapError> {
     })
 }
 
-/// Fault before the name of the file is added to it.
+/// Fault of a base map before the name of the file is added.
 enum Fault {
     Unusable(BaseMapFault),
     Cancelled(Cancelled),
@@ -237,7 +239,7 @@ fn open_file(path: &Path, progress: &Progress) -> Result<BaseMap, Fault> {
     let file = regular_file::open(path)?;
     let mut limits = Limits::default();
     limits.decoding_buffer_size = MOST_BLOCK_BYTES as usize;
-    // Places and lengths of a million blocks.
+    // Room for the offsets and lengths of a million blocks.
     limits.ifd_value_size = 16 << 20;
     let mut tiff = Decoder::new(AsGrey::new(file)?)?.with_limits(limits);
     let place = Georeference::read(&mut tiff)?;
@@ -261,7 +263,7 @@ fn open_file(path: &Path, progress: &Progress) -> Result<BaseMap, Fault> {
     Ok(map)
 }
 
-/// The full picture and its overviews, finest first.
+/// Returns the full picture and its overviews, finest first.
 fn levels(tiff: &mut Tiff, coding: &Coding) -> Result<Vec<PictureLevel>, BaseMapFault> {
     let mut found: Vec<PictureLevel> = Vec::new();
     for directory in 0..MOST_LEVELS {
@@ -307,7 +309,7 @@ fn level(tiff: &mut Tiff, coding: &Coding, directory: usize) -> Result<PictureLe
 }
 
 impl BaseMap {
-    /// Width of a pixel on the ground at its middle, metres.
+    /// Returns the width on the ground of the pixel in the middle of the map, metres.
     pub fn pixel_m(&self) -> f64 {
         let middle = self.size.map(|cells| 0.5 * f64::from(cells));
         let from = self.place.to_position(middle);
@@ -315,15 +317,16 @@ impl BaseMap {
         crate::support::geo::distance_m(from, to)
     }
 
-    /// Returns true if a position lies on the picture.
+    /// Returns true if a position is on the picture.
     pub fn covers(&self, at: LonLat) -> bool {
         let pixel = self.place.to_pixels(at);
         (0..2).all(|axis| (0.0..=f64::from(self.size[axis])).contains(&pixel[axis]))
     }
 
-    /// The part of the picture between two corners, columns and rows of the full picture, from the
-    /// level whose pixels are as large as `pixels` of the full one or a little smaller. `None`
-    /// where the picture is not there, or cannot be read.
+    /// Returns the part of the picture between two corners, given as columns and rows of the full
+    /// picture, from the level whose pixels are as large as `pixels` of the full picture or a
+    /// little smaller. `None` where the part is outside the picture, cannot be read, or the work
+    /// was cancelled.
     pub fn window(
         &self,
         low: [f64; 2],
@@ -338,7 +341,7 @@ impl BaseMap {
             let scale = scale(level);
             [0, 1].map(|axis| {
                 let cells = f64::from(level.size[axis]);
-                // One more on either side, for what is between pixels.
+                // One pixel more on each side, for interpolation between pixels.
                 let first = (low[axis] / scale[axis] - 1.0).floor().clamp(0.0, cells);
                 let end = (high[axis] / scale[axis] + 1.0).ceil().clamp(0.0, cells);
                 [first as u32, end as u32]
@@ -375,8 +378,8 @@ impl BaseMap {
         Some(window)
     }
 
-    /// Copies the blocks of a level that touch the window into it; `None` when cancelled or where
-    /// one cannot be read.
+    /// Copies the blocks of a level that overlap the window into the window; `None` if the work was
+    /// cancelled or a block cannot be read.
     fn fill(&self, index: usize, window: &mut Window, progress: &Progress) -> Option<()> {
         let level = &self.levels[index];
         if let Kept::Memory(pixels) = &level.kept {
@@ -397,7 +400,8 @@ impl BaseMap {
         Some(())
     }
 
-    /// The colours of a block.
+    /// Returns the colours of a block from the cache or the file; `None` where the block cannot be
+    /// read.
     fn block(&self, index: usize, [column, row]: [u32; 2]) -> Option<Arc<Vec<RgbaPixel>>> {
         let level = &self.levels[index];
         let Kept::Directory(directory) = level.kept else {
@@ -405,7 +409,7 @@ impl BaseMap {
         };
         let across = level.size[0].div_ceil(level.block[0]);
         let number = row.checked_mul(across)?.checked_add(column)?;
-        // A reader that failed half way is as good as before: every read seeks first.
+        // A reader that failed during a read can be used again: every read seeks first.
         let mut reader = self.reader.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         if let Some(block) = reader.blocks.get((directory, number)) {
             return Some(block);
@@ -420,8 +424,8 @@ impl BaseMap {
         Some(reader.blocks.keep((directory, number), colours))
     }
 
-    /// Adds a level that is small enough to be viewed as a whole, in one pass, if the coarsest
-    /// level is too large for that.
+    /// Adds a level that is small enough to be shown as a whole, in one pass over the file, if the
+    /// coarsest level is too large.
     fn add_coarse_level(&mut self, progress: &Progress) -> Result<(), Fault> {
         let index = self.levels.len() - 1;
         let level = &self.levels[index];
@@ -455,7 +459,7 @@ impl BaseMap {
             }
             progress.advance(1);
         }
-        // The last cells of a row and of a column may hold fewer pixels.
+        // The last cell of a row and of a column may cover fewer pixels.
         let wide = |cell: u32, all: u32| u64::from(factor.min(all - cell * factor));
         let means = sums.into_iter().enumerate().map(|(at, sum)| {
             let (x, y) = (at as u32 % size[0], at as u32 / size[0]);
@@ -472,7 +476,7 @@ impl BaseMap {
     }
 }
 
-/// Colours count as much as they are opaque.
+/// Returns the colour multiplied by its opacity, and the opacity.
 fn weighted([r, g, b, a]: RgbaPixel) -> [u32; 4] {
     let share = |value: u8| u32::from(value) * u32::from(a) / 255;
     [share(r), share(g), share(b), u32::from(a)]
@@ -487,7 +491,7 @@ fn mean([r, g, b, a]: [u32; 4], cells: u64) -> RgbaPixel {
     }
 }
 
-/// Copies what a block and a window have in common.
+/// Copies the pixels that a block and a window have in common.
 fn copy(first: [u32; 2], size: [u32; 2], pixels: &[RgbaPixel], window: &mut Window) {
     let low = [0, 1].map(|axis| first[axis].max(window.first[axis]));
     let high =

@@ -1,4 +1,4 @@
-//! Decodes packets to sides and fixes in SI units.
+//! Decodes packets of a Cerulean svlog to sides and fixes in SI units.
 
 use super::navigation::{Navigation, Told};
 use super::packet::{Packet, Profile};
@@ -12,45 +12,48 @@ use crate::support::statistics::upper_median;
 use crate::survey::{ChannelKind, Encoding, RangeSource, SampleOrder, Side, SideSpan};
 use std::collections::BTreeMap;
 
-/// Id of the description of a session.
+/// Id of the packet that describes a session.
 const SESSION: u16 = 10;
 
-/// Profiles that lie together in a file are no further apart in time, seconds: packets of one side
-/// wait for 3 s at most in real logs.
+/// Longest time between profiles that are next to each other in a file, seconds: in real logs,
+/// packets of one side wait for 3 s at most.
 const MOST_APART_S: f64 = 10.0;
-/// Bytes of a file for each position at least; a hostile one is nothing but sentences.
+/// Bytes of a file for each position that is kept: a hostile file may consist of NMEA sentences
+/// only.
 const BYTES_A_POSITION: usize = 128;
 
-/// A profile with its offset, and the positions that were told since the one before.
+/// A profile, its offset in the file, and the positions that were read after the profile before it.
 type Record = (Profile, usize, Vec<Told>);
 
-/// Decodes packets.
+/// Decodes packets and collects sides and fixes.
 pub(super) struct Reader<'a> {
     bytes: &'a [u8],
-    /// One for each side: packets of one come in a row before those of the other.
+    /// One clock for each side: packets of one side may come in a row before those of the other.
     clocks: [Clock<Record>; 2],
     /// Milliseconds of the sonar's clock at the log's time zero.
     zero_ms: Option<f64>,
     scale: Option<Scale>,
     navigation: Navigation,
-    /// Positions that no profile has followed yet.
+    /// Positions after the last profile.
     waiting: Vec<Told>,
     positions_left: usize,
-    /// Unix seconds when recording began, until the first profile has come.
+    /// Unix seconds when recording began; `None` again after the first profile was timed with it.
     began_unix_s: Option<f64>,
-    /// Clock of the last profile of each side, and by how much port was ahead of starboard then,
-    /// seconds.
+    /// Time of the last profile of each side, and the times by which port was ahead of starboard,
+    /// both in seconds.
     last_s: [Option<f64>; 2],
     port_ahead_s: Vec<f64>,
     start_unix_s: Option<f64>,
     halves: [Vec<(HalfPing, [f32; 2])>; 2],
+    /// Number of packets that are no profiles, by id.
     others: BTreeMap<u16, usize>,
-    /// Pings whose channel number stands for the other side.
+    /// Number of pings whose channel number contradicts the heading of the transducer.
     contradicted: usize,
 }
 
 impl<'a> Reader<'a> {
-    /// A reader of this file; of its tail it knows what was found out of the log.
+    /// Creates a reader of this file; for the tail of a log, with the time zero and the scale of
+    /// the log before.
     pub(super) fn new(bytes: &'a [u8], reading: &Reading<'_>) -> Self {
         let known = reading.known().filter(|_| reading.from(0).is_some());
         let pings = known.map_or(&[][..], |known| &known.side_scan);
@@ -76,12 +79,12 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Returns true if the log's time zero is known, so that its tail can be read alone.
+    /// Returns true if the log's time zero is known, so that its tail can be read without the rest.
     pub(super) fn knows_zero(&self) -> bool {
         self.zero_ms.is_some()
     }
 
-    /// Takes the packet at an offset.
+    /// Decodes the packet at an offset.
     pub(super) fn take(&mut self, log: &mut Collected, at: usize) {
         let Some(packet) = Packet::at(self.bytes, at) else {
             return;
@@ -116,7 +119,8 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Takes the profiles that still wait for a verdict and puts all on one scale.
+    /// Processes the profiles that still wait for a verdict of the clock, puts all samples on one
+    /// scale and adds the results to the log.
     pub(super) fn finish(&mut self, log: &mut Collected) {
         let mut set_back_s = 0.0_f64;
         for side in Side::BOTH {
@@ -163,7 +167,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The packets that are no profiles, by id.
+    /// Describes the packets that are no profiles, with their number by id.
     pub(super) fn summary(&self) -> String {
         let mut counts: Vec<(u16, usize)> = self.others.iter().map(|(&a, &b)| (a, b)).collect();
         counts.sort_by_key(|&(_, count)| std::cmp::Reverse(count));
@@ -238,7 +242,8 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// Unix seconds when a session was described; `None` where the description does not say.
+/// Returns the Unix seconds of the timestamp in a session's description; `None` without a valid
+/// timestamp.
 fn began_unix_s(payload: &[u8]) -> Option<f64> {
     let end = payload.iter().rposition(|byte| *byte != 0)?;
     let session: serde_json::Value = serde_json::from_slice(&payload[..=end]).ok()?;

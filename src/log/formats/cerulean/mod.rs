@@ -1,33 +1,34 @@
-//! Cerulean svlog: what SonarView records of side-scan sonars Omniscan 450, as boats of Blue
-//! Robotics carry them.
+//! Reads Cerulean svlog files, which SonarView records from Omniscan 450 side-scan sonars, as on
+//! boats of Blue Robotics.
 //!
 //! In: the bytes of a recording. Out: a collected log.
 //!
-//! A file is a row of packets of the Ping protocol, all numbers little-endian: `BR`, u16 bytes of
-//! the payload, u16 packet id, u8 device that sent it, u8 device that it is for, the payload, u16
-//! sum of all bytes before. Id 2198 is a ping of one transducer, a profile; `packet` reads both. It
-//! has 52 bytes, then u16 samples from near to far, scaled between the least and the most decibels
-//! of that ping. Id 10 is a description of the session in JSON with the time when recording began,
-//! 109 a NMEA sentence, 150 a MAVLink message in JSON, of which `GLOBAL_POSITION_INT` has a
-//! position. The depth is in none of them.
+//! A file is a sequence of packets of the Ping protocol, all numbers little-endian: `BR`, u16 bytes
+//! of the payload, u16 packet id, u8 source device, u8 destination device, the payload, u16 sum of
+//! all bytes before. Packet 2198 is a profile, the ping of one transducer; `packet` reads packets
+//! and profiles. A profile has 52 bytes, then u16 samples from near to far, scaled between the
+//! lowest and the highest decibels of that ping. Packet 10 is a description of the session in JSON
+//! with the time when recording began, 109 a NMEA sentence, 150 a MAVLink message in JSON, of which
+//! `GLOBAL_POSITION_INT` has a position. No packet has the depth.
 //!
-//! The sign of the transducer's heading tells the side: negative is port. Where it is 0, the
-//! channel number of a profile tells, 0 for port and 1 for starboard; boats with one transducer, or
-//! with two on computers of their own, give all the number 0, so that a heading that contradicts it
-//! is believed, and a warning says so. The milliseconds of both transducers are taken as counted
-//! from the same moment, as BlueBoat-SideScanSonar takes them; a warning says where they cannot be.
-//! Packets of one may come in a row before those of the other, so that each channel is in the order
-//! of time and the file is not. NMEA and MAVLink have clocks of their own; they are put beside the
-//! profiles that they lie between (`navigation`). The time when recording began is that of the
-//! first profile after it, to about a second.
+//! The sign of the transducer's heading gives the side: negative is port. Where the heading is 0,
+//! the channel number of a profile gives the side, 0 for port and 1 for starboard. Boats with one
+//! transducer, or with two transducers on separate computers, use the number 0 for all channels; a
+//! heading that contradicts the number is therefore preferred, with a warning. The milliseconds of
+//! both transducers are assumed to start at the same moment, as in BlueBoat-SideScanSonar; a
+//! warning states where this cannot be true. Packets of one transducer may come in a row before
+//! those of the other, so that each channel is in time order but the file is not. NMEA and MAVLink
+//! have clocks of their own; `navigation` gives their positions the times of the profiles around
+//! them. The time when recording began is assigned to the first profile after the session packet,
+//! to about a second.
 //!
 //! Sources: the Ping protocol's definitions (`omniscan450.json`, `common.json` of
 //! bluerobotics/ping-protocol), Cerulean's description of its packets and of the Omniscan 450's
-//! interface, and the readers PINGVerter 2.1.7, GeoHammer and BlueBoat-SideScanSonar; that of the
-//! order of packets, the sides and the clocks is what the last measured on 18 real logs. Not done
-//! as PINGVerter does: the range ends at start plus length, as the protocol says, and the clock of
-//! the sonar need not be that of the computer. No real file was at hand: the reader is checked with
-//! generated files, which PINGVerter reads alike.
+//! interface, and the readers PINGVerter 2.1.7, GeoHammer and BlueBoat-SideScanSonar; the order of
+//! packets, the sides and the clocks are as BlueBoat-SideScanSonar measured them on 18 real logs.
+//! Differences from PINGVerter: the range ends at start plus length, as the protocol states, and
+//! the clock of the sonar may differ from the clock of the computer. No real file was at hand: the
+//! reader is checked with generated files, from which PINGVerter reads the same.
 
 mod decode;
 mod navigation;
@@ -44,12 +45,12 @@ use crate::survey::Survey;
 use packet::{FORMAT, Packet};
 
 const NAME: &str = "Cerulean svlog";
-/// Bytes searched for packets where the beginning is damaged.
+/// Bytes searched for packets where the beginning of a file is damaged.
 const SEARCHED_FOR_PACKETS: usize = 1 << 20;
-/// Most markers that are tried as a packet before a file counts as another format.
+/// Most markers that are tried as the start of a packet before a file counts as another format.
 const MOST_TRIES: usize = 16;
 
-/// The reader of the format.
+/// Reader of the format.
 pub(super) struct Cerulean;
 
 impl LogFormat for Cerulean {
@@ -60,8 +61,8 @@ impl LogFormat for Cerulean {
     }
 }
 
-/// Recognises a file by a packet whose sum is right and which another follows; returns where it
-/// begins.
+/// Recognises a file by a packet whose checksum is right and that another packet follows; returns
+/// the offset of the packet.
 fn sniff(bytes: &[u8]) -> Option<usize> {
     let mut from = 0;
     for _ in 0..MOST_TRIES {
@@ -77,7 +78,7 @@ fn sniff(bytes: &[u8]) -> Option<usize> {
 /// Reads a file that [`sniff`] recognised.
 ///
 /// # Errors
-/// When there is no profile in it, or it was cancelled.
+/// When the file contains no profile, or the user cancelled the reading.
 fn read(opened: Opened, reading: &Reading<'_>, progress: &Progress) -> Result<Survey, OpenError> {
     let path = opened.path.clone();
     let bytes = opened.bytes.clone();

@@ -1,4 +1,5 @@
-//! Positions of NMEA and MAVLink packets, put beside the profiles that they lie between.
+//! Reads positions of NMEA and MAVLink packets and gives them the times of the profiles around
+//! them.
 
 use crate::formats::nmea;
 use crate::support::geo::LonLat;
@@ -6,21 +7,20 @@ use crate::support::statistics::upper_median;
 use crate::survey::Fix;
 use serde::Deserialize;
 
-/// Ids of the packets.
+/// Packet ids of NMEA sentences and MAVLink messages.
 const NMEA: u16 = 109;
 const MAVLINK: u16 = 150;
-/// A clock that says otherwise than the order of the packets by more than this is not followed,
-/// seconds.
+/// Largest difference between a position's own clock and the profile after it, seconds; where it is
+/// larger, the time of the profile is used.
 const MOST_APART_S: f64 = 5.0;
-/// The message that has a position, and what it says of a heading that is not known.
+/// MAVLink message with a position, and its value for an unknown heading.
 const POSITION_MESSAGE: &str = "GLOBAL_POSITION_INT";
 const NO_HEADING: u16 = u16::MAX;
 
-/// A position on its way to a fix.
+/// A position whose time on the sonar's clock is not known yet.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Told {
-    /// Seconds of the clock of its own, and which clock that is: that of the receiver or that of
-    /// the autopilot.
+    /// Time on the position's own clock, seconds, and which clock that is; `None` without a time.
     own_s: Option<(Clock, f64)>,
     fix: Fix,
 }
@@ -43,23 +43,24 @@ struct GlobalPosition {
     #[serde(rename = "type")]
     name: String,
     time_boot_ms: Option<f64>,
-    /// Ten millionths of degrees.
+    /// Latitude and longitude, ten millionths of degrees.
     lat: f64,
     lon: f64,
-    /// Centimetres a second to the north and to the east.
+    /// Speed to the north and to the east, centimetres a second.
     vx: Option<f32>,
     vy: Option<f32>,
-    /// Hundredths of degrees.
+    /// Heading, hundredths of degrees.
     hdg: Option<u16>,
 }
 
-/// Reads positions, and keeps what sentences without one say of course, speed and heading.
+/// Collects positions, with the last course, speed and heading of sentences without a position.
 #[derive(Debug)]
 pub(super) struct Navigation {
     cog_rad: f32,
     speed_mps: f32,
     heading_rad: f32,
-    /// Positions with the time of the profile that follows, seconds after the log's time zero.
+    /// Positions, each with the time of the profile that follows, seconds after the log's time
+    /// zero.
     placed: Vec<(f64, Told)>,
 }
 
@@ -70,7 +71,7 @@ impl Default for Navigation {
 }
 
 impl Navigation {
-    /// Takes a packet; the position that it tells, if it does.
+    /// Reads a packet; returns its position, or `None` if it has none.
     pub(super) fn take(&mut self, id: u16, payload: &[u8]) -> Option<Told> {
         match id {
             NMEA => self.take_sentence(nmea::sentence(payload)?),
@@ -100,8 +101,8 @@ impl Navigation {
         })
     }
 
-    /// Puts a position beside the profile that follows it, of this time, seconds, and with this
-    /// heading of the vehicle, degrees; 0 is none.
+    /// Stores a position with the time of the profile that follows, seconds; the vehicle's heading
+    /// in that profile, degrees (0 is unknown), is used where the position has none.
     pub(super) fn place(&mut self, mut told: Told, time_s: f64, vehicle_deg: f32) {
         if told.fix.compass_rad.is_nan() && vehicle_deg != 0.0 && vehicle_deg.abs() <= 360.0 {
             told.fix.compass_rad = vehicle_deg.to_radians();
@@ -109,8 +110,9 @@ impl Navigation {
         self.placed.push((time_s, told));
     }
 
-    /// The fixes. Packets wait for each other by tenths of seconds, so that the clocks of their own
-    /// tell the times better: they differ from the sonar's by a constant, the median.
+    /// Returns the fixes. Packets are delayed by tenths of seconds, so that the clocks of receiver
+    /// and autopilot give better times: their constant difference from the sonar's clock is
+    /// estimated by the median.
     pub(super) fn fixes(self) -> Vec<Fix> {
         let later_s = |clock: Clock| {
             let own = self.placed.iter().filter_map(|(time_s, told)| {
@@ -136,12 +138,12 @@ impl Navigation {
 }
 
 fn take_message(payload: &[u8]) -> Option<Told> {
-    // Most messages are others, and are not parsed.
+    // Most messages are of other types and are not parsed.
     let name = POSITION_MESSAGE.as_bytes();
     payload.windows(name.len()).find(|part| *part == name)?;
     let Wrapped { message } = serde_json::from_slice(payload).ok()?;
     let [lat_deg, lon_deg] = [message.lat, message.lon].map(|value| value / 1e7);
-    // 0, 0 is what an autopilot says before it has a fix.
+    // An autopilot sends 0, 0 before it has a fix.
     let is_fix = message.name == POSITION_MESSAGE && lat_deg != 0.0 && lon_deg != 0.0;
     let [north, east] =
         [message.vx, message.vy].map(|speed| speed.map_or(f32::NAN, |cm| cm / 100.0));

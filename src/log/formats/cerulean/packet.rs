@@ -1,5 +1,5 @@
-//! Packets of the Ping protocol, and the ping of one transducer that packet 2198
-//! (`os_mono_profile`) holds.
+//! Reads packets of the Ping protocol and the profile, the ping of one transducer, in packet 2198
+//! (`os_mono_profile`).
 
 use crate::formats::messages::MessageFormat;
 use crate::formats::scalar::{Fields, u16_le};
@@ -7,18 +7,18 @@ use crate::survey::{Side, SideSpan};
 
 /// Bytes before the payload.
 const HEADER: usize = 8;
-/// Bytes of the sum after the payload.
+/// Bytes of the checksum after the payload.
 const SUM: usize = 2;
-/// The two bytes that each packet begins with.
+/// First two bytes of each packet.
 const MARKER: [u8; 2] = *b"BR";
-/// Id of its packet.
+/// Packet id of a profile.
 const PROFILE: u16 = 2198;
-/// Bytes before the samples.
+/// Bytes of a profile before the samples.
 const PROFILE_HEADER: usize = 52;
-/// Powers beyond this are damage, decibels.
+/// Largest amount of a plausible power, decibels; larger ones are damage.
 const MOST_DB: f32 = 400.0;
 
-/// Marker and length of packets, by which a walk finds each after the one before.
+/// Marker and length of packets, with which a walk finds the next packet.
 pub(super) const FORMAT: MessageFormat = MessageFormat {
     noun: "message",
     marker: MARKER,
@@ -29,10 +29,10 @@ pub(super) const FORMAT: MessageFormat = MessageFormat {
     },
 };
 
-/// A packet that is whole.
+/// A complete packet.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Packet<'a> {
-    /// Number of its type.
+    /// Id of the packet's type.
     pub(super) id: u16,
     /// Number of the device that sent it.
     device: u8,
@@ -45,7 +45,8 @@ pub(super) struct Packet<'a> {
 }
 
 impl<'a> Packet<'a> {
-    /// The packet that begins at an offset; `None` where none does, or where it is cut.
+    /// Returns the packet at an offset; `None` where no packet begins there, or where it is
+    /// truncated.
     pub(super) fn at(bytes: &'a [u8], at: usize) -> Option<Self> {
         let length = (FORMAT.length)(bytes, at)?;
         let packet = bytes.get(at..at.checked_add(length)?)?;
@@ -61,7 +62,7 @@ impl<'a> Packet<'a> {
         })
     }
 
-    /// Returns true if the sum of its bytes is what it says. Some programs leave it 0.
+    /// Returns true if the checksum is right, or 0: some programs do not set it.
     pub(super) fn is_sound(&self) -> bool {
         let bytes = self.header.iter().chain(self.payload);
         let sum = bytes.fold(0_u16, |sum, byte| sum.wrapping_add(u16::from(*byte)));
@@ -72,34 +73,34 @@ impl<'a> Packet<'a> {
 /// Content of a profile.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Profile {
-    /// Device that sent it.
+    /// Device that sent the profile.
     pub(super) device: u8,
-    /// Channel number.
+    /// Number of the channel.
     pub(super) channel: u8,
-    /// Direction of its transducer, degrees; negative is port.
+    /// Heading of the transducer, degrees; negative is port.
     pub(super) transducer_deg: f32,
-    /// Heading of the vehicle, degrees; 0 where it is not known.
+    /// Heading of the vehicle, degrees; 0 where unknown.
     pub(super) vehicle_deg: f32,
     /// Milliseconds since the sonar was switched on.
     pub(super) time_ms: u32,
     /// Slant range of the near edge of the first sample and of the far edge of the last, metres.
     pub(super) range_m: [f32; 2],
-    /// Frequency, kHz.
+    /// Frequency, kHz; `None` where it is not plausible.
     pub(super) frequency_khz: Option<f32>,
-    /// Decibels of the sample 0 and of the sample 65535.
+    /// Decibels of the sample value 0 and of the sample value 65535.
     pub(super) power_db: [f32; 2],
-    /// Samples.
+    /// Number of samples.
     pub(super) samples: u16,
     /// Offset of the first sample in the file.
     pub(super) samples_at: usize,
-    /// True if the samples lie in the packet.
+    /// True if the packet contains all samples.
     pub(super) has_samples: bool,
     /// Offset of the end of the packet's payload.
     pub(super) end: usize,
 }
 
 impl Profile {
-    /// The profile that a packet holds; `None` where it holds none.
+    /// Returns the profile in a packet; `None` if the packet is no profile.
     pub(super) fn of(packet: &Packet<'_>) -> Option<Self> {
         let (fields, samples) = packet.payload.split_at_checked(PROFILE_HEADER)?;
         if packet.id != PROFILE {
@@ -126,15 +127,16 @@ impl Profile {
         })
     }
 
-    /// The profile that a span was made of; `None` where there is none before it.
+    /// Returns the profile that a span was made from; `None` where no profile is before the
+    /// samples.
     pub(super) fn of_span(bytes: &[u8], span: &SideSpan) -> Option<Self> {
         let samples_at = usize::try_from(span.offset).ok()?;
         let start = samples_at.checked_sub(HEADER + PROFILE_HEADER)?;
         Self::of(&Packet::at(bytes, start)?)
     }
 
-    /// The side that its transducer looks to by its heading; that of its channel where there is no
-    /// heading.
+    /// Returns the side of the transducer by its heading; where the heading is 0, by the channel
+    /// number, or port if that is unknown too.
     pub(super) fn side(&self) -> Side {
         match (self.transducer_deg, self.channel_side()) {
             (deg, _) if deg > 0.0 => Side::Starboard,
@@ -143,7 +145,7 @@ impl Profile {
         }
     }
 
-    /// The side that its channel number stands for; `None` for another number.
+    /// Returns the side of the channel number; `None` for numbers other than 0 and 1.
     pub(super) fn channel_side(&self) -> Option<Side> {
         match self.channel {
             0 => Some(Side::Port),
@@ -152,7 +154,7 @@ impl Profile {
         }
     }
 
-    /// Returns true if its decibels can be.
+    /// Returns true if the decibels are plausible.
     pub(super) fn has_power(&self) -> bool {
         let [least, most] = self.power_db;
         least >= -MOST_DB && most <= MOST_DB && least <= most

@@ -1,19 +1,19 @@
-//! One scale of decibels for all pings of a file.
+//! Puts the samples of all pings of a file on one scale of decibels.
 
 use super::packet::Profile;
 use crate::survey::{Encoding, LEVEL_BITS, SampleOrder, Samples, SidePing, SideSpan};
 
-/// Pings looked at to find the scale.
+/// About how many pings are used to find the scale.
 const PINGS_LOOKED_AT: usize = 200;
 /// Share of the samples that may be clipped at either end.
 const CLIPPED_SHARE: f64 = 0.001;
-/// Decibels that are counted, from this on.
+/// Lowest decibels that are counted; the highest are its opposite.
 const LEAST_DB: i32 = -400;
-/// A level in the units of [`Encoding::ScaledU16`].
+/// One level in the units of [`Encoding::ScaledU16`].
 const LEVEL: f64 = (1_u32 << LEVEL_BITS) as f64;
 
-/// Decibels of level 0 and of level 255: whole ones, so that they are found again in the spans of a
-/// log.
+/// Decibels of level 0 and of level 255. Both are whole numbers, so that they can be recovered from
+/// the spans of a log.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Scale {
     low_db: i32,
@@ -21,8 +21,8 @@ pub(super) struct Scale {
 }
 
 impl Scale {
-    /// A scale on which nearly all samples of these spans lie, given with the decibels of their
-    /// samples 0 and 65535.
+    /// Returns a scale that contains nearly all samples of these spans; each span comes with the
+    /// decibels of its sample values 0 and 65535.
     pub(super) fn fitting(bytes: &[u8], spans: &[(SideSpan, [f32; 2])]) -> Self {
         let mut histogram = [0_u64; 2 * LEAST_DB.unsigned_abs() as usize + 1];
         for (span, power_db) in spans.iter().step_by(spans.len() / PINGS_LOOKED_AT + 1) {
@@ -40,7 +40,7 @@ impl Scale {
         Self { low_db, high_db: (LEAST_DB + (histogram.len() - above) as i32).max(low_db + 1) }
     }
 
-    /// The scale that the pings of a log are on; `None` where they do not tell.
+    /// Returns the scale of the pings of a log; `None` where no ping gives a plausible one.
     pub(super) fn of_log(bytes: &[u8], pings: &[SidePing]) -> Option<Self> {
         let sides = pings.iter().rev().take(PINGS_LOOKED_AT);
         let mut spans = sides.flat_map(|ping| [ping.port, ping.starboard]).flatten();
@@ -58,12 +58,12 @@ impl Scale {
         })
     }
 
-    /// Returns the encoding on this scale of samples that lie between two levels in decibels.
+    /// Returns the encoding on this scale of samples whose values 0 and 65535 have these decibels.
     pub(super) fn encoding(self, [least_db, most_db]: [f32; 2]) -> Encoding {
         let levels_per_db = 255.0 / f64::from(self.high_db - self.low_db);
         let zero_level = (f64::from(least_db) - f64::from(self.low_db)) * levels_per_db;
         let levels = f64::from(most_db - least_db) * levels_per_db / 65_535.0;
-        // Beyond what they hold the conversions keep to the ends.
+        // The casts saturate where a value is out of range.
         Encoding::ScaledU16 {
             base: (zero_level * LEVEL).round() as i32,
             step: (levels * LEVEL).round() as u32,
@@ -71,7 +71,8 @@ impl Scale {
     }
 }
 
-/// Bins from one end that hold no more samples than may be clipped.
+/// Returns the number of bins from one end that together contain no more samples than may be
+/// clipped.
 fn bins_beyond<'a>(counts: impl Iterator<Item = &'a u64> + Clone) -> usize {
     let clipped = CLIPPED_SHARE * counts.clone().sum::<u64>() as f64;
     let mut beyond = 0;
@@ -86,7 +87,7 @@ fn decibels(value: u16, [least_db, most_db]: [f32; 2]) -> f32 {
     least_db + f32::from(value) / 65_535.0 * (most_db - least_db)
 }
 
-/// The stored samples of a span.
+/// Returns the stored samples of a span.
 fn values<'a>(bytes: &'a [u8], span: &SideSpan) -> impl Iterator<Item = u16> + 'a {
     let raw = SideSpan {
         count: span.count.saturating_mul(2),

@@ -1,4 +1,4 @@
-//! Generated svlog files are read to what was written into them, whole, damaged and growing.
+//! Tests that generated svlog files, whole, damaged and growing, are read as they were written.
 
 use crate::formats::{self, OpenError, open_growing, open_tail};
 use crate::support::progress::Progress;
@@ -28,7 +28,7 @@ fn says(survey: &Survey, words: &str) -> bool {
     warnings.any(|warning| warning.text.contains(words))
 }
 
-/// Levels of a scale from -85 to -45 dB: all samples lie in it.
+/// Asserts levels on a scale from -85 to -45 dB, which contains all samples.
 fn assert_levels(survey: &Survey, ping: usize, side: Side) {
     for (sample, level) in outward(survey, ping, side).into_iter().enumerate() {
         let expected = (decibels(ping, side as usize, sample) + 85.0) / 40.0 * 255.0;
@@ -151,7 +151,7 @@ fn a_log_of_another_sonar_is_no_damage() {
     for bytes in [&b"BR"[..], b"BRIEF", b"BR\0\0BR\0\0BR\0\0\0\0\x01\0", &[0; 4000]] {
         assert_eq!(super::sniff(bytes), None, "{bytes:?}");
     }
-    // What stands before the first packet is skipped.
+    // Bytes before the first packet are skipped.
     let bytes = [b"BROKEN".to_vec(), svlog(&SvlogOptions::default())].concat();
     let survey = open(bytes).expect("a log");
     assert!(says(&survey, "the next begins after 6"));
@@ -189,7 +189,7 @@ fn damage_costs_the_packet_that_it_touched() {
     }
 }
 
-/// Makes the sums of the packets right, so that what is in them is read.
+/// Corrects the checksums of the packets, so that their content is read.
 fn mended(mut bytes: Vec<u8>) -> Vec<u8> {
     let mut at = 0;
     while let Some(header) = bytes.get(at..at + 8) {
@@ -238,7 +238,7 @@ fn hostile_bytes_neither_end_the_program_nor_make_up_pings() {
             assert_bounded(mended(bytes.clone()));
             assert_bounded(bytes);
         }
-        // Every number in turn says that it is 2^31, all there can be, or none.
+        // Every number in turn is set to 2^31, to the largest values, or to infinity.
         for at in 0..small.len().saturating_sub(4) {
             for claimed in [1_u32 << 31, i32::MAX as u32, u32::MAX, f32::INFINITY.to_bits()] {
                 let mut bytes = small.clone();
@@ -285,7 +285,7 @@ fn a_growing_log_is_what_the_whole_one_is() {
                 sides.map(|span| span.encoding).collect()
             };
             for first in 0..3 {
-                // What is added is on the scale of what was there, though it is louder.
+                // Added pings are on the scale of the pings before, though they are louder.
                 let scales = scales(&grown, first);
                 assert!(scales.iter().all(|scale| *scale == scales[0]), "{share}");
             }

@@ -1,4 +1,4 @@
-//! Decodes messages to sides, altitudes and fixes in SI units.
+//! Decodes messages of a JSF file to sides, altitudes and fixes in SI units.
 
 use super::pair::{self, Half, Pairs};
 use super::sensors::{SOUNDS_MPS, Sensors};
@@ -17,13 +17,13 @@ use std::ops::Range;
 
 /// Years in which a log can have been recorded.
 const YEARS: std::ops::RangeInclusive<i32> = 1980..=2100;
-/// Speed of sound where the file states none, metres a second.
+/// Speed of sound that is assumed where the file states none, metres a second.
 const SOUND_MPS: f64 = 1500.0;
 
-/// No sonar has more channels; those of damaged headers are not counted beyond.
+/// Most channels that are listed: no sonar has more, but damaged headers may name more.
 const MOST_CHANNELS: usize = 64;
 
-/// Decodes messages.
+/// Decodes messages and collects sides, altitudes and fixes.
 pub(super) struct Reader<'a> {
     bytes: &'a [u8],
     known: Option<&'a Survey>,
@@ -40,7 +40,8 @@ pub(super) struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    /// A reader of this file; of its tail it knows what was found out of the log.
+    /// Creates a reader of this file; for the tail of a log, with the time zero and choices of the
+    /// log before.
     pub(super) fn new(bytes: &'a [u8], reading: &Reading<'a>) -> Self {
         let known = reading.known().filter(|_| reading.from(0).is_some());
         let mut pings = known.into_iter().flat_map(|known| known.side_scan.iter().rev());
@@ -49,7 +50,8 @@ impl<'a> Reader<'a> {
             let unix_ms = Trace::of_span(bytes, &span)?.unix_ms;
             Some(unix_ms - (time_s * 1000.0).round() as i64)
         });
-        // Where the last ping does not tell it, the time zero is found again from the beginning.
+        // Where the last ping does not give the time zero, the file is read again from the
+        // beginning.
         let known = known.filter(|_| zero_ms.is_some());
         let span = last.filter(|_| zero_ms.is_some()).map(|(_, span)| span);
         let projected = known.and_then(|known| known.track.projected.as_ref());
@@ -68,12 +70,12 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Returns true if the log's time zero is known, so that its tail can be read alone.
+    /// Returns true if the log's time zero is known, so that its tail can be read without the rest.
     pub(super) fn knows_zero(&self) -> bool {
         self.zero_ms.is_some()
     }
 
-    /// Takes the next message of the file.
+    /// Decodes the next message of the file.
     pub(super) fn take(&mut self, log: &mut Collected, message: Range<usize>) {
         if let Some(trace) = Trace::of(self.bytes, message.clone()) {
             let time_s = trace.unix_ms as f64 / 1000.0;
@@ -89,7 +91,8 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Takes the traces that still wait for a verdict and says what was left out.
+    /// Processes the traces that still wait for a verdict of the clock, adds the results to the log
+    /// and warns about what was left out.
     pub(super) fn finish(&mut self, log: &mut Collected) {
         while let Some(verdict) = self.clock.next() {
             self.settle(log, verdict);
@@ -135,7 +138,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The messages that are no traces.
+    /// Returns the content of the messages that are no traces.
     pub(super) fn sensors(&self) -> &Sensors {
         &self.sensors
     }
@@ -230,7 +233,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// The speed of sound that the range of a span was computed with.
+/// Returns the speed of sound that the range of a span was computed with; `None` if implausible.
 fn sound_of(bytes: &[u8], span: &SideSpan) -> Option<f64> {
     let trace = Trace::of_span(bytes, span)?;
     let sound_mps = 2.0 * span.metres_per_sample() / trace.interval_s;

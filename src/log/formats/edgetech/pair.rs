@@ -1,19 +1,20 @@
-//! The port and the starboard channel that are shown, of as many subsystems as the sonar has, and
-//! the scale of their samples.
+//! Sorts the pings of a sonar's subsystems into pairs of a port and a starboard channel, chooses
+//! the pair that is shown, and sets the scale of the samples.
 
 use super::trace::Trace;
 use crate::formats::collected::{Collected, CollectedPair, HalfPing};
 use crate::survey::{Encoding, LEVEL_BITS, SampleOrder, Samples, Side, SideSpan, Survey};
 use std::collections::BTreeMap;
 
-/// A subsystem is only preferred to one of a higher frequency where that has less than this share
-/// of its pings.
+/// Smallest share of the most pings of any subsystem that a subsystem of higher frequency needs to
+/// be preferred.
 const ENOUGH_PINGS: f64 = 0.9;
-/// Pings looked at to find the scale.
+/// About how many pings are used to find the scale.
 const PINGS_LOOKED_AT: usize = 200;
 /// Share of the samples that may be clipped at the highest level.
 const CLIPPED_SHARE: f64 = 0.001;
-/// Weights beyond this are damage: 2^-40 volts are no signal.
+/// Largest amount of a plausible weighting factor; larger ones are damage: 2^-40 volts are no
+/// signal.
 const HEAVIEST: u16 = 40;
 
 /// One side of a ping.
@@ -21,15 +22,15 @@ const HEAVIEST: u16 = 40;
 pub(super) struct Half {
     /// Side of the boat.
     pub(super) side: Side,
-    /// The subsystem that it is of.
+    /// Subsystem of the ping.
     pub(super) subsystem: u8,
-    /// Its weighting factor.
+    /// Weighting factor of the ping.
     pub(super) weight: i16,
-    /// Its samples, on a scale that is not set yet.
+    /// Samples of this side, on a scale that is not set yet.
     pub(super) half: HalfPing,
 }
 
-/// Pings and frequency of a subsystem.
+/// Number of pings and frequency of a subsystem.
 #[derive(Clone, Copy, Debug, Default)]
 struct Subsystem {
     pings: usize,
@@ -41,12 +42,13 @@ struct Subsystem {
 pub(super) struct Pairs {
     halves: Vec<Half>,
     subsystems: BTreeMap<u8, Subsystem>,
-    /// Choices made for the log before, where its tail is read; the subsystem that is shown comes
+    /// Choices that were made for the log before, where its tail is read; the shown subsystem comes
     /// first.
     known: Vec<Chosen>,
 }
 
-/// A subsystem, and how many bits of a sample of weight 0 are dropped.
+/// A subsystem, and the number of low bits that are dropped from a sample of weight 0; `None` where
+/// unknown.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Chosen {
     subsystem: u8,
@@ -54,7 +56,7 @@ struct Chosen {
 }
 
 impl Pairs {
-    /// Goes on with what was chosen for a log.
+    /// Creates a collection that keeps the choices made for a log.
     pub(super) fn like(bytes: &[u8], log: &Survey) -> Self {
         let chosen = |span: SideSpan| {
             let trace = Trace::of_span(bytes, &span)?;
@@ -68,7 +70,7 @@ impl Pairs {
         Self { known: log.last_spans().filter_map(chosen).collect(), ..Self::default() }
     }
 
-    /// Keeps one side of a ping.
+    /// Adds one side of a ping.
     pub(super) fn keep(&mut self, half: Half, frequency_khz: Option<f32>) {
         let subsystem = self.subsystems.entry(half.subsystem).or_default();
         subsystem.pings += 1;
@@ -76,7 +78,7 @@ impl Pairs {
         self.halves.push(half);
     }
 
-    /// Hands over the sides of each subsystem on one scale, that which is shown first.
+    /// Adds a pair for each subsystem to the log, each on one scale; the shown pair comes first.
     pub(super) fn finish(self, bytes: &[u8], log: &mut Collected) {
         let shown = self.known.first().map(|known| known.subsystem);
         let Some(shown) = shown.or_else(|| choose(&self.subsystems)) else {
@@ -110,7 +112,7 @@ impl Pairs {
     }
 }
 
-/// A subsystem in words.
+/// Returns the name of a subsystem for the user.
 pub(super) fn name(subsystem: u8) -> String {
     let what = match subsystem {
         0 => "sub-bottom",
@@ -123,7 +125,7 @@ pub(super) fn name(subsystem: u8) -> String {
     format!("{what} (subsystem {subsystem})")
 }
 
-/// The subsystem of the highest frequency of those that have nearly as many pings as any.
+/// Returns the subsystem of the highest frequency among those that have nearly the most pings.
 fn choose(subsystems: &BTreeMap<u8, Subsystem>) -> Option<u8> {
     let most = subsystems.values().map(|one| one.pings).max()?;
     let enough = |one: &Subsystem| one.pings as f64 >= ENOUGH_PINGS * most as f64;
@@ -133,8 +135,9 @@ fn choose(subsystems: &BTreeMap<u8, Subsystem>) -> Option<u8> {
     Some(*chosen)
 }
 
-/// Bits of a sample to drop, less its weight, so that nearly all samples of all pings fit a level
-/// on one scale. No low bit of the finest ping is made up.
+/// Returns the number of low bits to drop from a sample, less its weight, so that nearly all
+/// samples of all pings fit a level on one scale. No low bits are added to the ping with the
+/// highest weight.
 fn bits_to_drop(bytes: &[u8], halves: &[Half]) -> i32 {
     let mut histogram: BTreeMap<i32, u64> = BTreeMap::new();
     for half in halves.iter().step_by(halves.len() / PINGS_LOOKED_AT + 1) {
@@ -154,7 +157,7 @@ fn bits_to_drop(bytes: &[u8], halves: &[Half]) -> i32 {
     highest.map_or(-finest, |(highest, _)| (highest - 8).max(-finest))
 }
 
-/// Number of samples of a span that take so many bits.
+/// Returns the number of samples of a span by the number of bits that they take.
 fn stored_bits(bytes: &[u8], span: &SideSpan) -> [u64; 18] {
     let raw = SideSpan {
         count: span.count.saturating_mul(span.encoding.width() as u32),
@@ -178,12 +181,13 @@ fn stored_bits(bytes: &[u8], span: &SideSpan) -> [u64; 18] {
     counts
 }
 
-/// Returns true if a weight can be one.
+/// Returns true if a weighting factor is plausible.
 pub(super) fn is_weight(weight: i16) -> bool {
     weight.unsigned_abs() <= HEAVIEST
 }
 
-/// Levels from value to value where so many low bits are dropped, or added where it is negative.
+/// Returns the step of a scale on which `shift` low bits are dropped, or added where it is
+/// negative.
 fn step_of_shift(shift: i32) -> u32 {
     let exponent = LEVEL_BITS as i32 - shift;
     u32::try_from(exponent.min(31)).map_or(0, |exponent| 1 << exponent)

@@ -1,4 +1,4 @@
-//! Reads messages other than traces: the speed of sound, the sonar's name, positions.
+//! Reads messages other than traces: the speed of sound, the sonar's name and positions.
 
 use crate::formats::collected::Collected;
 use crate::formats::nmea::{self, Sentence};
@@ -11,30 +11,31 @@ const SYSTEM: u16 = 182;
 const NMEA: u16 = 2002;
 const PRESSURE: u16 = 2060;
 const DOPPLER: u16 = 2080;
-/// Speeds of sound that water has, metres a second.
+/// Plausible speeds of sound in water, metres a second.
 pub(super) const SOUNDS_MPS: std::ops::RangeInclusive<f64> = 1300.0..=1700.0;
-/// A sentence that is older or newer than all traces by more than this is of another clock,
-/// seconds.
+/// Longest time of a sentence before or after all traces, seconds; sentences beyond have another
+/// clock.
 const NMEA_BESIDE_S: f64 = 60.0;
 
-/// Bytes of a file for each position at least; a hostile one is nothing but sentences.
+/// Bytes of a file for each position that is kept: a hostile file may consist of NMEA sentences
+/// only.
 const BYTES_A_SENTENCE: usize = 128;
 
-/// Collects what the messages tell.
+/// Collects the content of messages other than traces.
 #[derive(Debug)]
 pub(super) struct Sensors {
     sound_mps: Option<f64>,
     device: Option<String>,
-    /// Sentences with their Unix seconds.
+    /// Sentences with their times in Unix seconds.
     sentences: Vec<(f64, Sentence)>,
     most_sentences: usize,
     counts: BTreeMap<u16, usize>,
 }
 
 impl Sensors {
-    /// Creates a collection without messages; for the tail of a log it has the speed of sound
-    /// before it, metres a second. From a file of `byte_count` bytes no more sentences are kept
-    /// than a recorder writes between its traces.
+    /// Creates a collection without messages; `sound_mps` is the speed of sound before the tail of
+    /// a log, metres a second. From a file of `byte_count` bytes no more sentences are kept than a
+    /// recorder writes between its traces.
     pub(super) fn new(sound_mps: Option<f64>, byte_count: usize) -> Self {
         Self {
             sound_mps,
@@ -45,11 +46,11 @@ impl Sensors {
         }
     }
 
-    /// Takes a message that is no trace.
+    /// Reads a message that is no trace.
     pub(super) fn take(&mut self, kind: u16, body: &[u8]) {
         *self.counts.entry(kind).or_default() += 1;
         let fields = Fields(body);
-        // Both have flags for what is valid.
+        // Both messages have flags for valid fields.
         let sound_mps = match kind {
             PRESSURE if fields.u32(24) & 1 << 4 != 0 => f64::from(fields.i32(32)) / 1000.0,
             DOPPLER if fields.u32(12) & 1 << 12 != 0 => f64::from(fields.i16(56)),
@@ -75,23 +76,24 @@ impl Sensors {
         }
     }
 
-    /// The last speed of sound that a sensor stated, metres a second.
+    /// Returns the last speed of sound that a sensor stated, metres a second.
     pub(super) fn sound_mps(&self) -> Option<f64> {
         self.sound_mps
     }
 
-    /// Type of the sonar and number of the vehicle that carries it; empty where the file names
-    /// neither.
+    /// Returns the type of the sonar and the number of the vehicle that carries it; empty where the
+    /// file names neither.
     pub(super) fn device(&self) -> String {
         self.device.clone().unwrap_or_default()
     }
 
-    /// Messages.
+    /// Returns the number of messages.
     pub(super) fn total(&self) -> usize {
         self.counts.values().sum()
     }
 
-    /// `40 messages of type 2002, 1 messages of type 182`.
+    /// Returns the number of messages by type, as `40 messages of type 2002, 1 messages of type
+    /// 182`.
     pub(super) fn summary(&self) -> String {
         let mut counts: Vec<(u16, usize)> = self.counts.iter().map(|(&a, &b)| (a, b)).collect();
         counts.sort_by_key(|&(_, count)| std::cmp::Reverse(count));
@@ -100,8 +102,8 @@ impl Sensors {
         each.collect::<Vec<String>>().join(", ")
     }
 
-    /// Adds the positions of the sentences, which stand in where the traces have none. `zero_s` is
-    /// the log's time zero in Unix seconds.
+    /// Adds the positions of the sentences, for logs whose traces have none. `zero_s` is the log's
+    /// time zero in Unix seconds.
     pub(super) fn add_fixes(&self, log: &mut Collected, zero_s: f64) {
         let channels = log.channels.iter();
         let spans = channels.filter_map(|(_, channel)| channel.time_span_s);

@@ -1,4 +1,4 @@
-//! Generated JSF files are read to what was written into them, whole, damaged and growing.
+//! Tests that generated JSF files, whole, damaged and growing, are read as they were written.
 
 use crate::formats::{self, OpenError, open_growing, open_tail};
 use crate::support::progress::Progress;
@@ -28,7 +28,7 @@ fn says(survey: &Survey, words: &str) -> bool {
     warnings.any(|warning| warning.text.contains(words))
 }
 
-/// Values to 999 take 10 bits, of which two are dropped.
+/// Returns the expected levels: values up to 999 take 10 bits, of which two are dropped.
 fn expected(ping: usize, channel: u8, samples: usize) -> Vec<u8> {
     (0..samples).map(|sample| (value(ping, channel, sample) >> 2) as u8).collect()
 }
@@ -72,7 +72,7 @@ fn every_weight_and_the_analytic_signal_show_the_same_picture() {
                 let levels = outward(&survey, ping, Side::Starboard);
                 for (level, expected) in levels.iter().zip(expected(ping, 1, 200)) {
                     let apart = level.abs_diff(expected);
-                    // The parts of a signal are cut to whole numbers.
+                    // The real and imaginary parts are truncated to whole numbers.
                     assert!(apart <= data_format as u8, "{level} for {expected}");
                 }
             }
@@ -82,7 +82,7 @@ fn every_weight_and_the_analytic_signal_show_the_same_picture() {
 
 #[test]
 fn a_loud_ping_is_not_shown_brighter_than_it_was() {
-    // Weight -2: four volts a value. What 8 bits hold is shared by all pings.
+    // Weight -2 means four volts a value. All pings share the range of 8 bits.
     let survey = read(&JsfOptions { weights: vec![-2, 2], ..JsfOptions::default() });
     let [coarse, fine] = [2, 3].map(|ping| outward(&survey, ping, Side::Port));
     assert_eq!(coarse[100], ((value(2, 0, 100) >> 2) << 2 >> 2) as u8);
@@ -100,7 +100,7 @@ fn one_pair_of_several_subsystems_is_shown_and_the_others_are_named() {
     let khz: Vec<_> = survey.channels.iter().map(|one| one.frequency_khz).collect();
     assert_eq!(khz.iter().filter(|khz| **khz == Some(410.0)).count(), 2);
     assert_eq!(survey.channels.len(), 4);
-    // The two frequencies ping together: nothing is doubled.
+    // The two frequencies ping together: depths and fixes are not duplicated.
     assert_eq!([survey.soundings.len(), survey.track.fixes.len()], [40, 40]);
 }
 
@@ -163,7 +163,7 @@ fn damage_costs_the_message_that_it_touched() {
     let whole = jsf(&JsfOptions::default());
     let trace = 16 + 240 + 400;
     let ping = (whole.len() - 40) / 40;
-    // A length, a marker, and bytes between two messages.
+    // A damaged length, a damaged marker, and bytes removed or added between two messages.
     let starboard = 40 + 11 * ping - trace;
     for spoil in [
         |bytes: &mut Vec<u8>, at: usize| put(bytes, at + 12, &i32::MAX.to_le_bytes()),
@@ -223,7 +223,7 @@ fn hostile_bytes_neither_end_the_program_nor_make_up_pings() {
                 }
             }
         }
-        // Every length and count in turn says that there are 2^31 bytes, or all there can be.
+        // Every length and count in turn is set to 2^31 or to other very large numbers.
         for at in 0..small.len().saturating_sub(4) {
             for claimed in [i32::MAX as u32, 1 << 31, u32::MAX, 0xFF_FFF0] {
                 let mut bytes = small.clone();

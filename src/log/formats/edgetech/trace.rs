@@ -1,5 +1,5 @@
-//! Messages of a JSF file: their header, and the ping of one channel, with its time and its place,
-//! that messages 80 and 82 hold.
+//! Reads the messages of a JSF file: their header, and the ping of one channel, with its time and
+//! position, in messages 80 and 82.
 
 use super::sensors::SOUNDS_MPS;
 use crate::formats::messages::MessageFormat;
@@ -11,14 +11,14 @@ use std::ops::Range;
 
 /// Bytes of a message's header.
 pub(super) const HEADER: usize = 16;
-/// The two bytes that each message begins with: 0x1601.
+/// First two bytes of each message: 0x1601.
 const MARKER: [u8; 2] = [0x01, 0x16];
-/// No message is longer; a longer one is damage.
+/// Limit of a message's bytes; longer messages are damage.
 const LONGEST: usize = 1 << 24;
-/// A trace with a header of 240 bytes.
+/// Type of a trace with a header of 240 bytes.
 const TRACE: u16 = 80;
 const TRACE_HEADER: usize = 240;
-/// An older trace with a header of 80 bytes.
+/// Type of an older trace with a header of 80 bytes.
 const OLD_TRACE: u16 = 82;
 const OLD_TRACE_HEADER: usize = 80;
 /// First version of the protocol with a field for the high bits of the number of samples.
@@ -33,7 +33,7 @@ const SOUND_VALID: u16 = 1 << 14;
 /// Milliseconds of a day.
 const DAY_MS: i64 = 86_400_000;
 
-/// Marker and length of messages, by which a walk finds each after the one before.
+/// Marker and length of messages, with which a walk finds the next message.
 pub(super) const FORMAT: MessageFormat = MessageFormat {
     noun: "message",
     marker: MARKER,
@@ -47,16 +47,16 @@ pub(super) struct MessageHeader {
     pub(super) version: u8,
     /// Type of the message.
     pub(super) kind: u16,
-    /// Subsystem that it is of.
+    /// Subsystem that sent the message.
     pub(super) subsystem: u8,
     /// Channel of the subsystem.
     pub(super) channel: u8,
-    /// Bytes that follow.
+    /// Bytes of the message after the header.
     size: usize,
 }
 
 impl MessageHeader {
-    /// The header at an offset; `None` where there can be none.
+    /// Returns the header at an offset; `None` where there is no valid header.
     pub(super) fn at(bytes: &[u8], at: usize) -> Option<Self> {
         let header = Fields(bytes.get(at..at.checked_add(HEADER)?)?);
         let size = usize::try_from(header.i32(12)).ok()?;
@@ -71,27 +71,29 @@ impl MessageHeader {
     }
 }
 
-/// A position as a trace has it.
+/// A position as stored in a trace.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Coordinates {
     /// Longitude, or easting.
     x: i32,
     /// Latitude, or northing.
     y: i32,
-    /// 1: millimetres, 2: ten thousandths of minutes of arc, 3: decimetres, 4: centimetres.
+    /// Unit of x and y: 1: millimetres, 2: ten thousandths of minutes of arc, 3: decimetres, 4:
+    /// centimetres.
     units: u16,
 }
 
-/// Turns the positions of a file into degrees; they may be in metres of a projection that the file
-/// does not name.
+/// Converts the positions of a file to degrees; positions may be in metres of a projection that the
+/// file does not name.
 #[derive(Debug, Default)]
 pub(super) struct PositionConverter {
-    /// First projected position, where positions are in metres.
+    /// First projected position, metres; `None` until a position in metres is converted.
     pub(super) origin_m: Option<[f64; 2]>,
 }
 
 impl PositionConverter {
-    /// Degrees; metres lie around longitude 0, latitude 0. `None` for what is not set.
+    /// Returns a position in degrees; metres are placed around longitude 0, latitude 0. `None`
+    /// where the position is not set or its unit is not known.
     pub(super) fn position(&mut self, place: Coordinates) -> Option<LonLat> {
         if place.x == 0 || place.y == 0 {
             return None;
@@ -117,31 +119,31 @@ pub(super) struct Trace {
     pub(super) subsystem: u8,
     /// Channel of the subsystem.
     pub(super) channel: u8,
-    /// Number of the part of a ping that it holds, from 1 on; 0 where parts are not counted.
+    /// Number of the part of a ping in this trace, from 1 on; 0 where parts are not counted.
     pub(super) packet: u16,
-    /// Unix milliseconds.
+    /// Time of the ping, Unix milliseconds.
     pub(super) unix_ms: i64,
-    /// Format of its samples, by EdgeTech's number.
+    /// EdgeTech's number for the format of the samples.
     pub(super) data_format: u16,
     /// Offset of the first sample in the file.
     pub(super) samples_at: usize,
-    /// Bytes from there to the end of the message.
+    /// Bytes from the first sample to the end of the message.
     pub(super) room: usize,
-    /// Samples.
+    /// Number of samples.
     pub(super) samples: u32,
-    /// Samples that were left out before the first.
+    /// Number of samples that were left out before the first.
     pub(super) first_sample: u32,
-    /// Seconds from sample to sample, there and back.
+    /// Two-way travel time from sample to sample, seconds.
     pub(super) interval_s: f64,
-    /// A sample counts 2^-weight volts.
+    /// Weighting factor: a sample counts 2^-weight volts.
     pub(super) weight: i16,
     /// Frequency of the pulse, kHz.
     pub(super) frequency_khz: Option<f32>,
     /// Speed of sound, metres a second.
     pub(super) sound_mps: Option<f64>,
-    /// Height of the sonar above the bottom, metres; 0 where it is not known.
+    /// Height of the sonar above the bottom, metres; 0 where unknown.
     pub(super) altitude_m: f32,
-    /// Recorded position.
+    /// Recorded position; `None` where it is flagged as invalid.
     pub(super) place: Option<Coordinates>,
     /// Heading of the compass, radians.
     pub(super) heading_rad: f32,
@@ -152,7 +154,7 @@ pub(super) struct Trace {
 }
 
 impl Trace {
-    /// The trace that a whole message holds; `None` where it holds none.
+    /// Returns the trace in a complete message; `None` if the message is no trace.
     pub(super) fn of(bytes: &[u8], message: Range<usize>) -> Option<Self> {
         let header = MessageHeader::at(bytes, message.start)?;
         let body = bytes.get(message.start + HEADER..message.end)?;
@@ -169,7 +171,7 @@ impl Trace {
         })
     }
 
-    /// The trace that a span was made of; `None` where there is none before it.
+    /// Returns the trace that a span was made from; `None` where no trace is before the samples.
     pub(super) fn of_span(bytes: &[u8], span: &SideSpan) -> Option<Self> {
         let samples_at = usize::try_from(span.offset).ok()?;
         [TRACE_HEADER, OLD_TRACE_HEADER].into_iter().find_map(|trace_header| {
@@ -180,7 +182,7 @@ impl Trace {
         })
     }
 
-    /// Returns the kind of its channel.
+    /// Returns the kind of channel of this trace.
     pub(super) fn kind(&self) -> ChannelKind {
         match (self.subsystem, self.channel) {
             (20..=22 | 70..=72, 0) => ChannelKind::Port,
@@ -189,12 +191,12 @@ impl Trace {
         }
     }
 
-    /// A number for its channel.
+    /// Returns a number for the channel, made of subsystem and channel.
     pub(super) fn number(&self) -> u16 {
         u16::from_be_bytes([self.subsystem, self.channel])
     }
 
-    /// Returns the encoding of its samples, on a scale that is not set yet; `None` for formats that
+    /// Returns the encoding of the samples, on a scale that is not set yet; `None` for formats that
     /// are not read.
     pub(super) fn encoding(&self) -> Option<Encoding> {
         match self.data_format {
@@ -204,7 +206,8 @@ impl Trace {
         }
     }
 
-    /// Slant range of the near edge of its first sample and of the far edge of its last, metres.
+    /// Returns the slant range of the near edge of the first sample and of the far edge of the
+    /// last, metres.
     pub(super) fn range_m(&self, sound_mps: f64) -> [f32; 2] {
         let first = f64::from(self.first_sample);
         let metres = self.interval_s * sound_mps / 2.0;
@@ -212,8 +215,7 @@ impl Trace {
     }
 }
 
-/// Returns true if a field is filled: by its flag, or by not being 0 where a recorder sets no flag
-/// at all.
+/// Returns true if a field is valid: its flag is set, or the recorder sets no flag at all.
 fn is_valid(fields: Fields<'_>, flag: u16) -> bool {
     let flags = fields.u16(30);
     flags == 0 || flags & flag != 0
@@ -226,7 +228,7 @@ fn trace(header: MessageHeader, fields: Fields<'_>) -> Trace {
     let from_north = |flag, value: i32, per_degree: f32| {
         valid(flag, value).map_or(f32::NAN, |value| (value as f32 / per_degree).to_radians())
     };
-    // Older recorders count from -180 degrees on.
+    // Older recorders count headings from -180 degrees on.
     let heading = match fields.u16(172) {
         centidegrees @ 0..=36_000 => i32::from(centidegrees),
         _ => i32::from(fields.i16(172)),
@@ -273,7 +275,7 @@ fn old_trace(header: MessageHeader, fields: Fields<'_>) -> Trace {
     }
 }
 
-/// A trace that says nothing but what its message is of.
+/// Creates a trace with no values but the subsystem and the channel of its header.
 fn empty(header: MessageHeader) -> Trace {
     Trace {
         subsystem: header.subsystem,
@@ -297,9 +299,10 @@ fn empty(header: MessageHeader) -> Trace {
     }
 }
 
-/// Unix milliseconds of a trace: of its Unix seconds, or where those are not set of its year, day
-/// of the year, hour, minute and second; with the milliseconds since midnight, which lie within 2 s
-/// of them unless they are of another clock.
+/// Returns the Unix milliseconds of a trace: of its Unix seconds, or where those are not set, of
+/// its year, day of the year, hour, minute and second. The milliseconds since midnight are used
+/// where they are within 2 s of those seconds; otherwise (another clock) only their fraction of a
+/// second is added.
 fn unix_ms(unix_s: i64, calendar: [i16; 5], today_ms: u32) -> i64 {
     let [year, day, hour, minute, second] = calendar.map(i64::from);
     let date = i32::try_from(year).ok().zip(u32::try_from(day).ok());
@@ -319,8 +322,8 @@ fn unix_ms(unix_s: i64, calendar: [i16; 5], today_ms: u32) -> i64 {
     }
 }
 
-/// The middle of a pulse from its ends in tens of hertz, or the frequency that it is mixed with,
-/// Hz.
+/// Returns the middle of a pulse's frequencies, kHz, from its two ends in tens of hertz, or from
+/// the frequency of the mixer, Hz, where both ends are 0; `None` where it is implausible.
 fn frequency_khz(ends: [u32; 2], mixer_hz: f32) -> Option<f32> {
     let ends_khz = ends.map(|ten_hz| ten_hz as f32 / 100.0);
     let khz = match ends_khz {
@@ -352,7 +355,7 @@ mod tests {
         let calendar = [2021, 156, 23, 59, 59];
         assert_eq!(unix_ms(S, calendar, 86_399_250), S * 1000 + 250);
         assert_eq!(unix_ms(0, calendar, 86_399_250), S * 1000 + 250);
-        // The milliseconds are of the next day, of another zone, or not set.
+        // The milliseconds are those of the next day, of another time zone, or not set.
         assert_eq!(unix_ms(S, calendar, 40), S * 1000 + 1040);
         assert_eq!(unix_ms(S, calendar, 7_199_250), S * 1000 + 250);
         assert_eq!(unix_ms(S, calendar, 0), S * 1000 + 1000);

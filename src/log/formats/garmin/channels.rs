@@ -1,5 +1,5 @@
-//! Determines the kinds of the channels of an RSD file from the beam in the records: the numbers of
-//! channels differ between units.
+//! Determines the kinds of the channels of an RSD file from the beam in the records, because the
+//! numbers of channels differ between units.
 
 use super::header::FileHeader;
 use super::record::RecordBody;
@@ -7,16 +7,16 @@ use crate::formats::report::WarningReport;
 use crate::survey::{ChannelKind, Survey};
 use std::collections::BTreeMap;
 
-/// Side-scan and down-scan use higher frequencies than the traditional sonar, kHz: peers split at
-/// the same.
+/// Lowest frequency of side-scan and down-scan, kHz; the traditional sonar is below. Other readers
+/// split at the same frequency.
 const LOWEST_SCAN_KHZ: f32 = 300.0;
-/// Channels that were recorded one after the other may overlap by so many seconds, and by half of
-/// the shorter one.
+/// Longest overlap of channels that were recorded one after the other, seconds; but at most half of
+/// the shorter channel.
 const SLACK_S: f64 = 2.0;
-/// A channel with less than this share of the pings of another of its role comes after it, whatever
-/// its number.
+/// Factor of pings: a channel with less than this fraction (1/8) of the pings of another channel of
+/// its role comes after that channel, whatever its number.
 const FEW: usize = 8;
-/// Channels without a number have this one and that of their beam.
+/// Number of channels without a number; the number of their beam is added.
 pub(super) const UNNUMBERED: u16 = 65_000;
 
 /// Role of a channel: the direction in which its sonar looks.
@@ -30,7 +30,7 @@ enum Role {
 }
 
 impl Role {
-    /// Returns the role of the beam in a record: PINGVerter and sidescantools agree about it.
+    /// Returns the role of the beam in a record, as PINGVerter and sidescantools map it.
     fn of_beam(beam: u32) -> Self {
         match beam {
             1 => Role::Traditional,
@@ -41,7 +41,7 @@ impl Role {
         }
     }
 
-    /// The kinds that channels of the role have, the first of those that are free.
+    /// Returns the kinds that channels of the role may have; the first free kind is used.
     fn kinds(self) -> &'static [ChannelKind] {
         match self {
             Role::Traditional => &[ChannelKind::Primary, ChannelKind::Secondary],
@@ -66,19 +66,19 @@ impl Role {
 /// Counts of the pings of a channel, from which its role is determined.
 #[derive(Clone, Debug)]
 pub(super) struct SeenChannel {
-    /// Its number.
+    /// Number of the channel.
     pub(super) number: u16,
     pings: usize,
     with_samples: usize,
     span_s: (f64, f64),
-    /// Pings by beam; the first place is that of beams that are not known.
+    /// Pings by beam; the first entry counts pings of unknown beams.
     beams: [usize; 5],
-    /// Pings whose element looks to port, and to starboard.
+    /// Pings whose transducer element is tilted to port, and to starboard.
     tilts: [usize; 2],
 }
 
 impl SeenChannel {
-    /// A channel without a ping.
+    /// Creates the counts of a channel without a ping.
     pub(super) fn new(number: u16) -> Self {
         Self {
             number,
@@ -104,7 +104,7 @@ impl SeenChannel {
         self.tilts[1] += usize::from(tilt > 0.0);
     }
 
-    /// The recorder's name for the channel with a number.
+    /// Returns the recorder's name for the channel with a number.
     pub(super) fn name(number: u16) -> String {
         match number.checked_sub(UNNUMBERED) {
             Some(beam) => format!("beam {beam}"),
@@ -112,8 +112,8 @@ impl SeenChannel {
         }
     }
 
-    /// Returns the role that its pings state: the beam that most of them name, else the side that
-    /// the element looks to.
+    /// Returns the role that most pings state by their beam, else by the tilt of the element;
+    /// `None` where they state neither.
     fn stated(&self) -> Option<Role> {
         if self.with_samples == 0 {
             return Some(Role::Other);
@@ -129,7 +129,7 @@ impl SeenChannel {
         }
     }
 
-    /// Returns true if both were recorded at once for more than a moment.
+    /// Returns true if both channels were recorded at once for more than a moment.
     fn overlaps(&self, other: &SeenChannel) -> bool {
         let from_s = self.span_s.0.max(other.span_s.0);
         let until_s = self.span_s.1.min(other.span_s.1);
@@ -139,8 +139,8 @@ impl SeenChannel {
     }
 }
 
-/// The kind of each channel; those of a log that is known stay. Says what had to be guessed and
-/// what is not shown.
+/// Returns the kind of each channel; channels of a known log keep their kind. Warns about guessed
+/// roles and about channels that are not shown.
 pub(super) fn kinds(
     seen: &[SeenChannel],
     header: &FileHeader,
@@ -175,8 +175,8 @@ pub(super) fn kinds(
     kinds
 }
 
-/// The channels with their roles in the order in which they choose a kind: by number, those with
-/// few pings last.
+/// Returns the channels with their roles in the order in which they are given a kind: by number,
+/// channels with few pings last.
 fn ordered<'a>(
     channels: &[&'a SeenChannel],
     header: &FileHeader,
@@ -205,8 +205,9 @@ fn ordered<'a>(
     roles
 }
 
-/// The role of a channel whose pings state neither a beam nor a side: two of one high frequency are
-/// a pair, port first; one alone looks down.
+/// Guesses the role of a channel whose pings state neither a beam nor a side, and warns about the
+/// guess: two channels of the same high frequency are a pair, port first; any other number of them
+/// looks down; channels of low or unknown frequency are the traditional sonar.
 fn guess(
     channel: &SeenChannel,
     unstated: &[&SeenChannel],

@@ -1,5 +1,5 @@
-//! Decodes records to pings, depths and fixes in SI units, with the samples of the pings: sides of
-//! the side-scan, and channels that look down.
+//! Decodes records of an RSD file to pings, depths and fixes in SI units. The samples of the pings
+//! become sides of the side-scan and echograms of channels that look down.
 
 use super::channels::{self, SeenChannel, UNNUMBERED};
 use super::header::FileHeader;
@@ -13,30 +13,31 @@ use crate::support::geo::LonLat;
 use crate::survey::{ChannelKind, Encoding, Fix, SampleOrder, SideSpan, Survey};
 use std::sync::Arc;
 
-/// A log has no more channels; a channel beyond them is damage.
+/// Most channels of a log; more channels are damage.
 const MOST_CHANNELS: usize = 64;
-/// Garmin's units of a position in a circle.
+/// Units of a stored position in a full circle.
 const UNITS_A_CIRCLE: f64 = 4_294_967_296.0;
-/// Records at the beginning of a file that tell how depths are stored.
+/// Records at the beginning of a file from which the encoding of depths is determined.
 const RECORDS_LOOKED_AT: usize = 512;
-/// Bytes at the beginning of a file that tell it.
+/// Most bytes after the first record that are searched for these records.
 const HEAD: usize = 1 << 22;
-/// Share of the ranges that may be damaged without speaking for unsigned integers.
+/// Share of odd ranges up to which they count as damage; a larger share means unsigned integers.
 const DAMAGED_SHARE: f64 = 0.125;
 
 /// Encoding of a depth: millimetres as a signed integer, or as an unsigned one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum DepthEncoding {
-    /// Twice the value where it is not negative, else one less than twice its amount ("zig-zag"):
-    /// what the format's descriptions state.
+    /// Twice the value where it is not negative, else twice its amount less one ("zig-zag"), as the
+    /// format's descriptions state.
     #[default]
     Signed,
-    /// The value itself. PINGVerter reports such files.
+    /// The value itself. PINGVerter reports files with this encoding.
     Unsigned,
 }
 
 impl DepthEncoding {
-    /// Determines the encoding from the ranges of the first records: no range is negative.
+    /// Determines the encoding from the far ranges of the first records: ranges are not negative,
+    /// so that a signed one is stored as an even number.
     fn of_head(bytes: &[u8], first_record: usize) -> Self {
         let head = &bytes[..bytes.len().min(first_record.saturating_add(HEAD))];
         let (mut at, mut ranges, mut odd) = (first_record, 0_usize, 0_usize);
@@ -58,7 +59,7 @@ impl DepthEncoding {
         }
     }
 
-    /// Metres of a stored depth.
+    /// Returns a stored depth in metres.
     fn metres(self, stored: u32) -> f32 {
         let millimetres = match self {
             DepthEncoding::Signed => {
@@ -71,8 +72,8 @@ impl DepthEncoding {
     }
 }
 
-/// Collects pings, a little behind the walk so that a damaged time is seen. What a channel is, only
-/// all of its pings tell.
+/// Collects pings, two records behind the walk so that damaged times are recognised. The kind of a
+/// channel is only known after all of its pings.
 pub(super) struct Reader<'a> {
     bytes: &'a [u8],
     header: FileHeader,
@@ -83,7 +84,7 @@ pub(super) struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    /// A reader of a file whose records begin at `first_record`.
+    /// Creates a reader of a file whose records begin at `first_record`.
     pub(super) fn new(bytes: &'a [u8], header: FileHeader, first_record: usize) -> Self {
         Self {
             bytes,
@@ -95,7 +96,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Takes the next record of the file.
+    /// Decodes the next record of the file.
     pub(super) fn take(&mut self, log: &mut Collected, offset: usize, header: &RecordHeader) {
         if header.size == 0 {
             return;
@@ -145,8 +146,8 @@ impl<'a> Reader<'a> {
         self.pings.push((time_s, ping));
     }
 
-    /// Gives all pings their meaning. `known` is the log as it was read before, where this is its
-    /// tail.
+    /// Determines the kinds of the channels and adds all pings, depths and fixes to the log.
+    /// `known` is the log as it was read before, where this is its tail.
     pub(super) fn finish(mut self, log: &mut Collected, known: Option<&Survey>) {
         while let Some(verdict) = self.clock.next() {
             self.settle(log, verdict);
@@ -185,8 +186,8 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// The number of a record's channel: that of its body, else that of its header; some records have
-/// none, and a beam only. `None` where it cannot be.
+/// Returns the number of a record's channel: from its body, else from its header; for records
+/// without a number, a number made of the beam. `None` where the number is not plausible.
 fn number(header: &RecordHeader, body: &RecordBody) -> Option<u16> {
     match body.channel.or(header.channel) {
         Some(stated) => u16::try_from(stated).ok().filter(|number| *number < UNNUMBERED),
@@ -194,7 +195,8 @@ fn number(header: &RecordHeader, body: &RecordBody) -> Option<u16> {
     }
 }
 
-/// The position of a ping. The format has no course, no heading and no speed.
+/// Returns the position of a ping; `None` where it has none. The format has no course, no heading
+/// and no speed.
 fn fix(ping: &Ping, time_s: f64) -> Option<Fix> {
     let place = ping.body.place.filter(|place| *place != [0, 0])?;
     let [lat_deg, lon_deg] = place.map(|units| f64::from(units) * (360.0 / UNITS_A_CIRCLE));
@@ -207,14 +209,15 @@ fn fix(ping: &Ping, time_s: f64) -> Option<Fix> {
     })
 }
 
-/// Near and far limit of a ping's samples, metres, where it states limits that can be.
+/// Returns the near and far limit of a ping's samples, metres; `None` where they are missing or not
+/// plausible.
 fn range_m(ping: &Ping, depths: DepthEncoding) -> Option<(f32, f32)> {
     let [near, far] = ping.body.range.map(|stored| stored.map(|stored| depths.metres(stored)));
     let (near_m, far_m) = (near.unwrap_or(0.0), far?);
     is_range(near_m, far_m).then_some((near_m, far_m))
 }
 
-/// Keeps the samples of a ping that can be a picture; says so where they cannot.
+/// Adds the samples of a ping to the log; warns where they cannot be shown as a picture.
 fn keep(
     log: &mut Collected,
     kind: ChannelKind,
@@ -228,7 +231,7 @@ fn keep(
     let span = ping.body.samples.map(|samples| SideSpan {
         file: 0,
         encoding: if samples.is_wide { Encoding::U16 { shift: 0 } } else { Encoding::U8 },
-        // Peers show the first sample of both sides at the transducer.
+        // Other readers show the first sample of both sides at the transducer.
         order: SampleOrder::NearToFar,
         offset: samples.offset as u64,
         count: samples.count,
@@ -258,8 +261,9 @@ fn keep(
     }
 }
 
-/// Chooses which eight bits of 16-bit samples are shown: the same on both sides, and the same in
-/// all pings of a channel that looks down. Of the tail of a log they are those of the log.
+/// Chooses which eight bits of 16-bit samples are shown: the same for both sides, and the same for
+/// all pings of a channel that looks down. For the tail of a log, echograms keep the choice of the
+/// log before.
 fn choose_levels(bytes: &[u8], log: &mut Collected, known: Option<&Survey>) {
     let sides = log.port.iter_mut().chain(&mut log.starboard);
     show_alike(bytes, sides.map(|half| &mut half.span), None);

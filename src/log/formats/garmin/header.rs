@@ -1,36 +1,37 @@
-//! The file header: when the recording began, on what unit, and the frequencies of its channels.
+//! Reads the file header: the time when the recording began, the unit, and the frequencies of its
+//! channels.
 
 use super::varstruct::{VarStruct, first_item, varuint, whole_varuint};
 use crate::formats::scalar::u32_le;
 
-/// The number in field 0 of the file header.
+/// Value of field 0 of the file header.
 const MAGIC: u32 = 0xD926_4B7C;
-/// Unix seconds of 31 December 1989, 0 h UTC, from which Garmin counts.
+/// Unix seconds of 31 December 1989, 0 h UTC, the start of Garmin's times.
 const GARMIN_EPOCH_UNIX_S: f64 = 631_065_600.0;
-/// Unix seconds of logs: from the year 2000, before which no unit recorded, to 2100. 0 and all ones
-/// lie outside.
+/// Plausible Unix seconds of logs: from the year 2000, before which no unit recorded, to 2100. The
+/// values 0 and all ones are outside.
 const UNIX_S: std::ops::Range<f64> = 946_684_800.0..4_102_444_800.0;
-/// Frequencies of sonars, Hz.
+/// Plausible frequencies of sonars, Hz.
 const SONAR_HZ: std::ops::Range<u32> = 1_000..10_000_000;
-/// Channels that are read of the list in the header.
+/// Most channels that are read from the list in the header.
 const MOST_CHANNELS: u32 = 64;
 
 /// Fields of the file header.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct FileHeader {
-    /// Unix seconds of the start of the recording.
+    /// Unix seconds of the start of the recording; `None` where missing or not plausible.
     pub(super) start_unix_s: Option<f64>,
     /// Garmin's number of the unit's model.
     pub(super) product: Option<u32>,
-    /// Channel numbers with the middle of their band, kHz.
+    /// Numbers of channels, each with the middle of its frequency band, kHz.
     pub(super) frequencies: Vec<(u32, f32)>,
 }
 
 impl FileHeader {
-    /// The header of a file; `None` where the file does not begin with one. What is damaged in it
-    /// is not stated.
+    /// Reads the header of a file; `None` where the file does not begin with one. Damaged fields
+    /// are left empty.
     pub(super) fn read(bytes: &[u8]) -> Option<Self> {
-        // The count of the fields, the key of field 0 with its length of 4, and the number.
+        // The number of fields, the key of field 0 with its length of 4, and the magic number.
         if bytes.get(1) != Some(&4) || u32_le(bytes, 2) != Some(MAGIC) {
             return None;
         }
@@ -47,7 +48,8 @@ impl FileHeader {
         })
     }
 
-    /// The middle of a channel's band, kHz.
+    /// Returns the middle of a channel's frequency band, kHz; `None` where the header does not list
+    /// it.
     pub(super) fn frequency_khz(&self, channel: u16) -> Option<f32> {
         let mut listed = self.frequencies.iter();
         let found = listed.find(|(id, _)| *id == u32::from(channel));
@@ -55,7 +57,7 @@ impl FileHeader {
     }
 }
 
-/// The frequencies in the list of channels: a count, and one structure behind the other.
+/// Reads the frequencies in the list of channels: a count, then one structure after the other.
 fn frequencies(list: &[u8]) -> Vec<(u32, f32)> {
     let Some((count, mut at)) = varuint(list, 0) else {
         return Vec::new();
@@ -76,8 +78,8 @@ fn frequencies(list: &[u8]) -> Vec<(u32, f32)> {
     found
 }
 
-/// A frequency, which is four bytes in some files and an integer of seven bits a byte in others:
-/// below 2 MHz that has three.
+/// Reads a frequency, Hz. It is four bytes in some files and an integer of seven bits a byte in
+/// others, which takes three bytes below 2 MHz.
 fn hertz(band: &VarStruct<'_>, number: usize) -> Option<u32> {
     let hertz = match band.bytes(number)?.len() {
         4 => band.unsigned(number),

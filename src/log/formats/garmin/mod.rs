@@ -1,15 +1,16 @@
-//! Garmin RSD, what the chartplotters of the ECHOMAP, STRIKER and GPSMAP series record.
+//! Reads Garmin RSD files, which the chartplotters of the ECHOMAP, STRIKER and GPSMAP series
+//! record.
 //!
 //! In: the bytes of a recording. Out: a collected log.
 //!
-//! Read from the specification: no real recording was at hand. The facts are those of public
-//! readers of the format, which were made with real recordings: `garmin_class.py` of PINGVerter
-//! 2.1.7 (C. Bodine, MIT; the reader of PINGMapper) and `readers/rsd.py` of sidescantools. Troubles
-//! that their users have, and that are tested here: PINGMapper issue 165 and PINGVerter issue 3
-//! (channels without a side, positions that are missing).
+//! Written from descriptions only: no real recording was at hand. The facts are taken from public
+//! readers of the format that were made with real recordings: `garmin_class.py` of PINGVerter 2.1.7
+//! (C. Bodine, MIT; the reader of PINGMapper) and `readers/rsd.py` of sidescantools. Problems of
+//! their users that are tested here: PINGMapper issue 165 and PINGVerter issue 3 (channels without
+//! a side, missing positions).
 //!
-//! A file is a header that is padded to 20 480 bytes, and records. All is written as structures of
-//! numbered fields ([`varstruct`]); integers are little-endian.
+//! A file consists of a header that is padded to 20 480 bytes, and records. All parts are
+//! structures of numbered fields ([`varstruct`]); integers are little-endian.
 //! - File header: field 0 the number 0xD9264B7C, 5 the unit (its field 2 the model, 3 the seconds
 //!   since 31 December 1989 UTC at which the recording began), 6 the channels with their bands in
 //!   hertz.
@@ -24,12 +25,12 @@
 //!   down-scan), 13 the element, whose field 5 has the tilt to port (negative) or to starboard. The
 //!   samples follow, nearest first on both sides, two bytes each.
 //!
-//! Stated by one source only: that one byte of shade a sample follows the samples (sidescantools),
-//! that depths may be unsigned (PINGVerter), and that old units record one byte a sample (notes of
-//! another public project).
+//! Facts from a single source: one byte of shade a sample follows the samples (sidescantools),
+//! depths may be unsigned (PINGVerter), and old units record one byte a sample (notes of another
+//! public project).
 //!
-//! Not read: temperature (a log has no place for it), gain, shade, and checksums, which peers find
-//! wrong in sound records. Course, heading and speed are not in the format.
+//! Not read: temperature (a log has no field for it), gain, shade, and checksums, which other
+//! readers find wrong in sound records. The format has no course, heading or speed.
 
 mod channels;
 mod decode;
@@ -47,13 +48,13 @@ use crate::survey::Survey;
 use header::FileHeader;
 use record::RecordHeader;
 
-/// The file header is padded to this length.
+/// Bytes of the file header with its padding.
 const HEADER: usize = 20_480;
 /// Bytes searched for records where none follows the header.
 const SEARCHED_FOR_RECORDS: usize = 1 << 20;
 const FORMAT: &str = "Garmin RSD";
 
-/// The reader of the format.
+/// Reader of the format.
 pub(super) struct Garmin;
 
 impl LogFormat for Garmin {
@@ -83,7 +84,7 @@ fn sniff(bytes: &[u8]) -> Option<RsdStart> {
         .then(|| RsdStart { header, first_record: first_record.unwrap_or(HEADER.min(bytes.len())) })
 }
 
-/// Reads a file that [`sniff`] recognised.
+/// Reads a file that [`sniff`] recognised; fails where it contains no ping, or the user cancelled.
 fn read(
     opened: Opened,
     found: RsdStart,

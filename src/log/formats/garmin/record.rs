@@ -1,33 +1,35 @@
-//! One record: its header, the fields of its ping, and where the samples lie.
+//! Reads one record: its header, the fields of its ping, and the position of its samples in the
+//! file.
 
 use super::varstruct::{VarStruct, first_item, whole_varuint};
 use crate::formats::scalar::u32_le;
 
-/// The number in field 0 of every record header.
+/// Value of field 0 of every record header.
 pub(super) const MAGIC: [u8; 4] = 0xB7E9_DA86_u32.to_le_bytes();
-/// Bytes before that number: the count of the fields, and the key of field 0 with its length of 4.
+/// Bytes before the magic number: the number of fields, and the key of field 0 with its length of
+/// 4.
 pub(super) const BEFORE_MAGIC: usize = 2;
-/// The checksum behind the fields of a record header, which is not checked: peers report that it
-/// does not fit in whole records.
+/// Bytes of the checksum after the fields of a record header. It is not checked: other readers
+/// report that it is wrong in whole records.
 const CHECKSUM: usize = 4;
-/// Depths from here on stand for none.
+/// Lowest stored depth that means "no depth".
 const NO_DEPTH: u32 = 0xFFFF_FF00;
 
 /// The header of a record.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct RecordHeader {
-    /// Channel of the record, where the header states it.
+    /// Channel of the record; `None` where the header does not state it.
     pub(super) channel: Option<u32>,
     /// Milliseconds since the start of the recording.
     pub(super) time_ms: i32,
     /// Offset of the body.
     pub(super) body: usize,
-    /// Bytes of the body; 0 where there is none.
+    /// Bytes of the body; 0 without a body.
     pub(super) size: usize,
 }
 
 impl RecordHeader {
-    /// The record header at `at`; `None` where there is none or it is damaged.
+    /// Reads the record header at `at`; `None` where there is none or it is damaged.
     pub(super) fn read(bytes: &[u8], at: usize) -> Option<Self> {
         let magic = at.checked_add(BEFORE_MAGIC)?;
         if bytes.get(at + 1) != Some(&4) || u32_le(bytes, magic) != Some(u32::from_le_bytes(MAGIC))
@@ -37,7 +39,7 @@ impl RecordHeader {
         let fields = VarStruct::read(bytes, at)?;
         let state = fields.structure(1);
         let channel = state.and_then(|state| state.bytes(1));
-        // A ping may have been sent before the recording began.
+        // The time is negative for a ping that was sent before the recording began.
         let time_ms = fields.unsigned(5).unwrap_or(0).cast_signed();
         Some(Self {
             channel: channel.and_then(first_item).and_then(whole_varuint),
@@ -47,16 +49,16 @@ impl RecordHeader {
         })
     }
 
-    /// Offset behind the body.
+    /// Returns the offset of the end of the body.
     pub(super) fn end(&self) -> usize {
         self.body.saturating_add(self.size)
     }
 }
 
-/// Place of the samples of a ping in the file.
+/// Position of the samples of a ping in the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct StoredSamples {
-    /// Offset of the first one.
+    /// Offset of the first sample.
     pub(super) offset: usize,
     /// Number of samples.
     pub(super) count: u32,
@@ -68,43 +70,42 @@ pub(super) struct StoredSamples {
 /// ([`super::decode::DepthEncoding`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct RecordBody {
-    /// Channel, where the body states it.
+    /// Channel; `None` where the body does not state it.
     pub(super) channel: Option<u32>,
-    /// Depth of the bottom.
+    /// Depth of the bottom; `None` where the body has none.
     pub(super) bottom: Option<u32>,
     /// Depth, or slant range, of the first and the last sample.
     pub(super) range: [Option<u32>; 2],
-    /// Latitude and longitude, 2^32 to the circle.
+    /// Latitude and longitude, 2^32 units to the circle.
     pub(super) place: Option<[i32; 2]>,
-    /// Direction of the transducer element: 1 down in a cone, 2 to port, 3 to starboard, 4 down in
-    /// a fan.
+    /// Number of the beam: 1 down in a cone, 2 to port, 3 to starboard, 4 down in a fan.
     pub(super) beam: Option<u32>,
     /// Tilt of a side-scan element, as other programs interpret it: negative to port, positive to
     /// starboard.
     pub(super) tilt: Option<f32>,
-    /// Samples that the ping says it has.
+    /// Number of samples that the body states.
     pub(super) stated_samples: u32,
-    /// Its samples; `None` where it has none, or says that it has more than there is room for.
+    /// Position of the samples; `None` where the body states none, or has too few bytes for them.
     pub(super) samples: Option<StoredSamples>,
 }
 
 /// A ping of any channel.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ping {
-    /// Offset of its record.
+    /// Offset of the ping's record.
     pub(super) offset: usize,
-    /// Offset behind its body.
+    /// Offset of the end of the body.
     pub(super) end: usize,
     /// Milliseconds since the start of the recording.
     pub(super) time_ms: i32,
-    /// Number of its channel.
+    /// Number of the ping's channel.
     pub(super) channel: u16,
-    /// Content of its record.
+    /// Content of the record.
     pub(super) body: RecordBody,
 }
 
 impl RecordBody {
-    /// The body of a record whose bytes are all there; `None` where its fields are damaged.
+    /// Reads the body of a record; `None` where it is truncated or its fields are damaged.
     pub(super) fn read(bytes: &[u8], header: &RecordHeader) -> Option<Self> {
         let body = bytes.get(..header.end())?;
         let fields = VarStruct::read(body, header.body)?;
@@ -129,9 +130,9 @@ impl RecordBody {
     }
 }
 
-/// The samples between the fields and the end of a body. They are its last bytes, behind what some
-/// units put between (a checksum); one byte of shade a sample follows them where the ping says so.
-/// Where there is room for one byte a sample only, they have eight bits.
+/// Finds the samples between the fields and the end of a body. They are the last bytes of the body,
+/// after additional bytes (a checksum) of some units, and before one byte of shade a sample where
+/// the ping states shade. Samples have eight bits where there is only room for one byte a sample.
 fn locate(from: usize, end: usize, count: u32, has_shade: bool) -> Option<StoredSamples> {
     let room = end.checked_sub(from)?;
     let samples = usize::try_from(count).ok().filter(|count| *count > 0)?;
@@ -154,11 +155,11 @@ mod tests {
             found.map(|found| (found.offset, found.is_wide))
         };
         assert_eq!(found(20, 10, false), Some((100, true)));
-        // A checksum before them, a byte of shade each behind them.
+        // A checksum before the samples; one byte of shade a sample after them.
         assert_eq!(found(24, 10, false), Some((104, true)));
         assert_eq!(found(30, 10, true), Some((100, true)));
         assert_eq!(found(34, 10, true), Some((104, true)));
-        // Shade was announced, and there is none.
+        // Shade is stated, but the body has no room for it.
         assert_eq!(found(20, 10, true), Some((100, true)));
         assert_eq!(found(10, 10, false), Some((100, false)));
         assert_eq!(found(14, 10, false), Some((104, false)));

@@ -1,27 +1,27 @@
-//! Structures of numbered fields, as all parts of an RSD file are written.
+//! Reads structures of numbered fields, of which all parts of an RSD file consist.
 //!
 //! A structure is a count of fields and the fields. A field is a key and a value: the low three
 //! bits of the key are the length of the value in bytes, or 7 where the length follows the key; the
 //! other bits are the number of the field. Counts, keys and lengths are unsigned integers of seven
-//! bits a byte, the lowest first; the high bit says that another byte follows.
+//! bits a byte, the lowest bits first; a set high bit means that another byte follows.
 
-/// Fields with higher numbers are not used here.
+/// Number of fields that are stored; fields with higher numbers are not used here.
 const FIELDS: usize = 16;
-/// No structure was seen with more than fifteen fields; one that says so is damaged.
+/// Most plausible fields of a structure; no structure was seen with more than fifteen.
 const MOST_FIELDS: u32 = 64;
-/// Bytes of an unsigned integer of 32 bits.
+/// Most bytes of an unsigned integer of 32 bits with seven bits a byte.
 const LONGEST_VARUINT: usize = 5;
 
-/// A structure, laid over the bytes that it was read from.
+/// A structure whose fields borrow the bytes that it was read from.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct VarStruct<'a> {
     fields: [Option<&'a [u8]>; FIELDS],
-    /// Offset of what follows it.
+    /// Offset of the end of the structure.
     pub(super) end: usize,
 }
 
 impl<'a> VarStruct<'a> {
-    /// The structure at `at`; `None` where it is damaged or goes on behind the end of the bytes.
+    /// Reads the structure at `at`; `None` where it is damaged or truncated.
     pub(super) fn read(bytes: &'a [u8], at: usize) -> Option<Self> {
         let (count, mut at) = varuint(bytes, at)?;
         if count > MOST_FIELDS {
@@ -44,12 +44,12 @@ impl<'a> VarStruct<'a> {
         Some(Self { fields, end: at })
     }
 
-    /// The value of a field as it is stored.
+    /// Returns the value of a field as stored; `None` where the field is missing.
     pub(super) fn bytes(&self, number: usize) -> Option<&'a [u8]> {
         *self.fields.get(number)?
     }
 
-    /// A little-endian unsigned integer of one to four bytes.
+    /// Returns a field that is a little-endian unsigned integer of one to four bytes.
     pub(super) fn unsigned(&self, number: usize) -> Option<u32> {
         let value = self.bytes(number).filter(|value| !value.is_empty())?;
         let mut four = [0; 4];
@@ -57,29 +57,29 @@ impl<'a> VarStruct<'a> {
         Some(u32::from_le_bytes(four))
     }
 
-    /// A little-endian signed integer of four bytes.
+    /// Returns a field that is a little-endian signed integer of four bytes.
     pub(super) fn signed(&self, number: usize) -> Option<i32> {
         self.bytes(number)?.try_into().ok().map(i32::from_le_bytes)
     }
 
-    /// A float of four bytes.
+    /// Returns a field that is a little-endian floating-point number of four bytes.
     pub(super) fn float(&self, number: usize) -> Option<f32> {
         self.bytes(number)?.try_into().ok().map(f32::from_le_bytes)
     }
 
-    /// An unsigned integer of seven bits a byte that fills its field.
+    /// Returns a field that is one unsigned integer of seven bits a byte.
     pub(super) fn varuint(&self, number: usize) -> Option<u32> {
         whole_varuint(self.bytes(number)?)
     }
 
-    /// A structure in a field.
+    /// Returns a field that is a structure.
     pub(super) fn structure(&self, number: usize) -> Option<VarStruct<'a>> {
         VarStruct::read(self.bytes(number)?, 0)
     }
 }
 
-/// The unsigned integer at `at` and the offset behind it; `None` where it is cut or has more than
-/// 32 bits.
+/// Returns the unsigned integer at `at` and the offset of its end; `None` where it is truncated or
+/// has more than 32 bits.
 pub(super) fn varuint(bytes: &[u8], at: usize) -> Option<(u32, usize)> {
     let mut value = 0_u64;
     for index in 0..LONGEST_VARUINT {
@@ -93,12 +93,12 @@ pub(super) fn varuint(bytes: &[u8], at: usize) -> Option<(u32, usize)> {
     None
 }
 
-/// The unsigned integer that fills these bytes.
+/// Returns the unsigned integer that these bytes consist of; `None` where more bytes follow it.
 pub(super) fn whole_varuint(bytes: &[u8]) -> Option<u32> {
     varuint(bytes, 0).filter(|(_, end)| *end == bytes.len()).map(|(value, _)| value)
 }
 
-/// The first item of an array: a count, and each item behind its length.
+/// Returns the first item of an array, which is a count, then each item after its length.
 pub(super) fn first_item(array: &[u8]) -> Option<&[u8]> {
     let (count, at) = varuint(array, 0)?;
     let (length, at) = varuint(array, at).filter(|_| count > 0)?;
@@ -116,7 +116,7 @@ mod tests {
             (&[0x7F], Some((127, 1))),
             (&[0xAC, 0x02, 9], Some((300, 2))),
             (&[0xFF, 0xFF, 0xFF, 0xFF, 0x0F], Some((u32::MAX, 5))),
-            // 33 bits, six bytes, cut.
+            // 33 bits, six bytes, and a truncated integer.
             (&[0xFF, 0xFF, 0xFF, 0xFF, 0x1F], None),
             (&[0x80, 0x80, 0x80, 0x80, 0x80, 0], None),
             (&[0x80], None),
@@ -130,8 +130,8 @@ mod tests {
 
     #[test]
     fn fields_are_found_by_number_and_damage_is_no_structure() {
-        // Field 0 of two bytes, field 2 of eight bytes behind its length, field 9 of none, field
-        // 200 that is not used.
+        // Field 0 of two bytes, field 2 of eight bytes after its length, field 9 without bytes, and
+        // field 200, which is not used.
         let mut bytes = vec![4, 0x02, 0x34, 0x12, 0x17, 8, 1, 2, 3, 4, 5, 6, 7, 8];
         bytes.extend([9 << 3, 0xC1, 0x0C, 77, 0xEE]);
         let found = VarStruct::read(&bytes, 0).unwrap();

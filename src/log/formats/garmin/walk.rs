@@ -1,15 +1,15 @@
-//! Walks from record to record through an RSD file, over damaged parts of it.
+//! Walks from record to record through an RSD file and skips damaged parts.
 
 use super::record::{BEFORE_MAGIC, MAGIC, RecordHeader};
 use crate::formats::report::{WarningKind, WarningReport};
 use crate::formats::scalar::u32_le;
 use crate::support::progress::{Cancelled, Progress};
 
-/// The number that the trailer of a record begins with.
+/// First four bytes of the trailer of a record, as a number.
 const TRAILER_MAGIC: u32 = 0xF98E_ACBC;
-/// Bytes of the trailer: the number, the record's length, a checksum.
+/// Bytes of the trailer: the magic number, the record's length, a checksum.
 const TRAILER: usize = 12;
-/// Records between two looks at the progress.
+/// Number of records between two updates of the progress.
 const RECORDS_A_CHECK: usize = 1024;
 
 /// A walk over the records of a file.
@@ -18,14 +18,15 @@ pub(super) struct RecordWalk<'a> {
     pub(super) bytes: &'a [u8],
     /// Report for warnings.
     pub(super) report: &'a WarningReport,
-    /// True if the file is still being written: a record that is cut at its end is no damage.
+    /// True if the file is still being written: a truncated last record is then no damage.
     pub(super) is_growing: bool,
     /// Progress of the walk.
     pub(super) progress: &'a Progress,
 }
 
 impl RecordWalk<'_> {
-    /// Calls `take` with the offset and the header of every whole record from `start` on.
+    /// Calls `take` with the offset and the header of every whole record from `start` on; fails
+    /// only if cancelled.
     pub(super) fn run(
         &self,
         start: usize,
@@ -49,8 +50,8 @@ impl RecordWalk<'_> {
         Ok(())
     }
 
-    /// Takes a record if the chain goes on behind it; where it does not, its size may be what is
-    /// damaged.
+    /// Passes a record to `take` if another record follows it; where none follows, the size in its
+    /// header may be damaged. Returns the offset of the next record.
     fn step(
         &self,
         at: usize,
@@ -98,8 +99,8 @@ impl RecordWalk<'_> {
     }
 }
 
-/// Returns the offset of the record behind one that ends at `end`, if the bytes there show that it
-/// ends there: with a trailer, of which some may not be written yet, without one, or at the end of
+/// Returns the offset of the record after one that ends at `end`, if the bytes there confirm this
+/// end: a trailer, which may be truncated, another record without a trailer between, or the end of
 /// the file.
 fn behind(bytes: &[u8], end: usize) -> Option<usize> {
     let len = bytes.len();
@@ -113,8 +114,8 @@ fn behind(bytes: &[u8], end: usize) -> Option<usize> {
     }
 }
 
-/// The first record header that begins in `from..to`: its four bytes of magic number and its fields
-/// are proof enough.
+/// Returns the offset of the first record header that begins in `from..to`: the magic number and
+/// readable fields identify it.
 pub(super) fn next_record(bytes: &[u8], from: usize, to: usize) -> Option<usize> {
     let to = to.min(bytes.len());
     let mut at = from;
@@ -130,7 +131,7 @@ pub(super) fn next_record(bytes: &[u8], from: usize, to: usize) -> Option<usize>
     None
 }
 
-/// Index of the first magic number that begins within the first `places` bytes.
+/// Returns the index of the first magic number that begins within the first `places` bytes.
 fn find_magic(searched: &[u8], places: usize) -> Option<usize> {
     let windows = searched.windows(MAGIC.len()).take(places);
     windows.into_iter().position(|window| window == MAGIC.as_slice())

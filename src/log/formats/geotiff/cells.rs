@@ -1,5 +1,5 @@
-//! The cells of a GeoTIFF as points: one band of numbers, in strips or tiles, plain or packed with
-//! deflate or LZW.
+//! Reads the cells of a GeoTIFF as points or as a raster: one band of numbers, in strips or tiles,
+//! uncompressed or compressed with deflate or LZW.
 
 use super::directory_walk::check_claims;
 use super::geotransform::{GeoKeys, GeoTransform};
@@ -15,78 +15,78 @@ use tiff::TiffError;
 use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
 
-/// Cells of a raster as points.
+/// Cells of a raster, converted to points.
 pub struct RasterPoints {
     /// x and y of the middle of each cell that has a value, and the value as stored.
     pub points: Vec<[f64; 3]>,
     /// True if x and y are degrees.
     pub is_degrees: bool,
-    /// EPSG number of the projection, where the raster names one.
+    /// EPSG number of the projection; `None` where the raster names none.
     pub projected: Option<u16>,
-    /// True if the raster says of itself that its values count downwards, as the depths of
-    /// `bathyscope process` do.
+    /// True if the raster's metadata state that its values count downwards, as for the depths of
+    /// `bathyscope process`.
     pub downwards: bool,
 }
 
-/// More cells than this are refused, known or not.
+/// Most cells of a raster, with or without a value.
 const MOST_CELLS: u64 = 50_000_000;
-/// More known cells than this are refused: as points, and triangles between them, they would fill
-/// the memory. A few hundred bytes of a packed file are enough to ask for as many.
+/// Most cells with a value: more cells, as points and triangles between them, would fill the
+/// memory. A compressed file of a few hundred bytes can contain that many.
 const MOST_POINTS: usize = 4_000_000;
-/// Bytes of a strip or tile, unpacked.
+/// Most bytes of a strip or tile, decompressed.
 const LARGEST_BLOCK: usize = 256 << 20;
-/// Bytes of a block that any file may have.
+/// Bytes of a decompressed block that are allowed in a file of any size.
 const SMALL_BLOCK: usize = 64 << 20;
-/// Tag in which GDAL keeps what it adds to a band.
+/// TIFF tag in which GDAL stores additional data of a band.
 const GDAL_METADATA: u16 = 42_112;
 
-/// The cells of a raster as they lie, row by row.
+/// Cells of a raster in their order, row by row.
 pub struct RasterValues {
     /// Cells from west to east.
     pub columns: usize,
     /// Cells from north to south.
     pub rows: usize,
-    /// Transform from columns and rows to the coordinates of the system, whole numbers being the
+    /// Transform from columns and rows to the coordinates of the system; whole numbers are the
     /// middles of cells.
     pub transform: GeoTransform,
     /// Values as stored, NaN in cells without one.
     pub values: Vec<f32>,
-    /// EPSG number of the system, where the raster names one.
+    /// EPSG number of the system; `None` where the raster names none.
     pub epsg: Option<u16>,
     /// True if the values count downwards, as in [`RasterPoints::downwards`].
     pub downwards: bool,
 }
 
-/// Reads the first image of a file.
+/// Reads the cells of the first image of a file as points.
 ///
 /// # Errors
-/// When the file cannot be read, or holds no heights with a place.
+/// When the file cannot be read, or contains no heights or no transform.
 pub fn read_cells(path: &Path) -> Result<RasterPoints, CellsError> {
     CellsError::guard(|| points(Open::new(path)?))
 }
 
-/// Reads the first image of a file as a raster, where its rows run from west to east and the first
-/// lies in the north.
+/// Reads the first image of a file as a raster; its rows must run from west to east, the
+/// northernmost row first.
 ///
 /// # Errors
-/// As [`read_cells`], and where the raster is turned.
+/// As for [`read_cells`], and when the raster is turned or upside down.
 pub fn read_values(path: &Path) -> Result<RasterValues, CellsError> {
     CellsError::guard(|| values(Open::new(path)?))
 }
 
-/// Reason why a raster gives no points, in a sentence without the path.
+/// Reason why no cells can be read from a raster, as a sentence without the path.
 #[derive(Debug, thiserror::Error)]
 pub enum CellsError {
-    /// The system does not give it.
+    /// The operating system cannot read the file.
     #[error("the GeoTIFF cannot be read: {0}")]
     Io(#[from] io::Error),
-    /// It is no TIFF, or one of a kind that is not known.
+    /// The file is no TIFF, or a TIFF of a kind that is not supported.
     #[error("the GeoTIFF cannot be read: {0}")]
     Tiff(#[from] TiffError),
-    /// It contradicts itself.
+    /// The file contradicts itself.
     #[error("the GeoTIFF cannot be read: {0}")]
     Damaged(&'static str),
-    /// It has more cells than are looked at.
+    /// The raster has more than `MOST_CELLS` cells.
     #[error(
         "the GeoTIFF has {columns} by {rows} cells, more than {MOST_CELLS}; make a coarser one"
     )]
@@ -96,36 +96,36 @@ pub enum CellsError {
         /// Cells from north to south.
         rows: u32,
     },
-    /// It has more cells with a value than fit into memory as points.
+    /// The raster has more than `MOST_POINTS` cells with a value.
     #[error(
         "the GeoTIFF has more than {MOST_POINTS} cells with a value; cut it to the survey, or make it coarser"
     )]
     TooManyPoints,
-    /// It has several bands.
+    /// The raster has several bands.
     #[error("the GeoTIFF is a picture, not one band of heights or depths")]
     Picture,
-    /// It has no transform.
+    /// The file has no transform.
     #[error("the TIFF does not say where it lies; write a GeoTIFF")]
     Nowhere,
-    /// Its rows do not run from west to east.
+    /// The rows do not run from west to east, or the first row is not the north.
     #[error(
         "the GeoTIFF is turned or upside down; bring it into rows from west to east, north first"
     )]
     Turned,
-    /// Its cells hold no number that a height could be.
+    /// The cells have a type of number that is not used for heights.
     #[error("the GeoTIFF holds no heights: its numbers have one or more than four bytes")]
     NoHeights,
 }
 
 impl CellsError {
-    /// A damaged file makes the decoder panic, which is no more than damage.
+    /// Runs `read`; turns a panic of the decoder, which a damaged file can cause, into an error.
     pub(super) fn guard<T>(read: impl FnOnce() -> Result<T, Self>) -> Result<T, Self> {
         catch_panic(read).unwrap_or(Err(Self::Damaged("it is damaged")))
     }
 }
 
-/// Returns the limits of the memory for a file: a block of [`LARGEST_BLOCK`] at most, and for a
-/// small file no more than it can hold as it is packed by the usual programs.
+/// Returns the memory limits of the decoder: blocks of at most [`LARGEST_BLOCK`] bytes, and for
+/// small files less, by the size of the file.
 fn limits(file: &File) -> io::Result<Limits> {
     let packed = usize::try_from(file.metadata()?.len()).unwrap_or(LARGEST_BLOCK);
     let mut limits = Limits::default();
@@ -134,7 +134,7 @@ fn limits(file: &File) -> io::Result<Limits> {
     Ok(limits)
 }
 
-/// A raster whose cells are about to be read.
+/// A raster that was opened and whose cells are not read yet.
 struct Open {
     decoder: Decoder<BufReader<File>>,
     size: [u32; 2],
@@ -179,7 +179,7 @@ impl Open {
         })
     }
 
-    /// Hands over column, row and value of every cell that has one.
+    /// Calls `take` with the column, the row and the value of every cell that has a value.
     fn each_known(
         &mut self,
         mut take: impl FnMut([usize; 2], f64) -> Result<(), CellsError>,
@@ -235,8 +235,9 @@ fn values(mut raster: Open) -> Result<RasterValues, CellsError> {
     })
 }
 
-/// Hands over one strip or tile after the other, so that the picture is never unpacked as a whole:
-/// column and row of its first cell, its width, and pieces of whole rows of it.
+/// Reads one strip or tile after the other, so that the picture is never decompressed as a whole,
+/// and calls `take` with pieces of whole rows: the column and row of the first cell, the width, and
+/// the values.
 fn each_block(
     decoder: &mut Decoder<BufReader<File>>,
     [columns, rows]: [u32; 2],
@@ -254,7 +255,7 @@ fn each_block(
             let shown = shown.max(1) as usize;
             let values = decoder.read_chunk(block)?;
             let first = [(column * width) as usize, (row * height) as usize];
-            // Few rows at a time: as f64 a block may be twice its size.
+            // Only a few rows at a time: as f64, a block may take several times its size.
             let step = (PIECE / shown).max(1) * shown;
             let mut start = 0;
             while let Some(piece) = numbers(&values, start..start + step)? {
@@ -267,10 +268,10 @@ fn each_block(
     Ok(())
 }
 
-/// Cells that become f64 at a time.
+/// Cells that are converted to f64 at a time.
 const PIECE: usize = 1 << 20;
 
-/// Some of a block's numbers; `None` beyond its end.
+/// Returns a range of a block's numbers; `None` beyond the end of the block.
 fn numbers(block: &DecodingResult, range: Range<usize>) -> Result<Option<Vec<f64>>, CellsError> {
     fn wide<T: Copy + Into<f64>>(values: &[T], range: Range<usize>) -> Option<Vec<f64>> {
         let values = values.get(range.start..range.end.min(values.len()))?;

@@ -1,25 +1,25 @@
-//! Directories of a TIFF: tags in order, their values behind them.
+//! Writes the directories of a TIFF: their tags in order, and the values after them.
 
 use super::metadata::{Statistics, gdal_metadata};
 use super::{CellFormat, NODATA, RASTER_TILE, RasterSpec};
 
 /// The values of a tag.
 enum TagValues {
-    /// ASCII, its zero added.
+    /// Text in ASCII; a zero byte is added when it is stored.
     Text(String),
-    /// 16 bit.
+    /// Numbers of 16 bits.
     Short(Vec<u16>),
-    /// 32 bit.
+    /// Numbers of 32 bits.
     Long(Vec<u32>),
-    /// 64 bit floating point.
+    /// Floating-point numbers of 64 bits.
     Double(Vec<f64>),
 }
 
-/// Number and values.
+/// Number and values of a tag.
 struct Tag(u16, TagValues);
 
 impl TagValues {
-    /// The format's number of the type, how many values, their bytes.
+    /// Returns the type number of TIFF, the number of values, and their bytes.
     fn stored(&self) -> (u16, u32, Vec<u8>) {
         fn numbers<T: Copy, const N: usize>(
             kind: u16,
@@ -38,7 +38,7 @@ impl TagValues {
     }
 }
 
-/// One directory of the file: a level, or the mask of one.
+/// One directory of the file: a level of resolution, or the mask of a level.
 pub(super) struct Page {
     pub columns: usize,
     pub rows: usize,
@@ -48,10 +48,10 @@ pub(super) struct Page {
     pub places: Vec<[u32; 2]>,
 }
 
-/// The head of the file and all directories, each with its values behind it. How many bytes these
-/// are does not depend on the places.
+/// Returns the head of the file and all directories, each followed by its values. The number of
+/// bytes does not depend on the places of the tiles.
 pub(super) fn bytes(spec: &RasterSpec, statistics: &Statistics, pages: &[Page]) -> Vec<u8> {
-    // Little-endian, TIFF, and the first directory right behind.
+    // Little-endian, TIFF, and the offset of the first directory, which follows directly.
     let mut all = b"II\x2a\0\x08\0\0\0".to_vec();
     for (index, page) in pages.iter().enumerate() {
         let is_last = index + 1 == pages.len();
@@ -60,7 +60,7 @@ pub(super) fn bytes(spec: &RasterSpec, statistics: &Statistics, pages: &[Page]) 
     all
 }
 
-/// Adds a directory, its values, and the link to the next one, which lies right behind them.
+/// Adds a directory, the link to the next directory, which follows directly, and the values.
 fn directory(tags: &[Tag], is_last: bool, all: &mut Vec<u8>) {
     let start = all.len();
     let head = 2 + 12 * tags.len() + 4;
@@ -86,11 +86,12 @@ fn directory(tags: &[Tag], is_last: bool, all: &mut Vec<u8>) {
     all.extend(behind);
 }
 
-/// The tags of a directory, in ascending order as the format wants them.
+/// Returns the tags of a directory, in ascending order as TIFF requires.
 fn tags(spec: &RasterSpec, statistics: &Statistics, page: &Page) -> Vec<Tag> {
     let is_full = !page.is_overview && !page.is_mask;
     let cells = (!page.is_mask).then_some(spec.cells);
-    // Samples, bits of each, what they are (1 grey, 2 colours, 4 a mask).
+    // Number of samples, bits of each, and photometric interpretation (1 grey, 2 colours, 4 a
+    // mask).
     let (samples, bits, colours) = match cells {
         Some(CellFormat::Rgba) => (4, 8, 2),
         Some(CellFormat::Level | CellFormat::Class) => (1, 8, 1),
@@ -104,7 +105,7 @@ fn tags(spec: &RasterSpec, statistics: &Statistics, page: &Page) -> Vec<Tag> {
         Tag(256, long(page.columns)),
         Tag(257, long(page.rows)),
         Tag(258, TagValues::Short(vec![bits; samples])),
-        // Deflate, as Adobe numbers it.
+        // Deflate, by Adobe's number.
         Tag(259, short(8)),
         Tag(262, short(colours)),
     ];
@@ -117,7 +118,7 @@ fn tags(spec: &RasterSpec, statistics: &Statistics, page: &Page) -> Vec<Tag> {
         let program = concat!("Bathyscope ", env!("CARGO_PKG_VERSION"));
         tags.push(Tag(305, TagValues::Text(program.to_owned())));
     }
-    // Differences of bytes to the cell before, or none.
+    // Predictor: 2 is differences to the cell before, 1 is none.
     let is_differences = cells == Some(CellFormat::Rgba);
     tags.extend([
         Tag(317, short(if is_differences { 2 } else { 1 })),
@@ -127,10 +128,10 @@ fn tags(spec: &RasterSpec, statistics: &Statistics, page: &Page) -> Vec<Tag> {
         Tag(325, TagValues::Long(page.places.iter().map(|place| place[1]).collect())),
     ]);
     if cells == Some(CellFormat::Rgba) {
-        // The fourth sample is opacity, the colours not multiplied by it.
+        // The fourth sample is opacity; the colours are not multiplied by it.
         tags.push(Tag(338, short(2)));
     }
-    // Unsigned, or floating point.
+    // Sample format: 3 is floating point, 1 is unsigned.
     let format = if cells == Some(CellFormat::Metres) { 3 } else { 1 };
     tags.push(Tag(339, TagValues::Short(vec![format; samples])));
     if is_full {
@@ -146,8 +147,8 @@ fn tags(spec: &RasterSpec, statistics: &Statistics, page: &Page) -> Vec<Tag> {
     tags
 }
 
-/// Cell size, the north-west corner, and the coordinate system: projected (1) or in degrees (2),
-/// cells are areas (1), its EPSG number.
+/// Returns the tags of the cell size, the north-west corner, and the coordinate system: projected
+/// (1) or in degrees (2), cells as areas (1), and the EPSG number.
 fn georeference(spec: &RasterSpec) -> [Tag; 3] {
     let (model, system) = if spec.crs.is_degrees() { (2, 2048) } else { (1, 3072) };
     let keys =

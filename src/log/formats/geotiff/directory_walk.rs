@@ -1,37 +1,37 @@
-//! The directories of a TIFF as they are stored, looked through before the decoder allocates by
-//! what they claim. Fields as "TIFF Revision 6.0" and the BigTIFF proposal have them.
+//! Walks through the stored directories of a TIFF and checks the sizes that they claim, before the
+//! decoder allocates memory by them. Fields as in "TIFF Revision 6.0" and the BigTIFF proposal.
 
 use std::io::{self, Read, Seek, SeekFrom};
 
-/// Directories of a file that are looked through: pictures, overviews and masks.
+/// Most directories of a file that are visited: pictures, overviews and masks.
 const MOST_DIRECTORIES: usize = 64;
-/// Entries of a directory that are looked through.
+/// Most entries of a directory that are visited.
 const MOST_ENTRIES: u64 = 4096;
 
 /// An entry of a directory.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DirectoryEntry {
-    /// Number of its tag, which gives the meaning of its values.
+    /// Number of the entry's tag, which gives the meaning of the values.
     pub tag: u64,
-    /// Bytes that its values claim to take.
+    /// Bytes that the values claim to take.
     pub bytes: u64,
-    /// Offset of its value field.
+    /// Offset of the value field in the file.
     pub value_at: u64,
 }
 
-/// The chain of directories of a TIFF or BigTIFF.
+/// A walk along the chain of directories of a TIFF or BigTIFF.
 pub(crate) struct DirectoryWalk<'a, R> {
     /// The file.
     pub file: &'a mut R,
-    /// The byte order of its numbers.
+    /// True if the numbers of the file are big-endian.
     pub is_big_endian: bool,
-    /// BigTIFF: offsets and counts of 8 bytes.
+    /// True for BigTIFF, in which offsets and counts have 8 bytes.
     is_big: bool,
     next: u64,
 }
 
 impl<'a, R: Read + Seek> DirectoryWalk<'a, R> {
-    /// The walk over a file; `None` where it is none.
+    /// Starts a walk over a file; `None` where its header cannot be read.
     pub(crate) fn begin(file: &'a mut R) -> Option<Self> {
         let mut order = [0; 2];
         file.read_exact(&mut order).ok()?;
@@ -44,7 +44,7 @@ impl<'a, R: Read + Seek> DirectoryWalk<'a, R> {
         Some(walk)
     }
 
-    /// Hands over all entries, as far as they can be followed.
+    /// Calls `take` with every entry, until the chain ends or cannot be followed.
     pub(crate) fn run(mut self, mut take: impl FnMut(&mut Self, DirectoryEntry) -> Option<()>) {
         for _ in 0..MOST_DIRECTORIES {
             if self.next == 0 || self.directory(&mut take).is_none() {
@@ -82,7 +82,7 @@ impl<'a, R: Read + Seek> DirectoryWalk<'a, R> {
         self.number(if self.is_big { 8 } else { 4 })
     }
 
-    /// An unsigned number of up to 8 bytes.
+    /// Reads an unsigned number of up to 8 bytes; `None` at the end of the file.
     pub(crate) fn number(&mut self, bytes: usize) -> Option<u64> {
         let mut read = [0; 8];
         let read = read.get_mut(..bytes)?;
@@ -96,7 +96,7 @@ impl<'a, R: Read + Seek> DirectoryWalk<'a, R> {
     }
 }
 
-/// Bytes of a value of a type.
+/// Returns the bytes of one value of a type.
 fn bytes_of(kind: u64) -> u64 {
     match kind {
         3 | 8 => 2,
@@ -106,11 +106,11 @@ fn bytes_of(kind: u64) -> u64 {
     }
 }
 
-/// Refuses a file with an entry whose values claim more bytes than the file has: the decoder
-/// allocates for them before it reads them. Leaves the file at its beginning.
+/// Refuses a file with an entry whose values claim more bytes than the file has, because the
+/// decoder would allocate memory for them before it reads them. Leaves the file at its beginning.
 ///
 /// # Errors
-/// That there is such an entry, or what the system says.
+/// When the file has such an entry, or the operating system cannot read the file.
 pub fn check_claims<R: Read + Seek>(file: &mut R) -> io::Result<()> {
     let length = file.seek(SeekFrom::End(0))?;
     file.seek(SeekFrom::Start(0))?;
@@ -137,7 +137,7 @@ mod tests {
     use super::*;
     use std::io::Cursor;
 
-    /// A directory of one entry.
+    /// Returns a file with a directory of one entry.
     fn tiff(count: u32) -> Cursor<Vec<u8>> {
         let mut bytes = b"II*\0\x08\0\0\0\x01\0".to_vec();
         bytes.extend([0x11, 0x01, 4, 0]);

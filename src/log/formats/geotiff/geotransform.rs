@@ -1,4 +1,5 @@
-//! Place of the cells of a GeoTIFF: its geo keys and its transform, as OGC 19-008 defines them.
+//! Reads the position of the cells of a GeoTIFF: its geo keys and its transform, as OGC 19-008
+//! defines them.
 
 use std::io::{Read, Seek};
 use tiff::decoder::Decoder;
@@ -8,41 +9,42 @@ const MODEL_TYPE: u16 = 1024;
 const RASTER_TYPE: u16 = 1025;
 const GEOGRAPHIC: u16 = 2048;
 const PROJECTED: u16 = 3072;
-/// Values of the two types.
+/// Value of the model type for degrees, and of the raster type for cells as points.
 const IS_GEOGRAPHIC: u16 = 2;
 const IS_POINT: u16 = 2;
 
-/// The keys that have short values.
+/// GeoTIFF keys with 16-bit values.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct GeoKeys(Vec<u16>);
 
 impl GeoKeys {
-    /// Reads the keys of the picture that the decoder is at; none where it has none.
+    /// Reads the keys of the current picture of the decoder; empty where it has none.
     pub(crate) fn read<R: Read + Seek>(decoder: &mut Decoder<R>) -> Self {
         let keys = decoder.get_tag_u16_vec(Tag::GeoKeyDirectoryTag);
         Self(keys.unwrap_or_default())
     }
 
-    /// Entries are a key, where its value lies (0: here), how many, and the value; the first is a
-    /// header.
+    /// Returns the value of a key. Entries are a key, the place of its value (0: in the entry), the
+    /// number of values, and the value; the first entry is a header.
     fn value(&self, key: u16) -> Option<u16> {
         let mut entries = self.0.chunks_exact(4).skip(1);
         let found = entries.find(|entry| entry[0] == key && entry[1] == 0);
         found.map(|entry| entry[3])
     }
 
-    /// Returns true if the numbers are said to be degrees, or can be nothing else.
+    /// Returns true if the coordinates are stated to be degrees, or only a system of degrees is
+    /// named.
     pub(crate) fn is_geographic(&self) -> bool {
         self.value(MODEL_TYPE) == Some(IS_GEOGRAPHIC)
             || self.projected().is_none() && self.geographic().is_some()
     }
 
-    /// EPSG number of the system of degrees.
+    /// Returns the EPSG number of the geographic coordinate system.
     pub(crate) fn geographic(&self) -> Option<u16> {
         self.value(GEOGRAPHIC)
     }
 
-    /// EPSG number of the projection.
+    /// Returns the EPSG number of the projection.
     pub(crate) fn projected(&self) -> Option<u16> {
         self.value(PROJECTED)
     }
@@ -58,12 +60,12 @@ pub struct GeoTransform {
     pub per_column: [f64; 2],
     /// Step from one row to the next.
     pub per_row: [f64; 2],
-    /// True if the numbers place the middles of cells, not their corners.
+    /// True if whole numbers are the middles of cells, not their corners.
     is_point: bool,
 }
 
 impl GeoTransform {
-    /// Reads the transform of the picture that the decoder is at; `None` where it has none.
+    /// Reads the transform of the current picture of the decoder; `None` where it has none.
     pub(crate) fn read<R: Read + Seek>(decoder: &mut Decoder<R>, keys: &GeoKeys) -> Option<Self> {
         let mut numbers = |tag| decoder.get_tag_f64_vec(tag).unwrap_or_default();
         let (scale, tie) = (numbers(Tag::ModelPixelScaleTag), numbers(Tag::ModelTiepointTag));
@@ -83,7 +85,7 @@ impl GeoTransform {
         })
     }
 
-    /// The coordinates of a column and a row.
+    /// Returns the coordinates of a column and a row.
     pub fn at(&self, [column, row]: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|axis| {
             self.origin[axis] + column * self.per_column[axis] + row * self.per_row[axis]

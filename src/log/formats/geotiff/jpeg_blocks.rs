@@ -1,16 +1,16 @@
-//! The sizes that the JPEG blocks of a TIFF state, looked up before the decoder allocates by them.
-//! Compression 7 as "TIFF Technical Note 2" describes it, markers as ITU-T T.81 (annex B) has them.
+//! Checks the sizes that the JPEG blocks of a TIFF state, before the decoder allocates memory by
+//! them. Compression 7 as in "TIFF Technical Note 2", markers as in ITU-T T.81 (annex B).
 
 use std::io::{Read, Seek, SeekFrom};
 use tiff::decoder::Decoder;
 use tiff::tags::{CompressionMethod, Tag};
 
-/// Bytes of a block as it is packed, and as it is unpacked.
+/// Most bytes of a block, both compressed and decompressed.
 const MOST_BYTES: u64 = 16 << 20;
-/// The marker that begins a stream, and the one that begins the coded samples.
+/// Marker at the start of a stream, and marker at the start of the coded samples.
 const START: u8 = 0xD8;
 const SCAN: u8 = 0xDA;
-/// Markers of frames (SOF0 to SOF15), and the three numbers among them that mean something else.
+/// Markers of frames (SOF0 to SOF15), and the three numbers among them with another meaning.
 const FRAMES: std::ops::RangeInclusive<u8> = 0xC0..=0xCF;
 const NO_FRAMES: [u8; 3] = [0xC4, 0xC8, 0xCC];
 
@@ -22,18 +22,18 @@ pub(crate) fn is_jpeg<R: Read + Seek>(tiff: &mut Decoder<R>) -> bool {
 
 /// The blocks of a directory that are JPEG streams.
 pub(crate) struct JpegBlocks {
-    /// Tables that all streams share and that belong before each of them, without the marker of an
-    /// end.
+    /// Tables that are shared by all streams and belong before each of them, without the end
+    /// marker.
     tables: Vec<u8>,
-    /// Offset and length of each.
+    /// Offset and length of each block.
     places: Vec<[u64; 2]>,
     /// Columns and rows of a block.
     size: [u32; 2],
 }
 
 impl JpegBlocks {
-    /// Reads the blocks of the directory that the decoder is at; `None` where it has none, or does
-    /// not say where they lie.
+    /// Reads the blocks of the current directory of the decoder; `None` where they are not JPEG
+    /// streams, or the directory does not state their places.
     pub(crate) fn read<R: Read + Seek>(tiff: &mut Decoder<R>) -> Option<Self> {
         let either = |tiff: &mut Decoder<R>, tiles: Tag, strips: Tag| {
             let tiles = tiff.find_tag_unsigned_vec::<u64>(tiles).ok().flatten();
@@ -55,7 +55,8 @@ impl JpegBlocks {
         })
     }
 
-    /// Returns true if a block states no more columns and rows than the directory gives it.
+    /// Returns true if a block states no more columns and rows than the directory, and not too many
+    /// bytes when decompressed.
     pub(crate) fn is_sound<R: Read + Seek>(&self, number: u32, file: &mut R) -> bool {
         self.stream(number, file).is_some_and(|stream| {
             frame_size(&stream).is_some_and(|[columns, rows, bytes]| {
@@ -65,8 +66,8 @@ impl JpegBlocks {
         })
     }
 
-    /// Returns a block as the decoder puts it together: the tables, and the stream without the
-    /// marker of its start.
+    /// Returns a block as the decoder assembles it: the tables, and the stream without its start
+    /// marker.
     fn stream<R: Read + Seek>(&self, number: u32, file: &mut R) -> Option<Vec<u8>> {
         let [offset, length] = *self.places.get(number as usize)?;
         if length > MOST_BYTES {
@@ -80,8 +81,8 @@ impl JpegBlocks {
     }
 }
 
-/// Columns, rows and bytes a pixel that the only frame of a stream states; `None` where what lies
-/// before its samples is no row of segments.
+/// Returns the columns, the rows and the bytes a pixel of the only frame of a stream; `None` where
+/// the bytes before the samples are no sequence of segments, or contain no frame or several.
 fn frame_size(stream: &[u8]) -> Option<[u32; 3]> {
     let mut rest = stream.strip_prefix(&[0xFF, START])?;
     let mut found = None;
@@ -119,7 +120,7 @@ fn frame_size(stream: &[u8]) -> Option<[u32; 3]> {
 mod tests {
     use super::*;
 
-    /// A stream with a comment, a frame of these columns and rows, and samples that are none.
+    /// Returns a stream with a comment, a frame of these columns and rows, and no valid samples.
     fn stream(columns: u16, rows: u16) -> Vec<u8> {
         let mut bytes = vec![0xFF, START, 0xFF, 0xFE, 0, 4, 0xFF, 0xC0];
         bytes.extend([0xFF, 0xFF, 0xC0, 0, 17, 8]);

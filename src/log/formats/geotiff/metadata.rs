@@ -1,5 +1,5 @@
-//! Statistics of a band, as GDAL defines them, and the XML about it that GDAL keeps in a tag of its
-//! own, written and read.
+//! Computes the statistics of a band, as GDAL defines them, and writes and reads the XML about the
+//! band in GDAL's own tag.
 
 use super::{Band, CellFormat, NODATA, RasterSpec};
 use crate::formats::xml::{attribute, is, text_of};
@@ -7,23 +7,22 @@ use crate::support::printable::xml;
 use quick_xml::Reader;
 use quick_xml::events::Event;
 
-/// Name of the item that says which way values count, as the CF conventions name it, and what it
-/// says of depths.
+/// Name of the item for the direction in which values count, from the CF conventions.
 const POSITIVE: &str = "positive";
-/// See [`POSITIVE`].
+/// Value of the item [`POSITIVE`] for depths.
 const DOWN: &str = "down";
 
-/// Count, ends, mean and spread of the values that are known.
+/// Number, extremes, mean and spread of the known values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Statistics {
     /// Number of known values.
     count: u64,
-    /// The least; infinite where none is known.
+    /// Least value; positive infinity where none is known.
     least: f64,
-    /// The greatest; infinite where none is known.
+    /// Greatest value; negative infinity where none is known.
     most: f64,
     mean: f64,
-    /// Sum of the squares of what the values differ from their mean by.
+    /// Sum of the squared differences of the values from their mean.
     squares: f64,
 }
 
@@ -34,7 +33,7 @@ impl Default for Statistics {
 }
 
 impl Statistics {
-    /// Computes the statistics of the cells of a tile; colours have none.
+    /// Computes the statistics of the cells of a tile; those of colours are empty.
     pub(super) fn of(cells: CellFormat, bytes: &[u8]) -> Self {
         match cells {
             CellFormat::Rgba => Self::default(),
@@ -74,7 +73,7 @@ impl Statistics {
         all
     }
 
-    /// Adds the values of another part.
+    /// Adds the statistics of another part.
     pub(super) fn join(&mut self, other: &Self) {
         if other.count == 0 {
             return;
@@ -88,18 +87,19 @@ impl Statistics {
         self.most = self.most.max(other.most);
     }
 
-    /// The mean; `None` where no value is known.
+    /// Returns the mean; `None` where no value is known.
     fn mean(&self) -> Option<f64> {
         (self.count > 0).then_some(self.mean)
     }
 
-    /// Standard deviation of all values, not of a sample of them; `None` where no value is known.
+    /// Returns the standard deviation of all values, not of a sample; `None` where no value is
+    /// known.
     fn deviation(&self) -> Option<f64> {
         (self.count > 0).then(|| (self.squares / self.count as f64).sqrt())
     }
 }
 
-/// The text of the tag.
+/// Returns the XML text of GDAL's tag.
 pub(super) fn gdal_metadata(spec: &RasterSpec, band: &Band, statistics: &Statistics) -> String {
     let mut text = "<GDALMetadata>\n".to_owned();
     let mut item = |name: &str, role: &str, value: &str| {
@@ -131,10 +131,11 @@ pub(super) fn gdal_metadata(spec: &RasterSpec, band: &Band, statistics: &Statist
     text + "</GDALMetadata>"
 }
 
-/// Returns true if the text of such a tag, by whatever program, says that values count downwards.
+/// Returns true if the text of such a tag, written by any program, states that values count
+/// downwards.
 pub(super) fn counts_downwards(text: &str) -> bool {
     let mut reader = Reader::from_str(text);
-    // Of the item that says so, where it is open.
+    // Text of the item [`POSITIVE`] while it is open.
     let mut value: Option<String> = None;
     loop {
         match (reader.read_event(), &mut value) {
@@ -179,7 +180,7 @@ mod tests {
         for part in [&[2.0, NODATA, 4.0][..], &[NODATA], &[4.0, 4.0, 5.0, 5.0, 7.0, 9.0]] {
             joined.join(&Statistics::of(CellFormat::Metres, &bytes(part)));
         }
-        // The well-known example: mean 5, standard deviation 2.
+        // A well-known example: mean 5, standard deviation 2.
         assert_eq!((joined.count, joined.least, joined.most), (8, 2.0, 9.0));
         assert!((joined.mean().unwrap() - 5.0).abs() < 1e-12);
         assert!((joined.deviation().unwrap() - 2.0).abs() < 1e-12);

@@ -1,21 +1,22 @@
-//! GeoTIFF: rasters with a place on the earth, in tiles, compressed, with overviews, laid out as a
-//! Cloud-Optimized GeoTIFF. Written tile by tile, so that memory does not grow with the area.
+//! Reads and writes GeoTIFF: rasters with a position on Earth, in tiles, compressed, with
+//! overviews, laid out as a Cloud-Optimized GeoTIFF. Files are written tile by tile, so that memory
+//! does not grow with the area.
 //!
-//! In: cells with a place on the earth, or a file. Out: a file, or the cells of one.
+//! In: cells with a position on Earth, or a file. Out: a file, or the cells of a file.
 //!
-//! TIFF 6.0 with the tiles of its section 15 and deflate; GeoTIFF 1.1 (OGC 19-008) with an EPSG
-//! system and pixels that are areas; OGC 21-026 for the order: all directories at the front, the
-//! full picture first, then the tiles, the coarsest overview first; nodata, mask, band names, units
-//! and statistics as GDAL writes them.
+//! Follows TIFF 6.0 with the tiles of its section 15 and deflate; GeoTIFF 1.1 (OGC 19-008) with an
+//! EPSG system and pixels that are areas; OGC 21-026 for the order: all directories at the front,
+//! the full picture first, then the tiles, the coarsest overview first; nodata, mask, band names,
+//! units and statistics as GDAL writes them.
 //!
 //! ```text
 //! draw --pack--> tiles in a scratch file --halve--> coarser tiles there --writer--> directories, then all tiles in order
 //! ```
 //!
-//! `directory` lays out the tags, `metadata` what GDAL adds to a band. `cells` reads a raster of
-//! any program back, as points or cell by cell, `tiles` one of our own tile by tile; `geotransform`
-//! is where its cells lie, also for the pixels of a base map. `directory_walk` and `jpeg_blocks`
-//! look up what a file claims before a decoder allocates by it.
+//! `directory` lays out the tags, `metadata` writes GDAL's data of a band. `cells` reads a raster
+//! of any program, as points or cell by cell, `tiles` reads a raster of this program tile by tile;
+//! `geotransform` gives the position of cells, also for the pixels of a base map. `directory_walk`
+//! and `jpeg_blocks` check the sizes that a file claims before a decoder allocates memory by them.
 
 mod cells;
 mod directory;
@@ -43,7 +44,7 @@ use writer::RasterWriter;
 
 /// Rows and columns of a tile.
 pub const RASTER_TILE: usize = 256;
-/// Stands for "nothing known" in a raster of metres.
+/// Value for "nothing known" in a raster of metres.
 pub const NODATA: f32 = -9999.0;
 
 /// Content of a cell.
@@ -51,22 +52,22 @@ pub const NODATA: f32 = -9999.0;
 pub enum CellFormat {
     /// Red, green, blue, opacity; one byte each.
     Rgba,
-    /// A level of one byte, 0 where nothing is known; a mask in the file says so too.
+    /// A level of one byte, 0 where nothing is known; a mask in the file marks the same cells.
     Level,
-    /// The number of a class, one byte, 0 where nothing is known; a mask in the file says so too.
-    /// Of four cells the coarser one has the greatest.
+    /// The number of a class, one byte, 0 where nothing is known; a mask in the file marks the same
+    /// cells. A coarser cell has the greatest class of its four cells.
     Class,
     /// Metres as f32, little-endian, [`NODATA`] where nothing is known.
     Metres,
 }
 
 impl CellFormat {
-    /// Bytes of a cell.
+    /// Returns the bytes of a cell.
     fn bytes(self) -> usize {
         self.empty().len()
     }
 
-    /// The cell of which nothing is known.
+    /// Returns a cell without a known value.
     fn empty(self) -> &'static [u8] {
         const METRES: [u8; 4] = NODATA.to_le_bytes();
         match self {
@@ -76,7 +77,7 @@ impl CellFormat {
         }
     }
 
-    /// A tile of which nothing is known.
+    /// Returns a tile without a known value.
     fn empty_tile(self) -> Vec<u8> {
         self.empty().repeat(RASTER_TILE * RASTER_TILE)
     }
@@ -85,20 +86,20 @@ impl CellFormat {
 /// Meaning of the values of a raster.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Band {
-    /// Its name: `depth`.
+    /// Name of the band, as `depth`.
     pub name: &'static str,
-    /// The unit of its values, empty where they have none.
+    /// Unit of the values; empty where they have none.
     pub unit: &'static str,
-    /// True if greater values lie deeper, as the attribute `positive` of the CF conventions says.
+    /// True if greater values are deeper, as in the attribute `positive` of the CF conventions.
     pub positive_down: bool,
 }
 
 impl Band {
-    /// Band of a grey mosaic.
+    /// Band of a mosaic in grey levels.
     pub const ECHO_LEVEL: Self = Self { name: "echo level", unit: "", positive_down: false };
 }
 
-/// A raster and its place.
+/// Content and position of a raster.
 #[derive(Clone, Debug)]
 pub struct RasterSpec {
     /// Cells from west to east.
@@ -111,24 +112,24 @@ pub struct RasterSpec {
     pub north: f64,
     /// Width and height of a cell, in the unit of the coordinate system.
     pub cell: [f64; 2],
-    /// The coordinate system.
+    /// Coordinate system of the edges and the cell size.
     pub crs: Crs,
     /// Content of a cell.
     pub cells: CellFormat,
     /// Meaning of the values; `None` for a picture in colours.
     pub band: Option<Band>,
-    /// Description of the raster, for people.
+    /// Description of the raster for its readers.
     pub description: String,
 }
 
-/// Writes a GeoTIFF into a file that is open for it. `tiles` are those that hold something, as row
-/// and column; `draw` makes one, [`RASTER_TILE`] rows of as many cells, and is called from several
-/// threads. What lies beyond the raster's edge in the last tiles must be empty. On the way the
-/// tiles lie in `scratch`, an empty file that is open for reading and writing.
+/// Writes a GeoTIFF into an open file. `tiles` are the row and column of each tile that is not
+/// empty; `draw` returns the cells of a tile, [`RASTER_TILE`] rows of as many cells, and is called
+/// from several threads. Cells beyond the raster's edge in the last tiles must be empty. `scratch`
+/// is an empty file, open for reading and writing, that stores the tiles in between.
 ///
 /// # Errors
-/// What the system or `draw` says; that the raster passes 4 GB, which is as far as the format
-/// reaches; or that the work was cancelled.
+/// When the operating system or `draw` reports an error, the raster exceeds 4 GB, the limit of the
+/// format, or the work was cancelled.
 pub fn write(
     file: File,
     scratch: File,
@@ -137,7 +138,7 @@ pub fn write(
     draw: impl Fn([usize; 2]) -> io::Result<Vec<u8>> + Sync,
     progress: &Progress,
 ) -> io::Result<()> {
-    // Each overview has a quarter of the tiles of the level before it.
+    // Each overview has about a quarter of the tiles of the level before it.
     progress.start((tiles.len() + tiles.len() / 3).max(1) as u64);
     let mut raster = RasterWriter::new(spec, scratch);
     raster.base(tiles, draw, progress)?;

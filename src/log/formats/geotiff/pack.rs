@@ -1,5 +1,5 @@
-//! Tiles as they are stored: compressed, a mask of their own beside those of levels; and those at
-//! half the resolution that are made of them.
+//! Compresses tiles for storage, with a separate mask for levels and classes, and reduces tiles to
+//! half the resolution.
 
 use super::{CellFormat, NODATA, RASTER_TILE};
 use flate2::Compression;
@@ -7,16 +7,16 @@ use flate2::read::ZlibDecoder;
 use flate2::write::ZlibEncoder;
 use std::io::{self, Read as _, Write as _};
 
-/// Higher levels of deflate take half as long again, and make echoes no smaller.
+/// Level of deflate; higher levels take half as long again, and make echoes no smaller.
 const EFFORT: u32 = 3;
 
-/// The compressed bytes of a tile, and of its mask where the cells have one.
+/// Compressed bytes of a tile, and of its mask; `None` for cells that have no mask.
 pub(super) struct Packed {
     pub image: Vec<u8>,
     pub mask: Option<Vec<u8>>,
 }
 
-/// Compresses a tile; bytes of colour as differences to the cell before (predictor 2).
+/// Compresses a tile; colours are stored as differences to the cell before (predictor 2).
 pub(super) fn pack(cells: CellFormat, mut bytes: Vec<u8>) -> io::Result<Packed> {
     let mask = match cells {
         CellFormat::Level | CellFormat::Class => Some(deflate(&mask(&bytes))?),
@@ -33,7 +33,7 @@ pub(super) fn pack(cells: CellFormat, mut bytes: Vec<u8>) -> io::Result<Packed> 
     Ok(Packed { image, mask })
 }
 
-/// Inverse of [`pack`].
+/// Decompresses a tile; the inverse of [`pack`].
 pub(super) fn unpack(cells: CellFormat, packed: &[u8]) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::with_capacity(RASTER_TILE * RASTER_TILE * cells.bytes());
     ZlibDecoder::new(packed).read_to_end(&mut bytes)?;
@@ -54,7 +54,8 @@ fn deflate(bytes: &[u8]) -> io::Result<Vec<u8>> {
     encoder.finish()
 }
 
-/// A bit for each cell, the first one the highest of its byte: set where a level is known.
+/// Returns a mask of one bit for each cell, the first cell in the highest bit of a byte: 1 where a
+/// level is known.
 fn mask(levels: &[u8]) -> Vec<u8> {
     let byte = |eight: &[u8]| {
         let bit = |byte: u8, &level: &u8| byte << 1 | u8::from(level > 0);
@@ -63,9 +64,9 @@ fn mask(levels: &[u8]) -> Vec<u8> {
     levels.chunks_exact(8).map(byte).collect()
 }
 
-/// Draws a tile of the finer level into a quarter (row and column, 0 or 1) of a coarser one: each
-/// cell the mean of those of its four that hold something, of classes the greatest. Both hold
-/// [`RASTER_TILE`] rows of as many cells.
+/// Reduces a tile of the finer level into a quarter (row and column, 0 or 1) of a coarser tile:
+/// each cell becomes the mean of the known ones of its four cells, for classes the greatest. Both
+/// tiles have [`RASTER_TILE`] rows of as many cells.
 pub(super) fn halve_into(cells: CellFormat, finer: &[u8], quarter: [usize; 2], coarser: &mut [u8]) {
     match cells {
         CellFormat::Rgba => halve(finer, quarter, coarser, mean_colour),
@@ -94,7 +95,7 @@ fn halve<const BYTES: usize>(
     }
 }
 
-/// The mean colour of what is not transparent.
+/// Returns the mean of the colours that are not transparent.
 fn mean_colour(four: [[u8; 4]; 4]) -> [u8; 4] {
     let seen = four.iter().filter(|colour| colour[3] > 0);
     let (mut sums, mut count) = ([0_u32; 4], 0);
@@ -108,20 +109,20 @@ fn mean_colour(four: [[u8; 4]; 4]) -> [u8; 4] {
     }
 }
 
-/// The mean of the levels that are known.
+/// Returns the mean of the known levels; 0 where none is known.
 fn mean_level(four: [[u8; 1]; 4]) -> [u8; 1] {
     let sum: u16 = four.iter().map(|level| u16::from(level[0])).sum();
     let count: u16 = four.iter().map(|level| u16::from(level[0] > 0)).sum();
-    // Never 0, since each of them is at least 1.
+    // Where a level is known the mean is never 0, because each known level is at least 1.
     [((sum + count / 2) / count.max(1)) as u8]
 }
 
-/// The greatest class.
+/// Returns the greatest class.
 fn greatest(four: [[u8; 1]; 4]) -> [u8; 1] {
     [four.map(|[class]| class).into_iter().fold(0, u8::max)]
 }
 
-/// The mean of what is known.
+/// Returns the mean of the known values; [`NODATA`] where none is known.
 fn mean_metres(four: [[u8; 4]; 4]) -> [u8; 4] {
     let known = four.map(f32::from_le_bytes);
     let known = known.iter().filter(|&&metres| metres != NODATA);

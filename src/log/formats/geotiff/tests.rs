@@ -32,7 +32,7 @@ fn spec(columns: usize, rows: usize, cells: CellFormat) -> RasterSpec {
     }
 }
 
-/// A directory of a file: what its tags hold, numbers widened, and where it lies.
+/// A directory of a file: its offset, and the values of its tags as 64-bit numbers.
 struct Directory {
     at: usize,
     tags: Vec<(u32, Vec<u64>)>,
@@ -82,8 +82,8 @@ fn directories(bytes: &[u8]) -> Vec<Directory> {
     found
 }
 
-/// Asserts the rules that a validator of Cloud-Optimized GeoTIFF checks: directories first and in
-/// order, tiles from the coarsest level to the full picture, row by row.
+/// Asserts the rules of a validator of Cloud-Optimized GeoTIFF: directories first and in order,
+/// tiles from the coarsest level to the full picture, row by row.
 fn assert_cloud_optimized(bytes: &[u8], found: &[Directory]) {
     assert_eq!(found[0].at, 8);
     assert!(found.is_sorted_by_key(|directory| directory.at));
@@ -95,7 +95,7 @@ fn assert_cloud_optimized(bytes: &[u8], found: &[Directory]) {
         for (place, length) in places.iter().zip(lengths) {
             assert!(*place > last_directory && place + length <= bytes.len() as u64);
         }
-        // Those that hold nothing share one tile; the others follow each other.
+        // Empty tiles share one place; the others follow each other.
         let mut own = places.to_vec();
         own.dedup();
         let mut once = own.clone();
@@ -194,7 +194,7 @@ fn levels_have_one_band_and_a_mask_at_every_resolution() {
     let bytes = std::fs::read(&path).unwrap();
     let found = directories(&bytes);
     assert_cloud_optimized(&bytes, &found);
-    // Kind, columns, samples, bits, what a sample is.
+    // Kind of directory, columns, samples, bits, and photometric interpretation.
     let what = |directory: &Directory| [254, 256, 277, 258, 262].map(|tag| directory.get(tag)[0]);
     let whats: Vec<_> = found.iter().map(what).collect();
     let expected = [
@@ -206,7 +206,7 @@ fn levels_have_one_band_and_a_mask_at_every_resolution() {
         [5, 175, 1, 1, 4],
     ];
     assert_eq!(whats, expected);
-    // The mask of the tile in the middle: six of seven cells of a level.
+    // The mask of the middle tile: six of seven cells of a level are known.
     let mask = &found[1];
     let index = 4;
     let place = mask.get(324)[index] as usize;

@@ -1,5 +1,4 @@
-//! A GeoTIFF of this program read back tile by tile, as it was drawn: memory does not grow with its
-//! area.
+//! Reads a GeoTIFF of this program tile by tile, so that memory does not grow with its area.
 
 use super::RASTER_TILE;
 use super::cells::CellsError;
@@ -14,23 +13,23 @@ use tiff::ColorType;
 use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
 
-/// A raster of one band in tiles of [`RASTER_TILE`]. The file is open only while something is read,
-/// so that many of them may be at hand.
+/// A raster of one band in tiles of [`RASTER_TILE`]. The file is only open during a read, so that
+/// many rasters can be used at once.
 #[derive(Clone, Debug)]
 pub struct RasterTiles {
     path: PathBuf,
-    /// Cells from west to east and from north to south.
+    /// Number of cells from west to east, and from north to south.
     columns: usize,
     rows: usize,
-    /// True for each tile that may hold something, by row and column of the tile.
+    /// True for each tile that may have known cells, by row and column of the tile.
     filled: Vec<bool>,
 }
 
 impl RasterTiles {
-    /// Looks which tiles a file has.
+    /// Opens a file and finds which of its tiles are not empty.
     ///
     /// # Errors
-    /// When the file cannot be read, or is no raster of this program.
+    /// When the file cannot be read, or is not a raster of this program.
     pub fn open(path: &Path) -> Result<Self, CellsError> {
         CellsError::guard(|| Self::opened(path))
     }
@@ -43,7 +42,7 @@ impl RasterTiles {
         if places.len() != down * across {
             return Err(CellsError::Damaged("it lacks tiles"));
         }
-        // The tiles that hold nothing share one place.
+        // All empty tiles share one place.
         let mut at: BTreeMap<u64, usize> = BTreeMap::new();
         for place in &places {
             *at.entry(*place).or_default() += 1;
@@ -56,29 +55,29 @@ impl RasterTiles {
         })
     }
 
-    /// Cells from west to east, and from north to south.
+    /// Returns the number of cells from west to east, and from north to south.
     pub fn size(&self) -> [usize; 2] {
         [self.columns, self.rows]
     }
 
-    /// Returns true if a tile, by its row and column, may hold something.
+    /// Returns true if a tile, given by row and column, may have known cells.
     pub fn may_hold(&self, [row, column]: [usize; 2]) -> bool {
         let across = self.columns.div_ceil(RASTER_TILE);
         column < across && self.filled.get(row * across + column) == Some(&true)
     }
 
-    /// Row and column of all tiles that may hold something.
+    /// Returns the row and column of each tile that may have known cells.
     pub fn tiles(&self) -> impl Iterator<Item = [usize; 2]> {
         let across = self.columns.div_ceil(RASTER_TILE).max(1);
         let filled = self.filled.iter().enumerate().filter(|(_, filled)| **filled);
         filled.map(move |(tile, _)| [tile / across, tile % across])
     }
 
-    /// The cells of a tile that are bytes: [`RASTER_TILE`] rows of as many, 0 beyond the raster's
-    /// edge.
+    /// Returns the cells of a tile of bytes: [`RASTER_TILE`] rows of as many cells, 0 beyond the
+    /// raster's edge.
     ///
     /// # Errors
-    /// When the file cannot be read, or holds something else.
+    /// When the file cannot be read, or its cells are no bytes.
     pub fn levels(&self, tile: [usize; 2]) -> Result<Vec<u8>, CellsError> {
         self.read(tile, 0, |read| match read {
             DecodingResult::U8(levels) => Some(levels),
@@ -86,10 +85,11 @@ impl RasterTiles {
         })
     }
 
-    /// The cells of a tile that are numbers of 32 bits, as stored: as [`RasterTiles::levels`].
+    /// Returns the cells of a tile of 32-bit floating-point numbers, as stored, otherwise like
+    /// [`RasterTiles::levels`].
     ///
     /// # Errors
-    /// As [`RasterTiles::levels`].
+    /// When the file cannot be read, or its cells are no such numbers.
     pub fn values(&self, tile: [usize; 2]) -> Result<Vec<f32>, CellsError> {
         self.read(tile, 0.0, |read| match read {
             DecodingResult::F32(values) => Some(values),
@@ -97,11 +97,11 @@ impl RasterTiles {
         })
     }
 
-    /// All cells of the overview that is so many times halved, or of the raster itself: rows of
-    /// bytes, 0 where nothing is known.
+    /// Returns all cells of the overview after `halvings` halvings, or of the raster itself (0):
+    /// rows of bytes, 0 where nothing is known.
     ///
     /// # Errors
-    /// As [`RasterTiles::levels`], and where there is no such overview.
+    /// When the file cannot be read, its cells are no bytes, or there is no such overview.
     pub fn overview(&self, halvings: usize) -> Result<Vec<u8>, CellsError> {
         let read = || {
             let mut decoder = decoder(&self.path)?;
@@ -119,7 +119,7 @@ impl RasterTiles {
         CellsError::guard(read)
     }
 
-    /// Cells of an overview from west to east, and from north to south.
+    /// Returns the cells of an overview from west to east, and from north to south.
     pub(crate) fn overview_size(&self, halvings: usize) -> [usize; 2] {
         (0..halvings).fold(self.size(), |size, _| size.map(|cells| cells.div_ceil(2)))
     }
@@ -147,7 +147,7 @@ impl RasterTiles {
     }
 }
 
-/// A tile of all its rows and columns, of one whose rows hold so many cells.
+/// Returns a tile with all rows and columns, from cells with `shown` columns; the rest is `beyond`.
 fn whole<T: Copy>(cells: &[T], shown: usize, beyond: T) -> Vec<T> {
     let mut tile = vec![beyond; RASTER_TILE * RASTER_TILE];
     let rows = cells.chunks(shown.clamp(1, RASTER_TILE));
@@ -161,7 +161,7 @@ fn decoder(path: &Path) -> Result<Decoder<BufReader<File>>, CellsError> {
     let mut file = BufReader::new(regular_file::open(path)?);
     check_claims(&mut file)?;
     let mut limits = Limits::default();
-    // A tile has eight bytes a cell at most.
+    // A cell has at most eight bytes.
     limits.decoding_buffer_size = 8 * RASTER_TILE * RASTER_TILE;
     let mut decoder = Decoder::new(file)?.with_limits(limits);
     match decoder.colortype()? {

@@ -1,4 +1,4 @@
-//! Makes all levels of a raster and writes them in the order of a Cloud-Optimized GeoTIFF.
+//! Builds all levels of a raster and writes them in the order of a Cloud-Optimized GeoTIFF.
 
 use super::directory::{self, Page};
 use super::metadata::Statistics;
@@ -10,26 +10,26 @@ use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, BufWriter, Read as _, Seek as _, SeekFrom, Write as _};
 
-/// Tiles that are drawn and held at a time.
+/// Number of tiles that are drawn and in memory at a time.
 const BATCH: usize = 32;
 
 /// Place of some bytes in the scratch file.
 #[derive(Clone, Copy, Debug)]
 struct ScratchBlock {
     at: u64,
-    /// Their number.
+    /// Number of bytes.
     length: u32,
 }
 
-/// A tile in the scratch file, and its mask where it has one.
+/// A tile in the scratch file, and its mask; `None` for cells that have no mask.
 #[derive(Clone, Copy, Debug)]
 struct ScratchTile {
     image: ScratchBlock,
     mask: Option<ScratchBlock>,
 }
 
-/// Packed tiles in the order in which they were made, in a file that keeps them until the lengths
-/// of all of them are known.
+/// Temporary file of compressed tiles in the order of drawing, used until the lengths of all tiles
+/// are known.
 struct Scratch {
     file: File,
     end: u64,
@@ -41,7 +41,7 @@ impl Scratch {
         Self { file, end: 0 }
     }
 
-    /// Adds a tile.
+    /// Appends a tile and its mask; returns their places.
     fn keep(&mut self, packed: &Packed) -> io::Result<ScratchTile> {
         let image = self.append(&packed.image)?;
         let mask = match &packed.mask {
@@ -68,38 +68,38 @@ impl Scratch {
     }
 }
 
-/// One resolution of the raster.
+/// One level of resolution of the raster.
 struct RasterLevel {
     columns: usize,
     rows: usize,
-    /// Tiles by their row and column; those that are missing hold nothing.
+    /// Tiles by their row and column; missing tiles are empty.
     tiles: BTreeMap<[usize; 2], ScratchTile>,
 }
 
 impl RasterLevel {
-    /// Rows and columns of tiles.
+    /// Returns the number of rows and columns of tiles.
     fn across(&self) -> [usize; 2] {
         [self.rows, self.columns].map(|cells| cells.div_ceil(RASTER_TILE))
     }
 }
 
-/// A raster on its way into a file.
+/// Collects the levels of a raster and writes them to a file.
 pub(super) struct RasterWriter<'a> {
     spec: &'a RasterSpec,
     scratch: Scratch,
-    /// The full resolution first.
+    /// Levels of resolution, the full resolution first.
     levels: Vec<RasterLevel>,
     statistics: Statistics,
 }
 
 impl<'a> RasterWriter<'a> {
-    /// Creates a writer without any tile yet; `scratch` is an empty file.
+    /// Creates a writer without tiles; `scratch` is an empty file.
     pub(super) fn new(spec: &'a RasterSpec, scratch: File) -> Self {
         let scratch = Scratch::new(scratch);
         Self { spec, scratch, levels: Vec::new(), statistics: Statistics::default() }
     }
 
-    /// The raster itself.
+    /// Draws, compresses and stores the tiles of the full resolution.
     pub(super) fn base(
         &mut self,
         tiles: &[[usize; 2]],
@@ -136,8 +136,8 @@ impl<'a> RasterWriter<'a> {
         progress.advance(1);
     }
 
-    /// Adds a level of half the resolution, read back from the one before; false when that fits one
-    /// tile.
+    /// Adds a level of half the resolution, computed from the level before; returns false when the
+    /// level before fits one tile.
     pub(super) fn overview(&mut self, progress: &Progress) -> io::Result<bool> {
         let Some(finer) = self.levels.last() else {
             return Ok(false);
@@ -173,7 +173,8 @@ impl<'a> RasterWriter<'a> {
         Ok(true)
     }
 
-    /// The compressed finer tiles that make a tile: which quarter, and the bytes.
+    /// Returns the compressed finer tiles below a tile: the quarter (row and column, 0 or 1) and
+    /// the bytes of each.
     fn parts(
         &mut self,
         finer: usize,
@@ -210,8 +211,8 @@ impl<'a> RasterWriter<'a> {
         out.flush()
     }
 
-    /// The directories in their order, each mask behind what it masks, none knowing yet where its
-    /// tiles will lie.
+    /// Returns the directories in their order, each mask after the level that it masks, without the
+    /// places of their tiles.
     fn pages(&self, levels: &[RasterLevel], nothing: ScratchTile) -> Vec<Page> {
         let of_level = |(index, level): (usize, &RasterLevel)| {
             let kinds: &[bool] = match nothing.mask {
@@ -232,8 +233,8 @@ impl<'a> RasterWriter<'a> {
     }
 }
 
-/// Finds the place in the file of every tile, from `start` on, and which blocks are to be copied
-/// there in turn. What holds nothing is stored once a level.
+/// Assigns a place in the file to every tile, from `start` on; returns the blocks to copy, in
+/// order. The empty tile is stored once in each level that needs it.
 fn place(
     levels: &[RasterLevel],
     pages: &mut [Page],

@@ -1,16 +1,16 @@
-//! The DAT file: what the recording is as a whole.
+//! Reads the DAT file, which describes the recording as a whole.
 
 use crate::formats::ByteOrder;
 use crate::formats::scalar::take;
 
-/// Unix seconds below this (year 2000) are not a time.
+/// Unix seconds of the year 2000; lower values are no times.
 const EARLIEST_UNIX_S: u32 = 946_684_800;
-/// No recording is of a later time (2100).
+/// Unix seconds of the year 2100; higher values are no times.
 const LATEST_UNIX_S: u32 = 4_102_444_800;
-/// Bytes of the shortest DAT that is no text, and where the recording's name stands in it.
+/// Bytes of the shortest DAT that is no text, and offset of the recording's name in it.
 const SHORTEST: usize = 64;
 const NAME_AT: usize = 32;
-/// The text of an Onix DAT is a screen long.
+/// Most bytes of an Onix DAT that are read; its text is about a screen long.
 const LONGEST_ONIX: usize = 1 << 16;
 
 /// The three kinds of DAT files.
@@ -24,20 +24,20 @@ pub(crate) enum DatFamily {
     Onix,
 }
 
-/// The fields used of a DAT file.
+/// Fields of a DAT file that are used.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Dat {
     /// Kind of DAT file.
     pub family: DatFamily,
     /// Byte 1: the kind of water that the user set the unit to.
     pub water_code: u8,
-    /// Offset 4: the recorder's number for its sonar; `None` where it is 0 or not stated.
+    /// Offset 4: the recorder's number of its sonar; `None` where it is 0.
     pub sonar: Option<u32>,
-    /// Offset 20: Unix seconds of the start; `None` when it is no time.
+    /// Offset 20: Unix seconds of the start; `None` where the value is no time.
     pub start_unix_s: Option<u32>,
-    /// Offset 44: pings in all channels together.
+    /// Offset 44: number of pings in all channels.
     pub record_count: u32,
-    /// Offset 48: length, milliseconds.
+    /// Offset 48: length of the recording, milliseconds.
     pub length_ms: u32,
 }
 
@@ -46,16 +46,16 @@ pub(crate) struct Dat {
 pub(crate) enum WaterKind {
     /// Lakes and rivers.
     Fresh,
-    /// Salt, shallow.
+    /// Shallow salt water.
     ShallowSalt,
-    /// Salt, deep.
+    /// Deep salt water.
     DeepSalt,
 }
 
 impl Dat {
-    /// Reads a DAT file; `None` when it is not one: the recording's name (`R01224.SON`,
-    /// `Rec00042.SON`) at offset 32 is the sign, on Onix the text. Lengths that are not known are
-    /// read in the byte order that makes the start a time.
+    /// Reads a DAT file; `None` where the bytes are none. It is recognised by the recording's name
+    /// (`R01224.SON`, `Rec00042.SON`) at offset 32, on Onix by its text. Files of unknown length
+    /// are read in the byte order in which the start is a time.
     pub(crate) fn parse(bytes: &[u8]) -> Option<Self> {
         let name: Option<[u8; 12]> = take(bytes, NAME_AT);
         if bytes.len() < SHORTEST || !name.is_some_and(|name| is_name(&name)) {
@@ -100,7 +100,8 @@ impl Dat {
         })
     }
 
-    /// The kind of water; the families number it differently.
+    /// Returns the kind of water, which each family numbers differently; `None` for an unknown
+    /// number.
     pub(crate) fn water(&self) -> Option<WaterKind> {
         match (self.family, self.water_code) {
             (DatFamily::Classic | DatFamily::Onix, 0) | (DatFamily::Solix, 1) => {
@@ -115,8 +116,8 @@ impl Dat {
     }
 }
 
-/// Returns true if it is a recording's name: of six letters and the ending, or on newer units of
-/// eight.
+/// Returns true if these bytes are the name of a recording: six letters and the ending, or eight on
+/// newer units.
 fn is_name(name: &[u8; 12]) -> bool {
     let ends_at = |at: usize| name[at..at + 4].eq_ignore_ascii_case(b".SON");
     name[0].eq_ignore_ascii_case(&b'R') && (ends_at(6) || ends_at(8))
@@ -126,7 +127,7 @@ fn is_name(name: &[u8; 12]) -> bool {
 mod tests {
     use super::*;
 
-    /// The first DAT of the USGS river survey, byte for byte.
+    /// First DAT of the USGS river survey, byte for byte.
     const RIVER: [u8; 64] = *b"\xc1\x00\x7b\x01\x00\x00\x01\x26\x00\x00\x00\x0b\x00\x00\x00\x00\
         \xa0\x01\x00\x00\x52\x69\xad\x2c\xff\x42\x93\x09\x00\x43\x16\x6cR01224.SON\x00\x0d\
         \x00\x00\x28\x77\x00\x02\x4c\x59\x00\x00\x06\x51\x00\x00\x00\x00\x00\x00\x00\x0f";

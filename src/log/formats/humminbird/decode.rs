@@ -1,4 +1,4 @@
-//! Decodes pings to sides, depths and fixes in SI units.
+//! Decodes pings of SON files to sides, depths and fixes in SI units.
 
 use super::dat::{Dat, WaterKind};
 use super::ping::PingHeader;
@@ -9,12 +9,12 @@ use crate::support::geo::{LonLat, humminbird_mercator_inverse};
 use crate::survey::{ChannelKind, Encoding, Fix, SampleOrder, SideSpan};
 use std::f64::consts::PI;
 
-/// Length of the side-scan transducer, metres, and the frequency at which the peers' formula holds,
-/// Hz.
+/// Length of the side-scan transducer, metres, and the frequency for which the formula of other
+/// readers is made, Hz.
 const TRANSDUCER_M: f64 = 0.108;
 const NOMINAL_HZ: f64 = 455_000.0;
 
-/// Gives the pings of one SON file their meaning.
+/// Decodes the pings of one SON file.
 pub(super) struct Reader {
     file: usize,
     name: String,
@@ -23,7 +23,8 @@ pub(super) struct Reader {
 }
 
 impl Reader {
-    /// A reader of the file with this index; `name` (`B002`) tells the beam where a ping does not.
+    /// Creates a reader of the file with this index; `name` (`B002`) gives the beam where a ping
+    /// does not.
     pub(super) fn new(file: usize, name: String, dat: Option<Dat>) -> Self {
         Self {
             file,
@@ -33,14 +34,14 @@ impl Reader {
         }
     }
 
-    /// Takes the next ping of the file.
+    /// Decodes the next ping of the file.
     pub(super) fn take(&mut self, log: &mut Collected, offset: usize, ping: PingHeader) {
         if let Some(verdict) = self.clock.push(time_s(&ping), (offset, ping)) {
             self.settle(log, verdict);
         }
     }
 
-    /// Takes the pings that still wait for a verdict.
+    /// Processes the pings that still wait for a verdict of the clock.
     pub(super) fn finish(&mut self, log: &mut Collected) {
         while let Some(verdict) = self.clock.next() {
             self.settle(log, verdict);
@@ -98,7 +99,7 @@ impl Reader {
     fn channel_kind(&self, ping: &PingHeader) -> ChannelKind {
         let by_name = || self.name.strip_prefix("B00").and_then(|digit| digit.parse().ok());
         match ping.beam.or_else(by_name) {
-            // The high frequency is the one that the bottom lock and most displays run on.
+            // The high frequency is the one that is used for the bottom lock and for most displays.
             Some(0) => ChannelKind::Secondary,
             Some(1) => ChannelKind::Primary,
             Some(2) => ChannelKind::Port,
@@ -121,9 +122,10 @@ impl Reader {
     }
 }
 
-/// Metres of slant range that one sample covers. Not stored: as the peers (PyHum, PING-Mapper) take
-/// it, from the transducer's beam width at 455 kHz and the speed of sound at 10 degrees Celsius
-/// (Medwin's simplified formula), `2/pi asin(c / (L f))`; 0.01877 m in fresh water.
+/// Returns the slant range that one sample covers, metres. The file does not state it; as in PyHum
+/// and PING-Mapper, it is computed from the transducer's beam width at 455 kHz and the speed of
+/// sound at 10 degrees Celsius (Medwin's simplified formula): `2/pi asin(c / (L f))`; 0.01877 m in
+/// fresh water.
 fn sample_m(water: WaterKind) -> f64 {
     let salinity = match water {
         WaterKind::Fresh => 1.0,
@@ -141,8 +143,8 @@ fn fix(ping: &PingHeader, time_s: f64) -> Fix {
     Fix {
         time_s,
         position: lon_lat(ping.easting_m, ping.northing_m),
-        // Without a heading sensor, and nothing tells whether there is one, this is the course from
-        // GPS.
+        // Without a heading sensor this is the course from GPS, and the file does not state whether
+        // there is a sensor.
         cog_rad: if ping.heading_quality > 0 && ping.heading_decideg < 3600 {
             (f32::from(ping.heading_decideg) / 10.0).to_radians()
         } else {
@@ -172,7 +174,7 @@ mod tests {
     #[test]
     fn scale_and_position_match_the_peers() {
         assert!((sample_m(WaterKind::Fresh) - 0.01877).abs() < 1e-5);
-        // The survey's own note: 36.877 N, 111.516 W.
+        // The start of the survey by its own notes: 36.877 N, 111.516 W.
         let start = lon_lat(-12_414_199, 4_396_652);
         assert!((start.lat_deg - 36.877).abs() < 0.003, "{start:?}");
         assert!((start.lon_deg + 111.516).abs() < 0.003, "{start:?}");

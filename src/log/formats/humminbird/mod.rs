@@ -1,4 +1,4 @@
-//! Humminbird DAT and SON: 700 to 1100 series, Helix, Solix.
+//! Reads Humminbird DAT and SON files of the 700 to 1100 series, Helix, Solix and Onix.
 //!
 //! In: the bytes of a recording. Out: a collected log.
 
@@ -16,7 +16,7 @@ use dat::{Dat, DatFamily};
 use recording::Recording;
 use std::path::Path;
 
-/// The reader of the format.
+/// Reader of the format.
 pub(super) struct Humminbird;
 
 impl LogFormat for Humminbird {
@@ -37,7 +37,7 @@ fn reader(recording: Recording) -> ReadRecording {
     Box::new(move |reading, progress| read(recording, reading, progress))
 }
 
-/// Reads a recording.
+/// Reads a recording; fails where it has no SON file with a whole ping, or the user cancelled.
 fn read(
     recording: Recording,
     reading: &Reading<'_>,
@@ -70,7 +70,7 @@ fn read(
     Ok(assemble::assemble(log, reading))
 }
 
-/// A log of the recording's files, DAT first.
+/// Creates an empty log of the recording's files, the DAT file first.
 fn collect(recording: &Recording, format: &str, reading: &Reading<'_>) -> Collected {
     let files: Vec<&Opened> =
         recording.dat.iter().map(|(dat, _)| dat).chain(&recording.sons).collect();
@@ -138,7 +138,7 @@ fn remark(recording: &Recording, log: &mut Collected) {
     );
 }
 
-/// The number that the recorder has for its sonar.
+/// Returns the recorder's number of its sonar as text; empty where unknown.
 fn device_name(dat: Option<Dat>) -> String {
     let number = dat.and_then(|dat| dat.sonar);
     number.map_or_else(String::new, |number| format!("sonar {number}"))

@@ -1,20 +1,20 @@
-//! A ping header of a SON file: tags and values between a magic number and an end tag.
+//! Reads a ping header of a SON file: tags and values between a magic number and an end tag.
 
 use crate::formats::ByteOrder;
 use crate::formats::scalar::take;
 
-/// The first bytes of every ping, whatever the unit.
+/// First bytes of every ping, on all units.
 pub(crate) const MAGIC: [u8; 4] = [0xC0, 0xDE, 0xAB, 0x21];
 /// The tag that ends the header.
 const END: u8 = 0x21;
-/// Tags from here on carry four bytes, those below carry one.
+/// First tag with a value of four bytes; lower tags have a value of one byte.
 const FIRST_WIDE_TAG: u8 = 0x80;
-/// Headers are 67, 72 or 152 bytes on units seen; a longer list of tags than this is damage.
+/// Most tags of a header; more are damage. Headers of the units seen have 67, 72 or 152 bytes.
 const MOST_TAGS: usize = 100;
-/// No ping has more samples.
+/// Most plausible samples of a ping.
 const MOST_SAMPLES: u32 = 1 << 16;
 
-/// The values of a ping header that Bathyscope knows. The header's length differs between units;
+/// Values of a ping header that Bathyscope uses. The length of the header differs between units;
 /// the tags do not.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct PingHeader {
@@ -22,32 +22,34 @@ pub(crate) struct PingHeader {
     pub record: u32,
     /// Tag 81: milliseconds since the recording's start.
     pub time_ms: u32,
-    /// Tag 82: east, metres of a Mercator on the International 1924 sphere.
+    /// Tag 82: east, metres of a Mercator projection on the International 1924 sphere.
     pub easting_m: i32,
-    /// Tag 83: north, likewise.
+    /// Tag 83: north, in the same projection.
     pub northing_m: i32,
-    /// Tag 84, first half: 0 when the heading is not good.
+    /// Tag 84, first half: 0 when the heading is not valid.
     pub heading_quality: u16,
-    /// Tag 84, second half: tenths of a degree.
+    /// Tag 84, second half: heading, tenths of a degree.
     pub heading_decideg: u16,
-    /// Tag 85, first half: 0 when the speed is not good.
+    /// Tag 85, first half: 0 when the speed is not valid.
     pub speed_quality: u16,
-    /// Tag 85, second half: tenths of a metre a second.
+    /// Tag 85, second half: speed, tenths of a metre a second.
     pub speed_dmps: u16,
     /// Tag 87: depth, tenths of a metre; 0 when there is no bottom lock.
     pub depth_dm: u32,
-    /// Tag 50: 0 and 1 down sonar (low, high), 2 port, 3 starboard, 4 down-imaging.
+    /// Tag 50: 0 and 1 down sonar (low, high), 2 port, 3 starboard, 4 down-imaging; `None` without
+    /// the tag.
     pub beam: Option<u8>,
     /// Tag 92: frequency, Hz.
     pub frequency_hz: u32,
-    /// Tag A0: number of one-byte samples behind the header.
+    /// Tag A0: number of one-byte samples after the header.
     pub sample_count: u32,
     /// Bytes from the magic number to the first sample.
     pub header_len: usize,
 }
 
 impl PingHeader {
-    /// Reads the header that begins at `offset`; `None` when there is none.
+    /// Reads the header that begins at `offset`; `None` where there is none, or it states no
+    /// samples.
     pub(crate) fn parse(bytes: &[u8], offset: usize, order: ByteOrder) -> Option<Self> {
         if take(bytes, offset)? != MAGIC {
             return None;
@@ -72,7 +74,7 @@ impl PingHeader {
         None
     }
 
-    /// Header and samples.
+    /// Returns the bytes of header and samples together.
     pub(crate) fn size(&self) -> usize {
         self.header_len + self.sample_count as usize
     }
@@ -104,7 +106,7 @@ impl PingHeader {
 mod tests {
     use super::*;
 
-    /// The header of the first port ping of the USGS river survey, byte for byte, and two samples.
+    /// Header of the first port ping of the USGS river survey, byte for byte, and two samples.
     const PORT: [u8; 69] = *b"\xc0\xde\xab\x21\x80\x00\x00\x00\x01\x81\x00\x00\x00\x00\x82\xff\x42\x93\x09\
         \x83\x00\x43\x16\x6c\x84\x00\x01\x07\xb9\x85\x00\x01\x00\x1b\x87\x00\x00\x00\x12\x50\x02\x51\x0a\
         \x92\x00\x06\xf1\x58\x53\x07\x54\x01\x95\x00\x00\x00\x1a\x56\x76\x57\x8b\xa0\x00\x00\x05\xc7\x21\xff\xff";
@@ -132,7 +134,7 @@ mod tests {
 
     #[test]
     fn the_longest_header_has_all_tags() {
-        // As PINGVerter lists them for the headers of 152 bytes.
+        // All tags that PINGVerter lists for headers of 152 bytes.
         let mut ping = MAGIC.to_vec();
         let wide = |ping: &mut Vec<u8>, tag: u8, value: u32| {
             ping.push(tag);

@@ -11,15 +11,15 @@ use std::path::{Path, PathBuf};
 pub(super) struct Recording {
     /// Path that the user opened.
     pub(super) opened: PathBuf,
-    /// The DAT file and, where it is one, its content.
+    /// The DAT file, if any, with its content; the content is `None` where the file is damaged.
     pub(super) dat: Option<(Opened, Option<Dat>)>,
-    /// The SON files that hold pings.
+    /// The SON files that contain pings.
     pub(super) sons: Vec<Opened>,
-    /// Further recordings in the folder that was opened.
+    /// Number of other recordings in the opened folder.
     pub(super) others: usize,
 }
 
-/// Recognises a DAT or a SON file by its content; a damaged DAT by the SON files that belong to it.
+/// Recognises a DAT or a SON file by its content, and a damaged DAT by the SON files beside it.
 pub(super) fn sniff(files: &FileSource, opened: &Opened) -> Option<Recording> {
     if son::byte_order(&opened.bytes).is_some() {
         Some(around_son(files, opened))
@@ -28,7 +28,7 @@ pub(super) fn sniff(files: &FileSource, opened: &Opened) -> Option<Recording> {
     }
 }
 
-/// The recording that a SON file belongs to; at least the file itself.
+/// Returns the recording that a SON file belongs to; at least the file alone.
 fn around_son(files: &FileSource, opened: &Opened) -> Recording {
     let path = &opened.path;
     let whole = path.parent().and_then(|folder| gather(files, path, folder, dat_of(files, folder)));
@@ -37,7 +37,8 @@ fn around_son(files: &FileSource, opened: &Opened) -> Recording {
     )
 }
 
-/// The recording that a DAT file belongs to; its folder of SON files may be missing.
+/// Returns the recording that a DAT file belongs to; its folder of SON files may be missing. `None`
+/// where the file is no DAT and has no SON files.
 fn around_dat(files: &FileSource, opened: &Opened) -> Option<Recording> {
     let path = &opened.path;
     let folder = path.with_extension("");
@@ -59,7 +60,7 @@ fn around_dat(files: &FileSource, opened: &Opened) -> Option<Recording> {
     })
 }
 
-/// The recording in a folder: its own SON files, or those of the first DAT in it.
+/// Returns the recording in a folder: the SON files of the folder, or those of the first DAT in it.
 pub(super) fn find_in_folder(files: &FileSource, folder: &Path) -> Option<Recording> {
     gather(files, folder, folder, dat_of(files, folder)).or_else(|| {
         let mut dats = files.children(folder);
@@ -72,13 +73,14 @@ pub(super) fn find_in_folder(files: &FileSource, folder: &Path) -> Option<Record
     })
 }
 
-/// Returns true if a folder holds the SON files of one recording.
+/// Returns true if a folder contains the SON files of one recording.
 pub(super) fn is_recording(files: &FileSource, folder: &Path) -> bool {
     gather(files, folder, folder, None).is_some()
 }
 
-/// The DAT of a folder of SON files: the one of the folder's name beside it, else the only one in
-/// it (copies of a recording without its folder, as in the PyHum package).
+/// Returns the DAT of a folder of SON files: the DAT beside the folder with its name, else the only
+/// DAT in the folder (as in copies of a recording without its folder, for example in the PyHum
+/// package).
 fn dat_of(files: &FileSource, folder: &Path) -> Option<PathBuf> {
     let is_named = |path: &PathBuf| {
         has_extension(path, "dat")
@@ -91,16 +93,18 @@ fn dat_of(files: &FileSource, folder: &Path) -> Option<PathBuf> {
     around.into_iter().find(is_named).or_else(|| only_dat(files, folder))
 }
 
-/// The DAT in a folder, when there is just one.
+/// Returns the DAT in a folder if there is only one.
 fn only_dat(files: &FileSource, folder: &Path) -> Option<PathBuf> {
     let mut dats = files.children(folder).into_iter().filter(|path| has_extension(path, "dat"));
     dats.next().filter(|_| dats.next().is_none())
 }
 
-/// A survey numbers its files with a byte, and a DAT may be one of them. Recorders write five.
+/// Most SON files of a recording: a survey numbers its files with a byte, and one may be a DAT.
+/// Recorders write five.
 const MOST_SONS: usize = 255;
 
-/// The SON files in `folder` that hold pings; `None` when there is none.
+/// Collects the SON files in `folder` that contain pings, and a DAT; `None` without such a SON
+/// file.
 fn gather(
     files: &FileSource,
     opened: &Path,

@@ -1,18 +1,18 @@
 //! Walks from ping to ping through a SON file. The IDX file beside it is not needed: magic numbers
-//! and lengths are enough.
+//! and lengths are sufficient.
 
 use super::ping::{MAGIC, PingHeader};
 use crate::formats::ByteOrder;
 use crate::formats::report::{WarningKind, WarningReport};
 use crate::support::progress::{Cancelled, Progress};
 
-/// Pings between two looks at the progress.
+/// Number of pings between two updates of the progress.
 const PINGS_A_CHECK: usize = 1024;
-/// Bytes searched for the first pings of a file.
+/// Bytes in which the first pings of a file are searched.
 const SEARCHED_FOR_PINGS: usize = 1 << 20;
 
-/// The byte order of a file's numbers: the one in which the first pings' lengths lead to the next
-/// pings. `None` when there is no ping in the first megabyte.
+/// Returns the byte order of a file's numbers: the order in which the length of a ping leads to the
+/// next ping. `None` where there is no ping in the first megabyte.
 pub(super) fn byte_order(bytes: &[u8]) -> Option<ByteOrder> {
     let until = bytes.len().min(SEARCHED_FOR_PINGS);
     let mut fallback = None;
@@ -32,25 +32,25 @@ pub(super) fn byte_order(bytes: &[u8]) -> Option<ByteOrder> {
     fallback
 }
 
-/// One SON file to walk over.
+/// A walk over one SON file.
 pub(super) struct SonWalk<'a> {
     /// The whole file.
     pub(super) bytes: &'a [u8],
-    /// Its index in the survey.
+    /// Index of the file in the survey.
     pub(super) file: usize,
-    /// Its numbers' byte order.
+    /// Byte order of the file's numbers.
     pub(super) order: ByteOrder,
     /// Report for warnings.
     pub(super) report: &'a WarningReport,
-    /// True if the file is still being written: a ping that is cut at its end is no damage.
+    /// True if the file is still being written: a truncated last ping is then no damage.
     pub(super) is_growing: bool,
     /// Progress of the walk.
     pub(super) progress: &'a Progress,
 }
 
 impl SonWalk<'_> {
-    /// Calls `take` with offset and header of every whole ping; `from` an offset on only where
-    /// there is one.
+    /// Calls `take` with the offset and the header of every whole ping, beginning at or after
+    /// `from` if it is given; fails only if cancelled.
     pub(super) fn run(
         &self,
         from: Option<usize>,
@@ -76,8 +76,8 @@ impl SonWalk<'_> {
         Ok(())
     }
 
-    /// Takes a ping if the next follows it; where it does not, the sample count may be what is
-    /// damaged.
+    /// Passes a ping to `take` if another ping follows it; where none follows, the sample count may
+    /// be damaged. Returns the offset of the next ping.
     fn step(&self, at: usize, ping: PingHeader, take: &mut impl FnMut(usize, PingHeader)) -> usize {
         let len = self.bytes.len();
         let next = at.saturating_add(ping.size());
@@ -123,7 +123,7 @@ impl SonWalk<'_> {
     }
 }
 
-/// Returns the offset of the next magic number, from `from` on.
+/// Returns the offset of the first magic number at or after `from`.
 fn next_magic(bytes: &[u8], from: usize) -> Option<usize> {
     let searched = bytes.get(from..)?;
     searched.windows(4).position(|window| window == MAGIC).map(|at| from + at)

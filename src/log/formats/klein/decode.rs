@@ -1,4 +1,4 @@
-//! Decodes pages to sides, altitudes and fixes in SI units.
+//! Decodes pages of a Klein SDF file to sides, altitudes and fixes in SI units.
 
 use super::page::{Band, Channel, Page};
 use crate::formats::clock::{Clock, ClockVerdict};
@@ -11,20 +11,20 @@ use crate::survey::{
 };
 use std::collections::BTreeMap;
 
-/// Decodes pages.
+/// Decodes pages and collects sides and fixes.
 pub(super) struct Reader<'a> {
     bytes: &'a [u8],
     clock: Clock<usize>,
-    /// Milliseconds since 1970 of the log's time zero.
+    /// Unix milliseconds of the log's time zero.
     zero_ms: Option<f64>,
-    /// Halves of the low and the high frequency, port and starboard.
+    /// Halves by frequency (low, high) and by side (port, starboard).
     halves: [[Vec<HalfPing>; 2]; 2],
-    /// Pages that are not read, by sonar.
+    /// Number of pages that are not read, by sonar.
     others: BTreeMap<&'static str, usize>,
 }
 
 impl<'a> Reader<'a> {
-    /// A reader of this file; of its tail it knows the log's time zero.
+    /// Creates a reader of this file; for the tail of a log, with the log's time zero.
     pub(super) fn new(bytes: &'a [u8], reading: &Reading<'_>) -> Self {
         let known = reading.known().and_then(|known| known.start_unix_s);
         Self {
@@ -36,12 +36,12 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Returns true if the log's time zero is known, so that its tail can be read alone.
+    /// Returns true if the log's time zero is known, so that its tail can be read without the rest.
     pub(super) fn knows_zero(&self) -> bool {
         self.zero_ms.is_some()
     }
 
-    /// Takes the page whose marker begins at an offset.
+    /// Decodes the page whose marker begins at an offset.
     pub(super) fn take(&mut self, log: &mut Collected, at: usize) {
         let Some(page) = Page::at(self.bytes, at) else {
             return;
@@ -59,7 +59,8 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Takes the pages that still wait for a verdict, and chooses what is shown.
+    /// Processes the pages that still wait for a verdict of the clock, and chooses the frequency
+    /// and the scale that are shown.
     pub(super) fn finish(&mut self, log: &mut Collected, known: Option<&Survey>) {
         while let Some(verdict) = self.clock.next() {
             self.settle(log, verdict);
@@ -78,7 +79,7 @@ impl<'a> Reader<'a> {
         [log.port, log.starboard] = if counts[1] > 0 { high } else { low };
         let halves = || log.port.iter().chain(&log.starboard);
         let spans: Vec<&SideSpan> = halves().map(|half| &half.span).collect();
-        // The tail of a log is shown as the log is.
+        // The tail of a log keeps the scale of the log.
         let known = known.and_then(|known| known.last_spans().next());
         let fitting = match known.map(|span| span.encoding) {
             Some(Encoding::U16 { shift }) => shift,
@@ -87,7 +88,7 @@ impl<'a> Reader<'a> {
         };
         for half in log.port.iter_mut().chain(&mut log.starboard) {
             match &mut half.span.encoding {
-                // Of a file with samples of 16 and of 32 bits, one scale is that of both.
+                // In a file with samples of 16 and of 32 bits, both share one scale.
                 Encoding::U16 { shift } => *shift = fitting.min(u16::BITS as u8),
                 Encoding::Number { exponent, .. } => *exponent = -i16::from(fitting),
                 _ => {}
@@ -98,7 +99,8 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The pages that are not read, in words: `120 pages of a System 5000`.
+    /// Describes the pages that are not read, as `120 pages of a System 5000`; `None` without such
+    /// pages.
     pub(super) fn others(&self) -> Option<String> {
         let each = self.others.iter();
         let each = each.map(|(sonar, count)| format!("{count} pages of a {sonar}"));

@@ -1,22 +1,23 @@
-//! Klein SDF: what SonarPro and the vehicles that carry Klein's side-scan sonars record.
+//! Reads Klein SDF files, which SonarPro and the vehicles with Klein's side-scan sonars record.
 //!
 //! In: the bytes of a recording. Out: a collected log.
 //!
-//! A file is a row of pages, all numbers little-endian: a marker FF FF FF FF, then the page
-//! (`page`): u32 bytes that the page has without the marker, u32 version, and a header of 256
-//! bytes, of 512 in versions that end with 1 or 2. Versions 3000 and 3001 are the System 3000, 3501
-//! and 3502 the low and the high frequency of the 3500 series, 5000 to 5004 the System 5000, 7000
-//! and 7001 the System 7000. After the header the System 3000 has u16 samples of port and starboard
-//! of the low frequency, then of the high one, each after a u16 that counts them; the 3500 series
-//! u32 samples of port and of starboard, each after a u32. Both are taken as stored from near to
-//! far.
+//! A file is a sequence of pages, all numbers little-endian: a marker FF FF FF FF, then the page
+//! (`page`): u32 bytes of the page without the marker, u32 version, and a header of 256 bytes, of
+//! 512 in versions that end with 1 or 2. Versions 3000 and 3001 are the System 3000, 3501 and 3502
+//! the low and the high frequency of the 3500 series, 5000 to 5004 the System 5000, 7000 and 7001
+//! the System 7000. After the header the System 3000 has u16 samples of port and starboard of the
+//! low frequency, then of the high frequency, each after a u16 with their number; the 3500 series
+//! has u32 samples of port and of starboard, each after a u32. Both are assumed to be stored from
+//! near to far.
 //!
-//! The ten beams of the System 5000 are not read: no public source says which of them look to port.
-//! Of the System 7000 only the header is described. An error says so, and what to do.
+//! The ten beams of the System 5000 are not read, because no public source states which of them are
+//! on the port side. For the System 7000 only the header is described. The error for such files
+//! explains this and what to do.
 //!
 //! Sources: Klein's "SDF Data Page Definitions Specification" (15300018, Rev 2.05) as the public
 //! reader `hydroformats` cites it with the offset of each field, and the readers of OceanScan
-//! (`sdf_reader.m`, for Rev 4.8) and of Neptus for the 3500 series. No real file was at hand.
+//! (`sdf_reader.m`, for Rev 4.8) and of Neptus for the 3500 series. No real file was available.
 
 mod decode;
 mod page;
@@ -31,10 +32,10 @@ use crate::survey::Survey;
 use page::{FORMAT, Page};
 
 const NAME: &str = "Klein SDF";
-/// Bytes searched for pages where the beginning is damaged.
+/// Bytes searched for pages where the beginning of a file is damaged.
 const SEARCHED_FOR_PAGES: usize = 1 << 20;
 
-/// The reader of the format.
+/// Reader of the format.
 pub(super) struct Klein;
 
 impl LogFormat for Klein {
@@ -45,8 +46,8 @@ impl LogFormat for Klein {
     }
 }
 
-/// Recognises a file by its first page, or by two in a row where the first is damaged; returns
-/// where the first whole one begins.
+/// Recognises a file by its first page, or by two pages in a row where the first is damaged;
+/// returns the offset of the first whole page.
 fn sniff(bytes: &[u8]) -> Option<usize> {
     match Page::at(bytes, 0) {
         Some(_) => Some(0),
@@ -57,7 +58,7 @@ fn sniff(bytes: &[u8]) -> Option<usize> {
 /// Reads a file that [`sniff`] recognised.
 ///
 /// # Errors
-/// When there is no side-scan in it, or it was cancelled.
+/// When the file contains no side-scan that is read, or the user cancelled the reading.
 fn read(opened: Opened, reading: &Reading<'_>, progress: &Progress) -> Result<Survey, OpenError> {
     let path = opened.path.clone();
     let bytes = opened.bytes.clone();

@@ -1,30 +1,30 @@
-//! One page: a ping with all its channels.
+//! Reads one page of a Klein SDF file: a ping with all its channels.
 
 use crate::formats::messages::MessageFormat;
 use crate::formats::scalar::{Fields, u32_le};
 use crate::support::geo::LonLat;
 use chrono::NaiveDate;
 
-/// The bytes before every page.
+/// Marker before every page.
 const MARKER: u32 = u32::MAX;
 /// Bytes of the marker.
 const MARKER_LENGTH: usize = 4;
-/// Versions of pages that exist or may.
+/// Versions of pages that exist or may exist.
 const VERSIONS: std::ops::Range<u32> = 3000..8000;
-/// Bytes of a page without the marker: a header alone at least; a longer one is damage.
+/// Plausible bytes of a page without the marker: at least a header; longer pages are damage.
 const LENGTHS: std::ops::Range<usize> = 256..1 << 26;
 /// Years in which a log can have been recorded.
 const YEARS: std::ops::RangeInclusive<u32> = 1980..=2100;
 
-/// Pages.
+/// Marker and length of pages, with which a walk finds the next page.
 pub(super) const FORMAT: MessageFormat = MessageFormat {
     noun: "page",
     marker: [0xFF, 0xFF],
     length: |bytes, at| Some(length(bytes, at)? + MARKER_LENGTH),
 };
 
-/// Bytes of the page whose marker begins at an offset, without the marker; `None` where none can
-/// begin.
+/// Returns the bytes of the page whose marker begins at an offset, without the marker; `None` where
+/// no page can begin.
 fn length(bytes: &[u8], at: usize) -> Option<usize> {
     let word = |index: usize| u32_le(bytes, at.checked_add(4 * index)?);
     let length = word(1)? as usize;
@@ -32,44 +32,45 @@ fn length(bytes: &[u8], at: usize) -> Option<usize> {
     is_page.then_some(length)
 }
 
-/// Frequency of a pair of channels.
+/// Frequency band of a pair of channels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Band {
-    /// The low one.
+    /// Low frequency.
     Low,
-    /// The high one.
+    /// High frequency.
     High,
 }
 
-/// The samples of one channel.
+/// Place of the samples of one channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Channel {
-    /// Its frequency.
+    /// Frequency band of the channel.
     pub(super) band: Band,
-    /// 0 port, 1 starboard.
+    /// Side of the boat: 0 port, 1 starboard.
     pub(super) side: usize,
-    /// Bytes of a sample.
+    /// Bytes of one sample.
     pub(super) width: usize,
-    /// Offset of the first sample.
+    /// Offset of the first sample in the file.
     pub(super) first: usize,
-    /// Samples.
+    /// Number of samples.
     pub(super) count: usize,
 }
 
-/// A page whose header is there.
+/// A complete page.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Page<'a> {
-    /// Offset of its marker, and where it ends.
+    /// Offsets of the marker and of the end of the page.
     pub(super) at: usize,
     pub(super) end: usize,
-    /// Version of the page: it identifies the sonar that wrote it, and the layout.
+    /// Version of the page, which gives the sonar and the layout.
     pub(super) version: u32,
     /// Fields of the page, without the marker.
     fields: Fields<'a>,
 }
 
 impl<'a> Page<'a> {
-    /// The page whose marker begins at an offset; `None` where none does, or it is not whole.
+    /// Returns the page whose marker begins at an offset; `None` where there is none, or it is
+    /// truncated.
     pub(super) fn at(bytes: &'a [u8], at: usize) -> Option<Self> {
         let from = at + MARKER_LENGTH;
         let end = from.checked_add(length(bytes, at)?)?;
@@ -88,13 +89,13 @@ impl<'a> Page<'a> {
         }
     }
 
-    /// Returns true if its layout is known, so that its channels are read.
+    /// Returns true if the layout is known, so that the channels can be read.
     pub(super) fn is_known(&self) -> bool {
         matches!(self.version, 3000 | 3001 | 3501 | 3502)
     }
 
-    /// The channels with samples; those whose samples do not lie in the page are left out, and all
-    /// after them.
+    /// Returns the channels with samples; a channel whose samples exceed the page is left out, with
+    /// all channels after it.
     pub(super) fn channels(&self) -> Vec<Channel> {
         let (bands, width): (&[Band], usize) = match self.version {
             3000 | 3001 => (&[Band::Low, Band::High], 2),
@@ -106,7 +107,7 @@ impl<'a> Page<'a> {
         let mut at = (self.fields.u32(180) as usize).max(shortest);
         let mut channels = Vec::new();
         for (band, side) in bands.iter().flat_map(|band| [(*band, 0), (*band, 1)]) {
-            // The count is as wide as a sample.
+            // The number of samples is stored in as many bytes as a sample.
             let count = match width {
                 2 => usize::from(self.fields.u16(at)),
                 _ => self.fields.u32(at) as usize,
@@ -130,7 +131,7 @@ impl<'a> Page<'a> {
         channels
     }
 
-    /// Unix seconds; `None` where it has no date that can be.
+    /// Returns the time in Unix seconds; `None` where the date is not plausible.
     pub(super) fn unix_s(&self) -> Option<f64> {
         let [year, month, day, hour, minute, second] =
             [68, 72, 76, 80, 84, 88].map(|at| self.fields.u32(at));
@@ -138,7 +139,7 @@ impl<'a> Page<'a> {
         let moment =
             NaiveDate::from_ymd_opt(year, month, day)?.and_hms_opt(hour, minute, second)?;
         let hundredths = self.fields.u32(92);
-        // Headers of version 3 have the fraction with more digits.
+        // Headers of version 3 have a field for the fraction with more digits.
         let fraction_s = [self.fields.f32(216), hundredths as f32 / 100.0];
         let fraction_s = fraction_s
             .into_iter()
@@ -146,8 +147,9 @@ impl<'a> Page<'a> {
         Some(moment.and_utc().timestamp() as f64 + f64::from(fraction_s.unwrap_or(0.0)))
     }
 
-    /// Slant range of the last of so many samples, metres: by the rate of the samples where that
-    /// agrees with the range that was set, which is told in whole metres.
+    /// Returns the slant range of the last of `count` samples, metres: from the sample rate where
+    /// this agrees with the range setting of the sonar, which is stored in whole metres; otherwise
+    /// the setting.
     pub(super) fn far_m(&self, count: usize) -> f32 {
         let set_m = self.fields.u32(28) as f32;
         let sound_mps = self.fields.u32(36) as f32 / 100.0;
@@ -156,12 +158,13 @@ impl<'a> Page<'a> {
         if (sampled_m - set_m).abs() < 0.1 * set_m { sampled_m } else { set_m }
     }
 
-    /// Height of the transducer above the bottom, metres; 0 where it is not known.
+    /// Returns the height of the transducer above the bottom, metres; 0 where unknown.
     pub(super) fn altitude_m(&self) -> f32 {
         self.first_set([124, 208])
     }
 
-    /// Returns the position of the sonar; a vehicle writes its own place as that of the ship.
+    /// Returns the position of the sonar; `None` where unknown. A vehicle writes its own position
+    /// into the field of the ship.
     pub(super) fn position(&self) -> Option<LonLat> {
         let place = |at: usize| {
             let [lat_rad, lon_rad] = [at, at + 8].map(|at| self.f64(at));
@@ -173,32 +176,33 @@ impl<'a> Page<'a> {
         if self.is_vehicle() { ship.or(fish) } else { fish.or(ship) }
     }
 
-    /// Heading, degrees; NaN where it is not known.
+    /// Returns the heading, degrees; NaN where unknown.
     pub(super) fn heading_deg(&self) -> f32 {
         let heading_deg = self.first_set([108, 136]);
         if heading_deg == 0.0 { f32::NAN } else { heading_deg }
     }
 
-    /// Speed of the ship, metres a second; NaN where it is not known.
+    /// Returns the speed of the ship, metres a second; NaN where unknown.
     pub(super) fn speed_mps(&self) -> f32 {
         let speed_mps = self.fields.f32(132);
         if speed_mps > 0.0 && speed_mps.is_finite() { speed_mps } else { f32::NAN }
     }
 
-    /// Frequency, kHz, where the page tells it.
+    /// Returns the frequency, kHz; `None` where the page does not state it.
     pub(super) fn frequency_khz(&self) -> Option<f32> {
         let khz = self.fields.u32(404);
         (self.is_vehicle() && (1..10_000).contains(&khz)).then_some(khz as f32)
     }
 
-    /// Returns true if it is of the 3500 series, whose vehicles write into the fields of the ship
-    /// and the auxiliary sensors.
+    /// Returns true for the 3500 series, whose vehicles write into the fields of the ship and the
+    /// auxiliary sensors.
     fn is_vehicle(&self) -> bool {
         matches!(self.version, 3501 | 3502)
     }
 
-    /// Returns the first of two fields that is set, one of the towed body and one of ship or
-    /// auxiliary sensor; for a vehicle the second field comes first. 0 where none is set.
+    /// Returns the value of the first of two fields that is set: the field of the towed body, then
+    /// that of the ship or an auxiliary sensor; for a vehicle in reverse order. 0 where neither is
+    /// set.
     fn first_set(&self, mut at: [usize; 2]) -> f32 {
         if self.is_vehicle() {
             at.reverse();

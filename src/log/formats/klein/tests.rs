@@ -1,4 +1,4 @@
-//! Generated SDF files are read to what was written into them, whole, damaged and growing.
+//! Tests that generated SDF files, whole, damaged and growing, are read as they were written.
 
 use crate::formats::{self, OpenError, open_growing, open_tail};
 use crate::support::progress::Progress;
@@ -172,7 +172,7 @@ fn hostile_bytes_neither_end_the_program_nor_make_up_pings() {
             }
             assert_bounded(bytes);
         }
-        // Every number in turn says that it is 2^31, all there can be, infinite, or none.
+        // Every number in turn is set to 2^31, the largest value, infinity, or 0.
         for at in 0..small.len().saturating_sub(4) {
             for claimed in [1_u32 << 31, u32::MAX, f32::INFINITY.to_bits(), 0] {
                 let mut bytes = small.clone();

@@ -1,4 +1,4 @@
-//! Decodes frames to pings, depths and fixes in SI units.
+//! Decodes frames of Lowrance logs to pings, depths and fixes in SI units.
 
 use super::frame::{LowranceFrame, STRUCTURE_SCAN_3D, metres};
 use super::sides;
@@ -9,28 +9,31 @@ use crate::formats::report::WarningKind;
 use crate::support::geo::{self, LonLat, MPS_PER_KNOT};
 use crate::survey::{ChannelKind, Fix};
 
-/// Unix seconds below this (year 2000) are a counter, not a time; above the other (2100), damage.
+/// Range of Unix seconds: values below (year 2000) are a counter, not a time; values above (2100)
+/// are damage.
 const UNIX_S: std::ops::Range<u32> = 946_684_800..4_102_444_800;
 
-/// Gives frames their meaning, a little behind the walk so that a damaged time is seen.
+/// Decodes frames, two frames behind the walk so that damaged times are recognised.
 #[derive(Default)]
 pub(super) struct Reader {
     clock: Clock<LowranceFrame>,
     keel_ft: f32,
     swath: SwathTotals,
-    /// The last place, as recorded and as degrees: units repeat a fix for tens of frames.
+    /// The last position, as recorded and in degrees, for reuse: units repeat a fix for tens of
+    /// frames.
     place: Option<([i32; 2], LonLat)>,
 }
 
 impl Reader {
-    /// Takes the next frame of the file.
+    /// Decodes the next frame of the file.
     pub(super) fn take(&mut self, log: &mut Collected, frame: LowranceFrame) {
         if let Some(verdict) = self.clock.push(time_s(&frame), frame) {
             self.settle(log, verdict);
         }
     }
 
-    /// Takes the frames that still wait for a verdict.
+    /// Processes the frames that still wait for a verdict of the clock, and warns about a keel
+    /// offset.
     pub(super) fn finish(&mut self, log: &mut Collected) {
         while let Some(verdict) = self.clock.next() {
             self.settle(log, verdict);
@@ -76,7 +79,7 @@ impl Reader {
         log.count(frame.channel, counted);
         let is_sonar = !matches!(kind, ChannelKind::Swath | ChannelKind::Other(_));
         if is_sonar && frame.depth_ft > 0.0 {
-            // A whole metre of keel offset is rare; ten are damage.
+            // Keel offsets above a metre are rare; ten metres are damage.
             let keel_ft = Some(frame.keel_ft).filter(|ft| ft.abs() < 33.0).unwrap_or(0.0);
             self.keel_ft = keel_ft;
             log.add_depth(kind, time_s, metres(frame.depth_ft) - metres(keel_ft));
@@ -106,7 +109,7 @@ fn fix(frame: &LowranceFrame, time_s: f64, position: LonLat) -> Fix {
         time_s,
         position,
         cog_rad: if frame.course_rad.is_finite() { frame.course_rad } else { f32::NAN },
-        // Without a compass the field is 0 on every unit seen.
+        // Without a compass this field is 0 on every unit seen.
         compass_rad: if frame.heading_rad == 0.0 || !frame.heading_rad.is_finite() {
             f32::NAN
         } else {
@@ -133,7 +136,7 @@ fn channel_kind(channel: u16) -> ChannelKind {
     }
 }
 
-/// Nominal frequency by code; the middle of the band for the chirp codes.
+/// Nominal frequencies by code, kHz; for the chirp codes the middle of the band.
 pub(super) const FREQUENCIES_KHZ: [f32; 11] =
     [200.0, 50.0, 83.0, 455.0, 800.0, 38.0, 28.0, 170.0, 120.0, 50.0, 35.0];
 

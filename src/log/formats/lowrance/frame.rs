@@ -1,15 +1,16 @@
-//! Frames of both formats: their headers as they lie in the file, and how one is recognised.
+//! Reads frames of SL2 and SL3: defines their headers as stored, and recognises a frame in the
+//! bytes.
 
 use crate::formats::scalar;
 use crate::support::geo::METRES_PER_FOOT;
 use bytemuck::{Pod, Zeroable};
 
-/// Channel number of depths across the track. The packet length in its headers is not that of the
-/// data.
+/// Channel number of depths across the track. The packet length in headers of this channel is not
+/// the length of the data.
 pub(super) const STRUCTURE_SCAN_3D: u16 = 9;
-/// No channel number above this was ever seen; a header with one is not a header.
+/// Highest plausible channel number; a higher one in a header means that the bytes are no header.
 const LAST_CHANNEL: u16 = 31;
-/// No header is longer than this.
+/// Most bytes of a header.
 const LONGEST_HEADER: usize = 256;
 
 /// The two frame layouts.
@@ -21,21 +22,20 @@ pub(crate) enum FrameLayout {
     Sl3,
 }
 
-/// The SL2 frame header as it lies in the file: 144 bytes, little-endian, then `packet` bytes of
-/// echo, one byte a sample. Ranges and depths are in feet, speeds in knots, angles in radians
-/// clockwise from north. Verified on files of format versions 0 and 1; every offset of the older
-/// public tables is 2 too small (they count the file header as 10 bytes).
+/// SL2 frame header as stored: 144 bytes, little-endian, then `packet` bytes of echo, one byte a
+/// sample. Ranges and depths are in feet, speeds in knots, angles in radians clockwise from north.
+/// Verified on files of format versions 0 and 1; every offset of the older public tables is 2 too
+/// small (they count the file header as 10 bytes).
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub struct Sl2Header {
-    /// Offset 0: this frame's own offset in the file; the key for finding frames again after
-    /// damage.
+    /// Offset 0: offset of this frame in the file, which identifies frames after damage.
     pub own_offset: u32,
     /// 4: offsets of the last primary, secondary, down-scan, left, right and composite frame.
     pub last_offsets: [u32; 6],
-    /// 28: header and data together; the step to the next frame.
+    /// 28: bytes of header and data together, the step to the next frame.
     pub frame_size: u16,
-    /// 30: size of the frame before.
+    /// 30: bytes of the frame before.
     pub previous_size: u16,
     /// 32: 0 primary, 1 secondary, 2 down-scan, 3 left, 4 right, 5 composite side-scan.
     pub channel: u16,
@@ -43,7 +43,7 @@ pub struct Sl2Header {
     pub packet: u16,
     /// 36: frame number in its channel.
     pub index: u32,
-    /// 40: near limit of the range; minus the far one on composite side-scan.
+    /// 40: near limit of the range; on composite side-scan the negative far limit.
     pub min_range_ft: f32,
     /// 44: far limit of the range.
     pub max_range_ft: f32,
@@ -69,8 +69,7 @@ pub struct Sl2Header {
     pub gps_speed_kn: f32,
     /// 104: water temperature, degrees Celsius.
     pub temperature_c: f32,
-    /// 108: east, metres of Lowrance's Mercator. Signed: read unsigned, the western hemisphere
-    /// breaks.
+    /// 108: east, metres of Lowrance's Mercator. Signed, which is needed in the western hemisphere.
     pub x_m: i32,
     /// 112: north, metres of Lowrance's Mercator. Signed.
     pub y_m: i32,
@@ -82,40 +81,40 @@ pub struct Sl2Header {
     pub altitude_ft: f32,
     /// 128: compass heading; 0 without a compass.
     pub heading_rad: f32,
-    /// 132: which values are fresh in this frame; older units fill the others with the last ones
-    /// known.
+    /// 132: flags of the values that are new in this frame; older units fill the other fields with
+    /// the last known values.
     pub flags: u16,
     /// 134: unknown.
     pub unknown_134: [u8; 6],
-    /// 140: milliseconds since the log (older units: the unit) was started. Signed.
+    /// 140: milliseconds since the start of the log (older units: of the unit). Signed.
     pub time_ms: i32,
 }
 
 const _: () = assert!(size_of::<Sl2Header>() == 144);
 
-/// The SL3 frame header as it lies in the file: the first 128 bytes, little-endian. Channels 7 and
-/// 8 have no more; the others go on to 168 bytes (180 in frame version 13) with the offsets of the
-/// last frames, so the data begins `frame_size - packet` bytes after the frame, never at a
-/// constant. Units as in [SL2](Sl2Header). Verified on files of frame version 10.
+/// SL3 frame header as stored: the first 128 bytes, little-endian. On channels 7 and 8 this is the
+/// whole header; on the others it continues to 168 bytes (180 in frame version 13) with the offsets
+/// of the last frames, so the data begins `frame_size - packet` bytes after the start of the frame,
+/// never at a constant offset. Units as in [SL2](Sl2Header). Verified on files of frame version 10.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct Sl3Header {
     /// Offset 0: this frame's own offset in the file.
     pub own_offset: u32,
-    /// 4: version of the frame layout; 10 seen, 13 known.
+    /// 4: version of the frame layout; 10 was seen, 13 is known.
     pub frame_version: u32,
-    /// 8: header and data together; the step to the next frame.
+    /// 8: bytes of header and data together, the step to the next frame.
     pub frame_size: u16,
-    /// 10: size of the frame before.
+    /// 10: bytes of the frame before.
     pub previous_size: u16,
-    /// 12: as in SL2; 7 and 8 are raw products of the down sonar, 9 is 3D, 10 and 11 are the
-    /// recorder's own.
+    /// 12: as in SL2; 7 and 8 are raw data of the down sonar, 9 is 3D, 10 and 11 are internal to
+    /// the recorder.
     pub channel: u16,
     /// 14: unknown.
     pub unknown_14: [u8; 2],
     /// 16: frame number in its channel.
     pub index: u32,
-    /// 20: near limit of the range; minus the far one on composite side-scan.
+    /// 20: near limit of the range; on composite side-scan the negative far limit.
     pub min_range_ft: f32,
     /// 24: far limit of the range.
     pub max_range_ft: f32,
@@ -123,13 +122,14 @@ pub(crate) struct Sl3Header {
     pub unknown_28: [u8; 12],
     /// 40: Unix seconds in frame 0 of every channel; a millisecond count later.
     pub clock: u32,
-    /// 44: bytes of echo data. On channel 9 of some units it is not: step by `frame_size`.
+    /// 44: bytes of echo data. On channel 9 of some units the value is wrong; use `frame_size` to
+    /// step.
     pub packet: u32,
-    /// 48: water depth; 0 on channels that do not know it.
+    /// 48: water depth; 0 on channels without it.
     pub depth_ft: f32,
     /// 52: frequency code.
     pub frequency: u16,
-    /// 54: unknown; holds the four -1.0 of SL2 at 64.
+    /// 54: unknown; contains the four -1.0 of SL2 at 64.
     pub unknown_54: [u8; 30],
     /// 84: speed over ground by GPS.
     pub gps_speed_kn: f32,
@@ -147,11 +147,11 @@ pub(crate) struct Sl3Header {
     pub altitude_ft: f32,
     /// 112: compass heading; 0 without a compass.
     pub heading_rad: f32,
-    /// 116: which values are fresh in this frame.
+    /// 116: flags of the values that are new in this frame.
     pub flags: u16,
     /// 118: unknown.
     pub unknown_118: [u8; 6],
-    /// 124: milliseconds since the log was started. Signed: real files begin up to half a second
+    /// 124: milliseconds since the start of the log. Signed: real files begin up to half a second
     /// before zero.
     pub time_ms: i32,
 }
@@ -161,9 +161,9 @@ const _: () = assert!(size_of::<Sl3Header>() == 128);
 /// Fields of a frame that Bathyscope uses, still in the recorder's units.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LowranceFrame {
-    /// Offset of the frame.
+    /// Offset of the frame in the file.
     pub offset: usize,
-    /// Header and data.
+    /// Bytes of header and data.
     pub size: usize,
     /// Offset of the echo data.
     pub data_offset: usize,
@@ -177,7 +177,7 @@ pub(crate) struct LowranceFrame {
     pub max_range_ft: f32,
     /// Frequency code.
     pub frequency: u16,
-    /// Unix seconds or a millisecond count.
+    /// Unix seconds, or a count of milliseconds.
     pub clock: u32,
     /// Water depth, feet.
     pub depth_ft: f32,
@@ -197,19 +197,19 @@ pub(crate) struct LowranceFrame {
     pub time_ms: i32,
 }
 
-/// Result of looking for a frame at an offset.
+/// Result of the search for a frame at an offset.
 #[derive(Debug)]
 pub(crate) enum FrameCheck {
-    /// A whole frame.
+    /// A complete frame.
     Whole(LowranceFrame),
-    /// A frame header whose data goes on behind the end of the file.
+    /// A frame header whose data exceeds the end of the file, or a truncated header.
     Cut,
     /// No frame header.
     Nothing,
 }
 
 impl FrameLayout {
-    /// The shortest header of the layout.
+    /// Returns the bytes of the shortest header of the layout.
     pub(crate) fn shortest_header(self) -> usize {
         match self {
             FrameLayout::Sl2 => size_of::<Sl2Header>(),
@@ -217,8 +217,8 @@ impl FrameLayout {
         }
     }
 
-    /// Looks for a frame at `offset`. `lost` is the number of bytes lost from the file before it:
-    /// the frame states where it was before they were.
+    /// Checks for a frame at `offset`. `lost` is the number of bytes that the file lost before the
+    /// frame: the frame states its offset before the loss.
     pub(crate) fn look(self, bytes: &[u8], offset: usize, lost: i64) -> FrameCheck {
         if lost_before(bytes, offset) != Some(lost) {
             return FrameCheck::Nothing;
@@ -242,15 +242,15 @@ impl FrameLayout {
     }
 }
 
-/// Number of bytes that were lost before `offset` (negative: came in) if a frame begins there; the
-/// recorders count in 32 bits and start again beyond 4 GiB.
+/// Returns the number of bytes that were lost before `offset` (negative: inserted) if a frame
+/// begins there; recorders store offsets in 32 bits, which wrap at 4 GiB.
 pub(super) fn lost_before(bytes: &[u8], offset: usize) -> Option<i64> {
     let stated = scalar::u32_le(bytes, offset)?;
     Some(i64::from(stated.wrapping_sub(offset as u32).cast_signed()))
 }
 
-/// Returns the offset of the data in a frame: behind the header, whose length is the frame's size
-/// less the packet's, where that is a length a header can have.
+/// Returns where the data in a frame begins: after the header, whose length is the frame's size
+/// less the packet's, where this is a plausible length of a header, else the usual length.
 fn data_start(size: usize, packet: usize, shortest: usize, usual: usize) -> usize {
     let stated = size.saturating_sub(packet);
     if (shortest..=LONGEST_HEADER).contains(&stated) { stated } else { usual.min(size) }
@@ -312,7 +312,7 @@ fn from_sl3(offset: usize, header: &Sl3Header) -> LowranceFrame {
     }
 }
 
-/// Feet, as a frame has them, in metres.
+/// Converts feet, the unit in frames, to metres.
 pub(super) fn metres(feet: f32) -> f32 {
     (f64::from(feet) * METRES_PER_FOOT) as f32
 }

@@ -1,6 +1,6 @@
-//! A log of any format as SL2: side-scan, channels that look down, depths and fixes.
+//! Writes a log of any format as SL2: side-scan, channels that look down, depths and fixes.
 //!
-//! SL2 has one byte a sample, whole metres of Mercator and whole milliseconds (`sl2`).
+//! SL2 has one byte a sample, whole metres of Mercator and whole milliseconds (`write`).
 
 use super::Lowrance;
 use super::write::{
@@ -13,9 +13,9 @@ use crate::survey::{ChannelKind, Encoding, SidePing, SideSpan, Survey};
 use std::f64::consts::TAU;
 use std::io::{self, Write};
 
-/// Numbers of the channels of one side, port first.
+/// Channel numbers of separate sides, port first.
 const SIDES: [u16; 2] = [3, 4];
-/// Unix seconds that a reader takes for a time: from 2000 on; earlier ones are counters to it.
+/// Lowest Unix seconds that a reader accepts as a time (year 2000); lower values are counters.
 const FIRST_UNIX_S: f64 = 946_684_800.0;
 
 impl LogWriter for Lowrance {
@@ -53,7 +53,7 @@ impl LogWriter for Lowrance {
     }
 }
 
-/// Lists data of the log that SL2 has no place for, a sentence each.
+/// Lists data of the log that SL2 cannot store, in a sentence each.
 fn losses(survey: &Survey, start_s: Option<f64>) -> Vec<String> {
     let mut losses = Vec::new();
     if survey.source.format.contains("SL2") || survey.source.format.contains("SL3") {
@@ -73,8 +73,8 @@ fn losses(survey: &Survey, start_s: Option<f64>) -> Vec<String> {
     losses
 }
 
-/// Returns true if both sides cover the same range from the boat on with the same number of
-/// samples, as the halves of one frame do.
+/// Returns true if both sides begin at the boat and have the same range and number of samples, as
+/// the halves of one frame must.
 fn is_symmetric(ping: &SidePing) -> bool {
     let (Some(port), Some(starboard)) = (ping.port, ping.starboard) else {
         return false;
@@ -85,12 +85,12 @@ fn is_symmetric(ping: &SidePing) -> bool {
         && starboard.near_m == 0.0
 }
 
-/// Makes frames of records.
+/// Converts records to frames.
 struct Frames<'a> {
     log: &'a LogToWrite<'a>,
-    /// True if both sides of all pings are in one frame.
+    /// True if both sides of each ping are written in one frame.
     is_composite: bool,
-    /// Seconds from the time in the file to the log's time zero.
+    /// Seconds from the start time in the file, which is in whole seconds, to the log's time zero.
     after_start_s: f64,
     next_index: [u32; 6],
     last_place: Option<[i32; 2]>,
@@ -120,7 +120,8 @@ impl Frames<'_> {
             Recorded::Down { kind, span, .. } => {
                 vec![self.alone(down_channel(*kind), *kind, time_s, span)]
             }
-            // A depth is in the frames of its moment; without any others it has one of its own.
+            // A depth is written in the frames at its time; a log without pings has separate frames
+            // for depths.
             Recorded::Sounding(..) => {
                 let survey = self.log.survey;
                 let is_alone = survey.side_scan.is_empty() && survey.echograms.is_empty();
@@ -139,7 +140,7 @@ impl Frames<'_> {
         self.frame(channel, kind, time_s, range_m, bytes)
     }
 
-    /// Echo levels from the boat outward; none of what lies outside the file.
+    /// Returns the echo levels from the boat outward; none for samples outside the file.
     fn levels(&self, span: Option<&SideSpan>) -> Vec<u8> {
         let mut levels = Vec::new();
         if let Some(samples) = span.and_then(|span| self.log.survey.samples_of(span)) {
@@ -179,8 +180,8 @@ impl Frames<'_> {
         }
     }
 
-    /// The fix that is valid at a time; course and speed are those of the fitted track where none
-    /// were recorded.
+    /// Returns the fix that is valid at a time; course and speed are those of the fitted track
+    /// where none were recorded.
     fn fix(&self, time_s: f64) -> WrittenFix {
         let fix = self.log.fix(time_s);
         let place = self.log.place(time_s);

@@ -1,5 +1,5 @@
-//! Lowrance SL2 and SL3, with the depths of StructureScan 3D (`swath`); and SLG, which has depths
-//! and a track (`slg`).
+//! Reads Lowrance SL2 and SL3 files, with the depths of StructureScan 3D (`swath`), and SLG files,
+//! which contain depths and a track (`slg`); writes SL2.
 //!
 //! In: the bytes of a recording. Out: a collected log.
 
@@ -18,16 +18,16 @@ use crate::support::progress::{Cancelled, Progress};
 use crate::survey::Survey;
 use frame::{FrameCheck, FrameLayout};
 
-/// The file header's length; the first frame follows.
+/// Bytes of the file header; the first frame follows.
 pub const FILE_HEADER: usize = 8;
-/// Bytes searched for frames when the file header does not say what the file is.
+/// Bytes searched for frames where the file header is damaged.
 const SEARCHED_FOR_FRAMES: usize = 1 << 20;
-/// Frames in a row that prove a log: fewer may occur by chance.
+/// Number of frames in a row that identify a log: fewer may occur by chance.
 const FRAMES_THAT_PROVE: usize = 4;
-/// Most places at which a row of frames is looked for.
+/// Most places that are tried as the start of a row of frames.
 const MOST_TRIES: usize = 16;
 
-/// The reader of the format.
+/// Reader of the format.
 pub(super) struct Lowrance;
 
 impl LogFormat for Lowrance {
@@ -38,21 +38,21 @@ impl LogFormat for Lowrance {
     }
 }
 
-/// Kind of the file, as its header or its frames show it.
+/// Kind of a file, by its header or its frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum LowranceKind {
-    /// SLG: no side-scan in it.
+    /// SLG, without side-scan.
     Slg {
         /// Bytes of a block.
         size: usize,
-        /// The file header's version word.
+        /// Version in the file header.
         version: u16,
     },
     /// Frames of a known layout.
     Frames {
-        /// Which.
+        /// Layout of the frames.
         layout: FrameLayout,
-        /// The file header's version word; `None` when the header is damaged.
+        /// Version in the file header; `None` where the header is damaged.
         version: Option<u16>,
     },
 }
@@ -91,11 +91,11 @@ fn sniff_frames(bytes: &[u8]) -> Option<LowranceKind> {
     found.map(|layout| LowranceKind::Frames { layout, version: None })
 }
 
-/// Returns true if there are frames in a row, found by their own offsets: tables of rising numbers
-/// in other files look like two of them.
+/// Returns true if there are several frames in a row, found by the offsets that they state: tables
+/// of rising numbers in other files may look like two frames.
 fn has_frames(bytes: &[u8], layout: FrameLayout) -> bool {
     let mut from = FILE_HEADER;
-    // Of a damaged beginning some frames are whole.
+    // A damaged beginning may still contain some whole frames.
     for _ in 0..MOST_TRIES {
         let range = from..SEARCHED_FOR_FRAMES.max(from);
         let Some(first) = walk::first_frame(bytes, layout, range, 0) else {
@@ -109,8 +109,8 @@ fn has_frames(bytes: &[u8], layout: FrameLayout) -> bool {
     false
 }
 
-/// Returns true if so many frames follow each other from a place on that they are no chance, or to
-/// the end of the bytes.
+/// Returns true if enough frames follow each other from a place on to rule out chance, or more than
+/// one up to the end of the bytes.
 fn is_row_of_frames(bytes: &[u8], layout: FrameLayout, first: walk::FrameStart) -> bool {
     let mut at = first.at;
     for found in 0..FRAMES_THAT_PROVE {
@@ -122,7 +122,8 @@ fn is_row_of_frames(bytes: &[u8], layout: FrameLayout, first: walk::FrameStart) 
     true
 }
 
-/// Reads a file that [`sniff`] recognised.
+/// Reads a file that [`sniff`] recognised; fails where it contains no whole frame, or the user
+/// cancelled.
 fn read(
     opened: Opened,
     kind: LowranceKind,

@@ -1,4 +1,5 @@
-//! The sides of a side-scan frame: both in one (channel 5), or one alone (channels 3 and 4).
+//! Decodes the sides of a side-scan frame, which has both sides (channel 5) or one (channels 3 and
+//! 4), and pings of channels that look down.
 
 use super::frame::{LowranceFrame, metres};
 use super::swath;
@@ -7,8 +8,8 @@ use crate::formats::report::WarningKind;
 use crate::survey::{ChannelKind, Encoding, SampleOrder, SidePing, SideSpan};
 use std::ops::Range;
 
-/// Keeps the sides of a frame that can hold a picture, and what looks down; says so where there is
-/// none.
+/// Adds the sides of a frame, or its ping of a channel that looks down, to the log; warns where it
+/// cannot be shown as a picture.
 pub(super) fn keep(log: &mut Collected, kind: ChannelKind, frame: &LowranceFrame, time_s: f64) {
     if let ChannelKind::Primary | ChannelKind::Secondary | ChannelKind::DownScan = kind {
         return log.add_echogram(kind, time_s, alone(frame));
@@ -42,7 +43,8 @@ pub(super) fn keep(log: &mut Collected, kind: ChannelKind, frame: &LowranceFrame
     }
 }
 
-/// Samples of one side; of a swath the depths of both, with those that are not used.
+/// Returns the number of samples of one side; for a swath the most depths of both sides that the
+/// frame can contain, with unused ones.
 pub(super) fn samples_a_side(kind: ChannelKind, frame: &LowranceFrame) -> usize {
     match kind {
         ChannelKind::Composite => frame.data_len / 2,
@@ -51,7 +53,8 @@ pub(super) fn samples_a_side(kind: ChannelKind, frame: &LowranceFrame) -> usize 
     }
 }
 
-/// Near and far limit of the range, where the frame states one that can be.
+/// Returns the near and far limit of the range, metres; `None` where the frame states no plausible
+/// one.
 pub(super) fn range_m(kind: ChannelKind, frame: &LowranceFrame) -> Option<(f32, f32)> {
     let (near_m, far_m) = match kind {
         ChannelKind::Composite => (0.0, metres(frame.max_range_ft)),
@@ -59,14 +62,15 @@ pub(super) fn range_m(kind: ChannelKind, frame: &LowranceFrame) -> Option<(f32, 
             let span = alone(frame);
             (span.near_m, span.far_m)
         }
-        // The raw products carry other numbers in these fields.
+        // In raw products these fields have another meaning.
         ChannelKind::Swath | ChannelKind::Other(_) => return None,
         _ => (metres(frame.min_range_ft), metres(frame.max_range_ft)),
     };
     is_range(near_m, far_m).then_some((near_m, far_m))
 }
 
-/// Both halves of a composite frame: far port, nadir where the range is 0, far starboard.
+/// Returns both halves of a composite frame: from far port through the nadir, where the range is 0,
+/// to far starboard.
 fn composite(frame: &LowranceFrame) -> [Option<SideSpan>; 2] {
     let (min_m, starboard_m) = (metres(frame.min_range_ft), metres(frame.max_range_ft));
     let port_m = if min_m < 0.0 { -min_m } else { starboard_m };
@@ -78,8 +82,8 @@ fn composite(frame: &LowranceFrame) -> [Option<SideSpan>; 2] {
     [Some(port), Some(starboard)]
 }
 
-/// Returns the samples of a frame of one side, or of one that looks down; the first sample is
-/// nearest.
+/// Returns the samples of a frame of one side, or of a channel that looks down; the first sample is
+/// the nearest.
 fn alone(frame: &LowranceFrame) -> SideSpan {
     let a_m = metres(frame.min_range_ft).abs();
     let b_m = metres(frame.max_range_ft).abs();
@@ -87,7 +91,7 @@ fn alone(frame: &LowranceFrame) -> SideSpan {
     span(frame, all, SampleOrder::NearToFar, (a_m.min(b_m), a_m.max(b_m)))
 }
 
-/// Some of a frame's samples, with their near and far limit in metres.
+/// Returns a part of a frame's samples, with their near and far limit in metres.
 fn span(
     frame: &LowranceFrame,
     samples: Range<usize>,

@@ -1,19 +1,20 @@
-//! Lowrance SLG: blocks of one size, each with the fields that its flags name.
+//! Reads Lowrance SLG: blocks of one size, each with the fields that its flags name.
 //!
 //! A file begins with the header of SL2 (u16 format, 1; u16 version; u16 size of a block; u16) and
 //! two bytes more. A block begins with u16 flags; then come, each where its flag is set: f32 lower
 //! limit of the range and f32 depth, feet (0x0200 or 0x0400); f32 temperature (0x0010); f32 speed
 //! through the water (0x0080); i32 X and Y, metres of Lowrance's Mercator (0x0100); f32 depth of
 //! the surface clutter (0x0400); f32 top of the bottom (0x0800); f32 temperature 2 (0x0020) and 3
-//! (0x0040); u32 milliseconds (0x2000); f32 speed, knots, and f32 course, radians (0x4000). One or
-//! two f32 follow, of which the altitude is one; then u16 bytes of echoes, and the echoes to the
-//! block's end: that the sizes add up is what tells a block.
+//! (0x0040); u32 milliseconds (0x2000); f32 speed, knots, and f32 course, radians (0x4000). Up to
+//! two f32 follow, of which one is the altitude; then u16 bytes of echoes, and the echoes to the
+//! block's end. A block is recognised by these sizes, which must add up to its own.
 //!
-//! Depths and the track are read. Blocks without a time lie evenly between those with one.
+//! Only depths and the track are read. Blocks without a time are spread evenly between those with
+//! one.
 //!
 //! Sources: python-sllib, which reads these fields in this order and checks the sizes, and the list
 //! of file sizes in OpenStreetMap's page on SL2 (both with a header of 10 bytes); a forum's
-//! analysis of the LMS-525C has the same fields. No real file was at hand.
+//! analysis of the LMS-525C has the same fields. No real file was available.
 
 use super::frame::metres;
 use crate::formats::clock::{Clock, ClockVerdict};
@@ -26,7 +27,7 @@ use crate::survey::{ChannelKind, Fix};
 
 /// Bytes before the first block.
 pub(super) const HEADER: usize = 10;
-/// Flags of the fields, in their order in a block.
+/// Flags of the fields, in the order of the fields in a block.
 const DEPTHS: u16 = 0x0600;
 const TEMPERATURE: u16 = 0x0010;
 const WATER_SPEED: u16 = 0x0080;
@@ -38,22 +39,22 @@ const TEMPERATURE_3: u16 = 0x0040;
 const TIME: u16 = 0x2000;
 const SPEED: u16 = 0x4000;
 
-/// Blocks with all fields are longer than this, bytes.
+/// Fewest bytes of a block; blocks with all fields are longer.
 const SMALLEST: usize = 64;
-/// Blocks between two looks at the progress.
+/// Number of blocks between two updates of the progress.
 const BLOCKS_A_CHECK: usize = 1024;
-/// Blocks without any time are so far apart, seconds.
+/// Time between blocks of a log without any time, seconds.
 const USUAL_STEP_S: f64 = 0.1;
-/// Blocks are no further apart than this, seconds: in a longer pause those without a time lie at
+/// Longest time between blocks, seconds: in a longer pause the blocks without a time are placed at
 /// its beginning.
 const LONGEST_STEP_S: f64 = 2.0;
-/// The only channel.
+/// Number of the only channel.
 const CHANNEL: u16 = 0;
 
-/// Fields of a block that are used, in the recorder's units.
+/// Fields of a block that are used, in the recorder's units; missing ones are NaN or `None`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Block {
-    /// Offsets of its beginning and its end.
+    /// Offsets of the beginning and the end of the block in the file.
     at: usize,
     end: usize,
     depth_ft: f32,
@@ -64,15 +65,15 @@ struct Block {
 }
 
 impl Block {
-    /// The block of this size at an offset; `None` where the sizes do not add up, or it goes on
-    /// behind the bytes.
+    /// Returns the block of this size at an offset; `None` where the sizes do not add up, or the
+    /// block exceeds the bytes.
     fn at(bytes: &[u8], at: usize, size: usize) -> Option<Self> {
         let end = at.checked_add(size)?;
         let block = bytes.get(at..end)?;
         let flags = u16_le(block, 0)?;
         let fields = Fields(block);
         let mut next = 2;
-        // The offset of a field of so many bytes, where one of its flags is set.
+        // Returns the offset of a field of `length` bytes if one of its flags is set.
         let mut field = |mask: u16, length: usize| {
             let is_there = flags & mask != 0;
             let here = next;
@@ -104,8 +105,8 @@ impl Block {
     }
 }
 
-/// Returns true if a file begins with a block of this size that tells something, and with another
-/// unless the file ends before.
+/// Returns true if a file begins with a block of this size that has a depth or a position, and
+/// another block follows unless the file ends before.
 pub(super) fn begins_with_block(bytes: &[u8], size: usize) -> bool {
     let block = Block::at(bytes, HEADER, size).filter(|_| size >= SMALLEST);
     block.is_some_and(|block| {
@@ -115,10 +116,10 @@ pub(super) fn begins_with_block(bytes: &[u8], size: usize) -> bool {
     })
 }
 
-/// Reads the blocks of a file, all of this size.
+/// Reads the blocks of a file, all of size `size`.
 ///
 /// # Errors
-/// When it was cancelled.
+/// When the user cancelled the reading.
 pub(super) fn read_blocks(
     bytes: &[u8],
     size: usize,
@@ -142,7 +143,7 @@ pub(super) fn read_blocks(
         }
         let rest = bytes.len() - at;
         let found = next_block(bytes, at + 1, size);
-        // Two bytes stand at the end of whole files.
+        // Whole files end with two additional bytes.
         let is_end = found.is_none() && (rest <= 2 || (is_growing && rest < size));
         let to = found.unwrap_or(bytes.len());
         if !is_end {
@@ -162,8 +163,8 @@ pub(super) fn read_blocks(
     Ok(())
 }
 
-/// Returns the offset of the next block that is followed by another one or by the end of the bytes:
-/// the sizes of a single block may add up by chance.
+/// Returns the offset of the next block that is followed by another block or by the end of the
+/// bytes: the sizes of a single block may add up by chance.
 fn next_block(bytes: &[u8], from: usize, size: usize) -> Option<usize> {
     let last = bytes.len().checked_sub(size)?;
     (from..=last).find(|&at| {
@@ -174,15 +175,15 @@ fn next_block(bytes: &[u8], from: usize, size: usize) -> Option<usize> {
     })
 }
 
-/// Gives blocks their times.
+/// Assigns times to blocks.
 #[derive(Default)]
 struct Reader {
     clock: Clock<Vec<Block>>,
-    /// A block with a time, and those without one that follow.
+    /// A block with a time, and the blocks without a time after it.
     open: Vec<Block>,
     /// Blocks before the first time.
     before: Vec<Block>,
-    /// The last blocks whose time was believed, with it, seconds.
+    /// Time of the last block with a plausible time, seconds, and that block with those after it.
     last: Option<(f64, Vec<Block>)>,
     zero_s: Option<f64>,
     step_s: Option<f64>,
@@ -196,7 +197,7 @@ impl Reader {
         self.open.push(block);
     }
 
-    /// Ends the blocks that are open.
+    /// Ends the group of open blocks.
     fn close(&mut self, log: &mut Collected) {
         let blocks = std::mem::take(&mut self.open);
         let Some(first) = blocks.first() else {
@@ -248,7 +249,7 @@ impl Reader {
         }
     }
 
-    /// Keeps the blocks before the first time.
+    /// Adds the blocks before the first time to the log.
     fn keep_before(&mut self, log: &mut Collected) {
         let blocks = std::mem::take(&mut self.before);
         self.keep_all(log, blocks.len() as f64 * -USUAL_STEP_S, USUAL_STEP_S, &blocks);
@@ -296,7 +297,7 @@ mod tests {
 
     const SIZE: usize = 300;
 
-    /// A block with depth, position and course; a time at every third.
+    /// Returns a block with depth, position and course; every third has a time.
     fn block(index: usize, flags: u16) -> Vec<u8> {
         let mut block = flags.to_le_bytes().to_vec();
         let mut add = |mask: u16, field: &[u8]| {
@@ -353,7 +354,7 @@ mod tests {
             assert_eq!(fix.position, position);
             assert_eq!((fix.cog_rad, (fix.speed_mps * 100.0).round()), (1.5, 257.0));
         }
-        // Units write two bytes more at the end.
+        // Units write two additional bytes at the end.
         let padded = read([slg(30), vec![0; 2]].concat()).expect("a log");
         assert!(!padded.warnings.iter().any(|one| one.place.is_some()));
     }
@@ -399,7 +400,7 @@ mod tests {
         for _ in 0..5000 {
             let mut bytes = whole.clone();
             for _ in 0..=random.below(6) {
-                // Fields stand at the beginning of a block.
+                // Fields are at the beginning of a block.
                 let at = (random.below(10) * SIZE + random.below(50)).min(bytes.len() - 1);
                 bytes[at] = random.below(256) as u8;
             }

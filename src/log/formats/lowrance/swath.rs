@@ -1,12 +1,13 @@
-//! StructureScan 3D (channel 9 of SL3): depths across the track.
+//! Reads the frames of StructureScan 3D (channel 9 of SL3): depths across the track.
 //!
-//! Behind the frame header lies one more header of i32: its own length (76), bytes of the pairs to
-//! port and to starboard, bytes of the unreliable pairs, and how many of these are of either side.
-//! Then come the pairs in that order: distance outward and depth, f32, feet. The packet length of
-//! the frame header is another one: a frame is as long as its frame size says.
+//! After the frame header comes another header of i32: its own length (76), bytes of the pairs to
+//! port and to starboard, bytes of the unreliable pairs, and how many of the unreliable pairs are
+//! on each side. Then come the pairs in that order: distance outward and depth, f32, feet. The
+//! packet length in the frame header is wrong for these frames: their length is given by the frame
+//! size.
 //!
-//! The layout is that of the public reader SL3Reader (`3D.cs`, `InterferometricMeasurement.cs` and
-//! `SL3Reader.cs` of github.com/halmaia/SL3Reader). It was not tried on a real recording.
+//! The layout is taken from the public reader SL3Reader (`3D.cs`, `InterferometricMeasurement.cs`
+//! and `SL3Reader.cs` of github.com/halmaia/SL3Reader). It was not tried on a real recording.
 
 use super::frame::LowranceFrame;
 use crate::formats::collected::Collected;
@@ -14,12 +15,12 @@ use crate::formats::report::WarningKind;
 use crate::formats::scalar;
 use crate::survey::{SWATH_PAIR, SwathPing, swath_pair_m};
 
-/// Length of the header before the pairs.
+/// Shortest header before the pairs, bytes.
 const HEADER: usize = 76;
-/// No such header is longer than this.
+/// Longest plausible header before the pairs, bytes.
 const LONGEST_HEADER: usize = 256;
 
-/// Totals of all frames that were read.
+/// Totals of all frames that were read, for a warning.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct SwathTotals {
     frames: usize,
@@ -28,7 +29,7 @@ pub(super) struct SwathTotals {
 }
 
 impl SwathTotals {
-    /// Keeps the depths of a frame; says so where they are damaged.
+    /// Adds the depths of a frame to the log; warns where they are damaged.
     pub(super) fn keep(&mut self, log: &mut Collected, frame: &LowranceFrame, time_s: f64) {
         let read = {
             let bytes = &log.bytes[0];
@@ -51,7 +52,7 @@ impl SwathTotals {
         log.swath.push(ping);
     }
 
-    /// Says what there was.
+    /// Adds a warning with the totals, if there were frames.
     pub(super) fn report(&self, log: &Collected) {
         let Self { frames, pairs, unreliable } = self;
         if *frames > 0 {
@@ -62,13 +63,13 @@ impl SwathTotals {
     }
 }
 
-/// Most pairs that a frame can hold.
+/// Returns the most pairs that a frame can contain.
 pub(super) fn most_pairs(frame: &LowranceFrame) -> usize {
     frame.data_len.saturating_sub(HEADER) / SWATH_PAIR
 }
 
-/// Reads the place of the pairs of a frame; `None` where it does not hold as many as its header
-/// says.
+/// Finds the pairs of a frame; `None` where the frame is too short for the pairs that its header
+/// states.
 fn read(bytes: &[u8], frame: &LowranceFrame, time_s: f64) -> Option<SwathPing> {
     let data = bytes.get(frame.data_offset..frame.data_offset + frame.data_len)?;
     let length = |at: usize| usize::try_from(scalar::u32_le(data, at)?).ok();
@@ -79,7 +80,7 @@ fn read(bytes: &[u8], frame: &LowranceFrame, time_s: f64) -> Option<SwathPing> {
     if end > data.len() || !are_pairs {
         return None;
     }
-    // A frame is shorter than 64 KiB.
+    // The conversion does not fail, because a frame is shorter than 64 KiB.
     let pairs = |bytes: usize| u16::try_from(bytes / SWATH_PAIR).ok();
     Some(SwathPing {
         time_s,
@@ -91,7 +92,7 @@ fn read(bytes: &[u8], frame: &LowranceFrame, time_s: f64) -> Option<SwathPing> {
     })
 }
 
-/// Pairs of a ping that cannot be depths.
+/// Returns the number of pairs of a ping that are no plausible depths.
 fn damaged(bytes: &[u8], ping: &SwathPing) -> usize {
     let start = ping.offset as usize;
     let pairs = bytes.get(start..start + SWATH_PAIR * ping.len()).unwrap_or_default();

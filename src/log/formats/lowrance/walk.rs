@@ -1,15 +1,15 @@
-//! Walks from frame to frame through a log, over damaged parts of it.
+//! Walks from frame to frame through a log and skips damaged parts.
 
 use super::frame::{self, FrameCheck, FrameLayout, LowranceFrame};
 use crate::formats::report::{WarningKind, WarningReport};
 use crate::support::progress::{Cancelled, Progress};
 use std::ops::Range;
 
-/// Frames between two looks at the progress.
+/// Number of frames between two updates of the progress.
 const FRAMES_A_CHECK: usize = 1024;
-/// Bytes searched between two looks at the progress.
+/// Number of bytes searched between two checks for cancellation.
 const BYTES_A_CHECK: usize = 1 << 20;
-/// Most bytes that may be missing (or added) in one place for the frames behind it to be still
+/// Most bytes that may be missing (or inserted) in one place while the frames after it are still
 /// found.
 const MOST_LOST: u64 = 1 << 20;
 
@@ -17,18 +17,18 @@ const MOST_LOST: u64 = 1 << 20;
 pub(super) struct FrameWalk<'a> {
     /// The whole file.
     pub(super) bytes: &'a [u8],
-    /// Its frames' layout.
+    /// Layout of the file's frames.
     pub(super) layout: FrameLayout,
     /// Report for warnings.
     pub(super) report: &'a WarningReport,
-    /// True if the file is still being written: a frame that is cut at its end is no damage.
+    /// True if the file is still being written: a truncated last frame is then no damage.
     pub(super) is_growing: bool,
     /// Progress of the walk.
     pub(super) progress: &'a Progress,
 }
 
 impl FrameWalk<'_> {
-    /// Calls `take` for every whole frame from `start` on.
+    /// Calls `take` for every whole frame from `start` on; fails only if cancelled.
     pub(super) fn run(
         &self,
         start: FrameStart,
@@ -54,9 +54,10 @@ impl FrameWalk<'_> {
         Ok(())
     }
 
-    /// Takes a frame if the chain goes on behind it; where it does not, the frame's size may be
-    /// what is damaged. A damaged size may also end where another frame does: one that is longer
-    /// than the `longest` before it is looked through for that.
+    /// Passes a frame to `take` if another frame follows it; where none follows, the frame's size
+    /// may be damaged. A damaged size may also end at the start of another frame by chance: a frame
+    /// that is longer than the `longest` before it is therefore searched for frames inside it.
+    /// Returns where to continue.
     fn step(
         &self,
         here: FrameStart,
@@ -85,7 +86,7 @@ impl FrameWalk<'_> {
         Ok(FrameStart { at: next, ..here })
     }
 
-    /// Returns true if whole frames from one on end where another frame begins, or the file ends.
+    /// Returns true if whole frames from `start` on end exactly at `end`.
     fn reaches(&self, start: FrameStart, end: usize) -> bool {
         let mut at = start.at;
         while at < end {
@@ -128,7 +129,8 @@ impl FrameWalk<'_> {
                 found.lost - here.lost
             ),
             Some(_) => format!("{bytes} bytes belong to no frame and were skipped"),
-            // Some recorders end a file so. A frame that was cut has its own offset at least.
+            // Some recorders add such an end to a file. A truncated frame has at least its own
+            // offset.
             None if bytes < size_of::<u32>() => return Ok(to),
             None => {
                 format!("the last {bytes} bytes of the file belong to no frame and were skipped")
@@ -138,7 +140,7 @@ impl FrameWalk<'_> {
         Ok(to)
     }
 
-    /// The first whole frame that begins in `from..to`.
+    /// Returns the first whole frame that begins in `from..to`.
     fn find(&self, from: usize, to: usize, lost: i64) -> Result<Option<FrameStart>, Cancelled> {
         let mut at = from;
         while at < to.min(self.bytes.len()) {
@@ -153,18 +155,18 @@ impl FrameWalk<'_> {
     }
 }
 
-/// Beginning of a frame, and number of bytes lost from the file before it.
+/// Beginning of a frame, and the number of bytes that the file lost before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct FrameStart {
     /// Offset in the file.
     pub(super) at: usize,
-    /// Lost bytes; negative where bytes came in.
+    /// Number of lost bytes; negative where bytes were inserted.
     pub(super) lost: i64,
 }
 
-/// The first whole frame that begins in `range`. Where bytes were lost (`lost` of them before the
-/// range), one that states its offset is enough; where more were lost in between, the next frame
-/// has to agree about how many.
+/// Returns the first whole frame that begins in `range`. `lost` bytes are known to be missing
+/// before the range: a frame that agrees with this number is accepted; otherwise the frame after it
+/// must agree with it.
 pub(super) fn first_frame(
     bytes: &[u8],
     layout: FrameLayout,

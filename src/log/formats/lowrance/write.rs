@@ -1,5 +1,5 @@
-//! Writes SL2: an 8-byte file header, then frames: the reader's own [`Sl2Header`] and the echo
-//! bytes, all little-endian.
+//! Writes SL2: a file header of 8 bytes, then frames, each of a [`Sl2Header`], as the reader uses
+//! it, and the echo bytes; all little-endian.
 
 use super::decode::FREQUENCIES_KHZ;
 use super::frame::Sl2Header;
@@ -9,7 +9,7 @@ use std::io::{self, Write};
 
 /// Header of the file: format 2 (SL2), version 1, block size 3200 (a side-scan unit).
 const FILE_HEADER: [u8; 8] = [2, 0, 1, 0, 0x80, 0x0c, 0, 0];
-/// Flags of a frame with a fresh fix: speed, packet, position, course, altitude.
+/// Flags of a frame with a new fix: speed, packet, position, course, altitude.
 const FRESH: u16 = 0x0002 | 0x0008 | 0x0010 | 0x0080 | 0x0200;
 /// Flag of a frame with the temperature of the water.
 const TEMPERATURE: u16 = 0x0004;
@@ -18,12 +18,12 @@ const HEADING: u16 = 0x0100;
 /// Flags of a frame that repeats the last fix.
 const REPEATED: u16 = 0x0008;
 
-/// The recorder's channel number of the composite side-scan; channels up to it have a "last frame"
-/// field in each header.
+/// Channel number of the composite side-scan; channels up to this number have a "last frame" field
+/// in each header.
 pub const COMPOSITE: u16 = 5;
-/// The recorder's channel number of the primary sonar.
+/// Channel number of the primary sonar.
 pub const PRIMARY: u16 = 0;
-/// The recorder's channel number of the down-scan.
+/// Channel number of the down-scan.
 pub const DOWN_SCAN: u16 = 2;
 
 /// A fix as the recorder writes it.
@@ -33,36 +33,36 @@ pub struct WrittenFix {
     pub mercator: [i32; 2],
     /// Course over ground, radians clockwise from north.
     pub course_rad: f64,
-    /// Speed over ground.
+    /// Speed over ground, metres a second.
     pub speed_mps: f64,
-    /// Compass heading; `None` without a compass.
+    /// Compass heading, radians; `None` without a compass.
     pub compass_rad: Option<f64>,
 }
 
-/// A frame before it has a place in the file.
+/// Content of a frame, without its place in the file.
 #[derive(Clone, Debug)]
 pub struct Sl2Frame {
-    /// The recorder's number.
+    /// Channel number.
     pub channel: u16,
     /// Code of the channel's frequency ([`frequency_code`]).
     pub frequency: u8,
-    /// Counts the pings of the channel.
+    /// Number of the ping in its channel.
     pub index: u32,
     /// Near and far limit of the echo bytes, metres; negative to port.
     pub range_m: [f64; 2],
-    /// Depth below the transducer, metres; 0 where it is not known.
+    /// Depth below the transducer, metres; 0 where unknown.
     pub depth_m: f64,
     /// Milliseconds after the log's time zero.
     pub milliseconds: i32,
-    /// The fix that is valid.
+    /// Fix that is valid at this time.
     pub fix: WrittenFix,
-    /// First frame since this fix.
+    /// True for the first frame with this fix.
     pub fresh: bool,
     /// Echo levels.
     pub bytes: Vec<u8>,
 }
 
-/// A log that is being written.
+/// Writer of an SL2 file.
 pub struct Sl2Writer<W> {
     out: W,
     offset: u32,
@@ -74,8 +74,8 @@ pub struct Sl2Writer<W> {
 }
 
 impl<W: Write> Sl2Writer<W> {
-    /// Begins a log at a time, Unix seconds, in water of a temperature where that is known. The
-    /// time 0 writes "no time" (0xFFFFFFFF).
+    /// Creates the writer of a log that starts at a time, Unix seconds, in water of a temperature,
+    /// if known. The time 0 is written as "no time" (0xFFFFFFFF).
     ///
     /// # Errors
     /// When writing fails.
@@ -91,11 +91,10 @@ impl<W: Write> Sl2Writer<W> {
         })
     }
 
-    /// Adds a frame.
+    /// Writes a frame.
     ///
     /// # Errors
-    /// When writing fails, or when the frame or the file is larger than the format's fields can
-    /// say.
+    /// When writing fails, or the frame or the file is larger than the fields of the format allow.
     pub fn push(&mut self, frame: &Sl2Frame) -> io::Result<()> {
         let header = self.header(frame)?;
         self.out.write_all(bytemuck::bytes_of(&header))?;
@@ -145,7 +144,8 @@ impl<W: Write> Sl2Writer<W> {
         Ok(header)
     }
 
-    /// The hardware time field: Unix seconds in the first frame of the file, milliseconds later.
+    /// Returns the value of the hardware time field: Unix seconds in the first frame of the file,
+    /// milliseconds later.
     fn clock(&self, frame: &Sl2Frame) -> u32 {
         match (self.previous_size, self.start_unix_s) {
             (0, 0) => u32::MAX,
@@ -161,7 +161,7 @@ impl<W: Write> Sl2Writer<W> {
     }
 }
 
-/// Frequency of a channel by its number, kHz, on most units with side-scan.
+/// Returns the frequency of a channel by its number, kHz, as on most units with side-scan.
 pub fn usual_frequency_khz(channel: u16) -> f32 {
     match channel {
         0 | 1 => 200.0,
@@ -170,7 +170,7 @@ pub fn usual_frequency_khz(channel: u16) -> f32 {
     }
 }
 
-/// The code of the nominal frequency that is nearest to one.
+/// Returns the code of the nominal frequency that is nearest to `khz`.
 pub fn frequency_code(khz: f32) -> u8 {
     let apart = |code: &u8| (FREQUENCIES_KHZ[usize::from(*code)] - khz).abs();
     let codes = 0..FREQUENCIES_KHZ.len() as u8;

@@ -1,7 +1,7 @@
-//! Decodes sentences to depths and fixes in SI units.
+//! Decodes NMEA sentences to depths and fixes in SI units.
 //!
-//! A sentence with a time begins an epoch; what comes after it belongs to it, for receivers send
-//! the time first. Depths between two epochs are placed between them.
+//! A sentence with a time begins an epoch; the sentences after it belong to the epoch, because
+//! receivers send the time first. Depths between two epochs are placed between them in time.
 
 use super::lines::{Found, stamps_apart_s};
 use super::sentence::Sentence;
@@ -13,45 +13,47 @@ use crate::survey::{ChannelKind, Fix};
 use std::f32::consts::TAU;
 
 const DAY_S: f64 = 86_400.0;
-/// Depths follow each other by this much where nothing tells, seconds.
+/// Time between depths where the log does not give it, seconds.
 const USUAL_STEP_S: f64 = 1.0;
-/// No echo sounder is slower than this, seconds: in a longer pause the depths lie at its beginning.
+/// Longest time between depths of an echo sounder, seconds: in a longer pause the depths are placed
+/// at its beginning.
 const LONGEST_STEP_S: f64 = 2.0;
-/// The logger's times are followed so far from a position, seconds.
+/// Longest time from a position for which the logger's times are used, seconds.
 const MOST_AFTER_S: f64 = 3600.0;
-/// A course, heading or speed belongs to positions so much later, seconds.
+/// Longest time after which a course, heading or speed still belongs to a position, seconds.
 const FRESH_S: f64 = 5.0;
-/// Metres between transducer and water line or keel that can be.
+/// Largest plausible distance of the transducer from the water line or the keel, metres.
 const MOST_OFFSET_M: f32 = 100.0;
-/// The only channel.
+/// Number of the only channel.
 const CHANNEL: u16 = 0;
 
-/// A depth that waits for its time.
+/// A depth whose time is not determined yet.
 #[derive(Clone, Copy, Debug)]
 struct Depth {
     depth_m: f32,
     stamp_s: Option<f64>,
-    /// Offset of the end of its line.
+    /// Offset of the end of the depth's line.
     end: usize,
 }
 
-/// Course, heading (radians) and speed (metres a second).
+/// Course (radians), heading (radians) and speed (metres a second).
 type Values = [f32; 3];
 
-/// A time, and what was told until the next.
+/// A time, and the values up to the next time.
 #[derive(Debug)]
 struct Epoch {
     at: usize,
-    /// Seconds: Unix seconds, or since the first midnight where no date is known.
+    /// Time of the epoch, seconds: Unix seconds, or seconds since the first midnight where the date
+    /// is unknown.
     told_s: f64,
     stamp_s: Option<f64>,
     fix: Option<Fix>,
     values: Values,
-    /// Depths that came before it.
+    /// Depths before this epoch, after the one before.
     depths: Vec<Depth>,
 }
 
-/// Decodes sentences.
+/// Decodes sentences, with the sources that the tally chose.
 pub(super) struct Reader<'a> {
     tally: &'a Tally,
     depths_of: Address,
@@ -60,16 +62,16 @@ pub(super) struct Reader<'a> {
     needs_sum: bool,
     clock: Clock<Epoch>,
     open: Option<Epoch>,
-    /// The last time, which a time of day is nearest to.
+    /// Last time, to which the next time of day must be nearest, seconds.
     last_s: Option<f64>,
-    /// The last of each value, with the time when it was told.
+    /// Last value of course, heading and speed, each with its time, seconds.
     latest: [(f32, f64); 3],
     variation_rad: f32,
     waiting: Vec<Depth>,
-    /// Depths of epochs that are settled, until they are placed.
+    /// Depths of processed epochs whose times are not determined yet.
     held: Vec<Depth>,
     zero_s: Option<f64>,
-    /// Time of the last settled epoch, seconds after the log's time zero, and the logger's.
+    /// Time of the last processed epoch, seconds after the log's time zero, and the logger's time.
     before: Option<(f64, Option<f64>)>,
     step_s: f64,
     offset_m: f32,
@@ -77,7 +79,7 @@ pub(super) struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    /// A reader of the log that was counted; `None` where it has no depth.
+    /// Creates a reader of the log that was counted; `None` where the log has no depth.
     pub(super) fn new(tally: &'a Tally) -> Option<Self> {
         Some(Self {
             tally,
@@ -100,7 +102,7 @@ impl<'a> Reader<'a> {
         })
     }
 
-    /// Takes the next sentence.
+    /// Decodes the next sentence.
     pub(super) fn take(&mut self, log: &mut Collected, found: &Found<'_>) {
         let framed = found.framed();
         let Some(framed) = framed.filter(|framed| framed.has_sum || !self.needs_sum) else {
@@ -155,8 +157,8 @@ impl<'a> Reader<'a> {
         });
     }
 
-    /// Keeps course, heading and speed: the first after a position belong to it, the last to those
-    /// that come without.
+    /// Stores course, heading and speed: the open epoch keeps the first value of each, and the last
+    /// values are used for epochs without their own.
     fn take_values(&mut self, told: &Sentence) {
         if !told.variation_rad.is_nan() {
             self.variation_rad = told.variation_rad;
@@ -181,7 +183,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Ends the epoch that is open.
+    /// Ends the open epoch.
     fn close(&mut self, log: &mut Collected) {
         let Some(mut epoch) = self.open.take() else {
             return;
@@ -200,7 +202,7 @@ impl<'a> Reader<'a> {
         match verdict {
             ClockVerdict::Sound { record, time_s } => {
                 let zero_s = *self.zero_s.get_or_insert(time_s);
-                // Unix seconds hold fewer digits than receivers write.
+                // Unix seconds in f64 have fewer decimals than receivers write.
                 let time_s = ((time_s - zero_s) * 1e3).round() / 1e3;
                 self.held.extend(record.depths);
                 self.place(log, Some((time_s, record.stamp_s)));
@@ -218,7 +220,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Gives the depths that are held their times: they lie between the last epoch and `next`.
+    /// Determines the times of the depths in `held`, which are between the last epoch and `next`.
     fn place(&mut self, log: &mut Collected, next: Option<(f64, Option<f64>)>) {
         let depths = std::mem::take(&mut self.held);
         let count = depths.len() as f64;
@@ -242,8 +244,8 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Gives the depths of a log without any time of a receiver those of the logger, or one after
-    /// the other.
+    /// Determines the times of the depths in a log without any time of a receiver: the logger's
+    /// times, or equal steps.
     fn place_alone(&mut self, log: &mut Collected, depths: &[Depth]) {
         let (mut time_s, mut last_s) = (-USUAL_STEP_S, None);
         for depth in depths {
@@ -272,7 +274,7 @@ impl<'a> Reader<'a> {
         log.add_depth(ChannelKind::Primary, time_s, depth.depth_m);
     }
 
-    /// Takes what still waits, and says what has to be known of the log.
+    /// Processes the remaining epochs and depths, and adds warnings about the log.
     pub(super) fn finish(mut self, log: &mut Collected) {
         self.close(log);
         while let Some(verdict) = self.clock.next() {

@@ -1,47 +1,48 @@
-//! The lines of a log: where sentences begin, and the time that the logger wrote before them.
+//! Finds the sentences in the lines of a log, and the time that the logger wrote before each.
 
 use super::sentence::Framed;
 use crate::support::calendar::unix_from_iso;
 use crate::support::progress::{Cancelled, Progress};
 
-/// Sentences are no longer than this: the standard has 82 bytes, and some recorders write more.
+/// Most bytes of a sentence: the standard has 82, but some recorders write more.
 const LONGEST: usize = 256;
-/// Most bytes that a logger writes before a sentence.
+/// Most bytes before a sentence in which the logger's time is searched.
 const LONGEST_STAMP: usize = 128;
-/// Bytes between two looks at the progress.
+/// Number of bytes between two updates of the progress.
 const BYTES_A_CHECK: usize = 1 << 20;
-/// Unix times lie between 2001 and 2100, seconds.
+/// Plausible Unix times, 2001 to 2100, seconds.
 const UNIX_S: std::ops::Range<f64> = 1e9..4_102_444_800.0;
 const DAY_S: f64 = 86_400.0;
 
-/// A sentence where it was found.
+/// A sentence and its place in the log.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Found<'a> {
-    /// Offset of its `$`.
+    /// Offset of the sentence's `$`.
     pub(super) at: usize,
-    /// Offset of the end of its line.
+    /// Offset of the end of the line.
     pub(super) end: usize,
-    /// It, and what follows on the line.
+    /// The sentence, and the text after it on the line.
     text: &'a [u8],
-    /// Text before it on the line.
+    /// Text before the sentence on the line.
     before: &'a [u8],
 }
 
 impl<'a> Found<'a> {
-    /// Its talker, type and fields; `None` where its sum is wrong.
+    /// Returns the talker, the type and the fields of the sentence; `None` where the checksum is
+    /// wrong.
     pub(super) fn framed(&self) -> Option<Framed<'a>> {
         Framed::of(self.text)
     }
 
-    /// Returns the time at which the logger wrote it, seconds: Unix seconds, or since midnight
-    /// where there is no date.
+    /// Returns the time that the logger wrote before the sentence: Unix seconds, or seconds since
+    /// midnight where there is no date; `None` without a time.
     pub(super) fn stamp_s(&self) -> Option<f64> {
         let text = self.before.get(..self.before.len().min(LONGEST_STAMP))?;
         stamp_s(std::str::from_utf8(text).ok()?)
     }
 }
 
-/// Goes over the sentences of a text.
+/// Iterates over the sentences of a text.
 pub(super) struct Lines<'a> {
     bytes: &'a [u8],
     /// Offsets of the beginning and the end of the current line.
@@ -50,8 +51,8 @@ pub(super) struct Lines<'a> {
 }
 
 impl<'a> Lines<'a> {
-    /// Creates the walk over a text. The last line of a text that is being written is left out,
-    /// unless it has ended.
+    /// Creates an iterator over the sentences of a text. In a text that is still being written, an
+    /// unfinished last line is left out.
     pub(super) fn new(bytes: &'a [u8], is_growing: bool) -> Self {
         let ended = bytes.iter().rposition(|byte| is_line_end(*byte));
         let length = if is_growing { ended.map_or(0, |at| at + 1) } else { bytes.len() };
@@ -61,7 +62,7 @@ impl<'a> Lines<'a> {
     /// Calls `take` with every sentence.
     ///
     /// # Errors
-    /// When it was cancelled.
+    /// When the user cancelled the work.
     pub(super) fn each(
         self,
         progress: &Progress,
@@ -105,7 +106,7 @@ impl<'a> Iterator for Lines<'a> {
             self.line.1 = at + to.unwrap_or(rest.len());
         }
         let before = &self.bytes[self.line.0..at];
-        // A second sentence of a line has the first before it.
+        // The text before a second sentence on a line begins after the first sentence.
         self.line.0 = at + length;
         Some(Found { at, end: self.line.1, text: &rest[..length.min(LONGEST)], before })
     }
@@ -115,9 +116,8 @@ fn is_line_end(byte: u8) -> bool {
     matches!(byte, b'\n' | b'\r')
 }
 
-/// The time in what stands before a sentence: the time of a tag block, Unix seconds or
-/// milliseconds, ISO 8601, a date of month, day and year as NOAA's loggers write it, or a time of
-/// day.
+/// Returns the time in the text before a sentence: the time of a tag block, Unix seconds or
+/// milliseconds, ISO 8601, a date of month, day and year as in NOAA's logs, or a time of day.
 fn stamp_s(before: &str) -> Option<f64> {
     if let Some((_, tags)) = before.split_once('\\') {
         let tags = tags.split(['*', '\\']).next()?;
@@ -144,14 +144,14 @@ fn stamp_s(before: &str) -> Option<f64> {
         .or_else(|| words().take(2).find_map(time_of_day_s))
 }
 
-/// Seconds of a number of seconds or milliseconds.
+/// Converts a number of Unix seconds or milliseconds to seconds; `None` where it is not plausible.
 fn unix_s(text: &str) -> Option<f64> {
     let number: f64 = text.parse().ok()?;
     let each = [number, number / 1e3].into_iter();
     each.into_iter().find(|seconds| UNIX_S.contains(seconds))
 }
 
-/// Seconds of `12:34:56.7`.
+/// Parses a time of day as `12:34:56.7` to seconds.
 fn time_of_day_s(text: &str) -> Option<f64> {
     let parts: Vec<f64> = text.split(':').map_while(|part| part.parse().ok()).collect();
     let [hours, minutes, seconds] = parts[..] else {
@@ -161,7 +161,7 @@ fn time_of_day_s(text: &str) -> Option<f64> {
     (text.matches(':').count() == 2 && (0.0..DAY_S).contains(&time_s)).then_some(time_s)
 }
 
-/// Seconds from one time of the logger to a later one, which may be past a midnight.
+/// Returns the seconds from one time of the logger to a later one, which may be after midnight.
 pub(super) fn stamps_apart_s(earlier_s: f64, later_s: f64) -> f64 {
     let apart_s = later_s - earlier_s;
     if earlier_s < DAY_S && apart_s < -DAY_S / 2.0 { apart_s + DAY_S } else { apart_s }

@@ -1,25 +1,26 @@
-//! NMEA 0183: logs of its sentences as surveys of depths and a track; and sentences that recorders
-//! write into their own logs.
+//! Reads NMEA 0183: logs of sentences as surveys of depths and a track, and sentences that
+//! recorders write into their own logs.
 //!
-//! In: the bytes of a text log, or one sentence. Out: a collected log, or what the sentence says.
+//! In: the bytes of a text log, or one sentence. Out: a collected log, or the content of the
+//! sentence.
 //!
 //! A log is lines of text. A sentence begins with `$`, a talker of two letters and a type of three;
 //! fields with commas between them follow, then `*` and two hexadecimal digits, the exclusive or of
-//! the bytes between `$` and `*`. What stands before the `$` of a line is the logger's: a tag block
-//! of NMEA 4.10 (`\s:x,c:1700000000*hh\`), or a time (`lines`). Sentences that begin with `!`, as
-//! those of AIS do, are passed over.
+//! the bytes between `$` and `*`. Text before the `$` of a line is written by the logger: a tag
+//! block of NMEA 4.10 (`\s:x,c:1700000000*hh\`), or a time (`lines`). Sentences that begin with
+//! `!`, such as those of AIS, are skipped.
 //!
-//! Read are (`sentence`): depths of DPT (metres below the transducer; the second field is how far
-//! the water line is above it, negative how far the keel is below it) and DBT (below the transducer
-//! in feet, metres, fathoms); positions of GGA, GNS, RMC and GLL; course and speed of RMC and VTG;
-//! headings of HDT and THS (true), HDG and HDM (magnetic, with deviation and variation of HDG and
-//! variation of RMC); the date of RMC and ZDA. DBS counts from the water's surface and is taken
-//! where there is neither DPT nor DBT. DBK counts from the keel, which no sentence places, and is
-//! passed over.
+//! The reader uses (`sentence`): depths of DPT (metres below the transducer; the second field is
+//! the distance up to the water line, if negative the distance down to the keel) and DBT (below the
+//! transducer in feet, metres, fathoms); positions of GGA, GNS, RMC and GLL; course and speed of
+//! RMC and VTG; headings of HDT and THS (true), HDG and HDM (magnetic, with deviation and variation
+//! of HDG and variation of RMC); the date of RMC and ZDA. DBS counts from the water's surface and
+//! is only used where there is neither DPT nor DBT, or DBS has many times as many depths (`tally`).
+//! DBK counts from the keel, whose depth no sentence gives, and is skipped.
 //!
 //! A depth has no time of its own (`decode`). Where the logger wrote a time before each sentence,
-//! it tells how long after the last position a depth came; else depths between two positions are
-//! spread evenly. Times that do not tell a date go on past midnight.
+//! this time gives the delay of a depth after the last position; otherwise depths between two
+//! positions are spread evenly. Times without a date continue past midnight.
 //!
 //! Sources: the published descriptions of these sentences in manuals of Simrad (DPT, DBT), NOAA's
 //! description of logged DPT (`scs_dpt`, which has the time before the sentence), gpsd's "NMEA
@@ -43,12 +44,12 @@ use lines::Lines;
 use tally::Tally;
 
 const NAME: &str = "NMEA 0183";
-/// Bytes searched for sentences: other sentences than those that are read may come first.
+/// Bytes that are searched for sentences: other sentences may come first.
 const SEARCHED_FOR_SENTENCES: usize = 1 << 16;
-/// Fewest sentences that are read for a text to be a log.
+/// Fewest readable sentences with which a text counts as a log.
 const FEWEST_SENTENCES: usize = 3;
 
-/// The reader of the format.
+/// Reader of the format.
 pub(super) struct Nmea;
 
 impl LogFormat for Nmea {
@@ -58,7 +59,8 @@ impl LogFormat for Nmea {
     }
 }
 
-/// Recognises a text by its sentences: bytes of 0 are in no text, and chance makes no sum right.
+/// Recognises a text by its sentences: a text contains no zero bytes, and correct checksums do not
+/// occur by chance.
 fn is_log(bytes: &[u8]) -> bool {
     let head = &bytes[..bytes.len().min(SEARCHED_FOR_SENTENCES)];
     if head.contains(&0) {
@@ -72,12 +74,12 @@ fn is_log(bytes: &[u8]) -> bool {
 /// Reads a file that [`is_log`] recognised.
 ///
 /// # Errors
-/// When there is no depth in it, or it was cancelled.
+/// When the log contains no depth, or the user cancelled the reading.
 fn read(opened: Opened, reading: &Reading<'_>, progress: &Progress) -> Result<Survey, OpenError> {
     let bytes = opened.bytes.clone();
     let mut log =
         Collected::new(opened.source(NAME.to_owned()), vec![opened.bytes.clone()], reading);
-    // Once for what there is, and once for what is taken of it.
+    // The log is read twice: first to count its sentences, then to decode them.
     progress.start(2 * bytes.len() as u64);
     let mut tally = Tally::default();
     let lines = || Lines::new(&bytes, reading.is_growing);

@@ -1,22 +1,22 @@
-//! Content of one sentence.
+//! Decodes one NMEA sentence.
 //!
-//! Fields as the public descriptions of NMEA 0183 have them: GGA, GNS, RMC and GLL give degrees and
+//! Fields as in the public descriptions of NMEA 0183: GGA, GNS, RMC and GLL give degrees and
 //! minutes as `ddmm.mmmm`, RMC and VTG knots and the course over ground, HDT and THS the true
-//! heading, HDM and HDG that of the compass, DPT and DBT the depth below the transducer, DBS that
-//! below the water's surface.
+//! heading, HDM and HDG the compass heading, DPT and DBT the depth below the transducer, DBS the
+//! depth below the water's surface.
 
 use crate::support::calendar::unix_from_iso;
 use crate::support::geo::{LonLat, METRES_PER_FOOT, MPS_PER_KNOT};
 
-/// Metres of a fathom.
+/// Metres in a fathom.
 const METRES_PER_FATHOM: f64 = 6.0 * METRES_PER_FOOT;
 
 /// Content of one sentence; missing values are NaN or `None`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::formats) struct Sentence {
-    /// Seconds since midnight, UTC.
+    /// Time of day, seconds since midnight, UTC.
     pub(in crate::formats) utc_s: Option<f64>,
-    /// Unix seconds, where it tells the date too.
+    /// Unix seconds; `None` where the sentence gives no date.
     pub(in crate::formats) unix_s: Option<f64>,
     /// Position of the receiver.
     pub(in crate::formats) position: Option<LonLat>,
@@ -26,18 +26,18 @@ pub(in crate::formats) struct Sentence {
     pub(in crate::formats) heading_rad: f32,
     /// Heading, radians from magnetic north, clockwise.
     pub(in crate::formats) magnetic_rad: f32,
-    /// Magnetic variation, radians: what is added to a magnetic heading to make it a true one.
+    /// Magnetic variation, radians: the angle to add to a magnetic heading to get a true heading.
     pub(in crate::formats) variation_rad: f32,
     /// Speed over ground, metres a second.
     pub(in crate::formats) speed_mps: f32,
-    /// Depth below the transducer, of DBS below the water's surface, metres.
+    /// Depth below the transducer, metres; for DBS below the water's surface.
     pub(in crate::formats) depth_m: f32,
-    /// Distance from the transducer up to the water line, metres; negative from the transducer down
-    /// to the keel.
+    /// Distance from the transducer up to the water line, metres; if negative, from the transducer
+    /// down to the keel.
     pub(in crate::formats) offset_m: f32,
 }
 
-/// A sentence that tells nothing.
+/// A sentence without any value.
 const EMPTY: Sentence = Sentence {
     utc_s: None,
     unix_s: None,
@@ -51,24 +51,24 @@ const EMPTY: Sentence = Sentence {
     offset_m: f32::NAN,
 };
 
-/// Reads a sentence, with or without its checksum; `None` for a damaged one and for one that tells
-/// nothing of this.
+/// Decodes a sentence, with or without its checksum; `None` for a damaged sentence and for one
+/// without any of these values.
 pub(in crate::formats) fn sentence(bytes: &[u8]) -> Option<Sentence> {
     let start = bytes.iter().position(|&byte| byte == b'$')?;
     Framed::of(&bytes[start..])?.told()
 }
 
-/// A sentence in its fields.
+/// A sentence split into its fields.
 #[derive(Clone, Debug)]
 pub(super) struct Framed<'a> {
-    /// True if it has a sum, which is right.
+    /// True if the sentence has a checksum, which is then correct.
     pub(super) has_sum: bool,
     fields: Vec<&'a str>,
 }
 
 impl<'a> Framed<'a> {
-    /// Splits bytes that begin with `$`; what follows the line's end, or is no text, is padding.
-    /// `None` where the sum is wrong.
+    /// Splits bytes that begin with `$`; bytes after the line's end, and bytes that are no text,
+    /// are ignored. `None` where the checksum is wrong.
     pub(super) fn of(bytes: &'a [u8]) -> Option<Self> {
         let bytes = bytes.get(1..).unwrap_or_default();
         let is_end = |byte: &u8| matches!(byte, b'\r' | b'\n' | b'\0');
@@ -86,14 +86,15 @@ impl<'a> Framed<'a> {
         Some(Self { has_sum, fields })
     }
 
-    /// Talker and type, `GPRMC`; `None` where it is no address of the standard.
+    /// Returns talker and type, as `GPRMC`; `None` where this is no address of the standard.
     pub(super) fn address(&self) -> Option<[u8; 5]> {
         let address: [u8; 5] = self.text(0).as_bytes().try_into().ok()?;
         let is_letter = |byte: &u8| byte.is_ascii_uppercase() || byte.is_ascii_digit();
         address.iter().all(is_letter).then_some(address)
     }
 
-    /// Returns its content; `None` for a type that is not read, and where nothing is set.
+    /// Returns the content of the sentence; `None` for a type that is not read, and where no value
+    /// is set.
     pub(super) fn told(&self) -> Option<Sentence> {
         let kind = self.text(0);
         let told = match kind.get(kind.len().checked_sub(3)?..)? {
@@ -137,14 +138,14 @@ impl<'a> Framed<'a> {
         told.tells().then_some(told)
     }
 
-    /// GGA and GNS: quality 0 and the modes N of all systems are no fix.
+    /// Decodes GGA and GNS; quality 0, and mode N of all systems, mean "no fix".
     fn fix(&self) -> Sentence {
         let quality = self.text(6);
         let has_fix = quality.is_empty() || !quality.bytes().all(|one| matches!(one, b'0' | b'N'));
         Sentence { utc_s: self.utc_s(1), position: self.place(2).filter(|_| has_fix), ..EMPTY }
     }
 
-    /// RMC; one that is not valid tells nothing.
+    /// Decodes RMC; an invalid one has no values.
     fn minimum(&self) -> Sentence {
         if self.text(2) != "A" {
             return EMPTY;
@@ -152,7 +153,7 @@ impl<'a> Framed<'a> {
         let date = self.text(9);
         let two = |from: usize| date.get(from..from + 2).unwrap_or_default();
         let dated = match two(4).parse::<i32>() {
-            // Receivers are younger than 1980.
+            // Years from 80 on are in the 20th century: receivers are younger than 1980.
             Ok(year) if date.len() == 6 => {
                 let century = if year < 80 { 2000 } else { 1900 };
                 self.dated(1, century + year, two(2), two(0))
@@ -169,7 +170,7 @@ impl<'a> Framed<'a> {
         }
     }
 
-    /// The time of day in a field, on a date.
+    /// Returns the time of day in the field `time`, on a date.
     fn dated(&self, time: usize, year: i32, month: &str, day: &str) -> Sentence {
         let utc_s = self.utc_s(time);
         let midnight_s = unix_from_iso(&format!("{year}-{month}-{day}T00:00"));
@@ -180,8 +181,9 @@ impl<'a> Framed<'a> {
         }
     }
 
-    /// DBT and DBS: in feet, metres and fathoms. Taken is the one with the smallest last digit, for
-    /// many sounders write all three with one decimal, which is 3 cm in feet and 10 cm in metres.
+    /// Decodes the depth of DBT and DBS, which is in feet, metres and fathoms. The unit with the
+    /// smallest last digit is used: many sounders write all three with one decimal, which is 3 cm
+    /// in feet and 10 cm in metres.
     fn depth_m(&self) -> Option<f64> {
         let units = [(3, 1.0), (1, METRES_PER_FOOT), (5, METRES_PER_FATHOM)];
         let written = units.into_iter().filter_map(|(index, unit_m)| {
@@ -212,7 +214,7 @@ impl<'a> Framed<'a> {
         knots.map_or(f32::NAN, |knots| (knots * MPS_PER_KNOT) as f32)
     }
 
-    /// Degrees and the letter E or W after them, radians; positive to the east.
+    /// Returns degrees with the letter E or W after them, in radians; positive to the east.
     fn eastward(&self, index: usize) -> f32 {
         match self.text(index + 1) {
             "E" => self.degrees(index),
@@ -228,7 +230,7 @@ impl<'a> Framed<'a> {
         Some(LonLat { lat_deg: angle(first, "N", "S")?, lon_deg: angle(first + 2, "E", "W")? })
     }
 
-    /// The time of day of `hhmmss.sss`, seconds.
+    /// Returns the time of day of `hhmmss.sss`, seconds.
     fn utc_s(&self, index: usize) -> Option<f64> {
         let value = self.number(index)?;
         let [hours, minutes] = [value / 10_000.0, value / 100.0 % 100.0].map(f64::trunc);
@@ -238,7 +240,7 @@ impl<'a> Framed<'a> {
 }
 
 impl Sentence {
-    /// Returns true if it tells anything but a time of day.
+    /// Returns true if the sentence has any value apart from a time of day.
     fn tells(&self) -> bool {
         let figures = [
             self.cog_rad,
@@ -260,7 +262,7 @@ fn is_sum(body: &str, sum: &str) -> bool {
     stated == Some(expected)
 }
 
-/// Degrees of `dddmm.mmmm` and a letter.
+/// Converts `dddmm.mmmm` and a letter to degrees; `None` where they are not plausible.
 fn angle_deg(value: f64, letter: &str, positive: &str, negative: &str) -> Option<f64> {
     let whole_deg = (value / 100.0).trunc();
     let minutes = value - whole_deg * 100.0;
@@ -279,7 +281,7 @@ mod tests {
 
     #[test]
     fn positions_courses_and_headings_are_read() {
-        // The example of the public descriptions.
+        // Example of the public descriptions.
         let gga = b"$GPGGA,123519,4807.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,*47\r\n";
         let at = sentence(gga).and_then(|told| told.position).expect("a position");
         assert!((at.lat_deg - 48.1173).abs() < 1e-9 && (at.lon_deg - 11.516_666_7).abs() < 1e-7);

@@ -1,29 +1,30 @@
-//! Counts each kind of sentence in a log, and chooses between kinds that state the same.
+//! Counts each kind of sentence in a log, and chooses between kinds with the same content.
 
 use super::lines::Found;
 use crate::formats::report::WarningReport;
 use std::collections::BTreeMap;
 
-/// Talker and type of a sentence, `GPRMC`.
+/// Talker and type of a sentence, as `GPRMC`.
 pub(super) type Address = [u8; 5];
 
-/// Weight of a depth of DPT against one of DBT: DBT is taken only where it has more than this many
-/// times as many depths, as the second field of DPT states what they count from. The same weight
-/// holds for DBT against DBS: below the transducer is where the first returns count from.
+/// Weight of a depth of DPT against a depth of DBT: DBT is only used where it has more than this
+/// many times as many depths, because the second field of DPT states where depths count from. The
+/// same weight applies to DBT against DBS, because DBT counts from the transducer, as first returns
+/// do.
 const COUNTS_MORE: usize = 4;
 
 /// Counts of the sentences of one address.
 #[derive(Clone, Copy, Debug, Default)]
 struct Counts {
     depths: usize,
-    /// Positions with a time.
+    /// Number of positions with a time.
     positions: usize,
-    /// Positions with a time that no sentence before them told.
+    /// Number of positions whose time is different from that of the position before.
     new_times: usize,
     times: usize,
 }
 
-/// Counts the sentences of a log.
+/// Counts of the sentences in a log.
 #[derive(Debug, Default)]
 pub(super) struct Tally {
     sources: BTreeMap<Address, Counts>,
@@ -31,11 +32,11 @@ pub(super) struct Tally {
     without_sum: usize,
     /// Time of the last position, seconds since midnight.
     last_utc_s: Option<f64>,
-    /// The first time that tells the date, Unix seconds.
+    /// First time with a date, Unix seconds.
     pub(super) first_unix_s: Option<f64>,
-    /// The first magnetic variation, radians; positive to the east.
+    /// First magnetic variation, radians; positive to the east.
     pub(super) variation_rad: Option<f32>,
-    /// True if there are headings from true north.
+    /// True if the log has headings from true north.
     pub(super) has_true_heading: bool,
 }
 
@@ -67,12 +68,13 @@ impl Tally {
         self.has_true_heading |= !told.heading_rad.is_nan();
     }
 
-    /// Returns true if a sentence without a sum is one that was cut: most have one.
+    /// Returns true if sentences without a checksum count as truncated, because most sentences have
+    /// one.
     pub(super) fn needs_sum(&self) -> bool {
         self.with_sum > self.without_sum
     }
 
-    /// Returns the address whose depths are taken; `None` where there are none.
+    /// Returns the address whose depths are used; `None` where the log has no depths.
     pub(super) fn depths_of(&self) -> Option<Address> {
         self.most(|address, counts| match &address[2..] {
             b"DPT" => COUNTS_MORE * COUNTS_MORE * counts.depths,
@@ -81,9 +83,10 @@ impl Tally {
         })
     }
 
-    /// Returns the addresses whose positions are taken. First comes the address that has most of
-    /// them, of several with as many that which has course and speed beside them; then other
-    /// sentences of that talker where they take turns, so that hardly any time is stated twice.
+    /// Returns the addresses whose positions are used. The first is the address with the most
+    /// positions; of several with as many, RMC, which also has course and speed. Other addresses of
+    /// the same talker follow where their positions alternate with the first, so that hardly any
+    /// time occurs twice.
     pub(super) fn positions_of(&self) -> Vec<Address> {
         let first = self.most(|address, counts| {
             2 * counts.positions + usize::from(counts.positions > 0 && address.ends_with(b"RMC"))
@@ -101,7 +104,8 @@ impl Tally {
         first.into_iter().chain(others).collect()
     }
 
-    /// Returns the addresses whose times are taken: those of the positions, where there are any.
+    /// Returns the addresses whose times are used: those of the positions, if any, else the address
+    /// with the most times.
     pub(super) fn times_of(&self) -> Vec<Address> {
         let positions_of = self.positions_of();
         if positions_of.is_empty() {
@@ -111,14 +115,14 @@ impl Tally {
         }
     }
 
-    /// The address with most of something; `None` where all have none.
+    /// Returns the address with the largest count; `None` where all counts are 0.
     fn most(&self, count: impl Fn(&Address, &Counts) -> usize) -> Option<Address> {
         let counts = self.sources.iter().map(|(at, counts)| (count(at, counts), at));
         let (most, address) = counts.max_by_key(|(count, _)| *count)?;
         (most > 0).then_some(*address)
     }
 
-    /// Says which sentences are not used because others tell the same.
+    /// Warns about sentences that are not used because others have the same content.
     pub(super) fn remark(&self, report: &WarningReport) {
         let depths = |counts: &Counts| counts.depths;
         let positions = |counts: &Counts| counts.positions;
@@ -127,7 +131,8 @@ impl Tally {
         self.remark_on("positions", &self.positions_of(), positions, report);
     }
 
-    /// Says it of what is counted by `count`, of which those of some addresses are taken.
+    /// Adds the warning about one kind of content: `count` counts it, and `taken` are the addresses
+    /// in use.
     fn remark_on(
         &self,
         what: &str,
@@ -150,14 +155,14 @@ impl Tally {
         }
     }
 
-    /// Describes the content other than depths in words: `120 positions`.
+    /// Describes the content other than depths, as `120 positions`.
     pub(super) fn summary(&self) -> String {
         let positions: usize = self.sources.values().map(|counts| counts.positions).sum();
         format!("{positions} positions")
     }
 }
 
-/// An address as text.
+/// Returns an address as text.
 pub(super) fn name(address: &Address) -> String {
     String::from_utf8_lossy(address).into_owned()
 }

@@ -1,4 +1,4 @@
-//! Generated logs are read to what was written into them, whole, damaged and growing.
+//! Tests that generated NMEA logs, whole, damaged and growing, are read as they were written.
 
 use crate::formats::{self, OpenError, open_growing};
 use crate::support::progress::Progress;
@@ -23,7 +23,7 @@ fn says(survey: &Survey, words: &str) -> bool {
     warnings.any(|warning| warning.text.contains(words))
 }
 
-/// Depths, and positions a second apart, are those that were written.
+/// Asserts that the depths, and the positions one second apart, are those that were written.
 fn assert_read(survey: &Survey, options: &NmeaOptions) {
     assert_eq!(survey.soundings.len(), options.seconds * options.depths);
     for (index, sounding) in survey.soundings.iter().enumerate() {
@@ -54,7 +54,7 @@ fn depths_positions_and_times_are_what_was_written() {
     assert_eq!((channel.kind, channel.ping_count), (ChannelKind::Primary, 40));
     assert_eq!(channel.recorder_name, "SDDPT");
     for (index, sounding) in survey.soundings.iter().enumerate() {
-        // Two depths a second lie at a quarter and three quarters of it.
+        // With two depths a second, their times are at a quarter and three quarters of it.
         let expected_s = index as f64 / 2.0 + 0.25;
         assert!((sounding.time_s - expected_s).abs() < 1e-6, "{index}: {}", sounding.time_s);
     }
@@ -69,7 +69,7 @@ fn the_loggers_times_place_depths_between_positions() {
     for stamp in [Stamp::Tag, Stamp::Clock] {
         let options = NmeaOptions {
             depths: 4,
-            // The logger's midnight comes in the middle.
+            // The logger's midnight is in the middle of the log.
             begins_s: 86_400.0 - 100.0,
             stamp,
             ..NmeaOptions::default()
@@ -102,7 +102,7 @@ fn a_log_of_two_days_keeps_the_pause_and_a_restart_goes_on() {
     let survey = open([first.clone(), next].concat()).expect("a log");
     let last_s = survey.track.fixes.last().expect("a fix").time_s;
     assert!((last_s - 2.0 * 86_400.0 - 19.0).abs() < 1e-6, "{last_s}");
-    // Depths that were written before the pause lie before it.
+    // Depths that were written before the pause have times before it.
     assert!(survey.soundings.iter().all(|one| one.time_s < 25.0 || one.time_s > 172_790.0));
     let survey = open([first.clone(), first].concat()).expect("a log");
     assert!(says(&survey, "the recorder's clock was set back by 19.0 s"));
@@ -117,7 +117,7 @@ fn headings_are_true_where_the_variation_is_known() {
         (last.to_degrees().round(), says(&survey, "headings are magnetic"))
     };
     assert_eq!(heading((271.0, "HDT"), None), (271.0, false));
-    // 1 degree of deviation to the east, 2 of variation to the west.
+    // 1 degree of deviation to the east, 2 degrees of variation to the west.
     assert_eq!(heading((100.0, "HDG"), None), (99.0, false));
     assert_eq!(heading((1.0, "HDM"), Some("040326")), (358.0, false));
     assert_eq!(heading((100.0, "HDM"), None), (100.0, true));
@@ -128,7 +128,7 @@ fn the_offset_of_the_transducer_is_said() {
     let offset = |offset_m| read(&NmeaOptions { offset_m, ..NmeaOptions::default() });
     assert!(says(&offset(0.35), "set draft_m to 0.35"));
     assert!(says(&offset(-0.6), "the keel lies 0.60 m below"));
-    // The depth counts from the transducer, whatever the offset says.
+    // Depths count from the transducer, with any offset.
     assert_eq!(offset(0.35).soundings[0].depth_m, 2.0);
 }
 
@@ -151,7 +151,7 @@ fn of_several_talkers_one_is_taken_and_the_others_are_named() {
     assert_eq!(survey.track.fixes.len(), 10);
     assert!(says(&survey, "10 of IIDBT"));
     assert!(says(&survey, "5 of IIRMC"));
-    // The date is taken from wherever it is told.
+    // The date is taken from any sentence that has it.
     assert_eq!(survey.start_unix_s, Some(MIDNIGHT_S + 36_000.0));
 }
 
@@ -162,7 +162,7 @@ fn damage_costs_the_sentence_that_it_touched_and_is_said_with_its_place() {
     let at = whole.windows(6).position(|six| six == b"$SDDPT").expect("a depth");
     for spoil in [
         |bytes: &mut Vec<u8>, at: usize| bytes[at + 7] ^= 1,
-        // The sum is cut off.
+        // The checksum is cut off.
         |bytes: &mut Vec<u8>, at: usize| drop(bytes.drain(at + 15..at + 18)),
         // The rest of the line is lost.
         |bytes: &mut Vec<u8>, at: usize| drop(bytes.drain(at + 9..at + 20)),
@@ -174,7 +174,7 @@ fn damage_costs_the_sentence_that_it_touched_and_is_said_with_its_place() {
         let placed: Vec<_> = survey.warnings.iter().filter_map(|one| one.place).collect();
         assert_eq!(placed, [(0, at as u64)]);
     }
-    // Old instruments write no sums at all.
+    // Old instruments write no checksums.
     let text = String::from_utf8(whole).expect("text");
     let lines = text.lines().map(|line| line.split('*').next().unwrap_or_default());
     let bare = lines.collect::<Vec<_>>().join("\n");
@@ -243,7 +243,7 @@ fn hostile_bytes_neither_end_the_program_nor_make_up_depths() {
     for length in 0..small.len() {
         assert_bounded(small[..length].to_vec(), 8);
     }
-    // Numbers, dates and signs that cannot be, in the place of every field.
+    // Implausible numbers, dates and signs, in the place of every field.
     let text = String::from_utf8(small).expect("text");
     let absurd = [
         "",
@@ -281,7 +281,7 @@ fn hostile_bytes_neither_end_the_program_nor_make_up_depths() {
         }
         assert_bounded(bytes, 9);
     }
-    // A beginning of a sentence at every byte, and one line without an end.
+    // The start of a sentence at every byte, and one line without an end.
     let head = text.into_bytes();
     assert_bounded([head.clone(), b"$".repeat(1 << 20)].concat(), 8);
     assert_bounded([head, vec![b','; 1 << 22]].concat(), 8);
@@ -295,7 +295,7 @@ fn a_growing_log_is_read_to_its_last_whole_line() {
         let files = vec![(PathBuf::from("pond.nmea"), held)];
         let survey = open_growing(files, &Progress::new()).expect("a log");
         assert!(!survey.warnings.iter().any(|one| one.place.is_some()), "{length}");
-        // All of it is read again when it is longer: it has no pings that a tail could begin at.
+        // A longer log is read again as a whole: it has no pings at which a tail could begin.
         assert!(survey.seam().is_none());
     }
 }

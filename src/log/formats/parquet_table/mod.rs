@@ -1,11 +1,11 @@
-//! Tables in Parquet files: columns of numbers, texts and geometries, written to the same bytes
-//! every time and read back by name.
+//! Reads and writes tables in Parquet files: columns of numbers, texts and geometries, which are
+//! always written to the same bytes and are read by name.
 //!
 //! In: columns, or a file. Out: a file, or its columns.
 //!
-//! Apache Parquet, <https://parquet.apache.org/docs/file-format>; geometries as GeoParquet 1.1 lays
-//! them out: well-known binary, with what they are in the file's key `geo`. `write` and `read` use
-//! the crate `parquet` without Arrow.
+//! Follows Apache Parquet, <https://parquet.apache.org/docs/file-format>; geometries as in
+//! GeoParquet 1.1: well-known binary, described by the key `geo` of the file. `write` and `read`
+//! use the crate `parquet` without Arrow.
 
 mod pages;
 mod read;
@@ -17,31 +17,31 @@ pub use write::{ParquetWriter, write_parquet};
 use crate::support::geo::LonLat;
 use serde_json::json;
 
-/// The values of a column. What is not known is null in the file.
+/// Values of a column. Unknown values are null in the file.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Values {
-    /// Numbers of 64 bits; NaN where not known.
+    /// Numbers of 64 bits; NaN where unknown.
     Double(Vec<f64>),
-    /// Numbers of 32 bits; NaN where not known.
+    /// Numbers of 32 bits; NaN where unknown.
     Float(Vec<f32>),
-    /// Whole numbers.
+    /// Whole numbers; `None` where unknown.
     Whole(Vec<Option<i32>>),
-    /// Microseconds since 1970, UTC.
+    /// Times in microseconds since 1970, UTC; `None` where unknown.
     Time(Vec<Option<i64>>),
-    /// Yes or no.
+    /// True or false.
     Flag(Vec<bool>),
-    /// Texts; the empty one is not known.
+    /// Texts; the empty text means unknown.
     Text(Vec<&'static str>),
-    /// The same text in every row.
+    /// One text for all rows, and the number of rows.
     Same(String, usize),
-    /// Points on WGS84, written as well-known binary. They are not read back as points.
+    /// Points on WGS84, written as well-known binary. Reading gives [`Values::Bytes`] instead.
     Points(Vec<LonLat>),
-    /// Bytes, of any number a row.
+    /// Bytes, of any length in each row.
     Bytes(Vec<Vec<u8>>),
 }
 
 impl Values {
-    /// Count of rows.
+    /// Returns the number of rows.
     pub fn row_count(&self) -> usize {
         match self {
             Self::Double(values) => values.len(),
@@ -57,49 +57,49 @@ impl Values {
     }
 }
 
-/// A column with its name.
+/// A column and its name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
-    /// Its name.
+    /// Name of the column.
     pub name: &'static str,
-    /// One value a row.
+    /// Values, one for each row.
     pub values: Values,
 }
 
 impl Column {
-    /// A column.
+    /// Creates a column.
     pub fn new(name: &'static str, values: Values) -> Self {
         Self { name, values }
     }
 
-    /// A column of `f64`.
+    /// Creates a column of `f64`.
     pub fn doubles(name: &'static str, values: impl Iterator<Item = f64>) -> Self {
         Self::new(name, Values::Double(values.collect()))
     }
 
-    /// A column of `f32`.
+    /// Creates a column of `f32`.
     pub fn floats(name: &'static str, values: impl Iterator<Item = f32>) -> Self {
         Self::new(name, Values::Float(values.collect()))
     }
 
-    /// A column of whole numbers.
+    /// Creates a column of whole numbers.
     pub fn wholes(name: &'static str, values: impl Iterator<Item = Option<i32>>) -> Self {
         Self::new(name, Values::Whole(values.collect()))
     }
 
-    /// A column of a few texts; the empty one is none.
+    /// Creates a column of texts; the empty text means unknown.
     pub fn texts(name: &'static str, values: impl Iterator<Item = &'static str>) -> Self {
         Self::new(name, Values::Text(values.collect()))
     }
 
-    /// A column of what is so or not.
+    /// Creates a column of true or false.
     pub fn flags(name: &'static str, values: impl Iterator<Item = bool>) -> Self {
         Self::new(name, Values::Flag(values.collect()))
     }
 }
 
-/// Returns the text of the key `geo` of a file with points in a column, by GeoParquet 1.1:
-/// longitude and latitude on WGS84, which is its default system.
+/// Returns the value of the key `geo` for a file with points in a column, by GeoParquet 1.1:
+/// longitude and latitude on WGS84, its default system.
 pub fn geo_key(column: &str, points: &[LonLat]) -> String {
     let start = [f64::MAX, f64::MAX, f64::MIN, f64::MIN];
     let bounds = points.iter().fold(start, |[w, s, e, n], at| {

@@ -1,21 +1,21 @@
-//! The pages of a column, looked through before the decoder allocates by what they claim.
+//! Checks the sizes that the pages of a column claim, before the decoder allocates memory by them.
 //!
-//! A column is a row of pages: a header in the compact protocol of Thrift, whose fields 2 and 3 are
-//! the bytes of the page unpacked and packed, then the page (the Parquet format's
-//! `parquet.thrift`). Three bytes of Snappy become 64 at most, so that a page cannot be longer than
-//! some twenty times what is stored.
+//! A column is a sequence of pages: a header in the compact protocol of Thrift, whose fields 2 and
+//! 3 are the bytes of the page decompressed and compressed, then the page (the Parquet format's
+//! `parquet.thrift`). Three bytes of Snappy become at most 64, so that a page cannot be longer than
+//! about twenty times its stored bytes.
 
 use std::io::{BufRead, Read, Seek, SeekFrom};
 use std::ops::Range;
 
-/// Times that a packed page is unpacked at most, and bytes that may come on top.
+/// Largest ratio of decompressed to compressed bytes, and bytes that are allowed in addition.
 const MOST_TIMES: u64 = 22;
 const MOST_BESIDE: u64 = 1024;
-/// Structures that may lie in one another in a header.
+/// Most structures that may be nested in a header.
 const DEEPEST: usize = 8;
 
-/// Returns true if all pages in a range of a file can be followed, and none claims to be longer
-/// than it can be.
+/// Returns true if all pages in a range of a file can be followed, and none claims an impossible
+/// length.
 pub(super) fn are_sound(file: &mut (impl BufRead + Seek), column: Range<u64>) -> bool {
     let mut walk = || -> Option<bool> {
         let mut at = file.seek(SeekFrom::Start(column.start)).ok()?;
@@ -38,7 +38,8 @@ struct Header<'a, R> {
 }
 
 impl<R: Read> Header<'_, R> {
-    /// Bytes of the page, unpacked and packed; leaves the file behind the header.
+    /// Returns the bytes of the page, decompressed and compressed; the file is then after the
+    /// header.
     fn sizes(&mut self) -> Option<[u64; 2]> {
         let mut sizes = [None; 2];
         self.structure(DEEPEST, |header, number, kind| match (number, kind) {
@@ -52,7 +53,8 @@ impl<R: Read> Header<'_, R> {
         Some([sizes[0]?, sizes[1]?])
     }
 
-    /// Hands over the number and the type of each field, whose value `take` reads.
+    /// Calls `take` with the number and the type of each field of a structure; `take` must read its
+    /// value.
     fn structure(
         &mut self,
         deepest: usize,
@@ -74,10 +76,10 @@ impl<R: Read> Header<'_, R> {
         }
     }
 
-    /// Reads over a value of a type that a page header has.
+    /// Skips a value of a type that occurs in page headers.
     fn skip(&mut self, kind: u8, deepest: usize) -> Option<()> {
         match kind {
-            // A field that is true or false has no value of its own.
+            // A field that is true or false has its value in the type.
             1 | 2 => Some(()),
             3 => self.byte().map(drop),
             4..=6 => self.varint().map(drop),
@@ -102,7 +104,7 @@ impl<R: Read> Header<'_, R> {
         Some(byte[0])
     }
 
-    /// Seven bits a byte, the lowest first.
+    /// Reads an unsigned number of seven bits a byte, the lowest first.
     fn varint(&mut self) -> Option<u64> {
         let mut value = 0;
         for shift in (0..64).step_by(7) {
@@ -115,7 +117,7 @@ impl<R: Read> Header<'_, R> {
         None
     }
 
-    /// A whole number, the sign in the lowest bit.
+    /// Reads a whole number whose sign is the lowest bit.
     fn whole(&mut self) -> Option<i64> {
         let value = self.varint()?;
         Some((value >> 1).cast_signed() ^ -(value & 1).cast_signed())
@@ -127,8 +129,8 @@ mod tests {
     use super::*;
     use std::io::Cursor;
 
-    /// A page of four bytes that claims to be so many unpacked: type 0, sizes, and a structure with
-    /// a text.
+    /// Returns a page of four bytes that claims `unpacked` decompressed bytes: type 0, sizes, and a
+    /// structure with a text.
     fn page(unpacked: u8) -> Vec<u8> {
         let mut bytes = vec![0x15, 0, 0x15];
         bytes.extend([unpacked << 1 | 0x80, 0x01 + (unpacked >> 6), 0x15, 8]);
@@ -148,7 +150,7 @@ mod tests {
         long.extend([1, 2, 3, 4]);
         assert!(!are_sound(&mut Cursor::new(&long), 0..long.len() as u64));
         assert!(are_sound(&mut Cursor::new(&long), 0..at as u64));
-        // What is cut, and what is no header.
+        // Truncated bytes, and bytes that are no header.
         assert!(!are_sound(&mut Cursor::new(&long[..7]), 0..100));
         assert!(!are_sound(&mut Cursor::new([0x19; 9]), 0..9));
     }

@@ -1,4 +1,4 @@
-//! Reading columns by their names.
+//! Reads columns of a Parquet file by their names.
 
 use super::{Values, pages};
 use crate::support::catch_panic::catch_panic;
@@ -11,30 +11,31 @@ use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use std::io::{self, BufReader};
 use std::path::Path;
 
-/// A Parquet file that cannot be used.
+/// Error of a Parquet file that cannot be used.
 pub type ParquetError = FileError<ParquetFault>;
 
-/// Fault of a Parquet file.
+/// Fault of a Parquet file, as a sentence without the path.
 #[derive(Debug, thiserror::Error)]
 pub enum ParquetFault {
-    /// The system does not give it.
+    /// The operating system cannot read the file.
     #[error("cannot read the Parquet file: {0}")]
     Io(#[from] io::Error),
-    /// It is no Parquet, or one of a kind that is not known.
+    /// The file is no Parquet, or of a kind that is not supported.
     #[error("cannot read the Parquet file: {0}")]
     Parquet(#[from] parquet::errors::ParquetError),
-    /// It has no column of this name.
+    /// The file has no column of this name.
     #[error("cannot read the Parquet file: it has no column {0}")]
     NoColumn(String),
-    /// The column of this name holds values of another kind.
+    /// The column of this name has values of a type that is not supported.
     #[error("cannot read the Parquet file: its column {0} holds no numbers")]
     NoNumbers(String),
-    /// It contradicts itself, or holds other things than it stands for.
+    /// The file contradicts itself, or its content is not what it should be.
     #[error("cannot read the Parquet file: {0}")]
     Damaged(&'static str),
 }
 
-/// Columns of numbers, times, flags and bytes of a file, in the order of the names.
+/// Returns the columns with these names, of numbers, times, flags or bytes, in the order of the
+/// names.
 ///
 /// # Errors
 /// When the file cannot be read, is damaged, or has no such column.
@@ -114,7 +115,7 @@ fn append(chunk: ColumnReader, rows: usize, values: &mut Values) -> Result<(), P
     Ok(())
 }
 
-/// The values of all rows of a group; a column in which every row must have one has no levels.
+/// Returns the values of all rows of a group; a column without null values has no levels.
 fn nullable<T: DataType>(
     mut chunk: ColumnReaderImpl<T>,
     rows: usize,

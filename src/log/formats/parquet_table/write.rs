@@ -1,4 +1,4 @@
-//! Writing: rows in groups, one chunk a column.
+//! Writes tables to Parquet files: rows in groups, with one chunk for each column.
 
 use super::{Column, Values};
 use crate::support::geo::LonLat;
@@ -15,14 +15,14 @@ use std::io;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Rows of a group: what a reader takes at once.
+/// Number of rows in a group, which a reader loads at once.
 const GROUP_ROWS: usize = 1 << 17;
-/// Name of the program that writes the file. Without a version, so that the same rows are the same
-/// bytes as long as they are the same rows.
+/// Name of the program that writes the file. It has no version, so that the same rows always give
+/// the same bytes.
 const WRITER: &str = "bathyscope";
 
-/// Writes a table with some keys of the file. The same columns give the same bytes. All columns
-/// must be of one length.
+/// Writes a table with these key-value pairs of the file. The same columns give the same bytes. All
+/// columns must have the same length.
 pub fn write_parquet(file: File, columns: &[Column], keys: &[(&str, String)]) -> io::Result<()> {
     let mut writer = ParquetWriter::new(file, columns, keys)?;
     let count = columns.first().map_or(0, |column| column.values.row_count());
@@ -32,13 +32,13 @@ pub fn write_parquet(file: File, columns: &[Column], keys: &[(&str, String)]) ->
     writer.finish()
 }
 
-/// A table that is written a group of rows at a time, for one that memory does not hold.
+/// Writer of a table one group of rows at a time, for tables that are too large for memory.
 pub struct ParquetWriter {
     writer: SerializedFileWriter<File>,
 }
 
 impl ParquetWriter {
-    /// Begins a table whose columns have the names and the kinds of these.
+    /// Creates the writer of a table whose columns have these names and types.
     ///
     /// # Errors
     /// When writing fails.
@@ -53,7 +53,7 @@ impl ParquetWriter {
         Ok(Self { writer })
     }
 
-    /// Adds some rows of columns as a group.
+    /// Writes some rows of the columns as a group.
     ///
     /// # Errors
     /// When writing fails.
@@ -71,7 +71,7 @@ impl ParquetWriter {
         add().map_err(io::Error::other)
     }
 
-    /// Ends the table.
+    /// Writes the end of the file.
     ///
     /// # Errors
     /// When writing fails.
@@ -92,7 +92,7 @@ fn properties(columns: &[Column], keys: &[(&str, String)]) -> WriterProperties {
     properties.build()
 }
 
-/// Returns true if the same values come again and again, so that a dictionary of them saves room.
+/// Returns true if values repeat often, so that a dictionary makes the file smaller.
 fn repeats(values: &Values) -> bool {
     matches!(values, Values::Text(_) | Values::Same(..) | Values::Float(_))
 }
@@ -164,7 +164,7 @@ fn put<T: DataType>(
     Ok(())
 }
 
-/// Values that may be unknown: those that are known, and for each row whether it has one.
+/// Writes the known values, and for each row whether its value is known.
 fn put_known<T: DataType>(
     chunk: &mut SerializedColumnWriter<'_>,
     all: impl Iterator<Item = Option<T::T>>,
@@ -179,7 +179,7 @@ fn put_known<T: DataType>(
     put::<T>(chunk, &values, Some(&levels))
 }
 
-/// A point as well-known binary: little-endian, of type 1, longitude before latitude.
+/// Returns a point as well-known binary: little-endian, of type 1, longitude before latitude.
 fn well_known(at: LonLat) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(21);
     bytes.push(1);

@@ -1,33 +1,33 @@
-//! Pictures of side-scan as surveys: a waterfall as PNG or JPEG, and beside it a table of its
-//! pings, `NAME.png` and `NAME.csv`. Other programs, papers and old projects leave no more than
-//! that of a recording.
+//! Reads pictures of side-scan as surveys: a waterfall as PNG or JPEG with a table of its pings,
+//! `NAME.png` and `NAME.csv`. Other programs, papers and old projects often provide nothing else of
+//! a recording.
 //!
 //! In: the bytes of a picture and of a table. Out: a collected log.
 //!
-//! The picture. A row is a ping, the first at the top. Columns lie across the track: port on the
-//! left, its outermost sample at the left edge, starboard on the right. Both sides are as wide; the
-//! middle column of an odd width belongs to neither. The samples of a side cover slant ranges
-//! evenly, from the water column in the middle outward. A picture that is corrected to ground range
-//! has no water column: it shows no first return, and its ranges are wrong; nothing in it tells, so
-//! a remark says what is assumed. Grey of 8 and 16 bits is taken as it is, colours by their
-//! luminance (`pixels`).
+//! The picture. A row is a ping, the first at the top. Columns run across the track: port on the
+//! left, its outermost sample at the left edge, starboard on the right. Both sides have the same
+//! width; the middle column of an odd width belongs to neither. The samples of a side cover slant
+//! ranges evenly, from the water column in the middle outward. A picture that is corrected to
+//! ground range has no water column: it shows no first return, and its ranges are wrong; this
+//! cannot be recognised, so a warning states the assumption. Grey levels of 8 and 16 bits are used
+//! unchanged, colours by their luminance (`pixels`).
 //!
-//! The table. A row is a ping, with the columns that tables of soundings have (`sounding_table`:
-//! place, depth, time, heading), of which all may be missing, and
+//! The table. A row is a ping. Its columns are those of tables of soundings (`sounding_table`:
+//! position, depth, time, heading), each of which may be missing, and
 //! - `range_m`, the slant range of the outermost sample of each side, also as `slant_range` or
 //!   `max_range`, or in feet as `range_ft`;
-//! - perhaps `min_range_m`, that of the innermost sample; 0 without it;
-//! - perhaps `row`, also as `picture_row` or `line`: the row of the picture, from 0 at the top;
-//!   from 1 where the last is the number of rows. Without it row by row of the table is row by row
-//!   of the picture, and there have to be as many.
+//! - optionally `min_range_m`, the slant range of the innermost sample; 0 without it;
+//! - optionally `row`, also as `picture_row` or `line`: the row of the picture, from 0 at the top;
+//!   from 1 where the last is the number of rows. Without it the rows of the table are those of the
+//!   picture in order, and both must have the same number.
 //!
-//! Rows without times are taken as evenly spread over the time that a boat of usual speed needs for
-//! their places. Of rows that have the same time, as exports in whole seconds write them, each is
-//! taken as later than the one before, evenly up to the next time.
+//! Rows without times are spread evenly over the time that a boat of usual speed needs between
+//! their positions. Rows with equal times, as in exports in whole seconds, are spread evenly up to
+//! the next time.
 //!
-//! Depth maps are made of the depths in the table, and of the first returns in the picture.
+//! Depth maps are computed from the depths in the table and the first returns in the picture.
 //!
-//! The layout is the project's own; there is no standard of it.
+//! The layout is defined by this project; there is no standard.
 
 mod pixels;
 #[cfg(test)]
@@ -48,17 +48,16 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 const NAME: &str = "picture with CSV";
-/// The files among those of the log.
+/// Indices of the two files in the log.
 const PICTURE: u8 = 0;
 const TABLE: usize = 1;
-/// The channel of the echoes; the depths have channel 0.
+/// Number of the channel of the echoes; the depths have channel 0.
 const CHANNEL: u16 = 1;
-/// Endings that are looked for beside the other file, as disks tell capital letters from small
-/// ones.
+/// Endings of the other file that are tried, in both cases because some disks are case-sensitive.
 const TABLES: [&str; 2] = ["csv", "CSV"];
 const PICTURES: [&str; 6] = ["png", "jpg", "jpeg", "PNG", "JPG", "JPEG"];
 
-/// The reader of the format.
+/// Reader of the format.
 pub(super) struct PictureTable;
 
 impl LogFormat for PictureTable {
@@ -67,13 +66,13 @@ impl LogFormat for PictureTable {
         Some(Box::new(move |reading, progress| pair.read(reading, progress)))
     }
 
-    /// The picture stands for its table.
+    /// Returns true for a table, because its picture is opened instead.
     fn is_read_by_name_only(&self, path: &Path) -> bool {
         is_named_table(path)
     }
 }
 
-/// A picture and its table.
+/// A picture and the table beside it.
 struct Pair {
     picture: Opened,
     table: Opened,
@@ -81,7 +80,8 @@ struct Pair {
 }
 
 impl Pair {
-    /// The pair that a file is one of; `None` where the other is missing or is no such file.
+    /// Returns the pair that a file belongs to; `None` where the other file is missing or of
+    /// another kind.
     fn around(files: &FileSource, opened: &Opened) -> Option<Self> {
         if pixels::is_picture(&opened.bytes) {
             let (table, layout) = beside(files, &opened.path, &TABLES, layout_of)?;
@@ -136,7 +136,7 @@ impl Pair {
     }
 }
 
-/// Reason why the rows of a table are not those of a picture.
+/// Reason why the rows of a table do not match those of a picture.
 #[derive(Debug, thiserror::Error)]
 enum RowFault {
     /// No row of the table is a ping.
@@ -144,24 +144,25 @@ enum RowFault {
         "no row of the table beside the picture has a range that a sonar can have; write the slant range of the outermost sample, in metres, into the column range_m"
     )]
     None,
-    /// Rows of the picture and of the table.
+    /// The numbers of rows differ: that of the picture, then that of the table.
     #[error(
         "the picture has {0} rows and the table beside it {1}; give every row of the picture a row of the table, from the top, or write its number into a column named row"
     )]
     Count(usize, usize),
-    /// A row of the table, its number, and the rows of the picture.
+    /// A row of the table names a row that the picture does not have; `at` is its offset in the
+    /// table.
     #[error(
         "the table beside the picture names row {row} of it (at byte {at}), and the picture has {height} rows; correct the column of the rows, which counts from 0 at the top"
     )]
     Beyond { row: usize, at: usize, height: usize },
-    /// Two rows of the table that name one of the picture.
+    /// Two rows of the table name the same row of the picture; `at` are their offsets in the table.
     #[error(
         "the table beside the picture names row {row} of it twice (at bytes {} and {}); correct the column of the rows, or give it another name if it holds something else", .at[0], .at[1]
     )]
     Twice { row: usize, at: [usize; 2] },
 }
 
-/// The pings of a table, with their rows of a picture of such a height.
+/// Returns the pings of a table, with their rows in a picture with `height` rows.
 fn numbered(rows: &mut Reader, height: usize) -> Result<Vec<TablePing>, RowFault> {
     let mut pings = std::mem::take(&mut rows.pings);
     if rows.names_rows() {
@@ -172,7 +173,8 @@ fn numbered(rows: &mut Reader, height: usize) -> Result<Vec<TablePing>, RowFault
     if pings.is_empty() { Err(RowFault::None) } else { Ok(pings) }
 }
 
-/// Counts the rows of the picture from 0 on, as the table may not.
+/// Converts the rows of the picture to count from 0, where the table counts from 1, and checks
+/// them.
 fn number_rows(pings: &mut [TablePing], height: usize) -> Result<(), RowFault> {
     let first = pings.iter().map(|ping| ping.row).min().unwrap_or(0);
     let last = pings.iter().map(|ping| ping.row).max().unwrap_or(0);
@@ -191,7 +193,7 @@ fn number_rows(pings: &mut [TablePing], height: usize) -> Result<(), RowFault> {
     twice.map_or(Ok(()), |two| Err(RowFault::Twice { row: two[0].0, at: [two[0].1, two[1].1] }))
 }
 
-/// Lays the pings over the rows of the picture.
+/// Adds the pings to the log, with the samples of their rows of the picture.
 fn collect(log: &mut Collected, grey: GreyPicture, pings: &[TablePing]) {
     let encoding = if grey.is_wide { Encoding::U16 { shift: 0 } } else { Encoding::U8 };
     let half = grey.width / 2;
@@ -256,7 +258,8 @@ fn is_named_table(path: &Path) -> bool {
     ending.is_some_and(|ending| ending.eq_ignore_ascii_case("csv"))
 }
 
-/// The first file of the same name with one of these endings in which something is found.
+/// Returns the first file with the same name and one of these endings for which `find` has a
+/// result.
 fn beside<T>(
     files: &FileSource,
     path: &Path,

@@ -1,16 +1,16 @@
-//! The pixels of a picture as levels of grey, within a bound of memory.
+//! Decodes a picture to grey levels, within a memory limit.
 
 use crate::support::catch_panic::catch_panic;
 use crate::support::picture_file::{PictureFault, bounded_decoder};
 use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat};
 use std::io::Cursor;
 
-/// Bytes that a picture may take while it is unpacked.
+/// Most bytes that a picture may take while it is decoded.
 const LARGEST_UNPACKED: u64 = 1 << 30;
-/// Pixels of a byte at most: Deflate packs 1032 bytes into one, and a byte holds eight pixels of
-/// one bit. What states more is damaged.
+/// Most pixels for each byte of a file: Deflate compresses 1032 bytes into one, and a byte has
+/// eight pixels of one bit. A file that states more is damaged.
 const MOST_PIXELS_A_BYTE: u64 = 8 * 1032;
-/// The last marker of a JPEG, and that before its pixels.
+/// Marker of the end of a JPEG, and marker before its pixels.
 const END_OF_JPEG: [u8; 2] = [0xFF, 0xD9];
 const SCAN_OF_JPEG: [u8; 2] = [0xFF, 0xDA];
 
@@ -29,13 +29,13 @@ pub(super) struct PackedPicture<'a> {
     decoder: Box<dyn ImageDecoder + 'a>,
 }
 
-/// Levels of grey.
+/// A picture decoded to grey levels.
 pub(super) struct GreyPicture {
-    /// Columns.
+    /// Number of columns.
     pub(super) width: usize,
-    /// True if a level has two bytes, the low one first.
+    /// True if a level has two bytes, the low byte first.
     pub(super) is_wide: bool,
-    /// Row by row.
+    /// Levels, row by row.
     pub(super) samples: Vec<u8>,
 }
 
@@ -43,7 +43,8 @@ impl<'a> PackedPicture<'a> {
     /// Reads the header of a picture.
     ///
     /// # Errors
-    /// When it is damaged, or states more pixels than its bytes can hold or than are unpacked.
+    /// When the picture is damaged, or states more pixels than its bytes can contain or than are
+    /// decoded.
     pub(super) fn open(bytes: &'a [u8]) -> Result<Self, PictureFault> {
         let open = || bounded_decoder(Cursor::new(bytes), LARGEST_UNPACKED, bytes_copied);
         let decoder = catch_panic(open).unwrap_or(Err(PictureFault::Damaged))?;
@@ -56,15 +57,15 @@ impl<'a> PackedPicture<'a> {
         Ok(Self { decoder: Box::new(decoder) })
     }
 
-    /// Rows.
+    /// Returns the number of rows.
     pub(super) fn height(&self) -> usize {
         self.decoder.dimensions().1 as usize
     }
 
-    /// Its levels.
+    /// Decodes the picture to grey levels.
     ///
     /// # Errors
-    /// When it is cut or damaged.
+    /// When the picture is truncated or damaged.
     pub(super) fn unpack(self) -> Result<GreyPicture, PictureFault> {
         catch_panic(|| unpack(self.decoder)).unwrap_or(Err(PictureFault::Damaged))
     }
@@ -75,7 +76,7 @@ fn unpack(decoder: Box<dyn ImageDecoder + '_>) -> Result<GreyPicture, PictureFau
     let width = picture.width() as usize;
     let is_wide = is_wide(picture.color());
     let samples = if is_wide {
-        // Their bytes are in the order of the machine, which is that of a sample.
+        // The bytes have the machine's byte order, which is that of the samples.
         bytemuck::cast_slice(picture.into_luma16().as_raw()).to_vec()
     } else {
         picture.into_luma8().into_raw()
@@ -87,7 +88,7 @@ fn is_wide(colours: ColorType) -> bool {
     colours.bytes_per_pixel() > colours.channel_count()
 }
 
-/// Bytes that a pixel takes in the copies that [`unpack`] makes beside the picture.
+/// Returns the bytes for each pixel of the copies that [`unpack`] makes in addition to the picture.
 fn bytes_copied(colours: ColorType) -> u64 {
     match colours {
         ColorType::L8 => 0,
@@ -96,8 +97,8 @@ fn bytes_copied(colours: ColorType) -> u64 {
     }
 }
 
-/// Returns true if the pixels of a JPEG end with its last marker: the decoder makes grey of those
-/// that are missing. Neither marker can stand among pixels.
+/// Returns true if the pixels of a JPEG are followed by its end marker: the decoder would fill
+/// missing pixels with grey. Neither marker can occur among pixels.
 fn is_whole_jpeg(bytes: &[u8]) -> bool {
     let last = |marker: [u8; 2]| bytes.windows(2).rposition(|two| two == marker);
     last(END_OF_JPEG) > last(SCAN_OF_JPEG)

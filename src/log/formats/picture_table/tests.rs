@@ -1,5 +1,5 @@
-//! A picture and its table are read to what stands in them; what does not belong together is
-//! refused in one sentence.
+//! Tests that a picture and its table are read correctly, and that files that do not belong
+//! together are refused in one sentence.
 
 use crate::formats::log_writer::LogToWrite;
 use crate::formats::{self, GrowingError, GrowingLog, OpenError};
@@ -17,7 +17,7 @@ use std::path::PathBuf;
 const WIDTH: usize = 9;
 const ROWS: usize = 3;
 
-/// A level of the small picture.
+/// Returns a level of the small picture.
 fn level(row: usize, column: usize) -> u8 {
     (20 * row + 3 * column) as u8
 }
@@ -115,7 +115,7 @@ fn either_file_opens_the_pair() {
     let by_table = formats::open_files(files, &Progress::new()).expect("a log");
     assert_eq!(by_table.source, by_picture.source);
     assert_eq!(by_table.side_scan, by_picture.side_scan);
-    // What is hashed and compared are the files, not the pixels.
+    // The files are hashed and compared, not the pixels.
     let lengths = by_table.bytes.iter().map(|bytes| bytes.len());
     assert_eq!(lengths.collect::<Vec<_>>(), [small().len(), TABLE.len()]);
     assert!(by_table.seam().is_none());
@@ -134,7 +134,7 @@ fn levels_of_any_colours_are_grey_ones() {
     assert_rows(&read(png(ExtendedColorType::Rgb8, [WIDTH, ROWS], &grey), TABLE), &[0, 1, 2]);
     let clear: Vec<u8> = levels().into_iter().flat_map(|level| [level, 7]).collect();
     assert_rows(&read(png(ExtendedColorType::La8, [WIDTH, ROWS], &clear), TABLE), &[0, 1, 2]);
-    // Green is the brightest of equal colours, by ITU-R BT.709.
+    // Green gives the brightest level of equal colours, by ITU-R BT.709.
     let colours = [[100, 0, 0], [0, 100, 0], [0, 0, 100]].concat();
     let colours = colours.repeat(6);
     let survey = read(png(ExtendedColorType::Rgb8, [6, ROWS], &colours), TABLE);
@@ -216,7 +216,7 @@ fn a_table_may_name_the_rows_of_the_picture() {
     let span = survey.span(0, Side::Port).expect("a span");
     assert!((span.far_m - 30.48).abs() < 1e-5);
     assert!(survey.track.projected.is_some());
-    // Counted from 1.
+    // Rows counted from 1.
     assert_rows(&read(small(), &table(1, 3)), &[0, 2]);
     let beyond = refusal(small(), &table(0, 3));
     assert!(
@@ -245,7 +245,7 @@ fn damaged_rows_cost_their_pings_only() {
     assert_eq!((survey.soundings.len(), survey.track.fixes.len()), (2, 2));
     let place = survey.warnings.iter().find_map(|warning| warning.place);
     assert_eq!(place, Some((1, 39)));
-    // Ranges are all that is needed.
+    // A range is the only column that is needed.
     let survey = read(small(), "range_m,note\n20,\n20,\n20,\n");
     assert_rows(&survey, &[0, 1, 2]);
     assert!(says(&survey, "no position") && says(&survey, "no depth"));
@@ -254,7 +254,7 @@ fn damaged_rows_cost_their_pings_only() {
 
 #[test]
 fn pings_without_times_are_as_far_apart_as_a_boat_makes_them() {
-    // 1.11 m from row to row.
+    // The rows are 1.11 m apart.
     let survey = read(small(), "range_m,lon,lat\n20,11.5,0.0\n20,11.5,0.00001\n20,11.5,0.00002\n");
     let times: Vec<f64> = survey.side_scan.iter().map(|ping| ping.time_s).collect();
     let step_s = 1.106 / 1.5;
@@ -276,7 +276,7 @@ fn pings_of_one_second_are_spread_over_it() {
     let fixes: Vec<f64> = survey.track.fixes.iter().map(|fix| fix.time_s).collect();
     assert_eq!(fixes, times);
     assert!(says(&survey, "evenly spread"));
-    // A date alone is no time.
+    // A date without a time of day is no time.
     let table = table.replace(",101,", ",100,").replace(",100,", ",2021-10-12,");
     let survey = read(small(), &table);
     let times: Vec<f64> = survey.side_scan.iter().map(|ping| ping.time_s).collect();
@@ -298,7 +298,7 @@ fn a_picture_without_such_a_table_is_refused_and_a_table_without_a_picture_is_wh
     assert!(matches!(error, OpenError::NotRecognised { .. }), "{error}");
 }
 
-/// The sum at the end of a part of a PNG.
+/// Returns the checksum at the end of a part of a PNG.
 fn sum(bytes: &[u8]) -> [u8; 4] {
     let step = |sum: u32, byte: &u8| {
         (0..8).fold(sum ^ u32::from(*byte), |sum, _| match sum & 1 {
@@ -324,12 +324,12 @@ fn what_a_header_states_is_believed_within_bounds() {
     assert!(matches!(large, OpenError::Unsupported { .. }), "{large}");
     let text = large.to_string();
     assert!(text.contains("its 60000 by 60000 pixels take more than 1024 MiB"), "{text}");
-    // Fewer than that, and more than its bytes can hold.
+    // Sizes below the limit, but larger than the bytes can contain.
     for (width, height) in [(300_000_000, 3), (9, 4), (1, 3), (u32::MAX, 3)] {
         let error = refusal(stating(width, height), TABLE);
         assert!(error.contains("picture") && !error.contains('\n'), "{error}");
     }
-    // Without its last parts, which hold no pixels, it is whole.
+    // Only its last parts, which contain no pixels, may be missing.
     for length in 0..small().len() - 24 {
         let error = refusal(small()[..length].to_vec(), TABLE);
         assert!(!error.is_empty() && !error.contains('\n'), "{error}");

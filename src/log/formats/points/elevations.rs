@@ -1,4 +1,5 @@
-//! Point files as elevations to compare: which plane they lie in, and which way is up.
+//! Reads point files as elevations for comparison: finds the plane of their coordinates, and
+//! whether their values count up or down.
 
 use super::text_file::{ColumnRequest, KNOWN_NAMES};
 use super::{PointFault, PointFile, PointFileError, read_columns, split_columns, suffix};
@@ -10,14 +11,15 @@ use std::ffi::OsStr;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-/// Geographic columns come first: the metres of two surveys may count from different origins.
+/// Columns that are tried if the user names none; geographic columns first, because the metres of
+/// two surveys may have different origins.
 const GEOGRAPHIC_NAMES: [[&str; 3]; 4] = [
     ["lon", "lat", "z_m"],
     ["lon", "lat", "z"],
     ["longitude", "latitude", "elevation"],
     ["longitude", "latitude", "z"],
 ];
-/// Properties that are taken for a height when the user names none and a point has no third
+/// Properties that are used as a height when the user names none and a point has no third
 /// coordinate; true for depths.
 const KNOWN: [(&str, bool); 6] = [
     ("z_m", false),
@@ -27,19 +29,19 @@ const KNOWN: [(&str, bool); 6] = [
     ("depth_m", true),
     ("depth", true),
 ];
-/// Longer than any table of soundings that is written as GeoJSON.
+/// Size of the largest GeoJSON file that is read, bytes; enough for any table of soundings.
 const LONGEST: u64 = 1 << 30;
 
 /// Meaning of the first two coordinates of a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PointPlane {
-    /// Metres (or the file's own units) east and north.
+    /// Metres (or the file's own units) to the east and north.
     Metres,
     /// Degrees of longitude and latitude.
     Degrees,
-    /// Metres of a zone that the file names.
+    /// Metres of a UTM zone that the file names.
     Utm(UtmZone),
-    /// Coordinates of another system that the file names by EPSG's number.
+    /// Coordinates of another system, by the EPSG number in the file.
     Epsg(u16),
 }
 
@@ -47,7 +49,7 @@ impl PointPlane {
     /// Returns the plane of a file that names a system by its EPSG number; `otherwise` where it
     /// names none, or a private number.
     fn of_epsg(epsg: Option<u32>, otherwise: Self) -> Self {
-        // From here on numbers are private: what they mean stands elsewhere in the file.
+        // First private number; the meaning of private numbers is defined elsewhere in the file.
         const PRIVATE: u16 = 32_767;
         const WGS84: u16 = 4326;
         match epsg.map(|number| (UtmZone::from_epsg(number), u16::try_from(number))) {
@@ -64,26 +66,27 @@ impl PointPlane {
 pub struct Elevations {
     /// Path of the file.
     pub path: PathBuf,
-    /// x, y, and z positive up.
+    /// x, y, and z; z is positive up.
     pub points: Vec<[f64; 3]>,
     /// Meaning of x and y.
     pub plane: PointPlane,
-    /// Lines or features left out because a coordinate is missing.
+    /// Number of lines or features that were left out because a coordinate is missing.
     pub blank: usize,
-    /// Guess that had to be made about the file, in one sentence.
+    /// Remark about assumptions on the file, in one sentence; `None` where none was needed.
     pub note: Option<String>,
 }
 
-/// Reads `FILE` or `FILE.csv:x,y,z`; `-z` is a column that counts downwards, a depth. Without
-/// names, columns of longitude, latitude and elevation are taken where there are any. Columns named
-/// lon or longitude are degrees. Points that the file sets aside are passed over.
+/// Reads `FILE` or `FILE.csv:x,y,z`; `-z` names a column that counts downwards, a depth. Without
+/// names, columns of longitude, latitude and elevation are used if there are any. Columns named lon
+/// or longitude are degrees. Points that the file sets aside are skipped.
 ///
-/// Of a GeoTIFF the cells are points, their values `z`; one that says that it counts depths is
-/// turned unless names are given. Of GeoJSON the third name is a property. LAS and GeoTIFF say
-/// themselves which system they are in.
+/// The cells of a GeoTIFF become points with their values as `z`; values that are stated to be
+/// depths change their sign, unless names are given. In GeoJSON the third name is a property. LAS
+/// and GeoTIFF state their coordinate system themselves.
 ///
 /// # Errors
-/// When no such file is named so, this one cannot be read, or it holds no point.
+/// When the file cannot be read or is of an unknown kind, has no such columns, or contains no
+/// point.
 pub fn read_elevations(argument: &OsStr) -> Result<Elevations, PointFileError> {
     let file = read(argument)?;
     if !file.points.is_empty() {
@@ -136,7 +139,7 @@ fn read(argument: &OsStr) -> Result<Elevations, PointFileError> {
     })
 }
 
-/// Takes out the points that the file says are not to be used; how many that are, in words.
+/// Removes the points that the file sets aside; returns a remark with their number, if any.
 fn take_out_set_aside(file: &mut PointFile) -> Option<String> {
     let before = file.points.len();
     let mut set_aside = file.set_aside.iter();
@@ -148,7 +151,7 @@ fn take_out_set_aside(file: &mut PointFile) -> Option<String> {
     }
 }
 
-/// Returns true if the third column that was taken is named a depth and counts downwards.
+/// Returns true if the third column is named a depth and counts downwards.
 fn counts_depths(file: &PointFile) -> bool {
     let named = file.names.as_ref();
     let is_depth = named.is_some_and(|[_, _, z]| z.to_ascii_lowercase().contains("depth"));
@@ -206,14 +209,14 @@ fn of_geojson(
 /// Points of a GeoJSON file (RFC 7946): longitude, latitude, and a height from the third coordinate
 /// or a property.
 struct GeoJsonPoints {
-    /// Longitude and latitude, degrees, and elevation, up.
+    /// Longitude and latitude, degrees, and elevation, positive up.
     points: Vec<[f64; 3]>,
-    /// Features that are no point, or have no height.
+    /// Number of features that are no point, or have no height.
     left_out: usize,
 }
 
-/// Reads the points; `height` names the property that the height is taken from. Where it is none,
-/// depths are turned.
+/// Reads the points; `height` names the property of the height. Without it, values of depth
+/// properties change their sign.
 fn read_geojson(path: &Path, height: Option<&str>) -> Result<GeoJsonPoints, PointFault> {
     let text = regular_file::read(path, LONGEST).map_err(|error| match error.kind() {
         ErrorKind::FileTooLarge => PointFault::LongGeoJson,

@@ -1,49 +1,49 @@
-//! Errors of point files.
+//! Defines the errors of point files.
 
 use crate::formats::geotiff::CellsError;
 use crate::support::file_error::FileError;
 use std::io;
 
-/// Reason why a point file cannot be used.
+/// Error of a point file that cannot be used.
 pub type PointFileError = FileError<PointFault>;
 
 /// Fault of a point file, as a sentence without the path.
 #[derive(Debug, thiserror::Error)]
 pub enum PointFault {
-    /// Its name does not say which format it is.
+    /// The ending of the name is that of no point file.
     #[error("a point file ends in .xyz, .csv, .txt, .ply, .las or .laz")]
     Ending,
-    /// Columns are named, and the format has none.
+    /// The user names columns, but the format has fixed ones; the field is the kind of file.
     #[error("the coordinates of a {0} are always x, y and z")]
     FixedColumns(&'static str),
-    /// The system does not give it.
+    /// The operating system cannot read the file.
     #[error("cannot read the points: {0}")]
     Io(#[from] io::Error),
-    /// Its lines of text hold something else.
+    /// A text file is no table of points.
     #[error(transparent)]
     Text(#[from] TextFault),
-    /// It is no PLY that is read.
+    /// A PLY file is damaged or of a kind that is not supported.
     #[error(transparent)]
     Ply(#[from] PlyFault),
-    /// It is no LAS.
+    /// A LAS file is damaged or of a kind that is not supported.
     #[error(transparent)]
     Las(#[from] LasFault),
-    /// It is no GeoTIFF of heights.
+    /// A GeoTIFF cannot be read as heights.
     #[error(transparent)]
     Raster(#[from] CellsError),
-    /// It is a GeoJSON that is not taken into memory.
+    /// The GeoJSON is too long to be read into memory.
     #[error("the GeoJSON is longer than 1 GiB; write the points as CSV")]
     LongGeoJson,
-    /// It is no JSON.
+    /// The file is no JSON.
     #[error("the points are no GeoJSON: {0}")]
     NotJson(#[from] serde_json::Error),
-    /// It is JSON of another kind.
+    /// The file is JSON, but no FeatureCollection.
     #[error("the GeoJSON is no FeatureCollection")]
     NoFeatures,
-    /// It holds nothing.
+    /// The file contains no points.
     #[error("the file is empty: there is no point in it")]
     Empty,
-    /// It holds so many lines or features, and no point.
+    /// No line or feature has all three coordinates; the field is their number.
     #[error("none of the {0} lines or features has all three coordinates")]
     AllBlank(usize),
 }
@@ -51,21 +51,22 @@ pub enum PointFault {
 /// Fault of points in lines of text.
 #[derive(Debug, thiserror::Error)]
 pub enum TextFault {
-    /// A column is asked for by a name that several have, or twice.
+    /// The requested name of a column is in the header several times, or was requested twice.
     #[error("`{0}` is named twice, so it does not say which column is meant")]
     NamedTwice(String),
-    /// The header does not name what is asked for.
+    /// The header does not contain the requested names.
     #[error(
         "there are no columns `{}`, `{}` and `{}`; write FILE:x,y,z with three of {}",
         names[0], names[1], names[2], header.join(", ")
     )]
     NoColumns {
-        /// Names that are asked for.
+        /// Requested names.
         names: [String; 3],
         /// Names in the header.
         header: Vec<String>,
     },
-    /// Columns are asked for by name, and the first line names none.
+    /// Columns are requested by name, but the first line is no header; the field is the requested
+    /// names.
     #[error(
         "there is no header line that could name `{}`, `{}` and `{}`; write one, or name no columns: then the first three count",
         .0[0], .0[1], .0[2]
@@ -74,9 +75,9 @@ pub enum TextFault {
     /// A line is no point.
     #[error("line {line}: {what}")]
     Line {
-        /// Counted from 1.
+        /// Line number, counted from 1.
         line: usize,
-        /// The fault.
+        /// Fault of the line.
         #[source]
         what: PointLineFault,
     },
@@ -85,21 +86,21 @@ pub enum TextFault {
 /// Fault of a line of a text file.
 #[derive(Debug, thiserror::Error)]
 pub enum PointLineFault {
-    /// It has so many fields, and no header says what they are.
+    /// The line of a table without a header has too few fields; the field is their number.
     #[error(
         "there are {}, and a point is x, y and z; put commas, semicolons or spaces between them, and name the columns in the first line where they are not the first three",
         in_fields(*.0)
     )]
     TooFewFields(usize),
-    /// It ends before a column of the header.
+    /// The line ends before a column of the header.
     #[error(
         "there are {}, so the column `{column}` of the header is missing; mend the line, or take it out",
         in_fields(*.fields)
     )]
     TooShort {
-        /// The column.
+        /// Name of the column.
         column: String,
-        /// Fields that it has.
+        /// Number of fields in the line.
         fields: usize,
     },
     /// A coordinate is no number.
@@ -107,9 +108,9 @@ pub enum PointLineFault {
         "`{field}` in column `{column}` is not a number; mend it, or leave it empty to pass over the line"
     )]
     NotANumber {
-        /// Text in place of a number.
+        /// The text that is no number.
         field: String,
-        /// The column.
+        /// Name of the column.
         column: String,
     },
 }
@@ -124,31 +125,31 @@ fn in_fields(count: usize) -> String {
 /// Fault of a PLY file.
 #[derive(Debug, thiserror::Error)]
 pub enum PlyFault {
-    /// It is another kind of file.
+    /// The file does not begin as a PLY file.
     #[error("the file does not begin with `ply`")]
     NotPly,
-    /// The header as a whole.
+    /// The header as a whole is damaged or not supported.
     #[error("the PLY header {0}")]
     Header(&'static str),
-    /// A line of the header.
+    /// A line of the header is damaged or not supported.
     #[error("line {line}: {what}: `{text}`")]
     HeaderLine {
-        /// Counted from 1.
+        /// Line number, counted from 1.
         line: usize,
-        /// The fault.
+        /// Fault of the line.
         what: &'static str,
-        /// The line.
+        /// Text of the line.
         text: String,
     },
-    /// The vertex in this line of text has too few numbers.
+    /// The vertex in this line, counted from 1, has no numbers for x, y and z.
     #[error("line {0}: this vertex has no numbers for x, y and z")]
     NoNumbers(usize),
-    /// It is cut.
+    /// The file is truncated.
     #[error("the PLY file ends after {found} of {count} vertices")]
     TooShort {
-        /// Vertices that it holds.
+        /// Number of vertices in the file.
         found: usize,
-        /// Vertices that the header speaks of.
+        /// Number of vertices that the header states.
         count: usize,
     },
 }
@@ -156,21 +157,21 @@ pub enum PlyFault {
 /// Fault of a LAS file.
 #[derive(Debug, thiserror::Error)]
 pub enum LasFault {
-    /// The system does not give it, or its header claims what cannot be.
+    /// The operating system cannot read the file, or the header claims impossible sizes.
     #[error("the LAS file cannot be read: {0}")]
     Io(#[from] io::Error),
-    /// It is no LAS, or one of a kind that is not known.
+    /// The file is no LAS, or of a kind that is not supported.
     #[error("the LAS file cannot be read: {0}")]
     Las(#[from] las::Error),
     /// A point is damaged.
     #[error("the LAS file cannot be read: {source} after {read} points")]
     Point {
-        /// Points before it.
+        /// Number of points before the damaged one.
         read: usize,
         /// Error of the decoder.
         source: las::Error,
     },
-    /// The decoder gave up.
+    /// The decoder panicked.
     #[error("the LAS file cannot be read: it is damaged")]
     Damaged,
 }

@@ -1,37 +1,39 @@
-//! Compares the claims of a LAS header with the size of the file before the las crate allocates by
-//! them.
+//! Compares the sizes that a LAS header claims with the size of the file, before the las crate
+//! allocates memory by them.
 
 use crate::support::regular_file;
 use std::fs::File;
 use std::io::{self, Read as _, Seek as _, SeekFrom};
 use std::path::Path;
 
-/// The version, at bytes 24 and 25, from which on the header knows extended records (LAS 1.4 R15,
-/// table 3).
+/// First version of LAS (bytes 24 and 25) whose header has fields for extended records (LAS 1.4
+/// R15, table 3).
 const VERSION_14: [u8; 2] = [1, 4];
-/// Bytes before the data of an extended record; its length is 8 of them.
+/// Bytes before the data of an extended record, and offset of the data's length (8 bytes) in the
+/// record.
 const EXTENDED_HEADER: u64 = 60;
 const EXTENDED_LENGTH: u64 = 20;
 /// Bit of the point format byte that marks LAZ.
 const COMPRESSED: u8 = 0x80;
 
-/// User and number of the record that says how LAZ points are packed.
+/// User id and record id of the record that describes the compression of LAZ points.
 const PACKING_USER: &[u8] = b"laszip encoded";
 const PACKING_RECORD: u16 = 22_204;
-/// Bytes before the data of a record.
+/// Bytes before the data of a record that is not extended.
 const RECORD_HEADER: u64 = 54;
-/// Compressors that pack a chunk in layers, one for each kind of number in a point.
+/// Number of the compressor that compresses a chunk in layers, one for each kind of number in a
+/// point.
 const LAYERED: u16 = 3;
 
-/// Refuses a file whose header claims an extended record, a table of LAZ chunks, or layers of such
-/// a chunk, larger than the file, or packed points of another length than they have: all are
-/// allocated before they are read.
+/// Refuses a file whose header claims an extended record, a table of LAZ chunks, or layers of a
+/// chunk that are larger than the file, or compressed points whose length differs from that of the
+/// points: the crate would allocate memory for all of these before it reads them.
 pub(super) fn check(path: &Path) -> io::Result<()> {
     let mut file = regular_file::open(path)?;
     let len = file.metadata()?.len();
     let mut at = |offset: u64| Field::at(&mut file, offset);
-    // The las crate goes by the version, whatever the header says of its length, and reads the
-    // first record alone.
+    // The las crate uses the version and ignores the header's stated length; it reads only the
+    // first extended record.
     let [major, minor, ..] = at(24)?.0;
     if [major, minor] >= VERSION_14 && at(243)?.u32() > 0 {
         let start = at(235)?.u64();
@@ -44,7 +46,7 @@ pub(super) fn check(path: &Path) -> io::Result<()> {
         let points = u64::from(at(96)?.u32());
         let mut table = at(points)?.i64();
         if table <= points as i64 {
-            // The writer could not seek back: the place stands at the end.
+            // The writer could not seek back: the offset of the table is at the end of the file.
             table = at(len.saturating_sub(8))?.i64();
         }
         let table = u64::try_from(table).unwrap_or(len).min(len);
@@ -62,8 +64,8 @@ pub(super) fn check(path: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// Layers that every chunk is packed in, as the record for that says; `None` where points are
-/// packed one after the other, or no record says how.
+/// Returns the number of layers in every chunk, from the record for the compression; `None` where
+/// points are compressed one after the other, or there is no such record.
 fn layers(at: &mut impl FnMut(u64) -> io::Result<Field>, len: u64) -> io::Result<Option<u64>> {
     let Some(data) = packing(at, len)? else {
         return Ok(None);
@@ -75,7 +77,7 @@ fn layers(at: &mut impl FnMut(u64) -> io::Result<Field>, len: u64) -> io::Result
         layers += match kind {
             10 => 9,
             12 => 2,
-            // Extra bytes have a layer each.
+            // Each extra byte has its own layer.
             14 => u64::from(size),
             _ => 1,
         };
@@ -86,11 +88,11 @@ fn layers(at: &mut impl FnMut(u64) -> io::Result<Field>, len: u64) -> io::Result
     Ok((at(data)?.u16() == LAYERED).then_some(layers))
 }
 
-/// Returns the offset of the data of the record that says how points are packed: one of the
-/// records, or the first extended one.
+/// Returns the offset of the data of the record for the compression, which is one of the records,
+/// or the first extended one; `None` where there is none.
 fn packing(at: &mut impl FnMut(u64) -> io::Result<Field>, len: u64) -> io::Result<Option<u64>> {
     let [major, minor, ..] = at(24)?.0;
-    // The records begin behind the fields of the version, whatever the header says of its length.
+    // The records begin after the fields of this version; the header's stated length is ignored.
     let fields = match [major, minor] {
         version if version >= VERSION_14 => 375,
         [1, 3] => 235,
@@ -114,7 +116,7 @@ fn packing(at: &mut impl FnMut(u64) -> io::Result<Field>, len: u64) -> io::Resul
     Ok(is_packing(at, record)?.then(|| record.saturating_add(EXTENDED_HEADER)))
 }
 
-/// Returns true if a record, extended or not, says how points are packed.
+/// Returns true if a record, extended or not, is the record for the compression.
 fn is_packing(at: &mut impl FnMut(u64) -> io::Result<Field>, record: u64) -> io::Result<bool> {
     let mut user = Vec::new();
     for part in [2, 10] {
@@ -124,8 +126,8 @@ fn is_packing(at: &mut impl FnMut(u64) -> io::Result<Field>, record: u64) -> io:
     Ok(user.starts_with(PACKING_USER) && number == PACKING_RECORD)
 }
 
-/// Walks over the chunks from one to the next: a point as it is, the count of points, the size of
-/// every layer, the layers.
+/// Checks the layers of each chunk in turn. A chunk has one uncompressed point, the number of
+/// points, the size of every layer, and the layers.
 fn check_layers(
     at: &mut impl FnMut(u64) -> io::Result<Field>,
     mut chunk: u64,
@@ -147,7 +149,7 @@ fn check_layers(
     Ok(())
 }
 
-/// Eight bytes at a place; zeros beyond the end of the file.
+/// Eight bytes at an offset; zeros beyond the end of the file.
 struct Field([u8; 8]);
 
 impl Field {

@@ -1,4 +1,4 @@
-//! Points in LAS, LAZ and COPC.
+//! Reads and writes points in LAS, LAZ and COPC.
 
 use super::copc::{remove_packing, write_copc};
 use super::las_claims;
@@ -11,20 +11,20 @@ use std::fs::File;
 use std::io;
 use std::path::Path;
 
-/// Points read at a time, and their bytes: neither the header's count nor its length of a point is
-/// trusted with one allocation.
+/// Most points, and most bytes, that are read at a time, because the header's count and point
+/// length are not trusted for one allocation.
 const BATCH: u64 = 100_000;
 const BATCH_BYTES: u64 = 8 << 20;
 
-/// The points of a LAS file, as they were stored.
+/// Points of a LAS file as stored, with the header.
 #[derive(Debug)]
 pub(super) struct LasFile {
     header: Header,
     batches: Vec<PointData>,
 }
 
-/// Reads all points. The crate trusts some of what a LAZ file says of itself: the file is checked
-/// first, and a panic becomes an error.
+/// Reads all points. The las crate trusts some claims of a LAZ file: the file is checked first, and
+/// a panic of the crate becomes an error.
 pub(super) fn read(path: &Path) -> Result<(LasFile, Vec<[f64; 3]>), LasFault> {
     las_claims::check(path)?;
     catch_panic(|| read_checked(path)).unwrap_or(Err(LasFault::Damaged))
@@ -49,10 +49,10 @@ fn read_checked(path: &Path) -> Result<(LasFile, Vec<[f64; 3]>), LasFault> {
 }
 
 impl LasFile {
-    /// Returns for each point true if it is withheld: by LAS such points should not be included in
-    /// processing.
+    /// Returns, for each point, true if it is flagged as withheld: by LAS such points should not be
+    /// included in processing.
     pub(super) fn withheld(&self) -> Vec<bool> {
-        // Byte 15 holds the flag in every point format.
+        // Byte 15 of a point has the flag in every point format.
         const FLAGS: usize = 15;
         let bit = if self.header.point_format().is_extended { 0b100 } else { 0b1000_0000 };
         let records = (self.batches.iter())
@@ -60,8 +60,8 @@ impl LasFile {
         records.map(|record| record.get(FLAGS).is_some_and(|flags| flags & bit != 0)).collect()
     }
 
-    /// The EPSG number of the file's system: the last that its WKT names, which is that of the
-    /// whole.
+    /// Returns the EPSG number of the file's coordinate system: the last number in its WKT, which
+    /// belongs to the system as a whole; `None` without WKT.
     pub(super) fn epsg(&self) -> Option<u32> {
         let text = String::from_utf8_lossy(self.header.get_wkt_crs_bytes()?).into_owned();
         let (_, behind) = text.rsplit_once("\"EPSG\"")?;
@@ -79,7 +79,7 @@ impl LasFile {
     ) -> io::Result<()> {
         let mut builder = Builder::from(self.header.clone());
         builder.point_format.is_compressed = format != PointFormat::Las;
-        // How the input was packed: the output is packed anew.
+        // The records describe the compression of the input; the output is compressed again.
         remove_packing(&mut builder);
         let header = builder.into_header().map_err(io::Error::other)?;
         let form = PointDataBuilder::new().for_header(&header);
@@ -102,12 +102,12 @@ impl LasFile {
     }
 }
 
-/// Coordinates are stored to a tenth of a millimetre, unless they lie too far apart for it.
+/// Resolution of stored coordinates, metres, unless the points are too far apart for it.
 const RESOLUTION_M: f64 = 1e-4;
-/// The plainest of the point formats that COPC holds.
+/// Simplest point format that COPC allows.
 const COPC_FORMAT: u8 = 6;
 
-/// Writes bare coordinates.
+/// Writes points that have only coordinates.
 pub(super) fn write<'a>(
     file: File,
     points: impl Iterator<Item = &'a [f64; 3]> + Clone,
@@ -121,7 +121,7 @@ pub(super) fn write<'a>(
     if format == PointFormat::Copc {
         builder.point_format = Format::new(COPC_FORMAT).map_err(io::Error::other)?;
         let header = builder.into_header().map_err(io::Error::other)?;
-        // These formats have a time, which bare coordinates have not.
+        // These formats require a time, which the points do not have.
         let timed = points.map(|point| Point { gps_time: Some(0.0), ..bare(point) });
         let records = PointDataBuilder::new().for_header(&header);
         let records = records.build_from_points(timed).map_err(io::Error::other)?;

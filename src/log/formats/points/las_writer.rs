@@ -1,16 +1,17 @@
-//! Points into LAS and LAZ, as far as their 32-bit numbers reach.
+//! Writes points to LAS and LAZ, and chooses the scale and offset of their 32-bit coordinates.
 
 use crate::support::catch_panic::catch_panic;
 use las::{Header, Point, PointData, Transform, Vector, Writer};
 use std::fs::File;
 use std::io::{self, BufWriter, Write as _};
 
-/// A writer that fails where that of the crate panics: dropped half way, it writes its header once
-/// more, and cannot where the disk is full or a point lies beyond what LAS holds.
+/// Writer that returns an error where the writer of the crate panics: if dropped before the end,
+/// the crate's writer writes its header again, which fails where the disk is full or a point is
+/// outside the range of LAS.
 pub struct LasWriter(Option<Writer<BufWriter<File>>>);
 
 impl LasWriter {
-    /// Writes the header.
+    /// Creates a writer of an open file and writes the header.
     pub fn new(file: File, header: Header) -> io::Result<Self> {
         let writer = Writer::new(BufWriter::new(file), header).map_err(failed)?;
         Ok(Self(Some(writer)))
@@ -22,13 +23,13 @@ impl LasWriter {
         writer.write_point(point).map_err(failed)
     }
 
-    /// Writes points as another file stored them.
+    /// Writes points in their stored form, as read from another file.
     pub fn points(&mut self, points: &PointData) -> io::Result<()> {
         let writer = self.0.as_mut().ok_or_else(closed)?;
         writer.write_points(points).map_err(failed)
     }
 
-    /// Writes what is left, and the header with the points' count and bounds.
+    /// Writes the remaining points, and the header with the count and bounds of the points.
     pub fn finish(mut self) -> io::Result<()> {
         let writer = self.0.as_mut().ok_or_else(closed)?;
         writer.close().map_err(failed)?;
@@ -41,12 +42,12 @@ impl LasWriter {
 impl Drop for LasWriter {
     fn drop(&mut self) {
         let left = self.0.take();
-        // The error that matters was returned before.
+        // The error that matters was returned earlier.
         catch_panic(|| drop(left));
     }
 }
 
-/// Returns the system's error, where the crate only passes it on.
+/// Returns the operating system's error where the crate wraps it.
 fn failed(error: las::Error) -> io::Error {
     match error {
         las::Error::Io(error) => error,
@@ -58,16 +59,17 @@ fn closed() -> io::Error {
     io::Error::other("the LAS file is closed already")
 }
 
-/// Multiples of the finest resolution that are tried where points lie too far apart for it.
+/// Multiples of the finest resolution that are tried where points are too far apart for it.
 const COARSER: [f64; 3] = [1.0, 10.0, 100.0];
-/// Steps from the offset that a coordinate may lie, a little less than 32 bits hold.
+/// Most steps between a coordinate and the offset, a little less than 32 bits allow.
 const MOST_STEPS: f64 = 2_147_483_000.0;
 
-/// Scale and offset of every axis: the finest resolution, from an offset near some place, where all
-/// points are within reach; else from the middle of the points, at ten or a hundred times that.
+/// Returns the scale and offset of every axis: the finest resolution, with an offset near `near`,
+/// if all points are within its range; otherwise an offset in the middle of the points, at the
+/// finest resolution, or at ten or a hundred times that.
 ///
-/// The error is a sentence without the path: a coordinate is no number, or even so the points lie
-/// too far apart.
+/// The error is a sentence without the path: a coordinate is no number, or the points are too far
+/// apart even then.
 pub fn transforms(
     points: impl Iterator<Item = [f64; 3]>,
     near: [f64; 3],
@@ -106,7 +108,7 @@ fn transform([low, high]: [f64; 2], near: f64, finest: f64) -> Option<Transform>
     let near = near.round();
     let middle = (0.5 * low + 0.5 * high).round();
     let fits = |transform: &Transform| {
-        // Of no points the bounds are the wrong way round, and nothing is out of reach.
+        // Without points, the bounds are infinite with the wrong signs, and every transform fits.
         let reach = MOST_STEPS * transform.scale;
         !(transform.offset - low > reach || high - transform.offset > reach)
     };
@@ -117,7 +119,7 @@ fn transform([low, high]: [f64; 2], near: f64, finest: f64) -> Option<Transform>
     finest.into_iter().chain(coarser).find(fits)
 }
 
-/// A number in few letters, whatever its size.
+/// Formats a number in few characters at any size.
 fn short(value: f64) -> String {
     match value.abs() {
         1e-3..1e5 => format!("{value:.3}"),

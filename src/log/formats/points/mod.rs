@@ -1,10 +1,10 @@
-//! Point files of other programs: text, PLY, LAS, LAZ and COPC; as elevations also GeoTIFF and
-//! GeoJSON.
+//! Reads and writes point files of other programs: text, PLY, LAS, LAZ and COPC; reads GeoTIFF and
+//! GeoJSON as elevations.
 //!
-//! In: a file of points, or points. Out: places with elevations, or a file.
+//! In: a file of points, or points. Out: positions with elevations, or a file.
 //!
-//! A filtered file keeps all that the input said about a point when it is written in the input's
-//! own format; between formats only the coordinates go over.
+//! A filtered file keeps all attributes of its points when it is written in the format of the
+//! input; otherwise it has only the coordinates.
 
 mod copc;
 mod elevations;
@@ -34,21 +34,21 @@ use text_file::{ColumnRequest, KNOWN_NAMES, TextFile};
 pub struct PointFile {
     /// x, y, z of each point, in the file's own units and order.
     pub points: Vec<[f64; 3]>,
-    /// Guess that had to be made about the file, in one sentence.
+    /// Remark about assumptions on the file, in one sentence; `None` where none was needed.
     pub note: Option<String>,
-    /// Names of the columns that the coordinates are from, where they have names.
+    /// Names of the columns of the coordinates; `None` where they have no names.
     pub names: Option<[String; 3]>,
-    /// Lines left out because a coordinate is blank; none unless that was asked for.
+    /// Number of lines left out because a coordinate is blank; 0 unless this was requested.
     pub blank: usize,
-    /// True for each point that is not to be used according to the file: "withheld" of LAS, 0 in a
-    /// column `kept`. Empty where the file says so of none.
+    /// True for each point that should not be used according to the file: "withheld" in LAS, 0 in a
+    /// column `kept`. Empty where the file has no such information.
     pub set_aside: Vec<bool>,
-    /// EPSG number of the system that the file names, where it does.
+    /// EPSG number of the file's coordinate system; `None` where the file names none.
     pub epsg: Option<u32>,
     rows: FormatFile,
 }
 
-/// Other content of the file about its points, by format.
+/// Other content of the file, by format.
 #[derive(Debug)]
 enum FormatFile {
     Text(TextFile),
@@ -56,28 +56,28 @@ enum FormatFile {
     Las(Box<LasFile>),
 }
 
-/// The format that a file name asks for.
+/// Format of a point file, by the ending of its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PointFormat {
-    /// Lines of text, the first of which names the columns.
+    /// Lines of text, written with a header line that names the columns.
     Csv,
-    /// Lines of text.
+    /// Lines of text, written without a header line.
     Xyz,
     /// PLY.
     Ply,
     /// LAS.
     Las,
-    /// LAS, compressed.
+    /// Compressed LAS.
     Laz,
-    /// LAS, compressed, by the nodes of an octree: `.copc.laz`.
+    /// Compressed LAS with an octree: `.copc.laz`.
     Copc,
 }
 
 impl PointFormat {
-    /// Returns the format of a file, by the end of its name.
+    /// Returns the format of a file, by the ending of its name.
     ///
     /// # Errors
-    /// When no point file is named so.
+    /// When the ending is that of no point file.
     pub fn of(path: &Path) -> Result<Self, PointFileError> {
         match suffix(path).as_str() {
             "csv" => Ok(Self::Csv),
@@ -95,7 +95,7 @@ impl PointFormat {
     }
 }
 
-/// The end of a file's name, in lower case.
+/// Returns the ending of a file's name, in lower case.
 fn suffix(path: &Path) -> String {
     let suffix = path.extension().unwrap_or_default();
     suffix.to_string_lossy().to_lowercase()
@@ -113,8 +113,8 @@ pub fn split_columns(argument: impl AsRef<OsStr>) -> (PathBuf, Option<[String; 3
     (argument.into(), None)
 }
 
-/// Returns true if something is named as the files are whose elevations [`read_elevations`] reads,
-/// perhaps with its columns.
+/// Returns true if an argument has the name of a file that [`read_elevations`] reads, with or
+/// without columns.
 pub fn is_named_as_elevations(argument: impl AsRef<OsStr>) -> bool {
     let (path, _) = split_columns(argument);
     let others = ["tif", "tiff", "geojson", "json"];
@@ -124,7 +124,7 @@ pub fn is_named_as_elevations(argument: impl AsRef<OsStr>) -> bool {
 /// Reads a point file; `columns` names the coordinates of a text file with a header line.
 ///
 /// # Errors
-/// When no point file is named so, or this one cannot be read.
+/// When the ending is that of no point file, or the file cannot be read.
 pub fn read(path: &Path, columns: Option<&[String; 3]>) -> Result<PointFile, PointFileError> {
     read_columns(path, ColumnRequest { named: columns, known: &KNOWN_NAMES, skip_blank: false })
 }
@@ -178,11 +178,11 @@ fn read_format(
 }
 
 impl PointFile {
-    /// Writes the points whose flag is set into a file that is open for it: with all that the input
-    /// said of them in its own format, their coordinates in another.
+    /// Writes the points whose flag is set into an open file: with all attributes in the format of
+    /// the input, with only their coordinates in another.
     ///
     /// # Errors
-    /// What the system says, or that the format cannot hold the points.
+    /// When writing fails, or the format cannot store the points.
     pub fn write_kept(&self, out: File, format: PointFormat, kept: &[bool]) -> io::Result<()> {
         let kept_points = || {
             let points = self.points.iter().zip(kept);

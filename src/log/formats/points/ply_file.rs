@@ -1,4 +1,4 @@
-//! Points in PLY: text, little-endian and big-endian.
+//! Reads and writes points in PLY: text, little-endian and big-endian.
 
 use super::{PlyFault, PointFault};
 use crate::support::regular_file;
@@ -7,14 +7,14 @@ use std::io::{self, BufWriter, Write as _};
 use std::ops::Range;
 use std::path::Path;
 
-/// The vertices of a PLY file, as they were stored. Other elements (faces, edges) are not kept:
-/// they would point to vertices that may be gone.
+/// Vertices of a PLY file as stored. Other elements (faces, edges) are left out, because they refer
+/// to vertices that may be removed.
 #[derive(Debug)]
 pub(super) struct PlyFile {
-    /// Header lines between `ply` and `end_header`, of the vertices only and without their count.
+    /// Header lines between `ply` and `end_header` about the vertices, without their count.
     header: Vec<String>,
     bytes: Vec<u8>,
-    /// Place of each vertex in the bytes.
+    /// Range of each vertex in the bytes.
     vertices: Vec<Range<usize>>,
 }
 
@@ -26,7 +26,7 @@ enum PlyEncoding {
     Big,
 }
 
-/// A scalar type.
+/// A scalar type, with its number of bytes.
 #[derive(Clone, Copy, Debug)]
 enum Scalar {
     Signed(usize),
@@ -55,7 +55,7 @@ impl Scalar {
         }
     }
 
-    /// The value of `size` bytes.
+    /// Returns the value of the stored bytes of one number.
     fn value(self, stored: &[u8], encoding: PlyEncoding) -> f64 {
         let mut little = [0_u8; 8];
         for (to, &from) in little.iter_mut().zip(stored) {
@@ -75,18 +75,18 @@ impl Scalar {
     }
 }
 
-/// Content of the header.
+/// Content of a PLY header.
 struct PlyLayout {
     encoding: PlyEncoding,
     count: usize,
     properties: Vec<(String, Scalar)>,
     kept_lines: Vec<String>,
-    /// Offset of the data.
+    /// Offset of the data after the header.
     data: usize,
     lines: usize,
 }
 
-/// Reads the vertices; they must be the first element and hold only scalars.
+/// Reads the vertices; they must be the first element and have only scalar properties.
 pub(super) fn read(path: &Path) -> Result<(PlyFile, Vec<[f64; 3]>), PointFault> {
     let bytes = regular_file::read(path, u64::MAX)?;
     let layout = PlyLayout::parse(&bytes)?;
@@ -188,7 +188,7 @@ impl PlyLayout {
         Err(PlyFault::Header("has no end"))
     }
 
-    /// Takes one header line, or says what is wrong with it; `element` counts the elements so far.
+    /// Parses one header line, or returns its fault; `element` counts the elements so far.
     fn take(&mut self, text: &str, element: &mut usize) -> Result<(), &'static str> {
         let words: Vec<&str> = text.split_whitespace().collect();
         match words.as_slice() {
@@ -250,7 +250,7 @@ impl PlyFile {
     }
 }
 
-/// Writes bare coordinates, binary little-endian.
+/// Writes points that have only coordinates, binary little-endian.
 pub(super) fn write<'a>(file: File, points: impl Iterator<Item = &'a [f64; 3]>) -> io::Result<()> {
     let points: Vec<&[f64; 3]> = points.collect();
     let mut out = BufWriter::new(file);

@@ -1,7 +1,7 @@
-//! Points in lines of text: xyz, csv, txt.
+//! Reads and writes points in lines of text: xyz, csv, txt.
 //!
-//! Other tables find their columns with the same functions: what stands between them, what the
-//! first line names them, and the numbers in them.
+//! Readers of other tables use the same functions to find the separator, the header and the numbers
+//! in the columns.
 
 use super::{PointFault, PointLineFault, TextFault};
 use crate::support::printable::one_line;
@@ -10,35 +10,37 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write as _};
 use std::path::Path;
 
-/// The lines of a text file.
+/// Lines of a text file.
 #[derive(Debug)]
 pub(super) struct TextFile {
     /// Comments and the header line before the first point.
     preamble: Vec<String>,
-    /// One line a point, as it was.
+    /// Line of each point, unchanged.
     lines: Vec<String>,
-    /// Names of the columns that were taken for x, y, z without anybody saying so.
+    /// Names of the first three columns, where these are used because no known names are in the
+    /// header.
     guessed: Option<[String; 3]>,
-    /// Names of the columns that were taken, where they have names.
+    /// Names of the columns that are used; `None` where they have no names.
     pub(super) names: Option<[String; 3]>,
-    /// Lines left out because a coordinate is blank.
+    /// Number of lines left out because a coordinate is blank.
     pub(super) blank: usize,
-    /// One flag a point where the header names a column `kept`: whether it holds 0.
+    /// True for each point with 0 in a column `kept`; empty where the header names no such column.
     pub(super) set_aside: Vec<bool>,
 }
 
 /// Columns to read.
 #[derive(Clone, Copy)]
 pub(super) struct ColumnRequest<'a> {
-    /// Names that the user gave.
+    /// Names that the user gave; `None` where the user gave none.
     pub named: Option<&'a [String; 3]>,
-    /// Names to look for when the user names none, in lower case; the first that are all there win.
+    /// Names in lower case that are tried if the user gave none; the first three that are all
+    /// present are used.
     pub known: &'a [[&'a str; 3]],
     /// True if a line with a blank coordinate is left out instead of refused.
     pub skip_blank: bool,
 }
 
-/// Column names that are taken for coordinates when the user names none.
+/// Names of columns that are used as coordinates if the user gave none.
 pub(super) const KNOWN_NAMES: [[&str; 3]; 4] = [
     ["x", "y", "z"],
     ["east_m", "north_m", "z_m"],
@@ -46,8 +48,8 @@ pub(super) const KNOWN_NAMES: [[&str; 3]; 4] = [
     ["easting", "northing", "z"],
 ];
 
-/// Reads lines of numbers, separated by commas, semicolons, tabs or spaces. Without a header line
-/// the first three columns are x, y, z. Lines that begin with `#` or `//` are comments.
+/// Reads lines of numbers that are separated by commas, semicolons, tabs or spaces. Without a
+/// header line the first three columns are x, y, z. Lines that begin with `#` or `//` are comments.
 pub(super) fn read(
     path: &Path,
     requested: ColumnRequest<'_>,
@@ -97,7 +99,7 @@ pub(super) fn read(
 }
 
 impl TextFile {
-    /// Returns a sentence about the columns that had to be guessed; `None` where none had to be.
+    /// Returns a sentence about columns that had to be guessed; `None` where none had to be.
     pub(super) fn note(&self) -> Option<String> {
         let [x, y, z] = self.guessed.as_ref()?;
         Some(one_line(&format!(
@@ -115,21 +117,21 @@ impl TextFile {
     }
 }
 
-/// Columns that hold the coordinates.
+/// Columns of a table with the coordinates.
 struct ColumnLayout {
-    /// `None` for runs of spaces and tabs.
+    /// Separator between fields; `None` for runs of spaces and tabs.
     separator: Option<char>,
     columns: [usize; 3],
-    /// Column named `kept`.
+    /// Index of the column named `kept`.
     kept: Option<usize>,
     names: [String; 3],
-    /// The first three names of a header that none of the known names is in.
+    /// First three names of a header that contains none of the known names.
     guessed: Option<[String; 3]>,
 }
 
 impl ColumnLayout {
-    /// Determines the columns from the first line, which is a header unless it holds numbers only;
-    /// also returns true if it is a header.
+    /// Determines the columns from the first line, which is a header unless all its fields are
+    /// numbers; the second value is true if it is a header.
     fn of(line: &str, requested: ColumnRequest<'_>) -> Result<(Self, bool), TextFault> {
         let names = requested.named;
         let separator = separator_of(line);
@@ -185,20 +187,20 @@ impl ColumnLayout {
         ))
     }
 
-    /// Returns true if a coordinate has a place in the line, but nothing stands there.
+    /// Returns true if the line has a field for a coordinate that is empty.
     fn is_blank(&self, line: &str) -> bool {
         let fields = fields(line, self.separator);
         let field = |column: usize| fields.get(column).copied();
         self.columns.iter().any(|&column| field(column) == Some(""))
     }
 
-    /// Returns true if `kept` is 0; `None` where the header does not name it.
+    /// Returns true if the field `kept` of the line is 0; `None` where the header does not name it.
     fn is_set_aside(&self, line: &str) -> Option<bool> {
         let kept = self.kept?;
         Some(fields(line, self.separator).get(kept).copied() == Some("0"))
     }
 
-    /// Fault of a line of so many fields that has no such column.
+    /// Returns the fault of a line with `fields` fields that has no field for the column `name`.
     fn too_short(&self, name: &str, fields: usize) -> PointLineFault {
         if self.names == ["1", "2", "3"] {
             PointLineFault::TooFewFields(fields)
@@ -224,14 +226,14 @@ impl ColumnLayout {
     }
 }
 
-/// Returns true if a line is no part of the table: it is empty, or begins with `#` or `//`.
+/// Returns true if a line is no row of the table: it is empty, or begins with `#` or `//`.
 pub(in crate::formats) fn is_comment(line: &str) -> bool {
     let line = line.trim_start();
     line.is_empty() || line.starts_with('#') || line.starts_with("//")
 }
 
-/// Returns the separator between the fields of a table with such a line; `None` for runs of spaces.
-/// A comma between semicolons or tabs belongs to a number.
+/// Returns the separator between the fields of a table with this line; `None` for runs of spaces. A
+/// comma in a line with semicolons or tabs is part of a number.
 pub(in crate::formats) fn separator_of(line: &str) -> Option<char> {
     let stands = |separator: &char| {
         let mut quoted = false;
@@ -243,8 +245,8 @@ pub(in crate::formats) fn separator_of(line: &str) -> Option<char> {
     [';', '\t', ','].into_iter().find(stands)
 }
 
-/// The fields of a line, without quotes and outer spaces. A separator within quotes separates
-/// nothing.
+/// Returns the fields of a line, without quotes and outer spaces. A separator within quotes is part
+/// of the field.
 pub(in crate::formats) fn fields(line: &str, separator: Option<char>) -> Vec<&str> {
     let Some(separator) = separator else {
         return line.split_whitespace().collect();
@@ -258,8 +260,8 @@ pub(in crate::formats) fn fields(line: &str, separator: Option<char>) -> Vec<&st
     .collect()
 }
 
-/// The number in a field; it may be written with a decimal comma where commas do not separate. It
-/// may be infinite or no number.
+/// Parses the number in a field; a decimal comma is accepted where commas are not the separator.
+/// The result may be infinite or NaN.
 pub(in crate::formats) fn number(field: &str, separator: Option<char>) -> Option<f64> {
     let number = field.parse().ok();
     let with_comma = || match separator {
@@ -269,13 +271,13 @@ pub(in crate::formats) fn number(field: &str, separator: Option<char>) -> Option
     number.or_else(with_comma)
 }
 
-/// Returns true if the fields of the first line name columns: one of them is no number.
+/// Returns true if the first line is a header: one of its fields is no number.
 pub(in crate::formats) fn is_header(fields: &[&str], separator: Option<char>) -> bool {
     let is_name = |field: &&str| !field.is_empty() && number(field, separator).is_none();
     fields.iter().any(is_name)
 }
 
-/// Returns the index of a name in a header, in letters of either case.
+/// Returns the index of a name in a header, ignoring upper and lower case.
 fn position(header: &[&str], name: &str) -> Option<usize> {
     header.iter().position(|field| field.eq_ignore_ascii_case(name))
 }

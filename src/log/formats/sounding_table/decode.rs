@@ -1,4 +1,4 @@
-//! Decodes rows to depths, fixes and pings in SI units.
+//! Decodes rows of a table to depths, fixes and pings in SI units.
 
 use super::Line;
 use super::layout::{Layout, Lengths, PlaceColumns};
@@ -10,27 +10,27 @@ use crate::support::calendar::{DateOrder, unix_from_date, unix_from_iso, unix_fr
 use crate::support::geo::{LonLat, distance_m};
 use crate::survey::{ChannelKind, Fix, ProjectedTrack};
 
-/// Times below this, seconds, count from the beginning of the recording; beyond [`UNIX_MS`] they
-/// are milliseconds.
+/// Lowest Unix time, seconds: lower times count from the beginning of the recording; times above
+/// [`UNIX_MS`] are milliseconds.
 const LEAST_UNIX_S: f64 = 1e8;
 const UNIX_MS: f64 = 1e11;
-/// No recording is of a later time, Unix seconds (2100).
+/// Latest plausible time, Unix seconds (2100).
 const LATEST_UNIX_S: f64 = 4_102_444_800.0;
-/// No picture has so many rows.
+/// Limit of the number of a row of a picture.
 const LAST_ROW: f64 = 4e9;
-/// No coordinate system counts so far, metres.
+/// Largest plausible easting or northing, metres.
 const FARTHEST_M: f64 = 1e8;
-/// The channel of the depths.
+/// Number of the channel of the depths.
 const CHANNEL: u16 = 0;
-/// Rows without times, and those at an end that have the same time, are so far apart, seconds.
+/// Time between rows without times, seconds; also the longest between rows with equal times.
 const APART_S: f64 = 1.0;
-/// Pings without times are so far apart as a boat of this speed makes them, metres a second:
+/// Speed of a boat from which the time between pings without times is computed, metres a second:
 /// side-scan is recorded at 1 to 3.
 const USUAL_SPEED_MPS: f64 = 1.5;
-/// No two pings are closer, seconds: times are kept in milliseconds.
+/// Shortest time between two pings, seconds: times are stored in milliseconds.
 const LEAST_APART_S: f64 = 0.001;
 
-/// A row that waits for its time to be believed.
+/// A row whose time is not confirmed by the clock yet.
 #[derive(Debug)]
 struct Row {
     at: usize,
@@ -40,47 +40,48 @@ struct Row {
     ping: Option<TablePing>,
 }
 
-/// A ping of a picture.
+/// A ping in a picture.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::formats) struct TablePing {
     /// Seconds after the log's time zero.
     pub(in crate::formats) time_s: f64,
-    /// The row of the picture as the table counts it; where that has no column of it, the row of
-    /// the table, from 0 on.
+    /// Row of the picture as the table counts it; where the table has no column for it, the row of
+    /// the table, counted from 0.
     pub(in crate::formats) row: usize,
     /// Slant range of the near edge of the innermost sample and of the far edge of the outermost
-    /// one, metres.
+    /// sample, metres.
     pub(in crate::formats) range_m: (f32, f32),
-    /// Offsets of the beginning and the end of its row in the table.
+    /// Offsets of the beginning and the end of the ping's row in the table.
     pub(in crate::formats) place: (usize, usize),
 }
 
-/// Decodes rows.
+/// Decodes rows and collects pings.
 pub(in crate::formats) struct Reader {
     layout: Layout,
     /// Index of the table among the log's files.
     file: usize,
     clock: Clock<Row>,
-    /// Rows with pings that have the same time, which is known to be sound.
+    /// Confirmed rows with the same time, and that time, seconds.
     together: (f64, Vec<Row>),
-    /// Seconds between those before.
+    /// Seconds between the last rows with equal times.
     apart_s: f64,
     has_spread: bool,
-    /// Rows so far.
+    /// Number of rows so far.
     pub(in crate::formats) rows: usize,
-    /// The pings that were read.
+    /// Pings so far.
     pub(in crate::formats) pings: Vec<TablePing>,
-    /// True if times are read; `None` before the first row. Where the first row has none, none are.
+    /// True if times are read; `None` before the first row. If the first row has no time, no times
+    /// are read.
     has_times: Option<bool>,
     zero_s: Option<f64>,
-    /// First place in metres.
+    /// First position in metres.
     origin_m: Option<[f64; 2]>,
-    /// Rows whose place is written as 0, 0.
+    /// Number of rows whose position is 0, 0.
     without_place: usize,
 }
 
 impl Reader {
-    /// A reader of a table of this layout, which is this one of the log's files.
+    /// Creates a reader of a table with this layout; `file` is the index of the table in the log.
     pub(in crate::formats) fn new(layout: Layout, file: usize) -> Self {
         Self {
             layout,
@@ -109,7 +110,7 @@ impl Reader {
         pings.is_some_and(|pings| pings.row.is_some())
     }
 
-    /// Takes the next row.
+    /// Decodes the next row.
     pub(super) fn take(&mut self, log: &mut Collected, line: &Line) {
         let row = fields(&line.text, self.layout.separator);
         let value = |column: usize| {
@@ -132,7 +133,7 @@ impl Reader {
         self.rows += 1;
         let time_s = match has_times {
             true => told_s,
-            // They are told apart when all are known.
+            // Rows of pings are spread in time after the last row.
             false if self.layout.has_pings() => Some(0.0),
             false => Some((self.rows - 1) as f64 * APART_S),
         };
@@ -158,8 +159,8 @@ impl Reader {
         }
     }
 
-    /// The ping of a row, its time not set; `None` where its range or its row of the picture cannot
-    /// be read.
+    /// Returns the ping of a row, without its time; `None` where its range or its row of the
+    /// picture cannot be read.
     fn ping(&self, line: &Line, value: impl Fn(usize) -> Option<f64>) -> Option<TablePing> {
         let columns = self.layout.pings.as_ref()?;
         let metres = |(column, unit_m): Lengths| value(column).map(|range| (range * unit_m) as f32);
@@ -179,7 +180,8 @@ impl Reader {
         })
     }
 
-    /// The time of a row, Unix seconds or seconds of the recording.
+    /// Returns the time of a row, in Unix seconds or seconds of the recording; `None` where it
+    /// cannot be read.
     fn told_s(&self, row: &[&str]) -> Option<f64> {
         let text = *row.get(self.layout.time?)?;
         let with_date = || {
@@ -193,7 +195,8 @@ impl Reader {
         told_s.filter(|told_s| told_s.abs() < LATEST_UNIX_S)
     }
 
-    /// The place of a row. Programs write 0, 0 where there is none.
+    /// Returns the position of a row; `None` where it is missing or not plausible. Programs write
+    /// 0, 0 for a missing position.
     fn position(&mut self, (x, y): (f64, f64)) -> Option<LonLat> {
         if (x, y) == (0.0, 0.0) {
             self.without_place += 1;
@@ -232,8 +235,8 @@ impl Reader {
         self.together.1.push(row);
     }
 
-    /// Keeps pings that have the same time, as those of whole seconds have, evenly spread up to the
-    /// next time.
+    /// Adds the rows with the same time, evenly spread up to the next time, since times may be in
+    /// whole seconds.
     fn keep_together(&mut self, log: &mut Collected, next_s: Option<f64>) {
         let (from_s, rows) = std::mem::take(&mut self.together);
         if rows.is_empty() {
@@ -248,10 +251,10 @@ impl Reader {
         }
     }
 
-    /// Keeps a row whose time is sound.
+    /// Adds a row with a confirmed time to the log.
     fn keep(&mut self, log: &mut Collected, row: Row, time_s: f64) {
         let zero_s = *self.zero_s.get_or_insert(time_s);
-        // Unix seconds hold fewer digits than are written.
+        // Unix seconds in f64 have fewer decimals than are written.
         let time_s = ((time_s - zero_s) * 1e3).round() / 1e3;
         if let Some(depth_m) = row.depth_m {
             if !log.knows(CHANNEL) {
@@ -270,7 +273,8 @@ impl Reader {
         self.pings.extend(ping);
     }
 
-    /// Takes what still waits, and says what had to be assumed.
+    /// Processes the rows that still wait for a verdict of the clock, and adds warnings about
+    /// assumptions.
     pub(super) fn finish(&mut self, log: &mut Collected) {
         while let Some(verdict) = self.clock.next() {
             self.settle(log, verdict);
@@ -321,8 +325,8 @@ impl Reader {
     }
 }
 
-/// Seconds between rows without times along whose places a boat goes at its usual speed; `None`
-/// where they have no places.
+/// Returns the seconds between rows without times, from the distance between their positions and
+/// the usual speed of a boat; `None` where they have no positions.
 fn usual_apart_s(rows: &[Row]) -> Option<f64> {
     let places = rows.iter().filter_map(|row| Some(row.fix.as_ref()?.position));
     let places: Vec<LonLat> = places.collect();

@@ -1,28 +1,28 @@
-//! Recognises the columns of a table.
+//! Recognises the columns of a table by their names, or by their values.
 
 use crate::formats::points::text_file::{fields, is_header, number, separator_of};
 use crate::formats::track_file::{HEADING, LAT, LON, TIME};
 use crate::support::calendar::DateOrder;
 use crate::support::geo::METRES_PER_FOOT;
 
-/// Names of columns in lower case, without unit; the first that is there is taken.
+/// Names of columns in lower case, without unit; the first name in the header is used.
 const EAST: &[&str] = &["easting", "east", "utm_x", "x"];
 const NORTH: &[&str] = &["northing", "north", "utm_y", "y"];
 const DEPTH: &[&str] = &["depth", "water_depth", "waterdepth", "sonar_depth", "bottom_depth"];
-/// Names of heights of the bottom, which are depths where they count from the water and are
-/// negative.
+/// Names of heights of the bottom; heights are only used if most are negative, because then they
+/// count from the water's surface.
 const BOTTOM: &[&str] = &["elevationbottom", "elevation_bottom", "bottom_elevation"];
 const COURSE: &[&str] = &["cog", "course"];
-/// Names in tables beside a picture: slant range of the outermost and of the innermost sample of a
-/// side, and the row of the picture.
+/// Names of columns in tables beside a picture: slant range of the outermost and of the innermost
+/// sample of a side, and the row of the picture.
 const RANGE: &[&str] = &["range", "slant_range", "max_range", "range_max"];
 const NEAR: &[&str] = &["min_range", "range_min"];
 const ROW: &[&str] = &["row", "picture_row", "line"];
-/// Other names of what [`TIME`] names.
+/// Further names of columns like [`TIME`].
 const MOMENT: &[&str] = &["datetime", "date_time", "utc_time", "timestamp_utc", "date"];
-/// Columns that only tables of Bathyscope have together.
+/// Names that only tables of Bathyscope contain together.
 const OWN: [&str; 4] = ["ping", "east_m", "north_m", "lon"];
-/// Units that a name may end with, and metres of each.
+/// Units at the end of a name, and their length in metres (1 for degrees).
 const UNITS: &[(&str, f64)] = &[
     ("m", 1.0),
     ("metres", 1.0),
@@ -33,25 +33,25 @@ const UNITS: &[(&str, f64)] = &[
     ("deg", 1.0),
     ("degrees", 1.0),
 ];
-/// Unix milliseconds of 2001 and 2100.
+/// Range of Unix milliseconds, 2001 to 2100.
 const UNIX_MS: std::ops::Range<f64> = 1e12..4_102_444_800e3;
-/// Degrees have so many decimals at least: four are 11 m.
+/// Fewest decimals of degrees of a position; four decimals are 11 m.
 const DECIMALS_OF_A_PLACE: usize = 4;
-/// No survey is larger, degrees.
+/// Largest extent of a survey, degrees.
 const SURVEY_DEG: f64 = 2.0;
-/// Rows without names that have to be as Deeper writes them.
+/// Fewest rows with which a table without names is recognised.
 const FEWEST_ROWS: usize = 3;
 
 /// Kind of a table.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::formats) enum Recognised {
-    /// Soundings.
+    /// A table of soundings or pings.
     Table(Layout),
-    /// A product of Bathyscope.
+    /// A table that Bathyscope wrote.
     Own,
 }
 
-/// The place of a row.
+/// Columns of the position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum PlaceColumns {
     /// Columns of longitude and latitude, degrees.
@@ -60,52 +60,53 @@ pub(super) enum PlaceColumns {
     Metres(usize, usize),
 }
 
-/// A column of lengths, and metres of its unit.
+/// Index of a column of lengths, and metres of its unit.
 pub(super) type Lengths = (usize, f64);
 
-/// The columns of a table of pings, beside a picture of them.
+/// Columns of a table of pings, beside a picture of them.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct PingColumns {
     /// Slant range of the outermost sample of each side.
     pub(super) range: Lengths,
-    /// Slant range of the innermost one.
+    /// Slant range of the innermost sample of each side.
     pub(super) near: Option<Lengths>,
-    /// The row of the picture.
+    /// Row of the picture.
     pub(super) row: Option<usize>,
 }
 
-/// Columns of a table by their content.
+/// Columns of a table, by their content.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::formats) struct Layout {
     /// Separator between the fields.
     pub(super) separator: Option<char>,
-    /// The place.
+    /// Columns of the position.
     pub(super) place: Option<PlaceColumns>,
-    /// The depth.
+    /// Column of the depth.
     pub(super) depth: Option<usize>,
-    /// The pings of a picture.
+    /// Columns of the pings of a picture; `None` where the rows are no pings.
     pub(super) pings: Option<PingColumns>,
-    /// Metres of the depth's unit; negative where it counts upwards.
+    /// Metres of the depth's unit; negative where depths count upwards.
     pub(super) unit_m: f64,
-    /// True if the depth's name says the unit.
+    /// True if the name of the depth contains its unit, or there is no depth.
     pub(super) names_unit: bool,
-    /// The time, or the time of day.
+    /// Column of the time, or of the time of day.
     pub(super) time: Option<usize>,
-    /// The date of a time of day.
+    /// Column of the date of a time of day.
     pub(super) date: Option<usize>,
-    /// The heading, degrees.
+    /// Column of the heading, degrees.
     pub(super) heading: Option<usize>,
-    /// The course over ground, degrees.
+    /// Column of the course over ground, degrees.
     pub(super) course: Option<usize>,
-    /// The order of dates with slashes.
+    /// Order of day and month in dates with slashes.
     pub(super) date_order: DateOrder,
-    /// True if the columns are taken for what they are though no line names them.
+    /// True if the columns are assumed without a line that names them.
     pub(super) is_assumed: bool,
     is_deeper: bool,
 }
 
 impl Layout {
-    /// Recognises a table by its first lines; `None` where it holds neither soundings nor pings.
+    /// Recognises a table by its first lines; `None` where its rows are neither soundings nor
+    /// pings.
     pub(super) fn of(lines: &[String]) -> Option<Recognised> {
         let first = lines.first()?;
         let separator = separator_of(first);
@@ -159,7 +160,8 @@ impl Layout {
         layout.map(Recognised::Table)
     }
 
-    /// Rows of latitude, longitude, depth, and Unix milliseconds before or after the temperature.
+    /// Recognises rows of latitude, longitude, depth, and Unix milliseconds before or after the
+    /// temperature.
     fn of_deeper(lines: &[String], separator: Option<char>) -> Option<Self> {
         let time_of = |line: &String| {
             let numbers = fields(line, separator).into_iter();
@@ -181,7 +183,7 @@ impl Layout {
         })
     }
 
-    /// Rows of latitude, longitude and depth and nothing else.
+    /// Recognises rows of only latitude, longitude and depth.
     fn of_places(lines: &[String], separator: Option<char>) -> Option<Self> {
         let row = |line: &String| {
             let texts = fields(line, separator);
@@ -207,7 +209,7 @@ impl Layout {
         rows.iter().all(is_near).then_some(Self { is_assumed: true, ..Self::unnamed(separator) })
     }
 
-    /// Columns without names: latitude, longitude and depth in metres.
+    /// Returns the layout of a table without names: latitude, longitude and depth in metres.
     fn unnamed(separator: Option<char>) -> Self {
         Self {
             separator,
@@ -227,7 +229,7 @@ impl Layout {
     }
 
     /// Returns the layout completed from the first rows: direction of depths, order of dates,
-    /// places in degrees. `None` where none of the rows is a sounding, nor may be a ping.
+    /// positions in degrees. `None` where no row has a depth and the rows are no pings.
     fn fitting(mut self, rows: &[String]) -> Option<Self> {
         let rows: Vec<Vec<&str>> = rows.iter().map(|row| fields(row, self.separator)).collect();
         let value = |row: &Vec<&str>, column: usize| {
@@ -259,17 +261,17 @@ impl Layout {
         Some(self)
     }
 
-    /// Returns true if its rows are soundings.
+    /// Returns true if the rows are soundings.
     pub(super) fn has_soundings(&self) -> bool {
         self.depth.is_some() && self.place.is_some()
     }
 
-    /// Returns the layout without pings, for a table without a picture of its name.
+    /// Returns the layout without pings, for a table without a picture beside it.
     pub(super) fn without_pings(self) -> Self {
         Self { pings: None, ..self }
     }
 
-    /// Returns true if its rows are pings of a picture.
+    /// Returns true if the rows are pings of a picture.
     pub(in crate::formats) fn has_pings(&self) -> bool {
         self.pings.is_some()
     }
@@ -279,13 +281,14 @@ impl Layout {
         !self.is_deeper && !self.is_assumed
     }
 
-    /// The recorder, where the layout tells it.
+    /// Returns the name of the recorder; empty where the layout does not show it.
     pub(super) fn device(&self) -> &'static str {
         if self.is_deeper { "Deeper" } else { "" }
     }
 }
 
-/// `water_depth` and 0.3048 of `Water Depth (ft)`.
+/// Splits a column's name into name and metres of its unit: `Water Depth (ft)` into `water_depth`
+/// and 0.3048.
 fn name_and_unit(field: &str) -> (String, Option<f64>) {
     let field = field.to_lowercase();
     let unit_m = |text: &str| {
@@ -301,7 +304,7 @@ fn name_and_unit(field: &str) -> (String, Option<f64>) {
     if let Some((before, unit)) = name.rsplit_once('_')
         && let Some(unit_m) = unit_m(unit)
     {
-        // `depth_in_feet`, but not `depth_in`, which may be inches.
+        // `depth_in_feet` is in feet, but `depth_in` may be in inches.
         return (before.strip_suffix("_in").unwrap_or(before).to_owned(), Some(unit_m));
     }
     (name, None)

@@ -1,27 +1,27 @@
-//! Tables of soundings as surveys: what programs and apps of fish-finders export as CSV.
+//! Reads tables of soundings as surveys: CSV files that programs and apps of fish-finders export.
 //!
 //! In: the bytes of a table. Out: a collected log.
 //!
-//! A row is a depth, with the place and time where they are known. Commas, semicolons or tabs stand
-//! between the columns (`points::text_file`), and the first line names them (`layout`): longitude
-//! and latitude, or easting and northing in metres; depth, in the unit that its name bears; perhaps
-//! time, heading and course. Names and separators are those of ReefMaster's export
-//! (`Latitude,Longitude,Depth`), of tables that SonarWiz and others write, and of the project's own
-//! tracks.
+//! A row is a depth, with its position and time where known. Commas, semicolons or tabs separate
+//! the columns (`points::text_file`), and the first line names them (`layout`): longitude and
+//! latitude, or easting and northing in metres; depth, in the unit of its name; optionally time,
+//! heading and course. Names and separators are those of ReefMaster's export
+//! (`Latitude,Longitude,Depth`), of tables that SonarWiz and other programs write, and of the
+//! project's own tracks.
 //!
-//! Without names two tables are known. One is `Bathymetry.csv` of Deeper's sonars: latitude,
-//! longitude, depth in metres, Unix milliseconds and perhaps the temperature, in either order;
-//! latitude and longitude are 0 in rows between two positions of the phone. The other has three
-//! columns, of which two can only be degrees: latitude, longitude and depth in metres.
+//! Two kinds of tables without names are recognised. One is `Bathymetry.csv` of Deeper's sonars:
+//! latitude, longitude, depth in metres, Unix milliseconds and optionally the temperature, in
+//! either order; latitude and longitude are 0 in rows between two positions of the phone. The other
+//! has three columns, of which two can only be degrees: latitude, longitude and depth in metres.
 //!
-//! Where a picture has the name of a table whose rows are pings, `picture_table` reads both.
+//! Where a picture has the same name as a table of pings, `picture_table` reads both.
 //!
-//! Rows without times are taken as one second apart, in the order of the file, and a warning says
-//! so. Depths count from wherever the program counted them; they are taken as depths below the
+//! Rows without times are assumed to be one second apart, in the order of the file, with a warning.
+//! The level from which a program counts depths is not stated; depths are assumed to be below the
 //! transducer.
 //!
 //! Sources: Deeper's support page "Exporting raw sonar data"; ReefMaster's reference, "Exporting
-//! Track Data". No real table was at hand.
+//! Track Data". No real table was available.
 
 mod decode;
 mod layout;
@@ -39,16 +39,16 @@ pub(super) use decode::{Reader, TablePing};
 pub(super) use layout::{Layout, Recognised};
 
 const NAME: &str = "CSV of soundings";
-/// Bytes that tell what a table holds.
+/// Bytes at the beginning of a file by which a table is recognised.
 const HEAD: usize = 1 << 16;
-/// Rows that tell what a table holds.
+/// Most rows by which a table is recognised.
 const ROWS_OF_HEAD: usize = 50;
-/// No line of such a table is longer, bytes.
+/// Most bytes of a line that are read.
 const LONGEST_LINE: usize = 1 << 12;
-/// Bytes between two looks at the progress.
+/// Number of bytes between two updates of the progress.
 const BYTES_A_CHECK: usize = 1 << 20;
 
-/// The reader of the format.
+/// Reader of the format.
 pub(super) struct SoundingTable;
 
 impl LogFormat for SoundingTable {
@@ -75,13 +75,13 @@ impl LogFormat for SoundingTable {
     }
 }
 
-/// Recognises a table by its first rows.
+/// Recognises a table by its first rows; `None` for other files.
 pub(super) fn sniff(bytes: &[u8]) -> Option<Recognised> {
     let head = &bytes[..bytes.len().min(HEAD)];
     if head.contains(&0) {
         return None;
     }
-    // The last line may be cut.
+    // The last line may be truncated.
     let lines = Lines::new(head, head.len() < bytes.len());
     let texts: Vec<String> = lines.take(ROWS_OF_HEAD).map(|line| line.text).collect();
     Layout::of(&texts)
@@ -90,7 +90,7 @@ pub(super) fn sniff(bytes: &[u8]) -> Option<Recognised> {
 /// Reads a table whose layout is known.
 ///
 /// # Errors
-/// When there is no depth in it, or it was cancelled.
+/// When the table contains no depth, or the user cancelled the reading.
 fn read(
     opened: Opened,
     layout: Layout,
@@ -112,10 +112,10 @@ fn read(
     Ok(assemble::assemble(log, reading))
 }
 
-/// Reads all rows of a table.
+/// Reads all rows of a table into the reader and the log.
 ///
 /// # Errors
-/// When it was cancelled.
+/// When the user cancelled the reading.
 pub(super) fn read_rows(
     bytes: &[u8],
     reader: &mut Reader,
@@ -151,19 +151,19 @@ fn for_each(
     Ok(())
 }
 
-/// A line that is no comment.
+/// A line that is no comment and not empty.
 struct Line {
-    /// Offsets of its beginning and its end.
+    /// Offsets of the beginning and the end of the line.
     at: usize,
     end: usize,
     text: String,
 }
 
-/// Goes over the lines of a table.
+/// Iterator over the lines of a table.
 struct Lines<'a> {
     bytes: &'a [u8],
     at: usize,
-    /// A line without an end is being written.
+    /// True if the file is still being written: a last line without an end is then left out.
     is_growing: bool,
 }
 

@@ -1,5 +1,5 @@
-//! Tables are read to what stands in them, whatever separates and names their columns; what is no
-//! recording is refused.
+//! Tests that tables are read correctly with all separators and names of columns, and that files
+//! that are no recordings are refused.
 
 use crate::formats::{self, OpenError, open_growing};
 use crate::support::progress::Progress;
@@ -21,7 +21,7 @@ fn says(survey: &Survey, words: &str) -> bool {
     warnings.any(|warning| warning.text.contains(words))
 }
 
-/// Time, longitude, latitude and depth of each row, where each has all.
+/// Returns time, longitude, latitude and depth of each row; every row must have all of them.
 fn rows(survey: &Survey) -> Vec<[f64; 4]> {
     assert_eq!(survey.soundings.len(), survey.track.fixes.len());
     let fixes = survey.track.fixes.iter().zip(survey.soundings.iter());
@@ -66,7 +66,7 @@ fn feet_headings_and_depths_below_zero_are_read() {
 
 #[test]
 fn rows_without_times_are_a_second_apart() {
-    // As ReefMaster writes a track.
+    // A track as ReefMaster writes it.
     let survey = read("Latitude,Longitude,Depth\n48.1,11.5,2.5\n48.2,11.6,3\n48.3,11.7,3.5\n");
     let times: Vec<f64> = rows(&survey).iter().map(|row| row[0]).collect();
     assert_eq!(times, [0.0, 1.0, 2.0]);
@@ -96,7 +96,7 @@ fn metres_wait_for_their_system() {
     let [x, y] = survey.track.frame.to_enu(survey.track.fixes[1].position);
     assert!((x - 3.0).abs() < 1e-6 && (y - 4.0).abs() < 1e-6, "{x} {y}");
     assert!(says(&survey, "source.crs"));
-    // A GIS names degrees so.
+    // Names as in exports of a GIS.
     let survey = read("x,y,depth_m\n11.5,48.1,2\n11.6,48.2,3\n");
     assert!(survey.track.projected.is_none());
     assert_eq!(survey.track.fixes[0].position.lat_deg, 48.1);

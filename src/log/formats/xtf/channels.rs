@@ -1,36 +1,36 @@
-//! Channels of an XTF file, and the encoding of their samples.
+//! Reads the channels of an XTF file, and determines the encoding of their samples.
 
 use super::raw::{ChannelInfo, FileHeader, record};
 use crate::survey::{ChannelKind, Encoding, NumberKind, SampleOrder};
 
-/// A channel that pings can refer to by its index.
+/// A channel to which pings refer by its index.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct XtfChannel {
-    /// Port, starboard, or another that is only counted.
+    /// Port, starboard, or another kind that is only counted.
     pub(super) kind: ChannelKind,
-    /// The recorder's name for it.
+    /// Recorder's name for the channel.
     pub(super) name: String,
-    /// Frequency where it is stated.
+    /// Frequency, kHz; `None` where it is not stated.
     pub(super) frequency_khz: Option<f32>,
-    /// Bytes a sample; `None` when the file does not say.
+    /// Bytes of a sample; `None` where the file does not state it.
     pub(super) width: Option<usize>,
-    /// Number of the format of samples; 0 where only their bytes are stated.
+    /// XTF's number for the format of samples; 0 where only their bytes are stated.
     pub(super) format: u8,
-    /// True if samples may have a sign.
+    /// True if samples may be signed.
     pub(super) is_polar: bool,
-    /// Samples of the pings that do not state how many they have.
+    /// Number of samples in pings that do not state it.
     pub(super) samples: u32,
-    /// The transducer forward and to starboard of the ship's reference point, metres.
+    /// Position of the transducer forward and to starboard of the ship's reference point, metres.
     pub(super) offset_m: [f32; 2],
-    /// True if the water column was taken out.
+    /// True if the water column was removed from the samples.
     pub(super) ground_range: bool,
 }
 
-/// No kind of channel has a higher number.
+/// Highest number of a kind of channel.
 const LAST_KIND: u8 = 3;
 
-/// The channels that the file header lists. Where one entry is damaged (no channel has samples of
-/// no bytes), the kinds of the others are only believed when they say more than zero.
+/// Returns the channels that the file header lists. An entry with 0 bytes a sample is damaged; the
+/// kind 0 of any entry is then not trusted but guessed.
 pub(super) fn list(bytes: &[u8], header: Option<FileHeader>) -> Vec<XtfChannel> {
     let count = header.map_or(0, |header| usize::from(header.sonar_channels));
     let infos: Vec<ChannelInfo> =
@@ -64,7 +64,7 @@ fn listed(index: u16, info: &ChannelInfo) -> XtfChannel {
     }
 }
 
-/// Guesses a channel that no header describes, from its index: recorders number the sides in pairs,
+/// Guesses a channel that no header describes from its index: recorders number the sides in pairs,
 /// port first.
 pub(super) fn guess(index: u16) -> XtfChannel {
     XtfChannel {
@@ -84,7 +84,7 @@ pub(super) fn guess(index: u16) -> XtfChannel {
     }
 }
 
-/// A frequency in kHz, of one that some recorders write in Hz; `None` where there is none.
+/// Converts a frequency to kHz, which some recorders write in Hz; `None` where it is not plausible.
 fn khz(stated: f32) -> Option<f32> {
     let khz = if stated < 10_000.0 { stated } else { stated / 1000.0 };
     Some(khz).filter(|khz| (1.0..10_000.0).contains(khz))
@@ -106,12 +106,13 @@ impl XtfChannel {
     }
 }
 
-/// Port is stored from far to near in XTF, starboard from near to far.
+/// Returns the order of samples: in XTF, port is stored from far to near, starboard from near to
+/// far.
 pub(super) fn order(kind: ChannelKind) -> SampleOrder {
     if kind == ChannelKind::Port { SampleOrder::FarToNear } else { SampleOrder::NearToFar }
 }
 
-/// A name that is padded with zeros; `None` where it is empty.
+/// Returns a text that is padded with zeros; `None` where it is empty.
 pub(super) fn text(padded: &[u8]) -> Option<String> {
     let end = padded.iter().position(|&byte| byte == 0).unwrap_or(padded.len());
     let name = String::from_utf8_lossy(&padded[..end]).trim().to_owned();

@@ -1,4 +1,4 @@
-//! Decodes pings to sides, altitudes and fixes in SI units.
+//! Decodes XTF pings to sides, altitudes and fixes in SI units.
 
 use super::channels::{self, XtfChannel};
 use super::from_log::Provenance;
@@ -15,22 +15,22 @@ use std::ops::Range;
 
 /// Packet type of a side-scan ping.
 const PING: u8 = 0;
-/// Types of sonars whose samples count 2^-weight: EdgeTech's, and the synthetic aperture sonar of
-/// Kongsberg.
+/// Types of sonars whose samples count 2^-weight: those of EdgeTech, and Kongsberg's synthetic
+/// aperture sonar.
 const WEIGHTED: [u16; 4] = [24, 35, 38, 48];
-/// Speed of sound where the file states none, metres a second.
+/// Speed of sound that is assumed where the file states none, metres a second.
 const SOUND_MPS: f32 = 1500.0;
-/// Speeds of sound that water has, metres a second.
+/// Plausible speeds of sound in water, metres a second.
 const SOUNDS_MPS: Range<f32> = 1300.0..1700.0;
 
-/// Packets that are no side-scan pings, by the number of their type.
+/// Numbers of packets that are no side-scan pings, by type.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Packets {
     counts: BTreeMap<u8, usize>,
 }
 
 impl Packets {
-    /// Counts one.
+    /// Counts a packet.
     fn count(&mut self, kind: u8) {
         *self.counts.entry(kind).or_default() += 1;
     }
@@ -40,7 +40,8 @@ impl Packets {
         self.counts.values().sum()
     }
 
-    /// `120 bathymetry (type 2) and 30 attitude (type 3) packets`, most first.
+    /// Describes the packets, most first: `120 bathymetry (type 2) and 30 attitude (type 3)
+    /// packets`.
     pub(super) fn summary(&self) -> String {
         let mut counts: Vec<(u8, usize)> =
             self.counts.iter().map(|(&kind, &count)| (kind, count)).collect();
@@ -59,25 +60,25 @@ impl Packets {
     }
 }
 
-/// Decodes pings.
+/// Decodes packets and collects sides, altitudes and fixes.
 pub(super) struct Reader<'a> {
     bytes: &'a [u8],
     channels: Vec<XtfChannel>,
     positions: Positions,
     sides: SideChannels,
     clock: Clock<(usize, PingHeader)>,
-    /// Time of the first sound ping: the log's time zero.
+    /// Unix milliseconds of the first sound ping, which is the log's time zero.
     zero_ms: Option<i64>,
     others: Packets,
     provenance: Provenance,
-    /// Packets among the others that are not read.
+    /// Packets among `others` that are not read at all.
     skipped: Packets,
-    /// Channels of pings whose range was computed with [`SOUND_MPS`].
+    /// Number of channels of pings whose range was computed with [`SOUND_MPS`].
     assumed_sound: usize,
 }
 
 impl<'a> Reader<'a> {
-    /// A reader of this file; of a log that is known, where its tail is read.
+    /// Creates a reader of this file; `known` is the log before, where its tail is read.
     pub(super) fn new(bytes: &'a [u8], header: Option<FileHeader>, known: Option<&Survey>) -> Self {
         let projected = known.and_then(|known| known.track.projected.as_ref());
         let is_weighted = header.is_some_and(|header| WEIGHTED.contains(&{ header.sonar_type }));
@@ -95,7 +96,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Takes the next packet of the file, which begins at an offset.
+    /// Decodes the packet that begins at an offset.
     pub(super) fn take(&mut self, log: &mut Collected, offset: usize) {
         let Some(packet) = raw::header(self.bytes, offset) else {
             return;
@@ -116,8 +117,8 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Goes on elsewhere in the file, knowing its time zero, its origin and the channels that are
-    /// shown.
+    /// Returns a reader of the rest of the file (`bytes`), with the time zero, the origin and the
+    /// channels that were found so far, but without collected data.
     pub(super) fn after_head(self, bytes: &'a [u8]) -> Self {
         Self {
             bytes,
@@ -131,7 +132,8 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Gives a verdict on the pings that still wait, and says whether the log's time zero is known.
+    /// Processes the pings that still wait for a verdict of the clock; returns true if the log's
+    /// time zero is known.
     pub(super) fn knows_zero(&mut self, log: &mut Collected) -> bool {
         while let Some(verdict) = self.clock.next() {
             self.settle(log, verdict);
@@ -139,8 +141,9 @@ impl<'a> Reader<'a> {
         self.zero_ms.is_some()
     }
 
-    /// Takes the pings that still wait for a verdict and says what was left out. The tail of a log
-    /// that is `known` gets its scales.
+    /// Processes the pings that still wait for a verdict of the clock, adds the results to the log
+    /// and warns about what was left out. For the tail of a log, samples get the scales of the log
+    /// `known`.
     pub(super) fn finish(&mut self, log: &mut Collected, known: Option<&Survey>) {
         while let Some(verdict) = self.clock.next() {
             self.settle(log, verdict);
@@ -167,7 +170,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The packets that are no side-scan pings.
+    /// Returns the packets that are no side-scan pings.
     pub(super) fn others(&self) -> &Packets {
         &self.others
     }
@@ -226,7 +229,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Takes the frequency of a channel from a ping, where the file header states none.
+    /// Sets the frequency of a channel from a ping, where the file header states none.
     fn learn_frequency(&mut self, header: &PingChannel) {
         let listed = self.channels.get_mut(usize::from(header.channel));
         if let Some(channel) = listed.filter(|channel| channel.frequency_khz.is_none()) {
@@ -246,14 +249,14 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// Returns a channel: as the file header has it, or a guess.
+/// Returns a channel as the file header describes it, or a guess.
 fn channel(channels: &[XtfChannel], index: u16) -> Cow<'_, XtfChannel> {
     let listed = channels.get(usize::from(index));
     listed.map_or_else(|| Cow::Owned(channels::guess(index)), Cow::Borrowed)
 }
 
-/// Slant range of the first and of the last sample of a channel, metres, and whether a speed of
-/// sound was assumed for it.
+/// Returns the slant range of the first and of the last sample of a channel, metres, and whether
+/// the speed of sound was assumed.
 fn range_m(ping: &PingHeader, header: &PingChannel) -> ([f32; 2], bool) {
     let [slant_m, ground_m] = [header.slant_range_m, header.ground_range_m];
     if slant_m > 0.0 {
@@ -264,7 +267,7 @@ fn range_m(ping: &PingHeader, header: &PingChannel) -> ([f32; 2], bool) {
     if !has_duration && ground_m > 0.0 {
         return ([0.0, ground_m], false);
     }
-    // Isis writes half of the speed, that for there and back.
+    // Isis writes half of the speed, for the two-way travel time.
     let speeds_mps =
         [2.0 * ping.sound_velocity_mps, ping.sound_velocity_mps, ping.computed_sound_velocity_mps];
     let stated = speeds_mps.into_iter().find(|mps| SOUNDS_MPS.contains(mps));
@@ -289,7 +292,8 @@ fn count(log: &mut Collected, channel: &XtfChannel, recorded: &Recorded, end: us
     log.count(number, counted);
 }
 
-/// Bytes a sample where the file header does not say: what the packet has room for.
+/// Returns the bytes of a sample where the file header does not state them, from the size of the
+/// packet.
 fn inferred_width(ping: &PingHeader, samples: u32) -> usize {
     let channels = usize::from(ping.packet.channels).max(1);
     let headers = size_of::<PingHeader>() + channels * size_of::<PingChannel>();
@@ -301,7 +305,7 @@ fn inferred_width(ping: &PingHeader, samples: u32) -> usize {
     }
 }
 
-/// Returns the name of a type in Triton's list of packet types; vendors' own are numbers only.
+/// Returns the name of a type in Triton's list of packet types; `None` for vendors' own types.
 fn name(kind: u8) -> Option<&'static str> {
     match kind {
         0 => Some("damaged side-scan"),

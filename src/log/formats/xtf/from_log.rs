@@ -1,9 +1,9 @@
-//! A log of any format as XTF: one pair of side-scan channels, the sonar's altitude, position,
-//! speed and heading of each ping.
+//! Writes a log of any format as XTF: one pair of side-scan channels, and the sonar's altitude,
+//! position, speed and heading of each ping.
 //!
-//! The fields are those that Triton's description calls mandatory (`raw`). Without a compass the
-//! heading of each ping is that of the fitted track, for other programs place samples by it; the
-//! note of the file header says so and the reader leaves it out ([`Provenance`]).
+//! The fields are those that Triton's description calls mandatory (`raw`). Without a compass, each
+//! ping has the heading of the fitted track, because other programs need it to place samples; the
+//! note in the file header records this, and the reader ignores these headings ([`Provenance`]).
 
 use super::HEADER_BLOCK;
 use super::Xtf;
@@ -24,35 +24,36 @@ use std::collections::BTreeMap;
 use std::f32::consts::TAU;
 use std::io::{self, Write};
 
-/// Words in the note of the file header where no compass was recorded.
+/// Words in the note of the file header for logs without a compass.
 const TRACK_HEADINGS: &str = "headings of the track";
-/// Words in the note where the slant ranges are those of a fish-finder.
+/// Words in the note for the slant ranges of a fish-finder.
 const FISH_FINDER: &str = "ranges of a fish-finder";
-/// Words of the note for slant ranges that are estimated.
+/// Words in the note for estimated slant ranges.
 const ESTIMATED: &str = "ranges by the transducer's size";
-/// Name of the program in eight letters.
+/// Name of the program, cut to eight letters.
 const PROGRAM: &[u8; 8] = b"Bathysco";
-/// Packets are padded to a multiple of this.
+/// Packets are padded to a multiple of this number of bytes.
 const PADDED_TO: usize = 64;
-/// No recorder leaves out so many samples before its first one.
+/// Most samples that a recorder plausibly leaves out before its first one.
 const MOST_SKIPPED: f64 = 1e6;
-/// Speed of sound, metres a second: fish-finders count ranges with it.
+/// Speed of sound that fish-finders use for ranges, metres a second.
 const SOUND_MPS: f32 = 1500.0;
 
-/// Statements about the pings in the header of a file that Bathyscope wrote. Headers of other files
-/// state nothing of this.
+/// Properties of the pings that the header of a file written by Bathyscope states. For other files
+/// the defaults apply.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Provenance {
-    /// Headings are those of the track.
+    /// True if headings are those of the track.
     pub(super) has_track_headings: bool,
     /// Source of the slant ranges.
     pub(super) range_source: RangeSource,
-    /// Each recorded depth is the second altitude of one ping. The first altitude repeats it.
+    /// True if each recorded depth is the second altitude of one ping; the first altitudes repeat
+    /// it.
     pub(super) has_depths_once: bool,
 }
 
 impl Provenance {
-    /// Reads the statements from the note of the header.
+    /// Reads the properties from the note of the header.
     pub(super) fn of(header: &FileHeader) -> Self {
         let note = channels::text(&header.note).filter(|_| header.program == *PROGRAM);
         let says = |text: &str| note.as_ref().is_some_and(|note| note.contains(text));
@@ -93,7 +94,7 @@ impl LogWriter for Xtf {
     }
 }
 
-/// Lists data of the log that such an XTF has no place for, a sentence each.
+/// Lists data of the log that an XTF of this kind cannot store, in a sentence each.
 fn losses(survey: &Survey) -> Vec<String> {
     let mut losses = Vec::new();
     if !survey.echograms.is_empty() {
@@ -108,7 +109,7 @@ fn losses(survey: &Survey) -> Vec<String> {
     losses
 }
 
-/// A log that is being written.
+/// A log during writing.
 struct XtfWriter<'a> {
     log: &'a LogToWrite<'a>,
     /// True if a compass was recorded.
@@ -136,13 +137,14 @@ impl<'a> XtfWriter<'a> {
         }
     }
 
-    /// The metres that positions are in, where nobody has named their system.
+    /// Returns the projection of positions in metres whose coordinate system is not known; `None`
+    /// otherwise.
     fn metres(&self) -> Option<&ProjectedTrack> {
         let projected = self.log.survey.track.projected.as_ref();
         projected.filter(|metres| metres.system.is_none())
     }
 
-    /// The file header with its two channels.
+    /// Returns the file header with its two channels.
     fn header(&self) -> Vec<u8> {
         let mut header = FileHeader {
             file_format: 0x7B,
@@ -193,7 +195,7 @@ impl<'a> XtfWriter<'a> {
         shown.find_map(|channel| channel.frequency_khz)
     }
 
-    /// One ping with its sides, as a packet.
+    /// Replaces `packet` by the packet of one ping with its sides.
     fn ping(&self, number: usize, ping: &SidePing, packet: &mut Vec<u8>) {
         packet.clear();
         packet.resize(size_of::<PingHeader>(), 0);
@@ -219,7 +221,7 @@ impl<'a> XtfWriter<'a> {
         packet[..size_of::<PingHeader>()].copy_from_slice(bytemuck::bytes_of(&header));
     }
 
-    /// The fields of time, position, speed and heading.
+    /// Returns a ping header with the fields of time, position, speed and heading.
     fn place(&self, time_s: f64) -> PingHeader {
         let start_s = self.log.survey.start_unix_s.unwrap_or_default();
         let now = moment(((start_s + time_s) * 1e3).round() / 1e3 + 1e-6);
@@ -257,7 +259,8 @@ impl<'a> XtfWriter<'a> {
         }
     }
 
-    /// Longitude and latitude, degrees; easting and northing of a system that nobody has named.
+    /// Returns longitude and latitude, degrees; easting and northing where the coordinate system is
+    /// not known.
     fn position(&self, fix: &Fix) -> [f64; 2] {
         match self.metres() {
             Some(metres) => {
@@ -268,9 +271,9 @@ impl<'a> XtfWriter<'a> {
         }
     }
 
-    /// Adds the header and the samples of a side. Ranges begin at the boat in XTF: what a recorder
-    /// left out before its first sample is filled with zeros. `None` where the samples do not lie
-    /// in the log.
+    /// Adds the header and the samples of a side to the packet. Ranges begin at the boat in XTF:
+    /// samples that a recorder left out before its first one are filled with zeros. `None` where
+    /// the samples are outside the log.
     fn side(&self, side: Side, span: &SideSpan, packet: &mut Vec<u8>) -> Option<()> {
         let samples = self.log.survey.samples_of(span)?;
         let skipped = f64::from(span.near_m) / span.metres_per_sample();
@@ -299,7 +302,7 @@ impl<'a> XtfWriter<'a> {
     }
 }
 
-/// The channel of a side alone.
+/// Returns the kind of channel with only this side.
 fn kind(side: Side) -> ChannelKind {
     match side {
         Side::Port => ChannelKind::Port,
@@ -308,7 +311,7 @@ fn kind(side: Side) -> ChannelKind {
 }
 
 fn put_text(field: &mut [u8], text: &[u8]) {
-    // The last byte stays zero.
+    // The last byte remains zero.
     let count = text.len().min(field.len() - 1);
     field[..count].copy_from_slice(&text[..count]);
 }

@@ -1,44 +1,44 @@
-//! The scale on which the samples of a whole file become levels.
+//! Determines the scale on which the samples of a whole file become levels.
 
 use super::raw::{PingChannel, record};
 use crate::survey::{Encoding, NumberKind, SideSpan};
 use std::ops::Range;
 
-/// Pings looked at to find what numbers samples are and how large.
+/// About how many pings are used to find the type and the size of the samples.
 const PINGS_LOOKED_AT: usize = 200;
-/// Share of the samples that may be clipped by dropping low bits as if there were no more.
+/// Share of the samples that may be clipped when low bits are dropped.
 const CLIPPED_SHARE: f64 = 0.001;
 /// Bits of a level.
 const LEVEL: i32 = 8;
-/// Numbers with a sign have about as many negative ones of each magnitude as positive ones: this
-/// share of all may be too many of one sign.
+/// Largest share of the numbers that may have no counterpart of the same magnitude and the other
+/// sign, for the numbers to count as signed.
 const MOST_ONE_SIDED: f64 = 0.3;
-/// Share of them that may be louder than half of the loudest that can be stored.
+/// Largest share of signed numbers that may be louder than half of the largest storable magnitude.
 const MOST_LOUD: f64 = 0.1;
-/// Range of samples that are floating point, and a share of them that lies in it. Whole numbers of
-/// less than 29 bits lie below.
+/// Range of floating-point samples, and the smallest share of samples in it for them to count as
+/// floating point. Whole numbers of less than 29 bits are below the range.
 const FLOATING: Range<f64> = 1e-12..1e12;
 const FLOATING_SHARE: f64 = 0.99;
-/// Powers of two that are counted: those of all numbers of 64 bits, with any weight, from minus
-/// [`LEAST`] on.
+/// Number of powers of two that are counted, for all numbers of 64 bits with any weight, beginning
+/// at minus [`LEAST`].
 const MAGNITUDES: usize = 2200;
 const LEAST: i32 = 1100;
-/// Weights beyond this are damage: 2^-40 volts are no signal.
+/// Largest amount of a plausible weight; larger ones are damage: 2^-40 volts are no signal.
 const HEAVIEST: i16 = 40;
 
-/// Statements of a file's headers about all of its samples.
+/// Properties of all samples of a file that its headers state.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Stated {
-    /// Samples may have a sign.
+    /// True if samples may be signed.
     pub(super) is_polar: bool,
-    /// Only the bytes of a sample are stated, no format.
+    /// True if only the bytes of a sample are stated, not its format.
     pub(super) is_legacy: bool,
-    /// Samples count 2^-weight, by the weight in the header of their ping.
+    /// True if samples count 2^-weight, by the weight in the header of their ping.
     pub(super) is_weighted: bool,
 }
 
-/// Sets the scale of all spans, the same for all of one kind of numbers; those of the tail of a log
-/// get that of the log, of which `known` is a span.
+/// Sets the scale of all spans, one scale for each kind of numbers; in the tail of a log, the scale
+/// of the log, of which `known` is a span.
 pub(super) fn fit(
     bytes: &[u8],
     spans: &mut [&mut SideSpan],
@@ -61,7 +61,7 @@ pub(super) fn fit(
     }
 }
 
-/// Sets the scale of spans of one stored kind.
+/// Sets the scale of spans with the same stored kind of numbers.
 fn fit_alike(
     bytes: &[u8],
     spans: &mut [&mut SideSpan],
@@ -69,7 +69,7 @@ fn fit_alike(
     known: Option<SideSpan>,
 ) {
     let weight = |span: &SideSpan| if stated.is_weighted { weight(bytes, span) } else { 0 };
-    // The exponent is that of samples of weight 0.
+    // The exponent applies to samples of weight 0.
     let (kind, exponent) = match known {
         Some(known) => {
             let (kind, exponent) = number(known.encoding);
@@ -79,7 +79,7 @@ fn fit_alike(
             let spans: Vec<&SideSpan> = spans.iter().map(|span| &**span).collect();
             let kind = meant(bytes, &spans, stored, stated);
             let bits = bits_to_fit(bytes, &spans, kind, weight);
-            // No low bit of the finest ping is made up of numbers that have none.
+            // For whole numbers, no low bits are added to the ping with the highest weight.
             let finest = spans.iter().map(|span| weight(span)).max().unwrap_or(0);
             let exponent = match kind {
                 NumberKind::F32 | NumberKind::IbmF32 => LEVEL - bits,
@@ -92,14 +92,14 @@ fn fit_alike(
         let exponent = i16::try_from(exponent - weight(span)).unwrap_or(0);
         span.encoding = match (kind, u8::try_from(-exponent)) {
             (NumberKind::U8, Ok(0)) => Encoding::U8,
-            // Where a log grows, all of these get one shift.
+            // When a log grows, all of these spans get one shift.
             (NumberKind::U16, Ok(shift)) if !stated.is_weighted => Encoding::U16 { shift },
             _ => Encoding::Number { kind, exponent },
         };
     }
 }
 
-/// The numbers that an encoding stands for, and the exponent of 2 by which they become levels.
+/// Returns the kind of numbers of an encoding, and the exponent of 2 that converts them to levels.
 fn number(encoding: Encoding) -> (NumberKind, i16) {
     match encoding {
         Encoding::U16 { shift } => (NumberKind::U16, -i16::from(shift)),
@@ -108,7 +108,8 @@ fn number(encoding: Encoding) -> (NumberKind, i16) {
     }
 }
 
-/// Returns the kind of the stored numbers: headers say less than samples do.
+/// Returns the actual kind of the stored numbers, by the samples themselves where the headers are
+/// ambiguous.
 fn meant(bytes: &[u8], spans: &[&SideSpan], stored: NumberKind, stated: Stated) -> NumberKind {
     let signed = match stored {
         NumberKind::U8 => NumberKind::I8,
@@ -122,8 +123,8 @@ fn meant(bytes: &[u8], spans: &[&SideSpan], stored: NumberKind, stated: Stated) 
     if stated.is_polar && have_signs(bytes, spans, stored) { signed } else { stored }
 }
 
-/// Returns true if four bytes are plausible as floating point, as whole numbers of usual size are
-/// not.
+/// Returns true if four bytes are plausible as floating point, which whole numbers of usual size
+/// are not.
 fn are_floating(bytes: &[u8], spans: &[&SideSpan]) -> bool {
     let values = looked_at(spans).flat_map(|span| magnitudes(bytes, span, NumberKind::F32));
     let (mut plausible, mut all) = (0_u64, 0_u64);
@@ -134,8 +135,8 @@ fn are_floating(bytes: &[u8], spans: &[&SideSpan]) -> bool {
     all > 0 && plausible as f64 >= FLOATING_SHARE * all as f64
 }
 
-/// Returns true if whole numbers lie around 0 when the highest bit is taken for a sign. Many files
-/// say that their samples may have a sign, and have none.
+/// Returns true if whole numbers are distributed around 0 when the highest bit is read as a sign.
+/// Many files state that their samples may be signed although none are.
 fn have_signs(bytes: &[u8], spans: &[&SideSpan], stored: NumberKind) -> bool {
     let end = f64::powi(2.0, 8 * stored.width() as i32);
     let mut more_positive = vec![0_i64; MAGNITUDES];
@@ -154,8 +155,8 @@ fn have_signs(bytes: &[u8], spans: &[&SideSpan], stored: NumberKind) -> bool {
         && loud as f64 <= MOST_LOUD * all as f64
 }
 
-/// Number of low bits of samples to drop so that nearly all fit a byte. All are of 16 bits, or all
-/// of 32.
+/// Returns the number of low bits to drop so that nearly all samples fit a byte. All samples must
+/// have 16 bits, or all 32.
 pub(in crate::formats) fn shift_to_fit(bytes: &[u8], spans: &[&SideSpan]) -> u8 {
     let kind = match spans.first().map(|span| span.encoding.width()) {
         Some(4) => NumberKind::U32,
@@ -165,8 +166,8 @@ pub(in crate::formats) fn shift_to_fit(bytes: &[u8], spans: &[&SideSpan]) -> u8 
     u8::try_from(bits - LEVEL).unwrap_or(0)
 }
 
-/// The power of two below which nearly all magnitudes lie, where those of weight 0 count as they
-/// are; 0 where there are none but zeros.
+/// Returns the power of two below which nearly all magnitudes are, scaled to weight 0; 0 where all
+/// are zeros.
 fn bits_to_fit(
     bytes: &[u8],
     spans: &[&SideSpan],
@@ -197,18 +198,18 @@ fn place(bits: i32) -> usize {
     usize::try_from(bits + LEAST).map_or(0, |place| place.min(MAGNITUDES - 1))
 }
 
-/// The lowest power of two that is more than a number above 0.
+/// Returns the exponent of the lowest power of two that is greater than a number above 0.
 fn bits(value: f64) -> i32 {
     ((value.to_bits() >> 52) & 0x7FF) as i32 - 1022
 }
 
-/// Some of the spans, evenly from all.
+/// Returns some of the spans, evenly spread over all.
 fn looked_at<'a>(spans: &'a [&'a SideSpan]) -> impl Iterator<Item = &'a SideSpan> {
     let step = spans.len() / PINGS_LOOKED_AT + 1;
     spans.iter().copied().step_by(step)
 }
 
-/// The magnitudes of the numbers of a span.
+/// Returns the magnitudes of the numbers of a span.
 fn magnitudes<'a>(
     bytes: &'a [u8],
     span: &SideSpan,
@@ -221,7 +222,8 @@ fn magnitudes<'a>(
     numbers.map(move |number| kind.magnitude(number))
 }
 
-/// The weight in the header before the samples of a span; 0 where none can be.
+/// Returns the weight in the header before the samples of a span; 0 where it is missing or not
+/// plausible.
 fn weight(bytes: &[u8], span: &SideSpan) -> i32 {
     let samples = usize::try_from(span.offset).ok();
     let header = samples.and_then(|at| at.checked_sub(size_of::<PingChannel>()));
@@ -234,7 +236,7 @@ fn weight(bytes: &[u8], span: &SideSpan) -> i32 {
 mod tests {
     use super::*;
 
-    /// The encoding that a span of these numbers gets.
+    /// Returns the encoding that a span of these numbers gets.
     fn fitted(stored: NumberKind, numbers: &[u8], stated: Stated) -> Encoding {
         let mut span = SideSpan {
             encoding: Encoding::Number { kind: stored, exponent: 0 },
@@ -260,7 +262,7 @@ mod tests {
         let words = le((0..2000_u32).map(|value| (value << 12).to_le_bytes()));
         let dropped = number(NumberKind::U32, -15);
         assert_eq!(fitted(NumberKind::U32, &words, legacy), dropped);
-        // Few spikes, and numbers that are none, do not darken the rest.
+        // A few spikes, infinity and NaN do not darken the rest.
         let mut floats: Vec<f32> = (0..4000).map(|value| value as f32 / 4000.0).collect();
         floats.extend([1e30, 1e30, f32::INFINITY, f32::NAN]);
         let floats = le(floats.into_iter().map(f32::to_le_bytes));
@@ -277,7 +279,8 @@ mod tests {
         let pairs = le((0..4000).map(|at| wave(at).to_le_bytes()));
         let signed = Encoding::Number { kind: NumberKind::I16, exponent: -4 };
         assert_eq!(fitted(NumberKind::U16, &pairs, polar), signed);
-        // Without the flag, of one sign, or as loud as can be, they have none.
+        // Without the flag, with numbers of one sign, or with equally frequent magnitudes, they are
+        // unsigned.
         let is_unsigned = |numbers: &[u8], stated| {
             matches!(fitted(NumberKind::U16, numbers, stated), Encoding::U16 { .. })
         };
@@ -286,7 +289,7 @@ mod tests {
         assert!(is_unsigned(&low, polar));
         let all = le((0..=u16::MAX).map(u16::to_le_bytes));
         assert!(is_unsigned(&all, polar));
-        // A bright picture with full stops.
+        // A bright picture with saturated samples.
         let bytes: Vec<u8> = (0..4000).map(|at| [30, 60, 200, 255][at % 4]).collect();
         assert_eq!(fitted(NumberKind::U8, &bytes, polar), Encoding::U8);
     }

@@ -1,28 +1,28 @@
-//! XTF, the exchange format of the survey world.
+//! Reads and writes XTF, the exchange format of survey software.
 //!
 //! In: the bytes of a recording. Out: a collected log.
 //!
-//! A file header of 1024 bytes or a multiple of that lists the channels; a row of packets follows,
-//! which `raw` describes. A packet of type 0 is a ping: its header, then for each channel a header
-//! and samples. Samples have 1, 2 or 4 bytes and may be floating point; `levels` finds one scale
-//! for all of them. A header says that samples are polar more often than they are, so that the
-//! samples themselves decide whether they have a sign. Formats 1, 2, 3, 5 and 8 of samples came
-//! with revision 41; before, only the bytes of a sample are stated. Weights scale the samples of
-//! EdgeTech's sonars and of Kongsberg's synthetic aperture sonar, for which the specification has
-//! them as mandatory; gain codes scale nothing.
+//! A file header of 1024 bytes or a multiple of that lists the channels; a sequence of packets
+//! follows, which `raw` describes. A packet of type 0 is a ping: its header, then for each channel
+//! a header and samples. Samples have 1, 2 or 4 bytes and may be floating point; `levels` finds one
+//! scale for all of them. Many headers wrongly state that samples are signed, so the samples
+//! themselves decide whether they are. Formats 1, 2, 3, 5 and 8 of samples came with revision 41;
+//! before, only the bytes of a sample are stated. Weights scale the samples of EdgeTech's sonars
+//! and of Kongsberg's synthetic aperture sonar, for which they are mandatory in the specification;
+//! gain codes scale nothing.
 //!
-//! A ping states where the sonar and where the ship is. Isis, the program that the format comes
-//! from, writes both alike while it knows a layback, and moves the position back along the heading
-//! of the sonar when it is used; other programs write the sonar's own. `positions` tells them apart
-//! by their distance. Packets 42 and 107 are positions, 23 and 84 headings, 3 attitude with a
-//! heading.
+//! A ping states the positions of the sonar and of the ship. Isis, the program that the format
+//! comes from, writes the same position for both while a layback is set, and moves it back along
+//! the heading of the sonar when it uses the file; other programs write the sonar's own position.
+//! `positions` distinguishes the two by the distance between the positions. Packets 42 and 107 are
+//! positions, 23 and 84 headings, 3 attitude with a heading.
 //!
-//! `multibeam` reads the depths of a multibeam sonar in the same file, to compare with.
+//! `multibeam` reads the depths of a multibeam sonar in the same file, for comparison.
 //!
-//! Sources: Triton's "eXtended Triton Format" as its revisions 14 to 42, its header file `xtf.h` of
-//! 1998 and public readers cite it: `pyxtf` 1.5, `libxtf`, `stdlibXtf`, MB-System
-//! (`mbf_xtfr8101.h`). Not done as `pyxtf` does: it takes all whole numbers as without a sign, and
-//! the time of packet 107 as if its ten thousandths of a second were millionths.
+//! Sources: Triton's "eXtended Triton Format" in its revisions 14 to 42, its header file `xtf.h` of
+//! 1998, and the public readers that cite them: `pyxtf` 1.5, `libxtf`, `stdlibXtf`, MB-System
+//! (`mbf_xtfr8101.h`). Differences from `pyxtf`: that reader treats all whole numbers as unsigned,
+//! and reads the ten thousandths of a second in packet 107 as millionths.
 
 mod channels;
 mod decode;
@@ -45,15 +45,16 @@ pub(super) use levels::shift_to_fit;
 pub(super) use multibeam::read_multibeam;
 use raw::{FileHeader, PACKETS, record};
 
-/// The file header is a multiple of this long: 1024 bytes for up to six channels.
+/// The length of the file header is a multiple of this, bytes: 1024 bytes for up to six channels.
 const HEADER_BLOCK: usize = 1024;
-/// Bytes searched for packets when the file header is damaged.
+/// Bytes searched for packets where the file header is damaged.
 const SEARCHED_FOR_PACKETS: usize = 1 << 20;
-/// Bytes of the head that is read before a tail is: more than most files' first pings take.
+/// Bytes at the beginning of a file that are read before its tail: enough for the first pings of
+/// most files.
 const HEAD: usize = 1 << 18;
 const FORMAT: &str = "XTF";
 
-/// The reader of the format.
+/// Reader of the format.
 pub(super) struct Xtf;
 
 impl LogFormat for Xtf {
@@ -71,7 +72,7 @@ struct XtfStart {
     first_packet: usize,
 }
 
-/// Recognises a file by its header, or by its packets when the header is damaged.
+/// Recognises a file by its header, or by its packets where the header is damaged.
 fn sniff(bytes: &[u8]) -> Option<XtfStart> {
     let header: Option<FileHeader> = record(bytes, 0).filter(is_header);
     let header_len = header.map_or(0, |header| {
@@ -90,7 +91,8 @@ fn sniff(bytes: &[u8]) -> Option<XtfStart> {
     })
 }
 
-/// 0x7B is also an opening brace: text has other bytes where the small numbers of the header are.
+/// Returns true if these bytes are a plausible file header. 0x7B is also an opening brace, but text
+/// has other bytes in place of the small numbers of the header.
 fn is_header(header: &FileHeader) -> bool {
     header.file_format == 0x7B
         && header.nav_units <= 3
@@ -99,7 +101,7 @@ fn is_header(header: &FileHeader) -> bool {
         && header.sonar_channels + header.bathymetry_channels > 0
 }
 
-/// The sonar and the program that recorded it, as the header names them.
+/// Returns the names of the sonar and of the recording program in the header.
 fn device_name(header: FileHeader) -> String {
     let mut names = Vec::new();
     for name in [&header.sonar_name[..], &header.program[..]] {
@@ -108,7 +110,8 @@ fn device_name(header: FileHeader) -> String {
     names.join(", ")
 }
 
-/// Reads a file that [`sniff`] recognised.
+/// Reads a file that [`sniff`] recognised; fails where it contains no side-scan, or the user
+/// cancelled.
 fn read(
     opened: Opened,
     found: XtfStart,
@@ -161,8 +164,8 @@ fn read(
     Ok(assemble::assemble(log, reading))
 }
 
-/// A reader that has seen the file's first pings: they say from when times count, around which
-/// place metres lie and which channels are shown. Looks at no more than what lies before `from`.
+/// Returns a reader that has read the first pings of the file, which give the time zero, the origin
+/// of positions in metres and the channels that are shown. Reads only bytes before `from`.
 fn knowing_head<'a>(
     bytes: &'a [u8],
     found: &XtfStart,

@@ -1,9 +1,9 @@
-//! Depths of a multibeam sonar in the same file: what its side-scan can be compared with.
+//! Reads the depths of a multibeam sonar in an XTF file, with which its side-scan can be compared.
 //!
-//! Packets of type 2 are a header like that of a ping and a datagram of Reson's SeaBat 8101 and its
-//! kin, big-endian: ff ff 00 00, type, and ranges in quarters of a sample, one a beam. The
-//! datagrams 0x13, 0x14, 0x17 and 0x18 are read, as MB-System (`mbf_xtfr8101.h`, `mbr_xtfr8101.c`)
-//! describes them. Beams of other sonars are not read.
+//! Packets of type 2 are a header like that of a ping and a datagram of Reson's SeaBat 8101 and
+//! related sonars, big-endian: ff ff 00 00, type, and ranges in quarters of a sample, one for each
+//! beam. The datagrams 0x13, 0x14, 0x17 and 0x18 are read, as MB-System (`mbf_xtfr8101.h`,
+//! `mbr_xtfr8101.c`) describes them. Beams of other sonars are not read.
 
 use super::navigation::recorded;
 use super::positions::first_set;
@@ -20,55 +20,57 @@ use crate::support::progress::Progress;
 use crate::survey::nearest_in_time;
 use std::path::Path;
 
-/// Types of packets.
+/// Types of packets that are read.
 const BATHYMETRY: u8 = 2;
 const ATTITUDE: u8 = 3;
 /// First bytes of each datagram.
 const SYNCHRONISATION: [u8; 4] = [0xFF, 0xFF, 0, 0];
-/// Ranges count quarters of a sample, there and back.
+/// Units of range in one sample of one-way range: quarters of a sample, for the two-way travel
+/// time.
 const RANGES_A_SAMPLE: f64 = 8.0;
-/// No sonar of the kind has more beams.
+/// Most beams of a sonar of this kind.
 const MOST_BEAMS: usize = 240;
-/// Bits of the quality of a beam: bright enough, and in line with its neighbours.
+/// Bits that a good beam has set in its quality: bright enough, and consistent with its neighbours.
 const IS_GOOD: u8 = 3;
-/// A beam that is steeper than this is no beam of a fan that looks down, degrees from the vertical.
+/// Largest angle of a beam from the vertical, degrees; larger angles do not occur in a fan that
+/// looks down.
 const STEEPEST_DEG: f64 = 85.0;
-/// Attitude this far from a ping in time says nothing of it, seconds.
+/// Longest time between a ping and the attitude that is used for it, seconds.
 const ATTITUDE_WITHIN_S: f64 = 0.5;
 
-/// Offsets of the fields in a datagram.
+/// Offsets of the fields in a datagram, bytes.
 struct Layout {
     velocity: usize,
     beam_count: usize,
     ranges: usize,
-    /// One byte a beam holds its quality, else half of one.
+    /// True if the quality of a beam has one byte, false if it has half a byte.
     has_whole_qualities: bool,
 }
 
-/// The beams of one ping.
+/// Beams of one ping.
 struct Swath {
     time_s: f64,
     header: PingHeader,
-    /// Angle to starboard of the vertical of the sonar, radians, and range, metres.
+    /// Angle to starboard from the sonar's vertical, radians, and range, metres, of each beam.
     beams: Vec<[f64; 2]>,
 }
 
 impl Swath {
-    /// The position of the sonar, or else of the ship.
+    /// Returns the recorded position of the sonar, or else of the ship; `None` without either.
     fn recorded(&self) -> Option<[f64; 2]> {
         let header = &self.header;
         let sensor = recorded([header.sensor_x, header.sensor_y]);
         sensor.or_else(|| recorded([header.ship_x, header.ship_y]))
     }
 
-    /// Returns true if the position can be in degrees; one that is missing can.
+    /// Returns true if the position may be in degrees, or is missing.
     fn fits_degrees(&self) -> bool {
         let recorded = self.recorded();
         recorded.is_none_or(|[x, y]| x.abs() <= 180.0 && y.abs() <= 90.0)
     }
 
-    /// Its points; `None` where it has no position or no heading. `rolls` are times and rolls to
-    /// starboard, radians.
+    /// Returns the points of the beams; `None` without a position or a heading. `rolls` are times,
+    /// seconds, and rolls to starboard, radians.
     fn points(&self, rolls: &[(f64, f64)], is_degrees: bool) -> Option<Vec<[f64; 3]>> {
         let [x, y] = self.recorded()?;
         let header = &self.header;
@@ -97,10 +99,11 @@ impl Swath {
     }
 }
 
-/// Reads the depths of a multibeam sonar as elevations below it.
+/// Reads the depths of a multibeam sonar as elevations relative to the sonar.
 ///
 /// # Errors
-/// When the file cannot be read, is no XTF, or holds no beams of a kind that is read.
+/// When the file cannot be read, is no XTF, or contains no beams that can be read and placed; or
+/// when the user cancelled the reading.
 pub(in crate::formats) fn read_multibeam(
     path: &Path,
     progress: &Progress,
@@ -156,7 +159,7 @@ pub(in crate::formats) fn read_multibeam(
     })
 }
 
-/// The good beams of a packet of bathymetry; `None` where it holds no datagram that is read.
+/// Returns the good beams of a packet of bathymetry; `None` where it has no datagram that is read.
 fn swath(packet: &[u8]) -> Option<Swath> {
     let header: PingHeader = record(packet, 0)?;
     let datagram = packet.get(size_of::<PingHeader>()..)?;
@@ -211,7 +214,7 @@ fn swath(packet: &[u8]) -> Option<Swath> {
     })
 }
 
-/// Time and roll to starboard, radians, of a packet of attitude.
+/// Returns the time, seconds, and the roll to starboard, radians, of a packet of attitude.
 fn roll(packet: &[u8]) -> Option<(f64, f64)> {
     let sent: AttitudePacket = record(packet, 0)?;
     let time_s = raw::seconds(sent.time) as f64 + f64::from(sent.milliseconds) / 1e3;

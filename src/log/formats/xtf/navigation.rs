@@ -1,5 +1,6 @@
-//! Positions of a file, in degrees or in metres of an unknown projection; and positions and
-//! headings that come in packets of their own, which stand in where pings have none, or an old one.
+//! Converts positions of a file, which are in degrees or in metres of an unknown projection, and
+//! collects positions and headings of separate packets, which replace missing or repeated ones of
+//! pings.
 
 use super::raw::{
     AttitudePacket, GyroPacket, NavigationPacket, PacketHeader, PacketTime, RawNavigationPacket,
@@ -9,50 +10,51 @@ use crate::support::geo::{LonLat, distance_m};
 use crate::survey::{Fix, ProjectedTrack, nearest_in_time};
 use bytemuck::Pod;
 
-/// Types of packets.
+/// Types of packets that are read.
 const ATTITUDE: u8 = 3;
 const GYRO: u8 = 23;
 const NAVIGATION: u8 = 42;
 const SOURCE_GYRO: u8 = 84;
 const RAW_NAVIGATION: u8 = 107;
-/// A packet this long before the first or after the last ping is of another clock, seconds.
+/// Longest time of a packet before the first or after the last ping, seconds; packets beyond have
+/// another clock.
 const BESIDE_S: f64 = 60.0;
-/// A position that repeats for longer is an old one, and one of a packet further from all others of
-/// pings stands in, seconds.
+/// Time after which a repeated position counts as old, seconds; a packet's position replaces those
+/// of pings if no new one is within this time.
 const STALE_S: f64 = 5.0;
-/// A heading further from its position in time says nothing of it, seconds.
+/// Longest time between a position and the heading that is used for it, seconds.
 pub(super) const HEADING_WITHIN_S: f64 = 1.0;
-/// Navigation units of the file header that are degrees.
+/// Value of the navigation units in the file header that means degrees.
 pub(super) const DEGREES: u16 = 3;
 
-/// Turns the positions of a file into degrees, those in metres of an unknown projection too.
+/// Converts the positions of a file to degrees, also from metres of an unknown projection.
 #[derive(Debug)]
 pub(super) struct PositionConverter {
     units: Option<u16>,
-    /// First projected position, where positions are in metres.
+    /// First projected position, metres; `None` until a position in metres is converted.
     origin: Option<[f64; 2]>,
 }
 
 impl PositionConverter {
-    /// `units` as the file header has them; `None` when the header is damaged. `origin` is that of
-    /// a log whose tail is read.
+    /// Creates a converter; `units` are those of the file header, or `None` where it is damaged.
+    /// `origin` is the origin of a log whose tail is read.
     pub(super) fn new(units: Option<u16>, origin: Option<[f64; 2]>) -> Self {
         Self { units, origin }
     }
 
-    /// Easting and northing of the place that stands at longitude 0, latitude 0, where positions
-    /// were metres of a system that is not named.
+    /// Returns the easting and northing that are placed at longitude 0, latitude 0; `None` where no
+    /// position was in metres.
     pub(super) fn origin_m(&self) -> Option<[f64; 2]> {
         self.origin
     }
 
-    /// Returns true if a position is in degrees: some programs write degrees and state metres.
+    /// Returns true if a position is in degrees: some programs write degrees but state metres.
     fn is_degrees(&self, [x, y]: [f64; 2]) -> bool {
         let fits_degrees = x.abs() <= 180.0 && y.abs() <= 90.0;
         self.units == Some(DEGREES) || (self.origin.is_none() && fits_degrees)
     }
 
-    /// Distance between two recorded positions, metres.
+    /// Returns the distance between two recorded positions, metres.
     pub(super) fn apart_m(&self, one: [f64; 2], other: [f64; 2]) -> f64 {
         let [[x, y], [other_x, other_y]] = [one, other];
         if self.is_degrees(one) && self.is_degrees(other) {
@@ -62,7 +64,7 @@ impl PositionConverter {
         }
     }
 
-    /// The place of a recorded position.
+    /// Returns the position in degrees of a recorded position.
     pub(super) fn place(&mut self, [x, y]: [f64; 2]) -> LonLat {
         if self.is_degrees([x, y]) {
             return LonLat::new(x, y);
@@ -72,29 +74,30 @@ impl PositionConverter {
     }
 }
 
-/// A position of a packet.
+/// A position from a separate packet.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SentPosition {
     /// Seconds after the log's time zero.
     pub(super) time_s: f64,
     /// Longitude and latitude, or easting and northing.
     pub(super) recorded: [f64; 2],
-    /// The ship's compass, radians; NaN where none was recorded near it.
+    /// Heading of the ship's compass, radians; NaN where none was recorded near it in time.
     pub(super) compass_rad: f32,
 }
 
-/// Collects what packets send; times count from 1970 until [`SentNavigation::settle`].
+/// Collects positions and headings of separate packets; times count from 1970 until
+/// [`SentNavigation::settle`].
 #[derive(Debug, Default)]
 pub(super) struct SentNavigation {
     positions: Vec<SentPosition>,
-    /// Times and headings, radians.
+    /// Times, seconds, and headings, radians.
     headings: Vec<(f64, f32)>,
     attitudes: usize,
 }
 
 impl SentNavigation {
-    /// Takes a packet; whether it is one of those that are read. `set_back_s` is by how much the
-    /// recorder's clock was set back before it.
+    /// Reads a packet; returns true if its type is read. `set_back_s` is by how much the recorder's
+    /// clock was set back before it.
     pub(super) fn take(
         &mut self,
         bytes: &[u8],
@@ -141,9 +144,9 @@ impl SentNavigation {
         }
     }
 
-    /// Keeps a heading, and gives it in radians; NaN for what is none.
+    /// Adds a heading and returns it in radians; NaN where it is not plausible.
     fn add_heading(&mut self, time_s: f64, heading_deg: f32) -> f32 {
-        // 0 stands for none, as in pings.
+        // 0 means "no heading", as in pings.
         if !(heading_deg.abs() > 0.0 && heading_deg.abs() <= 360.0) {
             return f32::NAN;
         }
@@ -152,13 +155,14 @@ impl SentNavigation {
         heading_rad
     }
 
-    /// Packets of attitude.
+    /// Returns the number of attitude packets.
     pub(super) fn attitudes(&self) -> usize {
         self.attitudes
     }
 
-    /// Lets times count from the log's zero, in order, and leaves out what is of another clock than
-    /// the pings, which span `span_s`.
+    /// Converts all times to the log's time zero, sorts by time, removes packets that are far from
+    /// the pings' times `span_s` and therefore have another clock, and adds headings to positions
+    /// without one.
     pub(super) fn settle(&mut self, zero_s: f64, span_s: [f64; 2]) {
         let [from_s, to_s] = span_s;
         let during = from_s - BESIDE_S..=to_s + BESIDE_S;
@@ -178,7 +182,7 @@ impl SentNavigation {
         }
     }
 
-    /// The heading at a time, radians; NaN where none is near.
+    /// Returns the heading at a time, radians; NaN where none is near in time.
     fn heading_rad(&self, time_s: f64) -> f32 {
         let nearest = nearest_in_time(&self.headings, time_s, |(at_s, _)| *at_s);
         let nearest = nearest.map(|index| self.headings[index]);
@@ -186,7 +190,8 @@ impl SentNavigation {
         near.map_or(f32::NAN, |(_, heading_rad)| heading_rad)
     }
 
-    /// Gives the fixes without a compass heading that of a packet; how many got one.
+    /// Sets the compass heading of fixes without one from packets; returns the number of changed
+    /// fixes.
     pub(super) fn fill_headings(&self, fixes: &mut [Fix]) -> usize {
         if self.headings.is_empty() {
             return 0;
@@ -199,8 +204,8 @@ impl SentNavigation {
         filled
     }
 
-    /// The positions that stand in where pings have none or an old one. Old ones are taken out of
-    /// `fixes`, which are the pings'.
+    /// Returns the positions of packets that replace missing or old positions of pings. Old
+    /// positions are removed from `fixes`, the fixes of the pings.
     pub(super) fn stand_ins(&self, fixes: &mut Vec<Fix>) -> Vec<SentPosition> {
         if self.positions.is_empty() {
             return Vec::new();
@@ -227,13 +232,13 @@ impl SentNavigation {
     }
 }
 
-/// The record of a packet that is long enough for it.
+/// Returns the record of a packet; `None` where the packet is too short.
 fn body<T: Pod>(bytes: &[u8], offset: usize, packet: &PacketHeader) -> Option<T> {
     let is_whole = packet.size as usize >= size_of::<T>();
     is_whole.then(|| record(bytes, offset)).flatten()
 }
 
-/// A position, if it was recorded: 0 stands for none.
+/// Returns a position; `None` where it was not recorded, which is stored as 0.
 pub(super) fn recorded([x, y]: [f64; 2]) -> Option<[f64; 2]> {
     (x.is_finite() && y.is_finite() && x != 0.0 && y != 0.0).then_some([x, y])
 }

@@ -1,5 +1,5 @@
-//! Positions of the sonar: the position that a ping states of it, or that of the ship with the
-//! layback of a towed sonar and the offsets of antenna and transducer.
+//! Determines positions of the sonar: the position that a ping states for the sonar, or the ship's
+//! position with the layback of a towed sonar and the offsets of antenna and transducer.
 
 use super::from_log::Provenance;
 use super::navigation::{
@@ -11,57 +11,58 @@ use crate::support::geo::{LocalFrame, LonLat, MPS_PER_KNOT};
 use crate::survey::{Fix, ProjectedTrack, nearest_in_time};
 use std::ops::Range;
 
-/// Laybacks that a towed sonar can have, metres.
+/// Plausible laybacks of a towed sonar, metres.
 const LAYBACKS_M: Range<f32> = 0.01..20_000.0;
-/// Offsets beyond this are damage, metres: no ship is longer.
+/// Largest plausible offset, metres; larger ones are damage: no ship is longer.
 const FARTHEST_M: f32 = 200.0;
-/// A sonar whose position is further from the ship's than this share of the layback has one of its
-/// own: the layback is in it.
+/// Smallest distance between the sonar's and the ship's position, as a share of the layback, for
+/// which the sonar's position counts as its own, with the layback applied.
 const OWN_FROM: f64 = 0.5;
 
-/// Forward and to starboard of the ship's antenna, metres.
+/// Position of the sonar relative to the ship's antenna: forward and to starboard, metres.
 type Arm = [f32; 2];
 
-/// Arm and heading of a ping, for the positions that packets sent near it.
+/// Arm and heading of a ping, for positions of packets near it in time.
 #[derive(Clone, Copy, Debug)]
 struct Towing {
     time_s: f64,
     arm: Arm,
-    /// Radians; NaN where none was recorded.
+    /// Compass heading, radians; NaN where none was recorded.
     compass_rad: f32,
 }
 
-/// Collects the fixes of a file.
+/// Collects the fixes of a file and the data to move them to the sonar.
 #[derive(Debug)]
 pub(super) struct Positions {
     converter: PositionConverter,
     sent: SentNavigation,
-    /// True if headings are not of a compass.
+    /// True if headings are those of the track, not of a compass.
     has_track_headings: bool,
-    /// Offset of the antenna from the ship's reference point.
+    /// Position of the antenna from the ship's reference point.
     antenna_m: Arm,
     latency_ms: i32,
-    /// Index of each fix of the log that is the ship's, and its arm from the antenna to the sonar.
+    /// Indices of the log's fixes that are the ship's, each with the arm from the antenna to the
+    /// sonar.
     arms: Vec<(usize, Arm)>,
-    /// Arms and headings of the pings without a position.
+    /// Arms and headings of pings without a position.
     unplaced: Vec<Towing>,
-    /// The shortest and the longest layback of the ship's positions, metres.
+    /// Shortest and longest layback of pings with the ship's position or none, metres.
     laybacks_m: Option<[f32; 2]>,
-    /// True if antenna and transducer are not in one place.
+    /// True if antenna and transducer are at different places.
     has_offsets: bool,
-    /// Pings whose position has its layback in it.
+    /// Number of pings whose position already includes the stated layback.
     own: usize,
-    /// The longest cable of pings that state no layback, metres.
+    /// Longest cable of pings that state no layback, metres.
     cable_m: u16,
     /// True if pings state pitch or roll.
     has_attitude: bool,
-    /// First and last time of the pings, seconds of the log.
+    /// First and last time of the pings, seconds after the log's time zero.
     span_s: Option<[f64; 2]>,
 }
 
 impl Positions {
-    /// Creates the collection for a file with this header, or for the tail of a log whose metres
-    /// count from `origin_m`.
+    /// Creates a collection for a file with this header; `origin_m` is the origin of positions in
+    /// metres of a log whose tail is read.
     pub(super) fn new(header: Option<FileHeader>, origin_m: Option<[f64; 2]>) -> Self {
         let antenna_m =
             header.map_or([0.0; 2], |header| [header.nav_offset_y_m, header.nav_offset_x_m]);
@@ -83,7 +84,7 @@ impl Positions {
         }
     }
 
-    /// Returns the collection for the same file with nothing collected yet.
+    /// Returns a collection for the same file without collected positions.
     pub(super) fn after_head(self) -> Self {
         Self {
             sent: SentNavigation::default(),
@@ -96,7 +97,7 @@ impl Positions {
         }
     }
 
-    /// Takes a packet that is no ping; whether it is one of those that are read.
+    /// Reads a packet that is no ping; returns true if its type is read.
     pub(super) fn take(
         &mut self,
         bytes: &[u8],
@@ -107,8 +108,8 @@ impl Positions {
         self.sent.take(bytes, offset, packet, set_back_s)
     }
 
-    /// Adds the position of a ping. `transducer_m` is where the header has the transducer from the
-    /// ship's reference point.
+    /// Adds the position of a ping. `transducer_m` is the transducer's position from the ship's
+    /// reference point, from the file header.
     pub(super) fn add(
         &mut self,
         log: &mut Collected,
@@ -167,8 +168,8 @@ impl Positions {
         [forward_m - layback_m.unwrap_or(0.0), right_m]
     }
 
-    /// Returns true if the position that counts is the sonar's own: it is stated, and lies
-    /// elsewhere than the ship's by a distance that the layback explains.
+    /// Returns true if the used position is the sonar's own: it is stated, and its distance from
+    /// the ship's position is large enough for the layback.
     fn is_own(&self, sensor: Option<[f64; 2]>, ship: Option<[f64; 2]>, layback_m: f32) -> bool {
         match (sensor, ship) {
             (Some(sensor), Some(ship)) if sensor == ship => false,
@@ -179,8 +180,8 @@ impl Positions {
         }
     }
 
-    /// Completes the fixes with what packets sent, moves those of the ship to the sonar, and says
-    /// what was done. `zero_s` is the log's time zero in Unix seconds.
+    /// Completes the fixes with positions and headings of packets, moves the ship's fixes to the
+    /// sonar, and adds warnings about this. `zero_s` is the log's time zero in Unix seconds.
     pub(super) fn finish(&mut self, log: &mut Collected, zero_s: f64) {
         self.sent.settle(zero_s, self.span_s.unwrap_or_default());
         let headings = self.sent.fill_headings(&mut log.fixes);
@@ -206,7 +207,7 @@ impl Positions {
         self.remark(log, [stand_ins.len(), headings], moved);
     }
 
-    /// Returns arm and heading of the pings with the ship's position and of those without one, in
+    /// Returns the arms and headings of pings with the ship's position or without a position, in
     /// time order.
     fn towing(&self, fixes: &[Fix]) -> Vec<Towing> {
         let of_fix = |&(index, arm): &(usize, Arm)| {
@@ -232,12 +233,12 @@ impl Positions {
         }
     }
 
-    /// Moves the ship's fixes to the sonar; how many were, and how many were not for want of a
-    /// heading. A position that a recorder repeats is moved alike, whatever the heading: repeats
-    /// are told by it.
+    /// Moves the ship's fixes to the sonar; returns how many were moved, and how many were not
+    /// because they have no heading. A position that a recorder repeats is moved by the same vector
+    /// each time, whatever the heading, because later steps recognise repeats by equal positions.
     fn move_to_sonar(&self, log: &mut Collected) -> [usize; 2] {
         let mut moved = [0; 2];
-        // The last of the ship's positions and where it was moved to.
+        // Last position of the ship, and the position to which it was moved.
         let mut last: Option<(LonLat, LonLat)> = None;
         for &(index, arm) in &self.arms {
             let Some(fix) = log.fixes.get_mut(index) else {
@@ -257,7 +258,7 @@ impl Positions {
         moved
     }
 
-    /// Names the distances by which the ship's positions are moved.
+    /// Describes the distances by which the ship's positions are moved.
     fn arms_in_words(&self) -> String {
         let layback = self.laybacks_m.map(|[from_m, to_m]| {
             if from_m == to_m {
@@ -318,7 +319,7 @@ impl Positions {
     }
 }
 
-/// A fix of the antenna, moved to the sonar; `None` without a heading.
+/// Returns a fix of the antenna moved to the sonar; `None` without a heading.
 fn moved_by(fix: Fix, [forward_m, right_m]: Arm) -> Option<Fix> {
     let (sin, cos) = f64::from(fix.compass_rad).sin_cos();
     let [forward_m, right_m] = [forward_m, right_m].map(f64::from);
@@ -328,7 +329,7 @@ fn moved_by(fix: Fix, [forward_m, right_m]: Arm) -> Option<Fix> {
     (!fix.compass_rad.is_nan()).then_some(Fix { position, ..fix })
 }
 
-/// The first value that was recorded: 0 stands for none.
+/// Returns the first of two values that was recorded; 0 means "not recorded".
 pub(super) fn first_set(values: [f32; 2]) -> Option<f32> {
     values.into_iter().find(|value| value.is_finite() && *value != 0.0)
 }

@@ -1,29 +1,28 @@
-//! Records of an XTF file as they lie in it: little-endian, packed (Triton's "eXtended Triton
-//! Format"); with the header by which a walk finds each packet after the one before, and the date
-//! and time of a ping.
+//! Defines the records of an XTF file as stored: little-endian, packed (Triton's "eXtended Triton
+//! Format"); and reads packet headers, with which a walk finds the next packet, and the date and
+//! time of a ping.
 
 use crate::formats::messages::MessageFormat;
 use crate::support::calendar::moment;
 use bytemuck::{Pod, Zeroable};
 use chrono::{Datelike as _, NaiveDate};
 
-/// The number that every packet begins with.
+/// Number at the beginning of every packet.
 pub(super) const MAGIC: u16 = 0xFACE;
-/// No packet is longer; a longer one is damage.
+/// Limit of a packet's bytes; longer packets are damage.
 const LONGEST_PACKET: usize = 1 << 24;
-/// Years in which a log can have been recorded: side-scan went to disk from the eighties on. Zeros
-/// and counters that never were set lie outside.
+/// Years in which a log can have been recorded: side-scan has been recorded to disk since the
+/// eighties. Zeros and unset counters are outside.
 const YEARS: std::ops::RangeInclusive<i32> = 1980..=2100;
 
-/// Packets.
+/// Marker and length of packets, with which a walk finds the next packet.
 pub(super) const PACKETS: MessageFormat = MessageFormat {
     noun: "packet",
     marker: MAGIC.to_le_bytes(),
     length: |bytes, offset| header(bytes, offset).map(|packet| packet.size as usize),
 };
 
-/// The fields used of the first 256 bytes of the file header; one [`ChannelInfo`] a channel
-/// follows.
+/// Fields of the first 256 bytes of the file header; one [`ChannelInfo`] for each channel follows.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, packed)]
 pub(crate) struct FileHeader {
@@ -33,7 +32,7 @@ pub(crate) struct FileHeader {
     pub system_type: u8,
     /// 2: name of the recording program.
     pub program: [u8; 8],
-    /// 10: its version.
+    /// 10: version of the recording program.
     pub program_version: [u8; 8],
     /// 18: name of the sonar.
     pub sonar_name: [u8; 16],
@@ -55,15 +54,15 @@ pub(crate) struct FileHeader {
     pub nav_latency_ms: i32,
     /// 208: not used here.
     pub rest_208: [u8; 8],
-    /// 216: the antenna forward of the ship's reference point, metres.
+    /// 216: position of the antenna forward of the ship's reference point, metres.
     pub nav_offset_y_m: f32,
-    /// 220: the antenna to starboard of the ship's reference point, metres.
+    /// 220: position of the antenna to starboard of the ship's reference point, metres.
     pub nav_offset_x_m: f32,
     /// 224: not used here.
     pub rest_224: [u8; 32],
 }
 
-/// Description of a channel; 128 bytes each from byte 256 of the file header on.
+/// Description of a channel, 128 bytes each, from byte 256 of the file header on.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, packed)]
 pub(crate) struct ChannelInfo {
@@ -77,9 +76,10 @@ pub(crate) struct ChannelInfo {
     pub unipolar: u16,
     /// 6: bytes a sample.
     pub bytes_per_sample: u16,
-    /// 8: samples of every ping, in files from before pings stated it; 1024 or nothing since.
+    /// 8: number of samples in every ping, in files from before pings stated it; 1024 or 0 in later
+    /// files.
     pub reserved: u32,
-    /// 12: name in words.
+    /// 12: name of the channel.
     pub name: [u8; 16],
     /// 28: volts of full scale.
     pub volt_scale: f32,
@@ -87,13 +87,14 @@ pub(crate) struct ChannelInfo {
     pub frequency_khz: f32,
     /// 36: not used here: beam angles.
     pub rest_36: [u8; 12],
-    /// 48: the transducer to starboard of the ship's reference point, metres.
+    /// 48: position of the transducer to starboard of the ship's reference point, metres.
     pub offset_x_m: f32,
-    /// 52: the transducer forward of the ship's reference point, metres.
+    /// 52: position of the transducer forward of the ship's reference point, metres.
     pub offset_y_m: f32,
     /// 56: not used here.
     pub rest_56: [u8; 18],
-    /// 74: 0 old, by bytes a sample; 1 IBM float, 2 int32, 3 int16, 5 float, 8 int8.
+    /// 74: format of samples: 0 old, by bytes a sample; 1 IBM float, 2 int32, 3 int16, 5 float, 8
+    /// int8.
     pub sample_format: u8,
     /// 75: not used here.
     pub rest_75: [u8; 53],
@@ -109,25 +110,25 @@ pub(crate) struct PacketHeader {
     pub kind: u8,
     /// 3: not used here.
     pub sub_channel: u8,
-    /// 4: channels that follow in a ping.
+    /// 4: number of channels that follow in a ping.
     pub channels: u16,
     /// 6: reserved.
     pub reserved: [u16; 2],
-    /// 10: the whole packet; the step to the next.
+    /// 10: bytes of the whole packet, the step to the next.
     pub size: u32,
 }
 
-/// The 256 bytes that a side-scan ping begins with, packet header included.
+/// First 256 bytes of a side-scan ping, with the packet header.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, packed)]
 pub(crate) struct PingHeader {
-    /// Offset 0.
+    /// Offset 0: packet header.
     pub packet: PacketHeader,
-    /// 14: date and time of the ping.
+    /// 14: year of the ping.
     pub year: u16,
-    /// 16: 1 to 12.
+    /// 16: month, 1 to 12.
     pub month: u8,
-    /// 17: 1 to 31.
+    /// 17: day, 1 to 31.
     pub day: u8,
     /// 18: hour.
     pub hour: u8,
@@ -143,8 +144,8 @@ pub(crate) struct PingHeader {
     pub event: u32,
     /// 28: number of the ping.
     pub ping_number: u32,
-    /// 32: speed of sound, metres a second; about 1500, or about 750 where it is for there and
-    /// back.
+    /// 32: speed of sound, metres a second: about 1500, or about 750 where it is half of the speed,
+    /// for two-way travel times.
     pub sound_velocity_mps: f32,
     /// 36: not used here.
     pub rest_36: [u8; 36],
@@ -172,17 +173,17 @@ pub(crate) struct PingHeader {
     pub sensor_x: f64,
     /// 176: not used here.
     pub rest_176: [u8; 6],
-    /// 182: cable paid out, metres.
+    /// 182: length of cable paid out, metres.
     pub cable_out_m: u16,
-    /// 184: distance over ground from the ship to the towed sonar, metres.
+    /// 184: horizontal distance from the ship to the towed sonar, metres.
     pub layback_m: f32,
     /// 188: not used here.
     pub rest_188: [u8; 4],
-    /// 192: the sonar below the water's surface, metres.
+    /// 192: depth of the sonar below the water's surface, metres.
     pub sensor_depth_m: f32,
-    /// 196: height of the sonar above the bottom, metres; 0 when it is not known.
+    /// 196: height of the sonar above the bottom, metres; 0 where unknown.
     pub sensor_altitude_m: f32,
-    /// 200: the same by another instrument, metres; 0 when it is not known.
+    /// 200: height of the sonar above the bottom by another instrument, metres; 0 where unknown.
     pub sensor_aux_altitude_m: f32,
     /// 204: the sonar's pitch, degrees, positive with its nose up.
     pub sensor_pitch_deg: f32,
@@ -192,19 +193,19 @@ pub(crate) struct PingHeader {
     pub sensor_heading_deg: f32,
     /// 216: not used here.
     pub rest_216: [u8; 8],
-    /// 224: milliseconds, by which attitude packets are matched: those of the day in most files.
+    /// 224: milliseconds for matching attitude packets: those of the day in most files.
     pub attitude_time_ms: u32,
     /// 228: not used here.
     pub rest_228: [u8; 28],
 }
 
-/// The 64 bytes before the samples of a channel in a ping.
+/// Header of 64 bytes before the samples of a channel in a ping.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, packed)]
 pub(crate) struct PingChannel {
     /// Offset 0: index of the channel.
     pub channel: u16,
-    /// 2: how samples were thinned.
+    /// 2: method by which samples were thinned.
     pub downsample: u16,
     /// 4: slant range of the last sample, metres.
     pub slant_range_m: f32,
@@ -212,27 +213,27 @@ pub(crate) struct PingChannel {
     pub ground_range_m: f32,
     /// 12: time before the first sample, seconds.
     pub time_delay_s: f32,
-    /// 16: time recorded, seconds (there and back).
+    /// 16: recorded two-way travel time, seconds.
     pub time_duration_s: f32,
     /// 20: time from ping to ping, seconds.
     pub seconds_per_ping: f32,
-    /// 24: how samples were processed.
+    /// 24: method by which samples were processed.
     pub processing: u16,
     /// 26: frequency, kHz.
     pub frequency_khz: u16,
     /// 28: not used here.
     pub rest_28: [u8; 14],
-    /// 42: samples that follow.
+    /// 42: number of samples that follow.
     pub samples: u32,
     /// 46: not used here.
     pub rest_46: [u8; 12],
-    /// 58: the samples of EdgeTech's and Kongsberg's sonars count 2^-weight.
+    /// 58: weight; the samples of EdgeTech's and Kongsberg's sonars count 2^-weight.
     pub weight: i16,
     /// 60: not used here.
     pub rest_60: [u8; 4],
 }
 
-/// Position (packet type 42): the time that its source gave it.
+/// Position (packet type 42), with the time that its source states.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, packed)]
 pub(crate) struct NavigationPacket {
@@ -314,15 +315,15 @@ pub(crate) struct AttitudePacket {
     pub rest_63: u8,
 }
 
-/// Date and time as the packets that are no pings have them.
+/// Date and time in packets that are no pings.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, packed)]
 pub(crate) struct PacketTime {
-    /// Year in full, or of two digits.
+    /// Year, in full or with two digits.
     pub year: u16,
-    /// 1 to 12.
+    /// Month, 1 to 12.
     pub month: u8,
-    /// 1 to 31.
+    /// Day, 1 to 31.
     pub day: u8,
     /// Hour.
     pub hour: u8,
@@ -342,13 +343,13 @@ const _: () = assert!(size_of::<RawNavigationPacket>() == 64);
 const _: () = assert!(size_of::<GyroPacket>() == 64);
 const _: () = assert!(size_of::<AttitudePacket>() == 64);
 
-/// Lays a record over the bytes at `offset`; `None` past the end.
+/// Reads a record from the bytes at `offset`; `None` past the end.
 pub(super) fn record<T: Pod>(bytes: &[u8], offset: usize) -> Option<T> {
     let end = offset.checked_add(size_of::<T>())?;
     bytes.get(offset..end).map(bytemuck::pod_read_unaligned)
 }
 
-/// The packet header at `offset`, if one can be there.
+/// Returns the packet header at `offset`; `None` where there is no plausible one.
 pub(super) fn header(bytes: &[u8], offset: usize) -> Option<PacketHeader> {
     let packet: PacketHeader = record(bytes, offset)?;
     let size = packet.size as usize;
@@ -356,13 +357,14 @@ pub(super) fn header(bytes: &[u8], offset: usize) -> Option<PacketHeader> {
         .then_some(packet)
 }
 
-/// Unix seconds of a time in thousandths of them; `None` when no log can be of that time.
+/// Converts Unix milliseconds to seconds; `None` where the year is not plausible for a log.
 pub(super) fn unix_s(unix_ms: i64) -> Option<f64> {
     let unix_s = unix_ms as f64 / 1000.0;
     YEARS.contains(&moment(unix_s).year()).then_some(unix_s)
 }
 
-/// The year that a recorder meant: of two digits, or counted from 1900 as C's `tm_year` is.
+/// Returns the full year of a recorded year, which may have two digits or count from 1900 as C's
+/// `tm_year` does.
 fn year_meant(recorded: u16) -> i32 {
     match i32::from(recorded) {
         year @ 0..80 => 2000 + year,
@@ -371,7 +373,8 @@ fn year_meant(recorded: u16) -> i32 {
     }
 }
 
-/// Unix seconds of a date and time; of one without a date that exists, those of its time of day.
+/// Returns the Unix seconds of a date and time; without a valid date, the seconds of the time of
+/// day.
 pub(super) fn seconds(time: PacketTime) -> i64 {
     let date = NaiveDate::from_ymd_opt(year_meant(time.year), time.month.into(), time.day.into());
     let days = date.map_or(0, |date| i64::from(date.to_epoch_days()));
@@ -379,9 +382,9 @@ pub(super) fn seconds(time: PacketTime) -> i64 {
     days * 86_400 + minutes * 60 + i64::from(time.second)
 }
 
-/// Thousandths of Unix seconds of a ping's date and time, as [`seconds`] has them. The time of day
-/// is in hundredths; where the time for attitude packets is the same moment of the day, it has the
-/// thousandths too.
+/// Returns the Unix milliseconds of a ping's date and time; without a valid date, as in
+/// [`seconds`]. The time of day is in hundredths of a second; where the time for attitude packets
+/// is the same moment of the day, its milliseconds are used too.
 pub(super) fn unix_ms(ping: &PingHeader) -> i64 {
     let &PingHeader {
         year, month, day, hour, minute, second, hundredths, attitude_time_ms, ..
@@ -406,7 +409,7 @@ mod tests {
         (ping.hour, ping.minute, ping.second, ping.hundredths) = (12, 36, 34, 33);
         // `date -u -d "2009-11-08 12:36:34" +%s`
         assert_eq!(unix_ms(&ping), 1_257_683_794_330);
-        // Milliseconds of the same moment of the day, and of another.
+        // Milliseconds of the same moment of the day, and of another moment.
         ping.attitude_time_ms = 45_394_337;
         assert_eq!(unix_ms(&ping), 1_257_683_794_337);
         ping.attitude_time_ms = 45_394_340;
@@ -428,7 +431,7 @@ mod tests {
             let [recorded, meant] = [year, meant].map(of);
             assert!(recorded.is_some() && recorded == meant, "{year}");
         }
-        // A date that never was set is no first of January.
+        // A date that was never set is not read as the first of January.
         (ping.year, ping.month, ping.day) = (0, 0, 0);
         assert_eq!(unix_s(unix_ms(&ping)), None);
     }

@@ -1,5 +1,5 @@
-//! The side-scan channels of a file, in pairs: programs that record two frequencies have two of
-//! each side.
+//! Collects the side-scan channels of a file in pairs; programs that record two frequencies have
+//! two channels of each side.
 
 use super::channels::{self, XtfChannel};
 use super::levels::{self, Stated};
@@ -12,11 +12,11 @@ use std::collections::BTreeMap;
 /// One channel of one ping.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Recorded {
-    /// Its header.
+    /// Header of the channel in the ping.
     pub(super) header: PingChannel,
-    /// Bytes a sample.
+    /// Bytes of a sample.
     pub(super) width: usize,
-    /// Offset of the first sample.
+    /// Offset of the first sample in the file.
     pub(super) first: usize,
     /// Seconds after the log's time zero.
     pub(super) time_s: f64,
@@ -35,22 +35,23 @@ struct Pair {
     halves: [Vec<HalfPing>; 2],
 }
 
-/// Collects the sides; the pair that began first is shown.
+/// Collects the sides in pairs; the pair whose first ping came first is shown.
 #[derive(Debug, Default)]
 pub(super) struct SideChannels {
     pairs: Vec<Pair>,
     is_weighted: bool,
-    /// Pings by bytes a sample and format of those that are not read.
+    /// Number of pings that are not read, by bytes of a sample and format.
     unread: BTreeMap<(usize, u8), usize>,
 }
 
 impl SideChannels {
-    /// No side yet. `is_weighted` where the samples of the sonar count 2^-weight.
+    /// Creates a collection without sides. `is_weighted` is true if the sonar's samples count
+    /// 2^-weight.
     pub(super) fn new(is_weighted: bool) -> Self {
         Self { is_weighted, ..Self::default() }
     }
 
-    /// Keeps a channel of a ping if it is a side.
+    /// Adds a channel of a ping if it is a side.
     pub(super) fn keep(&mut self, log: &mut Collected, channel: &XtfChannel, recorded: &Recorded) {
         let side = match channel.kind {
             ChannelKind::Port => Side::Port,
@@ -84,7 +85,8 @@ impl SideChannels {
         }
     }
 
-    /// The pair that a channel is of: with one of the other side that has its frequency.
+    /// Returns the pair of a channel: its own pair, else one that lacks this side and has no other
+    /// frequency, else a new pair.
     fn pair(&mut self, side: Side, number: u16, channel: &XtfChannel) -> &mut Pair {
         let of_side = |pair: &Pair| pair.channels[side as usize];
         let known = self.pairs.iter().position(|pair| of_side(pair) == Some(number));
@@ -114,7 +116,7 @@ impl SideChannels {
         pair
     }
 
-    /// Returns the same channels with nothing kept yet.
+    /// Returns the same pairs of channels without collected pings.
     pub(super) fn after_head(mut self) -> Self {
         for pair in &mut self.pairs {
             pair.halves = Default::default();
@@ -123,8 +125,8 @@ impl SideChannels {
         self
     }
 
-    /// Hands over the sides with their scales, which in the tail of a log are those of the log, and
-    /// says what is not read.
+    /// Adds the pairs to the log with their scales, for the tail of a log those of the log `known`,
+    /// and warns about pings that are not read.
     pub(super) fn finish(&mut self, bytes: &[u8], log: &mut Collected, known: Option<&Survey>) {
         for mut pair in std::mem::take(&mut self.pairs) {
             let halves = pair.halves.iter_mut().flatten();
@@ -147,7 +149,7 @@ impl SideChannels {
     }
 }
 
-/// The last span of a pair of channels.
+/// Returns the last span of the pair with this name, or of the shown side-scan.
 fn last_span(known: &Survey, name: &str) -> Option<SideSpan> {
     let pair = known.pairs.iter().find(|pair| pair.name == name);
     let pings: &[SidePing] = pair.map_or(&known.side_scan, |pair| &pair.side_scan);

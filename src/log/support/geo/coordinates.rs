@@ -1,10 +1,10 @@
-//! Positions as people write them.
+//! Formats positions as people write them: in degrees, minutes and seconds, or UTM metres.
 
 use super::{LonLat, UtmZone};
 use crate::named;
 use serde::{Deserialize, Serialize};
 
-/// Notation of a position, each precise to about a decimetre.
+/// Notation of a position. Each notation is precise to about a decimetre.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum CoordinateFormat {
     /// Decimal degrees: `36.877100° N 111.516300° W`.
@@ -18,7 +18,7 @@ pub enum CoordinateFormat {
     Utm,
 }
 
-/// Latitudes at which UTM is defined; beyond are the poles, which have a grid of their own.
+/// Latitudes at which UTM is defined, degrees; the polar regions beyond have another grid.
 const UTM_LATITUDES_DEG: std::ops::RangeInclusive<f64> = -80.0..=84.0;
 
 named! {
@@ -32,9 +32,9 @@ named! {
 }
 
 impl CoordinateFormat {
-    /// Writes a position; a dash for one that is no number. UTM is written in `zone`, that of the
-    /// survey, whose places shall not jump where the boat crosses the border of a zone; at the
-    /// poles it gives way to decimal degrees.
+    /// Formats a position; a dash where it is not finite. UTM is written in `zone`, the zone of the
+    /// survey, so that coordinates do not jump where the boat crosses the border of a zone; in the
+    /// polar regions decimal degrees are written instead.
     pub fn write(self, at: LonLat, zone: UtmZone) -> String {
         if !(at.lon_deg.is_finite() && at.lat_deg.is_finite()) {
             return "–".to_owned();
@@ -46,19 +46,20 @@ impl CoordinateFormat {
         format!("{} {}", self.latitude(at.lat_deg), self.longitude(at.lon_deg))
     }
 
-    /// Writes a latitude alone; UTM falls back to decimal degrees.
+    /// Formats a latitude alone; in decimal degrees for UTM.
     pub fn latitude(self, lat_deg: f64) -> String {
         self.angle(lat_deg, ["N", "S"])
     }
 
-    /// Writes a longitude alone, between 180° W and 180° E; UTM falls back to decimal degrees.
+    /// Formats a longitude alone, between 180° W and 180° E; in decimal degrees for UTM.
     pub fn longitude(self, lon_deg: f64) -> String {
         let turns = if lon_deg.abs() > 180.0 { (lon_deg / 360.0).round() } else { 0.0 };
         self.angle(lon_deg - 360.0 * turns, ["E", "W"])
     }
 
-    /// Counts the smallest unit that is shown and takes that apart, so that 59.99996' becomes a
-    /// whole degree and what rounds to zero has no south or west.
+    /// Formats an angle. It is rounded to a count of the smallest unit that is shown, and the count
+    /// is split, so that 59.99996' becomes a whole degree and an angle that rounds to zero is not
+    /// south or west.
     fn angle(self, degrees: f64, [positive, negative]: [&str; 2]) -> String {
         let count = |per_degree: u64| (degrees.abs() * per_degree as f64).round() as u64;
         let (written, is_zero) = match self {
@@ -158,7 +159,7 @@ mod tests {
         assert!(own.starts_with("UTM 13N 232"), "{own}");
     }
 
-    /// Reads back what was written, from the numbers and the letters alone.
+    /// Reads back a written position, from the numbers and the letters alone.
     fn read(text: &str) -> LonLat {
         if let Some(utm) = text.strip_prefix("UTM ") {
             let words: Vec<&str> = utm.split(' ').collect();

@@ -1,5 +1,5 @@
-//! Coordinate reference systems that files are written in, and the plane in metres that maps are
-//! drawn in, whatever the unit of the system.
+//! Converts positions to the coordinate reference systems that files are written in, and to the
+//! plane in metres that maps are drawn in, whatever the unit of the system.
 
 use super::ellipsoid::metres_per_degree;
 use super::projections::{transformed, wgs84};
@@ -13,8 +13,8 @@ use std::sync::Arc;
 const WGS84: u16 = 4326;
 /// EPSG's number of web Mercator.
 const WEB_MERCATOR: u16 = 3857;
-/// Datums on the ellipsoid of WGS84 or its twin that PROJ nevertheless shifts by up to 2 m against
-/// WGS84.
+/// Names of datums on the ellipsoid of WGS84 or GRS80 that PROJ nevertheless shifts by up to 2 m
+/// against WGS84.
 const SHIFTED_DATUMS: [&str; 5] = [
     "NAD83_High_Accuracy_Reference_Network",
     "NAD83_Canadian_Spatial_Reference_System",
@@ -22,16 +22,16 @@ const SHIFTED_DATUMS: [&str; 5] = [
     "Costa_Rica_2005",
     "St_Helena",
 ];
-/// Systems of NAD83 in the Aleutians and Hawaii, where it lies 0.8 m from WGS84.
+/// EPSG numbers of NAD83 systems in the Aleutians and Hawaii, where NAD83 is 0.8 m off WGS84.
 const SHIFTED_SYSTEMS: [u16; 7] = [3373, 26_940, 26_961, 26_962, 26_963, 26_964, 26_965];
-/// Factor by which a projection may stretch an area and still be meant for a place.
+/// Factors by which a projection may stretch areas at a place that it is meant for.
 const MODEST: std::ops::Range<f64> = 0.8..1.25;
-/// Step over which that is measured, degrees: some 10 m.
+/// Step over which the stretch of areas is measured, degrees: some 10 m.
 const STEP_DEG: f64 = 1e-4;
-/// A system that stretches the ground by less than this has metres that are metres enough.
+/// Relative stretch of lengths up to which the metres of a system are used without scaling.
 const LEAST_STRETCH: f64 = 0.02;
 
-/// Reason why a system cannot be used, in one sentence that begins with the setting.
+/// Reason why a system cannot be used; its text is one sentence that begins with the setting.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{setting}: {reason}")]
 pub struct CrsError {
@@ -51,7 +51,7 @@ impl CrsError {
     }
 }
 
-/// `crs`: `utm`, `wgs84`, `web_mercator`, or `EPSG:` and a number.
+/// The `crs` setting: `utm`, `wgs84`, `web_mercator`, or `EPSG:` and a number.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub enum CrsChoice {
@@ -62,11 +62,11 @@ pub enum CrsChoice {
     Wgs84,
     /// Web Mercator.
     WebMercator,
-    /// A system by EPSG's number.
+    /// A system by its EPSG number.
     Epsg(u16),
 }
 
-/// A text that names no system.
+/// Error of a text that does not name a system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("it is {0}")]
 pub struct NoSystem(&'static str);
@@ -103,10 +103,12 @@ impl From<CrsChoice> for String {
 }
 
 impl CrsChoice {
-    /// Refuses what is not known, not in metres, or on another datum.
+    /// Checks that the system is known, in metres (or WGS84 in degrees), and on a datum that agrees
+    /// with WGS84.
     ///
     /// # Errors
-    /// When the system is not known, has no metres, or does not fit.
+    /// When the system is not known, is neither in metres nor WGS84 in degrees, or is on a datum
+    /// that does not agree with WGS84.
     pub fn check(self) -> Result<(), CrsError> {
         match self {
             CrsChoice::Epsg(number) => Crs::from_epsg(number).map(|_| ()),
@@ -114,10 +116,11 @@ impl CrsChoice {
         }
     }
 
-    /// The system for a survey that begins at a position; refused where it does not reach that far.
+    /// Returns the system for a survey that begins at a position.
     ///
     /// # Errors
-    /// When the system is not known, has no metres, or does not fit.
+    /// When the system is not known, is neither in metres nor WGS84 in degrees, or is on a datum
+    /// that does not agree with WGS84; when `position` is far outside of the area of the system.
     pub fn at(self, position: LonLat) -> Result<Crs, CrsError> {
         let number = match self {
             CrsChoice::Utm => return Ok(Crs::utm(position)),
@@ -127,7 +130,8 @@ impl CrsChoice {
         };
         let crs = Crs::from_epsg(number)?;
         let back = crs.to_lon_lat(crs.place(position));
-        // A micrometre and more, but not what a projection does beyond its reach.
+        // The limit, 0.1 mm, allows for rounding, but not for the errors of a projection far
+        // outside of its area.
         let off_deg = (back.lon_deg - position.lon_deg).hypot(back.lat_deg - position.lat_deg);
         let stretched = !crs.is_mercator() && !MODEST.contains(&area_scale(&crs, position));
         if off_deg < 1e-9 && !stretched {
@@ -139,8 +143,8 @@ impl CrsChoice {
     }
 }
 
-/// `source.crs`: the system of positions that a log has in metres without naming it, `EPSG:` and a
-/// number.
+/// The `source.crs` setting, `EPSG:` and a number: the system of a log whose positions are in
+/// metres of a system that the log does not name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct SourceCrs(pub u16);
@@ -163,10 +167,11 @@ impl From<SourceCrs> for String {
 }
 
 impl SourceCrs {
-    /// The system.
+    /// Returns the system.
     ///
     /// # Errors
-    /// A sentence that names `source.crs` when it is not known, not in metres, or on another datum.
+    /// A sentence that names `source.crs`, when the system is not known, not in metres, or on a
+    /// datum that does not agree with WGS84.
     pub fn system(self) -> Result<Crs, CrsError> {
         let Self(number) = self;
         if crs_definitions::from_code(number).is_none() {
@@ -204,14 +209,15 @@ enum Kind {
 }
 
 impl Crs {
-    /// A system by EPSG's number.
+    /// Creates a system by its EPSG number.
     ///
     /// Projections other than web Mercator are those of `proj4rs`. Datums are not shifted, so only
-    /// those are known that PROJ takes for WGS84 (ETRS89, GDA, NZGD2000, most of NAD83 ...): they
-    /// differ from it by less than fish-finders do.
+    /// datums that PROJ treats as WGS84 are accepted (ETRS89, GDA, NZGD2000, most of NAD83 ...):
+    /// they differ from WGS84 by less than the positions of fish-finders do.
     ///
     /// # Errors
-    /// When the system is not known, has no metres, or does not fit.
+    /// When the system is not known, is neither in metres nor WGS84 in degrees, or is on a datum
+    /// that does not agree with WGS84.
     pub fn from_epsg(epsg: u16) -> Result<Self, CrsError> {
         let known = crs_definitions::from_code(epsg);
         let unknown = || {
@@ -230,12 +236,12 @@ impl Crs {
         Ok(Self { epsg, wkt: without_shift(known.wkt), kind })
     }
 
-    /// The UTM zone of a position.
+    /// Returns the UTM system of a position's zone.
     pub fn utm(position: LonLat) -> Self {
         Self::of_zone(UtmZone::of(position))
     }
 
-    /// A UTM zone.
+    /// Returns the system of a UTM zone.
     pub fn of_zone(zone: UtmZone) -> Self {
         let epsg = zone.epsg() as u16;
         let known = crs_definitions::from_code(epsg);
@@ -246,33 +252,34 @@ impl Crs {
         }
     }
 
-    /// EPSG's number.
+    /// Returns the EPSG number.
     pub fn epsg(&self) -> u16 {
         self.epsg
     }
 
-    /// The system in the first version of well-known text, as LAS and shapefiles want it.
+    /// Returns the system as well-known text, version 1, which LAS files and shapefiles need.
     pub fn wkt(&self) -> &str {
         &self.wkt
     }
 
-    /// Its name, for example `WGS 84 / UTM zone 12N`.
+    /// Returns the name of the system, for example `WGS 84 / UTM zone 12N`.
     pub fn name(&self) -> &str {
         quoted_after(&self.wkt, "[")
     }
 
-    /// Returns true if its coordinates are degrees.
+    /// Returns true if the coordinates of the system are degrees.
     pub fn is_degrees(&self) -> bool {
         matches!(self.kind, Kind::Degrees)
     }
 
-    /// Mercators stretch the ground far from the equator, and are asked for nevertheless.
+    /// Returns true if the system is a Mercator or in degrees: both stretch the ground far from the
+    /// equator, and people choose them nevertheless, so that their stretch is not checked.
     fn is_mercator(&self) -> bool {
         self.wkt.contains("PROJECTION[\"Mercator_") || self.is_degrees()
     }
 
-    /// East (or longitude) and north (or latitude) of a position; NaN where the projection does not
-    /// reach.
+    /// Returns east (or longitude) and north (or latitude) of a position; NaN where the projection
+    /// is not defined.
     pub fn place(&self, position: LonLat) -> [f64; 2] {
         match &self.kind {
             Kind::Degrees => [position.lon_deg, position.lat_deg],
@@ -285,7 +292,7 @@ impl Crs {
         }
     }
 
-    /// Returns true if `metres` of this system, easting and northing, lie in the area that the
+    /// Returns true if `metres` of this system, easting and northing, are in the area that the
     /// system is meant for.
     fn reaches(&self, metres: [f64; 2]) -> bool {
         let position = self.to_lon_lat(metres);
@@ -297,10 +304,11 @@ impl Crs {
         off_m < 1e-3 && (self.is_mercator() || MODEST.contains(&area_scale(self, position)))
     }
 
-    /// Refuses metres of a log that cannot be of this system.
+    /// Checks that metres of a log, easting and northing, can be of this system.
     ///
     /// # Errors
-    /// A sentence that names `source.crs`, the metres and the system.
+    /// A sentence that names `source.crs`, the metres and the system, when the metres are outside
+    /// of the area of the system.
     pub(crate) fn check_source(&self, metres: [f64; 2]) -> Result<(), CrsError> {
         if self.reaches(metres) {
             Ok(())
@@ -342,19 +350,19 @@ impl fmt::Debug for Crs {
     }
 }
 
-/// A coordinate reference system as a plane in metres. One in degrees, or a Mercator that stretches
-/// the ground, is scaled to metres on the ground at the survey's origin, so that cells and gaps
-/// mean the same in every system; a grid of square cells is then one of oblong cells in degrees.
+/// A coordinate reference system as a plane in metres. A system in degrees, or one that stretches
+/// the ground, is scaled to metres on the ground at the survey's origin, so that the sizes of cells
+/// and gaps are the same in every system; square cells of the plane are then oblong in degrees.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MapPlane {
-    /// The system.
+    /// The coordinate reference system.
     pub crs: Crs,
-    /// Units of the system in a metre of the plane, east and north.
+    /// Units of the system per metre of the plane, east and north.
     pub units: [f64; 2],
 }
 
 impl MapPlane {
-    /// The plane of a system around an origin.
+    /// Creates the plane of a system around an origin.
     pub fn new(crs: Crs, origin: LonLat) -> Self {
         let stretch = area_scale(&crs, origin).sqrt();
         let units = match crs.is_degrees() {
@@ -365,7 +373,7 @@ impl MapPlane {
         Self { crs, units }
     }
 
-    /// Metres east and north in the plane.
+    /// Returns the place of a position in the plane, metres east and north.
     pub fn place(&self, position: LonLat) -> [f64; 2] {
         let place = self.crs.place(position);
         [0, 1].map(|axis| place[axis] / self.units[axis])
@@ -376,18 +384,18 @@ impl MapPlane {
         self.crs.to_lon_lat(self.in_crs(place))
     }
 
-    /// A place in the units of the system.
+    /// Converts a place in the plane to the units of the system.
     pub fn in_crs(&self, place: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|axis| place[axis] * self.units[axis])
     }
 
-    /// Square metres of the plane in a square metre on the ground at a place.
+    /// Returns the square metres of the plane per square metre on the ground at a place.
     pub fn area_scale_at(&self, place: [f64; 2]) -> f64 {
         area_scale(&self.crs, self.to_lon_lat(place)) / (self.units[0] * self.units[1])
     }
 }
 
-/// Square units of a system in a square metre on the ground at a position.
+/// Returns the square units of a system per square metre on the ground at a position.
 fn area_scale(crs: &Crs, at: LonLat) -> f64 {
     let moved = |east_deg: f64, north_deg: f64| {
         crs.place(LonLat::new(at.lon_deg + east_deg, at.lat_deg + north_deg))
@@ -400,7 +408,8 @@ fn area_scale(crs: &Crs, at: LonLat) -> f64 {
     (east[0] * north[1] - east[1] * north[0]).abs() / (lon_m * lat_m)
 }
 
-/// The projection, if it is one in metres on a datum that agrees with WGS84.
+/// Creates the projection of a system by its PROJ text; refuses systems that are not in metres, or
+/// on a datum that does not agree with WGS84.
 fn projection(epsg: u16, proj4: &str, wkt: &str) -> Result<Proj, CrsError> {
     let refused =
         |why: &str| CrsError::new(format!("EPSG:{epsg} ({}) {why}", quoted_after(wkt, "[")));
@@ -413,7 +422,7 @@ fn projection(epsg: u16, proj4: &str, wkt: &str) -> Result<Proj, CrsError> {
             "lies on another datum than WGS84; choose a system on WGS84, ETRS89 or NAD83 and let a GIS shift it",
         ));
     }
-    // Without the datum, whose shift is none.
+    // The datum is left out of the projection: its shift to WGS84 is zero.
     Proj::from_proj_string(proj4)
         .map_err(|_| refused("uses a projection that is not known here; choose another system"))
 }
@@ -444,7 +453,7 @@ fn without_shift(wkt: &str) -> String {
     format!("{before}{behind}")
 }
 
-/// The first quoted text behind a word.
+/// Returns the first quoted text behind a word; empty where there is none.
 fn quoted_after<'a>(text: &'a str, word: &str) -> &'a str {
     let behind = text.split_once(word).map_or("", |(_, behind)| behind);
     behind.split('"').nth(1).unwrap_or_default()
@@ -457,9 +466,9 @@ mod tests {
 
     #[test]
     fn area_scales_are_those_of_proj() {
-        // pyproj 3.7.2: Proj(...).get_factors(-111.48, 36.86).areal_scale. That of web Mercator is
-        // its area over that of Geod.polygon_area_perimeter: PROJ's factors leave the ellipsoid
-        // out.
+        // pyproj 3.7.2: Proj(...).get_factors(-111.48, 36.86).areal_scale. The scale of web
+        // Mercator is its area divided by that of Geod.polygon_area_perimeter: PROJ's factors
+        // ignore the ellipsoid.
         let at = LonLat::new(-111.48, 36.86);
         for (choice, scale) in [
             (CrsChoice::Utm, 0.999_245_248),

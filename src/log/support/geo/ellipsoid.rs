@@ -1,5 +1,5 @@
-//! The ellipsoid of WGS84: the survey's east-north plane, metres in a degree, and lengths, courses
-//! and areas of lines that a person draws.
+//! Computes on the ellipsoid of WGS84: the local east-north plane of a survey, metres in a degree,
+//! and lengths, courses and areas of lines that a user draws.
 
 use super::LonLat;
 
@@ -10,11 +10,13 @@ const F: f64 = 1.0 / 298.257_223_563;
 /// First eccentricity squared of WGS84.
 const E2: f64 = F * (2.0 - F);
 
-/// A local east-north frame tangent to the WGS84 ellipsoid at an origin (height 0).
+/// A local coordinate frame, east and north, tangent to the WGS84 ellipsoid at an origin (height
+/// 0).
 ///
-/// Positions go through earth-centred coordinates, so that metres are metres on the ground in every
-/// direction (a scaled Mercator is wrong by up to 4 m a kilometre). The third, vertical coordinate
-/// is dropped: depths are measured from the water surface, which curves with the Earth.
+/// Positions are converted through earth-centred coordinates, so that its metres are metres on the
+/// ground in every direction (a scaled Mercator is wrong by up to 4 m a kilometre). The third,
+/// vertical coordinate is dropped: depths are measured from the water surface, which curves with
+/// the Earth.
 #[derive(Clone, Debug)]
 pub struct LocalFrame {
     origin: LonLat,
@@ -26,7 +28,7 @@ pub struct LocalFrame {
 }
 
 impl LocalFrame {
-    /// A frame with its origin at `origin`.
+    /// Creates the frame with its origin at `origin`.
     pub fn new(origin: LonLat) -> Self {
         let (sin_lon, cos_lon) = origin.lon_deg.to_radians().sin_cos();
         let (sin_lat, cos_lat) = origin.lat_deg.to_radians().sin_cos();
@@ -44,16 +46,16 @@ impl LocalFrame {
         self.origin
     }
 
-    /// Metres east and north of the origin.
+    /// Returns the place of a position, metres east and north of the origin.
     pub fn to_enu(&self, position: LonLat) -> [f64; 2] {
         let at = earth_centred(position);
         let offset = [0, 1, 2].map(|axis| at[axis] - self.centre[axis]);
         [dot(self.east, offset), dot(self.north, offset)]
     }
 
-    /// Inverse of [`LocalFrame::to_enu`]: the point of the ellipsoid above or below that place of
-    /// the plane. Beyond the horizon of the origin (thousands of kilometres) the nearest direction
-    /// is returned.
+    /// Inverse of [`LocalFrame::to_enu`]: returns the point of the ellipsoid above or below a place
+    /// of the plane. For a place beyond the horizon of the origin (thousands of kilometres) the
+    /// point in the nearest direction is returned.
     pub fn to_lon_lat(&self, east_m: f64, north_m: f64) -> LonLat {
         let offset = [0, 1, 2].map(|axis| self.east[axis] * east_m + self.north[axis] * north_m);
         let drop = self.height_of_surface(offset);
@@ -63,8 +65,9 @@ impl LocalFrame {
         LonLat::new(y.atan2(x).to_degrees(), z.atan2((1.0 - E2) * x.hypot(y)).to_degrees())
     }
 
-    /// Direction of true north at a position, radians clockwise from the frame's north: 0 on the
-    /// meridian of the origin, and 0.3 degrees 20 km east of it at 60 degrees north.
+    /// Returns the direction of true north at a position, radians clockwise from the frame's north:
+    /// 0 on the meridian of the origin, and 0.3 degrees at 20 km east of the origin at 60 degrees
+    /// north.
     pub(crate) fn true_north_rad(&self, position: LonLat) -> f64 {
         let (sin_lon, cos_lon) = position.lon_deg.to_radians().sin_cos();
         let (sin_lat, cos_lat) = position.lat_deg.to_radians().sin_cos();
@@ -72,8 +75,8 @@ impl LocalFrame {
         dot(self.east, north).atan2(dot(self.north, north))
     }
 
-    /// Height of the ellipsoid above (negative: below) the tangent plane at `offset` from the
-    /// origin.
+    /// Returns the height of the ellipsoid above (negative: below) the tangent plane at `offset`
+    /// from the origin.
     ///
     /// In axes scaled to a unit sphere, `|centre + offset + u up| = 1` is a quadratic in `u`;
     /// `|centre| = 1` cancels, so that nothing large is subtracted.
@@ -88,21 +91,22 @@ impl LocalFrame {
     }
 }
 
-/// Metres on WGS84 in a degree of longitude and of latitude: radii of the prime vertical and of the
-/// meridian.
+/// Returns the metres on WGS84 in a degree of longitude and of latitude, from the radii of the
+/// prime vertical and of the meridian.
 pub fn metres_per_degree(at: LonLat) -> [f64; 2] {
     let (sin, cos) = at.lat_deg.to_radians().sin_cos();
     let w2 = 1.0 - E2 * sin * sin;
     let vertical_m = A_M / w2.sqrt();
     let meridian_m = vertical_m * (1.0 - E2) / w2;
-    // At a pole all longitudes are one place: any width will do.
+    // At a pole a degree of longitude has no width; 1 m avoids a division by zero.
     [(vertical_m * cos).max(1.0), meridian_m].map(f64::to_radians)
 }
 
-/// Metres along the shortest line on WGS84 between two positions.
+/// Returns the metres along the shortest line on WGS84 between two positions.
 ///
-/// The chord between them, bent to the ellipsoid's curvature in its direction at its middle
-/// (Euler's radius): within 0.1 mm of the geodesic up to 20 km and within a millionth up to 500 km.
+/// The chord between the positions is bent to the ellipsoid's curvature in its direction at its
+/// middle (Euler's radius): accurate within 0.1 mm of the geodesic up to 20 km and within a
+/// millionth up to 500 km.
 pub fn distance_m(from: LonLat, to: LonLat) -> f64 {
     let chord_m = chord_m(from, to);
     let middle = middle([from, to].into_iter());
@@ -116,7 +120,7 @@ pub fn distance_m(from: LonLat, to: LonLat) -> f64 {
     2.0 * radius_m * (0.5 * chord_m / radius_m).min(1.0).asin()
 }
 
-/// Course at which the line between two positions sets out, radians clockwise from north, 0 to 2
+/// Returns the initial course from one position to another, radians clockwise from north, 0 to 2
 /// pi; NaN where they coincide.
 pub fn course_rad(from: LonLat, to: LonLat) -> f64 {
     let [east_m, north_m] = LocalFrame::new(from).to_enu(to);
@@ -127,12 +131,12 @@ pub fn course_rad(from: LonLat, to: LonLat) -> f64 {
     }
 }
 
-/// Square metres inside a closed line on WGS84, whichever way round it runs; where it crosses
-/// itself, loops of opposite sense count against each other.
+/// Returns the square metres inside a closed line on WGS84, whichever way round it runs; where the
+/// line crosses itself, the areas of loops of opposite sense are subtracted.
 ///
-/// By the shoelace formula in the plane that touches the ellipsoid at the middle of the corners;
-/// distances `d` from there shrink by `(d / 6371 km)^2 / 2`, which costs a ten-millionth of the
-/// area of a polygon 5 km across.
+/// The area is computed by the shoelace formula in the plane that touches the ellipsoid at the
+/// middle of the corners; at a distance `d` from there lengths shrink by `(d / 6371 km)^2 / 2`,
+/// which is an error of a ten-millionth of the area of a polygon 5 km across.
 pub fn area_m2(corners: &[LonLat]) -> f64 {
     let frame = LocalFrame::new(middle(corners.iter().copied()));
     let places: Vec<[f64; 2]> = corners.iter().map(|at| frame.to_enu(*at)).collect();
@@ -141,16 +145,16 @@ pub fn area_m2(corners: &[LonLat]) -> f64 {
     0.5 * twice.sum::<f64>().abs()
 }
 
-/// A direction in degrees clockwise from north, at least 0 and below 360 after it is rounded to
-/// some decimals; NaN stays NaN.
+/// Converts a direction to degrees clockwise from north, rounded to some decimals; at least 0 and
+/// below 360 after the rounding. NaN stays NaN.
 pub fn compass_deg(heading_rad: f64, decimals: i32) -> f64 {
     let parts = 10_f64.powi(decimals);
     let whole = (heading_rad.to_degrees() * parts).round();
-    // What is added makes -0 a 0.
+    // Adding 0 makes a -0 a 0.
     whole.rem_euclid(360.0 * parts) / parts + 0.0
 }
 
-/// Metres from the centre of the Earth of a position on the ellipsoid.
+/// Returns the earth-centred coordinates of a position on the ellipsoid, metres.
 fn earth_centred(position: LonLat) -> [f64; 3] {
     let (sin_lon, cos_lon) = position.lon_deg.to_radians().sin_cos();
     let (sin_lat, cos_lat) = position.lat_deg.to_radians().sin_cos();
@@ -164,14 +168,15 @@ fn chord_m(from: LonLat, to: LonLat) -> f64 {
     squares.iter().sum::<f64>().sqrt()
 }
 
-/// The step between two positions in the plane at `origin`.
+/// Returns the step between two positions in the plane at `origin`, metres east and north.
 fn step_m(origin: LonLat, from: LonLat, to: LonLat) -> [f64; 2] {
     let frame = LocalFrame::new(origin);
     let [a, b] = [from, to].map(|at| frame.to_enu(at));
     [b[0] - a[0], b[1] - a[1]]
 }
 
-/// The mean of some positions, which may lie on both sides of the date line; any position for none.
+/// Returns the mean of some positions, which may be on both sides of the date line; an arbitrary
+/// position where there are none.
 fn middle(positions: impl Iterator<Item = LonLat> + Clone) -> LonLat {
     let count = positions.clone().count().max(1) as f64;
     let first_deg = positions.clone().next().map_or(0.0, |at| at.lon_deg);

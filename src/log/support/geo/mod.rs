@@ -1,12 +1,13 @@
-//! WGS84 to metres and back, and units.
+//! Converts positions between degrees on WGS84 and metres of several systems, and units to metres.
 //!
-//! In: positions in degrees or metres. Out: the same in another system, lengths, areas and
+//! In: positions in degrees or metres. Out: positions in another system, lengths, areas and
 //! directions.
 //!
-//! `ellipsoid` has the east-north plane of a survey, and the lengths and areas of what is drawn.
-//! `projections` are the spherical Mercators that recorders and the paper use, and UTM, the metres
-//! that survey programs expect in a file. `coordinates` is how a person reads a position. `crs` has
-//! these and the other systems that files are written in, and makes any of them a plane in metres.
+//! `ellipsoid` has the east-north plane of a survey, and the lengths and areas of drawn lines.
+//! `projections` has the spherical Mercators that recorders and the paper use, and UTM, the metres
+//! that survey programs expect in a file. `coordinates` formats a position for people. `crs` has
+//! these and the other systems that files are written in, and converts any of them to a plane in
+//! metres.
 
 mod coordinates;
 mod crs;
@@ -26,26 +27,27 @@ use super::outline;
 /// A WGS84 position in degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LonLat {
-    /// East positive.
+    /// Longitude, degrees, positive to the east.
     pub lon_deg: f64,
-    /// North positive.
+    /// Latitude, degrees, positive to the north.
     pub lat_deg: f64,
 }
 
 impl LonLat {
-    /// A position by its longitude and latitude, degrees.
+    /// Creates a position from its longitude and latitude, degrees.
     pub const fn new(lon_deg: f64, lat_deg: f64) -> Self {
         Self { lon_deg, lat_deg }
     }
 
-    /// Returns true if there is such a position: longitude within 180 degrees, latitude within 90.
+    /// Returns true if the position exists: longitude within 180 degrees, latitude within 90.
     pub fn is_on_earth(&self) -> bool {
         (-180.0..=180.0).contains(&self.lon_deg) && (-90.0..=90.0).contains(&self.lat_deg)
     }
 }
 
-/// West, south, east and north of some positions, degrees; without any, a box that meets no other.
-/// The positions lie within half of the earth: across the antimeridian the east is above 180.
+/// Returns west, south, east and north of some positions, degrees; without positions, a box that
+/// meets no other. The positions have to be within half of the earth; across the antimeridian the
+/// east is above 180.
 pub fn bounds_deg(positions: impl Iterator<Item = LonLat>) -> [f64; 4] {
     let mut first_deg = None;
     let places = positions.map(|at| {

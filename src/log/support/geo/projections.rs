@@ -1,9 +1,8 @@
-//! Projections of recorders and of UTM, and the degrees of WGS84 that all projections begin or end
-//! in.
+//! Converts WGS84 positions to metres of the projections of recorders and of UTM, and back.
 //!
-//! Spherical Mercators: EPSG:3857, Lowrance's, Humminbird's; all stretch the ground by about 1 /
-//! cos(latitude). Universal Transverse Mercator on WGS84: the metres that survey programs expect in
-//! a file.
+//! The spherical Mercators are EPSG:3857, Lowrance's and Humminbird's; all stretch the ground by
+//! about 1 / cos(latitude). Universal Transverse Mercator on WGS84 gives the metres that survey
+//! programs expect in a file.
 
 use super::LonLat;
 use super::ellipsoid::metres_per_degree;
@@ -18,28 +17,29 @@ const WEB_RADIUS_M: f64 = 6_378_137.0;
 const LOWRANCE_RADIUS_M: f64 = 6_356_752.314_2;
 /// Radius of Humminbird's sphere: the equatorial radius of International 1924, metres.
 const HUMMINBIRD_RADIUS_M: f64 = 6_378_388.0;
-/// tan(geodetic latitude) / tan(spherical latitude) of Humminbird's logs, as its readers use it
-/// (close to, but not exactly, (a / b) squared of International 1924).
+/// tan(geodetic latitude) / tan(spherical latitude) in Humminbird's logs, as other readers of these
+/// logs use it (close to, but not exactly, (a / b) squared of International 1924).
 const HUMMINBIRD_TAN_RATIO: f64 = 1.006_764_292_7;
 
 /// A UTM zone of one hemisphere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct UtmZone {
-    /// 1 to 60.
+    /// Number of the zone, 1 to 60.
     pub number: u8,
-    /// Northern hemisphere.
+    /// True for the northern hemisphere.
     pub north: bool,
 }
 
 impl UtmZone {
-    /// The plain six-degree zone of a position (without the exceptions of Norway and Svalbard).
+    /// Returns the plain six-degree zone of a position (without the exceptions of Norway and
+    /// Svalbard).
     pub fn of(position: LonLat) -> Self {
         let from_date_line = (position.lon_deg + 180.0).rem_euclid(360.0);
         Self { number: (from_date_line / 6.0) as u8 % 60 + 1, north: position.lat_deg >= 0.0 }
     }
 
-    /// The zones that have a place within `reach_m` of a position: its own first, and those across
-    /// a meridian or the equator.
+    /// Returns the zones that have a place within `reach_m` of a position: the zone of the position
+    /// first, then those across a meridian or the equator.
     pub fn near(position: LonLat, reach_m: f64) -> Vec<Self> {
         let [lon_m, lat_m] = metres_per_degree(position);
         let [lon_deg, lat_deg] = [reach_m / lon_m, reach_m / lat_m];
@@ -59,25 +59,26 @@ impl UtmZone {
         zones
     }
 
-    /// Its number among the EPSG coordinate reference systems.
+    /// Returns the EPSG number of the zone.
     pub fn epsg(self) -> u32 {
         (if self.north { 32_600 } else { 32_700 }) + u32::from(self.number)
     }
 
-    /// The zone of an EPSG number; `None` for any other system.
+    /// Returns the zone of an EPSG number; `None` where it is not a UTM zone on WGS84.
     pub(crate) fn from_epsg(epsg: u32) -> Option<Self> {
         let number = u8::try_from(epsg % 100).ok()?;
         let exists = (1..=60).contains(&number) && [326, 327].contains(&(epsg / 100));
         exists.then_some(Self { number, north: epsg / 100 == 326 })
     }
 
-    /// Its name: `UTM 12N`.
+    /// Returns the name of the zone: `UTM 12N`.
     pub fn name(self) -> String {
         format!("UTM {}{}", self.number, if self.north { 'N' } else { 'S' })
     }
 
-    /// Easting and northing, metres: Poder and Engsager's series to the sixth order, better than a
-    /// tenth of a micrometre within the zone. NaN where there is no such place.
+    /// Converts a position to easting and northing, metres, by Poder and Engsager's series to the
+    /// sixth order: better than a tenth of a micrometre within the zone. NaN where the zone or the
+    /// position does not exist.
     pub fn to_metres(self, position: LonLat) -> [f64; 2] {
         let from = [position.lon_deg, position.lat_deg].map(f64::to_radians);
         let there = self.projection();
@@ -92,7 +93,8 @@ impl UtmZone {
         LonLat { lon_deg, lat_deg }
     }
 
-    /// The projection, made at the first question; `None` for a number that no zone has.
+    /// Returns the projection of the zone, created at the first call; `None` where no zone has the
+    /// number.
     fn projection(self) -> Option<&'static Proj> {
         static ZONES: [OnceLock<Option<Proj>>; 120] = [const { OnceLock::new() }; 120];
         let of_hemisphere = usize::from(self.number).checked_sub(1)?;
@@ -108,7 +110,8 @@ impl UtmZone {
     }
 }
 
-/// EPSG:3857 x, y in metres: the geodetic latitude taken for a spherical one, as EPSG defines it.
+/// Converts WGS84 to EPSG:3857 x and y, metres: the geodetic latitude is used as a spherical one,
+/// as EPSG defines it.
 pub fn web_mercator(position: LonLat) -> [f64; 2] {
     forward(position, WEB_RADIUS_M)
 }
@@ -118,17 +121,18 @@ pub fn web_mercator_inverse(x: f64, y: f64) -> LonLat {
     inverse(x, y, WEB_RADIUS_M)
 }
 
-/// Lowrance's Mercator (sphere of the WGS84 polar radius) to WGS84.
+/// Converts Lowrance's Mercator metres (sphere of the WGS84 polar radius) to WGS84.
 pub fn lowrance_mercator_inverse(x: f64, y: f64) -> LonLat {
     inverse(x, y, LOWRANCE_RADIUS_M)
 }
 
-/// WGS84 to Lowrance's Mercator metres (before the recorder's rounding).
+/// Converts WGS84 to Lowrance's Mercator metres (before the recorder's rounding).
 pub fn lowrance_mercator(position: LonLat) -> [f64; 2] {
     forward(position, LOWRANCE_RADIUS_M)
 }
 
-/// Humminbird's Mercator (International 1924 sphere, then to geodetic latitude) to WGS84.
+/// Converts Humminbird's Mercator metres (International 1924 sphere, then to geodetic latitude) to
+/// WGS84.
 pub fn humminbird_mercator_inverse(x: f64, y: f64) -> LonLat {
     let spherical = inverse(x, y, HUMMINBIRD_RADIUS_M);
     let tangent = spherical.lat_deg.to_radians().tan() * HUMMINBIRD_TAN_RATIO;
@@ -147,7 +151,8 @@ fn inverse(x: f64, y: f64, radius_m: f64) -> LonLat {
     )
 }
 
-/// Longitude and latitude on WGS84, radians: the beginning or the end of a projection.
+/// Returns longitude and latitude on WGS84, radians, as the system that every projection is
+/// converted from or to.
 #[allow(clippy::expect_used, reason = "a text that a test reads")]
 pub(super) fn wgs84() -> &'static Proj {
     static WGS84_RADIANS: LazyLock<Proj> = LazyLock::new(|| {
@@ -157,7 +162,7 @@ pub(super) fn wgs84() -> &'static Proj {
     &WGS84_RADIANS
 }
 
-/// Some coordinates of one system in another; NaN where that does not reach.
+/// Converts coordinates of one system to another; NaN where the other is not defined.
 pub(super) fn transformed(from: &Proj, to: &Proj, [x, y]: [f64; 2]) -> [f64; 2] {
     let mut point = (x, y, 0.0);
     match transform(from, to, &mut point) {
@@ -199,7 +204,7 @@ mod tests {
             zones.into_iter().map(UtmZone::name).collect::<Vec<_>>()
         };
         assert_eq!(near(9.0, 47.5, 100.0), ["UTM 32N"]);
-        // A thousandth of a degree is 75 m there.
+        // At this latitude a thousandth of a degree of longitude is 75 m.
         assert_eq!(near(11.999, 47.5, 100.0), ["UTM 32N", "UTM 33N"]);
         assert_eq!(near(11.999, 47.5, 50.0), ["UTM 32N"]);
         assert_eq!(near(-179.9999, 47.5, 50.0), ["UTM 1N", "UTM 60N"]);

@@ -1,21 +1,20 @@
-//! A page of a mapped file that the system cannot give: zeros take its place, and the program goes
-//! on.
+//! Replaces a page of a mapped file that the system cannot read any more by zeros, so that the
+//! program goes on.
 //!
 //! POSIX sends SIGBUS to the thread that touches such a page (`mmap(2)`): behind the end of a file
-//! that was cut, of a card that was pulled out, of a disk with an error. The handler maps zeros
-//! over the page and returns, and the system repeats the access. It calls nothing but what POSIX
-//! lets a handler call (`signal-safety(7)`) and `mmap`, which Linux, macOS and the BSDs carry out
-//! as a system call of its own; all else is loads and stores of atomics. It needs some hundred
-//! bytes of whatever stack the thread has. `errno` stays as it is where `mmap` succeeds, and what
-//! was interrupted is no call but a read of memory.
+//! that was cut, on a card that was pulled out, on a disk with an error. The handler maps zeros
+//! over the page and returns, and the system repeats the access. The handler calls only what POSIX
+//! lets a handler call (`signal-safety(7)`) and `mmap`, which is a plain system call on Linux,
+//! macOS and the BSDs; all else is loads and stores of atomics. The handler needs some hundred
+//! bytes of the stack of the thread. `errno` is unchanged where `mmap` succeeds, and the handler
+//! interrupts a read of memory, not a call.
 
 use super::registry;
 use libc::{c_int, c_void, siginfo_t};
 use std::sync::{Once, OnceLock};
 use std::{mem, process, ptr};
 
-/// Largest exponent of 2 for the number of pages that one fault replaces: 4 GiB at once are the
-/// most.
+/// Largest exponent of 2 for the number of pages that one fault replaces: at most 4 GiB at once.
 const MOST_DOUBLED: usize = 20;
 
 /// Data that the handler needs.
@@ -28,14 +27,14 @@ struct Installed {
 
 static INSTALLED: OnceLock<Installed> = OnceLock::new();
 
-/// Handles faults in registered maps from the first call on.
+/// Installs the handler of SIGBUS at the first call; later calls do nothing.
 #[allow(unsafe_code)]
 pub(super) fn install() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
-        // SAFETY: zeros are a value of the structure; both calls only read and write what they are
-        // given. The handler takes its arguments as SA_SIGINFO has them, and what it goes by is
-        // there before it is.
+        // SAFETY: zeros are a valid value of the structure; the calls only read and write their
+        // arguments. The handler has the signature of SA_SIGINFO, and `INSTALLED`, which it reads,
+        // is set before the handler is installed.
         unsafe {
             let mut before: libc::sigaction = mem::zeroed();
             libc::sigaction(libc::SIGBUS, ptr::null(), &raw mut before);
@@ -43,7 +42,7 @@ pub(super) fn install() {
             INSTALLED.get_or_init(|| Installed { before, page });
             let mut action: libc::sigaction = mem::zeroed();
             action.sa_sigaction = on_fault as *const () as usize;
-            // The stack that Rust gives its threads for handlers is used where there is one.
+            // SA_ONSTACK: uses the signal stack that Rust gives its threads, where there is one.
             action.sa_flags = libc::SA_SIGINFO | libc::SA_ONSTACK;
             libc::sigemptyset(&raw mut action.sa_mask);
             libc::sigaction(libc::SIGBUS, &raw const action, ptr::null_mut());
@@ -56,15 +55,15 @@ extern "C" fn on_fault(signal: c_int, info: *mut siginfo_t, _context: *mut c_voi
     let Some(installed) = INSTALLED.get() else {
         process::abort();
     };
-    // SAFETY: SA_SIGINFO has the system pass a structure that it filled.
+    // SAFETY: with SA_SIGINFO the system passes a structure that it filled.
     let (code, address) = unsafe { ((*info).si_code, (*info).si_addr().addr()) };
-    // What another process sent has no address.
+    // A signal that another process sent has no address.
     let is_fault = code > 0;
     if is_fault && put_zeros(address, installed.page) {
         return;
     }
-    // SAFETY: the action is the one that the system gave. A fault recurs after the return and comes
-    // to it; what was sent is sent again.
+    // SAFETY: the action is the one that the system returned at installation. A fault recurs after
+    // the return and reaches the earlier handler; a signal that was sent is raised again.
     unsafe {
         libc::sigaction(signal, &raw const installed.before, ptr::null_mut());
         if !is_fault {
@@ -73,11 +72,11 @@ extern "C" fn on_fault(signal: c_int, info: *mut siginfo_t, _context: *mut c_voi
     }
 }
 
-/// Puts zeros in the place of the page of an address where that lies in a registered map. Each
-/// further fault of a map takes twice as many pages: a bad place of a card costs little more than
-/// itself, and the rest of a log of any size is taken after a few dozen. Otherwise each of millions
-/// of pages would cost a fault and could become a mapping of its own, of which a process may have
-/// some 65 000.
+/// Replaces the page of an address by zeros; returns false if the address is in no registered map,
+/// or the system refuses. Each further fault of a map replaces twice as many pages: one bad place
+/// of a card costs little more than its own pages, and the rest of a log of any size is replaced
+/// after a few dozen faults. Otherwise each of millions of pages would cost a fault and could
+/// become a separate mapping, of which a process may have some 65 000.
 fn put_zeros(address: usize, page: usize) -> bool {
     let Some((map, range)) = registry::find(address) else {
         return false;
@@ -87,19 +86,19 @@ fn put_zeros(address: usize, page: usize) -> bool {
     let from = address - address % page;
     let pages = 1_usize << faults.min(MOST_DOUBLED);
     let length = pages.saturating_mul(page).min(end - from);
-    // Where there are too many mappings already, one takes the place of all those of this map.
+    // Where the process has too many mappings already, one mapping replaces all of this map.
     map_zeros(from, length) || map_zeros(range.start, end - range.start)
 }
 
-/// Maps zeros over whole pages of a registered map; `false` where the system refuses.
+/// Maps zeros over whole pages of a registered map; returns false if the system refuses.
 #[allow(unsafe_code)]
 fn map_zeros(from: usize, length: usize) -> bool {
     let (start, flags) =
         (ptr::without_provenance_mut(from), libc::MAP_PRIVATE | libc::MAP_ANON | libc::MAP_FIXED);
-    // SAFETY: the pages are those of a map that the thread of this handler is reading, so it is not
-    // dropped meanwhile, and nothing else can lie there: it leaves the registry before it is
-    // unmapped. Readers see bytes become zero, which `MappedFile` allows for. Unmapping takes
-    // whatever lies in the range.
+    // SAFETY: the pages belong to a map that the thread of this handler is reading, so the map is
+    // not dropped meanwhile, and nothing else can be mapped there: a map leaves the registry before
+    // it is unmapped. Readers see bytes become zero, which `MappedFile` allows for. Unmapping
+    // removes whatever is mapped in the range.
     let mapped = unsafe { libc::mmap(start, length, libc::PROT_READ, flags, -1, 0) };
     mapped != libc::MAP_FAILED
 }

@@ -1,18 +1,18 @@
-//! A file mapped for reading that may be cut, overwritten, or taken away with its card or its
-//! network disk while it is mapped. It depends on `regular_file` alone; any module may use it.
+//! Maps files for reading that may be cut, overwritten, or removed with their card or network disk
+//! while they are mapped. This module depends on `regular_file` alone.
 //!
-//! A page of a map that the system cannot give any more makes it send SIGBUS, which ends a program.
-//! On Unix `registry` knows all maps, and `fault` puts zeros in the place of such a page: the
-//! program goes on, and the map says from where on bytes were lost. `state` tells whether the file
-//! is still the one that was mapped.
+//! When a page of a map cannot be read any more, the system sends SIGBUS, which ends a program. On
+//! Unix `registry` lists all maps, and `fault` replaces such a page by zeros: the program goes on,
+//! and [`MappedFile::lost`] returns where the lost bytes begin. `state` checks whether the file is
+//! still the one that was mapped.
 //!
-//! - A file that was deleted, or exchanged for another by renaming, stays mapped as it was: the
-//!   bytes are right.
-//! - A file that was cut reads as zeros from there on; one that was overwritten in its place reads
-//!   as what it is now.
-//! - On Windows nobody can cut a file that is mapped. A page that is gone with its disk ends a
-//!   program there, for Windows has no call that puts another page in its place: `removable` makes
-//!   a copy of what may be taken away.
+//! - A file that was deleted, or replaced by another by renaming, stays mapped as it was: the bytes
+//!   are right.
+//! - A file that was cut reads as zeros from the cut on; a file that was overwritten in place reads
+//!   as its new bytes.
+//! - On Windows no program can cut a file that is mapped. A page that is gone with its disk ends a
+//!   program there, because Windows has no call that replaces the page: `removable` copies files on
+//!   removable drives first.
 
 #[cfg(unix)]
 mod fault;
@@ -34,23 +34,24 @@ use std::io;
 use std::ops::Deref;
 use std::path::Path;
 
-/// The bytes of a file, read from the disk where they are touched.
+/// The bytes of a mapped file, read from the disk when they are accessed.
 pub struct MappedFile {
-    /// Stands before the map, so that it is dropped first: the map's addresses are still its own
-    /// then.
+    /// Entry of the map in the registry. Declared before `map`, so that it is dropped first, while
+    /// the addresses still belong to the map.
     #[cfg(unix)]
     registered: registry::Registered,
     map: memmap2::Mmap,
-    /// The file as it was mapped; `None` for one that no other program can reach.
+    /// State of the file when it was mapped; `None` for a file that no other program can reach.
     state: Option<FileState>,
 }
 
 impl MappedFile {
-    /// Maps a whole file; on Windows a copy of it where it lies on what may be taken away, which
-    /// nothing can happen to then.
+    /// Maps a whole file. On Windows a file on a removable or network drive is copied first, and
+    /// the copy is mapped.
     ///
     /// # Errors
-    /// Those of [`regular_file::open`], and what the system says of mapping or copying it.
+    /// The errors of [`regular_file::open`], and the system's error when the file cannot be mapped
+    /// or copied.
     pub fn open(path: &Path) -> io::Result<Self> {
         #[cfg(windows)]
         if removable::may_be_taken_away(path) {
@@ -61,21 +62,21 @@ impl MappedFile {
         Self::open_briefly(path)
     }
 
-    /// Maps a whole file to look at it and close it again: no copy is made.
+    /// Maps a whole file for a short look: no copy is made, on Windows either.
     ///
     /// # Errors
-    /// As [`Self::open`].
+    /// The errors of [`Self::open`], without that of copying.
     pub(crate) fn open_briefly(path: &Path) -> io::Result<Self> {
         let file = regular_file::open(path)?;
         let found = file.metadata()?;
         Ok(Self { state: Some(FileState::of(&found)), ..Self::beginning(&file, found.len())? })
     }
 
-    /// Maps the first bytes of a file of this program's own, which others cannot change: it may
-    /// only grow behind them.
+    /// Maps the first `length` bytes of a file that belongs to this program and that others cannot
+    /// change: the file may only grow behind these bytes.
     ///
     /// # Errors
-    /// What the system says.
+    /// The system's error when the bytes cannot be mapped.
     pub(crate) fn beginning(file: &File, length: u64) -> io::Result<Self> {
         let length = usize::try_from(length).map_err(io::Error::other)?;
         #[cfg(unix)]
@@ -83,7 +84,7 @@ impl MappedFile {
         // SAFETY: the map is never written through, and no reference outlives it. Another program
         // may change the bytes, and `fault` may exchange them for zeros, while they are read; they
         // are only ever read as plain integers, floats and byte slices, for which every bit pattern
-        // is valid, and each reader checks what it takes from them.
+        // is valid, and each reader checks the values.
         #[allow(unsafe_code)]
         let map = unsafe { memmap2::MmapOptions::new().len(length).map(file)? };
         Ok(Self {
@@ -99,8 +100,8 @@ impl MappedFile {
         self.state.is_some()
     }
 
-    /// Returns the fault of bytes that could not be read, with the first such byte: from there on
-    /// they are zero. `None` while all could be read.
+    /// Returns the fault of bytes that could not be read, with the offset of the first of them:
+    /// from there on the bytes are zero. `None` while all could be read; always on Windows.
     pub fn lost(&self) -> Option<FileFault> {
         #[cfg(unix)]
         let from = self.registered.lost_from();
@@ -110,8 +111,8 @@ impl MappedFile {
     }
 
     /// Returns the fault that makes the bytes, or the data that was read from them before, wrong;
-    /// `None` while they are right. `path` names the file as it was opened. Asks the disk for the
-    /// file's size and times, so it may wait for a disk that does not answer.
+    /// `None` while they are right. `path` names the file as it was opened. Reads the file's size
+    /// and times from the disk, so the call may block on a disk that does not answer.
     pub fn fault(&self, path: &Path) -> Option<FileFault> {
         let state = self.state.as_ref();
         let changed = state.and_then(|state| state.fault(path, &self.map));

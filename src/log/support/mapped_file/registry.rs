@@ -1,27 +1,29 @@
-//! The maps that there are, for a signal handler to look up: it takes no lock and no memory.
+//! Lists all current maps of files, for a signal handler to look up without a lock and without
+//! allocating memory.
 
 use std::ops::Range;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::SeqCst};
 
-/// No byte was lost.
+/// Value of [`Place::lost_from`] while no byte was lost.
 const NONE: usize = usize::MAX;
 
-/// The first place of the list of maps.
+/// First place of the list of maps.
 static FIRST: Place = Place::new();
 
-/// A map, or room for one. Places are never freed, only used again, so that a handler can walk the
-/// list at any time: the list is as long as there ever were maps at once.
+/// A place of the list: a map, or room for one. Places are never freed, only used again, so that a
+/// handler can walk the list at any time; the list is as long as the largest number of maps that
+/// existed at once.
 pub(super) struct Place {
     is_taken: AtomicBool,
-    /// Odd while the range is being changed, and another after each change: a reader takes no half
-    /// of one range and half of another.
+    /// Counter that is odd while the range is being changed, and different after each change, so
+    /// that a reader notices a range that was changed while it was read.
     version: AtomicUsize,
     start: AtomicUsize,
     end: AtomicUsize,
-    /// Pages that were found missing.
+    /// Number of faults so far.
     faults: AtomicUsize,
-    /// Offset of the first byte that was lost.
+    /// Offset of the first byte that was lost; [`NONE`] while none was lost.
     lost_from: AtomicUsize,
     next: OnceLock<&'static Place>,
 }
@@ -48,7 +50,7 @@ impl Place {
         self.version.fetch_add(1, SeqCst);
     }
 
-    /// Its addresses; `None` while they are being changed.
+    /// Returns the addresses of the map; `None` while they are being changed.
     fn range(&self) -> Option<Range<usize>> {
         let version = self.version.load(SeqCst);
         let range = self.start.load(SeqCst)..self.end.load(SeqCst);
@@ -56,19 +58,19 @@ impl Place {
         is_settled.then_some(range)
     }
 
-    /// Notes that the byte at an offset is lost; returns how often that was noted of this map
-    /// before.
+    /// Records that the byte at an offset is lost; returns the number of faults of this map before.
     pub(super) fn lose(&self, offset: usize) -> usize {
         self.lost_from.fetch_min(offset, SeqCst);
         self.faults.fetch_add(1, SeqCst)
     }
 }
 
-/// The map that an address lies in, with the addresses of all its bytes.
+/// Returns the map that contains an address, with the addresses of all its bytes; `None` where
+/// there is none.
 pub(super) fn find(address: usize) -> Option<(&'static Place, Range<usize>)> {
     let mut next = Some(&FIRST);
     while let Some(place) = next {
-        // A map that is being read is not changed: one that is may be passed over.
+        // A map that is being read is not changed, so a map that is being changed can be skipped.
         if let Some(range) = place.range().filter(|range| range.contains(&address)) {
             return Some((place, range));
         }
@@ -77,11 +79,11 @@ pub(super) fn find(address: usize) -> Option<(&'static Place, Range<usize>)> {
     None
 }
 
-/// A map in the list. Dropping it takes it out.
+/// A map in the list; dropping this value removes the map.
 pub(super) struct Registered(&'static Place);
 
 impl Registered {
-    /// Adds a map to the list, by its first address and its length in bytes.
+    /// Adds a map to the list; `start` is its first address, `length` its length in bytes.
     pub(super) fn new(start: usize, length: usize) -> Self {
         let mut place = &FIRST;
         while place.is_taken.swap(true, SeqCst) {
@@ -91,7 +93,7 @@ impl Registered {
         Self(place)
     }
 
-    /// Offset of the first byte that was lost.
+    /// Returns the offset of the first byte that was lost; `None` while none was lost.
     pub(super) fn lost_from(&self) -> Option<u64> {
         let from = self.0.lost_from.load(SeqCst);
         (from != NONE).then_some(from as u64)

@@ -1,21 +1,20 @@
-//! Files that a person or a network can take away while they are open, on Windows: they are copied
-//! into a temporary file first, and that is mapped. It costs the time and the place of one copy,
-//! which goes when the file is closed.
+//! Copies files on removable or network drives into a temporary file, which is mapped instead, on
+//! Windows, where a page that cannot be read would end the program. This costs the time and the
+//! disk space of one copy, which is deleted when the file is closed.
 
 use std::fs::File;
 use std::io::{self, Read as _};
 
-/// Returns true if a file's drive is a card, a stick, a disc or a share of a network, or nothing is
-/// known of it. A hard disk in a case of its own counts as part of the computer: Windows does not
-/// distinguish it.
-// The call of the system below.
+/// Returns true if a file's drive is a card, a stick, a disc or a network share, or is unknown. An
+/// external hard disk counts as built in: Windows does not distinguish it.
+// The call of the system function below is unsafe.
 #[allow(unsafe_code)]
 #[cfg(windows)]
 pub(super) fn may_be_taken_away(path: &std::path::Path) -> bool {
     use std::path::{Component, Prefix};
     /// `DRIVE_FIXED` and `DRIVE_RAMDISK` of `fileapi.h`.
     const BUILT_IN: [u32; 2] = [3, 6];
-    // SAFETY: so `fileapi.h` declares it.
+    // SAFETY: the signature is that of `fileapi.h`.
     #[link(name = "kernel32")]
     unsafe extern "system" {
         fn GetDriveTypeW(root: *const u16) -> u32;
@@ -35,10 +34,11 @@ pub(super) fn may_be_taken_away(path: &std::path::Path) -> bool {
     !BUILT_IN.contains(&kind)
 }
 
-/// A copy of the first bytes of a file, in a file that no other program can reach.
+/// Copies the first `length` bytes of a file into a temporary file that no other program can reach.
 ///
 /// # Errors
-/// What the system says of reading it or of writing the copy, and where there is less of it.
+/// The system's error when the file cannot be read or the copy cannot be written; an error when the
+/// file has fewer bytes.
 pub(super) fn copied(file: &File, length: u64) -> io::Result<File> {
     let mut copy = tempfile::tempfile()?;
     match io::copy(&mut file.take(length), &mut copy) {

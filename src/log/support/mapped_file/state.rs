@@ -6,28 +6,28 @@ use std::path::Path;
 use std::sync::OnceLock;
 use std::time::SystemTime;
 
-/// Bytes before the end of what is mapped that have to be the same when the file is longer.
+/// Number of bytes before the end of the map that are compared when the file has become longer.
 const COMPARED: usize = 4096;
 
 /// Change of a mapped file that makes its bytes wrong, and advice on what to do.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum FileFault {
-    /// There is less of it.
+    /// The file became shorter.
     #[error(
         "the file became shorter while it was open, from {from} to {to} bytes, so results of it are wrong; open a whole copy of it"
     )]
     Shorter {
-        /// Its bytes when it was opened.
+        /// Bytes of the file when it was opened.
         from: u64,
-        /// Its bytes now.
+        /// Bytes of the file now.
         to: u64,
     },
-    /// Other bytes were written in its place.
+    /// The file was overwritten in place.
     #[error(
         "the file was changed while it was open, so results may mix its old and new bytes; open it again when nothing writes into it"
     )]
     Changed,
-    /// The disk did not give all of it.
+    /// The disk could not read all of the file.
     #[error(
         "the file cannot be read any more at byte {from}, so results of it are wrong; put its card or disk back, or take another copy, and open it again"
     )]
@@ -37,14 +37,14 @@ pub enum FileFault {
     },
 }
 
-/// A file as it was when it was mapped.
+/// State of a file when it was mapped.
 pub(super) struct FileState {
     length: u64,
     modified: Option<SystemTime>,
     #[cfg(unix)]
     place: [u64; 2],
-    /// Hash of its last bytes when they were first asked for: at the mapping this would read the
-    /// end of each file that is only recognised.
+    /// Hash of the last mapped bytes, computed at the first comparison: computing it when the file
+    /// is mapped would read the end of each file of which only the format is recognised.
     tail: OnceLock<u64>,
 }
 
@@ -59,10 +59,10 @@ impl FileState {
         }
     }
 
-    /// Returns the change of the file at `path` that makes its mapped `bytes` wrong. It is no fault
-    /// that the file grows behind them. Where it was deleted or another was renamed into its place,
-    /// the map keeps the old one; where its disk does not answer, the map reports the bytes that it
-    /// lost.
+    /// Returns the change of the file at `path` that makes its mapped `bytes` wrong; `None` without
+    /// such a change. A file that grows behind these bytes has no fault. Where the file was
+    /// deleted, or another was renamed into its place, the map keeps the old file; where its disk
+    /// does not answer, [`super::MappedFile::lost`] reports the lost bytes.
     pub(super) fn fault(&self, path: &Path, bytes: &[u8]) -> Option<FileFault> {
         let now = fs::metadata(path).ok()?;
         #[cfg(unix)]
@@ -76,14 +76,14 @@ impl FileState {
         let is_changed = if now.len() == self.length {
             now.modified().ok() != self.modified
         } else {
-            // A longer one that was written over it.
+            // A longer file may have been written over the mapped one.
             hash_of_end(bytes) != known
         };
         is_changed.then_some(FileFault::Changed)
     }
 }
 
-/// Device and number of a file: another in its place has others.
+/// Returns the device and the inode number of a file: another file at the same path has others.
 #[cfg(unix)]
 fn place(found: &Metadata) -> [u64; 2] {
     use std::os::unix::fs::MetadataExt as _;

@@ -1,4 +1,4 @@
-//! Files that are cut, overwritten, removed and exchanged while threads read them.
+//! Tests maps of files that are cut, overwritten, removed and replaced while threads read them.
 #![cfg(unix)]
 
 use super::*;
@@ -9,9 +9,9 @@ use std::process::Command;
 use std::sync::Barrier;
 use std::time::{Duration, SystemTime};
 
-/// Times that each thing is done.
+/// Number of times that each test is repeated.
 const ROUNDS: usize = 20;
-/// Threads that read at once.
+/// Number of threads that read at once.
 const READERS: usize = 4;
 /// Bytes of the files: some hundred pages, and a part of one.
 const LENGTH: usize = (1 << 20) + 777;
@@ -20,7 +20,7 @@ fn content() -> Vec<u8> {
     (0..LENGTH).map(|at| (at * 7 % 251) as u8 + 1).collect()
 }
 
-/// A folder with a file in it, mapped.
+/// Creates a folder with a file in it, and maps the file.
 fn mapped() -> (tempfile::TempDir, std::path::PathBuf, MappedFile) {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("pond.sl2");
@@ -30,8 +30,8 @@ fn mapped() -> (tempfile::TempDir, std::path::PathBuf, MappedFile) {
     (folder, path, map)
 }
 
-/// Reads all bytes in several threads, which begin together, while something is done to the file.
-/// Returns what each saw at the end.
+/// Reads all bytes in several threads, which begin together, while `act` changes the file. Returns
+/// the bytes that each thread reads afterwards.
 fn read_while(map: &MappedFile, act: impl FnOnce() + Send) -> Vec<Vec<u8>> {
     let begin = Barrier::new(READERS + 1);
     std::thread::scope(|scope| {
@@ -62,7 +62,7 @@ fn a_file_that_is_cut_reads_as_zeros_from_there_on() {
             let (_folder, path, map) = mapped();
             let file = File::options().write(true).open(&path).expect("the file");
             let seen = read_while(&map, || file.set_len(to as u64).expect("a cut"));
-            // Zeros take whole pages, and more than one; what lies before the cut stays.
+            // Whole pages, and more than one, become zeros; the pages before the cut stay.
             let kept = to - to % page;
             for seen in seen {
                 assert!(seen[..kept] == content()[..kept], "cut to {to}");
@@ -70,7 +70,7 @@ fn a_file_that_is_cut_reads_as_zeros_from_there_on() {
             }
             let (from, to) = (LENGTH as u64, to as u64);
             assert_eq!(map.fault(&path), Some(FileFault::Shorter { from, to }));
-            // The rest of its last page is zeros without a fault.
+            // The rest of the last page of a cut file is zeros without a fault.
             let is_lost = LENGTH.div_ceil(page) > (to as usize).div_ceil(page);
             assert_eq!(map.registered.lost_from().is_some(), is_lost, "cut to {to}");
             assert!(map.registered.lost_from().is_none_or(|from| from >= to));
@@ -108,7 +108,7 @@ fn a_file_that_is_overwritten_is_told_from_one_that_grew() {
         let seen = read_while(&map, || file.write_all(&[9; 5000]).expect("more"));
         assert!(seen.iter().all(|seen| *seen == content()));
         assert_eq!(map.fault(&path), None);
-        // Longer, and written over it.
+        // A longer file that was written over the mapped one.
         fs::write(&path, [9; LENGTH + 1]).expect("another file");
         assert_eq!(map.fault(&path), Some(FileFault::Changed));
     }
@@ -136,8 +136,8 @@ fn many_maps_come_and_go_while_others_lose_their_bytes() {
         for _ in 0..READERS {
             scope.spawn(|| {
                 for _ in 0..10 * ROUNDS {
-                    // Between its size and its map it may have been cut: that is a map that lost
-                    // all.
+                    // The file may have been cut between the reading of its size and the mapping:
+                    // all bytes of such a map are lost.
                     let map = MappedFile::open(&path).expect("a map");
                     std::hint::black_box(map.iter().map(|byte| u64::from(*byte)).sum::<u64>());
                 }
@@ -162,7 +162,7 @@ fn empty_files_have_no_bytes() {
     assert_eq!((map.len(), map.fault(&path)), (0, None));
 }
 
-/// Environment variable that names the file in the process that dies.
+/// Environment variable with the path of the file, for the child process that the fault ends.
 const DIES: &str = "BATHYSCOPE_TEST_FAULT";
 
 #[test]

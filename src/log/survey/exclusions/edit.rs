@@ -9,12 +9,12 @@ use crate::survey::{Identity, NEAREST_SOUNDING_S, Navigation, PingNav, Survey, n
 pub enum LogPart {
     /// First and last side-scan ping.
     Pings([usize; 2]),
-    /// First and last time, seconds of the log: where it has no side-scan.
+    /// First and last time, seconds of the log, for a log without side-scan.
     Time([f64; 2]),
 }
 
 impl LogPart {
-    /// Returns its length, seconds.
+    /// Returns the duration of the part, seconds; NaN where a ping is not in the log.
     pub fn duration_s(self, survey: &Survey) -> f64 {
         let [from_s, to_s] = match self {
             Self::Pings(ends) => ends.map(|ping| {
@@ -41,7 +41,7 @@ impl LogPart {
         places.unwrap_or_default()
     }
 
-    /// Its length along the track, metres. Places that are not known are passed over.
+    /// Returns the length of the part along the track, metres. Unknown places are skipped.
     pub fn length_m(self, survey: &Survey, navigation: &Navigation) -> f64 {
         let is_placed = |place: &&PingNav| (place.east_m + place.north_m).is_finite();
         let places = self.places(survey, navigation).iter().filter(is_placed);
@@ -54,8 +54,8 @@ impl LogPart {
 }
 
 impl LogPart {
-    /// The soundings in a row around a time that do not count, as those of a lost bottom; `None`
-    /// where the nearest one counts, or is a log's gap away.
+    /// Returns the part of consecutive soundings with a fault, such as a lost bottom, around a
+    /// time; `None` where the sounding nearest in time has no fault, or is too far away in time.
     pub fn of_false_soundings(survey: &Survey, time_s: f64) -> Option<Self> {
         let soundings = &survey.soundings;
         let at = nearest_in_time(soundings, time_s, |one| one.time_s)?;
@@ -71,8 +71,8 @@ impl LogPart {
 }
 
 impl ExclusionSettings {
-    /// Returns the settings with a part of a log excluded; drawn stretches that touch it are joined
-    /// with it.
+    /// Returns the settings with a part of a log excluded; drawn stretches that touch the part are
+    /// joined with it.
     pub fn excluding(&self, survey: &Survey, part: LogPart) -> Self {
         let (mut whole, mut others) = (part, Vec::new());
         for stretch in self.stretches_of(survey) {
@@ -89,15 +89,15 @@ impl ExclusionSettings {
         self.with_stretches(survey, rest.chain([drawn]).collect())
     }
 
-    /// Returns the settings without any decision about a part of a log: turns and stops that are
-    /// found there are excluded, all else counts.
+    /// Returns the settings without any decision about a part of a log, so that only turns and
+    /// stops are excluded there.
     pub fn reset(&self, survey: &Survey, part: LogPart) -> Self {
         let stretches = self.stretches_of(survey);
         let rest = stretches.iter().flat_map(|one| without(one, part, survey));
         self.with_stretches(survey, rest.collect())
     }
 
-    /// Returns the settings with a part of a log included, whatever is found there.
+    /// Returns the settings with a part of a log included, even where a turn or a stop is found.
     pub fn including(&self, survey: &Survey, navigation: &Navigation, part: LogPart) -> Self {
         let mut settings = self.reset(survey, part);
         let found = Exclusions::new(survey, navigation, &settings);
@@ -116,8 +116,8 @@ impl ExclusionSettings {
         settings
     }
 
-    /// Returns the settings with the soundings of a part of a log trusted; the part counts,
-    /// whatever is found there.
+    /// Returns the settings with the soundings of a part of a log trusted; the part is included,
+    /// even where a turn or a stop is found.
     pub fn trusting(&self, survey: &Survey, part: LogPart) -> Self {
         let mut settings = self.reset(survey, part);
         let mut stretches = std::mem::take(&mut settings.stretches);
@@ -125,7 +125,7 @@ impl ExclusionSettings {
         settings.with_stretches(survey, stretches)
     }
 
-    /// The stretches, if they are of this log.
+    /// Returns the stretches if they belong to this log, otherwise none.
     pub(super) fn stretches_of(&self, survey: &Survey) -> Vec<Stretch> {
         let own = Identity::of(survey);
         if self.log.as_ref().is_none_or(|log| own.is_same_log(log)) {
@@ -135,7 +135,8 @@ impl ExclusionSettings {
         }
     }
 
-    /// Returns the settings with these stretches, in the order in which a project keeps them.
+    /// Returns the settings with these stretches of this log, in the order in which a project
+    /// stores them.
     fn with_stretches(&self, survey: &Survey, mut stretches: Vec<Stretch>) -> Self {
         stretches.sort_by(|one, other| match (one.pings, other.pings) {
             (Some([one, _]), Some([other, _])) => one.cmp(&other),
@@ -162,7 +163,7 @@ fn stretch(part: LogPart, reason: Option<ExclusionReason>) -> Stretch {
     Stretch { pings, time_s, reason, trusted: false }
 }
 
-/// The first and last ping of a stretch; `None` where it holds none.
+/// Returns the first and last ping of a stretch; `None` where it has none.
 fn pings_of(stretch: &Stretch, survey: &Survey) -> Option<[usize; 2]> {
     let pings = &survey.side_scan;
     let [first, last] = match (stretch.pings, stretch.time_s) {
@@ -177,7 +178,7 @@ fn pings_of(stretch: &Stretch, survey: &Survey) -> Option<[usize; 2]> {
     (first <= last).then_some([first, last])
 }
 
-/// A part with a stretch that touches it; `None` where they lie apart.
+/// Returns the union of a part and a stretch that touches it; `None` where the two are apart.
 fn joined(part: LogPart, other: &Stretch, survey: &Survey) -> Option<LogPart> {
     match part {
         LogPart::Pings([first, last]) => {
@@ -193,7 +194,7 @@ fn joined(part: LogPart, other: &Stretch, survey: &Survey) -> Option<LogPart> {
     }
 }
 
-/// Returns the pieces of a stretch that lie outside of a part.
+/// Returns the pieces of a stretch that are outside of a part.
 fn without(other: &Stretch, part: LogPart, survey: &Survey) -> Vec<Stretch> {
     let rest = match part {
         LogPart::Pings(part) => pings_of(other, survey).and_then(|whole| {
@@ -213,12 +214,12 @@ fn without(other: &Stretch, part: LogPart, survey: &Survey) -> Vec<Stretch> {
             let of_rest = |part| Stretch { trusted: other.trusted, ..stretch(part, other.reason) };
             rest.into_iter().map(of_rest).collect()
         }
-        // As it was given, by its times perhaps.
+        // The stretch is apart and stays as it was given, even if by times.
         None => vec![other.clone()],
     }
 }
 
-/// Returns the pieces of a span before and after another span; `None` where the two lie apart.
+/// Returns the pieces of a span before and after another span; `None` where the two are apart.
 fn cut<T: Copy + PartialOrd>(
     [first, last]: [T; 2],
     [from, to]: [T; 2],
@@ -311,7 +312,7 @@ mod tests {
             assert_eq!(kept.stretches[0].reason, None);
             let left = of(&kept).stretches;
             assert_eq!(left.len(), 1, "the stop: {left:?}");
-            // A stroke over it counts more.
+            // Excluding the turn again replaces the decision to include it.
             let out = kept.excluding(&survey, turn.part());
             assert_eq!(of(&out).stretches[0].reason, ExclusionReason::Drawn);
             assert_eq!(of(&out).stretches[0].time_s, turn.time_s);
@@ -333,7 +334,7 @@ mod tests {
             let part = turn.part();
             let lasts_s = turn.time_s[1] - turn.time_s[0];
             assert!((part.duration_s(&survey) - lasts_s).abs() < 1e-9);
-            // Two metres a second.
+            // The boat goes two metres a second.
             let length_m = part.length_m(&survey, &navigation);
             assert!((length_m - 2.0 * lasts_s).abs() < 0.5, "{length_m}");
         }

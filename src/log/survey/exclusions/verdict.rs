@@ -1,4 +1,5 @@
-//! The reason of a stretch as text: why it is excluded, or `kept` where it counts.
+//! Reads and writes the reason of a stretch as text: the reason of its exclusion, or `kept` where
+//! it counts.
 
 use super::ExclusionReason;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};

@@ -1,4 +1,4 @@
-//! Faults that make a sounding false.
+//! Lists and counts the faults that make a sounding false.
 
 use crate::named;
 use serde::ser::{Serialize, SerializeMap, Serializer};
@@ -6,21 +6,21 @@ use serde::ser::{Serialize, SerializeMap, Serializer};
 /// The reason why a sounding does not count.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SoundingFault {
-    /// The recorder had lost the bottom: its depth jumps up and down.
+    /// The recorder had lost the bottom: the depths jump up and down.
     LostBottom,
-    /// The depth lies between a leap far below the bottom and the leap back.
+    /// The depth is between a leap far below the bottom and the leap back.
     FarBelow,
-    /// The depth departs alone from those before and after it.
+    /// The depth differs alone from the depths before and after it.
     Glitch,
-    /// The depth is that of the echo that went to the bottom twice: it is double that of the first
+    /// The depth is from the echo that went to the bottom twice: it is twice that of the first
     /// returns of both sides.
     SecondEcho,
-    /// The last depth is written again while the first returns of both sides move.
+    /// The recorder repeats its last depth while the first returns of both sides change.
     Held,
 }
 
 named! {
-    /// All faults.
+    /// All faults, in the order of [`FaultCounts`].
     pub SoundingFault {
         LostBottom: "lost bottom",
         FarBelow: "far below the bottom",
@@ -31,7 +31,7 @@ named! {
 }
 
 impl SoundingFault {
-    /// Returns what shows it, as the end of a sentence about several soundings.
+    /// Returns the sign of the fault as the end of a sentence about several soundings.
     pub fn sentence(self) -> &'static str {
         match self {
             Self::LostBottom => "jump up and down (the recorder had lost the bottom)",
@@ -47,7 +47,7 @@ impl SoundingFault {
     }
 }
 
-/// Numbers of soundings by their fault.
+/// Number of soundings with each fault.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct FaultCounts([usize; SoundingFault::ALL.len()]);
 
@@ -61,32 +61,32 @@ impl FaultCounts {
         counts
     }
 
-    /// Adds those of another log.
+    /// Adds the counts of another log.
     pub fn add(&mut self, other: &Self) {
         for (count, more) in self.0.iter_mut().zip(other.0) {
             *count += more;
         }
     }
 
-    /// Returns the number of all of them.
+    /// Returns the number of soundings with any fault.
     pub fn all(&self) -> usize {
         self.0.iter().sum()
     }
 
-    /// Returns the faults that there are, with the number of each.
+    /// Returns the faults that occur, with their numbers of soundings.
     pub fn found(&self) -> impl Iterator<Item = (SoundingFault, usize)> + '_ {
         let counts = SoundingFault::ALL.into_iter().map(|fault| (fault, self.0[fault as usize]));
         counts.filter(|(_, count)| *count > 0)
     }
 
-    /// Returns them in words: "83 lost bottom, 12 glitch".
+    /// Describes the counts in words: "83 lost bottom, 12 glitch".
     pub fn summary(&self) -> String {
         let each = self.found().map(|(fault, count)| format!("{count} {}", fault.name()));
         each.collect::<Vec<_>>().join(", ")
     }
 }
 
-/// The number of soundings by the name of their fault, of those that there are.
+/// Writes a map from the name of each fault that occurs to its number of soundings.
 impl Serialize for FaultCounts {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(None)?;

@@ -1,32 +1,36 @@
-//! Positions that cannot be: farther from those before and after than the boat can have come.
+//! Removes false positions: those farther from the positions before and after than the boat can
+//! have gone.
 
 use crate::support::geo::distance_m;
 use crate::support::statistics::{quantile, upper_median};
 use crate::survey::Fix;
 
-/// A position this far from the track's median position is damage, degrees (some 200 km): it would
-/// count among the speeds of the boat.
+/// Distance from the track's median position beyond which a position is damaged data, degrees (some
+/// 200 km). Such positions are removed first, because they would distort the speeds of the boat.
 const STRAY_DEG: f64 = 2.0;
-/// Speeds are taken over so many seconds at least: over shorter times they are those of the noise
-/// of positions, and of their rounding.
+/// Shortest time over which a speed is computed, seconds: over shorter times the noise and the
+/// rounding of the positions dominate.
 const SPEED_OVER_S: f64 = 4.0;
-/// Share of the track's speeds that are the boat's even where some positions are false.
+/// Share of the track's speeds that are real speeds of the boat even where some positions are
+/// false.
 const BOATS_SHARE: f64 = 0.9;
-/// A boat is this many times as fast as the speed that it stays below for nine tenths of the
-/// track, and this much faster, metres a second.
+/// Largest speed of the boat: this many times the speed that it stays below for [`BOATS_SHARE`] of
+/// the track, plus this many metres a second.
 const FASTER: (f64, f64) = (2.0, 2.0);
-/// Distance that noise and rounding of two positions explain, metres: single receivers without
+/// Distance between two positions that noise and rounding can explain, metres: receivers without
 /// corrections scatter by a few metres.
 const NOISE_M: f64 = 8.0;
-/// Fewer fixes than this witness nothing of each other.
+/// Fewest fixes that can be checked against each other.
 const FEWEST: usize = 8;
-/// Largest share of the fixes that is left out: where more seem false, it is not known which are.
+/// Largest share of the fixes that is left out: where more seem false, it is not known which of
+/// them are.
 const MOST_FALSE: f64 = 0.2;
-/// Positions that stay away for longer than this, seconds, are no fault of the receiver's: the
-/// clock or the log has a gap there, and both sides of it are kept.
+/// Longest time for which positions can be false, seconds. Positions that stay away for longer are
+/// no fault of the receiver: the clock or the log has a gap there, and both sides of the gap are
+/// kept.
 const LONGEST_S: f64 = 60.0;
 
-/// Positions that follow each other without an impossible step.
+/// A run of fixes without an impossible step between them.
 #[derive(Clone, Copy, Debug)]
 struct Piece {
     /// Indices of the first and the last fix.
@@ -41,9 +45,9 @@ impl Piece {
     }
 }
 
-/// Leaves out the fixes that cannot be, which are in time order, and returns sentences that say
-/// which, without a capital and a stop. Where their times are assumed (`has_times` is false) they
-/// tell no speed, and only positions hundreds of kilometres away are left out.
+/// Removes false fixes from `fixes`, which are in time order, and returns sentences about them,
+/// without a capital letter and a full stop. Where the times of the fixes are assumed (`has_times`
+/// is false) there are no speeds, and only positions hundreds of kilometres away are removed.
 pub(crate) fn drop_false_fixes(fixes: &mut Vec<Fix>, has_times: bool) -> Vec<String> {
     let mut sentences = Vec::new();
     sentences.extend(drop_stray(fixes));
@@ -80,14 +84,15 @@ pub(crate) fn drop_false_fixes(fixes: &mut Vec<Fix>, has_times: bool) -> Vec<Str
     sentences
 }
 
-/// Degrees from one meridian east to another: across the antimeridian 179.9 and -179.9 are
-/// neighbours.
+/// Returns the degrees from one meridian east to another, -180 to 180: across the antimeridian
+/// 179.9 and -179.9 are neighbours.
 fn east_of_deg(from_deg: f64, to_deg: f64) -> f64 {
     let east_deg = to_deg - from_deg;
     east_deg - 360.0 * (east_deg / 360.0).round()
 }
 
-/// Leaves out the fixes that a damaged record threw far away.
+/// Removes fixes that are far away from all others because of a damaged record; returns a sentence
+/// about them, if any.
 fn drop_stray(fixes: &mut Vec<Fix>) -> Option<String> {
     let median = |pick: fn(&Fix) -> f64| {
         let mut values: Vec<f64> = fixes.iter().map(pick).collect();
@@ -117,8 +122,8 @@ fn drop_stray(fixes: &mut Vec<Fix>) -> Option<String> {
     })
 }
 
-/// The speed that the boat does not exceed, metres a second, by the track and by the speeds that
-/// the receiver recorded.
+/// Estimates the speed that the boat does not exceed, metres a second, from the track and from the
+/// speeds that the receiver recorded.
 fn fastest_mps(fixes: &[Fix]) -> f64 {
     let mut speeds: Vec<f64> = Vec::new();
     let mut from = 0;
@@ -142,7 +147,7 @@ fn fastest_mps(fixes: &[Fix]) -> f64 {
     FASTER.0 * usual + FASTER.1
 }
 
-/// True where the boat can have gone from one fix to the other.
+/// Returns true if the boat can have gone from one fix to the other in the time between.
 fn can_follow(from: &Fix, to: &Fix, fastest_mps: f64) -> bool {
     let far_m = distance_m(from.position, to.position);
     far_m <= NOISE_M + fastest_mps * (to.time_s - from.time_s).max(0.0)
@@ -162,7 +167,8 @@ fn pieces(fixes: &[Fix], fastest_mps: f64) -> Vec<Piece> {
     pieces
 }
 
-/// Marks the short pieces that cannot follow what is kept, outward from the longest piece.
+/// Marks as false the short pieces that the boat cannot have reached from the pieces that are kept,
+/// going outward from the longest piece in both directions.
 fn mark_false(pieces: &mut [Piece], fixes: &[Fix], fastest_mps: f64) {
     let length_s = |piece: &Piece| fixes[piece.last].time_s - fixes[piece.first].time_s;
     let longest = (0..pieces.len()).max_by(|&a, &b| {
@@ -195,7 +201,7 @@ fn mark_false(pieces: &mut [Piece], fixes: &[Fix], fastest_mps: f64) {
     }
 }
 
-/// The sentence about the fixes that are left out, if there are any.
+/// Returns the sentence about the fixes that are left out; `None` where there are none.
 fn sentence(pieces: &[Piece], fixes: &[Fix], fastest_mps: f64) -> Option<String> {
     let dropped: usize = pieces.iter().filter(|piece| piece.is_false).map(Piece::len).sum();
     let index = pieces.iter().position(|piece| piece.is_false)?;
@@ -221,7 +227,7 @@ mod tests {
     use super::*;
     use crate::support::geo::{LonLat, metres_per_degree};
 
-    /// Fixes at these times and metres east and north of a place.
+    /// Creates fixes at these times and metres east and north of a place.
     fn fixes(places: impl IntoIterator<Item = (f64, [f64; 2])>) -> Vec<Fix> {
         let at = LonLat::new(8.5, 47.5);
         let [lon_m, lat_m] = metres_per_degree(at);

@@ -1,10 +1,10 @@
-//! Judges what instruments recorded before anything is made of it.
+//! Finds false positions and soundings in a recording before results are computed from them.
 //!
-//! A recording has several witnesses of each thing: a position has those before and after it and
-//! the speed of the boat, a sounding has its neighbours along the track. What contradicts them by
-//! more than their errors is false; it does not count, and a sentence says when, how many and why.
-//! Rules are in metres of track and in the log's own intervals and speeds, so that they hold for a
-//! recorder of any rate; times in seconds only bound how long a memory or a gap may last.
+//! A position is checked against the positions before and after it and the speed of the boat, a
+//! sounding against its neighbours along the track. A value that contradicts these by more than
+//! their errors is false: it does not count, and a sentence reports when, how many and why. The
+//! rules are in metres of track and in the log's own intervals and speeds, so that they apply to
+//! recorders of any rate; times in seconds only limit how far apart compared values may be.
 
 mod fault;
 mod fixes;

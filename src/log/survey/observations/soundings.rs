@@ -1,8 +1,8 @@
-//! Faults of soundings that their neighbours along the track show.
+//! Finds faults of soundings by comparing them with their neighbours along the track.
 //!
-//! A recorder that loses the bottom goes on writing depths: on the river survey of the tests the
-//! last quarter of the log jumps between one and four times the depth within a second. Nothing may
-//! lean on such depths, but they stay visible.
+//! A recorder that loses the bottom goes on writing depths: in the river survey of the tests the
+//! depths of the last quarter of the log jump between one and four times the true depth within a
+//! second. Such depths are not used for results, but they stay visible.
 
 use crate::support::geo::distance_m;
 use crate::support::statistics::upper_median;
@@ -10,42 +10,43 @@ use crate::survey::{Fix, SidePing, Sounding, SoundingFault, nearest_in_time};
 use Way::{Down, Up};
 use std::ops::RangeInclusive;
 
-/// A step between soundings is a jump beyond this many metres and this share of the depth.
+/// Largest step between soundings that is not a jump: metres, and share of the smaller depth,
+/// whichever is larger.
 const JUMP_M: f32 = 0.5;
 const JUMP_SHARE: f32 = 0.15;
-/// It is one only where the bed would rise by more than this many metres in each that the boat
-/// went: slow recorders pass a steep bank in a few soundings.
+/// Steepest slope of a bed, metres per metre that the boat went. A step is a jump only if it is
+/// steeper, as slow recorders pass a steep bank in a few soundings.
 const STEEPEST: f64 = 1.0;
-/// Soundings further apart in time are not compared, seconds.
+/// Longest time between soundings that are compared, seconds.
 const NEIGHBOURS_S: f64 = 10.0;
-/// Jumps that follow each other within this time, or within so many soundings of a slow recorder,
-/// are one loss of the bottom.
+/// Longest time, seconds, and, for slow recorders, largest number of soundings between two jumps
+/// that belong to one loss of the bottom.
 const TOGETHER_S: f64 = 3.0;
 const TOGETHER: usize = 8;
-/// Fewest jumps close together, up and down, that are a loss; fewer are boulders, piers and ledges,
-/// which come in twos.
+/// Fewest jumps close together, up and down, that are a loss of the bottom; fewer are boulders,
+/// piers and ledges, which make two jumps each.
 const JUMPS: usize = 4;
-/// A recorder that takes a second echo, or noise far below the bottom, leaps to so many times the
-/// depth, and leaps back as far: by these shares, more than this many metres, and more steeply than
-/// this many metres in each that the boat went. Where a bed is as deep for a while, one of its
-/// sides slopes.
+/// Smallest leap to a second echo, or to noise far below the bottom, and back: the ratio of the
+/// depths, the difference, metres, and the steepness, metres per metre that the boat went. A bed
+/// that really is deeper for a while has a slope on at least one side.
 const LEAP_RATIO: f32 = 1.8;
 const LEAP_M: f32 = 2.0;
 const LEAP_STEEPNESS: f64 = 2.0;
-/// Least number of shallow depths around two leaps, as one in so many of the deep ones between:
-/// then the deep ones are lost, which is safe. A few shallow ones are themselves the false ones.
+/// Number of deep soundings between two leaps for each shallow sounding that is needed around them
+/// to mark the deep ones as false. Where there are only a few shallow soundings, these are false.
 const LEAP_SHARE: usize = 3;
-/// Soundings to both sides of one that a glitch is judged against.
+/// Number of soundings before and after a sounding that it is compared with to find a glitch.
 const REACH: usize = 4;
 
-/// A side-scan ping takes its depth from the nearest sounding, not from one this far away in time,
+/// Longest time between a side-scan ping and the nearest sounding, whose depth the ping gets,
 /// seconds.
 pub(crate) const NEAREST_SOUNDING_S: f64 = 5.0;
-/// Number of soundings that are judged anew where soundings are added: unless the bottom is lost
-/// for longer, it is quiet somewhere there.
+/// Largest number of earlier soundings that are marked again where soundings are added: unless the
+/// bottom was lost for longer, there is a stretch without jumps among them.
 const LONGEST_LOSS: usize = 4096;
 
-/// Gives every ping the depth of the sounding nearest in time. Both are in time order.
+/// Sets depth and fault of every ping from the sounding nearest in time; NaN where none is near.
+/// Soundings are in time order.
 pub(crate) fn give_depths(pings: &mut [SidePing], soundings: &[Sounding]) {
     for ping in pings {
         let nearest = nearest_in_time(soundings, ping.time_s, |sounding| sounding.time_s)
@@ -57,7 +58,7 @@ pub(crate) fn give_depths(pings: &mut [SidePing], soundings: &[Sounding]) {
 }
 
 /// Marks faults as [`mark_faults`] does, where all soundings before `from` were marked already and
-/// those that follow are new. Returns the first sounding that was marked anew.
+/// the rest are new. Returns the index of the first sounding that was marked again.
 pub(crate) fn mark_faults_from(
     soundings: &mut [Sounding],
     fixes: &[Fix],
@@ -66,8 +67,8 @@ pub(crate) fn mark_faults_from(
 ) -> usize {
     let from = from.min(soundings.len());
     let mut quiet = from;
-    // Back to where no jump belongs to one that comes after: to the last jump that is followed by a
-    // pause.
+    // Goes back until no earlier jump can belong to the same loss as a later one, that is, to a
+    // long enough stretch without jumps.
     for index in (from.saturating_sub(LONGEST_LOSS)..from).rev() {
         let after_s = soundings.get(quiet).unwrap_or(&soundings[index]).time_s;
         let is_long_ago = after_s - soundings[index].time_s > 2.0 * TOGETHER_S;
@@ -78,7 +79,7 @@ pub(crate) fn mark_faults_from(
             quiet = index;
         }
     }
-    // A leap below the bottom may wait for the leap back.
+    // A leap below the bottom may not have been followed by the leap back yet.
     if !has_side_scan {
         let leap = (from.saturating_sub(LONGEST_LOSS).max(1)..quiet)
             .find(|&index| is_leap(soundings, fixes, index - 1, index, Down));
@@ -89,16 +90,16 @@ pub(crate) fn mark_faults_from(
     let start = first.saturating_sub(2 * REACH + 1 + counted);
     let mut tail = soundings[start..].to_vec();
     mark_faults(&mut tail, fixes, has_side_scan);
-    // The first ones of the tail lack their neighbours.
+    // The first soundings of the tail lack their neighbours and are not copied.
     soundings[first..].copy_from_slice(&tail[first - start..]);
     first
 }
 
-/// Sets [`Sounding::fault`]: from the first to the last jump of a loss of the bottom, to the
-/// end of a log that ends in one, between a leap far below the bottom and the leap back, and on
-/// single glitches. `fixes` tell how far the boat went from one sounding to the next; both are in
-/// time order. In a log that has side-scan first returns tell of a leap and of what follows it:
-/// leaps mark nothing there.
+/// Sets [`Sounding::fault`] of all soundings: from the first to the last jump of a loss of the
+/// bottom (or to the end of a log that ends in a loss), between a leap far below the bottom and the
+/// leap back, and on single glitches. `fixes` give the way of the boat from one sounding to the
+/// next; both are in time order. In a log with side-scan, leaps mark nothing: they are checked
+/// against the first returns elsewhere.
 pub fn mark_faults(soundings: &mut [Sounding], fixes: &[Fix], has_side_scan: bool) {
     for sounding in &mut *soundings {
         sounding.fault = None;
@@ -138,8 +139,8 @@ pub fn mark_faults(soundings: &mut [Sounding], fixes: &[Fix], has_side_scan: boo
     }
 }
 
-/// Returns for each sounding true if it is a glitch alone, between two that agree: a fault of its
-/// own, so that the steps to it and back are no signs of a loss.
+/// Returns for each sounding true if it is a single glitch between two soundings that agree: the
+/// steps to it and back are then not counted as jumps of a loss.
 fn spikes(soundings: &[Sounding], glitches: &[usize]) -> Vec<bool> {
     let mut is_spike = vec![false; soundings.len()];
     for (rank, &index) in glitches.iter().enumerate() {
@@ -153,8 +154,8 @@ fn spikes(soundings: &[Sounding], glitches: &[usize]) -> Vec<bool> {
     is_spike
 }
 
-/// The soundings between each leap far below the bottom and the leap back; `others` are those that
-/// are no single spikes.
+/// Returns the soundings between each leap far below the bottom and the leap back; `others` are the
+/// soundings that are not single spikes.
 fn leaps_below(
     soundings: &[Sounding],
     fixes: &[Fix],
@@ -184,14 +185,14 @@ fn leaps_below(
     found
 }
 
-/// The side that a leap goes to.
+/// Direction of a leap.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Way {
     Down,
     Up,
 }
 
-/// True where the depth leaps from one sounding to a later one.
+/// Returns true if the depth leaps from one sounding to a later one in a direction.
 fn is_leap(soundings: &[Sounding], fixes: &[Fix], earlier: usize, index: usize, way: Way) -> bool {
     let (before, here) = (&soundings[earlier], &soundings[index]);
     let [shallow_m, deep_m] = match way {
@@ -205,20 +206,20 @@ fn is_leap(soundings: &[Sounding], fixes: &[Fix], earlier: usize, index: usize, 
         && f64::from(leap_m) > LEAP_STEEPNESS * travelled_m(fixes, before.time_s, here.time_s)
 }
 
-/// A step that no bed makes.
+/// A step between two soundings that no bed has.
 #[derive(Clone, Copy, Debug)]
 struct Jump {
-    /// The sounding after it.
+    /// Index of the sounding after the step.
     index: usize,
     is_deeper: bool,
 }
 
-/// Returns true where two depths differ by more than those of one place do, metres.
+/// Returns true if two depths, metres, differ by more than depths of one place do.
 pub fn differ_as_no_bed([one_m, other_m]: [f32; 2]) -> bool {
     (one_m - other_m).abs() > JUMP_M.max(JUMP_SHARE * one_m.min(other_m))
 }
 
-/// Returns true where two depths differ by more than a bed does over some way, metres.
+/// Returns true if two depths, metres, differ by more than a bed does over `way_m`.
 pub fn is_step_of_no_bed(depths_m: [f32; 2], way_m: f64) -> bool {
     let [one_m, other_m] = depths_m;
     differ_as_no_bed(depths_m) && f64::from((one_m - other_m).abs()) > STEEPEST * way_m
@@ -228,7 +229,7 @@ fn differ(a: &Sounding, b: &Sounding) -> bool {
     differ_as_no_bed([a.depth_m, b.depth_m])
 }
 
-/// The jump to a sounding from an earlier one, if there is one.
+/// Returns the jump from an earlier sounding to a later one; `None` where there is none.
 fn jump(soundings: &[Sounding], fixes: &[Fix], earlier: usize, index: usize) -> Option<Jump> {
     let (before, here) = (&soundings[earlier], &soundings[index]);
     let is_jump = here.time_s - before.time_s < NEIGHBOURS_S
@@ -240,9 +241,9 @@ fn is_step(a: &Sounding, b: &Sounding, travelled_m: f64) -> bool {
     is_step_of_no_bed([a.depth_m, b.depth_m], travelled_m)
 }
 
-/// Returns true if a sounding departs from the median of those around it, which were taken soon
-/// before or after, by more than a bed does. At the top of a ridge half of its neighbours are
-/// farther away than half of [`REACH`].
+/// Returns true if a sounding differs from the median of the soundings around it by more than a bed
+/// does, and the median is near in time. The way to the median is taken as that over half of
+/// [`REACH`], because at the top of a ridge half of the neighbours are farther away than that.
 fn is_glitch(soundings: &[Sounding], fixes: &[Fix], index: usize) -> bool {
     let around = index.saturating_sub(REACH)..(index + REACH + 1).min(soundings.len());
     if around.len() <= REACH {
@@ -263,8 +264,8 @@ fn is_glitch(soundings: &[Sounding], fixes: &[Fix], index: usize) -> bool {
     })
 }
 
-/// Metres that the boat went between two times; 0 where no fixes tell. Positions are rounded and
-/// repeated, so that the speed is taken over some seconds more.
+/// Returns the metres that the boat went between two times; 0 without fixes. Because positions are
+/// rounded and repeated, the speed is computed over some seconds more.
 fn travelled_m(fixes: &[Fix], from_s: f64, to_s: f64) -> f64 {
     const MARGIN_S: f64 = 2.0;
     let at = |time_s: f64| fixes.partition_point(|fix| fix.time_s < time_s);
@@ -299,7 +300,7 @@ mod tests {
         locked.into_iter().all(|locked| *locked)
     }
 
-    /// Depths about a bed of 1.5 m while the recorder has lost it.
+    /// Returns depths that wander while the recorder has lost a bed at 1.5 m.
     fn wandering(lost: std::ops::Range<usize>) -> impl Fn(usize) -> f32 {
         move |i| if lost.contains(&i) { [1.5, 5.0, 3.0, 6.0][i / 7 % 4] } else { 1.5 }
     }
@@ -359,11 +360,11 @@ mod tests {
             let marked: Vec<usize> =
                 (0..400).filter(|&index| !soundings[index].is_good()).collect();
             assert_eq!(marked, (100..250).collect::<Vec<_>>(), "{step_s} s");
-            // First returns judge it in a log that has them.
+            // In a log with side-scan, leaps are checked against the first returns elsewhere.
             mark_faults(&mut soundings, &fixes, true);
             assert!(soundings.iter().all(|sounding| sounding.is_good()), "{step_s} s");
         }
-        // Here the shallow ones are false.
+        // Here the shallow depths are false.
         let clutter = |index: usize| if index % 100 < 9 { 1.8 } else { 20.0 };
         let (mut soundings, fixes) = sailed(1.0, (0..400).map(clutter));
         mark_faults(&mut soundings, &fixes, false);
@@ -386,7 +387,7 @@ mod tests {
         assert_eq!(wild, [20]);
     }
 
-    /// Soundings, and fixes at 2 m/s to the north, one each at every step.
+    /// Creates a sounding and a fix at every time step, of a boat that goes north at 2 m/s.
     fn sailed(step_s: f64, depths: impl Iterator<Item = f32>) -> (Vec<Sounding>, Vec<Fix>) {
         let time_s = |index: usize| step_s * index as f64;
         let soundings: Vec<Sounding> = depths

@@ -1,4 +1,4 @@
-//! The names of classes: in labels for training, and changed.
+//! Tests the names of classes: in labels for training, and renamed.
 
 use super::*;
 
@@ -9,7 +9,7 @@ fn labels_are_numbered_by_the_analysts_list_and_nameless_boxes_come_last() {
     let review = empty.adopt("first", &names(&["rock", "tyre"]), &found, &raster());
     let list = names(&["wreck", "tyre"]);
     let (classes, places) = review.training_classes(&list);
-    // A class that no box has is there only where the list has it.
+    // A class without boxes is included only if it is in the list.
     assert_eq!(classes, ["wreck", "tyre", "rock"]);
     assert_eq!(places, [None, Some(2), Some(1)]);
     let drawn = Edit::Add { mark: mark(Side::Port, 500, 5.0), class: 0 };

@@ -1,10 +1,11 @@
-//! Finds the solid, with size and pose, that explains best what the passes recorded of an object.
+//! Finds the solid, with size and pose, that explains best what the passes recorded of an object. A
+//! look is the picture that one pass recorded ([`BoxLevels`]).
 //!
-//! What is sought is the least sum of squares of recorded levels minus predicted ones. A level is a
-//! logarithm of power here, in standard deviations of single-look speckle, which has one of 1.28 in
-//! ln power whatever the recorder: `ln(bottom + strength * object) / 1.28`, no lower than the
-//! darkest shadow. Strength and darkness belong to a pass, size and heading to the object, and each
-//! pass may place it a little elsewhere, as its receiver did.
+//! The search minimises the sum of squares of recorded levels minus predicted ones. A level here is
+//! a logarithm of power, in standard deviations of single-look speckle, which has one of 1.28 in ln
+//! power for any recorder: `ln(bottom + strength * object) / 1.28`, no lower than the darkest
+//! shadow. Strength and darkness belong to a pass, size and heading to the object, and each pass
+//! may place the object a little elsewhere, because of its receiver's error.
 
 use super::initial_guess::{InitialGuess, beginnings};
 use super::levels::BoxLevels;
@@ -13,37 +14,37 @@ use super::problem::{FitState, Numbers, OF_OBJECT, Problem};
 use super::search::{follow, search};
 use super::solid::ShapeKind;
 
-/// A kind as it fits best.
+/// The best fit of one kind of solid.
 #[derive(Clone, Debug)]
 pub(super) struct ShapeFit {
     pub(super) kind: ShapeKind,
-    /// The numbers of the object.
+    /// Parameters of the object.
     of_object: Numbers,
-    /// The solid as each of the looks places it.
+    /// The solid as placed in each of the looks.
     pub(super) posed: Vec<PosedSolid>,
-    /// Sum of squares that is left.
+    /// Remaining sum of squares.
     pub(super) cost: f64,
 }
 
-/// Rounds of the search at most.
+/// Greatest number of rounds of the search.
 const ROUNDS: usize = 40;
 
-/// A search in a picture that is coarser than the look: there a solid that lies a little off is
-/// right in part, and a trial costs less.
+/// A search in a picture that is coarser than the look: there, a solid that is a little off still
+/// overlaps the object in part, and a trial takes less time.
 struct CoarseSearch {
-    /// Pings and bins of the picture, about.
+    /// Approximate number of pings and bins of the picture.
     size: [usize; 2],
-    /// Number of states that are followed (those that explain most), and of rounds, for each stage.
+    /// Number of best states that are followed and number of rounds, for each stage.
     followed: &'static [(usize, usize)],
-    /// Number of them that are kept.
+    /// Number of states that are kept at the end.
     kept: usize,
-    /// A kind that gains less than this share of what the best gains here is no rival in a finer
-    /// picture.
+    /// Least gain of a kind that is kept for a finer picture, as a share of the gain of the best
+    /// kind.
     worth_fitting: f64,
 }
 
-/// Coarse searches, from coarse to fine. A boat that lies askew to the track is found from few of
-/// the beginnings.
+/// Coarse searches, from coarse to fine. The first needs many states: only few initial guesses lead
+/// to a boat that is askew to the track.
 const COARSE: [CoarseSearch; 2] = [
     CoarseSearch {
         size: [12, 24],
@@ -53,13 +54,13 @@ const COARSE: [CoarseSearch; 2] = [
     },
     CoarseSearch { size: [24, 48], followed: &[(3, 3), (1, 8)], kept: 1, worth_fitting: 0.9 },
 ];
-/// First changes of the numbers in the whole picture, as a share of the first steps: the numbers
-/// are nearly right.
+/// First changes of the parameters in the full picture, as a share of [`FitState::steps`]: the
+/// parameters are nearly right.
 const FINE_STEPS: f64 = 0.5;
 
-/// Fits all kinds to looks, of which each has its start, and gives back those that explain enough
-/// to be told apart, the best first. Each kind is fitted to each of the first two looks, which are
-/// to show the object best, and from there to all.
+/// Fits the kinds of solids to looks, each with its initial guess, and returns those that may
+/// explain enough, the best first. Each kind is fitted first to each of the first two looks alone,
+/// which should show the object best, and from there to all looks.
 pub(super) fn fits(looks: &[BoxLevels], starts: &[InitialGuess]) -> Vec<ShapeFit> {
     let mut best: Vec<ShapeFit> = Vec::new();
     for first in 0..looks.len().min(2) {
@@ -84,7 +85,8 @@ pub(super) fn fits(looks: &[BoxLevels], starts: &[InitialGuess]) -> Vec<ShapeFit
     best
 }
 
-/// Fits one kind to one of the looks from a beginning that is nearly right, and from there to all.
+/// Fits one kind to one of the looks, from parameters that are nearly right, and from there to all
+/// looks.
 fn fit(
     kind: ShapeKind,
     looks: &[BoxLevels],
@@ -116,7 +118,7 @@ fn fit(
 }
 
 impl ShapeFit {
-    /// The solid as a look places it that it was not fitted to.
+    /// Places the solid, with its size and heading, in a look that it was not fitted to.
     pub(super) fn placed_in(&self, look: &BoxLevels, start: &InitialGuess) -> PosedSolid {
         let problem = Problem::of_known(self.kind, std::slice::from_ref(look));
         let numbers = [&self.of_object[..], &start.of_look()].concat();
@@ -126,11 +128,11 @@ impl ShapeFit {
     }
 }
 
-/// Kinds, each with numbers to begin with.
+/// Kinds, each with parameters to begin with.
 type Beginnings = Vec<(ShapeKind, Vec<Numbers>)>;
 
 impl CoarseSearch {
-    /// The kinds that may explain a look, each with what explains most.
+    /// Returns the kinds that may explain a look, each with its best parameters.
     fn fits(&self, look: &BoxLevels, kinds: Beginnings) -> Beginnings {
         let coarse = [look.coarser(self.size)];
         let mut of_kinds: Vec<(ShapeKind, Vec<FitState>)> = (kinds.into_iter())
@@ -148,7 +150,7 @@ impl CoarseSearch {
             .collect();
         let bare = coarse[0].squares() * coarse[0].together as f64;
         let gains = of_kinds.iter().map(|(_, states)| bare - states[0].cost);
-        // Where none gains in so coarse a picture, the best goes on.
+        // If no kind gains in so coarse a picture, only the best one is kept.
         let most = gains.fold(f64::NEG_INFINITY, f64::max);
         let least = most.min(self.worth_fitting * most);
         of_kinds.retain(|(_, states)| bare - states[0].cost >= least);
@@ -168,12 +170,13 @@ mod tests {
 
     const BINS: usize = 96;
 
-    /// A look to starboard of a boat that sails north, 3 m above the bottom, of nothing but
-    /// speckle.
+    /// Creates a look to starboard of a boat that sails north, 3 m above the bottom, with nothing
+    /// but speckle.
     fn bare() -> BoxLevels {
         let mut state = 1_u32;
         let mut speckle = || {
-            // Sums of four even shares between -1 and 1, of which each has a variance of 1/3.
+            // Each number is the sum of four uniform numbers between -1 and 1, each of variance
+            // 1/3.
             let sum: f32 = (0..4)
                 .map(|_| {
                     state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -213,8 +216,8 @@ mod tests {
         for (level, (bottom, object)) in levels.zip(both) {
             *level += (bottom + 4.0 * object).max(0.1).ln() / SPECKLE_LN as f32;
         }
-        // What the box says: extents along and across the track that hold echo and shadow, and a
-        // place between the two.
+        // The guess from the box: extents along and across the track that include echo and shadow,
+        // and a place between the two.
         let start = InitialGuess {
             place_m: [5.8, 0.0],
             heading_rad: 0.0,

@@ -1,4 +1,4 @@
-//! Derives the beginnings of a search from the box of an object.
+//! Derives the parameters with which a search begins from the box of an object.
 
 use super::levels::BoxLevels;
 use super::problem::{DARKNESS, Numbers, OF_LOOK, STRENGTH};
@@ -6,18 +6,18 @@ use super::solid::ShapeKind;
 use crate::targets::Target;
 use std::f64::consts::{PI, TAU};
 
-/// Headings that are tried at first over half a circle.
+/// Number of initial headings over half a circle.
 const HEADINGS: usize = 8;
-/// Distances outward from the box's place at which a search begins, in shares of the box.
+/// Offsets outward from the box's place at which a search begins, as shares of the box.
 const OUTWARD: [f64; 3] = [-0.15, 0.0, 0.15];
 
-/// Logarithm of the ratio of two steepnesses from which on a search begins with both.
+/// Logarithm of the ratio of two steepnesses above which a search begins with both.
 const STEEPNESS_APART: f64 = 0.3;
 
-/// Prior estimate of an object from one of its boxes.
+/// Initial guess of an object from one of its boxes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct InitialGuess {
-    /// Its place, metres east and north.
+    /// Place of the object, metres east and north.
     pub(super) place_m: [f64; 2],
     /// Direction of the track, radians clockwise from north.
     pub(super) heading_rad: f64,
@@ -26,14 +26,14 @@ pub(super) struct InitialGuess {
     pub(super) across_m: f64,
     /// Extent of the box across the track on a level bottom, its shadow included, metres.
     pub(super) box_m: f64,
-    /// Unit vector across the track to the side of the look, east and north.
+    /// Unit vector (east, north) across the track, to the side of the look.
     pub(super) outward: [f64; 2],
-    /// Height, metres; NaN where no shadow is seen.
+    /// Height, metres; NaN without a visible shadow.
     pub(super) height_m: f64,
 }
 
 impl InitialGuess {
-    /// Creates the estimate from a box that is placed, and its look.
+    /// Creates the guess from a placed box and its look.
     pub(super) fn of(target: &Target, look: &BoxLevels) -> Self {
         Self {
             place_m: [target.east_m, target.north_m],
@@ -46,15 +46,15 @@ impl InitialGuess {
         }
     }
 
-    /// The numbers of a look to begin with.
+    /// Returns the initial parameters of a look.
     pub(super) fn of_look(&self) -> [f64; OF_LOOK] {
         let [east_m, north_m] = self.place_m;
         [east_m, north_m, STRENGTH[0], DARKNESS, 0.0]
     }
 }
 
-/// The height to begin with: that of the object, or that of the shadow in the middle of the box
-/// where it is not whole enough to tell one.
+/// Returns the initial height: that of the box, or, if its shadow is not whole enough for a height,
+/// that of the shadow in the middle of the box.
 fn height_m(target: &Target) -> f64 {
     let in_middle_m = || {
         let [start_m, end_m] = target.parts?.shadow_m?;
@@ -63,8 +63,9 @@ fn height_m(target: &Target) -> f64 {
     if target.height_m.is_finite() { target.height_m } else { in_middle_m().unwrap_or(f64::NAN) }
 }
 
-/// Sizes and poses to begin with: of a typical slenderness, as long as the extents along the track,
-/// across it, or both say, and in the middle of the picture or a little nearer or farther.
+/// Returns initial parameters: the solid has a typical slenderness, its length follows from the
+/// extents along the track, across it, or both, and it is in the middle of the picture or a little
+/// nearer or farther.
 pub(super) fn beginnings(kind: ShapeKind, start: &InitialGuess) -> Vec<Numbers> {
     let usual = kind.usual();
     let slenderness = usual.typical_slenderness;
@@ -80,7 +81,7 @@ pub(super) fn beginnings(kind: ShapeKind, start: &InitialGuess) -> Vec<Numbers> 
         let (sin, cos) = (off_rad.sin().abs(), off_rad.cos().abs());
         let by_along_m = start.along_m.max(0.2) / (cos + sin / slenderness);
         let by_across_m = start.across_m.max(0.1) / (sin + cos / slenderness);
-        // Of a box half is shadow, more or less.
+        // About half of a box is shadow.
         let by_box_m = 0.6 * start.box_m / (sin + cos / slenderness);
         let both_m = (by_along_m * by_across_m).sqrt();
         for length_m in [by_along_m, by_across_m, both_m, by_box_m] {
@@ -100,8 +101,8 @@ pub(super) fn beginnings(kind: ShapeKind, start: &InitialGuess) -> Vec<Numbers> 
     all
 }
 
-/// Steepnesses to begin with: that of the shadow, where it is known. The shadow of a boat may be
-/// that of a thwart or of one end, so a search for one begins with a usual steepness as well.
+/// Returns initial steepnesses: that of the shadow, if it is known. The shadow of a boat may be
+/// that of a thwart or of one end, so the search for a boat begins with a usual steepness as well.
 fn steepnesses(kind: ShapeKind, by_shadow: f64) -> impl Iterator<Item = f64> {
     let [low, high] = kind.usual().steepness;
     let usual = (low * high).sqrt();

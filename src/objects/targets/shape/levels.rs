@@ -1,4 +1,4 @@
-//! Levels that one pass recorded around a box.
+//! Extracts the levels that one pass recorded around a box.
 
 use super::super::Placer;
 use super::super::profile::{BackgroundLevels, RangeSteps};
@@ -6,47 +6,49 @@ use crate::Mark;
 use bathyscope_log::support::statistics::median;
 use std::ops::Range;
 
-/// Levels around a box, and from where they were recorded. Slant ranges are by the calibration in
-/// force, metres.
+/// Levels around a box, and the places from which they were recorded (a look). Slant ranges are by
+/// the current calibration, metres.
 #[derive(Clone, Debug)]
 pub struct BoxLevels {
     /// Height of the transducer above the bottom.
     pub(super) altitude_m: f64,
-    /// Near edge of the first bin and width of every bin on the recorder's scale.
+    /// Near edge of the first bin, and width of every bin, in the recorder's scale.
     pub(super) recorded_m: [f64; 2],
-    /// The same by the calibration in force.
+    /// Near edge of the first bin, width of every bin, and number of bins, by the current
+    /// calibration.
     pub(super) from_m: f64,
     pub(super) step_m: f64,
     pub(super) bins: usize,
-    /// Mean distance from one of the pings to the next, metres.
+    /// Mean distance between two neighbouring pings of the look, metres.
     pub(super) ping_m: f64,
-    /// Pings in order, some neighbouring ones summed where they are many.
+    /// Pings in order; neighbouring ones are averaged if there are many.
     pub(super) pings: Vec<PingLevels>,
-    /// Mean square of a level where nothing lies.
+    /// Mean square of a level where there is no object.
     pub(super) noise: f64,
-    /// Levels of the picture itself that one level here is the mean of.
+    /// Number of levels of the full picture in the mean that one level here is.
     pub(super) together: usize,
 }
 
-/// A ping of a look.
+/// A ping of a look, or the mean of several.
 #[derive(Clone, Debug)]
 pub(super) struct PingLevels {
-    /// Index of the ping, of several the middle one.
+    /// Index of the ping; of several averaged pings, the middle one.
     pub(super) ping: usize,
-    /// Point on the bottom that ranges count from, metres east and north: under the boat on a level
-    /// bottom.
+    /// Point on the bottom from which ranges are measured, metres east and north: under the boat if
+    /// the bottom is level.
     pub(super) boat_m: [f64; 2],
-    /// Unit vector across the track to the side of the look, east and north.
+    /// Unit vector (east, north) across the track, to the side of the look.
     pub(super) outward: [f64; 2],
     /// Mean level of each bin above that of the bottom beside the box, in standard deviations of
     /// the speckle.
     pub(super) levels: Vec<f32>,
 }
 
-/// Pings and bins of a look at most: finer would cost time and tell no more.
+/// Greatest number of pings and bins of a look: a finer look would take time and give no more
+/// information.
 const PINGS: usize = 48;
 const BINS: usize = 96;
-/// Bins are no narrower than a pulse, metres.
+/// Least width of a bin, that of a pulse, metres.
 const LEAST_STEP_M: f64 = 0.03;
 /// Margins around the box: in range, metres and a share of the box; along the track, least number
 /// of pings, and the divisor of the box's pings (a quarter of them).
@@ -54,16 +56,17 @@ const RANGE_MARGIN_M: f64 = 0.3;
 const RANGE_MARGIN: f64 = 0.15;
 const PING_MARGIN: usize = 4;
 const PING_SHARE: usize = 4;
-/// Slant range at which the levels begin, in altitudes: there the bottom is seen under an angle;
-/// nearer is the first return.
+/// Slant range at which the levels begin, in altitudes: there, the ray meets the bottom at an
+/// angle; nearer is the first return.
 const BEYOND_NADIR: f64 = 1.02;
-/// Median of the square of what is normally distributed with a standard deviation of 1.
+/// Median of the square of a normally distributed number with a standard deviation of 1.
 const MEDIAN_SQUARE: f64 = 0.4549;
-/// Levels in standard deviations of the speckle are held within: glints tell nothing more.
+/// Limits of a level, in standard deviations of the speckle: stronger glints give no more
+/// information.
 const LEVELS: [f64; 2] = [-5.0, 8.0];
 
 impl PingLevels {
-    /// Sum of the squares of its levels.
+    /// Returns the sum of the squares of the levels.
     pub(super) fn squares(&self) -> f64 {
         let squares = self.levels.iter().map(|level| f64::from(level * level));
         squares.sum()
@@ -71,24 +74,24 @@ impl PingLevels {
 }
 
 impl BoxLevels {
-    /// Slant range at which a bin begins, on the recorder's scale, metres.
+    /// Returns the slant range at which a bin begins, in the recorder's scale, metres.
     pub(super) fn recorded_m(&self, bin: usize) -> f64 {
         self.recorded_m[0] + bin as f64 * self.recorded_m[1]
     }
 
-    /// Sum of the squares of all levels.
+    /// Returns the sum of the squares of all levels.
     pub(super) fn squares(&self) -> f64 {
         let levels = self.pings.iter().flat_map(|ping| &ping.levels);
         levels.map(|level| f64::from(level * level)).sum()
     }
 
-    /// Returns the sum of the squares of all levels where nothing lies.
+    /// Returns the expected sum of the squares of all levels if there is no object.
     pub(super) fn speckle_squares(&self) -> f64 {
         self.noise * (self.pings.len() * self.bins) as f64
     }
 
-    /// Returns the same with means of neighbouring pings and bins, about `pings` and `bins` in
-    /// number.
+    /// Returns a coarser look, of means of neighbouring pings and bins; `pings` and `bins` are
+    /// their approximate numbers.
     #[must_use]
     pub(super) fn coarser(&self, [pings, bins]: [usize; 2]) -> Self {
         let [of_pings, of_bins] =
@@ -119,17 +122,17 @@ impl BoxLevels {
         }
     }
 
-    /// Excess of the squares over those of bare bottom, as a share of them.
+    /// Returns the excess of the sum of squares over that of bare bottom, as a share of the latter.
     pub(super) fn contrast(&self) -> f64 {
         self.squares() / self.speckle_squares() - 1.0
     }
 
-    /// Its extent along the track, metres.
+    /// Returns the extent along the track, metres.
     pub(super) fn along_m(&self) -> f64 {
         self.ping_m * self.pings.len() as f64
     }
 
-    /// Its extent across the track on a level bottom, metres.
+    /// Returns the extent across the track on a level bottom, metres.
     pub(super) fn across_m(&self) -> f64 {
         let out_m = |bin: usize| {
             let range_m = self.from_m + bin as f64 * self.step_m;
@@ -140,16 +143,16 @@ impl BoxLevels {
 }
 
 impl Placer<'_> {
-    /// Returns the levels that the pass of a box recorded around it; `None` where that is no
-    /// picture (less than three pings with a place, no samples, or no bottom next to the box that
-    /// it could be compared with).
+    /// Returns the levels that the pass of a box recorded around it; `None` if there are too few
+    /// for a picture (less than three pings with a place, no samples, or no bottom next to the box
+    /// for comparison).
     pub fn box_levels(&self, mark: &Mark) -> Option<BoxLevels> {
         let middle = usize::midpoint(mark.pings.start, mark.pings.end);
         let span = self.span(mark.side, middle)?;
         let altitude_m = self.altitude_over_m(mark.side, mark.pings.clone())?;
         let length_m = mark.far_m - mark.near_m;
         let calibrated_m = |recorded_m: f64| self.calibrated_m(span, recorded_m);
-        // Ranges by the calibration in force grow evenly with recorded ones.
+        // Ranges by the current calibration are linear in the recorded ones.
         let [near_m, far_m] = [mark.near_m, mark.far_m].map(calibrated_m);
         let factor = (far_m - near_m) / length_m;
         let bottom_m = mark.near_m + (BEYOND_NADIR * altitude_m - near_m) / factor;
@@ -174,7 +177,7 @@ impl Placer<'_> {
         let end = (mark.pings.end + more).min(self.survey().side_scan.len());
         let groups = groups(mark.pings.start.saturating_sub(more)..end);
         let noise = self.noise(&grid, &background, mark, groups.first()?.len())?;
-        // On a bottom that slopes evenly the geometry is that of a level one, moved along the
+        // On a bottom that slopes evenly, the geometry is that of a level bottom, moved along the
         // slope.
         let level_m = (near_m * near_m - altitude_m * altitude_m).max(0.0).sqrt();
         let moved_m = self.across(mark.side, middle).ground_m(altitude_m, near_m) - level_m;
@@ -200,7 +203,7 @@ impl Placer<'_> {
         })
     }
 
-    /// Some pings together; `None` where they have no place or no samples.
+    /// Averages some pings; `None` if they have no place or no samples.
     fn look_ping(
         &self,
         grid: &RangeSteps,
@@ -224,9 +227,9 @@ impl Placer<'_> {
         })
     }
 
-    /// Returns the mean square of the levels next to the box, `together` pings at a time. It is
-    /// that of most of them: stones and other objects next to the box are no noise, and would let
-    /// any shape explain all of a picture.
+    /// Returns the mean square of the levels next to the box, for means of `together` pings; `None`
+    /// without levels. It is computed from their median: stones and other objects next to the box
+    /// are no noise, and would let any shape explain all of a picture.
     fn noise(
         &self,
         grid: &RangeSteps,
@@ -248,9 +251,10 @@ impl Placer<'_> {
 }
 
 impl BackgroundLevels {
-    /// Levels above it in standard deviations of its speckle; `None` where that is not known.
+    /// Converts levels to levels above the background, in standard deviations of its speckle;
+    /// `None` if the speckle is not known.
     fn levels_above(&self, levels: &[f64]) -> Option<Vec<f32>> {
-        // NaN is none either.
+        // A speckle of NaN is unknown too.
         if self.speckle.is_nan() || self.speckle <= 0.0 {
             return None;
         }
@@ -260,7 +264,7 @@ impl BackgroundLevels {
     }
 }
 
-/// Neighbouring pings that count as one, so that there are not too many.
+/// Divides pings into groups of neighbours that are averaged, so that there are not too many.
 fn groups(pings: Range<usize>) -> Vec<Range<usize>> {
     let together = pings.len().div_ceil(PINGS).max(1);
     let first = pings.clone().step_by(together);
@@ -269,8 +273,8 @@ fn groups(pings: Range<usize>) -> Vec<Range<usize>> {
 
 #[cfg(test)]
 impl BoxLevels {
-    /// A picture of some pings, `ping_m` apart, of a bottom 3 m below, with bins of `step_m` from
-    /// `from_m` on.
+    /// Creates a look of some pings, `ping_m` apart, over a bottom 3 m below, with bins of `step_m`
+    /// from `from_m` on.
     pub(super) fn of_pings(
         pings: Vec<PingLevels>,
         ping_m: f64,

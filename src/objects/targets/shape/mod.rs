@@ -1,11 +1,11 @@
-//! Shapes of objects: a solid on the bottom, fitted in kind, size and pose so that its predicted
-//! echo and shadow lie over what all passes recorded of the object.
+//! Fits shapes to objects: a solid on the bottom, whose kind, size and pose are chosen so that its
+//! predicted echo and shadow match what all passes recorded of the object.
 //!
-//! In: the levels that passes recorded about an object. Out: a solid with its pose, and how much of
-//! the picture it explains.
+//! In: the levels that passes recorded around an object. Out: a solid with its pose, and the share
+//! of the picture that it explains.
 //!
-//! A shape is a hypothesis: what it says of the far side was never insonified. Where no kind
-//! explains most of what the picture shows, there is none, and the reason is said.
+//! A shape is a hypothesis: its far side was never insonified. If no kind explains enough of the
+//! picture, there is no shape, and the reason is returned.
 
 mod fit;
 mod initial_guess;
@@ -25,32 +25,34 @@ use super::Target;
 use fit::{ShapeFit, fits};
 use initial_guess::InitialGuess;
 
-/// A solid that explains what was recorded of an object.
+/// A solid that explains the recorded levels of an object.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FittedShape {
-    /// The solid as the pass places it that shows it best.
+    /// The solid as placed in the look that shows it best.
     pub posed: PosedSolid,
-    /// Elevation of the bottom there, metres: the depth of that box, upward.
+    /// Elevation of the bottom at the box of that look, metres: its depth, with the sign of an
+    /// elevation.
     pub bottom_z_m: f64,
-    /// Place of the solid on the pings of each box, in their order; empty for a box without a look.
+    /// Place of the solid on the pings of each box, in the order of the boxes; empty for a box
+    /// without a look.
     pub on_pings: Vec<Vec<ShapeOnPing>>,
-    /// Share of what the looks differ from bare bottom, beyond speckle, that it explains; 1 leaves
-    /// nothing but speckle.
+    /// Share of the difference between the looks and bare bottom, beyond speckle, that the solid
+    /// explains; at 1, only speckle is left.
     pub explained: f64,
-    /// Kinds that explain nearly as much, the better first.
+    /// Other kinds that explain nearly as much, the best first.
     pub rivals: Vec<ShapeKind>,
 }
 
 /// Reason why an object has no shape.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum ShapeError {
-    /// There is no picture to fit it to.
+    /// No box has a look to fit a shape to.
     #[error("no shape: no picture of it with a place and bare bottom beside it")]
     NoLook,
-    /// The box has no more in it than the bottom beside it.
+    /// The looks differ too little from bare bottom.
     #[error("no shape: its picture differs too little from the bottom beside it")]
     Faint,
-    /// No kind explains enough.
+    /// No kind explains enough of the looks.
     #[error("no shape: the best, a {}, explains {:.0} % of its picture", kind.name(), 100.0 * explained)]
     Unexplained {
         /// The kind that explains most.
@@ -58,33 +60,33 @@ pub enum ShapeError {
         /// Share that it explains, as [`FittedShape::explained`].
         explained: f64,
     },
-    /// The best reaches beyond the picture, where it was compared with nothing.
+    /// The best solid is larger than its picture, so part of it was not compared with any level.
     #[error("no shape: the best, a {} of {length_m:.1} m, is larger than its picture", kind.name())]
     LargerThanPicture {
         /// The kind that explains most.
         kind: ShapeKind,
-        /// Its length, metres.
+        /// Length of the solid, metres.
         length_m: f64,
     },
 }
 
-/// Share that a shape has to explain.
+/// Least share that a shape must explain ([`FittedShape::explained`]).
 const LEAST_EXPLAINED: f64 = 0.35;
-/// Least excess of the squares of a look over those of speckle, as a share of the latter; with less
-/// it is too faint to distinguish shapes.
+/// Least excess of the squares of a look over those of speckle, as a share of the latter; with
+/// less, the look is too faint to distinguish shapes.
 const LEAST_CONTRAST: f64 = 0.15;
-/// A kind that leaves no more than so much of what the best explains is a rival.
+/// Greatest difference between the gain of the best kind and that of a rival, as a share of the
+/// former.
 const RIVAL: f64 = 0.07;
 
-/// Looks that are fitted together at most, those that show the object best: more cost time and tell
-/// no more.
+/// Greatest number of looks that are fitted together, those that show the object best: more would
+/// take time and give no more information.
 const MOST_LOOKS: usize = 4;
 
-/// The shape of an object by the boxes that show it: each with its place and its look, where it has
-/// one.
+/// Fits a shape to an object, from its boxes: each with its position and its look, if it has one.
 ///
 /// # Errors
-/// Why it has none.
+/// When no shape fits: see [`ShapeError`].
 pub fn fit_shape(sightings: &[(&Target, Option<BoxLevels>)]) -> Result<FittedShape, ShapeError> {
     let mut best: Vec<(usize, &Target, &BoxLevels)> = (sightings.iter().enumerate())
         .filter_map(|(index, (target, look))| Some((index, *target, look.as_ref()?)))
@@ -138,8 +140,8 @@ pub fn fit_shape(sightings: &[(&Target, Option<BoxLevels>)]) -> Result<FittedSha
     })
 }
 
-/// True where a solid is no larger than the picture along the track and across it. Its outline is
-/// taken for an ellipse.
+/// Returns true if a solid is no larger than the picture along the track and across it. The outline
+/// is approximated by an ellipse.
 fn is_within(posed: &PosedSolid, look: &BoxLevels) -> bool {
     let outward = look.pings.first().map_or([0.0; 2], |ping| ping.outward);
     let (sin, cos) = posed.heading_rad.sin_cos();
@@ -157,7 +159,7 @@ mod tests {
 
     #[test]
     fn a_solid_that_reaches_beyond_its_picture_is_none_of_it() {
-        // 2 m along a track to the north, and 4 to 7.4 m to the east of it.
+        // The picture covers 2 m along a track to the north, and 4 to 7.4 m to the east of it.
         let ping = |ping: usize| PingLevels {
             ping,
             boat_m: [0.0, 0.1 * ping as f64],
@@ -172,9 +174,9 @@ mod tests {
             super::is_within(&PosedSolid { solid, east_m: 5.5, north_m: 1.0, heading_rad }, &look)
         };
         assert!(is_within([1.8, 0.8], 0.0) && is_within([1.8, 0.8], 60.0));
-        // Outward there is more room than along the track.
+        // Across the track there is more room than along it.
         assert!(is_within([3.2, 0.8], 90.0) && !is_within([3.2, 0.8], 0.0));
-        // The boulder of the river that was called a hull.
+        // A boulder of the river that was once fitted as a hull.
         for heading_deg in [0.0, 45.0, 90.0, 200.0] {
             assert!(!is_within([8.38, 1.87], heading_deg));
         }

@@ -1,11 +1,11 @@
-//! Predicts the record of a solid on the bottom: its echo, and the shadow behind it.
+//! Predicts the recorded levels of a solid on the bottom: its echo, and the shadow behind it.
 //!
-//! Along a ray from the boat outward the solid is a profile of heights. A step of it is insonified
+//! Along a ray from the boat outward, the solid is a profile of heights. A step of it is insonified
 //! as far as its direction from the vertical exceeds that of all steps before it; its echo, by
-//! Lambert's law, goes with the square of the cosine of the angle between the ray and the normal of
-//! the step. What it hides of the bottom is dark up to where the last of those directions meets the
-//! bottom. Everything is power over that of the bare bottom at the same range, so that gain,
-//! spreading and the beam across the track cancel.
+//! Lambert's law, is in proportion to the square of the cosine of the angle between the ray and the
+//! normal of the step. The bottom behind it is dark up to the point where the farthest of these
+//! directions meets the bottom. All powers are relative to that of the bare bottom at the same
+//! range, so that gain, spreading and the beam across the track cancel.
 
 use super::levels::{BoxLevels, PingLevels};
 use super::ray::{EchoBins, ShapeRay, slant_m};
@@ -14,28 +14,28 @@ use bathyscope_bottom::vectors::{VectorLoop, vectorised};
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
-/// A solid in its place.
+/// A solid at a place, with a heading.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PosedSolid {
     /// Kind and size.
     pub solid: Solid,
-    /// Its middle, metres east of the survey's origin.
+    /// Middle of the solid, metres east of the survey's origin.
     pub east_m: f64,
-    /// The same, metres north.
+    /// Middle of the solid, metres north of the survey's origin.
     pub north_m: f64,
-    /// Direction of its length, radians clockwise from north; a boat's bow is there.
+    /// Direction of the length, radians clockwise from north; for a boat, the direction of the bow.
     pub heading_rad: f64,
 }
 
 impl PosedSolid {
-    /// The same with its heading within a circle, or within half of one where it looks the same
-    /// from both ends.
+    /// Returns the solid with its heading within a circle, or within half a circle if it looks the
+    /// same from both ends.
     pub(super) fn with_heading_in_range(self) -> Self {
         let turn_rad = if self.solid.kind.is_boat() { TAU } else { PI };
         Self { heading_rad: self.heading_rad.rem_euclid(turn_rad), ..self }
     }
 
-    /// Its heading where that says something, for people and files: NaN of a tyre, which is round.
+    /// Returns the heading for people and files, radians; NaN for a tyre, which is round.
     pub fn shown_heading_rad(&self) -> f64 {
         match self.solid.kind {
             ShapeKind::Tyre => f64::NAN,
@@ -43,7 +43,8 @@ impl PosedSolid {
         }
     }
 
-    /// A place along and across its length, metres from its middle, in metres east and north.
+    /// Converts a place along and across the solid, metres from its middle, to metres east and
+    /// north.
     pub fn place_m(&self, [along_m, across_m]: [f64; 2]) -> [f64; 2] {
         let (sin, cos) = self.heading_rad.sin_cos();
         [
@@ -53,23 +54,23 @@ impl PosedSolid {
     }
 }
 
-/// Echo and shadow of a solid on a ping, slant ranges on the recorder's scale, metres.
+/// Echo and shadow of a solid on a ping; slant ranges in the recorder's scale, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShapeOnPing {
     /// Index of the ping.
     pub ping: usize,
-    /// Near and far edge of its echo.
+    /// Near and far edge of the echo.
     pub echo_m: [f64; 2],
-    /// End of its shadow.
+    /// End of the shadow.
     pub shadow_end_m: f64,
 }
 
-/// Share of the bottom's power from which on a bin has an echo of the solid, and below which it
-/// lies in the shadow.
+/// Least power of the solid's echo in a bin that is part of the echo, and power of the bottom below
+/// which a bin is part of the shadow; both as shares of the power of bare bottom.
 const SEEN: f32 = 0.1;
 const DARK: f32 = 0.5;
 
-/// Returns echo and shadow of a solid on the pings of a look that it changes.
+/// Returns echo and shadow of a solid on those pings of a look that receive its echo.
 pub(super) fn on_pings(look: &BoxLevels, posed: &PosedSolid) -> Vec<ShapeOnPing> {
     let mut predicted = Predicted::default();
     predict(look, posed, &mut predicted);
@@ -89,20 +90,20 @@ pub(super) fn on_pings(look: &BoxLevels, posed: &PosedSolid) -> Vec<ShapeOnPing>
     on_ping.collect()
 }
 
-/// Power over that of the bare bottom, bins of a ping together, ping after ping.
+/// Predicted power over that of the bare bottom, bin by bin and ping by ping.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Predicted {
-    /// Power of the bottom that is seen; 1 where the solid changes nothing.
+    /// Power of the visible bottom; 1 where the solid has no effect.
     pub(super) bottom: Vec<f32>,
-    /// The solid's echo, were it to scatter as strongly as the bottom.
+    /// Power of the solid's echo, if the solid scattered as strongly as the bottom.
     pub(super) object: Vec<f32>,
-    /// The bins of each ping that the solid changes: all others are 1 and 0.
+    /// Bins of each ping that the solid affects; in all others, `bottom` is 1 and `object` 0.
     pub(super) changed: Vec<Range<usize>>,
 }
 
 impl Predicted {
-    /// Makes it that of a look without a solid. The search does this for every trial: only what the
-    /// last one changed is written.
+    /// Resets the prediction to that of a look without a solid. The search does this for every
+    /// trial, so only the bins that the last trial changed are written.
     #[inline(always)]
     fn clear(&mut self, look: &BoxLevels) {
         let count = look.pings.len() * look.bins;
@@ -122,16 +123,17 @@ impl Predicted {
     }
 }
 
-/// Standard deviation of the two-way beam along the track, radians, of a beam a little under a
+/// Standard deviation of the two-way beam along the track, radians, for a beam a little under a
 /// degree wide: the usual 455 kHz.
 const BEAM_SIGMA_RAD: f64 = 0.0157 / 2.355;
-/// Rays that stand for its width, in standard deviations, and their weights (Gauss-Hermite).
+/// Rays across the width of the beam: their offsets in standard deviations, and their weights
+/// (Gauss-Hermite).
 const RAYS: [(f64, f32); 3] = [(-1.732, 1.0 / 6.0), (0.0, 2.0 / 3.0), (1.732, 1.0 / 6.0)];
 
-/// Steps of a ray in a coarse picture are no shorter than this share of a bin.
+/// Least length of a step of a ray in a coarse picture, as a share of a bin.
 const COARSE_STEP: f64 = 0.25;
 
-/// Writes what the look would be of a solid.
+/// Predicts the levels of a look at a solid, and writes them to `into`.
 pub(super) fn predict(look: &BoxLevels, posed: &PosedSolid, into: &mut Predicted) {
     vectorised(Predict { look, posed, into });
 }
@@ -151,7 +153,7 @@ impl VectorLoop for Predict<'_> {
     }
 }
 
-/// The same, not vectorised.
+/// Does the work of `predict`; inlined, so that it is compiled for each kind of processor.
 #[inline(always)]
 fn predict_inlined(look: &BoxLevels, posed: &PosedSolid, into: &mut Predicted) {
     into.clear(look);
@@ -182,8 +184,8 @@ fn blur(bins: &mut [f32]) {
     }
 }
 
-/// Writes what a ping would be of a solid that reaches so far from its middle, and the sine and
-/// cosine of whose heading are known.
+/// Adds the rays of one ping to its bins. The solid reaches `reach_m` from its middle, and the sine
+/// and cosine of its heading are precomputed.
 #[inline(always)]
 fn one_ping(
     look: &BoxLevels,
@@ -198,11 +200,11 @@ fn one_ping(
     let [east_m, north_m] = [posed.east_m - ping.boat_m[0], posed.north_m - ping.boat_m[1]];
     let out_m = east_m * x + north_m * y;
     let ahead_m = east_m * ahead_x + north_m * ahead_y;
-    // Pings that were summed see more of the way: evenly over a width its standard deviation is
-    // that over the root of 12.
+    // A ping that is the mean of several covers more of the track: the standard deviation of an
+    // even distribution is its width over the root of 12.
     let beam_m = BEAM_SIGMA_RAD * slant_m(out_m, look.altitude_m);
     let sigma_m = slant_m(beam_m, look.ping_m / 12f64.sqrt());
-    // What is coarse anyway needs no width.
+    // A coarse picture needs no beam width.
     let rays = match look.together {
         1 => &RAYS[..],
         _ => &[(0.0, 1.0)][..],
@@ -211,7 +213,7 @@ fn one_ping(
         1 => 0.0,
         _ => COARSE_STEP * look.step_m,
     };
-    // Along and across the solid, of a step outward.
+    // Components of a step outward along and across the solid.
     let outward = [x * sin + y * cos, x * cos - y * sin];
     for &(at, weight) in rays {
         let beside_m = ahead_m - at * sigma_m;
@@ -232,8 +234,8 @@ fn one_ping(
 mod tests {
     use super::*;
 
-    /// A look to starboard of a boat that sails north, 3 m above the bottom, at ranges from 5 to 11
-    /// m.
+    /// Creates a look to starboard of a boat that sails north, 3 m above the bottom, at ranges from
+    /// 5 to 11 m.
     fn look() -> BoxLevels {
         let ping = |index: usize| PingLevels {
             ping: index,
@@ -254,7 +256,8 @@ mod tests {
         }
     }
 
-    /// A block 1 m across the track, 2 m long and 0.5 m high, its near side 6 m out.
+    /// Creates a block 1 m across the track, 2 m long and 0.5 m high, with its near side 6 m out,
+    /// and its look.
     fn block() -> (BoxLevels, PosedSolid) {
         let look = look();
         let solid =
@@ -275,11 +278,11 @@ mod tests {
     fn a_blocks_shadow_ends_where_the_geometry_says() {
         let (look, predicted) = of_block();
         let middle = &predicted.bottom[10 * look.bins..11 * look.bins];
-        // The far upper edge lies 7 m out and 2.5 m below: the ray over it meets the bottom at 7 *
-        // 3 / 2.5 = 8.4 m, 8.92 m of range.
+        // The far upper edge is 7 m out and 2.5 m below: the ray over this edge meets the bottom at
+        // 7 * 3 / 2.5 = 8.4 m, which is 8.92 m of range.
         let range_m = |bin: usize| look.from_m + (bin as f64 + 0.5) * look.step_m;
         let dark: Vec<f64> = (0..look.bins).filter(|bin| middle[*bin] < 0.5).map(range_m).collect();
-        // It begins at the near side's foot, 6 m out on the bottom: 6.71 m of range.
+        // The shadow begins at the foot of the near side, 6 m out on the bottom: 6.71 m of range.
         assert!((dark[0] - 6.71).abs() < 0.06, "{}", dark[0]);
         assert!((dark[dark.len() - 1] - 8.92).abs() < 0.06, "{dark:?}");
         assert!(dark.windows(2).all(|pair| pair[1] - pair[0] < 0.06));
@@ -289,7 +292,7 @@ mod tests {
     fn echo_and_shadow_lie_where_they_are_predicted_in_each_ping_that_meets_the_solid() {
         let (look, posed) = block();
         let on_pings = on_pings(&look, &posed);
-        // 2 m of pings every 0.1 m, and what the width of the beam adds.
+        // There are 2 m of pings every 0.1 m; the width of the beam may add one.
         assert!((20..=21).contains(&on_pings.len()), "{}", on_pings.len());
         let middle = on_pings[on_pings.len() / 2];
         assert_eq!(middle.ping, 10);
@@ -306,9 +309,10 @@ mod tests {
         let middle = &predicted.object[10 * look.bins..11 * look.bins];
         let brightest = (0..look.bins).max_by(|a, b| middle[*a].total_cmp(&middle[*b]));
         let range_m = look.from_m + (brightest.expect("bins") as f64 + 0.5) * look.step_m;
-        // From the upper edge at 6.5 m of range to the foot at 6.71 m.
+        // The echo of the near side is between the upper edge at 6.5 m of range and the foot at
+        // 6.71 m.
         assert!((6.45..6.75).contains(&range_m), "{range_m}");
-        // The top goes on to its far edge, 7 m out and 2.5 m below: 7.43 m.
+        // The top continues to its far edge, 7 m out and 2.5 m below: 7.43 m.
         let last = (0..look.bins).rev().find(|bin| middle[*bin] > 0.0);
         let last_m = look.from_m + (last.expect("an echo") as f64 + 1.0) * look.step_m;
         assert!((last_m - 7.43).abs() < 0.08, "{last_m}");

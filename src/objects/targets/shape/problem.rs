@@ -1,54 +1,57 @@
-//! Compares a solid with looks: predicts them from the numbers of the solid, and sums the squares.
+//! Compares a solid with looks: predicts the looks from the parameters of the solid, and sums the
+//! squares of the differences.
 
 use super::levels::{BoxLevels, PingLevels};
 use super::predict::{PosedSolid, Predicted, predict};
 use super::solid::{LANES, ShapeKind, Solid};
 use bathyscope_bottom::vectors::{VectorLoop, ln, vectorised};
 
-/// Standard deviation of ln power of single-look speckle.
+/// Standard deviation of the ln power of single-look speckle.
 pub(super) const SPECKLE_LN: f64 = 1.283;
-/// Standard deviation of the logarithm of a size beyond what is usual of a kind.
+/// Standard deviation of the logarithm of a size outside the usual range of a kind.
 const BEYOND_USUAL: f64 = 0.03;
-/// Largest list of a boat ([`Solid::list`]), at which its keel is beside it.
+/// Greatest list of a boat ([`Solid::list`]), at which its keel is at its side.
 const MOST_LIST: f64 = 0.4;
-/// Strength over the bottom in ln power, expected and its standard deviation: 6 dB each. Darkness
-/// to begin with: 13 dB.
+/// Strength of the object over the bottom in ln power: its expected value and its standard
+/// deviation, 6 dB each; and the initial darkness of a shadow, 13 dB below the bottom.
 pub(super) const STRENGTH: [f64; 2] = [1.38, 1.4];
 pub(super) const DARKNESS: f64 = -3.0;
 
-/// Numbers of an object: heading, ln length, ln slenderness, ln steepness, list; then of each look
-/// east, north, strength, darkness, and how much lighter the dark is at the far end of it.
+/// Parameters of a fit. For the object: heading, ln length, ln slenderness, ln steepness, list;
+/// then for each look: east, north, strength, darkness, and how much lighter a shadow is at the far
+/// end of the look. The constants are the number of parameters of the object and of each look.
 pub(super) type Numbers = Vec<f64>;
 pub(super) const OF_OBJECT: usize = 5;
 pub(super) const OF_LOOK: usize = 5;
-/// First change of each.
+/// First change of each parameter.
 const FIRST_STEPS: [f64; OF_OBJECT + OF_LOOK] = [0.2, 0.2, 0.2, 0.2, 0.1, 0.2, 0.2, 0.7, 0.7, 0.7];
-/// First change of each edge, in ln length and ln width.
+/// First change of length or width when an edge is moved, as its logarithm.
 const EDGE_STEP: f64 = 0.2;
-/// Smallest changes of place and of ln length that are worth another round.
+/// Change of place (metres) and of ln length below which the search ends.
 const LEAST_STEP: f64 = 0.01;
-/// The same of ln height over width, as a multiple of it: an echo says less of it.
+/// Change of ln steepness below which the search ends, as a multiple of [`LEAST_STEP`]: an echo
+/// determines the height less well.
 const LEAST_OF_HEIGHT: f64 = 2.0;
 
-/// Looks, and the kind that is fitted to them.
+/// A kind of solid, and the looks that it is fitted to.
 pub(super) struct Problem<'a> {
     kind: ShapeKind,
     looks: &'a [BoxLevels],
-    /// Sum of the squares of the levels of each look, ping by ping.
+    /// Sums of the squares of the recorded levels, by look and by ping.
     bare: Vec<Vec<f64>>,
-    /// Size and heading are what they are: only the numbers of the looks are sought.
+    /// True if size and heading are known: only the parameters of the looks are searched.
     is_object_known: bool,
 }
 
-/// Numbers with what they predict.
+/// Parameters of a fit, with the levels that they predict.
 pub(super) struct FitState {
     pub(super) numbers: Numbers,
-    /// Next change of each.
+    /// Next change of each parameter.
     pub(super) steps: Vec<f64>,
-    /// Next change of each of [`OutlineEdge::ALL`], in ln length and ln width.
+    /// Next change for each edge in [`OutlineEdge::ALL`], of ln length or ln width.
     pub(super) edge_steps: [f64; 4],
     predicted: Vec<Predicted>,
-    /// Sum of squares of each look.
+    /// Sum of the squared differences of each look.
     costs: Vec<f64>,
     pub(super) cost: f64,
 }
@@ -65,7 +68,7 @@ impl Clone for FitState {
         }
     }
 
-    /// Into the memory that is there: the search does little else.
+    /// Copies into existing memory, because the search does little else than such copies.
     fn clone_from(&mut self, other: &Self) {
         self.numbers.clone_from(&other.numbers);
         self.steps.clone_from(&other.steps);
@@ -101,15 +104,15 @@ impl FitState {
         state
     }
 
-    /// The same, its numbers and edges changed by a share of their steps at first.
+    /// Multiplies the next changes of parameters and edges by a factor.
     pub(super) fn with_steps_times(mut self, share: f64) -> Self {
         let steps = self.steps.iter_mut().chain(&mut self.edge_steps);
         steps.for_each(|step| *step *= share);
         self
     }
 
-    /// Returns true if places, length and height change by so little that another round is not
-    /// worth it.
+    /// Returns true if the next changes of places, length and height are so small that another
+    /// round is not worth it.
     pub(super) fn is_settled(&self) -> bool {
         let looks = self.steps[OF_OBJECT..].chunks_exact(OF_LOOK);
         let farthest = looks.map(|look| look[0].max(look[1]));
@@ -136,7 +139,7 @@ impl<'a> Problem<'a> {
         Self { is_object_known: true, ..Self::new(kind, looks) }
     }
 
-    /// The solid as a look places it.
+    /// Returns the solid as placed in a look.
     pub(super) fn posed(&self, numbers: &[f64], look: usize) -> PosedSolid {
         let length_m = numbers[1].exp();
         let width_m = length_m / numbers[2].exp();
@@ -155,7 +158,7 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Predicts all looks.
+    /// Predicts all looks, and updates the cost.
     pub(super) fn all(&self, state: &mut FitState) {
         for look in 0..self.looks.len() {
             self.place(state, look);
@@ -163,14 +166,14 @@ impl<'a> Problem<'a> {
         self.sum(state);
     }
 
-    /// Predicts one look.
+    /// Predicts one look, and compares it with the recorded levels.
     fn place(&self, state: &mut FitState, look: usize) {
         let posed = self.posed(&state.numbers, look);
         predict(&self.looks[look], &posed, &mut state.predicted[look]);
         self.weigh(state, look);
     }
 
-    /// Compares one look with what is predicted.
+    /// Compares one look with its prediction.
     fn weigh(&self, state: &mut FitState, look: usize) {
         let of_look = &state.numbers[OF_OBJECT + look * OF_LOOK..];
         let strength = of_look[2].exp() as f32;
@@ -188,7 +191,7 @@ impl<'a> Problem<'a> {
         state.cost = state.costs.iter().sum::<f64>() + self.unusual(&state.numbers);
     }
 
-    /// Distance from what is usual, in squared standard deviations.
+    /// Returns the penalty for unusual parameters, in squared standard deviations.
     fn unusual(&self, numbers: &[f64]) -> f64 {
         let usual = self.kind.usual();
         let limits = [
@@ -207,8 +210,8 @@ impl<'a> Problem<'a> {
         sizes.sum::<f64>() + strengths.sum::<f64>() + lighter.sum::<f64>()
     }
 
-    /// Returns true if a number is not sought: one of what is known, or none of this kind, which
-    /// has no heading, or whose width follows from its length or height.
+    /// Returns true if a parameter is not searched: it belongs to a known object, or the kind does
+    /// not have it (a list, a heading, or a width that follows from its length or height).
     pub(super) fn is_fixed(&self, number: usize) -> bool {
         match self.kind {
             _ if self.is_object_known && number < OF_OBJECT => true,
@@ -220,7 +223,7 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Changes one number and predicts what depends on it.
+    /// Changes one parameter, and predicts the looks that depend on it.
     pub(super) fn change(&self, state: &mut FitState, number: usize, by: f64) {
         state.numbers[number] += by;
         match number.checked_sub(OF_OBJECT) {
@@ -237,8 +240,8 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// A side of the outline that is moved while the opposite one stays: where one end of a boat is
-/// found and the other not, neither its length nor its place alone can be changed for the better.
+/// A side of the outline that is moved while the opposite side stays: if one end of a boat fits and
+/// the other does not, a change of the length alone or of the place alone does not improve the fit.
 #[derive(Clone, Copy)]
 pub(super) enum OutlineEdge {
     Bow,
@@ -257,13 +260,13 @@ impl OutlineEdge {
 }
 
 impl Problem<'_> {
-    /// Returns true if an edge of the kind can be moved alone.
+    /// Returns true if the kind has an edge that can be moved alone.
     fn moves(&self, edge: OutlineEdge) -> bool {
         !self.is_fixed(2) && (edge.is_end() || !self.is_fixed(3))
     }
 
     /// Moves an edge so that length or width grow by a factor, given as its logarithm, and predicts
-    /// all.
+    /// all looks.
     pub(super) fn move_edge(&self, state: &mut FitState, edge: OutlineEdge, by: f64) {
         let numbers = &mut state.numbers;
         let (sin, cos) = numbers[0].sin_cos();
@@ -273,7 +276,7 @@ impl Problem<'_> {
             numbers[2] += by;
             length_m
         } else {
-            // The height stays.
+            // The height does not change.
             numbers[2] -= by;
             numbers[3] -= by;
             width_m
@@ -293,15 +296,15 @@ impl Problem<'_> {
     }
 }
 
-/// Sum of the squares of what is recorded minus what is predicted, from a look and the squares of
-/// its pings as they are.
+/// Computes the sum of the squares of recorded minus predicted levels of a look; `bare` holds the
+/// sums of the squares of the recorded levels of each ping.
 struct Squares<'a> {
     look: &'a BoxLevels,
     bare: &'a [f64],
     predicted: &'a Predicted,
     strength: f32,
-    /// Darkness in ln power at the near end of the look, and how much lighter it is at the far end.
-    /// The noise that fills a shadow does not fade with the bottom.
+    /// Darkness of a shadow in ln power at the near end of the look, and how much lighter it is at
+    /// the far end: the noise that fills a shadow does not fade with the bottom.
     darkest: [f64; 2],
 }
 
@@ -327,9 +330,9 @@ impl VectorLoop for Squares<'_> {
 }
 
 impl Squares<'_> {
-    /// Returns the excess of the squares of some bins of a ping, from bin `first` on, over those of
-    /// the levels alone: most of a look is bare bottom, where nothing else is expected than 0. In:
-    /// levels, visible share of the bottom, echo of the object.
+    /// Returns the excess of the squared differences of some bins of a ping, from bin `first` on,
+    /// over the squares of the recorded levels: most of a look is bare bottom, where the predicted
+    /// level is 0. In: levels, visible share of the bottom, echo of the object.
     #[inline(always)]
     fn more(&self, [levels, bottom, object]: [&[f32]; 3], first: usize) -> f32 {
         let dark = self.darkest[0] as f32;
@@ -353,7 +356,7 @@ impl Squares<'_> {
     }
 }
 
-/// The first numbers of a row, and zeros where it has no more.
+/// Returns the first numbers of a row, filled up with zeros if it has too few.
 #[inline(always)]
 fn lanes(row: &[f32]) -> [f32; LANES] {
     match row.first_chunk() {
@@ -371,7 +374,7 @@ mod tests {
     use super::*;
     use bathyscope_test_support::Random;
 
-    /// The definition, bin by bin in double precision.
+    /// Computes the sum by its definition, bin by bin in double precision.
     fn plain_squares(squares: &Squares<'_>) -> f64 {
         let bins = squares.look.bins;
         let [dark, lighter] = squares.darkest;
@@ -424,7 +427,7 @@ mod tests {
                 noise: 1.0,
                 together: 1,
             };
-            // A quarter of the bins are in the shadow, where nothing but noise is expected.
+            // A quarter of the bins are in the shadow, where only noise is expected.
             let predicted = Predicted {
                 bottom: positive(numbers(3 * bins, -1.0, 1.0)),
                 object: positive(numbers(3 * bins, -1.0, 1.0)),

@@ -1,46 +1,45 @@
-//! A ray outward over a solid, and the echo and shadow that it adds to a ping.
+//! Follows a ray outward over a solid, and adds its echo and shadow to a ping.
 
 use super::levels::BoxLevels;
 use super::solid::{LANES, Solid};
 use std::array::from_fn;
 use std::ops::Range;
 
-/// Steps that a solid is followed in at most, and how short they are at least, metres.
+/// Greatest number of steps over a solid, and least length of a step, metres.
 const STEPS: usize = 48;
 const LEAST_STEP_M: f64 = 0.015;
-/// A solid ends so far under the transducer at least, and rays begin so far out, metres.
+/// Least depth of a solid below the transducer, and least distance at which rays begin, metres.
 const LEAST_BELOW_M: f32 = 0.05;
-/// Sides of the rectangle around a solid stand between places so far before and behind them,
-/// metres: upright, and thinner than the side of a boat.
+/// Distance from a side of the rectangle around a solid to the places before and behind it, metres:
+/// the sides are nearly upright, and thinner than the side of a boat.
 const AT_SIDE_M: f64 = 0.005;
-/// Most places of a ray: those between its steps, and one before and one behind the solid; rounded
-/// up so that places are computed together to the last.
+/// Greatest number of places of a ray: those between its steps, and one before and one behind the
+/// solid; rounded up so that all places can be computed in full groups.
 const MOST_PLACES: usize = (STEPS + 3).next_multiple_of(LANES) + LANES;
 
 type PlaceRow = [f32; MOST_PLACES];
 
-/// Places on a ray, from before the solid to behind it, each with the step that ends there. They
-/// lie in rows, so that several are computed at once: fitting shapes is most of a search for
-/// objects.
+/// Places on a ray, from before the solid to behind it, each with the step that ends there. Each
+/// quantity is in a row of its own, so that several places are computed at once: fitting shapes
+/// takes most of the time of a search for objects.
 pub(super) struct ShapeRay {
     count: usize,
     altitude_m: f32,
-    /// Distance out from under the boat, and depth below the transducer.
+    /// Distance out from under the boat, and depth below the transducer, metres.
     out_m: PlaceRow,
     below_m: PlaceRow,
-    /// Tangent of the direction, from the vertical.
+    /// Tangent of the direction of the place, from the vertical.
     tangent: PlaceRow,
     slant_m: PlaceRow,
-    /// Echo of the step over that of the bare bottom, for each metre of range that the step extends
-    /// over.
+    /// Echo of the step over that of the bare bottom, for each metre of range that the step covers.
     echo_m: PlaceRow,
-    /// Position of its range in a ping, counted in bins, and the bin.
+    /// Range of the place within a ping, as a fractional number of bins, and the bin.
     in_bins: PlaceRow,
     bin: [i32; MOST_PLACES],
 }
 
 impl Default for ShapeRay {
-    /// A ray without places.
+    /// Creates a ray without places.
     fn default() -> Self {
         let row = [0.0; MOST_PLACES];
         Self {
@@ -58,9 +57,9 @@ impl Default for ShapeRay {
 }
 
 impl ShapeRay {
-    /// Follows the ray that begins under the boat at `start_m` along and across the solid and goes
-    /// in the direction `outward`; the circle around the solid covers twice `half_m` of it. Steps
-    /// are no shorter than `least_step_m`. Whether the ray meets the solid.
+    /// Follows the ray that begins under the boat at `start_m` along and across the solid and has
+    /// the direction `outward`; the circle around the solid covers twice `half_m` of the ray. Steps
+    /// are no shorter than `least_step_m`. Returns true if the ray meets the solid.
     #[inline(always)]
     pub(super) fn follow(
         &mut self,
@@ -100,7 +99,7 @@ impl ShapeRay {
         true
     }
 
-    /// Computes the places from the heights above the bottom, which stand in the row of `below_m`.
+    /// Computes the places from the heights above the bottom, which are stored in `below_m` before.
     #[inline(always)]
     fn place(&mut self) {
         let count = self.count.div_ceil(LANES);
@@ -120,7 +119,7 @@ impl ShapeRay {
         }
     }
 
-    /// Counts the ranges of the places in bins, `per_m` to a metre from `from_m` on.
+    /// Converts the ranges of the places to bins, `per_m` to a metre from `from_m` on.
     #[inline(always)]
     fn count_in_bins(&mut self, from_m: f32, per_m: f32) {
         let count = self.count.div_ceil(LANES);
@@ -150,13 +149,13 @@ impl ShapeRay {
                     (0.5 * (out0[lane] + out1[lane]), 0.5 * (below0[lane] + below1[lane]));
                 let step_m = out1[lane] - out0[lane];
                 let down_m = below1[lane] - below0[lane];
-                // Lambert's law on a step that is longer for its slope: facing^2 / range^2 *
-                // length. The cosine times the length is meant here.
+                // Lambert's law on a step that is longer because of its slope: facing^2 / range^2 *
+                // length. `facing_m2` is the cosine times length and range.
                 let facing_m2 = (below_m * step_m - out_m * down_m).max(0.0);
                 let length_m = (step_m * step_m + down_m * down_m).sqrt();
                 let range_m2 = out_m * out_m + below_m * below_m;
-                // Of the bare bottom: cos^2 dy/dr = (H/r)^2 r/y a metre of range. At its nearest
-                // point that grows without end.
+                // Echo of the bare bottom: cos^2 dy/dr = (H/r)^2 r/y for each metre of range. This
+                // is infinite at the nearest point of the bottom.
                 let range_m = 0.5 * (slant0[lane] + slant1[lane]);
                 let least_m2 = 0.01 * range_m * range_m;
                 let level_m = (range_m * range_m - altitude_m2).max(least_m2).sqrt();
@@ -166,14 +165,14 @@ impl ShapeRay {
     }
 }
 
-/// Slant range of a place so far out and so far below. These are no numbers that `hypot` would be
-/// needed for, which costs as much as a step.
+/// Returns the slant range of a place from its distance out and its depth below. `hypot` is not
+/// needed for such numbers, and takes as long as a step.
 #[inline(always)]
 pub(super) fn slant_m(out_m: f64, below_m: f64) -> f64 {
     (out_m * out_m + below_m * below_m).sqrt()
 }
 
-/// The bins of a ping, and what rays add to them.
+/// The bins of a ping, to which rays are added.
 pub(super) struct EchoBins<'a> {
     from_m: f32,
     per_m: f32,
@@ -183,7 +182,8 @@ pub(super) struct EchoBins<'a> {
 }
 
 impl<'a> EchoBins<'a> {
-    /// Bins of a ping without a solid: shares of the bottom that are seen, and echoes of the solid.
+    /// Creates the bins of a ping without a solid: visible shares of the bottom, and echoes of the
+    /// solid.
     pub(super) fn new(look: &'a BoxLevels, bottom: &'a mut [f32], object: &'a mut [f32]) -> Self {
         Self {
             from_m: look.from_m as f32,
@@ -194,17 +194,18 @@ impl<'a> EchoBins<'a> {
         }
     }
 
-    /// The bins that rays added to.
+    /// Returns the range of bins that rays were added to; `None` if there is none.
     pub(super) fn written(self) -> Option<Range<usize>> {
         (self.written.start < self.written.end).then_some(self.written)
     }
 
-    /// Adds a ray of some weight.
+    /// Adds a ray with a weight.
     #[inline(always)]
     pub(super) fn add(&mut self, ray: &mut ShapeRay, weight: f32) {
         let altitude_m = ray.altitude_m;
         ray.count_in_bins(self.from_m, self.per_m);
-        // Tangent of the farthest direction seen so far; where the solid begins and ends.
+        // Tangent of the farthest direction seen so far, and the places where the solid begins and
+        // ends.
         let mut horizon = ray.tangent[0];
         let mut solid: Option<[usize; 2]> = None;
         for index in 1..ray.count {
@@ -226,15 +227,15 @@ impl<'a> EchoBins<'a> {
         }
         if let Some([first, last]) = solid {
             let end_m = ray.out_m[last].max(horizon * altitude_m);
-            // What is seen within was added; from where the last step of the bottom was seen on
-            // nothing is.
+            // The visible part of this stretch was added as echoes; the bottom itself is hidden in
+            // all of it.
             let ranges_m = [ray.out_m[first], end_m]
                 .map(|out_m| (out_m * out_m + altitude_m * altitude_m).sqrt());
             self.hide(ranges_m.map(|range_m| (range_m - self.from_m) * self.per_m), weight);
         }
     }
 
-    /// Adds the echo of a step between two places, counted in bins, each with its bin.
+    /// Adds the echo of a step between two places, given as fractional bins, each with its bin.
     #[inline(always)]
     fn add_echo(
         &mut self,
@@ -244,7 +245,7 @@ impl<'a> EchoBins<'a> {
     ) {
         let (from, to) = (one.min(other), one.max(other));
         let per_bin = echo * self.per_m;
-        // Most steps lie in one bin.
+        // Most steps are within one bin.
         let is_in_one = one_bin == other_bin && from >= 0.0 && to > 0.0;
         let span =
             if is_in_one { self.write_bins([one_bin as usize; 2]) } else { self.write([from, to]) };
@@ -260,7 +261,7 @@ impl<'a> EchoBins<'a> {
         }
     }
 
-    /// Takes the bottom away between two places, counted in bins.
+    /// Removes the bottom between two places, given as fractional bins.
     #[inline(always)]
     fn hide(&mut self, [from, to]: [f32; 2], weight: f32) {
         if let (true, Some(span)) = (from < to, self.write([from, to])) {
@@ -268,8 +269,8 @@ impl<'a> EchoBins<'a> {
         }
     }
 
-    /// The first and the last bin between two places, which count as written with those between
-    /// them; `None` where there are none.
+    /// Marks the bins between two places as written, and returns the first and the last of them;
+    /// `None` if there are none.
     #[inline(always)]
     fn write(&mut self, [from, to]: [f32; 2]) -> Option<[usize; 2]> {
         let count = self.bottom.len();
@@ -280,8 +281,8 @@ impl<'a> EchoBins<'a> {
         self.write_bins([from.max(0.0) as usize, (to as usize).min(count - 1)])
     }
 
-    /// Two bins and those between them, which count as written; `None` where the first is not
-    /// there.
+    /// Marks two bins and those between them as written, and returns the two; `None` if the first
+    /// is beyond the ping.
     #[inline(always)]
     fn write_bins(&mut self, [first, last]: [usize; 2]) -> Option<[usize; 2]> {
         (first < self.bottom.len()).then(|| {
@@ -292,7 +293,7 @@ impl<'a> EchoBins<'a> {
     }
 }
 
-/// Adds a value to some bins, to each the share of it that lies between two places.
+/// Adds a value to some bins, multiplied by the share of each bin that is between two places.
 #[inline(always)]
 fn add_shares(bins: &mut [f32], [first, last]: [usize; 2], [from, to]: [f32; 2], value: f32) {
     let share = |bin: usize| {
@@ -301,7 +302,7 @@ fn add_shares(bins: &mut [f32], [first, last]: [usize; 2], [from, to]: [f32; 2],
     };
     bins[first] += value * share(first);
     if last > first {
-        // Those between lie in it as a whole.
+        // The bins in between are covered completely.
         for into in &mut bins[first + 1..last] {
             *into += value;
         }

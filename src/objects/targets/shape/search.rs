@@ -1,10 +1,10 @@
-//! The search for the least cost.
+//! Searches for the parameters with the least cost.
 
 use super::problem::{FitState, OutlineEdge, Problem};
 
-/// Changes one number after the other, farther where that helped and less far where it did not, and
-/// goes on in the direction in which a round has gone (Hooke and Jeeves): predictions have kinks,
-/// so nothing is differentiated.
+/// Changes one parameter after the other, with a larger step after an improvement and a smaller one
+/// otherwise, and then repeats the change of the whole round (Hooke and Jeeves). No derivatives are
+/// used, because predictions have kinks.
 pub(super) fn search(problem: &Problem<'_>, state: &mut FitState, rounds: usize) {
     let mut trial = state.clone();
     for _ in 0..rounds {
@@ -22,7 +22,7 @@ pub(super) fn search(problem: &Problem<'_>, state: &mut FitState, rounds: usize)
             let better = step > 0.0 && try_both_ways(state, &mut trial, step, move_edge);
             state.edge_steps[index] = step * if better { 1.3 } else { 0.5 };
         }
-        // A round that changed nothing has gone nowhere.
+        // If the round changed nothing, there is no direction to continue in.
         if state.numbers == before {
             if state.is_settled() {
                 break;
@@ -43,8 +43,8 @@ pub(super) fn search(problem: &Problem<'_>, state: &mut FitState, rounds: usize)
     }
 }
 
-/// Changes a state by a step, or else by as much the other way, where that costs less; whether it
-/// did.
+/// Changes a state by a step, or by the same step in the other direction, if that lowers the cost.
+/// Returns true if the state was changed.
 fn try_both_ways(
     state: &mut FitState,
     trial: &mut FitState,
@@ -62,8 +62,8 @@ fn try_both_ways(
     better
 }
 
-/// Searches on from those that explain most over some rounds, and leaves them in order, the best
-/// first.
+/// Searches on from the `most` best states for some rounds, and drops the others. The states are
+/// then sorted, the best first.
 pub(super) fn follow(
     problem: &Problem<'_>,
     states: &mut Vec<FitState>,

@@ -1,11 +1,11 @@
-//! Solids that objects are like, as heights above the bottom.
+//! Defines solids that are similar to objects, by their heights above the bottom.
 
 use bathyscope_log::named;
 
-/// Places that are computed together.
+/// Number of places that are computed together.
 pub(super) const LANES: usize = 8;
 
-/// Kind of an object by its shape.
+/// Kind of the shape of an object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ShapeKind {
     /// A crate or a block: straight sides and a flat top.
@@ -22,18 +22,19 @@ pub enum ShapeKind {
     UpturnedHull,
 }
 
-/// Usual size of a kind: length and width in metres, length over width, height over width.
+/// Usual sizes of a kind, each from the least to the greatest: length and width in metres, length
+/// over width, height over width.
 pub(super) struct UsualSize {
     pub(super) length_m: [f64; 2],
     pub(super) width_m: [f64; 2],
     pub(super) slenderness: [f64; 2],
     pub(super) steepness: [f64; 2],
-    /// The length over the width to begin with.
+    /// Length over width with which a search begins.
     pub(super) typical_slenderness: f64,
 }
 
 named! {
-    /// All of them.
+    /// All kinds.
     pub ShapeKind {
         Block: "block",
         Cylinder: "cylinder",
@@ -45,15 +46,15 @@ named! {
 }
 
 impl ShapeKind {
-    /// Returns true if it is a boat, whichever way up: with a bow, it does not look the same from
-    /// ahead and from behind.
+    /// Returns true if the kind is a boat, upright or not: with a bow, it does not look the same
+    /// from ahead and from astern.
     pub fn is_boat(self) -> bool {
         matches!(self, ShapeKind::Hull | ShapeKind::UpturnedHull)
     }
 
-    /// Sizes that such objects have: crates, drums, tyres of cars and tractors, boulders that a
-    /// boat's beam resolves, boats. Beyond them one kind would take the place of another (a boulder
-    /// four times as long as it is wide is a boat).
+    /// Returns the usual sizes of a kind: of crates, drums, tyres of cars and tractors, boulders
+    /// that a boat's beam resolves, and boats. Without these limits, one kind could take the place
+    /// of another (a boulder four times as long as it is wide is a boat).
     pub(super) fn usual(self) -> UsualSize {
         let usual = |length_m, width_m, slenderness, steepness, typical_slenderness| UsualSize {
             length_m,
@@ -74,48 +75,49 @@ impl ShapeKind {
     }
 }
 
-/// A shape in its size, metres.
+/// A shape with its size, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solid {
-    /// Kind of its shape.
+    /// Kind of the shape.
     pub kind: ShapeKind,
-    /// Its longest extent.
+    /// Longest extent.
     pub length_m: f64,
-    /// Its extent across that.
+    /// Extent across the length.
     pub width_m: f64,
-    /// Height of its highest point above the bottom.
+    /// Height of the highest point above the bottom.
     pub height_m: f64,
     /// Excess of a boat's height at its starboard side over that in its middle, as a share of the
-    /// latter; the port side is lower by as much. 0 for other kinds.
+    /// latter; the port side is lower by the same amount. 0 for other kinds.
     pub list: f64,
 }
 
-/// Middle of a tyre's ring and half of its thickness, in outer radii: a car's tyre is 0.6 m wide
-/// around a rim of 0.4 m at most.
+/// Radius of the middle of a tyre's ring and half of its thickness, in outer radii: a car's tyre is
+/// 0.6 m wide, around a rim of at most 0.4 m.
 const RING: [f32; 2] = [0.68, 0.32];
-/// Thickness of a boat's side with what is fastened to it, metres, and the height of its floor,
-/// with the mud on it, as a share of the side's.
+/// Thickness of a boat's side with its fittings, metres; and height of its floor, with the mud on
+/// it, as a share of the height of the side.
 const SIDE_M: f32 = 0.1;
 const FLOOR: f32 = 0.3;
 
 impl Solid {
-    /// Radius of the circle that holds it, metres.
+    /// Returns the radius of the circle around the solid, metres.
     pub fn reach_m(&self) -> f64 {
         0.5 * self.length_m.hypot(self.width_m)
     }
 
-    /// Height above the bottom, metres, at a place so far along its length (a boat's bow ahead) and
-    /// across it (to starboard) from its middle; 0 beside it.
+    /// Returns the height above the bottom, metres, at a distance along the solid (ahead to a
+    /// boat's bow) and across it (to starboard) from its middle; 0 outside the solid.
     pub fn height_at_m(&self, along_m: f64, across_m: f64) -> f64 {
         let mut height_m = [0.0_f32];
         self.heights_m([along_m, across_m], [0.0; 2], &mut height_m);
         f64::from(height_m[0])
     }
 
-    /// Writes the same of places in a row, each a step along and across from the one before.
+    /// Writes the heights at a row of places, each a step along and across from the place before.
     #[inline(always)]
     pub(super) fn heights_m(&self, first_m: [f64; 2], step_m: [f64; 2], into: &mut [f32]) {
-        // One loop a kind: a choice at every place would keep several from being computed at once.
+        // One loop for each kind: a choice at every place would prevent the computation of several
+        // at once.
         match self.kind {
             ShapeKind::Block => self.fill(first_m, step_m, into, |_, _| 1.0),
             ShapeKind::Cylinder => self.fill(first_m, step_m, into, |_, v| lying_round(v)),
@@ -132,8 +134,8 @@ impl Solid {
         }
     }
 
-    /// Writes the heights of a shape that is so high, as a share, at places along and across in
-    /// half lengths and half widths.
+    /// Writes the heights at a row of places; `upright` returns the height as a share of the
+    /// greatest, at a place along and across in half lengths and half widths.
     #[inline(always)]
     fn fill(
         &self,
@@ -165,8 +167,9 @@ impl Solid {
         }
     }
 
-    /// Returns the distances at which a ray enters and leaves the rectangle around the solid, from
-    /// a place along and across it in a direction of length 1; `None` where it passes by.
+    /// Returns the distances at which a ray enters and leaves the rectangle around the solid, for a
+    /// ray from a place along and across the solid in a direction of length 1; `None` if the ray
+    /// misses it.
     #[inline(always)]
     pub(super) fn met_m(&self, start_m: [f64; 2], toward: [f64; 2]) -> Option<[f64; 2]> {
         let half_m = self.half_m();
@@ -180,7 +183,7 @@ impl Solid {
         (met_m[0] < met_m[1]).then_some(met_m)
     }
 
-    /// Half of its length and width, metres.
+    /// Returns half of length and width, metres.
     #[inline(always)]
     fn half_m(&self) -> [f64; 2] {
         [0.5 * self.length_m, 0.5 * self.width_m]
@@ -195,8 +198,8 @@ impl Solid {
         if inside_m < 0.0 { 0.0 } else { of_inside }
     }
 
-    /// Its outline on the bottom: places along and across from its middle, metres, back to the
-    /// first.
+    /// Returns the outline on the bottom: places along and across from the middle, metres, back to
+    /// the first.
     pub fn outline_m(&self) -> Vec<[f64; 2]> {
         const POINTS: usize = 32;
         let [length_m, width_m] = self.half_m();
@@ -217,18 +220,18 @@ impl Solid {
     }
 }
 
-/// Half of a boat's width at a place along it in half lengths, the bow at 1, as a share of the
-/// greatest: a transom, and a bow that is not quite pointed.
+/// Returns half of a boat's width at a place along it in half lengths (the bow at 1), as a share of
+/// the greatest: the boat has a transom, and a bow that is not quite pointed.
 #[inline(always)]
 fn boat_outline(u: f32) -> f32 {
-    // Both, whichever counts: several places are computed together then.
+    // Both are computed, so that several places can be computed together.
     let astern = 1.0 - 0.25 * u * u;
     let ahead = (1.0 - u * u * (0.3 + 0.7 * u)).max(1e-6);
     if u < 0.0 { astern } else { ahead }
 }
 
-/// Upper half of a round section that lies on the bottom: 1 in the middle, one half at its sides, 0
-/// beyond.
+/// Returns the height of the upper half of a round section that lies on the bottom: 1 in the
+/// middle, one half at its sides, 0 beyond.
 #[inline(always)]
 fn lying_round(offset: f32) -> f32 {
     let height = 0.5 + 0.5 * (1.0 - offset * offset).max(0.0).sqrt();

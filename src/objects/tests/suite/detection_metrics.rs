@@ -1,5 +1,5 @@
-//! The detector's figures against `pycocotools` 2.0.11 and `mean_average_precision` 2024.1.5, on
-//! the boxes that `detection_fixtures/make_metrics.py` made.
+//! Compares the detector's figures with `pycocotools` 2.0.11 and `mean_average_precision` 2024.1.5,
+//! on the boxes that `detection_fixtures/make_metrics.py` made.
 
 use bathyscope_objects::metrics::{
     ApMethod, Cause, Evaluation, Image, MetricSettings, TrueBox, evaluate,
@@ -78,7 +78,7 @@ fn images(case: &Case) -> Vec<Image> {
     case.images.iter().map(image).collect()
 }
 
-/// Evaluates at score 0, so that the same boxes are counted as by the oracles.
+/// Evaluates at score 0, so that all boxes are counted, as in the oracles.
 fn measured(case: &Case, settings: MetricSettings) -> Evaluation {
     let settings = MetricSettings { score: 0.0, ..settings };
     evaluate(&images(case), case.classes, &settings)
@@ -128,8 +128,8 @@ fn darknets_rule_gives_the_figures_of_mean_average_precision() {
             [(ApMethod::AllPoint, &theirs.all), (ApMethod::Voc11, &theirs.eleven)]
         {
             let ours = measured(&case, MetricSettings { ap: method, ..MetricSettings::darknet() });
-            // They call the AP of a class without truths 0; it is unknown, and counts as 0 in the
-            // mean.
+            // The oracle sets the AP of a class without truths to 0; here it is NaN, and counts as
+            // 0 in the mean.
             let or_zero = |ap: f64| if ap.is_nan() { 0.0 } else { ap };
             let what = format!("{}, {method:?}", case.name);
             same(&what, or_zero(ours.map), Some(theirs.map));
@@ -170,8 +170,8 @@ fn boxed(class: usize, score: f32, [x0, y0, x1, y1]: [f32; 4]) -> Scored {
     Scored { class, score, rect: Rect { x0, y0, x1, y1 } }
 }
 
-/// Two pictures: a stone found loosely, and seen twice; a tyre taken for a stone; a stone missed; a
-/// ghost.
+/// Creates two pictures: a stone found loosely, and a stone found twice; a tyre predicted as a
+/// stone; a missed stone; a prediction without an object.
 fn worked_example() -> Vec<Image> {
     let truth = |class, [x0, y0, x1, y1]: [f32; 4]| TrueBox {
         class,
@@ -202,15 +202,15 @@ fn worked_example() -> Vec<Image> {
 fn a_worked_example_by_hand() {
     let ours = evaluate(&worked_example(), 2, &MetricSettings::darknet());
     let counts = ours.counts;
-    // Found: the first box, IoU 80 / 100. False: the second, the third, the ghost and the loose
-    // one.
+    // Found: the first box, IoU 80 / 100. False: the second, the third, the one without an object
+    // and the loose one.
     assert_eq!((counts.found, counts.false_alarms, counts.missed()), (1, 4, 2));
     assert_eq!(counts.precision(), 0.2);
     assert_eq!(counts.recall(), 1.0 / 3.0);
     assert_eq!(counts.f1(), 0.25);
     assert!((counts.iou_of_matches() - 0.8).abs() < 1e-12);
     assert!((counts.darknet_iou() - 0.16).abs() < 1e-12);
-    // Rows: stone, tyre, background; columns the same.
+    // Rows and columns: stone, tyre, background.
     let rows: Vec<&[usize]> = ours.confusion.rows().collect();
     assert_eq!(rows, [[1, 0, 1], [1, 0, 0], [2, 1, 0]]);
     let causes: Vec<Cause> = ours.false_alarms.iter().map(|one| one.cause).collect();
@@ -218,7 +218,7 @@ fn a_worked_example_by_hand() {
     let missed: Vec<(usize, usize)> =
         ours.misses.iter().map(|one| (one.image, one.truth)).collect();
     assert_eq!(missed, [(0, 1), (1, 0)]);
-    // The tyre's own box is below the score, but on its curve: 1 of 2 at its end.
+    // The tyre's own box is below the score, but on the curve of its class: 1 of 2 at its end.
     let tyre = &ours.classes[1].curve;
     assert_eq!((tyre[1].score, tyre[1].precision, tyre[1].recall), (0.1, 0.5, 1.0));
     assert_eq!(ours.curve.len(), 6);

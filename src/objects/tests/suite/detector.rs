@@ -1,6 +1,6 @@
-//! Models of other makers: what each finds agrees with onnxruntime and a decoding of its own
-//! (`detector_models/make.py`); what cannot be used is refused with a sentence that says what to
-//! do; and no file takes the program down.
+//! Tests models of other makers: the boxes agree with onnxruntime and a separate decoding
+//! (`detector_models/make.py`); a model that cannot be used is refused with a sentence about the
+//! remedy; and no file makes the program panic.
 
 use bathyscope_log::support::progress::Progress;
 use bathyscope_objects::{DetectorSettings, Model, Picture, Scored, find_in_picture};
@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The score from which `make.py` counts a box.
+/// Least score of a box in `make.py`.
 const SCORE: f32 = 0.35;
 const IOU: f32 = 0.45;
 
@@ -25,7 +25,7 @@ fn refusal(path: &Path) -> String {
     Model::load(path).expect_err("a refused model").to_string()
 }
 
-/// The picture that `make.py` draws: 96 x 80 in colour.
+/// Creates the picture that `make.py` draws: 96 x 80 in colour.
 fn picture() -> Picture {
     let mut levels = Vec::new();
     for y in 0..80 {
@@ -44,8 +44,8 @@ fn expected() -> Expected {
     serde_json::from_str(&text).expect("boxes of each model")
 }
 
-/// The widest differences of scores and of edges in pixels; boxes of nearly equal scores may change
-/// places.
+/// Returns the largest differences of scores and of edges in pixels; boxes of nearly equal scores
+/// may be in a different order.
 fn differences(found: &[Scored], expected: &[[f32; 6]]) -> (f32, f32) {
     assert_eq!(found.len(), expected.len());
     let mut left: Vec<&Scored> = found.iter().collect();
@@ -89,7 +89,7 @@ fn every_family_is_recognised_and_finds_what_onnxruntime_finds() {
         assert!(text.starts_with(family), "{name}: {text}");
         assert_eq!(text.contains("guessed"), name != "raw_heads", "{text}");
         let found = model.detect(&picture(), SCORE, IOU).expect("boxes");
-        // Arithmetic in f16 rounds to three digits, in onnxruntime.
+        // onnxruntime computes in f16, which rounds to three digits.
         let tolerance = if name == "half" { (3e-3, 0.3) } else { (1e-5, 1e-3) };
         let away = differences(&found, &expected[name]);
         assert!(
@@ -182,7 +182,7 @@ fn a_box_is_named_from_a_confidence_on_and_is_an_object_below_it() {
         let found = found.expect("boxes").into_iter();
         found.map(|one| (one.score, one.class)).collect::<Vec<_>>()
     };
-    // A model that does not say how sure its names are gives them all.
+    // Without a least score for names in its sidecar file, a model keeps the classes of all boxes.
     let all = named("{}", None);
     assert!(all.iter().all(|&(_, class)| class < 3));
     let between = all[all.len() / 2].0;
@@ -234,7 +234,7 @@ fn confidences_are_calibrated_as_the_sidecar_says() {
         assert_eq!((one.class, one.rect), (other.class, other.rect));
         assert!((one.score / 2.0 - other.score).abs() < 1e-6);
     }
-    // None is as sure as that.
+    // No box has such a high score after the calibration.
     assert_eq!(found(halved, 0.6), []);
     let refused = Model::from_bytes(bytes.clone(), Some(r#"{"calibration": [[0.5, 0.2]]}"#));
     let text = refused.expect_err("no map").to_string();
@@ -249,8 +249,8 @@ fn a_mirrored_pass_sees_the_same_and_is_less_sure_than_the_surer() {
     assert!(!once.description().contains("test-time augmentation"));
     assert!(twice.description().contains("test-time augmentation (mirrored)"));
     let scores = |model: &Model, picture: &Picture| -> Vec<f32> {
-        // Nothing suppressed: of two views of one object that are as sure as each other either may
-        // be kept.
+        // No box is suppressed here: of two boxes of one object with equal scores, either could be
+        // kept.
         let found = model.detect(picture, SCORE, 1.0).expect("boxes");
         found.iter().map(|one| one.score).collect()
     };
@@ -266,7 +266,7 @@ fn a_mirrored_pass_sees_the_same_and_is_less_sure_than_the_surer() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(100))]
 
-    /// Damage ends in a sentence or in a model that runs.
+    /// A damaged file results in an error or in a model that runs.
     #[test]
     fn a_damaged_model_takes_nothing_down(
         which in 0_usize..4,

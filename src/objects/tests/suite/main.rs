@@ -1,4 +1,4 @@
-//! The detector beside onnxruntime, and the metrics beside pycocotools.
+//! Tests the detector against onnxruntime, and the metrics against pycocotools.
 
 #![allow(
     clippy::expect_used,

@@ -1,5 +1,5 @@
-//! A log, or a part of it, in a file for other programs: the formats of recorders that are written,
-//! its records as CSV and Parquet, its track as GPX.
+//! Writes a log, or a part of it, to a file for other programs: in a recorder's format for which
+//! there is a writer, its records as CSV and Parquet, or its track as GPX.
 //!
 //! In: a log with its navigation. Out: a file.
 
@@ -18,7 +18,7 @@ use bathyscope_log::survey::{PositionSettings, Projection, Survey, navigate_with
 use std::io::{self, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
-/// Endings of what is no recorder's format, without the dot.
+/// Endings of the formats that are not those of recorders, without the dot.
 const TABLES: [&str; 3] = ["csv", "parquet", "gpx"];
 
 /// Reason why a log cannot be copied: one sentence.
@@ -30,21 +30,21 @@ pub enum CopyError {
         .path.display()
     )]
     Ending {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Endings that are written, in words.
+        /// Endings for which there is a format, in words.
         endings: String,
     },
-    /// It would replace the log.
+    /// The copy would replace the log.
     #[error("that is the log itself, which is never changed; name another file: {}", .0.display())]
     IsLog(PathBuf),
-    /// The part cannot be chosen.
+    /// The part of the log cannot be chosen.
     #[error(transparent)]
     Part(#[from] PartError),
     /// The work was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
-    /// It cannot be written, or the log cannot be in that format.
+    /// The file cannot be written, or the format cannot hold the log.
     #[error(transparent)]
     Export(#[from] ExportError),
 }
@@ -58,15 +58,15 @@ pub(crate) enum CopyFormat {
     Csv,
     /// A row for each trace, with its samples.
     Parquet,
-    /// The track.
+    /// The track as GPX.
     Gpx,
 }
 
 impl CopyFormat {
-    /// Returns the format that the ending of a file names.
+    /// Returns the format for the ending of a file.
     ///
     /// # Errors
-    /// When no format has it.
+    /// When there is no format for this ending.
     pub(crate) fn of(path: &Path) -> Result<Self, CopyError> {
         let ending = path.extension().unwrap_or_default();
         let is = |name: &str| ending.eq_ignore_ascii_case(name);
@@ -91,10 +91,10 @@ fn endings_in_words() -> String {
     endings.join(", ")
 }
 
-/// Refuses a name that is none of a copy, or that of the log, before any work.
+/// Refuses a path without the ending of a format, or one of the log's own files, before any work.
 ///
 /// # Errors
-/// As above.
+/// When no format has the ending of the file, or the file is one of `log_files`.
 pub fn check_copy(path: &Path, log_files: &[PathBuf]) -> Result<(), CopyError> {
     CopyFormat::of(path)?;
     if log_files.iter().any(|file| is_same_file(file, path)) {
@@ -107,28 +107,28 @@ pub fn check_copy(path: &Path, log_files: &[PathBuf]) -> Result<(), CopyError> {
 /// Content of a copy.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Copied {
-    /// Side-scan pings.
+    /// Number of side-scan pings.
     pub pings: usize,
-    /// Recorded depths.
+    /// Number of recorded depths.
     pub soundings: usize,
-    /// A sentence for each thing in the log that has no place in the format.
+    /// A sentence for each kind of content of the log that the format cannot hold.
     pub losses: Vec<String>,
 }
 
 impl Copied {
-    /// `1200 side-scan pings and 300 depths`.
+    /// Describes the content: `1200 side-scan pings and 300 depths`.
     pub fn summary(&self) -> String {
         let Self { pings, soundings, .. } = self;
         format!("{pings} side-scan pings and {soundings} depths")
     }
 }
 
-/// Writes a part of a log in the format that the ending of the file names. The boat is placed as
-/// `positions` ask for.
+/// Writes a part of a log in the format for the ending of the file. The boat is placed by
+/// `positions`, with the projection [`Projection::Enu`].
 ///
 /// # Errors
-/// When [`check_copy`] refuses the file, the log has nothing of the part or cannot be in that
-/// format, writing fails, or the work is cancelled.
+/// When [`check_copy`] refuses the file, the part has no record of the log, the format cannot hold
+/// the log, writing fails, or the work is cancelled.
 pub fn copy_log(
     path: &Path,
     survey: &Survey,
@@ -173,7 +173,7 @@ fn write(path: &Path, log: &LogToWrite<'_>, progress: &Progress) -> Result<Vec<S
         if !log.survey.swath.is_empty() && !matches!(format, CopyFormat::Gpx) {
             losses.push("no format that is written holds depths across the track (StructureScan 3D); they were left out".to_owned());
         }
-        // What was copied of a log that was cut meanwhile is no copy.
+        // A copy of a log that was cut meanwhile is not valid.
         log.survey.check_files().map_err(io::Error::other)?;
         Ok(losses)
     })?;

@@ -20,10 +20,10 @@ pub enum PartError {
     /// A date was given, and the log has none.
     #[error("the log names no date; give the time in seconds of the log")]
     NoDate,
-    /// The log has not so many records.
+    /// The log has fewer records than were requested.
     #[error("the log has {count} pings; {}..{} were asked for", .asked.start, .asked.end)]
     TooFew {
-        /// Their number.
+        /// Number of records of the log.
         count: usize,
         /// Records that were requested.
         asked: Range<usize>,
@@ -36,7 +36,7 @@ pub enum PartError {
 /// A moment of a log.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TimeBound {
-    /// Seconds after its time zero.
+    /// Seconds after the log's time zero.
     Log(f64),
     /// Unix seconds.
     Unix(f64),
@@ -58,13 +58,13 @@ impl TimeBound {
     /// Reads `FROM..TO`.
     ///
     /// # Errors
-    /// When it is written otherwise.
+    /// When the text is not of this form.
     pub fn span(text: &str) -> Result<[Self; 2], PartError> {
         let (from, to) = text.split_once("..").ok_or_else(|| PartError::NoSpan(text.to_owned()))?;
         Ok([from.parse()?, to.parse()?])
     }
 
-    /// Seconds after the time zero of a log.
+    /// Converts the moment to seconds after the time zero of a log.
     fn of_log(self, survey: &Survey) -> Result<f64, PartError> {
         match self {
             Self::Log(time_s) => Ok(time_s),
@@ -76,22 +76,23 @@ impl TimeBound {
     }
 }
 
-/// The part of a log that all choices have in common; without any the whole.
+/// Part of a log: the records that meet all choices; the whole log without any choice.
 #[derive(Clone, Debug, Default)]
 pub struct LogPartChoice {
-    /// Side-scan pings, or soundings of a log without side-scan; the last one left out.
+    /// Range of side-scan pings, or of soundings in a log without side-scan; the end is excluded.
     pub pings: Option<PingRange>,
-    /// First and last moment.
+    /// First and last moment of the part.
     pub time: Option<[TimeBound; 2]>,
-    /// Area in which the boat is, by the fitted track.
+    /// Area in which the boat is on the fitted track.
     pub area: Option<WaterArea>,
 }
 
 impl LogPartChoice {
-    /// The stretches of records ([`Survey::part`]) that are chosen.
+    /// Returns the stretches of records ([`Survey::part`]) that are chosen.
     ///
     /// # Errors
-    /// When the log has nothing of it.
+    /// When the log has fewer records than were requested, has no date for a given date, or no
+    /// record is chosen.
     pub fn stretches(
         &self,
         survey: &Survey,
@@ -158,7 +159,7 @@ mod tests {
         let pings = Some(PingRange { start: 1, end: 6 });
         let both = LogPartChoice { pings, time: Some(span), ..LogPartChoice::default() };
         assert_eq!(of(both.clone()), Ok(vec![[2, 6]]));
-        // From 150 m to 350 m and from 450 m on.
+        // Two parts: from 150 m to 350 m and from 450 m on.
         let east = |metres: f64| survey.track.frame.to_lon_lat(metres, 0.0).lon_deg;
         let ring = |west: f64, east_m: f64| {
             let corners = [(west, -1.0), (east_m, -1.0), (east_m, 1.0), (west, 1.0)];

@@ -1,5 +1,5 @@
-//! The records of a log as a table: a row for each trace, which is one side of a ping, a ping of a
-//! channel that looks down, or a depth.
+//! Writes the records of a log as a table with a row for each trace: one side of a ping, a ping of
+//! a down-looking channel, or a depth.
 
 use bathyscope_log::formats::log_writer::{LogToWrite, Recorded};
 use bathyscope_log::formats::parquet_table::{Column, ParquetWriter, Values};
@@ -10,10 +10,10 @@ use bathyscope_log::survey::{ChannelKind, Encoding, Fix, PingNav, SideSpan};
 use std::fs::File;
 use std::io::{self, Write};
 
-/// Traces of a group of rows in a Parquet file: some megabytes of samples.
+/// Number of traces in a group of rows of a Parquet file: some megabytes of samples.
 const GROUP_TRACES: usize = 4096;
 
-/// A row.
+/// A row of the table.
 struct Trace<'a> {
     channel: &'static str,
     /// Index of the ping or the depth in its channel.
@@ -21,17 +21,17 @@ struct Trace<'a> {
     time_s: f64,
     unix_s: Option<f64>,
     fix: Option<&'a Fix>,
-    /// Place of the boat by the fitted track.
+    /// Place of the boat on the fitted track; `None` where there is none.
     fitted: Option<(LonLat, &'a PingNav)>,
     depth_m: f32,
     span: Option<SideSpan>,
 }
 
-/// A column of numbers: its name, how many decimals it has as text, and its value, NaN where there
-/// is none.
+/// A column of numbers: its name, the number of decimals as text, and the function that returns its
+/// value, NaN where there is none.
 type NumberColumn = (&'static str, usize, fn(&Trace<'_>) -> f64);
 
-/// Every number that the log has of a trace.
+/// Columns of all numbers that a trace can have.
 const NUMBERS: [NumberColumn; 17] = [
     ("time_s", 3, |trace| trace.time_s),
     ("lon", 8, |trace| of_fix(trace, |fix| fix.position.lon_deg)),
@@ -66,7 +66,7 @@ fn of_span(trace: &Trace<'_>, value: impl Fn(&SideSpan) -> f64) -> f64 {
     trace.span.as_ref().map_or(f64::NAN, value)
 }
 
-/// Bits of a sample as it is written.
+/// Returns the number of bits of a sample in the Parquet file.
 fn bits(span: &SideSpan) -> u8 {
     match span.encoding {
         Encoding::U8 => 8,
@@ -74,14 +74,14 @@ fn bits(span: &SideSpan) -> u8 {
     }
 }
 
-/// Rows of a log at most: a side may be missing.
+/// Returns the largest possible number of rows of a log: a ping may lack a side.
 fn trace_count(log: &LogToWrite<'_>) -> usize {
     let survey = log.survey;
     let down = survey.echograms.iter().map(|one| one.pings.len());
     2 * survey.side_scan.len() + down.sum::<usize>() + survey.soundings.len()
 }
 
-/// The rows of a log, in the order of time.
+/// Returns the rows of a log, ordered by time.
 fn traces<'a>(log: &'a LogToWrite<'a>) -> impl Iterator<Item = Trace<'a>> {
     let (survey, navigation) = (log.survey, log.navigation);
     log.records().into_iter().flat_map(move |record| {
@@ -112,7 +112,7 @@ fn traces<'a>(log: &'a LogToWrite<'a>) -> impl Iterator<Item = Trace<'a>> {
     })
 }
 
-/// The name of a channel that looks down.
+/// Returns the name of a down-looking channel.
 fn down(kind: ChannelKind) -> &'static str {
     match kind {
         ChannelKind::Primary => "primary",
@@ -122,8 +122,8 @@ fn down(kind: ChannelKind) -> &'static str {
 }
 
 /// Writes a line for each trace; a field is empty where there is no value. `lon` to `speed_mps` are
-/// of the recorded fix that is valid then, `track_*` of the fitted track, `depth_m` the nearest
-/// recorded depth; `file` and `offset` say where the samples begin.
+/// those of the recorded fix that is valid at the time, `track_*` those of the fitted track,
+/// `depth_m` is the nearest recorded depth; `file` and `offset` locate the first sample.
 pub(super) fn write_csv(
     log: &LogToWrite<'_>,
     out: &mut impl Write,
@@ -192,7 +192,7 @@ fn columns(log: &LogToWrite<'_>, rows: &[Trace<'_>]) -> Vec<Column> {
     columns
 }
 
-/// The samples of a trace as they are written.
+/// Returns the samples of a trace in the form in which they are written.
 fn stored(log: &LogToWrite<'_>, trace: &Trace<'_>) -> Vec<u8> {
     let Some(samples) = trace.span.as_ref().and_then(|span| log.survey.samples_of(span)) else {
         return Vec::new();

@@ -1,9 +1,9 @@
-//! Objects for plotters and map programs: `objects.geojson` (RFC 7946) has a point for each,
-//! `objects.gpx` (GPX 1.1) a waypoint as plotters read it, `objects.kml` (KML 2.2) a placemark, and
-//! a GeoPackage two layers: their places, and their outlines on the ground; `objects.gpkg` has
-//! these two.
+//! Writes objects for plotters and map programs: `objects.geojson` (RFC 7946) with a point for each
+//! object, `objects.gpx` (GPX 1.1) with a waypoint, `objects.kml` (KML 2.2) with a placemark, and
+//! `objects.gpkg` (GeoPackage) with two layers: the places of objects and their outlines on the
+//! ground.
 //!
-//! An object is described by words: a name, a line, and its columns as elements of XML.
+//! The text of an object has a name, a line of description, and its columns as elements of XML.
 
 use super::object_places;
 use crate::export::geopackage::{FeatureGeometry, Layer, geopackage};
@@ -25,7 +25,8 @@ use std::path::Path;
 const WGS84: u16 = 4326;
 const ABOUT: &str = "Targets of a side-scan survey";
 
-/// Returns the description that a plotter shows beside the name, without unknown values.
+/// Returns the description that a plotter shows beside the name of an object, without unknown
+/// values.
 fn description(object: &Object) -> String {
     let units = Units::default();
     let mut parts = vec![object.class.clone(), object.state.name().to_owned()];
@@ -56,8 +57,8 @@ fn description(object: &Object) -> String {
     parts.join("; ")
 }
 
-/// Returns a different name for each object, because plotters take places of one name for one
-/// place. `Anna`, `rock 12`; a name that several objects have is followed by their numbers.
+/// Returns a different name for each object, because plotters treat places of the same name as one
+/// place: `Anna`, `rock 12`. A name that several objects have is followed by their numbers.
 fn titles(objects: &[ListedObject<'_>]) -> Vec<String> {
     let mut times: HashMap<&str, usize> = HashMap::new();
     for ListedObject { object, .. } in objects {
@@ -74,15 +75,15 @@ fn titles(objects: &[ListedObject<'_>]) -> Vec<String> {
     objects.iter().map(title).collect()
 }
 
-/// The columns of an object that are known, each as an element that `element` makes of its name and
-/// its value.
+/// Returns the known columns of an object, each as an element that `element` creates from the name
+/// and the value.
 fn elements(of: &ListedObject<'_>, element: impl Fn(&str, &str) -> String) -> String {
     let known = OBJECT_COLUMNS.iter().map(|column| (column.name, column.text(of)));
     let known = known.filter(|(_, text)| !text.is_empty());
     known.map(|(name, text)| element(name, &xml(&text))).collect()
 }
 
-/// Writes objects as points with all columns of the table of objects; `null` for what is not known.
+/// Writes objects as points with all columns of the table of objects; unknown values are `null`.
 pub(crate) fn objects_geojson(
     path: &Path,
     objects: &[ListedObject<'_>],
@@ -111,7 +112,7 @@ fn feature(of: &ListedObject<'_>) -> Value {
     })
 }
 
-/// Writes objects as waypoints: name, remarks (`cmt`), a line of what is known (`desc`), class
+/// Writes objects as waypoints: name, remarks (`cmt`), a line of known values (`desc`), class
 /// (`type`), and the columns of the table of objects as extensions.
 pub(crate) fn objects_gpx(
     path: &Path,
@@ -176,9 +177,9 @@ pub(crate) fn objects_kml(
 }
 
 /// Writes objects as two layers, `targets` (points) and `target_outlines` (length along the track
-/// by width across it, on the ground), with all columns of the table of objects. The time of the
-/// last change is `changed_unix_s`, that of the first recording, so that the same survey gives the
-/// same bytes.
+/// by width across it, on the ground), with all columns of the table of objects. The recorded time
+/// of the last change is `changed_unix_s`, that of the first recording, so that the same survey
+/// gives the same bytes.
 pub(crate) fn objects_gpkg(
     path: &Path,
     objects: &[ListedObject<'_>],
@@ -190,8 +191,8 @@ pub(crate) fn objects_gpkg(
     geopackage(path, &degrees, changed_unix_s, &layers).map(|_| ())
 }
 
-/// Objects as two layers; `place` gives where a position lies in the system of the file. Objects of
-/// unknown size have no outline.
+/// Returns objects as two layers, points and outlines; `place` returns the coordinates of a
+/// position in the system of the file. Objects of unknown size have no outline.
 pub(crate) fn object_layers(
     objects: &[ListedObject<'_>],
     place: impl Fn(LonLat) -> [f64; 2],
@@ -227,7 +228,7 @@ pub(crate) fn object_layers(
     [points, outlines]
 }
 
-/// The columns as SQL declares them.
+/// Returns the columns of the table of objects as SQL declares them.
 fn columns() -> String {
     let declared = |column: &ObjectColumn| {
         let kind = match column.values {

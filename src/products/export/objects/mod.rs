@@ -1,5 +1,5 @@
-//! Objects and their boxes, of one log or of several, for other programs: tables, and what maps and
-//! plotters read.
+//! Writes objects and their boxes, of one log or of several, for other programs: tables, and files
+//! for maps and plotters.
 //!
 //! In: boxes with their places and decisions, and the objects that they show. Out: tables and files
 //! for maps.
@@ -16,16 +16,16 @@ use crate::export::Summary;
 use bathyscope_log::survey::Survey;
 use bathyscope_objects::objects::ListedObject;
 
-/// A log that boxes are of.
+/// A log whose boxes are written.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ObjectLog<'a> {
-    /// Name in its survey.
+    /// Name of the log in its survey.
     pub name: &'a str,
     /// The recording.
     pub survey: &'a Survey,
 }
 
-/// The places of objects, counted.
+/// Returns the number and the extent of the places of objects.
 pub(crate) fn object_places(objects: &[ListedObject<'_>]) -> Summary {
     let mut summary = Summary::default();
     for ListedObject { object, .. } in objects {

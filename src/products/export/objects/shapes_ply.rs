@@ -1,4 +1,4 @@
-//! `shapes.ply`: the solids that objects are like, as bodies for 3D programs.
+//! Writes `shapes.ply`: the solids fitted to objects, as bodies for 3D programs.
 
 use crate::export::{ExportError, Summary, write_summed};
 use bathyscope_objects::objects::ListedObject;
@@ -7,17 +7,18 @@ use std::collections::BTreeMap;
 use std::io::Write as _;
 use std::path::Path;
 
-/// Squares that a solid is divided into along its length and across it.
+/// Number of squares of the grid along the length and across the width of a solid.
 const SQUARES: usize = 40;
-/// Room around a solid, as a share of its extents: its sides stand in the outermost squares.
+/// Size of the grid relative to that of the solid: the sides of the solid are in the outermost
+/// squares.
 const ROOM: f64 = 1.02;
-/// Colour of inferred shapes, the same as in Bathyscope and different from all sources of points:
-/// inferred shapes must not be taken for measured ones.
+/// Colour of inferred shapes, the same as in Bathyscope and different from those of all sources of
+/// points: inferred shapes must not be mistaken for measured ones.
 const COLOUR: [u8; 3] = [255, 122, 46];
 
-/// The upper side of a solid in a grid of squares.
+/// The upper surface of a solid as a grid of squares.
 struct Body {
-    /// Metres east, north and up.
+    /// Places of the corners, metres east, north and up.
     corners: Vec<[f64; 3]>,
     /// Corners of each square that the solid reaches into, counter-clockwise from above.
     squares: Vec<[u32; 4]>,
@@ -40,7 +41,8 @@ impl Body {
         for row in 0..SQUARES {
             for column in 0..SQUARES {
                 let first = row * (SQUARES + 1) + column;
-                // Along is ahead, across is to starboard: counter-clockwise from above.
+                // Along is ahead, across is to starboard; the corners are reversed below to be
+                // counter-clockwise.
                 let square = [first, first + SQUARES + 1, first + SQUARES + 2, first + 1];
                 if square.iter().all(|corner| heights[*corner].1 == 0.0) {
                     continue;
@@ -62,9 +64,10 @@ impl Body {
     }
 }
 
-/// Writes the shapes of objects as binary little-endian PLY, a body each: x east, y north, z up,
-/// metres from the survey's origin in the plane of the cloud, as doubles; red, green, blue as
-/// bytes; the object's number as `object`. Comments name the kind and the size of each.
+/// Writes the shapes of objects as binary little-endian PLY, a body for each object: x east, y
+/// north, z up, metres from the survey's origin in the local coordinate frame, as doubles; red,
+/// green, blue as bytes; the object's number as `object`. Comments name the kind and the size of
+/// each solid.
 pub(crate) fn shapes_ply(
     path: &Path,
     objects: &[ListedObject<'_>],

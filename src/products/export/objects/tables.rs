@@ -1,5 +1,6 @@
-//! Tables of objects: `detections.csv` and `targets.csv` have a row for each box, `objects.csv` one
-//! for each object; the boxes that a detector found in a picture of another program have one, too.
+//! Writes tables of objects: `detections.csv` and `targets.csv` have a row for each box,
+//! `objects.csv` has one for each object. The boxes that a detector found in a picture of another
+//! program have a table too.
 
 use super::ObjectLog;
 use crate::export::{ExportError, write_atomically};
@@ -50,9 +51,9 @@ const PICTURE_HEADER: [&str; 9] =
     ["id", "file", "class", "score", "state", "x_from", "x_to", "y_from", "y_to"];
 
 /// Writes boxes as a table. `*_to` is the first ping or sample after the box; samples are those of
-/// the middle ping. A field is empty where there is no value; a note that a spreadsheet would take
-/// for a formula begins with an apostrophe. A table of several logs begins with the column `log`.
-/// Shapes are those of whole objects: every sighting of one has the same.
+/// the middle ping. A field is empty where there is no value; a text that a spreadsheet would read
+/// as a formula begins with an apostrophe. With several logs the table begins with the column
+/// `log`. Shapes belong to whole objects: all boxes of an object have the same shape.
 pub(crate) fn box_table(
     path: &Path,
     logs: &[ObjectLog<'_>],
@@ -68,7 +69,7 @@ pub(crate) fn box_table(
             let (Some(log), Some(file)) = (logs.get(of.log), files.get(of.log)) else {
                 continue;
             };
-            // Where all boxes are of one log, nobody asks.
+            // With a single log the column is not needed.
             let name = column.map(|_| plain(log.name));
             let shape = of.object.and_then(|number| shapes.get(&number));
             let fields = record(of, shape, file, log.survey);
@@ -131,13 +132,13 @@ fn record(
     ]
 }
 
-/// Text that no spreadsheet takes for a formula.
+/// Returns a text that no spreadsheet reads as a formula.
 fn plain(text: &str) -> String {
     if text.starts_with(['=', '+', '-', '@']) { format!("'{text}") } else { text.to_owned() }
 }
 
-/// Writes objects as a table of all columns. A field is empty where there is no value; words that a
-/// spreadsheet would take for a formula begin with an apostrophe.
+/// Writes objects as a table of all columns. A field is empty where there is no value; a text that
+/// a spreadsheet would read as a formula begins with an apostrophe.
 pub(crate) fn object_table(path: &Path, objects: &[ListedObject<'_>]) -> Result<(), ExportError> {
     write_atomically(path, |out| {
         let mut table = csv::Writer::from_writer(BufWriter::new(out));
@@ -154,8 +155,8 @@ pub(crate) fn object_table(path: &Path, objects: &[ListedObject<'_>]) -> Result<
     })
 }
 
-/// Writes the boxes, in the picture's pixels; `file` is the picture's name, `names` are the class
-/// names.
+/// Writes boxes in pixels of the picture; `file` is the name of the picture, `names` are the names
+/// of the classes.
 pub(crate) fn picture_boxes_csv(
     path: &Path,
     file: &str,

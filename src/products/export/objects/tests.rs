@@ -42,7 +42,7 @@ fn target(mark: &Mark) -> Target {
     }
 }
 
-/// One box with a place, one without.
+/// A box with a place and a box without.
 fn boxes() -> [ObjectBox; 2] {
     let note = "=cmd & \"two\", \u{1}see\nbelow".to_owned();
     let one = Reviewed {
@@ -64,7 +64,7 @@ fn boxes() -> [ObjectBox; 2] {
     [boxed(one, 7, Some(target(&mark())), Some(1)), boxed(lost, 8, None, None)]
 }
 
-/// The same box, changed.
+/// Returns a changed copy of a box.
 fn changed(of: &ObjectBox, change: impl FnOnce(&mut Reviewed)) -> ObjectBox {
     let mut of = of.clone();
     change(Arc::make_mut(&mut of.one));
@@ -101,7 +101,7 @@ fn the_table_has_a_line_a_box_and_empty_fields_for_what_is_not_known() {
     assert_eq!((&lines[1][3], &lines[1][10]), ("", ""));
 }
 
-/// The object that some boxes show, number 3.
+/// Returns the object number 3, which some boxes show.
 fn object(boxes: &[ObjectBox]) -> Object {
     let (survey, navigation) = (Survey::default(), Navigation::of_pings([]));
     let boxes = boxes.to_vec();
@@ -113,7 +113,7 @@ fn object(boxes: &[ObjectBox]) -> Object {
     object
 }
 
-/// The same as a row of tables.
+/// Returns the object as a row of tables.
 fn listed<'a>(object: &'a Object, shape: Option<&'a FittedShape>) -> ListedObject<'a> {
     ListedObject { object, shape, outline: None, log_names: &[] }
 }
@@ -230,8 +230,8 @@ fn boxes_of_an_object_carry_its_shape_and_it_is_one_body() {
     };
     let highest = (0..corners).map(|index| corner(index)[2]).fold(f64::MIN, f64::max);
     assert!((highest + 2.5).abs() < 1e-9, "{highest}");
-    // Of a square with its corners counter-clockwise from above the area is positive; together they
-    // cover 2 x 1 m and the room around.
+    // The area of a square with corners counter-clockwise from above is positive; all squares
+    // together cover 2 x 1 m and the margin around.
     let mut area_m2 = 0.0;
     for square in 0..squares {
         let at = corners * 31 + square * 17;
@@ -251,7 +251,7 @@ fn boxes_of_an_object_carry_its_shape_and_it_is_one_body() {
     assert!((2.0..2.1).contains(&area_m2), "{area_m2}");
 }
 
-/// Every format of objects says the same in every column.
+/// Tests that every format of objects has the same value in every column.
 #[test]
 fn all_formats_have_all_columns() {
     let [one, _] = boxes();

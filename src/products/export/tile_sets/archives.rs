@@ -1,11 +1,11 @@
-//! Archives of tiles.
+//! Writes tiles to MBTiles and PMTiles archives.
 //!
-//! MBTiles 1.3: a database of SQLite with a row for each tile, rows of tiles counted from the south
-//! (<https://github.com/mapbox/mbtiles-spec/blob/master/1.3/spec.md>).
+//! MBTiles 1.3 is a database of SQLite with a row for each tile, whose rows are counted from the
+//! south (<https://github.com/mapbox/mbtiles-spec/blob/master/1.3/spec.md>).
 //!
-//! PMTiles version 3: all tiles in one file that a page reads in parts
+//! PMTiles version 3 holds all tiles in one file that a page reads in parts
 //! (<https://github.com/protomaps/PMTiles/blob/main/spec/v3/spec.md>). The crate `pmtiles` reads
-//! and writes them too, with an asynchronous runtime behind it; what is written here is a header, a
+//! and writes such files too, but depends on an asynchronous runtime; the file is only a header, a
 //! list of numbers, and the pictures one after the other.
 
 use super::store::Stored;
@@ -19,22 +19,22 @@ use serde_json::json;
 use std::io::{self, BufWriter, Write as _};
 use std::path::Path;
 
-/// `MPBX`.
+/// `MPBX` as a number.
 const KIND: DatabaseKind = DatabaseKind { application: 0x4d50_4258, version: 0 };
 const METADATA_SQL: &str = "CREATE TABLE metadata (name TEXT NOT NULL PRIMARY KEY, value TEXT)";
 const TILES_SQL: &str = "CREATE TABLE tiles (zoom_level INTEGER NOT NULL, tile_column INTEGER NOT NULL, tile_row INTEGER NOT NULL, tile_data BLOB NOT NULL, PRIMARY KEY (zoom_level, tile_column, tile_row))";
-/// Bytes of the header of PMTiles.
+/// Number of bytes of the header of PMTiles.
 const HEADER: usize = 127;
-/// Header and first directory lie within so many bytes.
+/// Number of bytes that must hold the header and the first directory.
 const FIRST_READ: usize = 16_384;
-/// Tiles of a directory that the first one leads to.
+/// Number of tiles of a directory that the first directory refers to.
 const LEAF: usize = 4096;
-/// Numbers that stand for gzip, for no packing, and for PNG.
+/// Numbers for gzip, for no compression, and for PNG.
 const GZIP: u8 = 2;
 const PLAIN: u8 = 1;
 const PNG: u8 = 2;
 
-/// Writes the pictures of one kind.
+/// Writes the pictures of one style to an MBTiles file.
 pub(crate) fn mbtiles(
     path: &Path,
     store: &TileStore,
@@ -76,7 +76,7 @@ fn mbtiles_metadata(set: &TileSet) -> Vec<(&'static str, String)> {
     ]
 }
 
-/// Writes the pictures of one kind, in the order of the curve.
+/// Writes the pictures of one style to a PMTiles file, in the order of Hilbert's curve.
 pub(crate) fn pmtiles(
     path: &Path,
     store: &TileStore,
@@ -99,8 +99,8 @@ pub(crate) fn pmtiles(
     })
 }
 
-/// An entry of a directory: the number of a tile, where its bytes begin and how many they are; or
-/// of a directory, which has no run of tiles.
+/// An entry of a directory: the number of a tile, and the place and length of its bytes; or the
+/// same of a directory, for which the run is 0.
 struct DirectoryEntry {
     id: u64,
     run: u64,
@@ -108,8 +108,8 @@ struct DirectoryEntry {
     length: u64,
 }
 
-/// The first directory, and those that it leads to one after the other; none where the first holds
-/// all tiles.
+/// Returns the first directory, and the directories that it refers to, one after the other; the
+/// latter are empty where the first directory holds all tiles.
 fn directories(tiles: &[(u64, Stored)]) -> io::Result<[Vec<u8>; 2]> {
     let mut at = 0;
     let entries = tiles.iter().map(|(id, stored)| {
@@ -154,13 +154,13 @@ fn directory(entries: &[DirectoryEntry]) -> io::Result<Vec<u8>> {
     entries.iter().for_each(|entry| put(&mut bytes, entry.length));
     let ends = entries.iter().map(|entry| Some(entry.at + entry.length));
     for (entry, end_before) in entries.iter().zip(std::iter::once(None).chain(ends)) {
-        // 0 says: right behind the one before.
+        // 0 means that the bytes follow those of the entry before.
         put(&mut bytes, if end_before == Some(entry.at) { 0 } else { entry.at + 1 });
     }
     gzip(&bytes)
 }
 
-/// A number in as few bytes as it needs, seven bits each, the lowest first.
+/// Appends a number in as few bytes as it needs, seven bits each, the lowest first.
 fn put(bytes: &mut Vec<u8>, mut number: u64) {
     while number > 0x7f {
         bytes.push((number & 0x7f) as u8 | 0x80);
@@ -199,9 +199,9 @@ fn header(set: &TileSet, tiles: &[(u64, Stored)], [root, metadata, leaves]: [&[u
         header.extend(length.to_le_bytes());
         at += length;
     }
-    // Tiles that have a picture, entries of directories, pictures.
+    // Numbers of tiles with a picture, of directory entries and of pictures.
     header.extend((tiles.len() as u64).to_le_bytes().repeat(3));
-    // The pictures lie in the order of the directory.
+    // 1: the pictures are in the order of the directory.
     header.extend([1, GZIP, PLAIN, PNG, set.scales.zooms.coarsest, set.scales.zooms.finest]);
     let place = |degrees: f64| ((degrees * 1e7).round() as i32).to_le_bytes();
     header.extend(set.scales.zooms.bounds_deg.map(place).concat());

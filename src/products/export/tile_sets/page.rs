@@ -1,4 +1,4 @@
-//! A page that shows a map's PMTiles: all that it needs lies in the page or beside it.
+//! Writes a page that shows the PMTiles of a map without any file from elsewhere.
 
 use super::TileSet;
 use crate::export::{ExportError, write_atomically};
@@ -18,13 +18,13 @@ const PAGE: &str = include_str!("../../../../assets/map_page/index.html");
 const STYLE: &str = include_str!("../../../../assets/map_page/style.css");
 const SCRIPT: &str = include_str!("../../../../assets/map_page/script.js");
 
-/// Archives that are smaller together lie in the page itself, bytes: it is then one file to send,
-/// and opens from a disk, where browsers let no page read other files.
+/// Largest total size of the archives that are put into the page itself, bytes: the page is then a
+/// single file to send and can be opened from a disk, where browsers let no page read other files.
 const MOST_INSIDE: u64 = 8 << 20;
-/// Steps of the colours of the legend.
+/// Number of steps of the colours of the legend.
 const STEPS: usize = 20;
 
-/// Writes the page into the folder of its archives (colours, and elevations), which are there
+/// Writes the page into the folder of its archives (colours, and elevations), which must exist
 /// already.
 ///
 /// # Errors
@@ -69,7 +69,7 @@ fn html(set: &TileSet, archives: [&str; 2], inside: &str) -> String {
         "files": archives,
     });
     let title = xml(&set.name);
-    // Longest last, so that nothing is looked for in what was put in.
+    // The longest text is put in last, so that inserted texts are not searched for placeholders.
     PAGE.replace("{{style}}", STYLE)
         .replace("{{script}}", SCRIPT)
         .replace("{{map}}", &map.to_string())
@@ -78,7 +78,7 @@ fn html(set: &TileSet, archives: [&str; 2], inside: &str) -> String {
         .replace("{{archives}}", inside)
 }
 
-/// Metres from one isobath to the next: as asked for, or a round number.
+/// Returns the interval of the isobaths, metres: that of evenly spaced levels, or a round number.
 fn interval_m(scales: &MapScales) -> f64 {
     let [least_m, most_m] = scales.range_m.map(f64::from);
     let usual_m = round_up((most_m - least_m) / 10.0);

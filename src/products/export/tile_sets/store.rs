@@ -1,5 +1,5 @@
-//! Pictures of tiles, from when they are drawn until they are written in the order that a file
-//! wants.
+//! Stores the pictures of tiles after drawing, until they are written in the order of a file
+//! format.
 
 use crate::export::{ExportError, RasterError};
 use crate::map_tiles::{PyramidSource, TileStyle, WebTile, pyramid};
@@ -10,7 +10,7 @@ use std::io::{self, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
-/// Pictures in a file that has no name, so that memory does not grow with the map.
+/// Pictures in a nameless file, so that memory does not grow with the map.
 pub(crate) struct TileStore {
     inner: Mutex<Inner>,
 }
@@ -28,19 +28,19 @@ pub(crate) struct Stored {
     /// Tile of the picture.
     pub tile: WebTile,
     at: u64,
-    /// Bytes.
+    /// Length of the picture, bytes.
     pub length: u32,
 }
 
 impl TileStore {
-    /// Creates a store without a picture; its file takes room in a folder as long as the store
+    /// Creates a store without pictures; its file takes room in a folder as long as the store
     /// exists.
     ///
     /// # Errors
     /// When the folder cannot be written into.
     pub(crate) fn in_folder(folder: &Path) -> io::Result<Self> {
         let file = if cfg!(windows) {
-            // There it has a name as long as it is open, and would be taken for a product.
+            // On Windows an open file keeps its name, and would be mistaken for a product.
             tempfile::tempfile()?
         } else {
             tempfile::tempfile_in(folder)?
@@ -67,7 +67,7 @@ impl TileStore {
         Ok(store)
     }
 
-    /// Keeps a picture.
+    /// Adds a picture to the store.
     pub(crate) fn keep(&self, picture: TileStyle, tile: WebTile, bytes: &[u8]) -> io::Result<()> {
         let length = u32::try_from(bytes.len()).map_err(io::Error::other)?;
         let mut inner = self.inner.lock().unwrap_or_else(PoisonError::into_inner);
@@ -80,17 +80,18 @@ impl TileStore {
         Ok(())
     }
 
-    /// The tiles that have a picture, along Hilbert's curve, from the coarsest zoom to the finest.
+    /// Returns the tiles that have a picture of a style, along Hilbert's curve, from the coarsest
+    /// zoom to the finest.
     pub(crate) fn tiles(&self, picture: TileStyle) -> Vec<(u64, Stored)> {
         let inner = self.inner.lock().unwrap_or_else(PoisonError::into_inner);
         let of_picture = inner.places.range((picture, 0)..=(picture, u64::MAX));
         of_picture.map(|((_, id), stored)| (*id, *stored)).collect()
     }
 
-    /// The bytes of a picture.
+    /// Reads the bytes of a picture.
     ///
     /// # Errors
-    /// When they cannot be read.
+    /// When the file cannot be read.
     pub(crate) fn read(&self, stored: Stored) -> io::Result<Vec<u8>> {
         let mut bytes = vec![0; stored.length as usize];
         let mut inner = self.inner.lock().unwrap_or_else(PoisonError::into_inner);

@@ -18,12 +18,13 @@ fn set() -> TileSet {
     }
 }
 
-/// Pictures of all tiles, each of other bytes, kept in an order of their own.
+/// Creates a store with different pictures for all tiles, added in another order than they are
+/// read.
 fn store(folder: &std::path::Path, zooms: ZoomRange) -> TileStore {
     let store = TileStore::in_folder(folder).unwrap();
     for zoom in (zooms.coarsest..=zooms.finest).rev() {
         for tile in zooms.tiles(zoom) {
-            // Without a pattern, so that a directory does not pack well.
+            // Lengths have no pattern, so that a directory does not compress well.
             let mixed = tile.hilbert_id().wrapping_mul(0x9e37_79b9_7f4a_7c15);
             let length = (mixed ^ mixed >> 29).wrapping_mul(0xbf58_476d_1ce4_e5b9) >> 56;
             let bytes = [&tile.x.to_le_bytes()[..], &vec![7; length as usize]].concat();
@@ -33,7 +34,7 @@ fn store(folder: &std::path::Path, zooms: ZoomRange) -> TileStore {
     store
 }
 
-/// A reader of its own, after the specification.
+/// A reader of PMTiles written after the specification.
 struct Reader(Vec<u8>);
 
 impl Reader {
@@ -51,7 +52,7 @@ impl Reader {
         bytes
     }
 
-    /// Number of the tile, run, length and place of every entry.
+    /// Returns the number of the tile, run, length and place of every entry.
     fn entries(packed: &[u8]) -> Vec<[usize; 4]> {
         let bytes = Self::unpacked(packed);
         let (mut at, mut numbers) = (0, Vec::new());
@@ -148,6 +149,6 @@ fn the_same_tiles_give_the_same_bytes_in_whatever_order_they_come() {
     let [a, b, c, d] = files.map(|path| fs::read(path).unwrap());
     assert!(a == b && c == d);
     assert_eq!(&c[68..72], b"MPBX");
-    // Nothing is left but the files.
+    // Only the written files remain.
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 4);
 }

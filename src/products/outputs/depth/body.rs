@@ -1,5 +1,5 @@
-//! Writes the bottom as a body: `bottom.glb`, the depth map as a mesh with its colours and the
-//! mosaic over it.
+//! Writes the bottom as a body, `bottom.glb`: the depth map as a mesh with the depth colours and
+//! the mosaic as pictures over it.
 
 use crate::export::{Summary, TexturedMesh, glb};
 use crate::outputs::OutputError;
@@ -12,9 +12,9 @@ use image::{ExtendedColorType, ImageEncoder as _, codecs::png::PngEncoder};
 use serde_json::json;
 use std::path::Path;
 
-/// Most corners: programs and browsers turn as many without a pause.
+/// Largest number of corners: programs and browsers rotate such a mesh smoothly.
 const MOST_CORNERS: usize = 250_000;
-/// Longest side of a picture, pixels: every program takes it.
+/// Longest side of a picture, pixels: every program accepts it.
 const MOST_PIXELS: usize = 2048;
 
 /// Writes `bottom.glb`.
@@ -49,7 +49,7 @@ fn middle(grid: &Grid) -> [f64; 2] {
     grid.centre(grid.rows / 2, grid.columns / 2)
 }
 
-/// The known corners and the triangles between them, about a place.
+/// Returns the mesh of the known corners and the triangles between them, relative to a place.
 fn mesh(surface: &Surface, [middle_east_m, middle_north_m]: [f64; 2]) -> TexturedMesh {
     let grid = &surface.grid;
     let mut mesh = TexturedMesh::default();
@@ -84,7 +84,8 @@ fn mesh(surface: &Surface, [middle_east_m, middle_north_m]: [f64; 2]) -> Texture
     mesh
 }
 
-/// The triangles between the known of four corners, which are given clockwise from the north-west.
+/// Returns the triangles between the known ones of four corners, which are given clockwise from the
+/// north-west.
 fn square(corners: [Option<u32>; 4]) -> Vec<[u32; 3]> {
     match corners {
         [Some(a), Some(b), Some(c), Some(d)] => vec![[a, d, b], [b, d, c]],
@@ -95,8 +96,8 @@ fn square(corners: [Option<u32>; 4]) -> Vec<[u32; 3]> {
     }
 }
 
-/// The mosaic over the ground of the bottom, as finely as it is itself and a picture may be; `None`
-/// without side-scan.
+/// Returns the mosaic over the area of the bottom as PNG, with cells as fine as those of the mosaic
+/// if the picture does not become too large; `None` without side-scan.
 fn mosaic(results: &Results<'_>, bottom: &Bottom) -> Result<Option<Vec<u8>>, OutputError> {
     let Some(mosaic) = results.mosaic()? else {
         return Ok(None);
@@ -132,7 +133,7 @@ mod tests {
         let surface = Surface::of_depths(grid, depth_m);
         let mesh = mesh(&surface, [0.0, 0.0]);
         assert_eq!(mesh.places_m.len(), 11);
-        // Six squares; the four at the hole have one triangle each.
+        // There are six squares; the four squares at the hole have one triangle each.
         assert_eq!(mesh.triangles.len(), 2 * 2 + 4);
         let area = |corners: &[u32; 3]| {
             let [a, b, c] = corners.map(|corner| {

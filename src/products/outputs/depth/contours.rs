@@ -1,4 +1,5 @@
-//! Isobaths, the areas between them and what lies below each, in the formats of other programs.
+//! Writes isobaths, the areas between them and the volumes below each level, in the formats of
+//! other programs.
 
 use crate::export::{self, DrawnLines, LabelledLine};
 use crate::outputs::OutputError;
@@ -8,23 +9,25 @@ use crate::pipeline::Contours;
 use bathyscope_bottom::bathymetry::isobaths::IsobathSettings;
 use std::path::Path;
 
-/// Colours of the shallowest and the deepest line: light enough for a picture of the earth, dark
-/// enough for a map.
+/// Colours of the shallowest and the deepest line: light enough to be visible on a picture of the
+/// earth, dark enough for a map.
 const COLOURS: [[f64; 3]; 2] = [[120.0, 200.0, 255.0], [8.0, 48.0, 160.0]];
 
 /// Isobaths and depth areas with the settings of their drawing.
 pub(in crate::outputs) struct DrawnContours<'a> {
-    /// The lines and the areas between them.
+    /// Isobaths and the areas between them.
     pub contours: &'a Contours,
     settings: &'a IsobathSettings,
     index_levels_m: Vec<f64>,
-    /// Square metres on the ground that one on the map is: a map's are not quite those of the
-    /// ground.
+    /// Square metres on the ground in a square metre of the map, which are not exactly the same.
     pub ground: f64,
 }
 
 impl<'a> DrawnContours<'a> {
-    /// Takes the contours of a survey that has a depth map.
+    /// Returns the contours of a survey.
+    ///
+    /// # Errors
+    /// When the survey has no depth map, or its isobaths cannot be drawn.
     pub(crate) fn of(results: &'a Results<'_>) -> Result<Self, OutputError> {
         let grid = &results.surface()?.ok_or(super::NO_SURFACE)?.grid;
         let middle = grid.centre(grid.rows / 2, grid.columns / 2);
@@ -38,7 +41,7 @@ impl<'a> DrawnContours<'a> {
         })
     }
 
-    /// Its lines.
+    /// Returns the isobaths with the settings of their drawing.
     pub(crate) fn lines(&self) -> DrawnLines<'_> {
         DrawnLines {
             lines: &self.contours.isobaths.lines,
@@ -63,7 +66,7 @@ pub(crate) fn isobaths_kmz(results: &Results<'_>, path: &Path) -> FileResult {
     Ok(FileContent::in_degrees(lines))
 }
 
-/// Writes `isobaths.shp` with what belongs to it, in the system of the map.
+/// Writes `isobaths.shp` with its companions, in the coordinate system of the map.
 pub(crate) fn isobaths_shapefile(results: &Results<'_>, path: &Path) -> FileResult {
     let lines = named_lines(&DrawnContours::of(results)?, results);
     let crs = &results.plane.map.crs;
@@ -95,7 +98,7 @@ pub(crate) fn storage(results: &Results<'_>, path: &Path) -> FileResult {
     Ok(FileContent::of_table(levels))
 }
 
-/// The lines with their depth beside them, the deeper the darker.
+/// Returns the isobaths with their depths as labels; deeper lines are darker.
 fn named_lines(drawn: &DrawnContours<'_>, results: &Results<'_>) -> Vec<LabelledLine> {
     let (lines, ground) = (&drawn.contours.isobaths.lines, drawn.ground.sqrt());
     let depths = lines.iter().map(|line| line.depth_m);

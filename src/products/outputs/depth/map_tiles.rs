@@ -1,4 +1,4 @@
-//! The pictures of a depth map as tiles, which several files share.
+//! Draws the tiles of a depth map, which several files share.
 
 use super::applied;
 use crate::export::tile_sets::{TileSet, TileStore};
@@ -14,15 +14,15 @@ use bathyscope_log::survey::Survey;
 use std::io;
 use std::path::Path;
 
-/// The tiles of a depth map, drawn once for all files of them.
+/// The tiles of a depth map, drawn once for all files that hold them.
 pub(crate) struct MapTiles {
     pub(super) store: TileStore,
     pub(super) set: TileSet,
 }
 
 impl MapTiles {
-    /// Draws all tiles of the depth map of a log, or of all; on the way their pictures take room in
-    /// a folder.
+    /// Draws all tiles of the depth map of one or of all logs; the pictures take room in a folder
+    /// until the tiles are dropped.
     ///
     /// # Errors
     /// When the folder cannot be written into, or the work was cancelled.
@@ -53,7 +53,7 @@ impl MapTiles {
     }
 }
 
-/// The depth map of a run.
+/// The depth map of a run as a source of tiles.
 struct RunTiles<'a> {
     lit: LitSurface<'a>,
     map: &'a MapPlane,

@@ -1,6 +1,6 @@
-//! Writes what the depths give: the map and its uncertainty as rasters and text, the bottom as a
-//! body, isobaths and depth areas, storage, all in the system that `crs` names; and the map as
-//! tiles of the web.
+//! Writes the products of the depths: the map and its uncertainty as rasters and text, the bottom
+//! as a body, isobaths and depth areas, and storage, all in the coordinate system of the setting
+//! `crs`; and the map as web tiles.
 //!
 //! In: the depth map of a run, with its isobaths. Out: files of these.
 
@@ -13,7 +13,7 @@ pub(super) mod tiles;
 use crate::pipeline::Products;
 use bathyscope_bottom::bathymetry::Surface;
 
-/// The registry asks for a surface before it has one written.
+/// Error that is not expected: the registry requires a surface before it writes one.
 pub(super) const NO_SURFACE: &str = "there is no depth map";
 
 /// Describes the corrections, applied or not, and the interpolation of the cells.

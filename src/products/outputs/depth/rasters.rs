@@ -1,6 +1,6 @@
-//! The cells of the surface as rasters, as text and as points. Rasters are metres as f32 on one
-//! grid, and their source, each with what was and was not corrected in its description, and beside
-//! each its colours for QGIS (`.qml`).
+//! Writes the cells of the surface as rasters, as text and as points. Rasters are metres as f32 on
+//! one grid, and the source of the depths. The description of each states the corrections, applied
+//! or not, and beside each are its colours for QGIS (`.qml`).
 
 use super::applied;
 use crate::export::{
@@ -29,7 +29,7 @@ const fn band(name: &'static str, positive_down: bool) -> Band {
     Band { name, unit: "metre", positive_down }
 }
 
-/// Steps of the colours in a style.
+/// Number of steps of the colours in a style.
 const STEPS: usize = 10;
 
 /// Writes `depth.tif`.
@@ -124,8 +124,8 @@ pub(crate) fn xyz(results: &Results<'_>, path: &Path) -> FileResult {
     Ok(FileContent::in_system(&map.crs, cells))
 }
 
-/// Writes `bottom.copc.laz`: the same cells as points, each with the source of its depth, so that
-/// what was inferred is not taken for measured.
+/// Writes `bottom.copc.laz`: the cells that have a depth as points, each with the source of its
+/// depth, so that inferred depths are not mistaken for measured ones.
 pub(crate) fn points(results: &Results<'_>, path: &Path) -> FileResult {
     let depth_map = results.depth_map()?.ok_or(super::NO_SURFACE)?;
     let (surface, map) = (&depth_map.surface, &results.plane.map);
@@ -183,7 +183,7 @@ fn write_values(
     Ok(FileContent::in_system(&spec.crs, summary))
 }
 
-/// The cells that are known, and the whole raster around them.
+/// Returns the number and range of the known values, and the extent of the whole raster.
 fn summary(plane: &CloudPlane<'_>, grid: &Grid, values: &[f32]) -> Summary {
     let mut summary = Summary::default();
     let known = values.iter().filter(|value| !value.is_nan());

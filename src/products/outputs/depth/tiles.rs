@@ -1,5 +1,5 @@
-//! The depth map as tiles: for plotters and apps with isobaths, for web maps without, as depths,
-//! and with a page that shows them.
+//! Writes the depth map as tiles: with isobaths for plotters and apps, without for web maps, as
+//! depths, and as a page that shows the tiles.
 
 use super::map_tiles::MapTiles;
 use crate::export::Summary;
@@ -10,9 +10,9 @@ use crate::outputs::results::Results;
 use bathyscope_log::support::geo::{Crs, LonLat, web_mercator};
 use std::path::Path;
 
-/// Web Mercator.
+/// EPSG number of Web Mercator.
 const WEB_MERCATOR: u16 = 3857;
-/// The archives that the page shows, in its folder.
+/// Archives that the page shows, in the same folder.
 const ARCHIVES: [&str; 2] = ["depth.pmtiles", "depth_values.pmtiles"];
 
 /// Writes `depth.mbtiles`.
@@ -38,7 +38,7 @@ fn archive(results: &Results<'_>, path: &Path, picture: TileStyle) -> FileResult
     content(results, tiles, picture)
 }
 
-/// Writes `index.html`, behind the archives.
+/// Writes `index.html`, after the archives.
 pub(crate) fn page(results: &Results<'_>, path: &Path) -> FileResult {
     let tiles = results.map_tiles(path)?;
     map_page(path, &tiles.set, ARCHIVES)?;

@@ -1,4 +1,4 @@
-//! Rows of files of a kind: the columns that they share.
+//! Defines the columns that rows of the same kind of file share.
 
 use super::{Described, FileWriter, OutputFile, RunFile, WriteFile};
 use crate::outputs::content::Need;
@@ -6,10 +6,10 @@ use crate::outputs::order::{Product, When};
 
 type Text = &'static str;
 
-/// Settings that no table of pings depends on.
+/// Groups of settings that no table of pings depends on.
 pub(super) const NOT_OF_POINTS: &[&str] = &["detector", "isobaths", "mosaic", "review", "surface"];
-/// Settings that no cloud depends on. Those of the surface are not among them: they decide above
-/// which bottom a point lies.
+/// Groups of settings that no cloud depends on. Those of the surface are not among them, because
+/// points above the bottom are classified by the surface.
 pub(super) const NOT_OF_CLOUD: &[&str] = NOT_OF_DEPTHS;
 const NOT_OF_TRACK: &[&str] = &[
     "calibration",
@@ -31,7 +31,7 @@ const NOT_OF_FOOTPRINT: &[&str] = &["detector", "isobaths", "review"];
 pub(super) const NOT_OF_DEPTHS: &[&str] = &["detector", "isobaths", "mosaic", "review"];
 pub(super) const NOT_OF_BODY: &[&str] = &["detector", "isobaths", "review"];
 const NOT_OF_ISOBATHS: &[&str] = &["detector", "mosaic", "review"];
-// Echoes and boxes lie on the bottom that the points tell.
+// Echoes and boxes are placed on the bottom that the points define.
 pub(super) const NOT_OF_MOSAIC: &[&str] = &["detector", "isobaths", "review"];
 const NOT_OF_BOXES: &[&str] = &["crs", "isobaths", "mosaic", "review"];
 
@@ -45,12 +45,12 @@ pub(super) const LAS_POINTS: &str = "All points with their classes; z is elevati
 const TARGETS: &str = "Targets that an analyst accepted, drew or marked";
 const BOXES: &str = "Boxes that the detector proposes, not reviewed";
 
-/// A row with the columns that most rows share.
+/// Creates a row with the values that most rows share.
 pub(super) const fn row(name: Text, when: When, write: WriteFile) -> OutputFile {
     row_written_by(name, when, FileWriter::Results(write))
 }
 
-/// A file that tells of all others.
+/// Creates the row of a file that describes all others.
 pub(super) const fn run_file(name: Text, when: When, brief: Text, file: RunFile) -> OutputFile {
     OutputFile { brief, ..row_written_by(name, when, FileWriter::Run(file)) }
 }

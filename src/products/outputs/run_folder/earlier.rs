@@ -11,21 +11,21 @@ use std::path::Path;
 
 /// Key of the list of files in the manifest of a run.
 const FILES: &str = "files";
-/// The one file of a version that did not list them without a record.
+/// The only file without a record in versions that wrote a record for each file instead of a list.
 const PAGE: &str = "report.html";
 
 /// Names of files that an earlier run wrote.
 #[derive(Debug, Default)]
 pub(super) struct EarlierFiles {
-    /// Files that nobody has changed since.
+    /// Files that have not changed since.
     pub unchanged: Vec<String>,
-    /// Files that are no longer as the run wrote them.
+    /// Files that have changed since, or that no manifest lists.
     pub changed: Vec<String>,
 }
 
-/// Returns true if a run may write a file with this name, apart from its ending. Files of data
-/// without a subfolder are not considered: only versions later than the last one that wrote all
-/// files there write them, so `survey.gpkg` is no danger to `survey.sl2`.
+/// Returns true if a run may write a file with this name, apart from its ending. New data files
+/// without a subfolder are ignored: the versions that wrote all files into the folder itself did
+/// not write them, so `survey.gpkg` is no danger to `survey.sl2`.
 pub(in crate::outputs) fn is_stem_of_output(stem: &str) -> bool {
     let is_new = |row: &&OutputFile| row.folder().is_empty() && row.described.is_some();
     let rows = OUTPUT_FILES.iter().filter(|row| !is_new(row));
@@ -34,13 +34,13 @@ pub(in crate::outputs) fn is_stem_of_output(stem: &str) -> bool {
     stems.chain(manifests).any(|one| one.eq_ignore_ascii_case(stem))
 }
 
-/// The files that an earlier run wrote into a folder, as far as they `go`.
+/// Returns the files that an earlier run wrote into a folder, if `goes` is true for their names.
 pub(super) fn files(folder: &Path, goes: impl Fn(&str) -> bool) -> EarlierFiles {
     let mut found = EarlierFiles::default();
     for (_, record) in manifests(folder) {
         match listed(&record) {
             Some(files) => {
-                // Only these are read: what gives way to a new file may be long.
+                // Only these files are read for comparison: files that are replaced may be large.
                 let going = files.into_iter().filter(|file| goes(&file.file));
                 let there = going.filter(|file| folder.join(&file.file).is_file());
                 for file in there {
@@ -75,7 +75,7 @@ fn beside(folder: &Path) -> Vec<String> {
     names.filter(|name| row_of(name).is_none() && row_of_beside(name).is_some()).collect()
 }
 
-/// Names of the manifests of the run in a folder.
+/// Returns the names of the manifests of the run in a folder.
 pub(super) fn manifest_names(folder: &Path) -> Vec<String> {
     let names = manifests(folder).into_iter();
     names.map(|(name, _)| name.to_owned()).collect()
@@ -87,8 +87,8 @@ pub(in crate::outputs) fn has_foreign_manifest(folder: &Path) -> bool {
     folder.join(MANIFEST).exists() && read(folder, MANIFEST).is_none()
 }
 
-/// The manifests of a folder: the one of this version's runs, or else those of versions that had no
-/// other record of a run.
+/// Returns the manifests of a folder: that of this version, or else those of versions without a
+/// separate manifest.
 fn manifests(folder: &Path) -> Vec<(&'static str, Value)> {
     let ours = |name| read(folder, name).map(|record| (name, record));
     match ours(MANIFEST) {
@@ -97,8 +97,8 @@ fn manifests(folder: &Path) -> Vec<(&'static str, Value)> {
     }
 }
 
-/// Writes the manifest of `folder` into `new` without the files of a group, unless it names none of
-/// them; gives back its name.
+/// Writes the manifest of `folder` into `new` without the files of a group. Returns its name;
+/// `None`, and nothing is written, if it lists none of them.
 pub(super) fn without_group(
     folder: &Path,
     new: &Path,
@@ -121,7 +121,8 @@ pub(super) fn without_group(
     Ok(None)
 }
 
-/// Removes what killed runs of a version left that wrote each file by itself: `cloud.csv.PID.part`.
+/// Removes the remains of killed runs of versions that wrote each file by itself:
+/// `cloud.csv.PID.part`.
 pub(super) fn remove_parts(folder: &Path) {
     remove_leftovers(folder, |name| {
         let stem = name.split('.').next()?;
@@ -129,7 +130,7 @@ pub(super) fn remove_parts(folder: &Path) {
     });
 }
 
-/// A manifest of ours; somebody else's file of that name is none.
+/// Reads a manifest of Bathyscope; `None` for a file of another program.
 fn read(folder: &Path, name: &str) -> Option<Value> {
     let record: Value = serde_json::from_slice(&fs::read(folder.join(name)).ok()?).ok()?;
     let program = record.get("program")?.as_str()?;
@@ -147,8 +148,8 @@ fn is_our_page(folder: &Path) -> bool {
     page.is_ok_and(|page| page.contains("Made with bathyscope "))
 }
 
-/// Returns the files of a version that did not list its files: files with a record beside them that
-/// names them.
+/// Returns the files of a version that did not list its files: files that have a record of their
+/// name beside them.
 fn recorded(folder: &Path) -> Vec<String> {
     let mut names = Vec::new();
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {

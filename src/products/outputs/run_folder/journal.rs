@@ -1,4 +1,4 @@
-//! Keeps the work that is left once all files of a run are written.
+//! Stores the work that remains when all files of a run are written.
 
 use crate::export::{ExportError, write_atomically};
 use crate::file_in_use::patiently;
@@ -7,22 +7,24 @@ use std::fs;
 use std::io::{self, Write as _};
 use std::path::{Component, Path};
 
-/// Renames and removals that put a run in place. They can be begun again after any of them.
+/// Renames and removals that put a run in place. The work can be started again after an
+/// interruption at any of them.
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct Journal {
-    /// Manifests of the run before: they are removed before anything else.
+    /// Manifests of the earlier run, which are removed before anything else.
     #[serde(default)]
     pub first: Vec<String>,
     /// Files that move from the side folder into the folder.
     pub files: Vec<String>,
-    /// Files of the run before that no file takes the place of.
+    /// Files of the earlier run that are removed and not replaced.
     pub remove: Vec<String>,
-    /// The file that moves last.
+    /// The file that is moved last; `None` where no manifest changes.
     pub manifest: Option<String>,
 }
 
 impl Journal {
-    /// `None` where there is none, or none that was written whole.
+    /// Reads a journal; `None` where there is none, it is incomplete, or a name leads out of the
+    /// folder.
     pub(super) fn read(path: &Path) -> Option<Self> {
         let journal: Self = serde_json::from_slice(&fs::read(path).ok()?).ok()?;
         let Self { first, files, remove, manifest } = &journal;
@@ -34,10 +36,10 @@ impl Journal {
         write_atomically(path, |mut file| file.write_all(&serde_json::to_vec(self)?))
     }
 
-    /// Does what is not done yet, and removes the journal.
+    /// Does the remaining work, and removes the journal.
     pub(super) fn finish(&self, new: &Path, folder: &Path) -> io::Result<()> {
         let whole = (self.manifest.as_ref()).is_some_and(|name| !new.join(name).exists());
-        // With the manifest in place all else is, too.
+        // If the manifest is in place, everything else is too.
         if !whole {
             for name in &self.first {
                 // A file of the new run may have the name of an earlier version's manifest.
@@ -53,7 +55,7 @@ impl Journal {
                 remove(&folder.join(name))?;
                 for inner in Path::new(name).ancestors().skip(1) {
                     if !inner.as_os_str().is_empty() {
-                        // It stays where it holds anything else.
+                        // A folder that holds anything else stays.
                         fs::remove_dir(folder.join(inner)).ok();
                     }
                 }
@@ -75,12 +77,12 @@ fn move_into_place(new: &Path, folder: &Path, name: &str) -> io::Result<()> {
         fs::create_dir_all(parent)?;
     }
     if new.join(name).exists() {
-        // Out of the way first: some file systems bring a file to the disk before it takes the
-        // place of another, which makes the swap ten times as long.
+        // The old file is removed first: some file systems write a file to the disk before it
+        // replaces another one, which makes the renames ten times as long.
         remove(&to)?;
     }
     match patiently(|| fs::rename(new.join(name), &to)) {
-        // Moved before the run was killed.
+        // The file was moved before the run was killed.
         Err(error) if error.kind() == io::ErrorKind::NotFound && to.exists() => Ok(()),
         moved => moved,
     }
@@ -93,8 +95,8 @@ fn remove(path: &Path) -> io::Result<()> {
     }
 }
 
-/// Returns true if a name from a file stays within the folder: a file, or a file in a subfolder or
-/// in a folder in that.
+/// Returns true if a name from a file stays within the folder: a file, or a file in a subfolder, at
+/// most two folders deep.
 pub(super) fn is_plain(name: &str) -> bool {
     let mut parts = Path::new(name).components();
     let plain = parts.by_ref().take(3).all(|part| matches!(part, Component::Normal(_)));

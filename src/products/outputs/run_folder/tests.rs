@@ -8,7 +8,7 @@ fn text(path: &Path) -> String {
     fs::read_to_string(path).unwrap()
 }
 
-/// Writes files and a manifest that names them.
+/// Writes files and a manifest that lists them.
 fn write(run: &RunFolder, files: &[&str], content: &str) {
     let new = run.path();
     for file in files {
@@ -35,7 +35,7 @@ fn a_folder_holds_the_files_of_one_run_and_those_of_its_user() {
     written(&out, &one, "one");
     fs::write(out.join("notes.txt"), "mine").unwrap();
     fs::write(out.join("objects/chips/best.png"), "mine").unwrap();
-    // Changed by hand: it is no longer what the run wrote.
+    // The file was changed by hand since the run.
     fs::write(out.join("track/track.gpx"), "mine").unwrap();
     let gone = written(&out, &["points/cloud.csv", "depth/depth.tif"], "two");
     assert_eq!(gone.removed, ["mosaic/mosaic.tif"]);
@@ -77,7 +77,7 @@ fn a_run_that_fails_leaves_all_as_it_was() {
     assert!(refusal.to_string().contains("depth.tif"), "{refusal}");
     assert_eq!(text(&out.join("manifest.json")), before);
     assert_eq!(text(&out.join("cloud.csv")), "one");
-    // And a file in the place of a subfolder.
+    // A file in the place of a subfolder is reported too.
     fs::write(out.join("objects"), "mine").unwrap();
     let run = RunFolder::begin(&out).unwrap();
     write(&run, &["objects/chips/0001-rock.png"], "two");
@@ -99,7 +99,7 @@ fn two_runs_do_not_write_into_one_folder() {
     assert_eq!(names(folder.path()), ["cloud.csv", "manifest.json"]);
 }
 
-/// Leaves the folder as a killed process does: no destructor runs, but the lock is gone.
+/// Leaves the folder in the state of a killed process: no destructor runs, but the lock is gone.
 fn kill(mut run: RunFolder) {
     drop(run.lock.take());
 }
@@ -112,7 +112,7 @@ fn the_next_run_clears_away_what_was_killed_before_it_was_decided() {
     let run = RunFolder::begin(out).unwrap();
     write(&run, &["cloud.csv", "depth.tif"], "two");
     kill(run);
-    // It was about to be decided.
+    // The run was killed while it wrote the journal.
     fs::write(out.join(SIDE).join("commit.json.7.part"), "{").unwrap();
     assert_eq!(text(&out.join("cloud.csv")), "one");
     assert!(out.join(SIDE).exists());
@@ -121,8 +121,8 @@ fn the_next_run_clears_away_what_was_killed_before_it_was_decided() {
     assert_eq!(text(&out.join("cloud.csv")), "one");
 }
 
-/// Killed after each of the renames and removals: the next run finishes the job, and a folder with
-/// a manifest is whole meanwhile.
+/// Tests a kill after each of the renames and removals: the next run finishes the work, and
+/// meanwhile a folder with a manifest is consistent.
 #[test]
 fn a_swap_that_was_killed_is_finished_by_the_next_run() {
     let old = ["depth.tif", "objects/chips/0001-rock.png", "points/cloud.csv"];
@@ -131,7 +131,7 @@ fn a_swap_that_was_killed_is_finished_by_the_next_run() {
         let folder = tempfile::tempdir().unwrap();
         let out = folder.path();
         written(out, &old, "one");
-        // A version without subfolders called its manifest by the name of a file of now.
+        // A version without subfolders gave its manifest the name of a present file.
         fs::rename(out.join("manifest.json"), out.join("report.json")).unwrap();
         let run = RunFolder::begin(out).unwrap();
         write(&run, &new, "two");
@@ -143,7 +143,7 @@ fn a_swap_that_was_killed_is_finished_by_the_next_run() {
             manifest: Some("manifest.json".to_owned()),
         };
         journal.write(&out.join(SIDE).join(JOURNAL)).unwrap();
-        // The order in which it is done, as far as the kill lets it.
+        // The renames and removals in their order, up to the kill.
         let moves = |name: &str| fs::rename(staged.join(name), out.join(name)).unwrap();
         let removes = |name: &str| fs::remove_file(out.join(name)).unwrap();
         let steps: [&dyn Fn(); 7] = [
@@ -190,7 +190,7 @@ fn a_manifest_from_elsewhere_removes_nothing_outside_the_folder() {
         written(&out, &["cloud.csv"], "one");
         assert_eq!(text(&folder.path().join("thesis.txt")), "years");
     }
-    // Nor does a journal.
+    // A journal does not lead out of the folder either.
     fs::create_dir(out.join(SIDE)).unwrap();
     let journal = r#"{"files":[],"remove":["../thesis.txt"],"manifest":null}"#;
     fs::write(out.join(SIDE).join(JOURNAL), journal).unwrap();
@@ -241,7 +241,7 @@ fn what_a_version_without_a_list_wrote_goes_by_its_records() {
         ("cloud.csv.4294967294.part", "half"),
         ("film.mkv.4294967294.part", "mine"),
         ("photo.jpg", "mine"),
-        // Somebody else's record, by its name.
+        // A record of another program, by its name.
         ("photo.jpg.json", r#"{ "product": "photo.jpg" }"#),
     ] {
         fs::write(out.join(name), content).unwrap();

@@ -1,5 +1,5 @@
-//! References of a survey: points of a file, or another mission over the same water; and why a
-//! survey cannot be compared with one.
+//! References of a survey: points of a file, or another mission over the same water; and the errors
+//! when a survey cannot be compared with one.
 
 use crate::pipeline::fingerprint::{Input, InputError, hash_file, hash_inputs};
 use crate::pipeline::{ProcessedLog, Products, Settings, SourceError, as_mounted, run};
@@ -26,13 +26,13 @@ pub enum AgreementError {
     /// The work was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
-    /// The reference cannot be opened.
+    /// The reference file cannot be opened.
     #[error(transparent)]
     Open(#[from] ReferenceError),
     /// There is no log to compare with the reference.
     #[error("there is no log to compare with the reference")]
     NoLog,
-    /// The reference does not fit.
+    /// The reference was read but does not fit the survey.
     #[error(transparent)]
     Unusable(#[from] FileError<ReferenceFault>),
 }
@@ -40,16 +40,16 @@ pub enum AgreementError {
 /// Fault of a reference, as a sentence without the path.
 #[derive(Debug, thiserror::Error)]
 pub enum ReferenceFault {
-    /// Its points are in a system that is not known.
+    /// The points are in an unknown coordinate system.
     #[error(transparent)]
     System(#[from] CrsError),
-    /// Its points are in metres that lie over the survey neither in this system nor as metres from
+    /// The points are in metres that are over the survey neither in this system nor as metres from
     /// the first fix.
     #[error(
         "the file does not say which system its metres are in, and they lie over this survey neither as {0} nor as metres from its first fix; give longitude and latitude, or set crs to the file's system"
     )]
     UnknownMetres(Crs),
-    /// A log of the other mission cannot be taken as the settings say.
+    /// The settings cannot be applied to a log of the other mission.
     #[error(transparent)]
     Source(#[from] SourceError),
     /// The water levels do not fit a log of the other mission.
@@ -58,16 +58,16 @@ pub enum ReferenceFault {
     /// The work was cancelled while a log of the other mission was processed.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
-    /// The reference is empty.
+    /// No point of the reference has a place.
     #[error("the reference holds no point with a place")]
     NoPlace,
-    /// The reference lies this distance away from the survey, metres.
+    /// The reference is this distance away from the survey, metres.
     #[error(
         "the reference lies {} from this survey; see whether both are of one water and whether its columns are named right",
         way(*.0)
     )]
     Elsewhere(f64),
-    /// The reference lies over the survey, but no point is as near as required.
+    /// The reference is over the survey, but no point is as near as required.
     #[error(
         "no point of this survey has a reference ({}); take a larger distance",
         (*.0).in_words()
@@ -84,36 +84,37 @@ pub struct Reference {
     held: Held,
 }
 
-/// Longitude, latitude, degrees, and elevation, metres.
+/// Longitude and latitude, degrees, and elevation, metres.
 type Position = [f64; 3];
 
 #[derive(Debug)]
 enum Held {
     Points(Vec<Position>),
-    /// One log or several of another mission.
+    /// One or several logs of another mission.
     Mission {
         logs: Vec<MissionLog>,
-        /// Last results of each log: most changes of a setting leave most stages as they were.
+        /// Last results of each log: most changes of a setting leave most stages unchanged.
         made: Mutex<Vec<Products>>,
     },
 }
 
-/// A log of another mission.
+/// Log of another mission.
 #[derive(Clone, Debug)]
 pub struct MissionLog {
-    /// The recording; without settings of its own as it was read, with them as these have it.
+    /// Recording of the log: as it was read if `settings` is `None`, otherwise with the settings
+    /// applied.
     pub survey: Arc<Survey>,
-    /// The settings that it is processed with; those of the survey that is compared with it where
-    /// it has none of its own.
+    /// Settings with which the log is processed; `None` for those of the survey that is compared
+    /// with it.
     pub settings: Option<Settings>,
 }
 
 impl Reference {
-    /// Opens what a survey is to be compared with: points or a log, as [`open_reference`] tells
-    /// them apart.
+    /// Opens the reference of a survey: points or a log, which [`open_reference`] distinguishes.
     ///
     /// # Errors
-    /// When it cannot be read, its metres lie nowhere near the survey, or the work was cancelled.
+    /// When the reference cannot be read, its metres are nowhere near the survey, or the work was
+    /// cancelled.
     pub fn open(
         argument: &OsStr,
         survey: &Survey,
@@ -126,9 +127,9 @@ impl Reference {
         }
     }
 
-    /// Points of a file. Metres of a file that does not say whose they are count as those of the
-    /// system that `crs` names, or else as metres east and north of the survey's first fix: as
-    /// those where they lie over the survey.
+    /// Creates a reference of the points of a file. If the file does not name the coordinate system
+    /// of its metres, they are taken as metres in the system that `crs` names, or else as metres
+    /// east and north of the survey's first fix, whichever is over the survey.
     fn of_points(
         file: Elevations,
         survey: &Survey,
@@ -151,15 +152,16 @@ impl Reference {
         })
     }
 
-    /// Another mission of one log, which is processed with the settings of the survey that is
-    /// compared with it.
+    /// Creates a reference of another mission of one log, which is processed with the settings of
+    /// the survey that is compared with it.
     fn of_mission(survey: Survey) -> Self {
         let path = survey.source.files.first().cloned().unwrap_or_default();
         let log = MissionLog { survey: Arc::new(survey), settings: None };
         Self::of_logs(&path, vec![log])
     }
 
-    /// Another mission of several logs; `path` is that of their folder or project.
+    /// Creates a reference of another mission of several logs; `path` is that of their folder or
+    /// project.
     pub fn of_logs(path: &Path, logs: Vec<MissionLog>) -> Self {
         Self {
             path: path.to_owned(),
@@ -168,23 +170,23 @@ impl Reference {
         }
     }
 
-    /// Name of its file.
+    /// Returns the name of the reference's file.
     pub fn name(&self) -> String {
         let name = self.path.file_name().unwrap_or_default();
         name.to_string_lossy().into_owned()
     }
 
-    /// Its file.
+    /// Returns the path of the reference's file, folder or project.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Returns true if it is another mission.
+    /// Returns true if the reference is another mission.
     pub fn is_mission(&self) -> bool {
         matches!(self.held, Held::Mission { .. })
     }
 
-    /// Returns true if it is another mission whose logs have settings of their own.
+    /// Returns true if the reference is another mission whose logs have their own settings.
     pub(crate) fn has_own_settings(&self) -> bool {
         match &self.held {
             Held::Points(_) => false,
@@ -192,11 +194,12 @@ impl Reference {
         }
     }
 
-    /// East, north and elevation of its points in the plane of a log, metres. Another mission is
-    /// processed with the settings of that log.
+    /// Returns east, north and elevation of the reference's points in the plane of a log, metres.
+    /// Another mission is processed with the settings of that log.
     ///
     /// # Errors
-    /// When it cannot be processed so, or the work was cancelled.
+    /// When a log of the other mission cannot be processed with these settings, or the work was
+    /// cancelled.
     pub(super) fn places(
         &self,
         log: &ProcessedLog,
@@ -228,10 +231,10 @@ impl Reference {
         }
     }
 
-    /// The files that it was read from.
+    /// Returns the files from which the reference was read, with their hashes.
     ///
     /// # Errors
-    /// When one cannot be read any more or did not stay what it was, or the work was cancelled.
+    /// When a file can no longer be read or has changed, or the work was cancelled.
     pub fn inputs(&self, progress: &Progress) -> Result<Vec<Input>, InputError> {
         match &self.held {
             Held::Points(_) => Ok(vec![hash_file(&self.path, progress)?]),
@@ -249,10 +252,10 @@ impl Reference {
 }
 
 impl MissionLog {
-    /// Runs the pipeline on the log; returns the recording as it is mounted, and the results.
-    /// Without settings of its own, the log is processed with those of the compared log, its
-    /// mounting included, but without that log's flat spot, strokes, excluded stretches and height
-    /// offset, which mean nothing here.
+    /// Runs the pipeline on the log; returns the recording as mounted, and the results. Without its
+    /// own settings, the log is processed with those of the compared log, including its mounting,
+    /// but without that log's flat spot, strokes, excluded stretches and height offset, which do
+    /// not apply to this log.
     fn processed(
         &self,
         settings: &Settings,
@@ -282,7 +285,8 @@ impl MissionLog {
     }
 }
 
-/// Longitude, latitude and elevation of the points that a depth map of a survey is made of.
+/// Returns longitude, latitude and elevation of the points from which a depth map of a survey is
+/// made.
 pub fn positions(survey: &Survey, products: &Products) -> Vec<Position> {
     let counted = super::counted(products).into_iter();
     let points = counted.map(|index| &products.cloud.points[index]);
@@ -302,7 +306,7 @@ enum System {
 }
 
 impl System {
-    /// The system of a file, and in words where it is a guess.
+    /// Returns the coordinate system of a file, and a sentence if the system is a guess.
     fn of(
         file: &Elevations,
         survey: &Survey,
@@ -350,16 +354,16 @@ impl System {
     }
 }
 
-/// A file this far from the track may be one of the same water in the wrong place, and is reported
-/// as that far away.
+/// Distance from the track, metres, up to which a file may be of the same water in the wrong place,
+/// and is reported with its distance.
 const NEAR_M: f64 = 20_000.0;
 
-/// West, south, east and north of what has a place.
+/// Returns west, south, east and north of the finite places.
 pub(super) fn bounds(places: impl Iterator<Item = [f64; 2]>) -> [f64; 4] {
     outline::bounds(places.filter(|[x, y]| x.is_finite() && y.is_finite()))
 }
 
-/// Distance between two rectangles, 0 where they meet.
+/// Returns the distance between two rectangles; 0 if they meet.
 pub(super) fn distance_m(one: [f64; 4], other: [f64; 4]) -> f64 {
     let apart = |low: usize, high: usize| {
         let gap = (other[low] - one[high]).max(one[low] - other[high]);

@@ -1,5 +1,5 @@
-//! Residuals of each choice of geometry and calibration: the same picks, compared with the same
-//! soundings.
+//! Computes the residuals of each choice of geometry and calibration: the same picks, compared with
+//! the same soundings.
 
 use super::residuals::kept_of;
 use crate::pipeline::Products;
@@ -14,14 +14,14 @@ use bathyscope_log::survey::Survey;
 use serde::Serialize;
 use std::sync::Arc;
 
-/// Side-scan against soundings with one geometry and one calibration.
+/// Residuals of side-scan points from soundings, with one geometry and one calibration.
 #[derive(Serialize)]
 pub struct GeometryChoice {
     geometry: Geometry,
     calibration: &'static str,
     /// True if these are the settings of the products.
     in_force: bool,
-    /// Points without a sounding near them.
+    /// Number of points without a sounding near them.
     unmatched: usize,
     #[serde(flatten)]
     residuals: Residuals,
@@ -37,9 +37,9 @@ const CALIBRATIONS: [(&str, ScaleMode, PpdReach, OffsetMode); 4] = [
     ("header less offset", ScaleMode::Header, PpdReach::Factor, OffsetMode::Fit),
 ];
 
-/// One line for each combination that gives points over the soundings; a flat spot that gives no
-/// scale has none. Of the stages only the calibration, the cloud and the outlier filter run, each
-/// where it differs.
+/// Returns the residuals of each combination that gives points over the soundings; a flat spot that
+/// gives no scale has none. Only the calibration, the cloud and the outlier filter are run again,
+/// each where its settings differ.
 pub fn choices(
     survey: &Survey,
     products: &Products,
@@ -52,7 +52,7 @@ pub fn choices(
         Matching::Surface { max_gap_m },
     );
     let (judged, counted) = (products.judged_returns(survey), products.counted_returns());
-    // Nothing about a swath is chosen.
+    // A swath does not depend on these choices.
     let survey = &Survey { swath: Arc::default(), ..survey.clone() };
     let traits = PickTraits::new(survey, &products.navigation, &counted);
     let mut found = Vec::new();
@@ -61,7 +61,7 @@ pub fn choices(
         settings.mode = mode;
         settings.ppd = ppd;
         settings.offset = match (offset, settings.offset) {
-            // Whichever way to it is in force.
+            // The offset mode in force, if it fits an offset.
             (OffsetMode::Fit, in_force @ (OffsetMode::Auto | OffsetMode::Fit)) => in_force,
             _ => offset,
         };
@@ -82,8 +82,8 @@ pub fn choices(
             let points: Vec<(usize, &CloudPoint)> =
                 points.filter(|(_, point)| point.source.is_side_scan()).collect();
             let matches = reference.matches(&points, |(_, point)| point.place(), progress)?;
-            // Beside a single track some geometries have no point over the soundings, and need no
-            // classes.
+            // With a single track, some geometries have no point over the soundings; they are left
+            // out before the points are classified.
             if matches.is_empty() {
                 continue;
             }
@@ -110,7 +110,7 @@ pub fn choices(
     Ok(found)
 }
 
-/// The points of a geometry and a calibration.
+/// Computes the cloud with a geometry and a calibration.
 fn placed(
     survey: &Survey,
     products: &Products,

@@ -1,4 +1,4 @@
-//! Crossline analysis: depths where tracks cross themselves and each other.
+//! Analyses crosslines: compares depths where tracks cross themselves and each other.
 
 use crate::pipeline::joint::{latencies, track_depths};
 use crate::pipeline::{LogLatency, ProcessedLog};
@@ -9,7 +9,7 @@ use bathyscope_bottom::cloud::Residuals;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use serde::Serialize;
 
-/// The differences at the crossings, and their statistics.
+/// Differences at the crossings, and their statistics.
 #[derive(Serialize)]
 pub struct Crosslines {
     sign: &'static str,
@@ -17,19 +17,19 @@ pub struct Crosslines {
     reach_m: f64,
     #[serde(flatten)]
     residuals: Residuals,
-    /// Residuals of crossings of two logs alone; absent of one log.
+    /// Residuals of the crossings between two logs; absent for one log.
     #[serde(skip_serializing_if = "Option::is_none")]
     between_logs: Option<Residuals>,
     /// Latency of the positions of each log, in the order of the logs; null where the crossings do
     /// not determine it.
     latencies: Vec<Option<LogLatency>>,
-    /// The first of them in the order of logs and time.
+    /// Crossings in the order of logs and time, at most [`MOST_LISTED`].
     list: Vec<Listed>,
 }
 
 #[derive(Serialize)]
 struct Listed {
-    /// The logs of both passes; absent of one log.
+    /// Names of the logs of both passes; absent for one log.
     #[serde(skip_serializing_if = "Option::is_none")]
     logs: Option<[String; 2]>,
     lon: f64,
@@ -52,11 +52,11 @@ const SIGN: &str =
     "elevation of the later pass minus that of the earlier, metres; positive is shallower";
 const SIGN_OF_LOGS: &str = "elevation of the later pass minus that of the earlier, or of the second log minus that of the first, metres; \
      positive is shallower";
-/// Most crossings that are listed one by one.
+/// Most crossings in the list.
 const MOST_LISTED: usize = 10_000;
 
-/// The crossings of the tracks of some logs in one frame; `names` are what they are called. `None`
-/// where no track crosses itself or another over depths.
+/// Finds the crossings of the tracks of some logs, which are in one local coordinate frame; `names`
+/// are the names of the logs. `None` if no track crosses itself or another where depths are known.
 ///
 /// # Errors
 /// When the work was cancelled.

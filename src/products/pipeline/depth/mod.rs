@@ -1,5 +1,5 @@
-//! Products of the depths: the surface, isobaths, the agreement of side-scan with soundings, the
-//! crossline analysis. All are in the system that `crs` names.
+//! Computes the products of the depths: the surface, isobaths, the agreement of side-scan with
+//! soundings, and the crossline analysis. All are in the coordinate system that `crs` names.
 //!
 //! In: the results of logs, and settings. Out: surfaces, isobaths, comparisons and crossings.
 

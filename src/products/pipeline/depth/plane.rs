@@ -1,4 +1,4 @@
-//! The cloud in the metres of a map.
+//! Transforms the points of a cloud into the metres of a map.
 
 use crate::pipeline::{Products, map_plane};
 use bathyscope_bottom::bathymetry::{DepthPoint, SurfaceSettings};
@@ -6,28 +6,29 @@ use bathyscope_bottom::cloud::{CloudPoint, PointClass, PointCloud};
 use bathyscope_log::support::geo::{Crs, CrsError, LonLat, MapPlane};
 use bathyscope_log::survey::{Navigation, Survey, Track};
 
-/// The cloud and the plane that its maps are drawn in.
+/// Transformation of a log's cloud into the plane of its maps.
 #[derive(Clone)]
 pub(crate) struct CloudPlane<'a> {
-    /// The plane.
+    /// Plane of the maps.
     pub map: MapPlane,
-    /// The log.
+    /// Survey of the log.
     pub survey: &'a Survey,
     track: &'a Track,
     navigation: &'a Navigation,
 }
 
 impl<'a> CloudPlane<'a> {
-    /// The plane of the system that `crs` names.
+    /// Creates the transformation into the plane of the coordinate system that `crs` names.
     ///
     /// # Errors
-    /// When the system is not known, or does not fit the place.
+    /// When the system is unknown, or does not fit the survey's place.
     pub(crate) fn of(survey: &'a Survey, products: &'a Products) -> Result<Self, CrsError> {
         let map = map_plane(survey, &products.settings)?;
         Ok(Self::new(survey, products, map))
     }
 
-    /// The same, in the UTM zone where the system does not fit.
+    /// Creates the transformation as [`of`](Self::of) does, or into the UTM zone if the system that
+    /// `crs` names cannot be used.
     pub(crate) fn or_utm(survey: &'a Survey, products: &'a Products) -> Self {
         let origin = survey.track.frame.origin();
         let utm = |_| MapPlane::new(Crs::utm(origin), origin);
@@ -35,17 +36,18 @@ impl<'a> CloudPlane<'a> {
         Self::new(survey, products, map)
     }
 
-    /// The cloud of one of several logs, in the plane that all of them share.
+    /// Creates the transformation of one of several logs into the plane that all of them share.
     pub(crate) fn new(survey: &'a Survey, products: &'a Products, map: MapPlane) -> Self {
         Self { map, survey, track: &survey.track, navigation: &products.navigation }
     }
 
-    /// Longitude and latitude of a place in the plane.
+    /// Returns longitude and latitude of a place in the plane.
     pub(crate) fn to_lon_lat(&self, place: [f64; 2]) -> LonLat {
         self.map.to_lon_lat(place)
     }
 
-    /// Some of the kept points, each with its easting, northing and elevation, metres.
+    /// Returns the kept points for which `chosen` is true, each with its easting, northing and
+    /// elevation, metres.
     pub(super) fn points<'p>(
         &self,
         products: &'p Products,
@@ -56,14 +58,14 @@ impl<'a> CloudPlane<'a> {
         placed.filter(|(place, _)| is_finite(place))
     }
 
-    /// The kept points that count for the surface, as weighted depths.
+    /// Returns the kept points that count for the surface, as weighted depths.
     pub(crate) fn depth_points(&self, products: &Products) -> Vec<DepthPoint> {
         let (cloud, classes) = (&products.cloud, &products.classes);
         depth_points(cloud, classes, &products.settings.surface, |p| self.place(p))
     }
 
-    /// The depths under the boat that the slope of a first return of one side alone gives, weighted
-    /// as first returns.
+    /// Returns the depths under the boat that follow from the slope of a first return of one side
+    /// alone, weighted as first returns.
     pub(super) fn slope_points(&self, products: &Products) -> Vec<DepthPoint> {
         let weight = products.settings.surface.side_scan_weight;
         let depths = products.depths.iter().zip(products.navigation.pings.iter());
@@ -75,8 +77,8 @@ impl<'a> CloudPlane<'a> {
         placed.filter(is_finite).map(|place| first_return(place, weight)).collect()
     }
 
-    /// First returns that one side sees above the recorded depth for long and that do not count:
-    /// weed, a bank or a scarp.
+    /// Returns the first returns that one side alone sees above the recorded depth for long, and
+    /// that do not count: weed, a bank or a scarp. Their weight is 0.
     pub(super) fn doubtful_points(&self, products: &Products) -> Vec<DepthPoint> {
         let classed = products.cloud.points.iter().zip(products.classes.iter());
         let doubtful = classed.filter(|(point, class)| {
@@ -91,19 +93,19 @@ impl<'a> CloudPlane<'a> {
         [east_m, north_m, point.z_m]
     }
 
-    /// East and north of the map of a place in the log's plane.
+    /// Returns east and north in the map's plane of a place in the log's plane.
     fn plane_place(&self, [east_m, north_m]: [f64; 2]) -> [f64; 2] {
         self.map.place(self.navigation.to_lon_lat(self.track, east_m, north_m))
     }
 }
 
-/// A depth by a first return.
+/// Returns a depth from a first return.
 fn first_return([east_m, north_m, z_m]: [f64; 3], weight: f64) -> DepthPoint {
     DepthPoint { east_m, north_m, depth_m: -z_m, weight, is_sounding: false }
 }
 
-/// The kept points of a cloud that count for a surface, as weighted depths; `place` gives east,
-/// north and elevation in its plane.
+/// Returns the kept points of a cloud that count for a surface, as weighted depths; `place` returns
+/// east, north and elevation of a point in the surface's plane.
 pub fn depth_points(
     cloud: &PointCloud,
     classes: &[PointClass],
@@ -130,7 +132,7 @@ pub fn depth_points(
     points
 }
 
-/// Returns true if a place is known.
+/// Returns true if all coordinates of a place are finite.
 fn is_finite(place: &[f64; 3]) -> bool {
     place.iter().all(|value| value.is_finite())
 }

@@ -1,4 +1,4 @@
-//! Side-scan points, and those of a swath, against the soundings of the same survey.
+//! Compares side-scan points, and those of a swath, with the soundings of the same survey.
 
 use super::plane::CloudPlane;
 use crate::pipeline::{ProcessedLog, Products};
@@ -9,26 +9,26 @@ use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::Survey;
 use serde::Serialize;
 
-/// Farthest sounding that a side-scan point is compared with by place, metres.
+/// Largest horizontal distance of the sounding that a side-scan point is compared with, metres.
 const RADIUS_M: f64 = 1.0;
 
 /// Agreement of the depths of one source with those of another.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct NamedComparison {
-    /// Source of the depths that are compared.
+    /// Source of the compared depths.
     pub source: &'static str,
-    /// Reference that they are compared with.
+    /// Reference of the compared depths.
     pub reference: String,
     /// Way in which the reference of each point is found, in words.
     pub matching: String,
-    /// The statistics.
+    /// Statistics of the comparison.
     #[serde(flatten)]
     pub comparison: Comparison,
 }
 
-/// Port, starboard, both and the swath against the surface of the soundings at their place, and
-/// against the nearest sounding, of all logs together in the plane of a map; empty where there is
-/// no side-scan point or no sounding.
+/// Compares port, starboard, both and the swath with the surface of the soundings at the same
+/// place, and with the nearest sounding, of all logs together in the plane of a map; empty if there
+/// is no side-scan point or no sounding.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -48,7 +48,7 @@ pub(crate) fn comparisons(
     let level_m = first.products.correction.middle_level_m();
     let mut found = Vec::new();
     for matching in ways {
-        // Each point is matched once, whichever lists it is in.
+        // Each point is matched once, even if it is in several lists.
         let all = match_points(&measured, &reference, matching, progress)?;
         for (source, counts) in LISTS {
             let matches: Vec<Match> =
@@ -71,15 +71,15 @@ pub(crate) fn comparisons(
 #[derive(Clone, Copy)]
 struct PointKind {
     source: PointSource,
-    /// True if the recorder had lost the bottom: depth comes from side-scan alone there, and nearby
-    /// soundings are compared with it.
+    /// True if the recorder had lost the bottom: the depth there comes from side-scan alone, and is
+    /// compared with nearby soundings.
     is_lost: bool,
 }
 
 /// Test that returns true if a point is in a list.
 type PointTest = fn(PointKind) -> bool;
 
-/// The lists of points, each with a name.
+/// Lists of points, each with a name.
 const LISTS: [(&str, PointTest); 5] = [
     ("side-scan", |kind| kind.source.is_side_scan()),
     ("port", |kind| kind.source == PointSource::Port),
@@ -88,7 +88,8 @@ const LISTS: [(&str, PointTest); 5] = [
     ("swath", |kind| kind.source == PointSource::Swath),
 ];
 
-/// Kept points of all logs in the plane of a map, log by log, each with what `read` says of it.
+/// Returns the kept points of all logs in the plane of a map, log by log, each with the result of
+/// `read`.
 fn points<T>(
     logs: &[ProcessedLog],
     map: &MapPlane,
@@ -111,7 +112,7 @@ fn kind(survey: &Survey, point: &CloudPoint) -> PointKind {
     PointKind { source: point.source, is_lost: survey.good_depth_m(point.ping as usize).is_nan() }
 }
 
-/// Kept points of some sources, in the cloud's order.
+/// Returns the kept points of some sources, in the cloud's order.
 pub(super) fn kept_of<'a>(products: &'a Products, sources: &[PointSource]) -> Vec<&'a CloudPoint> {
     let chosen = || (products.kept_points()).filter(|point| sources.contains(&point.source));
     let mut points = Vec::with_capacity(chosen().count());

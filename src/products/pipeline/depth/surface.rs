@@ -1,4 +1,4 @@
-//! The surface of the depths of a survey.
+//! Computes the surface of the depths of a survey.
 
 use super::plane::CloudPlane;
 use crate::pipeline::{ProcessedLog, Products};
@@ -8,12 +8,12 @@ use bathyscope_log::support::geo::MapPlane;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::{PingNav, Side, Survey};
 
-/// The surface of the kept points of all logs of a survey in the plane of a map, by the `surface.*`
-/// settings of the first. Each log's points weigh what its own settings give them; where logs meet
-/// in a cell the weighted median stands, so that a log with many points there counts more. Where
-/// one side alone sees a slope, the depth under the boat that follows from it counts as well.
-/// Depths between the lines come from the levels of the echoes of all logs where `surface.swath`
-/// says so. `None` where the depths span no surface.
+/// Computes the surface of the kept points of all logs of a survey in the plane of a map, by the
+/// `surface.*` settings of the first log. The points of each log have the weights of its own
+/// settings; a cell with points of several logs has their weighted median, so that a log with many
+/// points there counts more. Where one side alone sees a slope, the depth under the boat that
+/// follows from it counts as well. If `surface.swath` is set, depths between the lines come from
+/// the echo levels of all logs. `None` if the depths span no surface.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -52,7 +52,8 @@ pub fn joint_depth_surface(
     Ok(made)
 }
 
-/// The kept points of all logs of a survey that count for its surface, in the plane of a map.
+/// Returns the kept points of all logs of a survey that count for its surface, in the plane of a
+/// map.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -77,9 +78,9 @@ fn echoes_of<'a>(log: &'a ProcessedLog, map: &MapPlane) -> LogEchoes<'a> {
     })
 }
 
-/// Returns the echoes and places of the pings of a log, for depths from echo levels. `place` turns
-/// east and north in the plane of the survey into those of another plane, metres. Pings that count
-/// for nothing have no place. A log without usable side-scan gives no ping.
+/// Returns the echoes and places of the pings of a log, for depths from echo levels. `place`
+/// transforms east and north in the plane of the survey into those of another plane, metres.
+/// Excluded pings have no place. A log without usable side-scan has no pings.
 pub fn log_echoes<'a>(
     survey: &'a Survey,
     products: &Products,
@@ -105,8 +106,9 @@ pub fn log_echoes<'a>(
     LogEchoes { levels: survey, pings: (0..count).map(of_ping).collect() }
 }
 
-/// Returns the place of a ping in the plane that `place` leads to, and the direction of starboard
-/// there: north of two planes may differ.
+/// Returns the place of a ping in the plane to which `place` transforms, and the direction of
+/// starboard there: the north directions of two planes may differ. `None` if the direction is
+/// unknown.
 fn placed(
     navigation: &PingNav,
     place: impl Fn([f64; 2]) -> [f64; 2],

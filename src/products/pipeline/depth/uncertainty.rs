@@ -1,5 +1,5 @@
-//! Uncertainty that all depths of a survey have in common. Left-out depths do not show it, since
-//! the other depths have it, too.
+//! Computes the uncertainty that all depths of a survey have in common. Left-out soundings do not
+//! show it, since the depths that remain have the same error.
 
 use crate::pipeline::joint::crossing_error;
 use crate::pipeline::{ProcessedLog, Products};
@@ -9,32 +9,34 @@ use bathyscope_log::support::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// Uncertainty of a sound speed that is given, as a share of it: a degree of water temperature
-/// makes 3 m/s.
+/// Standard deviation of a sound speed from the settings, as a share of it: a change of water
+/// temperature of 1 °C changes it by about 3 m/s.
 const SPEED_SHARE: f64 = 0.002;
-/// Uncertainty of a draft and of a water level that are given, metres, as both are read off.
+/// Standard deviation of a draft and of a water level from the settings, metres, as both are read
+/// off a scale.
 const READING_M: f64 = 0.02;
-/// The edge of a first return is found to this share of a sample at best.
+/// Smallest error of the edge of a first return, samples.
 const EDGE_SAMPLES: f64 = 0.25;
 
-/// The parts of a depth's uncertainty that are common to a survey, one standard deviation each.
+/// Parts of a depth's uncertainty that are common to a survey, one standard deviation each.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct CommonUncertainty {
-    /// Standard deviation of the constant between first-return ranges and recorded depths, and what
-    /// remains of it after its correction, metres.
+    /// Standard deviation of the constant between first-return ranges and recorded depths, with the
+    /// part of the constant that remains after its correction, metres.
     pub range_offset_m: f64,
-    /// Sound speed, as a share of the depth; 0 where none is given, and depths are as the recorder
-    /// computed them.
+    /// Standard deviation of the sound speed, as a share of the depth; 0 if no speed is set: depths
+    /// are then as the recorder computed them.
     pub sound_speed_share: f64,
-    /// Draft, metres; 0 where none is given, and depths count from the transducer.
+    /// Standard deviation of the draft, metres; 0 if no draft is set: depths then count from the
+    /// transducer.
     pub draft_m: f64,
-    /// Water level, metres; 0 where none is given.
+    /// Standard deviation of the water level, metres; 0 if no level is set.
     pub water_level_m: f64,
     /// Error of depths that crossings of tracks with themselves and each other show: waves, levels,
     /// positions, delays and wide beams together; 0 without crossings.
     pub crossings: CrossingError,
-    /// Positions, metres along the ground, as far as the recorder's rounding is left in them:
-    /// times the slope of the bottom it is a depth.
+    /// Standard deviation of positions along the ground, metres, by the remaining part of the
+    /// recorder's rounding: multiplied by the slope of the bottom it is an error of the depth.
     pub position_m: f64,
 }
 
@@ -54,8 +56,8 @@ impl CommonUncertainty {
         }
     }
 
-    /// Computes the uncertainty of the logs of a survey: the root mean square of that of each log,
-    /// and the error that their crossings show.
+    /// Computes the uncertainty of the logs of a survey: the root mean square of the uncertainties
+    /// of the logs, and the error that their crossings show.
     ///
     /// # Errors
     /// When the work was cancelled.
@@ -77,8 +79,8 @@ impl CommonUncertainty {
         })
     }
 
-    /// Standard deviation at a depth on a slope (metres a metre), metres: the root of the sum of
-    /// squares, as in the total vertical uncertainty of IHO S-44.
+    /// Returns the standard deviation at a depth on a slope (metres a metre), metres: the root of
+    /// the sum of squares, as in the total vertical uncertainty of IHO S-44.
     pub fn at(&self, depth_m: f64, slope: f64) -> f64 {
         let parts = [
             self.range_offset_m,
@@ -91,7 +93,8 @@ impl CommonUncertainty {
         parts.iter().map(|part| part * part).sum::<f64>().sqrt()
     }
 
-    /// Adds it to the stated error of every cell of a surface; spreads that are no errors stay.
+    /// Adds this uncertainty to the stated error of every cell of a surface; a surface whose
+    /// spreads are not errors stays unchanged.
     pub fn add_to(&self, surface: &mut Surface) {
         if surface.spread_is != Spread::OfError {
             return;
@@ -110,8 +113,8 @@ impl CommonUncertainty {
     }
 }
 
-/// Computes the standard deviation of the constant between first-return ranges and recorded depths,
-/// with what remains of it after its correction, metres.
+/// Returns the standard deviation of the constant between first-return ranges and recorded depths,
+/// with the part of the constant that remains after its correction, metres.
 fn range_offset_m(calibration: &Calibration) -> f64 {
     let Some([left_m, two_sigma_m]) = calibration.remaining_offset_m() else {
         return 0.0;

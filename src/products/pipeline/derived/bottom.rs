@@ -1,5 +1,5 @@
-//! The bottom of a survey as a body: the depth map with so many corners at most, and a colour for
-//! each.
+//! Makes the 3D bottom of a survey: the depth map with a limited number of corners, and a colour
+//! for each.
 
 use super::{DepthMap, Derived, MosaicKey, MosaicPlane};
 use crate::pipeline::relief::farthest_m;
@@ -16,15 +16,15 @@ use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Colour where the mosaic shows nothing, or no value is known.
+/// Colour where the mosaic has no echo, or the value is unknown.
 const UNSEEN: Rgb = [74, 84, 94];
-/// The mosaic is drawn so far beside the depths at most, metres: no side-scan sees farther, but a
-/// damaged header may say so.
+/// Largest distance beside the depths to which the mosaic is drawn, metres: no side-scan sees
+/// farther, but a damaged header may contain a longer range.
 const MOST_BESIDE_M: f64 = 1000.0;
-/// Cells over which the colours for pictures from far away are means.
+/// Cells along a side over which colours are averaged for pictures from far away.
 const FAR_CELLS: usize = 4;
-/// The scale of an uncertainty or a distance ends at what this share of the cells does not exceed:
-/// single cells do not dull all others.
+/// Share of the cells that do not exceed the end of the scale of an uncertainty or a distance, so
+/// that single high values do not dull all others.
 const SCALE_SHARE: f64 = 0.98;
 
 /// Quantity that the colours of the bottom show.
@@ -37,17 +37,17 @@ pub enum BottomColour {
     Mosaic,
     /// Uncertainty of the depth: `depth/uncertainty.tif`.
     Uncertainty,
-    /// Distance of the nearest measured depth.
+    /// Distance to the nearest measured depth.
     Distance,
-    /// The source of the depth.
+    /// Source of the depth.
     Source,
-    /// Brightness of the bottom by itself: `depth/hardness.tif`. Unknown without depths from echo
+    /// Brightness of the bottom itself: `depth/hardness.tif`. Unknown without depths from echo
     /// levels.
     Hardness,
 }
 
 named! {
-    /// All of them, in the order of the menu.
+    /// All quantities, in the order of the menu.
     pub BottomColour {
         Depth: "depth",
         Mosaic: "mosaic",
@@ -59,7 +59,7 @@ named! {
 }
 
 impl BottomColour {
-    /// The next one in the menu.
+    /// Returns the next quantity in the menu; the first after the last.
     #[must_use]
     pub fn next(self) -> Self {
         let here = Self::ALL.iter().position(|one| *one == self);
@@ -67,7 +67,7 @@ impl BottomColour {
     }
 }
 
-/// Inputs of a bottom; equal keys give equal bottoms.
+/// Inputs of a bottom: equal keys give equal bottoms.
 #[derive(Clone, PartialEq)]
 pub struct BottomKey {
     depth_map: Same<DepthMap>,
@@ -77,7 +77,8 @@ pub struct BottomKey {
 }
 
 impl BottomKey {
-    /// Creates the key of a depth map, with the mosaic of some logs where that is shown.
+    /// Creates the key of a depth map, with the key of the mosaic of some logs if `colour` is the
+    /// mosaic.
     pub fn of(
         depth_map: &Arc<DepthMap>,
         logs: &[ProcessedLog],
@@ -94,12 +95,13 @@ impl BottomKey {
     }
 }
 
-/// The bottom of a survey. A corner lies at the centre of each cell.
+/// Bottom of a survey. A corner is at the centre of each cell.
 pub struct Bottom {
-    /// Depth map that it was made of.
+    /// Depth map from which the bottom was made.
     pub depth_map: Arc<DepthMap>,
-    /// Its means over larger cells, where it has more corners than were asked for; under the mosaic
-    /// with the ground that has an echo and no depth, on a flat extrapolation.
+    /// Surface of the corners if it is not that of the depth map: its means over larger cells, for
+    /// a depth map with too many corners; or, in the colours of the mosaic, with a flat
+    /// extrapolation over ground that has an echo and no depth.
     made: Option<Surface>,
     /// Shallowest and deepest depth of the depth map, metres.
     pub range_m: [f64; 2],
@@ -107,41 +109,41 @@ pub struct Bottom {
     pub colour: BottomColour,
     /// Colour of each corner.
     pub rgb: Vec<Rgb>,
-    /// Mean colour of the ground around each corner, for pictures from far away; `None` where
-    /// colours are even enough.
+    /// Mean colour of the ground around each corner, for pictures from far away; `None` if single
+    /// colours vary little between cells.
     far_rgb: Option<Vec<Rgb>>,
-    /// Values at the ends of the colours, metres, of hardness decibels; none of the mosaic's and of
-    /// the source of depths, and where nothing is known.
+    /// Values at the ends of the colour scale, metres, or decibels for hardness; `None` for the
+    /// mosaic and the source of depths, and if no value is known.
     pub ends: Option<[f32; 2]>,
-    /// True if it has ground of which an echo is shown and no depth is known, on a flat
-    /// extrapolation of the depths.
+    /// True if the bottom includes ground with an echo but no known depth, on a flat extrapolation
+    /// of the depths.
     pub has_flat_extrapolation: bool,
 }
 
-/// A corner of the bottom.
+/// Corner of the bottom.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BottomCorner {
     /// East and north in the plane of the survey, and elevation over its vertical reference,
     /// metres.
     pub place_m: [f64; 3],
-    /// Square to the bottom, of length 1: east, north, up.
+    /// Unit normal of the bottom: east, north, up.
     pub normal: [f32; 3],
-    /// Colour.
+    /// Colour of the corner.
     pub rgb: Rgb,
-    /// Mean colour of the ground around it, some [`FAR_CELLS`] across.
+    /// Mean colour of the ground around the corner, [`FAR_CELLS`] cells across.
     pub far_rgb: Rgb,
-    /// Knowledge of its depth; where nothing is known, the elevation is 0.
+    /// Knowledge of the corner's depth; the elevation is 0 if it is unknown.
     pub ground: CornerGround,
 }
 
 /// Knowledge of the depth of a corner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CornerGround {
-    /// No depth is known, and no echo is shown there.
+    /// The depth is unknown, and no echo is shown there.
     Unknown,
-    /// No depth is known, but an echo is shown, on a flat extrapolation of the depths.
+    /// The depth is unknown, but an echo is shown, on a flat extrapolation of the depths.
     Level,
-    /// A depth is known.
+    /// The depth is known.
     Depth,
 }
 
@@ -191,8 +193,8 @@ impl Bottom {
         })
     }
 
-    /// Creates the bottom in the colours of the mosaic, including the parts around the depths that
-    /// the mosaic shows, in cells as fine as the mosaic's where `most_corners` allows.
+    /// Creates the bottom in the colours of the mosaic, including ground around the depths that the
+    /// mosaic shows, in cells as fine as the mosaic's if `most_corners` allows it.
     fn under_mosaic(
         derived: &Derived,
         depth_map: &Arc<DepthMap>,
@@ -254,22 +256,22 @@ impl Bottom {
         })
     }
 
-    /// Depth of the cell at a place east and north of the survey's origin, known or extrapolated
-    /// flat, metres.
+    /// Returns the depth of the cell at a place east and north of the survey's origin, known or
+    /// extrapolated flat, metres; `None` if there is none.
     pub fn depth_at(&self, place: [f64; 2]) -> Option<f32> {
         let [easting_m, northing_m] = self.depth_map.to_map(place);
         let (depth_m, _) = self.surface().at(easting_m, northing_m)?;
         Some(depth_m)
     }
 
-    /// The depth map itself, or its means over larger cells.
+    /// Returns the surface of the corners: that of the depth map, or the one made from it.
     pub fn surface(&self) -> &Surface {
         self.made.as_ref().unwrap_or(&self.depth_map.surface)
     }
 
-    /// The corners of some rows and columns, row by row from the north-west; beyond the grid they
-    /// are unknown. Places are bilinear between those of the four outermost: over some ten cells
-    /// that is the projection to far below a millimetre.
+    /// Returns the corners of some rows and columns, row by row from the north-west; corners
+    /// outside the grid are unknown. Places are interpolated bilinearly between the four outermost
+    /// corners: over some ten cells this differs from the projection by far less than a millimetre.
     pub fn corners(
         &self,
         rows: Range<usize>,
@@ -301,8 +303,8 @@ impl Bottom {
         )
     }
 
-    /// Colour of a level of the mosaic; of what nothing was seen of (level 0) that of unseen
-    /// ground.
+    /// Returns the colour of a level of the mosaic; for level 0, without an echo, the colour of
+    /// unseen ground.
     pub(crate) fn echo_colour(colours: Colours, level: u8) -> Rgb {
         match colours.rgba(level) {
             [_, _, _, 0] => UNSEEN,
@@ -339,7 +341,8 @@ impl Bottom {
     }
 }
 
-/// The extent of a grid with what is shown beside it, up to a distance away.
+/// Returns the extent of a grid, widened to the shown extent, by at most `reach_m` or
+/// [`MOST_BESIDE_M`].
 fn beside(grid: &Grid, shown_m: [f64; 4], reach_m: f64) -> [f64; 4] {
     let reach_m = reach_m.min(MOST_BESIDE_M);
     let [west_m, south_m, east_m, north_m] = grid.bounds_m();
@@ -351,8 +354,8 @@ fn beside(grid: &Grid, shown_m: [f64; 4], reach_m: f64) -> [f64; 4] {
     ]
 }
 
-/// A level of the mosaic between the middles of cells, of those around it that show something;
-/// `None` where none does.
+/// Interpolates a level of the mosaic between the middles of cells, from those of the nearest cells
+/// that have an echo; `None` if none has.
 fn between(grid: &Grid, levels: &[u8], place: [f64; 2]) -> Option<u8> {
     let [rows, columns] = grid.about(place);
     let weighted = |[before, behind]: [usize; 2], share: f64| {
@@ -386,7 +389,7 @@ fn of_values(values: &[f32], colour: impl Fn(f32) -> Rgb + Sync) -> Vec<Rgb> {
     values.par_iter().map(|value| colour(*value)).collect()
 }
 
-/// Colours of decibels about 0, as many below as above, and the ends of their scale.
+/// Returns the colours of decibels on a scale symmetric about 0, and the ends of the scale.
 fn hardness(values_db: &[f32]) -> (Vec<Rgb>, Option<[f32; 2]>) {
     let most = usual_most(values_db.iter().map(|value| value.abs()));
     let ends = most.map(|most| [-most, most]);
@@ -397,7 +400,7 @@ fn hardness(values_db: &[f32]) -> (Vec<Rgb>, Option<[f32; 2]>) {
     (of_values(values_db, colour), ends)
 }
 
-/// Colours of a scale that begins at 0, and its ends.
+/// Returns the colours of values on a scale that begins at 0, and the ends of the scale.
 fn scaled(values: &[f32], colour: fn(f32) -> Rgb) -> (Vec<Rgb>, Option<[f32; 2]>) {
     match usual_most(values.iter().copied()) {
         Some(most) => (of_values(values, |value| colour(value / most)), Some([0.0, most])),
@@ -405,7 +408,7 @@ fn scaled(values: &[f32], colour: fn(f32) -> Rgb) -> (Vec<Rgb>, Option<[f32; 2]>
     }
 }
 
-/// Returns the value that [`SCALE_SHARE`] of the known values do not exceed, above 0; `None` where
+/// Returns the value, above 0, that [`SCALE_SHARE`] of the known values do not exceed; `None` if
 /// none is known.
 fn usual_most(values: impl Iterator<Item = f32>) -> Option<f32> {
     let mut known: Vec<f32> = values.filter(|value| value.is_finite()).collect();

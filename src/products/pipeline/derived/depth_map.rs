@@ -1,4 +1,4 @@
-//! The depth map of a survey, as the files hold it and the window draws it.
+//! Makes the depth map of a survey, which the files and the window share.
 
 use crate::pipeline::{
     CloudPlane, CommonUncertainty, ProcessedLog, Same, clip_area, colour_range_m,
@@ -17,7 +17,7 @@ use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::{Navigation, Survey};
 use std::sync::{Arc, OnceLock};
 
-/// Inputs of a depth map; equal keys give equal maps.
+/// Inputs of a depth map: equal keys give equal maps.
 #[derive(Clone, PartialEq)]
 pub struct DepthMapKey(Vec<DepthMapLogKey>);
 
@@ -46,23 +46,22 @@ impl DepthMapKey {
     }
 }
 
-/// The depth map of a survey.
+/// Depth map of a survey.
 pub struct DepthMap {
-    /// The depths, in the metres of a plane.
+    /// Depths, in the metres of a plane.
     pub surface: Surface,
-    /// The plane: of the system that `crs` names, or of the UTM zone where that does not fit the
-    /// survey.
+    /// Plane of the map: of the coordinate system that `crs` names, or of the UTM zone if that
+    /// system does not fit the survey.
     pub map: MapPlane,
     /// Direction of the light of the hill-shade.
     pub light: Light,
     /// Ends of the colour scale of depth on the screen, metres
     /// ([`crate::pipeline::Products::depth_range_m`]).
     pub colour_range_m: [f32; 2],
-    /// Usual error of its depths ([`Surface::usual_error_m`]): found with the map, since every cell
+    /// Usual error of the depths ([`Surface::usual_error_m`]): found with the map, since every cell
     /// is examined for it.
     pub usual_error_m: Option<[f64; 2]>,
-    /// The error of measured depths ([`Surface::measured_error_m`]), metres; 0 where none is
-    /// stated.
+    /// Error of measured depths ([`Surface::measured_error_m`]), metres; 0 if none is stated.
     measured_error_m: f64,
     /// Farthest distance from a depth to which depths are interpolated, metres.
     pub gap_m: f64,
@@ -75,8 +74,8 @@ pub struct DepthMap {
 }
 
 impl DepthMap {
-    /// Creates the depth map of all logs of a survey ([`joint_depth_surface`]), which lie in the
-    /// frame of the first; `None` where the depths span no surface.
+    /// Creates the depth map of all logs of a survey ([`joint_depth_surface`]), which are in the
+    /// local coordinate frame of the first; `None` if the depths span no surface.
     ///
     /// # Errors
     /// When the work was cancelled.
@@ -108,13 +107,13 @@ impl DepthMap {
         }))
     }
 
-    /// Its depths, as isobaths are drawn through them.
+    /// Returns the range and the error of the depths, for the levels of isobaths.
     pub fn extent(&self) -> DepthExtent {
         DepthExtent { range_m: self.surface.range_m(), error_m: self.measured_error_m }
     }
 
-    /// Brightness of every cell under [`DepthMap::light`], 0 where it is unknown; made when it is
-    /// first asked for.
+    /// Returns the brightness of every cell under [`DepthMap::light`], 0 where it is unknown;
+    /// computed at the first call.
     ///
     /// # Errors
     /// When the work was cancelled.
@@ -126,7 +125,7 @@ impl DepthMap {
         Ok(self.shade.get_or_init(|| shade))
     }
 
-    /// The depths that it was made of, in its plane.
+    /// Returns the depths from which the map was made, in the plane of the map.
     ///
     /// # Errors
     /// When the work was cancelled.
@@ -134,8 +133,8 @@ impl DepthMap {
         joint_depth_points(&self.logs, &self.map, progress)
     }
 
-    /// The surface whose isobaths understate no depth that it was made of ([`with_shoalest`]); made
-    /// when it is first asked for.
+    /// Returns the surface for shoal-safe isobaths, nowhere deeper than the depths from which the
+    /// map was made ([`with_shoalest`]); computed at the first call.
     ///
     /// # Errors
     /// When the work was cancelled.
@@ -147,7 +146,8 @@ impl DepthMap {
         Ok(self.shoalest.get_or_init(|| made))
     }
 
-    /// The area that `isobaths.clip` names, in its plane; `None` where none is named.
+    /// Returns the area that `isobaths.clip` names, in the plane of the map; `None` if none is
+    /// named.
     ///
     /// # Errors
     /// When the file has not been read, or its area is nowhere near the depths.
@@ -164,8 +164,8 @@ impl DepthMap {
         }
     }
 
-    /// West, south, east and north of the grid, degrees: its edges are bent, and their middles
-    /// count too.
+    /// Returns west, south, east and north of the grid, degrees. The edges of the grid are bent in
+    /// degrees, so their middles are included.
     pub fn bounds_deg(&self) -> [f64; 4] {
         let grid = &self.surface.grid;
         let steps = [0.0, 0.5, 1.0];
@@ -178,20 +178,22 @@ impl DepthMap {
         }))
     }
 
-    /// The place in the plane of one that is given east and north of the survey's origin, metres.
+    /// Returns the place in the plane of the map for a place east and north of the survey's origin,
+    /// metres.
     pub fn to_map(&self, [east_m, north_m]: [f64; 2]) -> [f64; 2] {
         let track = &self.survey.track;
         self.map.place(self.navigation.to_lon_lat(track, east_m, north_m))
     }
 
-    /// Inverse of [`DepthMap::to_map`].
+    /// Returns the place east and north of the survey's origin, metres: the inverse of
+    /// [`DepthMap::to_map`].
     pub fn to_survey(&self, place: [f64; 2]) -> [f64; 2] {
         let position = self.map.to_lon_lat(place);
         self.navigation.to_plane(&self.survey.track, position)
     }
 
-    /// Depth at a place east and north of the survey's origin and the distance from its cell to the
-    /// nearest depth, metres; `None` where nothing is known.
+    /// Returns the depth at a place east and north of the survey's origin, and the distance from
+    /// its cell to the nearest depth, metres; `None` if the depth is unknown.
     pub fn at(&self, place: [f64; 2]) -> Option<(f32, f32)> {
         let [easting_m, northing_m] = self.to_map(place);
         self.surface.at(easting_m, northing_m)
@@ -205,21 +207,22 @@ impl DepthMap {
         source.copied().unwrap_or(CellSource::None)
     }
 
-    /// Depth between the cells at a place east and north of the survey's origin, metres.
+    /// Returns the depth at a place east and north of the survey's origin, interpolated between the
+    /// cells, metres; `None` if it is unknown.
     pub fn depth_at(&self, place: [f64; 2]) -> Option<f32> {
         self.surface.depth_at(self.to_map(place))
     }
 
-    /// West, south, east and north in the plane of the survey, metres. A map asks for them in every
-    /// frame.
+    /// Returns west, south, east and north of the grid in the plane of the survey, metres; computed
+    /// once, since the map on the screen needs them each time it is drawn.
     pub fn bounds_m(&self) -> [f64; 4] {
         *self.bounds_m.get_or_init(|| self.bounds_in_survey_m())
     }
 
     fn bounds_in_survey_m(&self) -> [f64; 4] {
         let [west_m, south_m, east_m, north_m] = self.surface.grid.bounds_m();
-        // The edges of a zone are bent by centimetres in the plane of the survey: their middles
-        // count too.
+        // The edges of a UTM zone's grid are bent by centimetres in the plane of the survey, so
+        // their middles are included.
         let middle_east_m = 0.5 * (west_m + east_m);
         let middle_north_m = 0.5 * (north_m + south_m);
         let eastings_m = [west_m, middle_east_m, east_m].into_iter();

@@ -1,5 +1,5 @@
-//! Contours of a depth map: lines of equal depth, the areas between them, and the area and volume
-//! below each.
+//! Computes the contours of a depth map: lines of equal depth, the areas between them, and the area
+//! and volume below each.
 
 use super::DepthMap;
 use crate::pipeline::Same;
@@ -12,11 +12,11 @@ use bathyscope_log::support::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Lines shorter than this, metres, are left out: rounded to the millimetre of the files, they are
-/// no lines any more.
+/// Least length of a line, metres: shorter lines are left out, since rounded to the millimetre of
+/// the files they are points.
 const LEAST_LENGTH_M: f64 = 0.01;
 
-/// Inputs of isobaths; equal keys give equal lines.
+/// Inputs of isobaths: equal keys give equal lines.
 #[derive(Clone, PartialEq)]
 pub struct IsobathKey {
     depth_map: Same<DepthMap>,
@@ -30,22 +30,23 @@ impl IsobathKey {
     }
 }
 
-/// The isobaths of a depth map.
+/// Isobaths of a depth map.
 #[derive(Clone, Debug, Default)]
 pub struct Isobaths {
-    /// Their depths from shallow to deep, metres.
+    /// Depths of the isobaths from shallow to deep, metres.
     pub levels_m: Vec<f64>,
-    /// The lines in the plane of the depth map as they are drawn: smoothed, and cut at the edges of
-    /// the area.
+    /// Lines in the plane of the depth map as they are drawn: smoothed, and cut at the edges of the
+    /// clip area.
     pub lines: Vec<Isobath>,
-    /// True if every depth that is shallower than a line lies on its shallow side.
+    /// True if every depth that is shallower than a line is on the shallow side of the line.
     pub shoal_safe: bool,
-    /// The area that they end at, in the plane of the depth map.
+    /// Area at whose edges the lines end, in the plane of the depth map; `None` if they are not
+    /// clipped.
     pub clip: Option<Arc<ClipArea>>,
 }
 
 impl Isobaths {
-    /// Computes the isobaths by `isobaths.*`; the inner error says why there are none.
+    /// Computes the isobaths by `isobaths.*`; the inner error is the reason why there are none.
     ///
     /// # Errors
     /// When the work was cancelled.
@@ -74,7 +75,7 @@ impl Isobaths {
         Ok(Ok(Self { levels_m, lines, shoal_safe, clip: clip.map(Arc::new) }))
     }
 
-    /// The surface that the lines run through.
+    /// Returns the surface through which the lines run.
     ///
     /// # Errors
     /// When the work was cancelled.
@@ -86,7 +87,7 @@ impl Isobaths {
         drawn_on(depth_map, self.shoal_safe, progress)
     }
 
-    /// The lines, each as places in the plane of the survey, metres.
+    /// Returns the lines as places in the plane of the survey, metres.
     pub fn on_ground(&self, depth_map: &DepthMap) -> Vec<Vec<[f64; 2]>> {
         let on_ground = |line: &Isobath| {
             let places = line.points.iter();
@@ -96,7 +97,8 @@ impl Isobaths {
     }
 }
 
-/// The surface that isobaths are drawn on.
+/// Returns the surface on which isobaths are drawn: if `shoal_safe`, the one that is nowhere deeper
+/// than the depths from which the map was made.
 fn drawn_on<'a>(
     depth_map: &'a DepthMap,
     shoal_safe: bool,
@@ -105,21 +107,21 @@ fn drawn_on<'a>(
     if shoal_safe { depth_map.shoalest(progress) } else { Ok(&depth_map.surface) }
 }
 
-/// Lines and areas that are drawn of a depth map.
+/// Lines and areas drawn from a depth map.
 #[derive(Clone, Debug)]
 pub struct Contours {
     /// Lines of equal depth.
     pub isobaths: Arc<Isobaths>,
-    /// The areas between them.
+    /// Areas between the lines.
     pub areas: Vec<DepthArea>,
     /// Area and volume below each level.
     pub table: Vec<Storage>,
 }
 
 impl Contours {
-    /// Computes the areas between the lines of a depth map, and area and volume below them. The
-    /// areas are bounded by the lines before these are smoothed, and by the area that the lines end
-    /// at; area and volume are counted by the cells of the depth map.
+    /// Computes the areas between the lines of a depth map, and area and volume below the lines.
+    /// The areas are bounded by the lines before smoothing, and by the clip area; area and volume
+    /// are counted in cells of the depth map.
     ///
     /// # Errors
     /// When the work was cancelled.
@@ -143,8 +145,8 @@ impl Contours {
     }
 }
 
-/// The levels, with the shallowest and what is just beyond the deepest depth around them, so that
-/// the areas cover all.
+/// Returns the levels within the range of depths, with the least depth before and a value just
+/// beyond the greatest depth after them, so that the areas cover all depths.
 fn with_ends(levels_m: &[f64], [least_m, most_m]: [f64; 2]) -> Vec<f64> {
     let within = levels_m.iter().copied().filter(|level| *level > least_m && *level <= most_m);
     let beyond_m = most_m.next_up();

@@ -1,4 +1,4 @@
-//! Results over all logs of a survey that are made on demand.
+//! Computes results over all logs of a survey on demand.
 //!
 //! In: the results of logs, and settings. Out: the depth map, isobaths, the bottom in 3D, mosaic
 //! and pictures, each made once.
@@ -11,8 +11,9 @@
 //!                     '--layout--> MosaicLayout of each log, for the Mosaic on the screen and for passes
 //! ```
 //!
-//! [`Derived`] has one node for each: of the same results and settings it makes nothing twice,
-//! whoever asks, the map on the screen, the files or the report. Nobody else makes one.
+//! [`Derived`] has one node for each result, so that the map on the screen, the files and the
+//! report share it: for equal inputs and settings a result is computed once. No other code computes
+//! these results.
 
 mod bottom;
 mod depth_map;
@@ -38,12 +39,12 @@ use node::DerivedNode;
 use side_scan::{GainKey, LayoutKey, made_gain, made_picture};
 use std::sync::Arc;
 
-/// Gain tables of so many logs are kept; each is small.
+/// Number of logs whose gain tables are kept; each table is small.
 const GAIN_TABLES: usize = 32;
-/// Layouts of so many pings together are kept: some 100 bytes each.
+/// Number of pings whose layouts are kept: each takes some 100 bytes.
 const LAID_OUT_PINGS: usize = 1_000_000;
 
-/// Depth map, isobaths, mosaic and what logs are shown with, each made when it is first asked for.
+/// Depth map, isobaths, mosaic and pictures of logs, each computed when it is first requested.
 pub struct Derived {
     depth_map: DerivedNode<DepthMapKey, Option<Arc<DepthMap>>>,
     isobaths: DerivedNode<IsobathKey, Result<Arc<Isobaths>, NoIsobaths>>,
@@ -63,14 +64,14 @@ impl Default for Derived {
             layout: DerivedNode::weighing(LAID_OUT_PINGS, |layout| layout.len()),
             picture: DerivedNode::keeping(2),
             bottom: DerivedNode::keeping(1),
-            // In the plane of the survey on the screen, in that of the map in files.
+            // One in the plane of the survey for the screen, one in the plane of the map for files.
             mosaic: DerivedNode::keeping(2),
         }
     }
 }
 
 impl Derived {
-    /// The depth map of some logs; `None` where the depths span no surface.
+    /// Returns the depth map of some logs; `None` if the depths span no surface.
     ///
     /// # Errors
     /// When the work was cancelled.
@@ -84,7 +85,8 @@ impl Derived {
         })
     }
 
-    /// The isobaths of a depth map; the inner error says why the settings give none.
+    /// Returns the isobaths of a depth map; the inner error is the reason why the settings give
+    /// none.
     ///
     /// # Errors
     /// When the work was cancelled.
@@ -99,7 +101,8 @@ impl Derived {
             .get(key, progress, || Ok(Isobaths::new(depth_map, settings, progress)?.map(Arc::new)))
     }
 
-    /// The bottom as a body of so many corners at most; `None` where the depths span no surface.
+    /// Returns the 3D bottom with at most `most_corners` corners; `None` if the depths span no
+    /// surface.
     ///
     /// # Errors
     /// When the work was cancelled.
@@ -121,7 +124,7 @@ impl Derived {
         Ok(Some(made))
     }
 
-    /// The mosaic of some logs in a plane; `None` where nothing is shown.
+    /// Returns the mosaic of some logs in a plane; `None` if it would be empty.
     ///
     /// # Errors
     /// When the work was cancelled.
@@ -152,7 +155,8 @@ impl Derived {
         self.layout.get(LayoutKey::of(log), progress, make)
     }
 
-    /// The gain normalisation of a log; `None` where nothing of it is known to lie on the ground.
+    /// Returns the gain normalisation of a log; `None` if no part of its side-scan is known to be
+    /// on the bottom.
     ///
     /// # Errors
     /// When the work was cancelled.
@@ -182,9 +186,9 @@ impl Derived {
         self.picture.get(key.clone(), progress, make)
     }
 
-    /// Returns the same as [`Derived::picture`] for a log that has grown since its last results as
-    /// a `whole`: with the gain of those results, and without the stripe filter, which needs all
-    /// pings.
+    /// Returns the picture of a log as [`Derived::picture`] does, for a log that has grown since
+    /// its last results `whole`: with the gain of those results, and without the stripe filter,
+    /// which needs all pings.
     ///
     /// # Errors
     /// When the work was cancelled.

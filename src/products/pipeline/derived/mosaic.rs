@@ -1,5 +1,5 @@
-//! The side-scan mosaic of a survey: every log laid out, its gain normalised and brought to that of
-//! the others.
+//! Makes the side-scan mosaic of a survey: the echoes of every log are placed on the bottom,
+//! normalised in gain and matched to the levels of the other logs.
 
 use super::Derived;
 use super::side_scan::SideScanKey;
@@ -14,26 +14,26 @@ use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::Relief;
 use std::sync::{Arc, OnceLock};
 
-/// The finest level of detail worth drawing, 2 to this in metres: recorders' samples are about as
-/// long.
+/// Finest level of detail: its cells are 2 to this power metres, about the length of a recorder's
+/// sample.
 pub const FINEST: i8 = -6;
-/// Levels of detail, each twice as coarse as the one before, from the finest to what shows a
+/// Number of levels of detail, each twice as coarse as the one before: the coarsest shows a
 /// continent.
 const LEVELS: usize = 32;
-/// Pings are left out of a level where neither the boat nor the ends of its swath move farther than
-/// this share of a cell.
+/// Share of a cell: a level leaves out pings where neither the boat nor the ends of its swath move
+/// farther than this.
 const THINNED: f64 = 0.7;
 
-/// The plane that a mosaic is laid out in.
+/// Plane of a mosaic.
 #[derive(Clone, PartialEq)]
 pub enum MosaicPlane {
-    /// Plane of the survey, which the map on the screen uses.
+    /// Plane of the survey, for the map on the screen.
     Survey,
     /// Plane of a map.
     Map(MapPlane),
 }
 
-/// Inputs of a mosaic; equal keys give equal mosaics.
+/// Inputs of a mosaic: equal keys give equal mosaics.
 #[derive(Clone, PartialEq)]
 pub struct MosaicKey {
     plane: MosaicPlane,
@@ -48,8 +48,8 @@ struct MosaicLogKey {
 }
 
 impl MosaicKey {
-    /// Creates the key from the results of some logs. Cells and colours do not matter: they are
-    /// chosen when the mosaic is drawn.
+    /// Creates the key from the results of some logs. The size of the cells and the colours are not
+    /// in the key: they are chosen when the mosaic is drawn.
     pub fn of(logs: &[ProcessedLog], plane: MosaicPlane) -> Self {
         let MosaicSettings { cell_m, colours, .. } = MosaicSettings::default();
         let key = |log: &ProcessedLog| MosaicLogKey {
@@ -61,23 +61,24 @@ impl MosaicKey {
     }
 }
 
-/// The mosaic of a survey, ready to be drawn at any scale.
+/// Mosaic of a survey, ready to be drawn at any scale.
 pub struct Mosaic {
-    /// The logs that have side-scan, in the order of their recording.
+    /// Logs that have side-scan, in the order of their recording.
     pub logs: Vec<MosaicLog>,
-    /// Settings that the mosaic is drawn with.
+    /// Settings with which the mosaic is drawn.
     pub settings: MosaicSettings,
-    /// West, south, east and north of what is shown, metres.
+    /// West, south, east and north of the mosaic, metres.
     pub bounds: Bounds,
-    /// Layouts of each log with as many pings as a level shows, made when the level is first drawn.
+    /// Layouts of each log with the pings that each level shows, computed when the level is first
+    /// drawn.
     thinned: Vec<[OnceLock<MosaicLayout>; LEVELS]>,
 }
 
 impl Mosaic {
-    /// The logs that have side-scan, laid out in a plane in the order of their recording, each
-    /// normalised by its own gain and brought to the levels of the others. Where they overlap,
-    /// `mosaic.overlap` says what is shown: with `later` that is the later log. `None` where
-    /// nothing is shown.
+    /// Creates the mosaic of the logs that have side-scan: their echoes are placed in a plane in
+    /// the order of the recording, normalised by the gain of each log and matched to the levels of
+    /// the other logs. Where logs overlap, `mosaic.overlap` selects what is shown: with `later` the
+    /// later log. `None` if the mosaic would be empty.
     ///
     /// # Errors
     /// When the work was cancelled.
@@ -93,7 +94,7 @@ impl Mosaic {
         let settings = first.products.settings.mosaic.clone();
         let mut in_time: Vec<&ProcessedLog> = logs.iter().collect();
         in_time.retain(|log| log.survey.has_side_scan());
-        // A log that does not know the time stays where it is among the first.
+        // Logs without a start time are the first, in their given order.
         let start_s = |log: &ProcessedLog| log.survey.start_unix_s.unwrap_or(f64::NEG_INFINITY);
         in_time.sort_by(|a, b| start_s(a).total_cmp(&start_s(b)));
         let mut made = Vec::with_capacity(in_time.len());
@@ -103,7 +104,7 @@ impl Mosaic {
                 MosaicPlane::Survey => results.layout(log, progress)?,
                 MosaicPlane::Map(map) => Arc::new(mosaic_layout(survey, products, map)),
             };
-            // A log of which nothing is known to lie on the ground shows nothing.
+            // A log without side-scan known to be on the bottom is not shown.
             if let Some(gain) = results.gain(log, progress)? {
                 made.push(MosaicLog {
                     survey: survey.clone(),
@@ -122,8 +123,8 @@ impl Mosaic {
         }))
     }
 
-    /// Levels of all cells of a grid, row by row: 0 where nothing was seen, else 1 to 255. A coarse
-    /// grid costs what it shows.
+    /// Returns the levels of all cells of a grid, row by row: 0 without an echo, else 1 to 255. A
+    /// coarse grid needs less work: pings that make no difference in its cells are left out.
     ///
     /// # Errors
     /// When the work was cancelled.
@@ -137,14 +138,14 @@ impl Mosaic {
     }
 }
 
-/// The layout that shows all that cells of a size can show.
+/// Returns the layout with the fewest pings that cells of this size need.
 fn thinned_layout<'a>(
     log: &'a MosaicLog,
     thinned: &'a [OnceLock<MosaicLayout>; LEVELS],
     cell_m: f64,
 ) -> &'a MosaicLayout {
     let level = cell_m.log2().floor() - f64::from(FINEST);
-    // Also where a cell has no size.
+    // Also if the size of the cell is 0 or NaN.
     if level.is_nan() || level < 0.0 {
         return &log.layout;
     }

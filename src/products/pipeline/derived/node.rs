@@ -1,4 +1,4 @@
-//! A result that is made when it is first asked for and kept with what it was made of.
+//! Cache of results that are computed when they are first requested, and kept with their inputs.
 
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
@@ -7,31 +7,31 @@ use std::time::Duration;
 /// Poll interval while another thread makes a result.
 const WAIT: Duration = Duration::from_millis(5);
 
-/// The last results of one kind, each with its key: equal keys give equal results, so none is made
-/// twice. Two who ask for the same at once get the work of one.
+/// Last results of one kind, each with its key: equal keys give equal results, so none is computed
+/// twice. Two threads that request the same result at once share one computation.
 pub(super) struct DerivedNode<K, T> {
     kept: Mutex<Vec<(K, T)>>,
-    /// Most that all results together may weigh.
+    /// Largest sum of the weights of all results.
     most: usize,
     weight: fn(&T) -> usize,
 }
 
 impl<K: PartialEq, T: Clone> DerivedNode<K, T> {
-    /// Keeps at most so many results; the oldest goes.
+    /// Creates a cache of at most `most` results; the oldest are removed first.
     pub(super) fn keeping(most: usize) -> Self {
         Self::weighing(most, |_| 1)
     }
 
-    /// Keeps results that together weigh so much at most; the oldest go. The last one stays,
-    /// whatever it weighs.
+    /// Creates a cache of results whose weights sum to at most `most`; the oldest are removed
+    /// first. The newest stays, whatever its weight.
     pub(super) fn weighing(most: usize, weight: fn(&T) -> usize) -> Self {
         Self { kept: Mutex::default(), most, weight }
     }
 
-    /// The result of a key, made by `make` if it is not kept.
+    /// Returns the result of a key; computes it with `make` if it is not kept.
     ///
     /// # Errors
-    /// When the work was cancelled, or the wait for it.
+    /// When the work, or the wait for another thread, was cancelled.
     pub(super) fn get(
         &self,
         key: K,
@@ -51,12 +51,13 @@ impl<K: PartialEq, T: Clone> DerivedNode<K, T> {
         Ok(made)
     }
 
-    /// Waits until nobody works here; who gives up stops waiting.
+    /// Waits until no other thread computes a result here; returns an error if this work is
+    /// cancelled meanwhile.
     fn lock(&self, progress: &Progress) -> Result<MutexGuard<'_, Vec<(K, T)>>, Cancelled> {
         loop {
             match self.kept.try_lock() {
                 Ok(kept) => return Ok(kept),
-                // Work that failed has put nothing in.
+                // A computation that panicked has stored nothing.
                 Err(TryLockError::Poisoned(kept)) => return Ok(PoisonError::into_inner(kept)),
                 Err(TryLockError::WouldBlock) => progress.check()?,
             }

@@ -1,5 +1,5 @@
-//! The side-scan of one log as it is shown: the places of its echoes, which the mosaic on the
-//! screen and the search for passes share; its gain normalisation, which the mosaic and the
+//! Computes how the side-scan of one log is shown: the places of its echoes, which the mosaic on
+//! the screen and the search for passes share; its gain normalisation, which the mosaic and the
 //! waterfall share; and the scales, gain and stripe filter of its picture.
 
 use crate::pipeline::{ProcessedLog, Products, Same};
@@ -12,7 +12,7 @@ use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::{Exclusions, Navigation, Relief, Survey};
 use std::sync::Arc;
 
-/// Inputs of the layout of a log's side-scan on the bottom; equal keys give equal layouts.
+/// Inputs of the layout of a log's side-scan on the bottom: equal keys give equal layouts.
 #[derive(Clone, PartialEq)]
 pub(super) struct SideScanKey {
     survey: Same<Survey>,
@@ -37,7 +37,7 @@ impl SideScanKey {
     }
 }
 
-/// Inputs of a gain table; equal keys give equal tables.
+/// Inputs of a gain table: equal keys give equal tables.
 #[derive(Clone, PartialEq)]
 pub(super) struct GainKey {
     side_scan: SideScanKey,
@@ -54,7 +54,7 @@ impl GainKey {
     }
 }
 
-/// Inputs of the layout of a log; equal keys give equal layouts.
+/// Inputs of the layout of a log: equal keys give equal layouts.
 #[derive(Clone, PartialEq)]
 pub(super) struct LayoutKey {
     side_scan: SideScanKey,
@@ -76,8 +76,8 @@ impl LayoutKey {
     }
 }
 
-/// Inputs of the picture of a log; levels, balance and time-varied gain are numbers that act on
-/// top.
+/// Inputs of the picture of a log. Levels, balance and time-varied gain are not in the key: they
+/// are applied when the picture is drawn.
 #[derive(Clone, PartialEq)]
 pub struct PictureKey {
     of: GainKey,
@@ -115,8 +115,8 @@ pub fn mosaic_layout(survey: &Survey, products: &Products, map: &MapPlane) -> Mo
     })
 }
 
-/// Computes the places of the echoes of a log in the plane that `place` leads to from that of the
-/// survey.
+/// Computes the places of the echoes of a log in the plane to which `place` transforms from the
+/// plane of the survey.
 pub fn mosaic_layout_by(
     survey: &Survey,
     products: &Products,
@@ -135,8 +135,8 @@ pub fn mosaic_layout_by(
     .without(&products.exclusions)
 }
 
-/// The table over the pings that a mosaic shows; over all of them where the boat's place is not
-/// known.
+/// Computes the gain table over the pings that a mosaic shows; over all pings if the boat's place
+/// is unknown.
 pub(super) fn made_gain(
     log: &ProcessedLog,
     progress: &Progress,

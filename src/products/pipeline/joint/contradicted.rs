@@ -1,4 +1,4 @@
-//! Soundings of a log that other logs show to be false.
+//! Finds soundings of a log that other logs show to be false.
 
 use super::track_depths;
 use crate::pipeline::ProcessedLog;
@@ -11,7 +11,7 @@ use bathyscope_log::support::statistics::ends;
 use bathyscope_log::survey::LogPart;
 use serde::Serialize;
 
-/// A stretch of soundings that other logs contradict.
+/// Stretch of soundings that other logs contradict.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ContradictedSoundings {
     /// Index of the log.
@@ -22,17 +22,17 @@ pub struct ContradictedSoundings {
     pub time_s: [f64; 2],
     /// Least and greatest depth, metres.
     pub depth_m: [f64; 2],
-    /// The depths that contradict them, the nearest of each other log.
+    /// Depths that contradict the soundings, the nearest one of each other log.
     pub against: Vec<Contradiction>,
 }
 
 impl ContradictedSoundings {
-    /// The part of the log.
+    /// Returns the part of the log that contains the soundings.
     pub fn part(&self) -> LogPart {
         LogPart::Time(self.time_s)
     }
 
-    /// Their number and times.
+    /// Returns the number and times of the soundings as text.
     pub(super) fn which(&self) -> String {
         let count = text::plural(self.count, "sounding", "soundings");
         match self.time_s.map(|time_s| format!("{time_s:.0} s")) {
@@ -41,7 +41,8 @@ impl ContradictedSoundings {
         }
     }
 
-    /// Says which they are and why they are false; `names` are what the logs are called.
+    /// Returns a sentence with the soundings and the reason why they are false; `names` are the
+    /// names of the logs.
     pub fn summary(&self, names: &[String]) -> String {
         let name = |log: usize| names.get(log).map_or("", String::as_str);
         let [least_m, most_m] = self.depth_m;
@@ -65,10 +66,10 @@ impl ContradictedSoundings {
 /// Comparison of the heights of several logs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeightComparison {
-    /// Soundings that other logs show to be false: the offsets are found without them.
+    /// Soundings that other logs show to be false, which are left out for the offsets.
     pub contradicted: Vec<ContradictedSoundings>,
-    /// The height offset of every log (`height_offset_m`), whatever offset is in force: what a log
-    /// has already is part of what is found, so that applying it and asking again gives the same.
+    /// Height offset of every log (`height_offset_m`). It replaces the offset in force and does not
+    /// depend on it, so that a second comparison after applying it gives the same offset.
     pub offsets: HeightOffsets,
 }
 
@@ -102,8 +103,9 @@ pub fn compare_heights(
     Ok(HeightComparison { contradicted, offsets })
 }
 
-/// The soundings that other logs contradict once all logs are levelled. First returns judge those
-/// of a log with side-scan, and the analyst those of a stretch that is trusted.
+/// Returns the soundings that other logs contradict after all logs are levelled. In a log with
+/// side-scan, first returns judge the soundings; in a trusted stretch, the analyst does: these are
+/// not examined.
 fn contradicted_soundings(
     logs: &[ProcessedLog],
     tracks: &[Vec<TrackDepth>],

@@ -1,5 +1,5 @@
-//! Corrections of a log's positions and heights that were asked for: what was found, and why it is
-//! not in force where it is not.
+//! Describes the requested corrections of a log's positions and heights: the values found, and the
+//! reasons why some are not applied.
 
 use super::{ContradictedSoundings, LogPositions};
 use bathyscope_bottom::bathymetry::position_offsets::{Shift, Wanted};
@@ -7,61 +7,62 @@ use bathyscope_bottom::calibration::SoundingLag;
 use serde::Serialize;
 use std::fmt::{self, Display, Formatter};
 
-/// A correction of a log that was asked for.
+/// Requested correction of a log.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RequestedCorrection {
     /// Name of the log.
     pub log: String,
-    /// The correction.
+    /// Value of the correction.
     #[serde(flatten)]
     pub found: FoundCorrection,
-    /// Reason why the correction is not in force; absent where it is.
+    /// Reason why the correction is not in force; `None` if it is.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub refused: Option<&'static str>,
 }
 
-/// Correction that crossings show.
+/// Correction derived from crossings.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "setting")]
 pub enum FoundCorrection {
-    /// A shift of all positions.
+    /// Shift of all positions.
     #[serde(rename = "position_shift")]
     Shift {
-        /// Metres to the east, to be added to positions.
+        /// Shift to the east, metres, to be added to positions.
         east_m: f64,
-        /// The same to the north.
+        /// Shift to the north, metres, to be added to positions.
         north_m: f64,
-        /// The larger standard error of both, metres.
+        /// Larger of the standard errors of both, metres.
         standard_error_m: f64,
     },
     /// Latency of positions.
     #[serde(rename = "mounting.latency_s")]
     Latency {
-        /// Seconds.
+        /// Latency, seconds.
         latency_s: f64,
-        /// Its standard error, seconds.
+        /// Standard error of the latency, seconds.
         standard_error_s: f64,
     },
     /// Lag of soundings.
     #[serde(rename = "mounting.sounding_lag_s")]
     SoundingLag {
-        /// Seconds.
+        /// Lag, seconds.
         sounding_lag_s: f64,
-        /// Its standard error, seconds.
+        /// Standard error of the lag, seconds.
         standard_error_s: f64,
     },
-    /// Soundings that other logs show to be false, left out.
+    /// Soundings that other logs show to be false, which are left out.
     #[serde(rename = "excluded.stretches")]
     FalseSoundings(ContradictedSoundings),
-    /// No value for the correction that a setting holds.
+    /// No value was found for a setting.
     #[serde(untagged)]
     Nothing {
-        /// The key of the setting.
+        /// Key of the setting.
         setting: &'static str,
     },
 }
 
-/// A larger standard error says no more than is assumed of any receiver, metres.
+/// Standard error of a shift below which crossings are taken to determine it, metres: a larger one
+/// is no better than the error assumed of any receiver.
 const TOLD_M: f64 = 1.0;
 
 const NO_SLOPE: &str = "no tracks cross over a slope in a way that shows it";
@@ -71,7 +72,7 @@ const NO_SOLUTION: &str = "the crossings of the tracks give no solution";
 
 impl RequestedCorrection {
     /// Returns the requested corrections of the positions of a log, applied or refused; `found` is
-    /// `None` where the equations have no solution.
+    /// `None` if the equations have no solution.
     pub fn of_positions(log: &str, wanted: Wanted, found: Option<&LogPositions>) -> Vec<Self> {
         let nothing = |setting| Self::nothing(log, setting, NO_SOLUTION);
         let shift =
@@ -100,7 +101,8 @@ impl RequestedCorrection {
         Self { log: log.to_owned(), found, refused: None }
     }
 
-    /// Returns the requested corrections that a single log cannot show, as refused.
+    /// Returns the corrections that were requested for a single log and cannot be found without
+    /// other logs, as refused.
     pub fn of_one_log(log: &str, wanted: Wanted) -> Vec<Self> {
         let shift = wanted.shifts.then_some("position_shift");
         let settings = ["height_offset_m"].into_iter().chain(shift);
@@ -146,7 +148,8 @@ fn of_latency(log: &str, positions: &LogPositions) -> RequestedCorrection {
     }
 }
 
-/// `lake-1: position_shift of +1.25 m east, -0.50 m north, standard error 0.21 m, applied`.
+/// Formats the correction as `lake-1: position_shift of +1.25 m east, -0.50 m north, standard error
+/// 0.21 m, applied`.
 impl Display for RequestedCorrection {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         write!(f, "{}: ", self.log)?;

@@ -1,4 +1,4 @@
-//! Comparison of the depths of one log and of several where tracks cross.
+//! Compares the depths of one log or several where tracks cross.
 
 use crate::pipeline::{LogLatency, ProcessedLog};
 use bathyscope_bottom::bathymetry::CrossingError;
@@ -11,21 +11,21 @@ use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::PositionShift;
 use serde::Serialize;
 
-/// Crossings of all tracks with themselves and each other, in numbers: the later pass minus the
-/// earlier, or the second log minus the first, as elevations.
+/// Residuals at the crossings of all tracks with themselves and each other: the later pass minus
+/// the earlier, or the second log minus the first, as elevations.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CrosslineAnalysis {
-    /// All crossings.
+    /// Residuals of all crossings.
     pub all: Residuals,
-    /// Crossings of two logs; `None` without any.
+    /// Residuals of the crossings between two logs; `None` if there are none.
     pub between_logs: Option<Residuals>,
-    /// Crossings of each log with itself: its repeatability; `None` for a log that never crosses
-    /// itself.
+    /// Residuals of the crossings of each log with itself, its repeatability; `None` for a log that
+    /// never crosses itself.
     pub within_logs: Vec<Option<Residuals>>,
 }
 
-/// The depths under the boat of a log in time order, corrected as its cloud is: the kept soundings.
-/// A log without any gives the depths of its first returns.
+/// Returns the depths under the boat of a log in time order, corrected as in its cloud: the kept
+/// soundings. For a log without any, returns the depths of its first returns.
 pub(crate) fn track_depths(log: &ProcessedLog) -> Vec<TrackDepth> {
     let survey = &log.survey;
     let soundings = log.kept_points().filter(|point| point.source == PointSource::DownScan);
@@ -50,7 +50,7 @@ fn is_finite(depth: &TrackDepth) -> bool {
     [depth.east_m, depth.north_m, depth.depth_m].iter().all(|value| value.is_finite())
 }
 
-/// The error of a depth by the crossings of all tracks; `None` without any.
+/// Computes the error of a depth from the crossings of all tracks; `None` if there are none.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -62,7 +62,7 @@ pub(crate) fn crossing_error(
     Ok(CrossingError::of(&crossings(&tracks, progress)?, &tracks))
 }
 
-/// Crossings of all tracks; `None` where none crosses another or itself.
+/// Analyses the crossings of all tracks; `None` if none crosses another or itself.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -85,7 +85,7 @@ pub fn crossline_analysis(
     }))
 }
 
-/// Errors of the positions of a log, as crossings show them.
+/// Errors of the positions of a log, derived from crossings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LogPositions {
     /// Position shift and latency that should be in force.
@@ -94,12 +94,11 @@ pub struct LogPositions {
     pub in_force: Shift,
 }
 
-/// Least difference from the value in force that is worth applying, in standard errors.
+/// Least difference from the value in force for a correction to be applied, in standard errors.
 const TELLING_SIGMAS: f64 = 2.0;
 
 impl LogPositions {
-    /// The position shift that is worth applying, metres: `None` where what is in force may be
-    /// right.
+    /// Returns the position shift to be applied, metres; `None` if the shift in force may be right.
     pub fn told_shift(&self) -> Option<PositionShift> {
         let Shift { east_m, north_m, .. } = self.found.shift;
         let off_m = (east_m - self.in_force.east_m).hypot(north_m - self.in_force.north_m);
@@ -109,7 +108,7 @@ impl LogPositions {
         })
     }
 
-    /// The latency that is worth applying, seconds: `None` where what is in force may be right.
+    /// Returns the latency to be applied, seconds; `None` if the latency in force may be right.
     pub fn told_latency_s(&self) -> Option<f64> {
         let latency_s = self.found.shift.latency_s;
         let off_s = (latency_s - self.in_force.latency_s).abs();
@@ -117,20 +116,20 @@ impl LogPositions {
         tells.then(|| in_hundredths(latency_s))
     }
 
-    /// Returns true if crossings say how late positions are, be it not at all.
+    /// Returns true if crossings determine the latency of positions, even if it is 0.
     pub(crate) fn is_latency_known(&self) -> bool {
         self.found.latency_error_s < TOLD_S
     }
 }
 
-/// Centimetres and hundredths of a second: more is not known.
+/// Rounds to centimetres, or hundredths of a second: the values are not known better.
 fn in_hundredths(value: f64) -> f64 {
     (value * 100.0).round() / 100.0 + 0.0
 }
 
-/// Finds the errors of the positions of each log by all crossings of their tracks with themselves
-/// and each other. The corrections that a log has in force are part of what is found, so that
-/// applying it and asking again gives about the same. `None` where the equations have no solution.
+/// Finds the errors of the positions of each log from all crossings of the tracks with themselves
+/// and each other. The values replace the corrections in force, so that a second search after
+/// applying them gives about the same. `None` if the equations have no solution.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -158,12 +157,12 @@ pub fn position_offsets(
     Ok(found.map(|found| logs.iter().zip(found).map(of_log).collect()))
 }
 
-/// A latency is told from a standard error of this on, seconds: a larger one says no more than is
-/// assumed of any recorder.
+/// Standard error of a latency below which crossings are taken to determine it, seconds: a larger
+/// one is no better than the error assumed of any recorder.
 const TOLD_S: f64 = 0.5;
 
-/// The latency of each log from the crossings of all tracks with themselves and each other; `None`
-/// of a log whose crossings say nothing.
+/// Returns the latency of each log from the crossings of all tracks with themselves and each other;
+/// `None` for a log whose crossings do not determine it.
 ///
 /// # Errors
 /// When the work was cancelled.

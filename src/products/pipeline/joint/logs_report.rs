@@ -1,4 +1,4 @@
-//! Part of a report that lists the logs of a survey of several logs.
+//! Part of the report of several logs that lists the logs.
 
 use super::{ContradictedSoundings, CrosslineAnalysis};
 use crate::pipeline::Input;
@@ -11,63 +11,63 @@ use bathyscope_log::survey::ExcludedStretch;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// All logs of a survey, and how they agree.
+/// All logs of a survey, and their agreement.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LogsReport {
-    /// Datum that the offsets below count from, in words.
+    /// Datum from which the offsets below count, in words.
     pub datum: &'static str,
-    /// Every log.
+    /// Report of each log.
     pub logs: Vec<LogReport>,
-    /// Soundings that count although other logs show them to be false.
+    /// Soundings that are kept although other logs show them to be false.
     pub contradicted: Vec<ContradictedSoundings>,
     /// Difference of every two logs that cross or overlap, before any offset is applied;
-    /// `residual_m` is what the offsets found leave of it.
+    /// `residual_m` is the part of it that remains after the offsets found.
     pub pairs: Vec<PairDifference>,
-    /// Pairs of logs whose depths differ by a share of the depth, as by another sound speed.
+    /// Pairs of logs whose depths differ by a share of the depth, as with a different sound speed.
     pub scales: Vec<DepthScale>,
-    /// Crossings of all tracks, with the offsets in force; `None` where none crosses another or
-    /// itself.
+    /// Residuals of the crossings of all tracks, with the offsets in force; `None` if no track
+    /// crosses another or itself.
     pub crosslines: Option<CrosslineAnalysis>,
 }
 
-/// One log of several.
+/// Report of one log of several.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LogReport {
-    /// Name, also in the tables.
+    /// Name of the log, which the tables use, too.
     pub log: String,
-    /// The files read.
+    /// Files that were read.
     pub inputs: Vec<Input>,
     /// Format in words.
     pub format: String,
-    /// Unix seconds of its time zero.
+    /// Unix seconds of the log's time zero; `None` if unknown.
     pub start_unix_s: Option<f64>,
-    /// Its settings that differ from those of the first log, which stand above.
+    /// Settings of the log that differ from those of the first log, which are in the main report.
     pub own_settings: BTreeMap<String, Option<toml::Value>>,
-    /// Offset in force that is added to its elevations (`height_offset_m`), metres.
+    /// Offset in force that is added to the log's elevations (`height_offset_m`), metres.
     pub height_offset_in_force_m: f64,
-    /// The offset that its overlaps with other logs show, in force or not.
+    /// Offset that the overlaps with other logs show, in force or not.
     #[serde(flatten)]
     pub offset: LogOffset,
-    /// Comparison of its points with the triangulated points of all others.
+    /// Comparison of the log's points with the triangulated points of all other logs.
     pub against_the_others: Comparison,
-    /// Counts.
+    /// Counts of the log.
     pub counts: RunCounts,
-    /// Stretches that count for nothing.
+    /// Excluded stretches.
     pub excluded: Vec<ExcludedStretch>,
-    /// Scales.
+    /// Scales of the log.
     pub calibration: CalibrationReport,
     /// Sources of the depths along the track.
     pub track: TrackShare,
-    /// Side-scan against the recorded depth of the same ping.
+    /// Residuals of side-scan against the recorded depth of the same ping; `None` without any.
     pub residuals: Option<Residuals>,
-    /// Corrections of recorded positions, in sentences; empty where there are none.
+    /// Corrections of recorded positions, in sentences; empty if there are none.
     pub positions: String,
     /// Statement of what these depths are, and what was not corrected.
     pub statement: String,
 }
 
 impl LogsReport {
-    /// The table of offsets, in lines for people.
+    /// Returns the table of offsets, a line for each log.
     pub fn summary(&self) -> String {
         let line = |log: &LogReport| {
             let LogOffset { offset_m, standard_error_m, log_overlaps, .. } = log.offset;

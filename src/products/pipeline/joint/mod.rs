@@ -1,13 +1,13 @@
-//! Results over all logs of a survey.
+//! Computes results over all logs of a survey together.
 //!
 //! In: the results of several logs. Out: their differences, height offsets and one report.
 //!
-//! Every log is processed by itself, with its own calibration and outliers; all of them lie in the
-//! frame of the first ([`bathyscope_log::survey::Survey::in_frame`]), so what is joint puts their
-//! results together. `crossline` compares logs with each other where their tracks meet,
+//! Every log is processed by itself, with its own calibration and outliers; all of them are in the
+//! local coordinate frame of the first ([`bathyscope_log::survey::Survey::in_frame`]), so joint
+//! results can combine theirs. `crossline` compares logs with each other where their tracks meet,
 //! `contradicted` finds their height offsets and the soundings that others show to be false,
-//! `corrections` says what became of those that were asked for, `report` sums them up, compares
-//! them with each other by their points, and lists them (`logs_report`).
+//! `corrections` describes the requested corrections, applied or refused, and `report` sums the
+//! logs up, compares them with each other by their points, and lists them (`logs_report`).
 
 mod contradicted;
 mod corrections;

@@ -16,9 +16,9 @@ use std::collections::BTreeMap;
 const DATUM: &str = "offset_m is what is to be added to the elevations of a log so that it agrees with those that it is connected with; \
      the mean of connected logs is zero. Differences are elevations, the second log minus the first: positive is shallower.";
 
-/// The report of a survey of several logs: counts, track and residuals are those of all of them,
-/// `format`, `start_unix_s`, settings and `calibration` those of the first, and what belongs to one
-/// log stands with it. `names` are what the logs are called. `None` without a log.
+/// Makes the report of a survey of several logs: counts, track and residuals are of all logs,
+/// `format`, `start_unix_s`, settings and `calibration` of the first log, and properties of one log
+/// are in the report of that log. `names` are the names of the logs. `None` if there is no log.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -98,8 +98,7 @@ pub(crate) fn joint_report(
     Ok(Some(all))
 }
 
-/// Returns the statement of what the depths of all logs are: given once where it is the same for
-/// all.
+/// Returns the statement of what the depths of all logs are, once if it is the same for all.
 fn statement(logs: &[LogReport]) -> String {
     let first = logs.first().map_or("", |log| log.statement.as_str());
     if logs.iter().all(|log| log.statement == first) {
@@ -109,8 +108,8 @@ fn statement(logs: &[LogReport]) -> String {
     each.collect::<Vec<_>>().join(" ")
 }
 
-/// Elevations of the side-scan points of all logs minus those of the recorded depths at the same
-/// pings.
+/// Returns the elevations of the side-scan points of all logs minus those of the recorded depths at
+/// the same pings.
 fn same_ping(logs: &[ProcessedLog]) -> Vec<f64> {
     let of_log = |log: &ProcessedLog| {
         let made = &log.products;
@@ -120,11 +119,11 @@ fn same_ping(logs: &[ProcessedLog]) -> Vec<f64> {
 }
 
 /// Returns the settings of another log that differ from those of the first, with their values;
-/// `None` where it leaves a setting without a value.
+/// `None` for a setting without a value in that log.
 fn own_settings(first: &Settings, own: &Settings) -> BTreeMap<String, Option<toml::Value>> {
     let [values, others] = [first, own].map(setting_values);
     let keys = values.keys().chain(others.keys());
-    // Which log the stretches were named for is known where they stand here.
+    // The log of the excluded stretches is known here: the report is about that log.
     let keys = keys.filter(|key| key.as_str() != "excluded.log");
     let differ = keys.filter(|key| values.get(*key) != others.get(*key));
     let differ = differ.map(|key| (key.clone(), others.get(key).cloned()));
@@ -137,7 +136,8 @@ fn own_settings(first: &Settings, own: &Settings) -> BTreeMap<String, Option<tom
     differ
 }
 
-/// Says by how much the depths of two logs differ; `names` are what the logs are called.
+/// Returns a sentence on the difference of the depths of two logs in metres; `names` are the names
+/// of the logs.
 pub fn heights_differ(difference: &HeightDifference, names: &[String]) -> String {
     let [deeper, other] = difference.logs.map(|log| names.get(log).map_or("", String::as_str));
     format!(
@@ -146,7 +146,8 @@ pub fn heights_differ(difference: &HeightDifference, names: &[String]) -> String
     )
 }
 
-/// Says by what share the depths of two logs differ; `names` are what the logs are called.
+/// Returns a sentence on the difference of the depths of two logs as a share of the depth; `names`
+/// are the names of the logs.
 pub fn depths_scale(scale: &DepthScale, names: &[String]) -> String {
     let [deeper, other] = scale.logs.map(|log| names.get(log).map_or("", String::as_str));
     let [least_m, most_m] = scale.depth_m;
@@ -159,10 +160,12 @@ pub fn depths_scale(scale: &DepthScale, names: &[String]) -> String {
     )
 }
 
-/// A usual speed of sound in fresh water, metres a second: of the difference that a share makes.
+/// Usual sound speed in fresh water, metres a second, for converting a share of the depth to a
+/// difference of sound speeds.
 const SOUND_SPEED_M_S: f64 = 1480.0;
 
-/// Says which logs cannot be compared in height with the first.
+/// Returns a warning that names the logs whose heights cannot be compared with the first; `None` if
+/// all can.
 fn not_connected(logs: &[LogReport]) -> Option<String> {
     let apart: Vec<&str> =
         logs.iter().filter(|log| log.offset.group != 0).map(|log| log.log.as_str()).collect();
@@ -174,8 +177,8 @@ fn not_connected(logs: &[LogReport]) -> Option<String> {
     })
 }
 
-/// A warning for every log that makes no survey with the others; `names` are what the logs are
-/// called.
+/// Returns a warning for every log that is no part of the survey; `names` are the names of the
+/// logs.
 fn not_one_survey<'a>(
     logs: &[ProcessedLog],
     names: &'a [String],
@@ -188,8 +191,8 @@ fn not_one_survey<'a>(
     })
 }
 
-/// A warning for every two logs that no height offsets bring together; `names` are what the logs
-/// are called.
+/// Returns a warning for every two logs whose difference no height offset explains; `names` are the
+/// names of the logs.
 pub fn contradictions<'a>(
     pairs: &'a [PairDifference],
     names: &'a [String],
@@ -205,8 +208,9 @@ pub fn contradictions<'a>(
 }
 
 /// Compares the points of some logs with the triangulated points of others, all in one plane: one
-/// log with the rest, a boat with another, a day with the next. Points count that the depth map
-/// takes, and `surface.max_gap_m` of the first measured log limits the size of a triangle.
+/// log with the others, one boat with another, one day with the next. Only the points of the depth
+/// map are compared, and `surface.max_gap_m` of the first measured log limits the size of a
+/// triangle.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -226,7 +230,7 @@ fn compare_logs(
     Ok(Comparison::new(places.len(), &matches, level_m))
 }
 
-/// East, north and elevation of the points that the depth map takes.
+/// Returns east, north and elevation of the points from which the depth map is made.
 fn places(log: &ProcessedLog) -> impl Iterator<Item = [f64; 3]> {
     let surface = &log.products.settings.surface;
     let counted = log.kept_points();

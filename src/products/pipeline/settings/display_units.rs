@@ -1,30 +1,31 @@
-//! A number of the settings in the unit that the window shows: what its control spans, and what
-//! comes back from it. The setting itself stays in metres.
+//! Converts a number of the settings to the unit that the window shows, with the range of its
+//! control, and back. The setting itself stays in metres.
 
 use super::{Number, SettingKind, SettingRow, Settings};
 use bathyscope_bottom::presentation::units::Units;
 
-/// The slowest speed that is one of sound, metres a second: no boat reaches it.
+/// Lowest limit of a setting in m/s that is taken for a sound speed, metres a second: no boat is as
+/// fast.
 const SLOWEST_SOUND_MPS: f64 = 1000.0;
 
-/// A number as its control shows it.
+/// Number in the unit that its control shows.
 #[derive(Clone, Debug)]
 pub struct ShownNumber<'a> {
     number: &'a Number,
     /// Size of one shown unit in the unit of the setting.
     per: f64,
-    /// The ends of the control, in the shown unit: wider by less than a step than what is allowed.
+    /// Ends of the control, in the shown unit: beyond the allowed values by less than a step.
     pub ends: [f64; 2],
     /// Smallest step of the control, in the shown unit.
     pub step: f64,
-    /// Digits behind the point.
+    /// Digits after the decimal point.
     pub decimals: usize,
-    /// The unit behind a number, ` ft` or `°`.
+    /// Unit shown after the number, ` ft` or `°`.
     pub suffix: String,
 }
 
 impl Number {
-    /// The number in the units that are shown.
+    /// Returns the number in the shown units.
     pub fn shown_in(&self, units: Units) -> ShownNumber<'_> {
         let (per, symbol) = match self.unit {
             "m" => (units.length.metres(), units.symbol()),
@@ -43,13 +44,13 @@ impl Number {
                 suffix: self.suffix(),
             };
         }
-        // A power of ten, so that whatever has so many decimals can be typed.
+        // A power of ten, so that every number with this many decimals can be typed.
         let exponent = (self.step / per).log10().floor() as i32;
         let step = 10f64.powi(exponent);
         ShownNumber {
             number: self,
             per,
-            // A control counts its steps from its lower end.
+            // A control counts its steps from its lower end, so that end is a multiple of the step.
             ends: [(least / per / step).floor() * step, (most / per / step).ceil() * step],
             step,
             decimals: self.decimals.max(exponent.min(0).unsigned_abs() as usize),
@@ -59,30 +60,31 @@ impl Number {
 }
 
 impl ShownNumber<'_> {
-    /// The value at its control; 0 without one.
+    /// Returns the value for the control; 0 if the setting has none.
     pub fn value(&self, settings: &Settings) -> f64 {
         (self.number.get)(settings).unwrap_or(0.0) / self.per
     }
 
-    /// Takes over the value of its control; hundredths of what is shown stay hundredths.
+    /// Sets the setting to the value of the control, rounded in the shown unit. A value below the
+    /// least becomes no value if the setting may have none.
     pub fn take(&self, settings: &mut Settings, value: f64) {
         let [least, most] = self.number.range;
         let per_unit = 10f64.powi(self.decimals as i32);
         let rounded = (value * per_unit).round() / per_unit * self.per;
         let is_none = self.number.zero_is_none() && rounded < least && value * self.per < least;
-        // Rounding must not carry what is allowed over its limit.
+        // Rounding must not move an allowed value beyond its limit.
         (self.number.set)(settings, (!is_none).then_some(rounded.clamp(least, most)));
     }
 
-    /// A value of the setting in words, as its control writes it: `5.00 ft`.
+    /// Returns a value of the setting as its control shows it: `5.00 ft`.
     pub fn said(&self, value: f64) -> String {
         format!("{:.*}{}", self.decimals, value / self.per, self.suffix)
     }
 }
 
 impl SettingRow {
-    /// Its value as its control writes it, in the units that are shown; empty where a file or a
-    /// list is none.
+    /// Returns the value of the setting as its control shows it, in the shown units; empty for a
+    /// file or a list.
     pub fn value_in_words(&self, settings: &Settings, units: Units) -> String {
         match &self.kind {
             SettingKind::Number(number) => match (number.get)(settings) {

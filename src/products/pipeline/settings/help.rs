@@ -1,4 +1,4 @@
-//! Texts made from all rows of the table of settings: the help and the page of the manual; also
+//! Makes the texts of all rows of the table of settings: the help and the page of the manual; also
 //! finds the row of a key.
 
 use super::rows::ROWS;
@@ -6,15 +6,15 @@ use super::table::{SettingKind, SettingRow};
 use super::{Preset, Settings};
 use std::fmt::Write as _;
 
-/// The row of a key.
+/// Returns the row of a key; `None` if no setting has that key.
 pub fn row(key: &str) -> Option<&'static SettingRow> {
     ROWS.iter().copied().find(|row| row.key == key)
 }
 
-/// Columns of a line of the help, as `clap` indents it.
+/// Width of a line of the help, which `clap` indents, columns.
 const COLUMNS: usize = 88;
 
-/// All keys with what they may be, their default and their meaning, for `--help`.
+/// Returns all keys with their values, default and meaning, for `--help`.
 pub fn help() -> String {
     let mut text = String::from(
         "One setting, for example first_return.threshold=0.35; may be given again. All settings, with their values and defaults:\n",
@@ -37,7 +37,7 @@ pub fn help() -> String {
     text
 }
 
-/// Adds words in lines of at most [`COLUMNS`], each with its indent before it.
+/// Adds words in lines of at most [`COLUMNS`], each with an indent.
 fn write_wrapped(text: &mut String, indent: &str, words: &str) {
     let mut line = String::new();
     for word in words.split_whitespace() {
@@ -55,7 +55,8 @@ fn write_wrapped(text: &mut String, indent: &str, words: &str) {
     *text += &format!("{indent}{line}\n");
 }
 
-/// The table as Markdown, for the manual: a part for each group of keys, a line for each key.
+/// Returns the table as Markdown, for the manual: a part for each group of keys, a line for each
+/// key.
 pub fn markdown() -> String {
     let mut text = String::new();
     let mut last = None;
@@ -87,7 +88,7 @@ pub fn markdown() -> String {
     text.trim_start().to_owned()
 }
 
-/// The value of a setting in a preset, where it has one.
+/// Returns the value of a setting in a preset; `None` if it has none.
 fn value_in(row: &SettingRow, preset: Preset) -> Option<String> {
     let settings = Settings::preset(preset);
     match &row.kind {

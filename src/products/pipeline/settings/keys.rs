@@ -1,21 +1,22 @@
-//! Settings by their keys: files and `--set` laid over others, and what to say of a key that is
-//! none.
+//! Applies files and `--set` to settings by their keys, and makes the messages for keys that do not
+//! exist.
 
 use super::help::row;
 use super::rows::ROWS;
 use super::{SettingKind, SettingRow, Settings, SettingsError};
 use toml::{Table, Value};
 
-/// Key of the bottom edits, which are made of strokes and have no row.
+/// Key of the bottom edits, which consist of strokes and have no row.
 const BOTTOM: &str = "bottom";
-/// Largest edit distance at which a key is taken for a misspelt one.
+/// Largest edit distance at which a key is suggested for an unknown one.
 const SLIP: usize = 3;
 
 impl Settings {
-    /// Lays the keys of a TOML text over these settings.
+    /// Returns these settings with the values of a TOML text in place of theirs.
     ///
     /// # Errors
-    /// A sentence that names the line or the key.
+    /// A sentence that names the line or the key, when the text is not TOML, or a key or value is
+    /// not allowed.
     pub fn with_toml(&self, text: &str) -> Result<Self, SettingsError> {
         let refused = |error| SettingsError(format!("settings: {error}"));
         let over: Table = (text.parse()).map_err(|error| refused(not_toml(&error, text)))?;
@@ -35,16 +36,18 @@ impl Settings {
         })
     }
 
-    /// Applies one `key=value`, for example `first_return.threshold=0.35`.
+    /// Returns these settings with one `key=value` applied, for example
+    /// `first_return.threshold=0.35`.
     ///
     /// # Errors
-    /// A sentence that names the key.
+    /// A sentence that names the key, when the text is not `key=value`, or the key or value is not
+    /// allowed.
     pub fn with_assignment(&self, assignment: &str) -> Result<Self, SettingsError> {
         let (key, value) = assignment.split_once('=').ok_or_else(|| {
             SettingsError(format!("a setting is written key=value; got `{assignment}`"))
         })?;
         let (key, value) = (key.trim(), value.trim());
-        // A bare word is a string; numbers and booleans stay what TOML says they are.
+        // A value that is not TOML, such as a bare word, is taken as a string.
         let quoted = Value::String(value.to_owned());
         let table = format!("{key} = {value}").parse::<Table>();
         let table = table.or_else(|_| format!("{key} = {quoted}").parse());
@@ -73,7 +76,7 @@ fn not_toml(error: &toml::de::Error, text: &str) -> String {
     format!("line {}: {reason}{}", line + 1, hint.unwrap_or_default())
 }
 
-/// Returns the advice for a number that is written with a decimal comma.
+/// Returns a hint if a number is written with a decimal comma.
 fn decimal_comma(value: &str) -> Option<String> {
     let written = value.trim().replacen(',', ".", 1);
     let is_number = written != value.trim() && written.parse::<f64>().is_ok();
@@ -99,11 +102,11 @@ fn misfit_in(over: &Table) -> Option<String> {
     })
 }
 
-/// States that a setting cannot have a value, and the values that it may have; `reason` is the
-/// error of its own type.
+/// Returns the sentence that a setting cannot have a value, with the values that it may have;
+/// `reason` is the error of the setting's own type.
 fn misfit(row: &SettingRow, value: &Value, reason: &str) -> String {
     let value = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
-    // What serde says is meant for programmers; what the settings' own types say is not.
+    // Serde's messages are for programmers; the messages of the settings' own types are for users.
     let is_serdes = ["invalid ", "unknown ", "missing ", "data did not match"]
         .iter()
         .any(|start| reason.starts_with(start));
@@ -126,7 +129,7 @@ fn merge(base: &mut Table, over: Table) {
     }
 }
 
-/// Describes the first key that is no setting.
+/// Returns the sentence about the first key that does not exist.
 fn unknown_in(table: &Table) -> Option<String> {
     let mut values = Vec::new();
     flatten("", table, &mut values);
@@ -147,10 +150,11 @@ fn flatten<'a>(prefix: &str, table: &'a Table, values: &mut Vec<(String, &'a Val
     }
 }
 
-/// A group of settings that is read under the name of an earlier version as well: then and now.
+/// Group of settings that is also read under the name of an earlier version: old name and present
+/// name.
 const RENAMED_GROUP: (&str, &str) = ("left_out", "excluded");
 
-/// Gives the group its present name, unless the table has that too.
+/// Renames the group to its present name, unless the table has that one as well.
 fn rename_group(table: &mut Table) {
     let (then, now) = RENAMED_GROUP;
     if !table.contains_key(now)
@@ -160,7 +164,7 @@ fn rename_group(table: &mut Table) {
     }
 }
 
-/// Settings that were called otherwise in an earlier version: then and now.
+/// Settings that had another name in an earlier version: old name and present name.
 const RENAMED: [(&str, &str); 7] = [
     ("left_out.log", "excluded.log"),
     ("left_out.max_turn_deg_s", "excluded.max_turn_deg_s"),
@@ -178,7 +182,7 @@ pub fn renamed(key: &str) -> Option<&'static str> {
     found.map(|(_, now)| *now)
 }
 
-/// States that a key is no setting, and suggests the key that may have been meant.
+/// Returns the sentence that a key does not exist, with the key that may have been meant.
 fn no_setting(key: &str) -> String {
     if let Some(now) = renamed(key) {
         return format!("`{key}` is called `{now}` now");
@@ -202,7 +206,7 @@ fn no_setting(key: &str) -> String {
     }
 }
 
-/// Letters to change, insert or drop between two words (Levenshtein).
+/// Returns the number of letters to change, insert or drop between two words (Levenshtein).
 pub fn slips(from: &str, to: &str) -> usize {
     let to: Vec<char> = to.chars().collect();
     let mut row: Vec<usize> = (0..=to.len()).collect();

@@ -1,10 +1,10 @@
-//! All settings of the pipeline under the keys that scripts use, and the two presets.
+//! Defines all settings of the pipeline under the keys that scripts use, and the two presets.
 //!
-//! In: keys with values, as text. Out: checked settings, and the words that explain them.
+//! In: keys with values, as text. Out: checked settings, and their explanations.
 //!
-//! `rows` is the table of them: key, range, unit, words. `table` says what a row is and checks by
-//! it, `help` makes the help and the manual's page, `keys` lays files and assignments over
-//! settings, `display_units` has a number in the unit of the window.
+//! `rows` is the table of the settings: key, range, unit, words. `table` defines a row and checks
+//! values against it, `help` makes the help and the manual's page, `keys` applies files and
+//! assignments to settings, `display_units` converts a number to the unit of the window.
 
 mod display_units;
 mod help;
@@ -43,12 +43,12 @@ use bathyscope_objects::{DetectorSettings, ReviewSettings};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// Settings that cannot be understood, in one sentence.
+/// Error of invalid settings, in one sentence.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct SettingsError(pub String);
 
-/// A named set of settings.
+/// Named set of settings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "snake_case")]
 pub enum Preset {
@@ -60,7 +60,7 @@ pub enum Preset {
 }
 
 impl Preset {
-    /// `published` or `recommended`.
+    /// Returns the name, `published` or `recommended`.
     pub fn name(self) -> &'static str {
         match self {
             Preset::Published => "published",
@@ -69,23 +69,23 @@ impl Preset {
     }
 }
 
-/// Everything that decides what the pipeline computes. The field names are the setting keys.
+/// All settings that decide what the pipeline computes. The field names are the setting keys.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Settings {
     /// `projection`.
     pub projection: Projection,
-    /// `crs`: the system of maps and of the point files for other programs.
+    /// `crs`: the coordinate system of maps and of the point files for other programs.
     pub crs: CrsChoice,
     /// Depth of the transducer below the water's surface, metres: added to every depth.
     pub draft_m: f64,
-    /// Height of the water's surface above the level that depths count from, metres: taken off
-    /// every one. With readings, the height of their zero.
+    /// Height of the water's surface above the level from which depths count, metres: subtracted
+    /// from every depth. With readings, the height of their zero.
     pub water_level_m: f64,
     /// `water_level.*`: readings over time.
     pub water_level: WaterLevelSettings,
-    /// Offset that is added to every elevation of the log, metres, so that it agrees with others of
-    /// its survey: `height_offsets` finds it from crossings.
+    /// Offset that is added to every elevation of the log, metres, so that it agrees with the other
+    /// logs of its survey: `height_offsets` computes it from crossings.
     pub height_offset_m: f64,
     /// `sound_speed.*`.
     pub sound_speed: SoundSpeedSettings,
@@ -102,27 +102,26 @@ pub struct Settings {
     pub cloud: CloudSettings,
     /// `heading.*`.
     pub heading: HeadingSettings,
-    /// `mounting.*`; sides and clock act on the log before any stage, the rest where pings are
-    /// placed.
+    /// `mounting.*`; sides and clock are applied to the log before any stage, the others when pings
+    /// are placed.
     pub mounting: MountingSettings,
     /// `position_shift.*`.
     pub position_shift: PositionShift,
-    /// `source.*`: what the log itself does not say; it acts before any stage.
+    /// `source.*`: facts that the log itself lacks; applied before any stage.
     pub source: SourceSettings,
-    /// `track.*`, for a track from another receiver; it acts when the track is applied to the log,
-    /// before any stage.
+    /// `track.*`, for a track from another receiver; applied with the track to the log, before any
+    /// stage.
     pub track: TrackSettings,
-    /// `excluded.*`, once `left_out.*`: turns, stops and other stretches that count for nothing.
+    /// `excluded.*`, formerly `left_out.*`: turns, stops and other excluded stretches.
     #[serde(alias = "left_out")]
     pub excluded: ExclusionSettings,
     /// `outliers.*`.
     pub outliers: OutlierSettings,
     /// `detector.*`, for `process`. The window has its own choice of model and confidence.
     pub detector: DetectorSettings,
-    /// `review.*`: the analyst's classes. What is detected does not depend on them.
+    /// `review.*`: the analyst's classes. The detections do not depend on them.
     pub review: ReviewSettings,
-    /// `picture.*`, for the waterfall and the pictures that are written of it; no result depends on
-    /// it.
+    /// `picture.*`, for the waterfall and the pictures written of it; no result depends on it.
     pub picture: PictureSettings,
     /// `mosaic.*`.
     pub mosaic: MosaicSettings,
@@ -136,43 +135,41 @@ pub struct Settings {
     pub report: ReportSettings,
 }
 
-/// `source.*` settings: what is to be known of a log that it does not say.
+/// `source.*` settings: facts about a log that its file lacks.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SourceSettings {
-    /// The system of positions that a log has in metres; logs whose positions are degrees need
-    /// none.
+    /// Coordinate system of positions in metres; not needed for a log whose positions are degrees.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub crs: Option<SourceCrs>,
-    /// The frequency of the side-scan that is shown, kHz, where a log holds several; none: the one
+    /// Frequency of the side-scan that is shown, kHz, for a log with several; `None` for the one
     /// that the reader chooses.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frequency_khz: Option<f64>,
 }
 
-/// `points.*` settings: which files of points are written.
+/// `points.*` settings: the files of points that are written.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PointFileSettings {
-    /// `cloud.las` beside `cloud.copc.laz`, for programs that cannot unpack LAZ.
+    /// True if `cloud.las` is written beside `cloud.copc.laz`, for programs that cannot unpack LAZ.
     pub las: bool,
 }
 
-/// `report.*` settings: what the report shows.
+/// `report.*` settings: the contents of the report.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ReportSettings {
-    /// Proposals that nobody has decided about have a section each, as targets have.
+    /// True if undecided proposals have a section each, like targets.
     pub proposals: bool,
 }
 
 impl Settings {
-    /// Reads what they name: the water levels of `water_level.file`, and the area of
-    /// `isobaths.clip` where it is not there yet. What can be read is there also where the other
-    /// cannot.
+    /// Reads the files that the settings name: the water levels of `water_level.file`, and the area
+    /// of `isobaths.clip` if it is not yet loaded. Each is loaded even if the other cannot be read.
     ///
     /// # Errors
-    /// A sentence when a file cannot be read, or holds something else.
+    /// A sentence, when a file cannot be read, or has other contents.
     pub fn load_files(&mut self) -> Result<(), SettingsError> {
         let area = self.load_area();
         let file = self.water_level.file.as_deref();
@@ -182,10 +179,10 @@ impl Settings {
         area
     }
 
-    /// Reads the area of `isobaths.clip` where it is not there yet.
+    /// Reads the area of `isobaths.clip` if it is not yet loaded.
     ///
     /// # Errors
-    /// A sentence when the file cannot be read, or holds no area.
+    /// A sentence, when the file cannot be read, or contains no area.
     pub(crate) fn load_area(&mut self) -> Result<(), SettingsError> {
         let isobaths = &mut self.isobaths;
         let Some(file) = isobaths.clip.as_deref().filter(|_| isobaths.area.is_none()) else {
@@ -196,7 +193,7 @@ impl Settings {
         Ok(())
     }
 
-    /// The settings of a preset.
+    /// Returns the settings of a preset.
     pub fn preset(preset: Preset) -> Self {
         match preset {
             Preset::Recommended => Self::default(),
@@ -267,8 +264,8 @@ impl Settings {
         }
     }
 
-    /// These settings, with what holds for one survey only (its bottom, its flat spot, its water
-    /// and shore, its transducer, its classes of objects, its picture) from others.
+    /// Returns these settings, with those that apply to one survey only (its bottom, flat spot,
+    /// water and shore, transducer, classes of objects, picture) taken from others.
     pub fn with_survey_of(&self, other: &Self) -> Self {
         let mut settings = self.clone();
         settings.bottom = other.bottom.clone();
@@ -291,8 +288,8 @@ impl Settings {
         settings
     }
 
-    /// The preset that these settings are, if any; what holds for one survey, and the choices of
-    /// detector and maps, do not count.
+    /// Returns the preset that these settings equal, if any; settings that apply to one survey
+    /// only, and those of detector and maps, are ignored.
     pub fn matching_preset(&self) -> Option<Preset> {
         let mut plain = self.with_survey_of(&Self::default());
         plain.detector = DetectorSettings::default();
@@ -311,10 +308,10 @@ impl Settings {
             .find(|&preset| plain == Self::preset(preset))
     }
 
-    /// Refuses values that no stage can work with.
+    /// Checks that every value is allowed.
     ///
     /// # Errors
-    /// A sentence that names the key.
+    /// A sentence that names the key of a value that is not allowed.
     pub fn check(&self) -> Result<(), SettingsError> {
         rows::ROWS.iter().try_for_each(|row| row.check(self))?;
         let rules = self.sound_speed.check().and_then(|()| self.bottom.check());

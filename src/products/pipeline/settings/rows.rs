@@ -1,6 +1,7 @@
-//! The table of settings: a row a key. Checks, knobs, tooltips, help and manual come from it.
+//! Table of settings, a row for each key, from which checks, controls, tooltips, help and manual
+//! are made.
 //!
-//! Where a range is not that of the quantity's own nature, the reason stands beside it.
+//! If a range is not given by the nature of the quantity, a comment states the reason.
 
 use super::table::Control::{Drag, LogSlider, Slider};
 use super::table::{
@@ -8,7 +9,7 @@ use super::table::{
 };
 use bathyscope_log::survey::WATER_LEVELS_M;
 
-/// A number in the settings, with all that a row says of it.
+/// Makes the kind of a row whose setting is a number.
 macro_rules! number {
     ($($field:ident).+, $unit:literal, [$least:expr, $most:expr], $step:literal, $decimals:literal, $control:ident) => {
         number!($($field).+, $unit, [$least, $most], $step, $decimals, $control, None)
@@ -27,7 +28,7 @@ macro_rules! number {
     };
 }
 
-/// One of several names: each with its label and what it means.
+/// Makes the kind of a row whose setting is one of several names, each with its label and meaning.
 macro_rules! choice {
     ($($field:ident).+, [$($value:literal, $label:literal, $meaning:literal;)+]) => {
         choice!($($field).+, [$($value, $label, $meaning;)+], "")
@@ -42,14 +43,14 @@ macro_rules! choice {
     };
 }
 
-/// The rows as statics, each to be named by the panel that shows it, and the list of all.
+/// Makes a static for each row, which a panel names to show it, and the list of all rows.
 macro_rules! rows {
     ($($id:ident: $key:literal, $label:literal, $name:literal, $hint:literal, $kind:expr;)+) => {
         $(
             #[doc = concat!("`", $key, "`: ", $hint)]
             pub static $id: SettingRow = SettingRow { key: $key, label: $label, name: $name, hint: $hint, kind: $kind };
         )+
-        /// All settings, in the order of the manual. The bottom edits are none: they are made of
+        /// All settings, in the order of the manual, without the bottom edits, which consist of
         /// strokes.
         pub static ROWS: &[&SettingRow] = &[$(&$id),+];
     };
@@ -67,7 +68,8 @@ rows! {
             "wgs84", "WGS84", "Longitude and latitude, degrees.";
             "web_mercator", "web Mercator", "The projection of web maps.";
         ], "EPSG:NUMBER");
-    // The deepest hulls of survey vessels draw less; what is towed deeper has a depth that changes.
+    // The deepest hulls of survey vessels draw less; the depth of a towed transducer is not
+    // constant.
     DRAFT: "draft_m", "Draft", "draft",
         "Depth of the transducer below the water surface; added to every depth.",
         number!(draft_m, "m", [0.0, 20.0], 0.01, 2, LogSlider);
@@ -80,8 +82,8 @@ rows! {
     HEIGHT_OFFSET: "height_offset_m", "Height offset", "height offset",
         "Added to every elevation of the log, so that it agrees with other logs where they cross.",
         number!(height_offset_m, "m", [-100.0, 100.0], 0.01, 2, Drag);
-    // From ice-cold fresh water to the brine of the Dead Sea and the deepest sea, with room for
-    // another unit's mistake to be seen.
+    // From ice-cold fresh water to the brine of the Dead Sea and the deepest sea, with a margin in
+    // which a wrong unit is noticed.
     SOUND_SPEED: "sound_speed.m_s", "Sound speed", "sound speed",
         "Measured speed of sound in this water.",
         number!(sound_speed.m_s, "m/s", [1300.0, 1800.0], 1.0, 1, Slider, Some("computed from temperature and salinity where the temperature is given, else ranges stay as the recorder computed them"));
@@ -94,7 +96,7 @@ rows! {
     SOUND_SPEED_DEPTH: "sound_speed.depth_m", "At depth", "depth of the temperature",
         "Depth at which temperature and salinity hold: half the water depth where they are the same everywhere.",
         number!(sound_speed.depth_m, "m", [0.0, 10_000.0], 0.1, 1, LogSlider);
-    // No recorder assumes a speed that its waters do not have: 4600 to 5250 feet a second.
+    // Recorders assume only speeds that occur in water: 4600 to 5250 feet a second.
     RECORDER_SPEED: "sound_speed.recorder_m_s", "Recorder", "recorder's sound speed",
         "Speed of sound that the recorder uses for its ranges: 1500 m/s in most recorders, 1463 m/s in some for fresh water.",
         number!(sound_speed.recorder_m_s, "m/s", [1400.0, 1600.0], 1.0, 0, Slider);
@@ -111,8 +113,8 @@ rows! {
     THRESHOLD: "first_return.threshold", "Threshold", "threshold",
         "Normalised intensity that a sample must reach to count as a return; 0.30 in the paper (Pulido et al.).",
         number!(first_return.threshold, "", [0.0, 1.0], 0.01, 2, Slider);
-    // The longest pulses ring for a few metres; to ignore more would hide the bottom of the waters
-    // that are surveyed.
+    // The longest pulses ring for a few metres; a larger dead zone would hide the bottom of shallow
+    // waters.
     DEAD_ZONE: "first_return.dead_zone_m", "Dead zone", "dead zone",
         "Slant range near the transducer that is ignored, because of its ring-down.",
         number!(first_return.dead_zone_m, "m", [0.0, 10.0], 0.05, 2, LogSlider);
@@ -157,8 +159,8 @@ rows! {
             "self_consistent", "self-consistent", "As in the paper, with a PPD that reproduces the depth at the flat stretch.";
             "published", "paper", "z = r cos(α2), y = r sin(α2), as in the paper.";
         ]);
-    // From 60 degrees on the depth would be less than half of the range: no first return is that
-    // far out.
+    // Above 60 degrees the depth would be less than half of the range: no first return comes from
+    // so far to the side.
     ALPHA2: "cloud.alpha2_deg", "Angle α2", "angle",
         "Angle of the first return from the vertical, α2 of the paper; 16 degrees in its code.",
         number!(cloud.alpha2_deg, "°", [0.0, 60.0], 0.5, 1, Slider);
@@ -180,7 +182,7 @@ rows! {
     TRACK_FILE: "track.file", "Track", "track",
         "Positions of another receiver (RTK, autopilot) in place of those of the recorder.",
         SettingKind::Text("a file, CSV or GPX");
-    // A clock may be hours off by its time zone and years by its date.
+    // A clock may be wrong by hours because of its time zone, and by years because of its date.
     TRACK_OFFSET: "track.offset_s", "Time offset", "time offset",
         "Added to the times of the track; positive where its clock is behind the recorder's.",
         number!(track.offset_s, "s", [-1e9, 1e9], 0.01, 2, Drag);
@@ -190,7 +192,8 @@ rows! {
             "false", "as recorded", "Port is what was recorded as port.";
             "true", "exchanged", "Port is what was recorded as starboard.";
         ]);
-    // The longest survey vessels are a hundred metres; a tow is no mounting.
+    // The longest survey vessels are a hundred metres long; a towed transducer is not covered by
+    // these settings.
     ANTENNA_FORWARD: "mounting.forward_m", "Forward", "transducer forward of the antenna",
         "Distance from the antenna to the transducer along the boat, positive forward.",
         number!(mounting.forward_m, "m", [-200.0, 200.0], 0.01, 2, Drag);
@@ -200,19 +203,19 @@ rows! {
     HEADING_OFFSET: "mounting.heading_offset_deg", "Compass", "heading offset",
         "Added to the compass heading: misalignment of the compass plus magnetic variation. Headings from the track do not change.",
         number!(mounting.heading_offset_deg, "°", [-180.0, 180.0], 0.1, 1, Drag);
-    // More than ten days is another log.
+    // With an offset of more than ten days, the log is of another survey.
     CLOCK_OFFSET: "mounting.clock_offset_s", "Clock", "clock of the log",
         "Added to the times of the log; positive where the clock of the recorder is behind UTC.",
         number!(mounting.clock_offset_s, "s", [-864_000.0, 864_000.0], 0.01, 2, Drag);
-    // A receiver that is later than this has lost its fix.
+    // A receiver with a larger delay has lost its fix.
     LATENCY: "mounting.latency_s", "Latency", "latency of positions",
         "Delay of recorded positions behind the echoes. Compare positions finds it at crossings over a slope.",
         number!(mounting.latency_s, "s", [-10.0, 10.0], 0.01, 2, Drag);
-    // No sounder averages longer.
+    // No sounder averages over a longer time.
     SOUNDING_LAG: "mounting.sounding_lag_s", "Sounding lag", "lag of the soundings",
         "Delay of recorded depths behind the echoes, of a sounder that averages. First returns show it where the bottom slopes along the track.",
         number!(mounting.sounding_lag_s, "s", [0.0, 10.0], 0.01, 2, Drag);
-    // Receivers without corrections are off by metres; more is another place.
+    // Receivers without corrections are wrong by metres; a larger shift means another place.
     SHIFT_EAST: "position_shift.east_m", "Shift east", "shift of positions to the east",
         "Added to every position of the log, to the east. Compare positions finds it at crossings with other logs.",
         number!(position_shift.east_m, "m", [-20.0, 20.0], 0.01, 2, Drag);
@@ -240,7 +243,7 @@ rows! {
     STRETCHES: "excluded.stretches", "Stretches", "excluded stretches",
         "Stretches of one log that are excluded from every result, or kept although a turn or a stop is there; trusted: the soundings count, too, that were taken for false.",
         SettingKind::Text("[{ pings = [A, B], reason = \"turn | stop | bad | drawn | kept\", trusted = false }, ...], or time_s in place of pings");
-    // Between the spacing of the densest points and the width of the largest swath.
+    // Limits: the spacing of the densest points and the width of the largest swath.
     RADIUS: "outliers.radius_m", "Radius", "outlier radius",
         "Radius of the sphere around a point; 3.011 m in the paper (Pulido et al.).",
         number!(outliers.radius_m, "m", [0.01, 100.0], 0.001, 3, LogSlider);
@@ -267,12 +270,11 @@ rows! {
             "empirical", "gain-normalised", "Divided by the mean of the log at the same range and angle, as in the mosaic; shadows stay dark.";
             "recorded", "as recorded", "The recorder's own levels.";
         ]);
-    // Spreading of intensity is 20 log r one way; nobody applies more than both ways twice over, or
-    // takes more than that back.
+    // Spreading of intensity is 20 log r one way; the limits are twice the gain for both ways.
     PICTURE_SPREADING: "picture.spreading_db", "Spreading", "gain for spreading",
         "k of the time-varied gain k log10 r + 2 α r: dB for each tenfold slant range.",
         number!(picture.spreading_db, "dB", [-80.0, 80.0], 0.5, 1, Slider);
-    // At 1.2 MHz sea water takes 0.5 dB a metre.
+    // In sea water the absorption at 1.2 MHz is 0.5 dB a metre.
     PICTURE_ABSORPTION: "picture.absorption_db_m", "Absorption", "gain for absorption",
         "α of the time-varied gain k log10 r + 2 α r: dB for each metre, there and back.",
         number!(picture.absorption_db_m, "dB/m", [-1.0, 1.0], 0.005, 3, Slider);
@@ -291,7 +293,7 @@ rows! {
             "false", "as recorded", "Echoes are shown as they are.";
             "true", "removed", "Each echo is the median of 3 x 3 echoes, at the resolution of the screen.";
         ]);
-    // With the greatest gain the brightest byte becomes 8000.
+    // At the greatest gain the largest byte becomes 8000.
     PICTURE_BLACK: "picture.black", "Black", "black point",
         "Level that is shown as black; 255 is the largest byte.",
         number!(picture.black, "", [0.0, 10_000.0], 0.5, 1, Drag, Some("the 1st percentile of the echoes"));
@@ -343,7 +345,7 @@ rows! {
     NADIR_GAP: "mosaic.nadir_gap_deg", "Nadir gap", "nadir gap",
         "Ground within this angle from straight down is not drawn; 0 fills the gap under the boat.",
         number!(mosaic.nadir_gap_deg, "°", [0.0, 60.0], 1.0, 0, Slider);
-    // The quickest boat turns once in a few seconds: from there on nothing is excluded.
+    // The quickest boat turns once in a few seconds: with the upper limit no ping is excluded.
     MOST_TURN: "mosaic.most_turn_deg_s", "Turns from", "turn rate",
         "Pings at higher turn rates are not drawn, since their far ranges sweep over the ground.",
         number!(mosaic.most_turn_deg_s, "°/s", [0.1, 360.0], 0.1, 1, LogSlider);
@@ -357,13 +359,13 @@ rows! {
     SURFACE_CELL: "surface.cell_m", "Cell size", "cell of the depth map",
         "Cell size of the depth map.",
         number!(surface.cell_m, "m", [0.01, 1000.0], 0.01, 2, LogSlider, Some("chosen from the spacing of the depths"));
-    // Beyond a kilometre from any depth nothing is interpolated, it is invented.
+    // More than a kilometre from any depth, a value would be invented, not interpolated.
     MAX_GAP: "surface.max_gap_m", "Largest gap", "gap of the depth map", "The map ends at this distance from the nearest depth.",
         number!(surface.max_gap_m, "m", [0.1, 1000.0], 0.1, 1, LogSlider);
     MAX_SIDE: "surface.max_side", "Most cells", "most cells of the depth map",
         "Most cells along the longer side. Cells become larger where there would be more, or more than 20 million in all.",
         number!(surface.max_side, "", [16.0, 32_768.0], 1.0, 0, LogSlider);
-    // Only the one against the other counts: 0 to 1 has every share.
+    // Only the ratio of the two weights has an effect: 0 to 1 covers every ratio.
     DOWN_SCAN_WEIGHT: "surface.down_scan_weight", "Soundings", "weight of soundings",
         "Weight of a sounding, and of a depth of StructureScan 3D, where several depths lie in one cell; 0 does not use them.",
         number!(surface.down_scan_weight, "", [0.0, 1.0], 0.05, 2, Slider);
@@ -392,7 +394,7 @@ rows! {
             "true", "measured bottom", "The depths that the log measured across the track; beyond them the last one.";
             "false", "level bottom", "The depth under the boat.";
         ]);
-    // Finer than a millimetre no depth is known.
+    // No depth is known to better than a millimetre.
     INTERVAL: "isobaths.interval_m", "Interval", "isobath interval",
         "Depth difference between isobaths, from depth 0. Every fifth is thick.",
         number!(isobaths.interval_m, "m", [0.001, 1000.0], 0.01, 2, LogSlider, Some("a round interval that gives about ten isobaths, no finer than the error"));

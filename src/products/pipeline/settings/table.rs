@@ -1,105 +1,104 @@
-//! Row of the table of settings: its words, the values that it may have, and the check of a value.
+//! Defines a row of the table of settings: its words, the allowed values, and the check of a value.
 
 use super::{Settings, SettingsError};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// A setting: its key, its words, and the values that it may have.
+/// Setting: its key, its words, and the allowed values.
 #[derive(Debug)]
 pub struct SettingRow {
-    /// The key of files and of `--set`, `surface.max_gap_m`.
+    /// Key in files and for `--set`, such as `surface.max_gap_m`.
     pub key: &'static str,
-    /// Label in front of its control.
+    /// Label before the control.
     pub label: &'static str,
-    /// Name in a sentence, `gap of the depth map`.
+    /// Name in a sentence, such as `gap of the depth map`.
     pub name: &'static str,
-    /// Explanation of its effect, with the paper's symbol where it has one.
+    /// Explanation of the effect, with the paper's symbol if there is one.
     pub hint: &'static str,
-    /// Values that it may have.
+    /// Kind of the setting, with the allowed values.
     pub kind: SettingKind,
 }
 
-/// Values that a setting may have.
+/// Kind of a setting, with the allowed values.
 #[derive(Debug)]
 pub enum SettingKind {
     /// A number.
     Number(Number),
     /// One of several names.
     Choice(SettingChoice),
-    /// Numbers, as many as requested.
+    /// List of any number of numbers.
     Numbers {
-        /// Unit of all.
+        /// Unit of all numbers.
         unit: &'static str,
-        /// Least and greatest that each may be.
+        /// Least and greatest value of each number.
         range: [f64; 2],
-        /// Reads them.
+        /// Function that reads the numbers.
         get: fn(&Settings) -> &[f64],
     },
-    /// Anything else, in words: a file, a stretch of pings.
+    /// Other values, described in words: a file, a stretch of pings.
     Text(&'static str),
 }
 
-/// A setting that is a number.
+/// Setting that is a number.
 #[derive(Debug)]
 pub struct Number {
-    /// `m`, `°/s`; empty where it has none.
+    /// Unit such as `m` or `°/s`; empty if there is none.
     pub unit: &'static str,
     /// Least and greatest value, both allowed.
     pub range: [f64; 2],
-    /// Smallest step of its control; whole where it is 1 and there are no decimals.
+    /// Smallest step of the control; whole numbers if it is 1 and there are no decimals.
     pub step: f64,
-    /// Digits behind the point.
+    /// Digits after the decimal point.
     pub decimals: usize,
-    /// Control that changes it.
+    /// Control that changes the number.
     pub control: Control,
-    /// Explanation of what is done without a value, where it may have none.
+    /// Explanation of the effect of no value; `None` if a value is required.
     pub without: Option<&'static str>,
-    /// Reads it.
+    /// Function that reads the number; `None` for no value.
     pub get: fn(&Settings) -> Option<f64>,
-    /// Writes it; `None` where it may have no value.
+    /// Function that sets the number; `None` for no value, if that is allowed.
     pub set: fn(&mut Settings, Option<f64>),
 }
 
 /// Control that changes a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Control {
-    /// A slider along a line.
+    /// Slider with a linear scale.
     Slider,
-    /// A slider along a line on which each decade is as long as the next: where more than two of
-    /// them are of use.
+    /// Slider with a logarithmic scale: for ranges of more than two useful decades.
     LogSlider,
-    /// A field whose last digit is dragged: where no line is long enough.
+    /// Field whose last digit is changed by dragging: for ranges that are too wide for a slider.
     Drag,
 }
 
 impl Number {
-    /// Returns true if its control has a zero that stands for no value: where it may have none, and
-    /// zero is none that it may have.
+    /// Returns true if zero on the control means no value: no value is allowed, and zero is below
+    /// the least value.
     pub fn zero_is_none(&self) -> bool {
         self.without.is_some() && self.range[0] > 0.0
     }
 
-    /// Returns the word that its control shows without a value: `none` where nothing is done then,
-    /// else `automatic`. `None` where it always has a value.
+    /// Returns the word that the control shows for no value: `none` if no value disables the
+    /// effect, else `automatic`. `None` if a value is required.
     pub fn none_word(&self) -> Option<&'static str> {
         let does_nothing = |without: &str| without.starts_with("no ");
         let word = |without| if does_nothing(without) { "none" } else { "automatic" };
         self.without.map(word)
     }
 
-    /// The ends of its control.
+    /// Returns the ends of the control.
     pub fn ends(&self) -> [f64; 2] {
         if self.zero_is_none() { [0.0, self.range[1]] } else { self.range }
     }
 
-    /// Returns true if it is counted, not measured.
+    /// Returns true if the setting only accepts whole numbers.
     fn is_whole(&self) -> bool {
         let mut settings = Settings::default();
         (self.set)(&mut settings, Some(0.5));
         (self.get)(&settings) != Some(0.5)
     }
 
-    /// The unit behind a number, ` m` or `°`.
+    /// Returns the unit as it is shown after a number, ` m` or `°`.
     pub fn suffix(&self) -> String {
         match self.unit {
             "" | "°" => self.unit.to_owned(),
@@ -108,38 +107,37 @@ impl Number {
     }
 }
 
-/// A setting that is one of several names.
+/// Setting that is one of several names.
 #[derive(Debug)]
 pub struct SettingChoice {
     /// Names to choose from.
     pub names: &'static [Named],
-    /// Form of the other values that it may have in a file, `EPSG:NUMBER`; empty where there are
-    /// none.
+    /// Form of the other values allowed in a file, such as `EPSG:NUMBER`; empty if there are none.
     pub others: &'static str,
-    /// Reads its name.
+    /// Function that reads the name.
     pub get: fn(&Settings) -> String,
-    /// Writes it by its name; what it cannot be changes nothing.
+    /// Function that sets the setting by a name; a name that is not allowed changes nothing.
     pub set: fn(&mut Settings, &str),
 }
 
-/// One of the names that a setting may be.
+/// Name that a setting may have.
 #[derive(Debug)]
 pub struct Named {
-    /// Name in files and for `--set`.
+    /// Value in files and for `--set`.
     pub value: &'static str,
-    /// Name in a panel.
+    /// Label in a panel.
     pub label: &'static str,
     /// Meaning of the value.
     pub meaning: &'static str,
 }
 
-/// A number of the settings, of whatever type.
+/// Number of the settings, of any type; `None` for no value.
 pub(super) trait Numeric {
     fn get(&self) -> Option<f64>;
     fn set(&mut self, value: Option<f64>);
 }
 
-/// Numbers by how they become one of 64 bits, and how they are made of it.
+/// Implements [`Numeric`] for types of numbers, by the conversions to and from `f64`.
 macro_rules! numeric {
     ($($kind:ty: $get:expr, $set:expr;)+) => { $(
         impl Numeric for $kind {
@@ -158,7 +156,7 @@ macro_rules! numeric {
 
 numeric! {
     f64: |value| value, |value| value;
-    // 0.3 as f32 is not 0.3 as f64; a hundredth stays a hundredth.
+    // The value 0.3 as f32 is not 0.3 as f64: rounded to four decimals, it is.
     f32: |value| (f64::from(value) * 1e4).round() / 1e4, |value| value as f32;
     usize: |value| value as f64, |value| value.round() as usize;
     u32: f64::from, |value| value.round() as u32;
@@ -178,7 +176,7 @@ impl<T: Numeric + Default> Numeric for Option<T> {
     }
 }
 
-/// The name of a choice, as files have it.
+/// Returns the name of a choice, as it is written in files.
 pub(super) fn name_of<T: Serialize>(chosen: &T) -> String {
     match toml::Value::try_from(chosen) {
         Ok(toml::Value::String(name)) => name,
@@ -187,7 +185,7 @@ pub(super) fn name_of<T: Serialize>(chosen: &T) -> String {
     }
 }
 
-/// Chooses by the name; what is none of them changes nothing.
+/// Sets a choice by its name; an unknown name changes nothing.
 pub(super) fn choose<T: DeserializeOwned>(chosen: &mut T, name: &str) {
     let value = match name.parse() {
         Ok(flag) => toml::Value::Boolean(flag),
@@ -199,7 +197,7 @@ pub(super) fn choose<T: DeserializeOwned>(chosen: &mut T, name: &str) {
 }
 
 impl SettingRow {
-    /// Refuses a value that no stage can work with.
+    /// Checks that the value of the setting is in its range.
     pub(super) fn check(&self, settings: &Settings) -> Result<(), SettingsError> {
         let ([least, most], values) = match &self.kind {
             SettingKind::Number(number) => {
@@ -216,7 +214,7 @@ impl SettingRow {
         }
     }
 
-    /// Returns the values that it may have, in words: `0.1 to 1000 m`, `threshold | tracker`.
+    /// Returns the allowed values as text: `0.1 to 1000 m`, `threshold | tracker`.
     pub fn values(&self) -> String {
         match &self.kind {
             SettingKind::Number(number) => {
@@ -235,7 +233,7 @@ impl SettingRow {
         }
     }
 
-    /// Returns the values that it may have, with their kind: `a number, 0.1 to 1000 m`.
+    /// Returns the allowed values as text, with their kind: `a number, 0.1 to 1000 m`.
     pub(super) fn in_words(&self) -> String {
         let kind = match &self.kind {
             SettingKind::Number(number) if number.is_whole() => "a whole number, ",
@@ -246,8 +244,7 @@ impl SettingRow {
         format!("{kind}{}", self.values())
     }
 
-    /// Returns the explanation of its effect, and of what is done without a value where it may have
-    /// none.
+    /// Returns the explanation of the effect, and that of no value if no value is allowed.
     pub fn meaning(&self) -> String {
         match &self.kind {
             SettingKind::Number(Number { without: Some(without), .. }) => {

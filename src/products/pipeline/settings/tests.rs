@@ -1,11 +1,11 @@
-//! The table against the settings: serde's own lists of fields and variants are the oracle.
+//! Tests of the table of settings against serde's own lists of fields and variants.
 
 use super::rows::{self, ROWS};
 use super::{Preset, SettingKind, Settings, help, markdown, row};
 use bathyscope_bottom::presentation::units::Units;
 use std::collections::BTreeSet;
 
-/// Returns the names that serde expected in place of one that does not exist.
+/// Returns the names that serde lists as expected in place of one that does not exist.
 fn expected(toml: &str) -> Vec<String> {
     let error = toml::from_str::<Settings>(toml).expect_err("no such name");
     let text = error.message().to_owned();
@@ -18,9 +18,10 @@ fn expected(toml: &str) -> Vec<String> {
 fn every_setting_has_a_row_and_every_row_a_setting() {
     let groups = expected("no_such_key = 1");
     let mut keys = BTreeSet::new();
-    // The old name of a group is read, and has no rows.
+    // The old name of a group is read, but has no rows.
     for group in groups.iter().filter(|group| *group != "bottom" && *group != "left_out") {
-        // A group tells its fields; a setting that it holds no key of that name.
+        // For an unknown key, serde lists the fields of a group; a setting without fields gives
+        // another error.
         match toml::from_str::<Settings>(&format!("[{group}]\nno_such_key = 1")) {
             Err(error) if error.message().contains("unknown field") => {
                 let fields = expected(&format!("[{group}]\nno_such_key = 1"));
@@ -59,7 +60,7 @@ fn a_number_is_checked_at_both_ends_of_its_range() {
             let settings = check(end).unwrap_or_else(|error| panic!("{} {end}: {error}", row.key));
             assert_eq!((number.get)(&settings), Some(end), "{}", row.key);
         }
-        // Beyond by a step, where the type can hold it.
+        // Values outside the range by one step, if the type can hold them.
         for beyond in [least - number.step, most + number.step] {
             let error = check(beyond).expect_err(row.key);
             assert!(error.0.contains(row.key), "{error}");
@@ -94,11 +95,11 @@ fn a_choice_has_all_names_that_its_type_has() {
             Some((group, key)) => format!("[{group}]\n{key} = \"no_such_name\""),
             None => format!("{} = \"no_such_name\"", row.key),
         };
-        // A flag is no enumeration, and a system may have any number.
+        // A flag is not an enumeration, and a coordinate system may have any number.
         if !names.contains("true") && choice.others.is_empty() {
             let mut known: BTreeSet<String> = expected(&toml).into_iter().collect();
             if row.key == "surface.method" {
-                // Read of older projects, and named nowhere.
+                // These names are read from older projects, but not listed anywhere.
                 known.retain(|name| name != "auto" && name != "smooth");
             }
             assert_eq!(names, known, "{}", row.key);
@@ -117,7 +118,7 @@ fn a_choice_has_all_names_that_its_type_has() {
 #[test]
 fn help_and_manual_hold_every_key() {
     let (help, page) = (help(), markdown());
-    // The help breaks its lines; a meaning is in it word by word.
+    // The help breaks its lines, so meanings are compared word by word.
     let words = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
     let in_one_line = words(&help);
     for row in ROWS {

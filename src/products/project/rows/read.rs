@@ -1,4 +1,4 @@
-//! Lines as a project: every one is checked before it is believed.
+//! Converts lines to a project, and checks every line.
 
 use super::super::log::{LogFile, LogKey, ProjectLog};
 use super::super::measurement::MeasurementRow;
@@ -21,14 +21,14 @@ use std::path::Path;
 use std::sync::Arc;
 use toml::{Table, Value};
 
-/// Logs in a project.
+/// Most logs in a project.
 const MOST_LOGS: usize = 10_000;
-/// Letters of a name.
+/// Most letters of a name.
 const LONGEST_NAME: usize = 200;
-/// Digits of a SHA-256.
+/// Number of digits of a SHA-256.
 const SHA256_DIGITS: usize = 64;
 
-/// A line with what stands behind the start of its key.
+/// Line with the rest of its key, after the parts of the section.
 type Line = (Vec<String>, Row);
 
 /// State of the reading so far.
@@ -37,10 +37,10 @@ struct RowReading<'a> {
     unknown: Unknown,
 }
 
-/// The lines of one log.
+/// Lines of one log.
 #[derive(Default)]
 struct LogLines {
-    /// First of them, for what is wrong with the whole.
+    /// First line of the log, for errors about the whole log.
     line: usize,
     head: BTreeMap<String, Row>,
     settings: Vec<Line>,
@@ -50,10 +50,10 @@ struct LogLines {
     boxes: Vec<Line>,
 }
 
-/// The project that lines make in a folder.
+/// Creates the project of these lines in a folder.
 ///
 /// # Errors
-/// A sentence with the line that makes no sense.
+/// A sentence that names the line that is not valid.
 pub(crate) fn read(rows: Rows, folder: &Path) -> Result<Project, ProjectError> {
     let mut reading = RowReading { folder, unknown: Unknown::default() };
     let mut project = Project::default();
@@ -118,7 +118,7 @@ pub(crate) fn read(rows: Rows, folder: &Path) -> Result<Project, ProjectError> {
 }
 
 impl LogLines {
-    /// Takes a line in; false of one that this version does not know.
+    /// Adds a line; returns false if this version does not know the line.
     fn take(&mut self, section: &[&str], rest: Vec<String>, row: &Row) -> bool {
         self.line = match self.line {
             0 => row.line,
@@ -152,7 +152,7 @@ impl LogLines {
         self.optional(name)?.ok_or_else(missing)
     }
 
-    /// A head's line that a rule does not hold for.
+    /// Returns the error that a line of the head breaks a rule.
     fn wrong(&self, name: &str, what: &str) -> ProjectError {
         let line = self.head.get(name).map_or(self.line, |row| row.line);
         ProjectError::line(line, format!("`{name}` {what}"))
@@ -160,7 +160,7 @@ impl LogLines {
 }
 
 impl RowReading<'_> {
-    /// Reads the fields of a line that this version knows, and keeps the others.
+    /// Reads the known fields of a line, and keeps the others as unknown.
     fn fields<T: DeserializeOwned>(
         &mut self,
         key: &Key,
@@ -178,7 +178,8 @@ impl RowReading<'_> {
         into(Value::Table(fields), row.line)
     }
 
-    /// The settings among lines; those that this version does not know are kept.
+    /// Returns the settings in the lines; lines that this version does not know are kept as
+    /// unknown.
     fn values(&mut self, section: &str, lines: &[Line]) -> SettingValues {
         let mut values = SettingValues::new();
         for (parts, row) in lines {
@@ -244,7 +245,7 @@ impl RowReading<'_> {
             Some(_) => return Err(lines.wrong("order", "is a number")),
         };
         log.settings = self.log_settings(key, &lines, &log, shared)?;
-        // The sides in a project are those of the mounting that it keeps.
+        // The sides of boxes in a project are those with the mounting stored in it.
         let of =
             Identity { swapped_sides: log.settings.swaps_sides(shared), ..log.file.identity() };
         let (review, numbers) = self.review(key, &lines, &of)?;
@@ -277,7 +278,7 @@ impl RowReading<'_> {
         Ok(settings)
     }
 
-    /// The stretches that are excluded, as the settings have them.
+    /// Returns the excluded stretches in the form of the settings.
     fn excluded(&mut self, log: &str, lines: &[Line]) -> Result<Vec<Value>, ProjectError> {
         let mut stretches = Vec::with_capacity(lines.len());
         for (parts, row) in lines {
@@ -288,14 +289,14 @@ impl RowReading<'_> {
             let [unit, first] = parts.as_slice() else {
                 continue;
             };
-            // The second of two that begin at 30 is called `30 2`.
+            // The second of two stretches that begin at 30 has the key `30 2`.
             let first = first.split(' ').next().unwrap_or_default();
             let first = parse_value(first).map_err(|error| wrong(error.to_string()))?;
             let missing = || wrong("a stretch that is excluded has no `last`".to_owned());
             let last = fields.remove("last").ok_or_else(missing)?;
             fields.insert(unit.clone(), Value::Array(vec![first, last]));
             let value = Value::Table(fields);
-            // Each by itself first, so that the line is known.
+            // Checked one by one first, so that an error names the line.
             let one: Stretch = into(value.clone(), row.line)?;
             let alone = ExclusionSettings { stretches: vec![one], ..ExclusionSettings::default() };
             alone.check().map_err(|what| wrong(what.to_owned()))?;
@@ -396,8 +397,9 @@ impl RowReading<'_> {
     }
 }
 
-/// Returns the error at the line that a sentence about settings belongs to: the line whose key it
-/// contains, or else the line of which it contains the last part of the key.
+/// Returns an error with the number of the line to which a sentence about settings belongs: the
+/// first whose key is in the sentence, else the first of which the last part of the key is, else
+/// the first line.
 fn at(lines: &[Line], what: &str) -> ProjectError {
     let whole = |(parts, _): &&Line| what.contains(&parts.join("."));
     let last = |(parts, _): &&Line| parts.last().is_some_and(|last| what.contains(last.as_str()));
@@ -418,7 +420,7 @@ fn into<T: DeserializeOwned>(value: Value, line: usize) -> Result<T, ProjectErro
 }
 
 fn is_number(text: &str) -> bool {
-    // As it is written: `07` would come back as another line.
+    // Only numbers in the form in which they are written: `07` would be written back as `7`.
     text.parse::<u32>().is_ok_and(|number| number.to_string() == text)
 }
 

@@ -1,4 +1,4 @@
-//! Changes of every kind, which tests make in any order.
+//! Changes of every kind, which tests apply in any order.
 
 use crate::pipeline::Settings;
 use crate::project::Project;
@@ -9,79 +9,79 @@ use bathyscope_objects::review::{Edit, Review};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// A change that can be taken back.
+/// Change that can be undone.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Change {
-    /// The settings of a log became these: what belongs to the log changes there, all else for all
-    /// logs.
+    /// Change of the settings of a log: settings that belong to one log change for it, all others
+    /// for all logs.
     Settings {
-        /// The log whose settings the analyst looks at; `None` to change the shared ones alone.
+        /// Log whose settings the analyst views; `None` for the shared settings.
         log: Option<LogKey>,
         /// Settings after the change, as composed.
         after: Box<Settings>,
-        /// Name of the change: `threshold`.
+        /// Name of the change, such as `threshold`.
         label: &'static str,
     },
-    /// Makes a setting a log's own, with the value that it has, or leaves it to what all share.
+    /// Change of a setting to the log's own value, or back to the shared one.
     Own {
-        /// The log.
+        /// Log with the setting.
         log: LogKey,
-        /// The setting, as in `--set`.
+        /// Key of the setting, as in `--set`.
         key: String,
-        /// True if it is the log's own.
+        /// True if the log gets its own value.
         own: bool,
     },
-    /// The bottom of a log was drawn or forgotten.
+    /// Change of the bottom edits of a log.
     Bottom {
-        /// The log.
+        /// Log of the edits.
         log: LogKey,
-        /// All of its bottom edits.
+        /// All bottom edits of the log after the change.
         after: BottomSettings,
     },
-    /// A decision about a box.
+    /// Decision about a box.
     Box {
-        /// The log.
+        /// Log of the box.
         log: LogKey,
-        /// The decision.
+        /// Decision about the box.
         edit: Edit,
     },
-    /// Boxes that were searched for, or a review that was opened.
+    /// Boxes of a search, or a review that was opened.
     Review {
-        /// The log.
+        /// Log of the review.
         log: LogKey,
-        /// All of its boxes.
+        /// Review of all boxes of the log after the change.
         after: Arc<Review>,
-        /// Name of the change: `search for objects`.
+        /// Name of the change, such as `search for objects`.
         label: &'static str,
     },
-    /// A log more.
+    /// Log that is added.
     Add(Box<ProjectLog>),
-    /// A log less; its file stays.
+    /// Log that is removed; its file stays.
     Remove(LogKey),
-    /// A log stands elsewhere in the list.
+    /// Move of a log in the list.
     Move {
-        /// The log.
+        /// Log that is moved.
         log: LogKey,
-        /// Its new place, from 0.
+        /// New place, from 0.
         to: usize,
     },
-    /// A log is called otherwise.
+    /// New name of a log.
     Rename(LogKey, String),
-    /// A log has another colour, or one by its place.
+    /// New colour of a log; `None` for one by its place in the list.
     Colour(LogKey, Option<[u8; 3]>),
-    /// A log takes part, or does not.
+    /// True if a log is shown.
     Show(LogKey, bool),
-    /// Something was measured; `None` instead of a number for one more.
+    /// Measurement by its number; `None` for a new one.
     Measure(Option<u32>, Measurement),
-    /// A measurement is taken away.
+    /// Number of a measurement that is removed.
     Forget(u32),
-    /// Another file of the survey, by what it is, or none any more.
+    /// Another file of the survey, by its kind; `None` to remove it.
     File(String, Option<PathBuf>),
 }
 
 impl Project {
-    /// The project after a change; `None` when it changes nothing, or is about something that is
-    /// not there.
+    /// Returns the project after a change; `None` if it changes nothing, or the changed object does
+    /// not exist.
     pub fn apply(&self, change: &Change) -> Option<Self> {
         match change {
             Change::Settings { log, after, .. } => self.with_settings(log.as_ref(), after),

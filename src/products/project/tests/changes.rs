@@ -1,9 +1,9 @@
-//! Any sequence of changes, undone, done again, written and read.
+//! Tests sequences of random changes, which are undone, redone, written and read.
 
 use super::*;
 use proptest::prelude::*;
 
-/// Any change of the list, made from any numbers; those that do not fit the project change nothing.
+/// Makes any change from random numbers; changes that do not fit the project change nothing.
 fn any_change() -> impl Strategy<Value = (u8, usize, usize)> {
     (0_u8..14, 0_usize..500, 0_usize..500)
 }
@@ -38,7 +38,7 @@ fn change_from((kind, a, b): (u8, usize, usize), project: &Project) -> Option<Ch
     })
 }
 
-/// A change of one of three settings.
+/// Returns a change of one of three settings.
 fn setting_change(project: &Project, log: LogKey, b: usize) -> Option<Change> {
     let settings = project.settings_of(project.log(&log)?).ok()?;
     let text = ["draft_m=", "outliers.min_neighbors=", "water_level_m="][b % 3];
@@ -46,7 +46,7 @@ fn setting_change(project: &Project, log: LogKey, b: usize) -> Option<Change> {
     Some(Change::Settings { log: Some(log), after: Box::new(after), label: "setting" })
 }
 
-/// A line of the bottom that is drawn or accepted, or one that is removed.
+/// Returns a change that draws, accepts or removes a stretch of the bottom line.
 fn bottom_change(log: &ProjectLog, is_drawn: bool, a: usize, b: usize) -> Change {
     let side = Side::BOTH[b % 2];
     let of_log =
@@ -60,7 +60,7 @@ fn bottom_change(log: &ProjectLog, is_drawn: bool, a: usize, b: usize) -> Change
     Change::Bottom { log: log.key.clone(), after }
 }
 
-/// An edit of a box that may be there, or a box that is added.
+/// Returns an edit of a box that may exist, or a new box.
 fn box_edit(a: usize, b: usize) -> Edit {
     let id = BoxId(1 + (b % 20) as u32);
     match a % 13 {
@@ -87,7 +87,7 @@ fn box_edit(a: usize, b: usize) -> Edit {
     }
 }
 
-/// A change of what belongs to no log: measurements and files.
+/// Returns a change of data that belong to no log: measurements and files.
 fn change_of_survey(a: usize, b: usize) -> Change {
     let at = |step: f64| LonLat { lon_deg: a as f64 / 10.0 + step, lat_deg: b as f64 / 10.0 };
     let measurement = Measurement {
@@ -110,7 +110,7 @@ fn change_of_survey(a: usize, b: usize) -> Change {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Whatever is done can be taken back to the state before, and done again to the state after,
+    /// Tests that every change can be undone to the state before, and redone to the state after,
     /// step by step.
     #[test]
     fn all_that_is_done_is_undone_and_done_again(requested in prop::collection::vec(any_change(), 1..60)) {
@@ -142,8 +142,8 @@ proptest! {
         prop_assert!(history.redo(&now).is_none());
     }
 
-    /// The entry of a change in a journal turns the lines before it into the lines after it, from
-    /// any state to any other.
+    /// Tests that the journal entry of a change turns the lines before it into the lines after it,
+    /// from any state to any other.
     #[test]
     fn the_lines_of_a_change_are_all_of_it(requested in prop::collection::vec(any_change(), 1..40), from in any::<prop::sample::Index>()) {
         let mut states = vec![full()];
@@ -161,7 +161,7 @@ proptest! {
         prop_assert_eq!(read_back.to_text(folder()), after.to_text(folder()));
     }
 
-    /// Whatever the text holds, it is read or refused.
+    /// Tests that any damaged text is either read or refused.
     #[test]
     fn spoilt_text_is_read_or_refused(at in any::<prop::sample::Index>(), length in 0_usize..40, with in ".{0,12}") {
         let text = full().to_text(folder());

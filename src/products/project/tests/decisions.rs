@@ -1,15 +1,15 @@
-//! A decision changes few lines of a project's text, and no others.
+//! Tests that a decision changes few lines of a project's text, and no others.
 
 use super::*;
 
-/// Each change of the full project removes and adds so many lines, and what it writes is read as it
-/// is.
+/// Asserts that each change of the full project removes and adds this many lines, and that the
+/// written text is read back unchanged.
 fn assert_lines_changed<const N: usize>(changes: [(Change, [usize; 2]); N]) {
     let project = full();
     for (change, lines) in changes {
         let after = project.apply(&change).expect("a change");
         let differ = lines_that_differ(&project.to_text(folder()), &after.to_text(folder()));
-        // Blank lines and headings are no decisions.
+        // Blank lines and headings are not counted.
         let count =
             differ.each_ref().map(|lines| lines.iter().filter(|line| line.contains(" = ")).count());
         assert_eq!(count, lines, "{change:?}: {differ:#?}");
@@ -33,7 +33,7 @@ fn one_decision_about_a_box_changes_one_line() {
         (Edit::Rate(id, Some(Certainty::Probable)), [1, 1]),
         (set_edges, [1, 1]),
         (add_point, [0, 1]),
-        // The class is one of the log's from then on.
+        // The log has the new class from then on.
         (Edit::Classify(id, "steam tug".to_owned()), [2, 2]),
     ];
     let log = || key.clone();

@@ -1,5 +1,5 @@
-//! Projects on disk: opened, saved, killed, open twice, changed by others, in folders that cannot
-//! be written.
+//! Tests of projects on disk: opened, saved, after a killed program, open twice, changed by other
+//! programs, in folders that cannot be written.
 
 use super::change::Change;
 use crate::project::store::{StoreFault, read};
@@ -10,10 +10,10 @@ use bathyscope_objects::review::{BoxId, Edit};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The version that this program writes; there is a file of each in this folder.
+/// Version that this program writes; this folder has a file of each version.
 const VERSION: u32 = 1;
 
-/// A project of one log in a folder, saved.
+/// Creates and saves a project of one log in a folder.
 fn saved(folder: &Path) -> (Store, Project) {
     let log = folder.join("pond.sl2");
     fs::copy(bathyscope_test_support::demo_log(), &log).expect("a log");
@@ -61,7 +61,7 @@ fn what_was_not_saved_is_taken_in_when_the_project_is_opened() {
     let second = renamed(&first, "second");
     store.record(&second, "rename first").expect("a line");
     assert!(store.is_unsaved(&second) && !store.is_unsaved(&project));
-    // As if the program were killed: nothing is tidied.
+    // As after a killed program: nothing is cleaned up.
     let journal = folder.join("lake.bathyscope-journal");
     let left = fs::read(&journal).expect("a journal");
     drop(store);
@@ -78,7 +78,7 @@ fn what_was_not_saved_is_taken_in_when_the_project_is_opened() {
     assert!(opened.notes[0].contains("rename first"), "{:?}", opened.notes);
     let mut store = opened.store;
     assert!(store.is_unsaved(&opened.project));
-    // They stay unsaved, and outlive another end without a word.
+    // The changes stay unsaved, and survive another end of the program.
     drop(store);
     let opened = Store::open(&path(folder)).expect("a project");
     assert_eq!(name(&opened.project), "second");
@@ -89,7 +89,7 @@ fn what_was_not_saved_is_taken_in_when_the_project_is_opened() {
     assert!(!journal.exists(), "{:?}", names(folder));
     let again = Store::open(&path(folder)).expect("a project");
     assert!(again.notes.is_empty() && name(&again.project) == "second");
-    // What is not to be kept is forgotten.
+    // Changes that are not to be kept are lost.
     let mut store = again.store;
     store.record(&renamed(&again.project, "third"), "rename").expect("a line");
     store.close(false);
@@ -114,12 +114,12 @@ fn two_windows_do_not_have_one_project() {
     assert!(matches!(over.what, StoreFault::Taken(_)), "{over}");
     #[cfg(unix)]
     {
-        // By another name it is the same project.
+        // Through a link it is the same project.
         std::os::unix::fs::symlink(path(folder), folder.join("link.bathyscope")).expect("a link");
         let taken = Store::open(&folder.join("link.bathyscope")).expect_err("another window");
         assert!(matches!(taken.what, StoreFault::Taken(_)), "{taken}");
     }
-    // To look at it is no harm.
+    // Reading needs no lock.
     assert_eq!(read(&path(folder)).expect("a project"), project);
     drop(store);
     Store::open(&path(folder)).expect("a project that nobody has");
@@ -142,7 +142,7 @@ fn what_another_program_changed_is_not_written_over() {
     assert_eq!(name(&read(&other).expect("a project")), "ours");
     drop(store);
 
-    // What was done is about another file: it is kept aside, not mixed in.
+    // The changes were made to another file: they are kept in a file of their own, not applied.
     let opened = Store::open(&path(folder)).expect("a project");
     assert_eq!(name(&opened.project), "theirs");
     assert!(opened.notes.len() == 1 && opened.notes[0].contains("-older"), "{:?}", opened.notes);
@@ -155,7 +155,8 @@ fn a_folder_that_cannot_be_written_is_told() {
     let folder = temporary.path();
     let (store, project) = saved(folder);
     drop(store);
-    // Where the journal belongs lies a folder: the root of a container may write where nobody may.
+    // A folder is in place of the journal, since the root user of a container can write into any
+    // folder.
     fs::create_dir(folder.join("lake.bathyscope-journal")).expect("a folder");
     let refused = Store::open(&path(folder)).expect_err("no journal");
     assert!(matches!(refused.what, StoreFault::NotWritable(_)), "{refused}");
@@ -187,7 +188,7 @@ fn a_project_is_no_log_and_a_log_no_project() {
     assert!(Store::open(&folder.join("none.bathyscope")).is_err());
 }
 
-/// A newer project is refused and stays, with all that lies beside it.
+/// Tests that a newer project is refused and stays unchanged, with the files beside it.
 #[test]
 fn a_newer_project_is_not_written_over() {
     let temporary = tempfile::tempdir().expect("a folder");
@@ -200,7 +201,8 @@ fn a_newer_project_is_not_written_over() {
     assert_eq!(names(folder), ["lake.bathyscope"]);
 }
 
-/// A project of every version opens for ever; with a new version comes a file of the last one.
+/// Tests that a project of every version can be opened; each new version adds a file of the one
+/// before.
 #[test]
 fn every_version_opens() {
     let here = Path::new(env!("CARGO_MANIFEST_DIR")).join("project/tests");
@@ -219,7 +221,7 @@ fn every_version_opens() {
         let decided = log.review.get(BoxId(2)).map(|one| (one.state.name(), one.note.as_str()));
         assert_eq!(decided, Some(("accepted", "a \"wreck\"\nor so")));
         assert_eq!(project.measurements.len(), 1);
-        // Saved, it is one of this version, and says the same.
+        // The saved project has this version, and the same content.
         let mut store = opened.store;
         store.save(project).expect("a save");
         let again = read(store.path()).expect("a project");
@@ -227,7 +229,7 @@ fn every_version_opens() {
     }
 }
 
-/// A journal that nobody wrote, in every way that a file can be wrong.
+/// Tests journals that this program cannot have written, damaged in many ways.
 #[test]
 fn a_journal_of_nonsense_does_no_harm() {
     let temporary = tempfile::tempdir().expect("a folder");
@@ -267,7 +269,8 @@ fn a_journal_of_nonsense_does_no_harm() {
     assert_eq!(opened.project.logs()[0].review.boxes().len(), 1);
 }
 
-/// Without a window a project is its visible logs, each with its own settings over the shared ones.
+/// Tests that the inputs of a project are its visible logs, each with its own settings in place of
+/// the shared ones.
 #[test]
 fn a_project_is_an_input_of_its_logs_wherever_they_lie() {
     let temporary = tempfile::tempdir().expect("a folder");

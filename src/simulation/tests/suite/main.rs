@@ -1,4 +1,4 @@
-//! Simulated surveys beside their truth.
+//! Tests simulated surveys against their truth.
 
 #![allow(
     clippy::expect_used,

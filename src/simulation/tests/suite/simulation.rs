@@ -1,5 +1,5 @@
-//! Simulated surveys: what the log says against what was simulated, and the truth against geometry
-//! worked out apart.
+//! Compares the log of simulated surveys with the simulated scene, and the truth with geometry that
+//! is computed independently.
 
 use bathyscope_log::formats;
 use bathyscope_log::support::progress::{Cancelled, Progress};
@@ -18,13 +18,13 @@ fn open(simulated: &Simulated) -> Survey {
         .expect("our reader opens our log")
 }
 
-/// The first seconds of a scene.
+/// Simulates the first ten seconds of a scene.
 fn run_short(mut scene: Scene) -> Simulated {
     scene.duration_s = Some(10.0);
     run(&scene, 1)
 }
 
-/// A short straight line over level ground at 2.5 m, with nothing wrong.
+/// Creates a short straight line over level ground at 2.5 m, without faults.
 fn level_scene() -> Scene {
     let mut scene = Scene::gentle();
     scene.bed.terrace = Some(Terrace {
@@ -42,7 +42,7 @@ fn level_scene() -> Scene {
     scene
 }
 
-/// Mean byte of one side between two slant ranges, over some pings.
+/// Returns the mean byte of one side between two slant ranges, over some pings.
 fn mean_byte(
     survey: &Survey,
     pings: impl Iterator<Item = usize>,
@@ -64,9 +64,9 @@ fn mean_byte(
 
 #[test]
 fn demo_log_is_what_its_scene_gives() {
-    // Exact on every machine: the simulation uses IEEE 754 operations only. The one exception, the
-    // rounding of positions to whole metres after the system's `tan` and `ln`, could differ only
-    // within 1e-9 m of half a metre.
+    // The bytes are equal on every machine, because the simulation uses IEEE 754 operations only.
+    // The one exception, the rounding of positions to whole metres after the system's `tan` and
+    // `ln`, could differ only within 1e-9 m of half a metre.
     let bundled =
         std::fs::read(bathyscope_test_support::demo_log()).expect("the bundled demo survey");
     assert!(bundled.len() < 4_000_000, "{} bytes", bundled.len());
@@ -226,14 +226,15 @@ fn shadow_tells_the_height_of_a_block() {
     let [seen] = &simulated.objects[0].sightings[..] else {
         panic!("{:?}", simulated.objects);
     };
-    // Sailing east, south is starboard; 2 m at 0.135 m a ping.
+    // The boat goes east, so south is starboard; 2 m at 0.135 m a ping are 15 pings.
     assert_eq!(seen.side, Side::Starboard);
     assert!((14..17).contains(&(seen.last_ping - seen.first_ping + 1)), "{seen:?}");
     // h = H (r_end - r_top) / r_end, from the far edge of the top (equations of the shadow).
     let [from, to] = seen.shadow_m;
     let height = 2.5 * (to - from) / to;
     assert!((height - 0.5).abs() < 0.02, "{height}");
-    // The picture shows it: dark behind the block, not so a few metres along the track.
+    // The picture shows the shadow: it is dark behind the block, but not a few metres along the
+    // track.
     let shadow = [from + 0.15, to - 0.15];
     let behind =
         mean_byte(&survey, seen.first_ping + 2..seen.last_ping - 1, Side::Starboard, shadow);
@@ -332,7 +333,8 @@ fn cancelled_simulation_stops() {
     assert!(matches!(simulate(&Scene::gentle(), 1, &progress), Err(Cancelled)));
 }
 
-/// Mean and standard deviation of the starboard bytes of the even ground between two slant ranges.
+/// Returns the mean and the standard deviation of the starboard bytes of the even ground between
+/// two slant ranges.
 fn spread_of_bytes(scene: &Scene, span_m: [f64; 2]) -> [f64; 2] {
     let survey = open(&run(scene, 1));
     let mut bytes = Vec::new();
@@ -355,7 +357,7 @@ fn a_recorder_that_smooths_shows_less_speckle_and_the_same_mean() {
     scene.recorder.smoothing_samples = 3.0;
     let [smooth_mean, smooth_sd] = spread_of_bytes(&scene, [3.5, 5.0]);
     assert!((mean - smooth_mean).abs() < 0.5, "{mean} {smooth_mean}");
-    // Grains of 2.5 samples under a window of some ten.
+    // A window of some ten samples averages grains of 2.5 samples.
     assert!((0.3..0.7).contains(&(smooth_sd / sd)), "{sd} {smooth_sd}");
 }
 
@@ -370,8 +372,8 @@ fn a_bed_that_scatters_by_a_higher_power_is_darker_where_it_is_seen_flatly() {
         scene.bed.scatter_power = power;
         spread_of_bytes(&scene, span_m)[0] / scene.recorder.bytes_per_db
     };
-    // At 3.54 and 5 m the cosines are 0.71 and 0.5: cos^2 more takes 3 dB from the first and 6 from
-    // the second.
+    // At 3.54 and 5 m the cosines are 0.71 and 0.5: an exponent greater by 2 lowers the first level
+    // by 3 dB and the second by 6 dB.
     let [near_db, far_db] =
         [[3.49, 3.59], [4.9, 5.1]].map(|span_m| level_db(2.0, span_m) - level_db(4.0, span_m));
     assert!((far_db - near_db - 3.0).abs() < 0.5, "{near_db} {far_db}");

@@ -1,5 +1,5 @@
-//! The ranked flat stretches as a table: a click proposes one, and what speaks against it stands
-//! below.
+//! Lists the ranked flat stretches in a table, with the objections to them below; a click proposes
+//! a stretch.
 
 use crate::app::{Command, LogPlace, Tool};
 use crate::ui::list_keys::ListKeys;
@@ -10,7 +10,7 @@ use bathyscope_log::survey::Survey;
 use bathyscope_products::pipeline::Products;
 use egui::{Align2, Color32, FontId, Response, Role, Sense, TextStyle, Ui, WidgetInfo, pos2, vec2};
 
-/// The headings, what each holds, and where its column ends as a share of the width.
+/// Heading, hint and right edge of each column; the edge is a share of the width.
 const COLUMNS: [(&str, &str, f32); 6] = [
     ("No.", "Rank: 1 is the best stretch.", 0.08),
     ("Ping", "First ping of the stretch.", 0.25),
@@ -104,7 +104,7 @@ fn propose(context: &mut ViewContext<'_>, range: PingRange) {
     context.push(Command::Reveal(LogPlace::ping(middle)));
 }
 
-/// A row of the table that is a button.
+/// Draws a row of the table, which is a button.
 fn row(ui: &mut Ui, cells: &[String; 6], is_chosen: bool, name: &str) -> Response {
     let size = vec2(ui.available_width(), 18.0);
     let (rect, response) = ui.allocate_exact_size(size, Sense::click());

@@ -1,7 +1,7 @@
-//! Step 2: from samples to metres. The scale in use, the flat stretches to measure one on, and the
-//! one that is proposed.
+//! Draws step 2, from samples to metres: the scale in use, the flat stretches on which one can be
+//! measured, and the proposed stretch.
 //!
-//! In: the state. Out: controls and texts, and commands.
+//! The panel reads the state of the app, draws controls and texts, and sends commands.
 
 mod candidates;
 mod plot;
@@ -53,7 +53,8 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     });
 }
 
-/// Returns true if another stretch is proposed than in the frame before: the section opens for it.
+/// Returns true if a stretch was proposed that was not proposed in the last frame; the section then
+/// opens.
 fn follow_proposal(ui: &Ui, context: &ViewContext<'_>) -> bool {
     let id = egui::Id::unique("stretch proposed in the frame before");
     let now = context.app.log.proposed_stretch();
@@ -73,7 +74,7 @@ fn scale(scale: Option<&Scale>) -> String {
     )
 }
 
-/// The scale in use, and those that there are.
+/// Draws the scale in use, and the available scales.
 fn in_use(ui: &mut Ui, calibration: &Calibration, source: RangeSource, units: Units) {
     let is_estimated = source == RangeSource::Estimated;
     let spot = calibration.flat_spot.as_ref();
@@ -140,19 +141,19 @@ fn range_hint(calibration: &Calibration, units: Units) -> String {
     format!("What is done to every recorded range before depths are made of it.{measured}")
 }
 
-/// `pings 400 to 499`.
+/// Returns the pings of a stretch as text: `pings 400 to 499`.
 fn pings(range: PingRange) -> String {
     format!("pings {} to {}", range.start, range.end.saturating_sub(1))
 }
 
-/// The tool that proposes a stretch, and the way back to the recorded range.
+/// Draws the tool that proposes a stretch, and the button that restores the recorded range.
 fn tools(ui: &mut Ui, context: &mut ViewContext<'_>, mode: ScaleMode) {
     let action = Action::Calibrate;
     let holds = context.app.log.reviewing.tool == Tool::Calibrate;
     ui.horizontal_wrapped(|ui| {
         let button = Button::new("Calibrate on a stretch").selected(holds);
         let response = controls::underline(ui, holds, button);
-        // The scale is chosen by what this begins.
+        // The tool is the control of the setting of the scale.
         find_setting::answer(ui, context, rows::SCALE.key, &response);
         context.keyed_button(response, action);
         if mode == ScaleMode::FlatSpot && context.app.log.proposed_stretch().is_none() {

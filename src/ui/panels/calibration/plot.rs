@@ -1,4 +1,5 @@
-//! First-return ranges against soundings with the line of a scale, and the residuals below.
+//! Plots the first-return ranges against soundings with the line of a scale, and the residuals
+//! below.
 
 use crate::app::ViewOptions;
 use crate::ui::panels::axes::PlotAxes;
@@ -8,16 +9,16 @@ use bathyscope_bottom::presentation::plot::Axis;
 use bathyscope_products::pipeline::{Products, ScaleTrial};
 use egui::{Color32, Painter, Rect, Role, Sense, Stroke, Ui, WidgetInfo, vec2};
 
-/// Height of each of the two pictures, points.
+/// Height of each of the two plots, points.
 const HEIGHT: f32 = 96.0;
-/// Points drawn of a log, at most, and of a stretch.
+/// Greatest number of points that are drawn of a log, and of a stretch.
 const MOST_POINTS: usize = 1500;
-/// Share of the points at either end that does not set the axes.
+/// Share of the points at either end that does not affect the axes.
 const TAIL: f64 = 0.02;
-/// Reach of the lower picture at least, metres.
+/// Least range of the lower plot, metres.
 const LEAST_REACH_M: f64 = 0.1;
 
-/// Draws both.
+/// Draws both plots.
 pub(super) fn ui(ui: &mut Ui, trial: &ScaleTrial, products: &Products, options: &ViewOptions) {
     let Some(factor) = trial.spot.factor else {
         return;
@@ -40,7 +41,7 @@ pub(super) fn ui(ui: &mut Ui, trial: &ScaleTrial, products: &Products, options: 
     );
 }
 
-/// Points of both pictures.
+/// Points of both plots.
 struct Points<'a> {
     log: Vec<&'a RangeAtDepth>,
     stretch: Vec<&'a RangeAtDepth>,
@@ -112,7 +113,7 @@ impl<'a> Points<'a> {
         let ends = self.depths_m.map(|depth_m| units.in_unit(depth_m));
         let across = Axis::new(&format!("residual over sounding, {}", units.symbol()), ends);
         let up = Axis {
-            // In the numbers' place there is no room for a name.
+            // The numbers leave no space for a name.
             name: String::new(),
             ends: [-reach_m, reach_m],
             ticks: [-reach_m, 0.0, reach_m]
@@ -130,7 +131,7 @@ impl<'a> Points<'a> {
     }
 }
 
-/// Ends of the values, without the share [`TAIL`] at either end.
+/// Returns the ends of the values, without the share [`TAIL`] at either end.
 fn ends(mut values: Vec<f64>) -> [f64; 2] {
     values.sort_unstable_by(f64::total_cmp);
     let tail = (TAIL * values.len() as f64) as usize;
@@ -146,7 +147,7 @@ fn faint(options: &ViewOptions) -> Color32 {
     theme::plot_ink(options).gamma_multiply(0.45)
 }
 
-/// Colour of the proposed scale on the background of a panel.
+/// Returns the colour of the proposed scale on the background of a panel.
 fn ink(options: &ViewOptions) -> Color32 {
     theme::proposal_ink(options)
 }

@@ -1,5 +1,5 @@
-//! The stretch that is proposed for the scale: what it gives, what speaks against it, and what it
-//! would change.
+//! Draws the stretch that is proposed for the scale, with its result, the objections to it, and the
+//! changes that it would make.
 
 use super::{pings, plot};
 use crate::app::Action;
@@ -10,7 +10,7 @@ use bathyscope_products::pipeline::{Products, ScaleEffect, ScaleTrial};
 use egui::{Align, Frame, RichText, Ui};
 use std::sync::Arc;
 
-/// Draws it, if there is one; a new one is brought into sight.
+/// Draws the proposed stretch, if there is one; a new one is scrolled into view.
 pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, products: &Products, is_new: bool) {
     let Some(range) = context.app.log.proposed_stretch() else {
         return;

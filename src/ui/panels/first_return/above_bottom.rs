@@ -1,5 +1,5 @@
-//! The first returns above the recorded depth: how many, why they may be there, what counts, and a
-//! list of the stretches to accept.
+//! Draws the number of first returns above the recorded depth, possible reasons, the number that
+//! counts, and a list of the stretches to accept.
 
 use super::super::parts::remark;
 use crate::app::{AboveBottom, AboveStretch, Action, Command, LogPlace, Tool};
@@ -9,10 +9,11 @@ use egui::{Align, Button, Layout, ScrollArea, Ui};
 
 /// Height of a row of the list, points.
 const ROW: f32 = 18.0;
-/// Rows of the list that are in view at once.
+/// Number of rows of the list that are visible at once.
 const ROWS: f32 = 6.0;
 
-/// Draws it, of so many first returns; nothing where none lies above the recorded depth.
+/// Draws the first returns above the recorded depth, as a part of all `of` first returns; draws
+/// nothing if there are none.
 pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, above: &AboveBottom, of: usize) {
     if above.count == 0 {
         return;
@@ -34,7 +35,8 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, above: &AboveBottom
     tool(ui, context);
 }
 
-/// Possible reasons why returns lie above the bottom, and how many count for the map.
+/// Returns sentences about possible reasons for returns above the bottom, and about the number that
+/// counts for the map.
 fn reasons(context: &ViewContext<'_>, above: &AboveBottom) -> Vec<String> {
     let units = context.units();
     let settings = &context.app.log.settings.surface;
@@ -71,8 +73,8 @@ fn reasons(context: &ViewContext<'_>, above: &AboveBottom) -> Vec<String> {
     reasons
 }
 
-/// The stretches, those with most that do not count first: a click shows one in all views, the
-/// button accepts it.
+/// Draws the list of stretches, beginning with those with most returns that do not count: a click
+/// shows a stretch in all views, the button accepts it.
 fn list(ui: &mut Ui, context: &mut ViewContext<'_>, stretches: &[AboveStretch]) {
     let height = ROWS * (ROW + ui.spacing().item_spacing.y);
     ScrollArea::vertical()

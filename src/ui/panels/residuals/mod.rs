@@ -1,7 +1,7 @@
-//! Differences between the points of the survey and a reference: statistics, their distribution,
-//! and the quantities that they depend on.
+//! Draws the differences between the points of the survey and a reference: statistics, their
+//! distribution, and their dependence on other quantities.
 //!
-//! In: the state. Out: tables and histograms, and commands.
+//! The panel reads the state of the app, draws tables and histograms, and sends commands.
 
 mod plots;
 mod reference;
@@ -21,7 +21,8 @@ use plots::{HEIGHT, OVERS};
 /// Draws the section.
 pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     section(ui, context, Section::new("Residuals").of(Stage::Outliers), |ui, context| {
-        // Comparing costs a triangulation of all soundings: it waits until somebody looks.
+        // The comparison needs a triangulation of all soundings, and starts only when the section
+        // is visible.
         let place = Rect::from_min_size(ui.cursor().min, vec2(ui.available_width(), HEIGHT));
         if context.app.log.products.is_some() && ui.is_rect_visible(place) {
             context.push(Command::CompareWithReference);
@@ -36,13 +37,14 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
             .and_then(|figures| figures.residuals.as_ref());
         let units = context.units();
         statistics(ui, &agreement.comparison, same_ping, units);
-        // Soundings of the same recorder prove no order.
+        // Soundings of the same recorder are no evidence for an order of S-44.
         if agreement.reference.is_some() {
             orders(ui, &agreement.comparison);
         }
         let id = egui::Id::unique("residuals over");
         let mut over = ui.data(|data| data.get_temp(id)).unwrap_or_default();
-        // Wrapped: a row that is wider than the panel would widen it when it comes into view.
+        // The row is wrapped: one that is wider than the panel would widen the panel when it comes
+        // into view.
         ui.horizontal_wrapped(|ui| {
             for (each, name, hint) in OVERS {
                 ui.selectable_value(&mut over, each, name).on_hover_text(hint);
@@ -60,7 +62,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     });
 }
 
-/// Reason why there is nothing to show.
+/// Returns the reason why there is nothing to show.
 fn lack(app: &App) -> &str {
     match app.agreement_problem() {
         _ if app.is_comparing_with_reference() => "Residuals are being compared.",
@@ -69,8 +71,8 @@ fn lack(app: &App) -> &str {
     }
 }
 
-/// Draws the statistics of the differences, in rows; `same_ping` are those against the sounding of
-/// each point's own ping, where that is the reference.
+/// Draws the statistics of the differences, in rows; `same_ping` are the differences from the
+/// sounding of each point's own ping, if soundings are the reference.
 fn statistics(ui: &mut Ui, comparison: &Comparison, same_ping: Option<&Residuals>, units: Units) {
     if let Some(residuals) = same_ping {
         let value = cloud::same_ping(residuals, units);
@@ -104,7 +106,7 @@ fn statistics(ui: &mut Ui, comparison: &Comparison, same_ping: Option<&Residuals
     }
 }
 
-/// Draws the shares within the orders of IHO S-44.
+/// Draws the share of the points within the limits of each order of IHO S-44.
 fn orders(ui: &mut Ui, comparison: &Comparison) {
     for within in &comparison.orders {
         let name = format!("S-44 {}", within.order.order);

@@ -1,4 +1,4 @@
-//! The pictures of differences: how often each size occurs, and what they hang on.
+//! Plots the distribution of differences, and their dependence on other quantities.
 
 use crate::app::ViewOptions;
 use crate::ui::panels::axes::PlotAxes;
@@ -18,7 +18,7 @@ pub(super) enum Over {
     Heading,
 }
 
-/// Each of them with its name and what it shows.
+/// Each plot with its name and its hint.
 pub(super) const OVERS: [(Over, &str, &str); 4] = [
     (Over::Count, "Histogram", "How often differences of each size occur."),
     (Over::Depth, "Depth", "Median and standard deviation over the depth of the soundings."),
@@ -30,10 +30,10 @@ pub(super) const OVERS: [(Over, &str, &str); 4] = [
     (Over::Heading, "Heading", "Median and standard deviation over the boat's heading."),
 ];
 
-/// Height of the picture, points.
+/// Height of a plot, points.
 pub(super) const HEIGHT: f32 = 110.0;
 
-/// Draws one of them.
+/// Draws a plot of the differences.
 pub(super) fn picture(ui: &mut Ui, tables: &ResidualTables, over: Over, options: &ViewOptions) {
     let (rect, response) =
         ui.allocate_exact_size(vec2(ui.available_width(), HEIGHT), Sense::hover());
@@ -62,12 +62,12 @@ pub(super) fn picture(ui: &mut Ui, tables: &ResidualTables, over: Over, options:
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &said));
 }
 
-/// An axis without a name whose ticks are where something is to be read, not round.
+/// Creates an axis without a name, with ticks at given values instead of round ones.
 fn axis<const N: usize>(ends: [f64; 2], values: [f64; N], label: impl Fn(f64) -> String) -> Axis {
     Axis { name: String::new(), ends, ticks: values.map(|value| (value, label(value))).to_vec() }
 }
 
-/// Two digits behind the point at most, and none that say nothing.
+/// Returns a number with at most two decimals, without trailing zeros.
 fn short(value: f64) -> String {
     format!("{}", (100.0 * value).round() / 100.0 + 0.0)
 }
@@ -103,7 +103,7 @@ fn medians(
         return;
     };
     let most = bins.iter().map(|bin| bin.residuals.n).max().unwrap_or(0);
-    // A stretch with a handful of points would set the scale for all others.
+    // A bin with a handful of points would determine the scale for all others.
     let counts = |bin: &&Bin| 50 * bin.residuals.n >= most;
     let ends = |bin: &Bin| (bin.residuals.median_m.abs() + bin.residuals.sd_m).max(0.01);
     let reach_m = bins.iter().filter(counts).map(ends).fold(0.0, f64::max);

@@ -1,4 +1,5 @@
-//! Settings of the reference that the points are compared with, and of the match of a point to it.
+//! Draws the settings of the reference that the points are compared with, and of the method that
+//! finds the reference of a point.
 
 use crate::app::{Action, Command, ReferenceBy};
 use crate::ui::ViewContext;
@@ -22,7 +23,7 @@ const BYS: [(ReferenceBy, &str, &str); 2] = [
     ),
 ];
 
-/// Draws it.
+/// Draws the reference with its settings.
 pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let reference = context.app.map.comparing.reference.clone();
     let (name, hint) = match &reference {

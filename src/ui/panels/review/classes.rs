@@ -1,24 +1,24 @@
-//! The classes: one to choose for the selected box, and the list to edit.
+//! Draws the choice of the class of the selected box, and the list of classes, which can be edited.
 
 use crate::app::Command;
 use crate::ui::{ViewContext, controls};
 use bathyscope_objects::review::{Edit, Reviewed};
 use egui::{Button, CollapsingHeader, TextEdit, Ui};
 
-/// Classes that have a key.
+/// Number of classes that have a key.
 const KEYED: usize = 9;
 
-/// The texts that are being written in the list.
+/// Texts that are being edited in the list.
 #[derive(Default)]
 pub(super) struct Classes {
-    /// The list that the names below are of, and the names as they are written.
+    /// The list of classes, and its names as they are being edited.
     written: (Vec<String>, Vec<String>),
-    /// A class to add.
+    /// Name of a class to add.
     new: String,
 }
 
 impl Classes {
-    /// Draws the classes that the selected box can have, and the list.
+    /// Draws the choice of the class of the selected box, and the list of classes.
     pub(super) fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>, one: &Reviewed) {
         choose(ui, context, one);
         CollapsingHeader::new("Edit classes")
@@ -26,7 +26,7 @@ impl Classes {
             .show(ui, |ui| self.list(ui, context));
     }
 
-    /// The survey's list: a name, its place and whether it stays.
+    /// Draws the survey's list of classes: the name of each, and buttons that move or remove it.
     fn list(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
         let list = context.app.log.settings.review.classes.clone();
         if self.written.0 != list {
@@ -61,7 +61,7 @@ impl Classes {
         });
     }
 
-    /// A name to write over: all boxes of the class get the new one.
+    /// Draws the field that renames a class and all boxes of that class.
     fn name(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>, list: &[String], index: usize) {
         let (Some(text), Some(now)) = (self.written.1.get_mut(index), list.get(index)) else {
             return;
@@ -82,7 +82,7 @@ impl Classes {
     }
 }
 
-/// The buttons that move a class in the list, and take it away.
+/// Draws the buttons that move a class in the list or remove it.
 fn place(ui: &mut Ui, context: &mut ViewContext<'_>, list: &[String], index: usize) {
     let name = &list[index];
     let mut press = |label: &str, what: &str, hint: &str, enabled: bool| {
@@ -110,7 +110,7 @@ fn place(ui: &mut Ui, context: &mut ViewContext<'_>, list: &[String], index: usi
     }
 }
 
-/// A button for each class; one gives its name to the selected box.
+/// Draws a button for each class, which gives that class to the selected box.
 fn choose(ui: &mut Ui, context: &mut ViewContext<'_>, one: &Reviewed) {
     let app = context.app;
     let now = app.log.reviewing.review.class_name(one.class);

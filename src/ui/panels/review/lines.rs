@@ -1,4 +1,4 @@
-//! Edits the text of a box: its name, its class, a remark, and the analyst's certainty.
+//! Edits the texts of a box: name, class, remarks, and the analyst's certainty.
 
 use super::super::parts::name_cell;
 use crate::app::{App, Command, LogBox};
@@ -17,7 +17,7 @@ enum Line {
 impl Line {
     const ALL: [Self; 3] = [Self::Name, Self::Class, Self::Note];
 
-    /// Its heading, its name for screen readers, and what it is.
+    /// Returns the heading of the text, its name for screen readers, and its hint.
     fn words(self) -> [&'static str; 3] {
         match self {
             Self::Name => {
@@ -52,16 +52,16 @@ impl Line {
     }
 }
 
-/// The texts that are being written about one box.
+/// The texts of a box that are being edited.
 #[derive(Default)]
 pub(super) struct BoxTexts {
     written: Option<(LogBox, [String; 3])>,
-    /// The name is to get the keyboard.
+    /// True if the field of the name gets the keyboard when it is drawn next.
     pub wants_name: bool,
 }
 
 impl BoxTexts {
-    /// Draws the lines of the selected box.
+    /// Draws the fields of the texts of the selected box.
     pub(super) fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>, one: &Reviewed) {
         self.keep(context, context.app.selected_log_box());
         let Some((id, texts)) = &mut self.written else {
@@ -83,15 +83,15 @@ impl BoxTexts {
             if field.lost_focus() && *text != now {
                 context.push(line.edit(*id, text.clone()));
             } else if !field.has_focus() {
-                // Undo, or another way to change it.
+                // The text was changed elsewhere, for example by undo.
                 text.clone_from(&now);
             }
         }
         certainty(ui, context, *id, one);
     }
 
-    /// Starts on the texts of another box; what was written on the last one is kept, also where
-    /// that is of another log.
+    /// Starts editing the texts of another box; edited texts of the last box are saved, even if
+    /// that belongs to another log.
     pub(super) fn keep(&mut self, context: &mut ViewContext<'_>, now: Option<LogBox>) {
         if self.written.as_ref().map(|(id, _)| *id) == now {
             return;

@@ -1,8 +1,8 @@
-//! The review of the boxes of all logs: how far it is, the selected box enlarged with all that is
-//! known about it, the other boxes that show the same object, the queue, and where truth is known
-//! how the boxes stand to it.
+//! Draws the review of the boxes of all logs: its progress, the selected box enlarged with all its
+//! facts, the other boxes of the same object, the queue, and, if truth is known, the comparison
+//! with it.
 //!
-//! In: the state. Out: controls and pictures of boxes, and commands.
+//! The panel reads the state of the app, draws controls and pictures of boxes, and sends commands.
 
 mod classes;
 mod judged;
@@ -21,24 +21,24 @@ use bathyscope_products::pipeline::Background;
 use egui::{LayerId, Rect, Response, RichText, Ui};
 use object::ObjectPictures;
 
-/// State of the panel: the picture of the selected box, and what is being written about it.
+/// State of the panel: the picture of the selected box, and the texts that are being edited.
 #[derive(Default)]
 pub(crate) struct ReviewPanel {
     chip: Background<chip::ChipKey, BoxChip>,
     lines: lines::BoxTexts,
     classes: classes::Classes,
     object: ObjectPictures,
-    /// Area and layer where the panel was drawn last; `None` while there are no boxes.
+    /// Layer and area of the panel when it was drawn last; `None` while there are no boxes.
     area: Option<(LayerId, Rect)>,
 }
 
 impl ReviewPanel {
-    /// Returns true if the picture is that of the selected box.
+    /// Returns true if the pictures show the present selected box and its object.
     pub(crate) fn is_settled(&self) -> bool {
         !self.chip.is_running() && self.object.is_settled()
     }
 
-    /// Returns true if a control is one of the panel.
+    /// Returns true if a control belongs to the panel.
     pub(crate) fn holds(&self, control: &Response) -> bool {
         self.area.is_some_and(|(layer, area)| {
             control.layer_id == layer && area.contains(control.rect.center())
@@ -50,7 +50,7 @@ impl ReviewPanel {
         self.lines.wants_name = true;
     }
 
-    /// Draws the section; nothing while there are no boxes.
+    /// Draws the section; draws nothing while there are no boxes.
     pub(crate) fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
         if !context.app.has_boxes() {
             *self = Self::default();
@@ -99,7 +99,7 @@ fn progress(ui: &mut Ui, context: &ViewContext<'_>) {
         remark(ui, format!("{proposals} below the least score"));
     }
     let app = context.app;
-    // One line whatever it says: all that is clicked lies below it.
+    // The remark always takes one line, so that the controls below it do not move.
     let kept = match (app.has_unsaved_review(), app.is_at_risk()) {
         (false, _) => "All decisions are saved.",
         (true, true) => "Decisions are not saved.",
@@ -108,7 +108,7 @@ fn progress(ui: &mut Ui, context: &ViewContext<'_>) {
     remark(ui, kept);
 }
 
-/// Number of objects, and the way to their table.
+/// Draws the number of objects, and a button that shows their table.
 fn objects(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let count = context.app.objects().len();
     if count == 0 {
@@ -132,13 +132,13 @@ fn files(ui: &mut Ui, context: &mut ViewContext<'_>) {
     });
 }
 
-/// A button for an action of the table, with its key in the hint.
+/// Draws a button of an action with another label; its hint shows the key of the action.
 fn button(ui: &mut Ui, context: &mut ViewContext<'_>, (action, name): (Action, &str)) {
     let button = ui.button(name);
     context.keyed_button(button.accessible_name(action.label()), action);
 }
 
-/// Extent along the track and in slant range: `0.82 × 1.30 m`.
+/// Returns the extent along the track and in slant range as text: `0.82 × 1.30 m`.
 fn size([along_m, across_m]: [f64; 2], units: Units) -> String {
     if along_m.is_finite() {
         let along = units.number(along_m, 2);

@@ -1,5 +1,4 @@
-//! The object that the selected box shows, with the pictures of all boxes that show it side by
-//! side.
+//! Draws the object that the selected box shows, with the pictures of all its boxes side by side.
 
 use super::super::parts::{fact, remark};
 use super::{button, size};
@@ -9,14 +8,14 @@ use crate::ui::{ViewContext, place, text, theme};
 use bathyscope_products::pipeline::Background;
 use egui::{Color32, RichText, Role, ScrollArea, Sense, Ui, WidgetInfo, vec2};
 
-/// Width of a picture, points: two of them side by side, and a part of the next.
+/// Width of a picture, points, so that two pictures and a part of the next fit side by side.
 const PICTURE_WIDTH: f32 = 124.0;
 /// Height of the tallest picture, points.
 const PICTURE_HEIGHT: f32 = 110.0;
-/// Pictures that are made of one object; of one that was seen more often the others are counted.
+/// Greatest number of pictures of an object; the remaining boxes are counted.
 const MOST_PICTURES: usize = 24;
 
-/// Source of the pictures of an object: the box of each.
+/// Inputs of the pictures of an object: each box, and the key of its picture.
 type Boxes = Vec<(LogBox, chip::ChipKey)>;
 
 /// The pictures of the boxes that show the selected object.
@@ -26,12 +25,12 @@ pub(super) struct ObjectPictures {
 }
 
 impl ObjectPictures {
-    /// Returns true if the pictures are those of the selected object.
+    /// Returns true if the pictures show the present selected object.
     pub(super) fn is_settled(&self) -> bool {
         !self.chips.is_running()
     }
 
-    /// Draws what is known of the object of the selected box, and what decides about it.
+    /// Draws the facts of the object of the selected box, and the buttons that decide about it.
     pub(super) fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
         let Some(object) = context.app.selected_object().cloned() else {
             return;
@@ -89,7 +88,7 @@ impl ObjectPictures {
     }
 }
 
-/// One picture over the name of its log; a click shows the box in its log.
+/// Draws a picture over the name of its log; a click shows the box in its log.
 fn sighting(ui: &mut Ui, app: &App, id: LogBox, chip: &BoxChip) -> Option<Command> {
     let (log, one) = (app.open_log(id.log)?, app.log_box(id)?);
     let is_selected = app.selected_log_box() == Some(id);
@@ -154,7 +153,8 @@ fn facts(ui: &mut Ui, context: &ViewContext<'_>, object: &Object) {
 
 const SEEN: &str = "Passes that saw the object, of those that covered its position. Few sightings of many passes suggest a false alarm.";
 
-/// `2 of 3 passes, in 1 log, 3 boxes`; the boxes where they are more than the passes.
+/// Returns the number of sightings as text: `2 of 3 passes, in 1 log, 3 boxes`; the boxes are named
+/// if there are more of them than passes.
 fn seen(app: &App, object: &Object) -> String {
     let mut seen = match app.selected_object_passes() {
         Some(passes) => {
@@ -174,7 +174,7 @@ fn seen(app: &App, object: &Object) -> String {
     seen
 }
 
-/// The solid that explains echo and shadow best, or why there is none.
+/// Draws the solid that explains echo and shadow best, or the reason why there is none.
 fn shape(ui: &mut Ui, context: &ViewContext<'_>) {
     let app = context.app;
     let Some(found) = app.selected_object_shape() else {

@@ -1,4 +1,4 @@
-//! Order and filter of the boxes, and the score from which proposals are shown.
+//! Draws the order and the filter of the boxes, and the least score of shown proposals.
 
 use super::super::parts::{remark, row};
 use crate::app::Command;
@@ -32,7 +32,7 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     }
 }
 
-/// The slider from which proposals are shown.
+/// Draws the slider of the least score of shown proposals.
 pub(super) fn least_score(ui: &mut Ui, queue: &mut Queue) {
     let hint = "Hides proposals below this score of the detector; decided boxes stay.";
     row(ui, "Least score", hint, |ui| {
@@ -111,7 +111,7 @@ fn size(ui: &mut Ui, queue: &mut Queue, units: Units) {
     }
 }
 
-/// Two values in a row: the second one is named as well.
+/// Draws two values in a row, for the ends of a range; both have names for screen readers.
 fn between(ui: &mut Ui, name: &str, hint: &str, mut value: impl FnMut(&mut Ui, usize) -> Response) {
     row(ui, name, hint, |ui| {
         let low = value(ui, 0);

@@ -1,4 +1,4 @@
-//! The selected box: picture, decision, class, and what is known of it.
+//! Draws the selected box: picture, decision, class, and facts.
 
 use super::super::parts::{fact, remark, within};
 use super::{ReviewPanel, button, size};
@@ -12,7 +12,7 @@ use bathyscope_objects::targets::{ObjectHeight, Target};
 use egui::{RichText, Ui};
 
 impl ReviewPanel {
-    /// Draws the selected box, or how to select one.
+    /// Draws the selected box, or a remark on how to select one.
     pub(super) fn selected(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
         let Some(one) = context.app.log.reviewing.selected_box().cloned() else {
             self.lines.keep(context, None);
@@ -93,7 +93,7 @@ fn decisions(ui: &mut Ui, context: &mut ViewContext<'_>, one: &Reviewed) {
     ui.horizontal_wrapped(|ui| {
         let edits = if tool == Tool::Edit { "Done" } else { "Edit" };
         let draws = if tool == Tool::Draw { "Keep undecided" } else { "New box" };
-        // A box drawn by hand has no proposal to go back to.
+        // A box that was drawn by hand has no undecided state to return to.
         let back = match one.model {
             Some(_) => (Action::UndecideBox, "Undecide"),
             None => (Action::RemoveBox, "Remove"),
@@ -161,7 +161,8 @@ fn on_the_ground(ui: &mut Ui, context: &ViewContext<'_>, one: &Reviewed, target:
     );
 }
 
-/// The height of the object that a box shows; until its boxes are put together, by the box alone.
+/// Returns the height of the object that a box shows; until its boxes are joined, the height by
+/// this box alone.
 fn object_height(app: &App, id: BoxId, target: &Target) -> ObjectHeight {
     let log = app.log.id;
     match app.object_of(LogBox { log, id }) {
@@ -170,7 +171,7 @@ fn object_height(app: &App, id: BoxId, target: &Target) -> ObjectHeight {
     }
 }
 
-/// The source of the height in words.
+/// Returns the source of the height in words.
 fn height_source(app: &App, id: BoxId, height: ObjectHeight) -> String {
     let log = app.log.id;
     match app.object_of(LogBox { log, id }) {
@@ -179,7 +180,7 @@ fn height_source(app: &App, id: BoxId, height: ObjectHeight) -> String {
     }
 }
 
-/// Length and width, and whether they are of edges drawn by hand.
+/// Returns length and width as text, and whether the edges were drawn by hand.
 fn extent(target: &Target, units: Units) -> String {
     let edges = match target.extent {
         ObjectExtent::Point => return "a point, of no known size".to_owned(),
@@ -190,7 +191,7 @@ fn extent(target: &Target, units: Units) -> String {
     format!("{size}{edges}")
 }
 
-/// Describes the shadow and the altitude that the height is computed from.
+/// Describes the shadow and the altitude from which the height is computed.
 fn shadow(target: &Target, units: Units) -> String {
     let [start_m, end_m] = target.shadow_m;
     let altitude = units.measure(target.altitude_m, 2);

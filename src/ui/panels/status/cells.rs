@@ -1,4 +1,4 @@
-//! Facts of a place for the status bar, shortened to the room that there is.
+//! Composes facts of a place for the status bar, shortened to the available width.
 
 use crate::app::{App, LogPlace};
 use crate::ui::{place, text};
@@ -8,9 +8,10 @@ use bathyscope_log::survey::Side;
 pub(super) struct StatusCell {
     /// Full text.
     pub text: String,
-    /// Short text, for little room.
+    /// Short text for a narrow bar; `None` if the full text is used there, too.
     short: Option<String>,
-    /// The lower, the longer it stays when the window gets narrower.
+    /// Rank of importance: cells with the highest rank are left out first when the window becomes
+    /// narrower.
     rank: u8,
 }
 
@@ -21,8 +22,8 @@ impl StatusCell {
     }
 }
 
-/// Position, ping, range, altitude, depth, heading, speed and time of a place, in the order of the
-/// bar.
+/// Returns position, ping, range, altitude, depth, heading, speed and time of a place, in the order
+/// of the bar.
 pub(super) fn of(app: &App, mark: LogPlace) -> Vec<StatusCell> {
     let units = app.view.options.units;
     let survey = app.log.survey.as_ref();
@@ -62,8 +63,9 @@ pub(super) fn of(app: &App, mark: LogPlace) -> Vec<StatusCell> {
     cells.into_iter().flatten().collect()
 }
 
-/// The cells that fit into `room`, in their order: all in full, or all in short, or in short
-/// without the least important ones. `width` is what a text takes with the gap behind it.
+/// Returns the texts that fit into `room`, in their order: all full texts, or all short ones, or
+/// the short ones without the least important cells. `width` returns the width of a text with the
+/// gap behind it.
 pub(super) fn fitting(cells: &[StatusCell], room: f32, width: impl Fn(&str) -> f32) -> Vec<&str> {
     let total = |texts: &[&str]| texts.iter().map(|text| width(text)).sum::<f32>();
     let full: Vec<&str> = cells.iter().map(|cell| cell.text.as_str()).collect();

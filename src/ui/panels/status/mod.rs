@@ -1,6 +1,6 @@
-//! The bottom line: what is under the pointer, and what the program is doing.
+//! Draws the status line: the place under the pointer, and the running work.
 //!
-//! In: the state. Out: a line of text, and commands.
+//! The panel reads the state of the app, draws a line of text, and sends commands.
 
 mod cells;
 
@@ -11,26 +11,25 @@ use bathyscope_bottom::presentation::text::count;
 use bathyscope_products::pipeline::EngineStatus;
 use egui::{Align, Layout, RichText, Ui};
 
-/// A job that takes longer than this is shown.
+/// Time after which a running job is shown, seconds.
 const PATIENCE_S: f64 = 0.4;
 
-/// Room that the right end takes at least with a job and its button, and without one, points: the
-/// rest of the line stays as it is while jobs come and go.
+/// Least width of the right end with a job and its button, and without one, points, so that the
+/// rest of the line stays in place while jobs start and end.
 const JOB_ROOM: f32 = 330.0;
 const REST_ROOM: f32 = 150.0;
 
-/// Width that the right end leaves to the place under the pointer before it names frame rate and
-/// colours, points.
+/// Width for the place under the pointer that the right end leaves free before it shows frame rate
+/// and colours, points.
 const PLACE_ROOM: f32 = 560.0;
 
-/// Draws the line: the right end first, which leaves the rest to the place under the pointer.
+/// Draws the line: first the right end, then the place under the pointer in the remaining space.
 pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let right_to_left = Layout::right_to_left(Align::Center);
     let width = ui.available_width();
     ui.with_layout(right_to_left, |ui| {
         ui.spacing_mut().item_spacing.x = 8.0;
-        // A log that is followed is looked at four times a second: the line must not change with
-        // that.
+        // A followed log is read four times a second: the line must not change each time.
         let follows = context.app.follow_status().is_some();
         let is_busy = follows || !context.app.is_idle() || context.app.is_stopped();
         let taken = if is_busy { JOB_ROOM } else { REST_ROOM };
@@ -53,7 +52,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     });
 }
 
-/// Opens the list of all that was said.
+/// Draws the button that opens the list of notices.
 fn said(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let action = Action::Notices;
     let count = context.app.said().len();
@@ -61,7 +60,7 @@ fn said(ui: &mut Ui, context: &mut ViewContext<'_>) {
     context.keyed_button(ui.button(title).accessible_name(action.label()), action);
 }
 
-/// Draws the facts of the place that fit into the room; hovering shows all of them.
+/// Draws the facts of the place that fit into the available width; hovering shows all of them.
 fn place_under_pointer(ui: &mut Ui, context: &ViewContext<'_>, mark: LogPlace, room: f32) {
     let cells = cells::of(context.app, mark);
     let font = egui::TextStyle::Monospace.resolve(ui.style());
@@ -106,7 +105,7 @@ fn following(ui: &mut Ui, context: &ViewContext<'_>) {
 }
 
 fn rest(ui: &mut Ui, context: &ViewContext<'_>) {
-    // The rate of the last frames that followed each other; an idle window draws none.
+    // The rate is that of the last two consecutive frames; an idle window draws none.
     let rate = egui::Id::unique("frame rate");
     let frame_s = ui.input(|input| input.stable_dt);
     if frame_s < 0.1 {
@@ -147,7 +146,7 @@ fn jobs(ui: &mut Ui, context: &mut ViewContext<'_>) {
         ui.data_mut(|data| data.remove::<f64>(since));
         return stopped(ui, context);
     };
-    // Short jobs come and go without a flicker.
+    // Short jobs are not shown, because they would flicker.
     let started = ui.data_mut(|data| *data.get_temp_mut_or(since, now));
     if now - started < PATIENCE_S {
         return;
@@ -158,8 +157,8 @@ fn jobs(ui: &mut Ui, context: &mut ViewContext<'_>) {
     ui.label(RichText::new(text).small());
 }
 
-/// Offers to go on after processing was stopped. While a slider is dragged, results are behind on
-/// purpose.
+/// Offers to continue after processing was stopped. While a slider is dragged, results are out of
+/// date on purpose.
 fn stopped(ui: &mut Ui, context: &mut ViewContext<'_>) {
     if !context.app.is_stopped() || ui.input(|input| input.pointer.any_down()) {
         return;

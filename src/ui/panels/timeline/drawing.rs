@@ -19,7 +19,7 @@ impl TimelineLayout {
     const GUTTER: f32 = 104.0;
     const AXIS: f32 = 14.0;
 
-    /// Divides the panel.
+    /// Divides the area of the panel.
     pub(super) fn new(outer: Rect) -> Self {
         let mut all = outer;
         all.min.x += Self::GUTTER;
@@ -31,7 +31,7 @@ impl TimelineLayout {
         Self { depth, speed, all, axis_y: all.max.y }
     }
 
-    /// Draws both strips and the axis; `pictures` holds those of the strips.
+    /// Draws both strips and the axis; `pictures` holds the textures of the strips.
     pub(super) fn strips(
         &self,
         ui: &Ui,
@@ -48,7 +48,8 @@ impl TimelineLayout {
         let deepest = known.into_iter().flatten().reduce(f32::max);
         let deepest = deepest.or_else(|| high(&strips.lost));
         let fastest = high(&strips.speed);
-        // Depth hangs from the surface, speed stands on its base line.
+        // The body of the depth extends down from the surface, the body of the speed up from its
+        // base line.
         let depth =
             SeriesBand { rect: self.depth, reach: deepest.unwrap_or(0.0) * 1.08, hanging: true };
         let speed =
@@ -58,7 +59,7 @@ impl TimelineLayout {
         let colour = theme::depth_strip_colour(look);
         let body = colour.gamma_multiply(0.35);
         depth.paint(&mut above, &strips.depth, body, colour);
-        // A line without a body: depth by side-scan only.
+        // A line without a body marks depths from side-scan only.
         let body = colour.gamma_multiply(0.12);
         depth.paint(&mut above, &strips.side_scan, body, colour);
         let colour = theme::speed_strip_colour(look);
@@ -74,8 +75,8 @@ impl TimelineLayout {
         let to_depth = reach(deepest, &|depth_m| units.measure(depth_m, 1));
         let to_speed = reach(fastest, &|speed_mps| units.speed(speed_mps, 1));
         self.gutter(ui, self.depth, "Depth", to_depth);
-        // The gutter has no room for what they count from; at its foot the strip of depths is
-        // mostly empty.
+        // The gutter has no space for the reference of the depths; the strip of depths is mostly
+        // empty at its lower edge.
         ui.painter().text(
             self.depth.right_bottom() - egui::vec2(4.0, 1.0),
             egui::Align2::RIGHT_BOTTOM,
@@ -95,8 +96,8 @@ impl TimelineLayout {
         let y = strip.center().y;
         let right = egui::Align2::RIGHT_CENTER;
         if strip.height() < 27.0 {
-            // In a low window there is no room for two lines, nor beside the buttons for both
-            // words: the unit says what it is.
+            // A low window has no space for two lines, nor for both words beside the buttons: the
+            // unit alone identifies the quantity.
             ui.painter().text(egui::pos2(x, y), right, reach, small, strong);
             return;
         }
@@ -107,13 +108,13 @@ impl TimelineLayout {
     fn axis(&self, ui: &Ui, context: &ViewContext<'_>, strips: &Strips) {
         let survey = context.app.log.survey.as_ref();
         let start = survey.and_then(|survey| survey.start_unix_s);
-        // In a window too narrow for the strips their width is negative: no room for ticks, not for
-        // one a second.
+        // In a window too narrow for the strips their width is negative: without this limit there
+        // would be a tick each second.
         let width = f64::from(self.all.width().max(1.0));
         let step_s = ticks::time_step_s((strips.to_s - strips.from_s) * 90.0 / width);
         let weak = ui.visuals().weak_text_color();
         let font = egui::FontId::proportional(10.0);
-        // Ticks stand on round times of day when the recorder knew the time.
+        // Ticks are at round times of day if the recorder stored the time.
         let zero = start.map_or(0.0, |start| start.rem_euclid(86_400.0));
         let mut tick = ((strips.from_s + zero) / step_s).ceil() * step_s - zero;
         while tick <= strips.to_s {
@@ -130,7 +131,7 @@ impl TimelineLayout {
         }
     }
 
-    /// Draws warnings, the pings on screen, the pointer of other views and the play head.
+    /// Draws warnings, the visible pings, the pointer of other views and the play head.
     pub(super) fn marks(&self, ui: &Ui, context: &ViewContext<'_>, strips: &Strips) {
         let app = context.app;
         let Some(survey) = &app.log.survey else {
@@ -167,7 +168,7 @@ impl TimelineLayout {
         }
     }
 
-    /// Veils the excluded stretches, with a bar above that names them by its colour.
+    /// Shades the excluded stretches, with a bar above in the colour of exclusions.
     fn exclusions(&self, ui: &Ui, context: &ViewContext<'_>, strips: &Strips) {
         let painter = ui.painter().with_clip_rect(self.all);
         let veil = ui.visuals().extreme_bg_color.gamma_multiply(0.75);
@@ -183,7 +184,7 @@ impl TimelineLayout {
         }
     }
 
-    /// Shades what the waterfall does not show.
+    /// Shades the pings that the waterfall does not show.
     fn window(&self, ui: &Ui, from: f32, to: f32) {
         let to = to.max(from + 2.0);
         let shade = ui.visuals().panel_fill.gamma_multiply(0.62);
@@ -241,7 +242,7 @@ impl SeriesBand {
         }
     }
 
-    /// Paints a body up to the series and its low-to-high band on the edge.
+    /// Paints a body up to the series, and the band of its lowest and highest values on the edge.
     fn paint(
         &self,
         raster: &mut PaintedArea,
@@ -253,7 +254,7 @@ impl SeriesBand {
             return;
         }
         let base = self.y(0.0);
-        // Each column of pixels has the extremes of all columns under it.
+        // Each column of pixels gets the extremes of all columns in it.
         for (x, column) in resampled(columns, raster.width()).enumerate() {
             let Some([low, high]) = column else {
                 continue;

@@ -1,6 +1,7 @@
-//! The time line: depth and speed over the whole log, where the views are, and where to go.
+//! Draws the time line: depth and speed over the whole log, the places that the views show, and the
+//! pointer that selects a ping.
 //!
-//! In: the state. Out: curves over time, and commands.
+//! The panel reads the state of the app, draws curves over time, and sends commands.
 
 mod drawing;
 mod strips;
@@ -20,10 +21,10 @@ use strips::Strips;
 /// Height of the panel, points.
 pub(crate) const HEIGHT: f32 = 104.0;
 
-/// The results that the strips are of.
+/// The results from which the strips are made.
 type StripResults = (Same<Navigation>, Same<Vec<PingDepth>>, Same<Correction>);
 
-/// The survey and the results that the strips are of.
+/// The survey and the results from which the strips are made.
 #[derive(PartialEq)]
 struct StripsKey {
     survey: Same<Survey>,
@@ -44,17 +45,17 @@ impl StripsKey {
 /// State of the time line: the strips of the open survey.
 #[derive(Default)]
 pub(crate) struct TimeLine {
-    /// `None` inside where the log has no times.
+    /// The inner `None` means that the log has no times.
     strips: Background<StripsKey, Option<Strips>>,
-    /// Depth and speed as they are on screen.
+    /// Textures of the drawn depth and speed.
     pictures: [Option<RasterTexture>; 2],
     seen_survey: u64,
-    /// The pointer was over the panel in the last frame.
+    /// True if the pointer was over the panel in the last frame.
     was_over: bool,
 }
 
 impl TimeLine {
-    /// Returns true if the strips shown are those of the survey and its last result.
+    /// Returns true if the drawn strips are those of the present survey and its last results.
     pub(crate) fn is_settled(&self) -> bool {
         !self.strips.is_running()
     }
@@ -66,7 +67,8 @@ impl TimeLine {
             return;
         };
         if self.seen_survey != app.view.survey_serial {
-            // Strips of another log would be drawn until those of this one are there.
+            // Without this reset, the strips of another log would be drawn until those of this log
+            // exist.
             self.seen_survey = app.view.survey_serial;
             self.strips = Background::default();
         }

@@ -1,5 +1,5 @@
-//! Data of the time line, reduced on a worker to a few columns: the lowest and highest value in
-//! each, so that no spike is lost.
+//! Reduces the data of the time line in a background thread to a few columns with the lowest and
+//! highest value of each, so that no spike is lost.
 
 use bathyscope_bottom::cloud::{DepthReference, DepthSource};
 use bathyscope_bottom::presentation::units::Units;
@@ -7,26 +7,26 @@ use bathyscope_log::survey::{Sounding, Survey};
 use bathyscope_products::pipeline::Products;
 use egui::Rect;
 
-/// Columns that a log is reduced to; more than any screen is wide.
+/// Greatest number of columns that a log is reduced to; more than the width of any screen.
 const COLUMNS: usize = 2048;
 
-/// Data of the strips; computed on a worker for each survey and navigation.
+/// Data of the strips, computed in a background thread for each survey and navigation.
 pub(super) struct Strips {
-    /// First and last time of the log, seconds after its time zero.
+    /// First time of the log, seconds after its time zero.
     pub from_s: f64,
-    /// See `from_s`.
+    /// Last time of the log, seconds after its time zero.
     pub to_s: f64,
-    /// Depths of the recorder's bottom lock as the map has them, metres.
+    /// Depths of the recorder's bottom lock as the depth map uses them, metres.
     pub depth: ColumnExtremes,
-    /// Depths by side-scan where it had lost the bottom or gives none, metres.
+    /// Depths by side-scan where the recorder had lost the bottom or has no depth, metres.
     pub side_scan: ColumnExtremes,
-    /// Depths that it gave after it had lost the bottom, metres.
+    /// Depths of the recorder after it had lost the bottom, metres.
     pub lost: ColumnExtremes,
     /// Speeds over ground, metres a second.
     pub speed: ColumnExtremes,
     /// Level that the depths are counted from.
     pub reference: DepthReference,
-    /// Times at which the log's warnings point.
+    /// Times of the log's warnings, seconds after its time zero.
     pub warnings_s: Vec<f64>,
 }
 
@@ -77,32 +77,34 @@ impl Strips {
         })
     }
 
-    /// Returns the depth of the strip's lower edge, and what it counts from; `None` without depths.
+    /// Returns the depth of the strip's lower edge with its reference as text; `None` without
+    /// depths.
     pub(super) fn deepest(&self, units: Units) -> Option<String> {
         let deepest_m = span(&self.depth).or_else(|| span(&self.lost))?[1];
         let deepest = units.measure(f64::from(deepest_m), 1);
         Some(format!("to {deepest} {}", self.reference.name()))
     }
 
-    /// Screen x of a time.
+    /// Returns the screen x of a time.
     pub(super) fn x(&self, rect: Rect, time_s: f64) -> f32 {
         let share = (time_s - self.from_s) / (self.to_s - self.from_s).max(f64::MIN_POSITIVE);
         rect.left() + rect.width() * share as f32
     }
 
-    /// Time at a screen x.
+    /// Returns the time at a screen x.
     pub(super) fn time_s(&self, rect: Rect, x: f32) -> f64 {
         let share = f64::from(((x - rect.left()) / rect.width()).clamp(0.0, 1.0));
         self.from_s + share * (self.to_s - self.from_s)
     }
 }
 
-/// Columns for a series of so many values: enough values in each that regular ones leave no gaps.
+/// Returns the number of columns for a number of values: each column gets so many that a regular
+/// series leaves no gaps.
 fn column_count(values: usize) -> usize {
     (values / 3).clamp(16, COLUMNS)
 }
 
-/// Times of the pings at which the log's warnings point; at most one a column.
+/// Returns the times of the pings that the log's warnings refer to, at most as many as columns.
 fn warning_times(survey: &Survey) -> Vec<f64> {
     let offset = |ping: &bathyscope_log::survey::SidePing, file: usize| {
         let span = ping.port.or(ping.starboard)?;
@@ -120,11 +122,11 @@ fn warning_times(survey: &Survey) -> Vec<f64> {
         .collect()
 }
 
-/// Lowest and highest value of each column; `None` where nothing was measured.
+/// Lowest and highest value of each column; `None` for a column without a measurement.
 pub(super) type ColumnExtremes = Vec<Option<[f32; 2]>>;
 
 /// Sorts `values`, pairs of time and value, into `count` columns over `from_s..=to_s`. Values that
-/// are no numbers are left out.
+/// are not finite are left out.
 fn columns(
     values: impl Iterator<Item = (f64, f32)>,
     from_s: f64,
@@ -147,13 +149,14 @@ fn columns(
     columns
 }
 
-/// Lowest and highest value of all columns.
+/// Returns the lowest and highest value of all columns; `None` if all are empty.
 pub(super) fn span(columns: &ColumnExtremes) -> Option<[f32; 2]> {
     let known = columns.iter().flatten().copied();
     known.reduce(|[low, high], [l, h]| [low.min(l), high.max(h)])
 }
 
-/// The same series as `count` columns, more or fewer: extremes are kept, wide columns are repeated.
+/// Returns a series with another number of columns: merged columns keep their extremes, and wide
+/// columns are repeated.
 pub(super) fn resampled(
     columns: &ColumnExtremes,
     count: usize,

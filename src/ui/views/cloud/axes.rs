@@ -1,4 +1,4 @@
-//! The box around the cloud with lengths on its edges.
+//! Draws the box around the cloud, with lengths on its edges.
 
 use super::scene::ShownPoints;
 use crate::app::ViewOptions;
@@ -8,8 +8,8 @@ use crate::ui::views::{legend, ticks};
 use egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, Vec2, vec2};
 use glam::Vec3;
 
-/// Labels nearer to each other than this are thinned out, points: along a level edge, and along an
-/// upright one.
+/// Least distance between labels, points; closer labels are left out. First along a horizontal
+/// edge, then along a vertical one.
 const LABEL_SPACING: [f32; 2] = [44.0, 16.0];
 
 /// The box with its axes, and the camera that shows it.
@@ -25,12 +25,12 @@ pub(super) struct BoxAxes<'a> {
     pub part: ScenePart,
 }
 
-/// A side of the box: the axis it is square to, and whether it is the higher one.
+/// A side of the box: the axis perpendicular to it, and whether it is the higher one of the two.
 type Face = (usize, bool);
 /// An edge of the box: the axis that it runs along, and the two faces that meet in it.
 type Edge = (usize, Face, Face);
 
-/// The faces whose inside is seen: the walls behind the cloud.
+/// Returns the faces whose inner side is visible: the walls behind the cloud.
 fn walls(corners: [Vec3; 2], eye: Vec3) -> Vec<Face> {
     let mut walls = Vec::new();
     for axis in 0..3 {
@@ -44,7 +44,8 @@ fn walls(corners: [Vec3; 2], eye: Vec3) -> Vec<Face> {
     walls
 }
 
-/// The edges along an axis where a wall ends: labels beside them are not crossed by the box.
+/// Returns the edges along an axis where a wall ends: labels beside these are not crossed by the
+/// box.
 fn outline(axis: usize, walls: &[Face]) -> Vec<Edge> {
     let [a, b] = others(axis);
     let sides = [(false, false), (false, true), (true, false), (true, true)];
@@ -52,7 +53,7 @@ fn outline(axis: usize, walls: &[Face]) -> Vec<Edge> {
     edges.into_iter().filter(|(_, a, b)| walls.contains(a) != walls.contains(b)).collect()
 }
 
-/// Writes a text unless it would lie on what is covered.
+/// Writes a text unless it would overlap a covered area.
 fn write_atomically_at(
     painter: &Painter,
     covered: &[Rect],
@@ -73,19 +74,19 @@ fn others(axis: usize) -> [usize; 2] {
 }
 
 impl BoxAxes<'_> {
-    /// The points that are drawn.
+    /// Returns the selection of the points that are drawn.
     pub(super) fn shown(&self) -> ShownPoints {
         ShownPoints { outliers: self.options.cloud.outlier_preview, part: self.part }
     }
 
-    /// Place on the screen; `None` behind the camera.
+    /// Returns a place on the screen; `None` behind the camera.
     pub(super) fn at(&self, place: Vec3) -> Option<Pos2> {
         let ndc = self.projection.project(place)?;
         let half = 0.5 * self.rect.size();
         Some(self.rect.center() + Vec2::new(ndc.x, -ndc.y) * half)
     }
 
-    /// The walls with their grid; to be painted before the points.
+    /// Paints the walls with their grid; to be called before the points are painted.
     pub(super) fn walls(&self, painter: &Painter) {
         let line = Stroke::new(1.0, theme::grid_colour(self.options));
         for (axis, high) in walls(self.corners, self.projection.eye) {
@@ -112,15 +113,15 @@ impl BoxAxes<'_> {
         }
     }
 
-    /// Lengths along the outline, and what they count; to be painted after the points. Nothing is
-    /// written over what is `covered`.
+    /// Paints lengths along the outline, with the names of the axes; to be called after the points
+    /// are painted. Nothing is written over `covered` areas.
     pub(super) fn labels(&self, painter: &Painter, covered: &[Rect]) {
         let walls = walls(self.corners, self.projection.eye);
         for (axis, name) in ["east", "north", "elevation"].into_iter().enumerate() {
             let edges = outline(axis, &walls);
             let place = |edge: &Edge| self.at(self.on(edge, 0.5)).map(|at| (at, *edge));
             let places = edges.iter().filter_map(place);
-            // Horizontal lengths stand below the cloud, elevations to its left.
+            // Horizontal lengths are below the cloud, elevations to its left.
             let chosen = match axis {
                 2 => places.min_by(|a, b| a.0.x.total_cmp(&b.0.x)),
                 _ => places.max_by(|a, b| a.0.y.total_cmp(&b.0.y)),
@@ -132,7 +133,7 @@ impl BoxAxes<'_> {
         }
     }
 
-    /// The place a share of the way along an edge.
+    /// Returns the place at a share of the length of an edge.
     fn on(&self, (axis, a, b): &Edge, share: f32) -> Vec3 {
         let mut place = self.corners[0];
         for (face, high) in [a, b] {
@@ -181,9 +182,10 @@ impl BoxAxes<'_> {
             return;
         }
         let (at, anchor) = match axis {
-            // Above the upper end: beside the numbers it would need much room.
+            // Above the upper end: beside the numbers, the name would need much room.
             2 => (to + vec2(0.0, -8.0), Align2::CENTER_BOTTOM),
-            // Words are wide: beside an upright edge they need more room than under a level one.
+            // Words are wide: beside a vertical edge they need more room than under a horizontal
+            // one.
             _ => {
                 let away = 32.0 + 34.0 * outward.x.abs();
                 (from.lerp(to, 0.5) + away * outward, Align2::CENTER_CENTER)
@@ -203,7 +205,7 @@ impl BoxAxes<'_> {
         }
     }
 
-    /// Round lengths of the survey inside the box, as coordinates of the scene.
+    /// Returns round lengths of the survey inside the box, as coordinates of the scene.
     fn ticks(&self, axis: usize) -> impl Iterator<Item = f32> {
         let zero = self.origin_m[axis];
         let [low, high] = self.corners.map(|corner| f64::from(corner[axis]) + zero);

@@ -1,4 +1,4 @@
-//! The bottom, ready to draw; uploaded in a background thread.
+//! Prepares the bottom for drawing; uploads it in a background thread.
 
 use crate::app::{App, CloudOptions};
 use crate::ui::render::{
@@ -11,34 +11,37 @@ use std::sync::Arc;
 
 /// Width of an isobath on the bottom, points of the screen.
 const LINE: f32 = 1.2;
-/// Brightness of a bottom that is turned away from the light: relief is plain to see, and colours
-/// can still be told apart.
+/// Brightness of a bottom that is turned away from the light: dark enough to show relief, bright
+/// enough to tell colours apart.
 const DARKEST: f32 = 0.25;
-/// The same under the mosaic, whose echoes have light and shade of their own.
+/// Brightness, away from the light, of a bottom under the mosaic, whose echoes have light and shade
+/// of their own.
 const DARKEST_ECHO: f32 = 0.6;
-/// Steps in which the bottom under the pointer is looked for: each comes nearer as many times as
-/// the view is steeper than the bottom.
+/// Steps of the search for the bottom under the pointer. Each step divides the error by the ratio
+/// of the steepness of the view to that of the bottom.
 const STEPS: usize = 6;
 
 /// A bottom on the GPU.
 pub(super) struct BottomScene {
     /// The bottom itself.
     pub bottom: Arc<Bottom>,
-    /// Its tiles.
+    /// Tiles of the bottom on the GPU.
     pub buffers: BottomBuffers,
-    /// The box around it, in the places of the scene, where it reaches farther than the points do.
+    /// The box around the bottom, in coordinates of the scene; `None` unless the mosaic extends
+    /// beyond known depths, on a level bed.
     pub wide: Option<[Vec3; 2]>,
     origin_m: [f64; 3],
 }
 
 impl BottomScene {
-    /// The place on the bottom that is seen at a place of the picture; `None` where there is none.
+    /// Returns the place on the bottom that is visible at a place of the picture; `None` where
+    /// there is no bottom.
     pub(super) fn under(&self, projection: &CameraProjection, ndc: Vec2) -> Option<Vec3> {
         let [east_m, north_m, up_m] = self.origin_m;
         let [least_m, most_m] = self.bottom.range_m;
         let towards = projection.towards(ndc)?;
-        // From the middle of all depths to that of the place, and from there to that of the place
-        // where this one is.
+        // Starts at the middle of all depths, and then repeats with the depth of the bottom at the
+        // place found last.
         let mut z = (-0.5 * (least_m + most_m) - up_m) as f32;
         let mut found = None;
         for _ in 0..STEPS {
@@ -55,8 +58,8 @@ impl BottomScene {
         found
     }
 
-    /// The bottom at a place east and north of the survey's origin, metres; `None` where there is
-    /// none.
+    /// Returns the bottom at a place east and north of the survey's origin, metres; `None` where
+    /// there is no bottom.
     pub(super) fn at(&self, place_m: [f64; 2]) -> Option<Vec3> {
         let [east_m, north_m, up_m] = self.origin_m;
         let depth_m = f64::from(self.bottom.depth_at(place_m)?);
@@ -68,18 +71,18 @@ impl BottomScene {
 /// Key of a scene: a bottom and its origin, metres.
 type BottomSceneKey = (Same<Bottom>, [f64; 3]);
 
-/// The bottom of the view, as it was uploaded last.
+/// The bottom of the view that was uploaded last.
 #[derive(Default)]
 pub(super) struct ShownBottom(Background<BottomSceneKey, Arc<BottomScene>>);
 
 impl ShownBottom {
-    /// Returns true if one is being uploaded.
+    /// Returns true if a bottom is being uploaded.
     pub(super) fn is_running(&self) -> bool {
         self.0.is_running()
     }
 
-    /// Has the bottom of the survey uploaded where it changed; `None` where none is shown, or none
-    /// is there yet.
+    /// Returns the bottom of the survey, and starts its upload where it changed; `None` where no
+    /// bottom is shown, or before the first upload has ended.
     pub(super) fn of(
         &mut self,
         app: &App,
@@ -134,7 +137,7 @@ fn upload(
     BottomBuffers::new(uploader, grid.cell_m as f32, tiles)
 }
 
-/// Parameters of the picture of a bottom.
+/// Returns the parameters of the picture of a bottom.
 pub(super) fn draw(
     app: &App,
     bottom: &Bottom,

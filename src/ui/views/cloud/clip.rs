@@ -1,5 +1,5 @@
-//! The clip box: only what lies in it is drawn. Each of its faces has a handle, and its ends stand
-//! beside the cloud as numbers.
+//! Shows the clip box, outside of which nothing is drawn. Each of its faces has a handle, and its
+//! ends are also shown as numbers beside the cloud.
 
 use super::axes::BoxAxes;
 use super::scene::SceneBox;
@@ -16,8 +16,8 @@ use glam::Vec3;
 const SHORTEST: f32 = 0.01;
 /// Radius of a handle, and half of the square that takes the pointer, points of the screen.
 const HANDLE: [f32; 2] = [5.0, 9.0];
-/// A face whose handle would cross the whole cloud in fewer points of the screen is seen from in
-/// front: it has none.
+/// Length on the screen of a handle's way across the whole cloud, points, below which the face has
+/// no handle: it is seen from in front.
 const SHORTEST_WAY: f32 = 30.0;
 /// Names of the axes, and of a handle at each end.
 const AXES: [(&str, [&str; 2]); 3] = [
@@ -26,8 +26,8 @@ const AXES: [(&str, [&str; 2]); 3] = [
     ("elevation", ["lower end", "upper end"]),
 ];
 
-/// Corners of what is drawn, in the places of a scene; as far as numbers go where the box has no
-/// end.
+/// Returns the corners of the clip box in coordinates of the scene; the largest numbers where the
+/// box has no end.
 pub(super) fn limits(origin_m: [f64; 3], clip: ClipBox) -> [Vec3; 2] {
     let end = |end: usize| {
         let at = |axis: usize| (clip.ends_m[axis][end] - origin_m[axis]) as f32;
@@ -36,8 +36,8 @@ pub(super) fn limits(origin_m: [f64; 3], clip: ClipBox) -> [Vec3; 2] {
     [end(0), end(1)]
 }
 
-/// The box around what is drawn. A cloud that was computed anew and lies elsewhere is not lost from
-/// sight.
+/// Returns the box around what is drawn. It always keeps a part of the cloud, even if a newly
+/// computed cloud is elsewhere than the clip box.
 pub(super) fn part(scene: SceneBox, clip: Option<ClipBox>) -> [Vec3; 2] {
     let [low, high] = scene.corners;
     let Some(clip) = clip else {
@@ -49,8 +49,8 @@ pub(super) fn part(scene: SceneBox, clip: Option<ClipBox>) -> [Vec3; 2] {
     [from, to.min(high).max(from + shortest)]
 }
 
-/// The box with an end put elsewhere, in the places of the scene. An end that comes to that of the
-/// cloud goes on for ever.
+/// Returns the box with one end moved, in coordinates of the scene. An end that reaches the end of
+/// the cloud becomes infinite.
 fn with_end(scene: SceneBox, mut clip: ClipBox, axis: usize, end: usize, to: f32) -> ClipBox {
     let [low, high] = scene.corners.map(|corner| corner[axis]);
     let shortest = SHORTEST * (high - low);
@@ -65,7 +65,7 @@ fn with_end(scene: SceneBox, mut clip: ClipBox, axis: usize, end: usize, to: f32
     clip
 }
 
-/// Handles and numbers of the box, where there is one; what they make of it.
+/// Shows handles and numbers of the clip box, if there is one; returns the box if it was changed.
 pub(super) fn show(
     ui: &mut Ui,
     context: &ViewContext<'_>,
@@ -123,12 +123,12 @@ fn handles(ui: &Ui, scene: SceneBox, axes: &BoxAxes<'_>, clip: ClipBox) -> ClipB
     changed
 }
 
-/// Keeps a handle apart from what lies behind it.
+/// Returns the outline of a handle, which separates it from what is behind.
 fn edge(options: &ViewOptions) -> Stroke {
     Stroke::new(1.5, theme::canvas_text_colour(options))
 }
 
-/// The ends as numbers, to be dragged or typed.
+/// Shows the ends as numbers that can be dragged or typed; returns the changed box.
 fn numbers(
     ui: &mut Ui,
     context: &ViewContext<'_>,
@@ -161,7 +161,8 @@ fn numbers(
     clip
 }
 
-/// An end as a number in the unit in use; where it was put, in the places of the scene.
+/// Shows an end as a number in the unit in use; returns its new coordinate in the scene if it was
+/// changed.
 fn number(
     ui: &mut Ui,
     units: Units,
@@ -183,7 +184,7 @@ fn number(
     is_changed.then(|| (value * units.length.metres() - origin_m) as f32)
 }
 
-/// Says that not everything is drawn, in a picture that goes out.
+/// Notes in an exported picture that not everything is drawn.
 pub(super) fn paint_note(painter: &egui::Painter, rect: Rect, options: &ViewOptions) {
     if options.cloud.clip.is_some() {
         let at = rect.right_top() + vec2(-8.0, 8.0);

@@ -1,4 +1,4 @@
-//! The buttons on the cloud, its vertical exaggeration and its legend.
+//! Draws the buttons on the cloud, its vertical exaggeration and its legend.
 
 use super::scene::CloudScene;
 use crate::app::{Action, App, CloudColour, ViewOptions};
@@ -18,20 +18,21 @@ use egui::{
     vec2,
 };
 
-/// Most logs that the legend names.
+/// Largest number of logs in the legend.
 const MOST_LOGS: usize = 8;
 
-/// Least and most vertical exaggeration that the slider gives.
+/// Range of vertical exaggeration on the slider.
 const EXAGGERATIONS: std::ops::RangeInclusive<f32> = 1.0..=50.0;
 
-/// Radius of the disc of the light, points.
+/// Radius of the disc of the light control, points.
 const RADIUS: f32 = 11.0;
-/// Lowest that the light stands over the horizon, degrees.
+/// Least height of the light over the horizon, degrees.
 const LOWEST_DEG: f32 = 5.0;
-/// Step of the arrow keys, degrees.
+/// Step by which an arrow key moves the light, degrees.
 const STEP_DEG: f32 = 5.0;
 
-/// Fit above, exaggeration below; colours and directions are chosen in the view's title.
+/// Shows "Fit" above, and exaggeration and light below; colours and directions are chosen in the
+/// view's title.
 pub(super) fn show(
     ui: &mut Ui,
     context: &mut ViewContext<'_>,
@@ -59,7 +60,7 @@ pub(super) fn show(
     context.show(options);
 }
 
-/// The vertical exaggeration in words, for a picture.
+/// Writes the vertical exaggeration, for an exported picture.
 pub(super) fn paint_exaggeration(painter: &Painter, rect: Rect, options: &ViewOptions) {
     let text = format!("elevations x{}", options.cloud.vertical_exaggeration);
     let corner = rect.left_bottom() + vec2(8.0, -8.0);
@@ -77,7 +78,7 @@ fn exaggeration(ui: &mut Ui, options: &mut ViewOptions) {
     ui.add(slider).on_hover_text("Vertical exaggeration of the 3D view.");
 }
 
-/// The point under the pointer, in words, beside the button above.
+/// Writes the properties of the point under the pointer, beside the button above.
 pub(super) fn paint_read_out(
     painter: &Painter,
     rect: Rect,
@@ -93,7 +94,7 @@ pub(super) fn paint_read_out(
     let class = class.filter(|class| !class.is_kept());
     let class = class.map_or(String::new(), |class| format!(", {}", class.name()));
     let units = app.view.options.units;
-    // What the colours say, as a number; there is no room for all that is known.
+    // The value that the colour shows; there is no room for all that is known.
     let coloured = match app.view.options.cloud.colour {
         CloudColour::Level if point.source.is_side_scan() => {
             format!(", level {}", point.level)
@@ -123,7 +124,7 @@ pub(super) fn paint_read_out(
     legend::words(painter, &app.view.options, at, Align2::LEFT_TOP, &text);
 }
 
-/// Reason why there are no side-scan points; `None` if there are some.
+/// Returns the reason why there are no side-scan points; `None` if there are some.
 fn lack(survey: &Survey, units: Units) -> Option<String> {
     match survey.side_scan_state {
         SideScanState::Usable => None,
@@ -195,7 +196,7 @@ pub(super) fn paint_legend(
     covered
 }
 
-/// The scale of what the colour of the bottom says, where that is a number.
+/// Returns the scale of the bottom's colours; `None` if they do not show a number.
 fn bottom_scale(bottom: &Bottom, reference: DepthReference, units: Units) -> Option<LegendScale> {
     let ends = bottom.ends?;
     Some(match bottom.colour {
@@ -207,7 +208,7 @@ fn bottom_scale(bottom: &Bottom, reference: DepthReference, units: Units) -> Opt
     })
 }
 
-/// The scale of what the colour of a point says, where that is a number.
+/// Returns the scale of the points' colours; `None` if they do not show a number.
 fn scale(
     options: &ViewOptions,
     scene: &CloudScene,
@@ -246,7 +247,8 @@ fn lines(options: &ViewOptions, scene: &CloudScene) -> Vec<(String, Color32)> {
         }
         CloudColour::Level => {
             let first_returns = counts.port + counts.starboard;
-            // Of the middle of the scale: soundings have its text's colour.
+            // First returns have the colour of the middle of the scale; soundings have the colour
+            // of its text.
             let [r, g, b] = share_colour(0.5);
             kind(first_returns, "first returns", Color32::from_rgb(r, g, b));
             let down_scan = theme::down_scan_colour(options);
@@ -277,9 +279,9 @@ fn lines(options: &ViewOptions, scene: &CloudScene) -> Vec<(String, Color32)> {
     lines
 }
 
-/// The light on the bottom, moved by hand: a disc seen from above, north up, with the light where
-/// it stands; `light_deg` is the direction clockwise from north and the height over the horizon,
-/// degrees. A drag takes the light along, the arrow keys turn and raise it.
+/// Draws a control for the direction of the light on the bottom: a disc seen from above, north up,
+/// with the light at its direction. `light_deg` is the direction clockwise from north and the
+/// height over the horizon, degrees. A drag moves the light, the arrow keys turn and raise it.
 fn dial(ui: &mut Ui, light_deg: &mut [f32; 2]) -> Response {
     let size = Vec2::splat(2.0 * RADIUS);
     let (rect, mut response) = ui.allocate_exact_size(size, Sense::click_and_drag());
@@ -311,8 +313,9 @@ fn dial(ui: &mut Ui, light_deg: &mut [f32; 2]) -> Response {
     response.on_hover_text(format!("{name}. Drag the light, or turn it (arrow keys, {key})."))
 }
 
-/// Direction of the light at a place of the disc, azimuth and height in degrees: overhead in the
-/// middle, at the horizon on the rim. In the very middle it keeps its azimuth.
+/// Returns the direction of the light at a place of the disc, azimuth and height in degrees:
+/// overhead in the middle, at the horizon on the rim. Very close to the middle the azimuth does not
+/// change.
 fn light_at(place: Vec2, azimuth_deg: f32) -> [f32; 2] {
     let altitude_deg = 90.0 * (1.0 - place.length()).clamp(0.0, 1.0);
     let turned_deg = if place.length() > 0.05 {

@@ -1,6 +1,6 @@
-//! The cloud view: soundings and first returns in 3D.
+//! Draws the cloud view: soundings and first returns in 3D.
 //!
-//! In: the state. Out: a picture in 3D with axes, legend and marks, and commands.
+//! Input: the state. Output: a picture in 3D with axes, legend and marks, and commands.
 
 mod axes;
 mod bottom;
@@ -33,33 +33,34 @@ const LABEL_ROOM: f32 = 90.0;
 
 type CloudKey = (Vec<SceneLogPoints>, ColourEnds, (CloudColour, ThemeChoice, SideColours));
 
-/// State of the cloud view: where it looks, and what was made for it.
+/// State of the cloud view: its camera, and the data computed for it.
 #[derive(Default)]
 pub struct CloudView {
     camera: Option<OrbitCamera>,
-    /// The camera that showed everything, and the frame it did so in: untouched, it is fitted anew
-    /// to another frame.
+    /// The camera that showed everything, and the size of the view at that time. If the user has
+    /// not moved the camera, it is fitted again after a change of size.
     fitted: Option<(OrbitCamera, Vec2)>,
     request: Option<ViewRequest>,
     scene: Background<CloudKey, Arc<CloudScene>>,
     bottom: ShownBottom,
     picture: CloudPicture,
     pointer: pointer::CloudPointer,
-    /// Width over height of the last frame.
+    /// Width over height of the view in the last frame.
     aspect: Option<f32>,
-    /// Width over height of the frame whose view the first frame is to show.
+    /// Width over height of the view that the first frame is to reproduce; `None` for no such view.
     aim: Option<f32>,
     seen_plane: u64,
     seen_reveal: u64,
-    /// Origin of the scene and corners of its box in the last frame, which the camera refers to.
+    /// Origin of the scene and corners of its box in the last frame, to which the camera refers.
     about: Option<Extent>,
 }
 
-/// Origin of a scene, metres east, north and up, and the corners of its box from there.
+/// Origin of a scene, metres east, north and up, and the corners of its box relative to this
+/// origin.
 type Extent = ([f64; 3], [glam::Vec3; 2]);
 
 impl CloudView {
-    /// Draws the view into all of `ui` and pushes what the analyst does in it.
+    /// Draws the view into all of `ui` and pushes the commands of the user.
     pub fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
         let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
         let painter = ui.painter_at(rect);
@@ -74,7 +75,7 @@ impl CloudView {
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));
     }
 
-    /// A view from the same place, in a frame of any size.
+    /// Returns a view from the same place, for a picture of any size.
     pub(crate) fn for_picture(&self, app: &App) -> Self {
         Self {
             camera: self.camera,
@@ -94,7 +95,7 @@ impl CloudView {
         !self.scene.is_running() && !self.bottom.is_running() && self.request.is_none()
     }
 
-    /// Everything inside the frame; returns the view's accessible name.
+    /// Draws the contents of the view; returns the view's accessible name.
     fn content(
         &mut self,
         ui: &mut Ui,
@@ -134,7 +135,7 @@ impl CloudView {
         shown.name()
     }
 
-    /// Draws the points and the bottom, and what explains them.
+    /// Draws the points and the bottom, with axes, marks and legend.
     fn paint(
         &mut self,
         painter: &Painter,
@@ -165,7 +166,7 @@ impl CloudView {
         controls::paint_read_out(painter, rect, app, shown.survey, shown.products);
     }
 
-    /// Shows the controls over the view; in a printed picture, what they are set to.
+    /// Shows the controls over the view; an exported picture shows their values instead.
     fn controls(
         &mut self,
         ui: &mut Ui,
@@ -206,7 +207,7 @@ impl CloudView {
         });
     }
 
-    /// Moves the camera as asked by keys, wheel, drag and reveals.
+    /// Moves the camera as asked by keys, wheel, drag and reveals; returns it.
     fn navigate(
         &mut self,
         ui: &Ui,
@@ -224,7 +225,7 @@ impl CloudView {
         let mut camera = self.camera.unwrap_or_default();
         camera.exaggeration = context.options().cloud.vertical_exaggeration.max(0.1);
         self.aspect = Some(aspect(rect));
-        // What is seen is as tall in any frame: a narrower one would cut its sides off.
+        // Views of any width show the same height: a narrower one would cut off the sides.
         if let Some(seen) = self.aim.take().filter(|seen| aspect(rect) < *seen) {
             camera.zoom(aspect(rect) / seen, glam::Vec2::ZERO, aspect(rect));
         }
@@ -271,9 +272,9 @@ impl CloudView {
 }
 
 impl CloudView {
-    /// Goes with the cloud when its points lie elsewhere or count from another origin than before:
-    /// after a change of preset it may be another size in another place. A camera that nobody has
-    /// moved shows all of it again.
+    /// Moves the camera with the cloud when its box or its origin has changed: after a change of
+    /// preset the cloud may have another size and another place. A camera that the user has not
+    /// moved shows all of the cloud again.
     fn follow(&mut self, all: SceneBox) {
         let now = (all.origin_m, all.corners);
         let Some(before) = self.about.replace(now).filter(|before| *before != now) else {
@@ -293,15 +294,15 @@ impl CloudView {
     }
 }
 
-/// Shift of coordinates from one origin to another.
+/// Returns the shift of coordinates from one origin to another.
 fn shift(from_m: [f64; 3], to_m: [f64; 3]) -> glam::Vec3 {
     let by = |axis: usize| (from_m[axis] - to_m[axis]) as f32;
     glam::Vec3::new(by(0), by(1), by(2))
 }
 
 /// Returns true if a cloud has moved away: its box differs by more than a twentieth, or a fifth in
-/// depth. With a camera that the analyst has placed, true if its target was inside the cloud and is
-/// now outside.
+/// depth. With a camera that the analyst has placed, returns true if its target was inside the
+/// cloud and is now outside.
 fn has_moved(was: [glam::Vec3; 2], is: [glam::Vec3; 2], placed: Option<glam::Vec3>) -> bool {
     if let Some(target) = placed {
         let [low, high] = is;
@@ -319,13 +320,14 @@ fn aspect(rect: Rect) -> f32 {
     rect.width().max(1.0) / rect.height().max(1.0)
 }
 
-/// Room for the numbers beside the fitted box.
+/// Returns the margin of the fitted box, which leaves room for the numbers beside it.
 fn margin(rect: Rect) -> f32 {
     let shorter = rect.size().min_elem().max(1.0);
     1.0 / (1.0 - LABEL_ROOM / shorter).max(0.6)
 }
 
-/// Moves the camera over a place that is out of the picture; one in the picture stays where it is.
+/// Moves the camera over a place that is outside of the picture; for a place in the picture the
+/// camera stays.
 fn show_place(camera: &mut OrbitCamera, app: &App, mark: LogPlace, rect: Rect, scene: &CloudScene) {
     let Some([east_m, north_m]) = place::east_north(app, mark) else {
         return;
@@ -347,7 +349,7 @@ mod tests {
     fn a_cloud_that_went_elsewhere_is_found_again_and_one_that_stayed_is_left() {
         let was = [Vec3::new(0.0, 0.0, -6.0), Vec3::new(80.0, 60.0, -1.0)];
         let nudged = was.map(|corner| corner + Vec3::new(1.0, -2.0, 0.2));
-        // Mercator metres at 37 degrees north.
+        // The size in Mercator metres at 37 degrees north.
         let larger = was.map(|corner| corner * Vec3::new(1.25, 1.25, 1.0) + Vec3::X * 30.0);
         assert!(!has_moved(was, nudged, None));
         assert!(has_moved(was, larger, None));

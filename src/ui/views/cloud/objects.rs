@@ -1,4 +1,4 @@
-//! Objects in the cloud: the footprint of each box on the bottom.
+//! Draws objects in the cloud: the footprint of each box on the bottom.
 
 use super::axes::BoxAxes;
 use super::scene::CloudScene;
@@ -7,16 +7,18 @@ use crate::ui::theme;
 use bathyscope_objects::review::{BoxId, State};
 use egui::{Painter, Pos2, Shape, Stroke};
 
-/// Profiles of a shape along it, and as many across it; points of each.
+/// Number of profiles along a shape, and of those across it; number of points of each.
 const PROFILES: usize = 3;
 const PROFILE_POINTS: usize = 60;
-/// Least half of a footprint on the screen, points: one that is far away stays a mark.
+/// Least half size of a footprint on the screen, points: a smaller one, far away, is drawn as a
+/// circle of this radius.
 const LEAST: f32 = 3.0;
-/// Least half of its width: seen from the side, its outline would be one long line.
+/// Least half width of a footprint on the screen, points: seen from the side, the outline would be
+/// one long line.
 const LEAST_WIDTH: f32 = 1.5;
 
-/// Draws the footprints of the boxes of all visible logs that are in the queue; those that were
-/// rejected only while they are selected.
+/// Draws the footprints of the boxes in the queues of all visible logs; rejected boxes only while
+/// they are selected.
 pub(super) fn paint(painter: &Painter, app: &App, scene: &CloudScene, axes: &BoxAxes<'_>) {
     if !app.view.options.cloud.boxes {
         return;
@@ -64,7 +66,7 @@ fn shape(painter: &Painter, app: &App, scene: &CloudScene, axes: &BoxAxes<'_>) {
     }
 }
 
-/// Half of the width of a footprint across its longest diagonal, points.
+/// Returns half of the width of a footprint across its longest diagonal, points.
 fn half_width(corners: &[Pos2]) -> f32 {
     let [a, b, c, d] = corners else {
         return 0.0;

@@ -1,4 +1,4 @@
-//! The bottom and the points, drawn by the GPU and only when camera or data changed.
+//! Draws the bottom and the points on the GPU, only when camera or data have changed.
 
 use super::bottom::BottomScene;
 use super::scene::CloudScene;
@@ -11,13 +11,14 @@ use std::sync::Arc;
 /// Bottom and points to draw, with their parameters.
 #[derive(Clone, Default)]
 pub(super) struct CloudDrawing {
-    /// The bottom, where it is shown.
+    /// The bottom; `None` if it is not shown.
     pub bottom: Option<(Arc<BottomScene>, BottomDraw)>,
-    /// The points, where they are shown.
+    /// The points; `None` if they are not shown.
     pub points: Option<(Arc<CloudScene>, CloudDraw)>,
 }
 
-/// Two are the same when they draw the same data alike, not equal ones.
+/// Two drawings are equal if they draw the same allocation with equal parameters; contents are not
+/// compared.
 impl PartialEq for CloudDrawing {
     fn eq(&self, other: &Self) -> bool {
         fn same<S, D: PartialEq>(a: &Option<(Arc<S>, D)>, b: &Option<(Arc<S>, D)>) -> bool {
@@ -46,7 +47,7 @@ pub(super) struct CloudPicture {
 }
 
 impl CloudPicture {
-    /// Draws if something changed, and shows it.
+    /// Draws the picture if something has changed, and shows it.
     pub(super) fn show(
         &mut self,
         painter: &Painter,

@@ -1,4 +1,4 @@
-//! Handles the pointer on the cloud: turn, move, zoom, pick.
+//! Handles the pointer on the cloud: it turns, moves and zooms the view, and picks points.
 
 use super::axes::BoxAxes;
 use super::bottom::BottomScene;
@@ -20,7 +20,7 @@ const NEAR: f32 = 40.0;
 /// frame.
 const MOST_ON_HOVER: usize = 2_000_000;
 
-/// Hover of the pointer, with the last search for a point.
+/// Hovered place of the view, with the last search for a point.
 #[derive(Default)]
 pub(super) struct CloudPointer {
     hover: OwnHover,
@@ -32,15 +32,15 @@ pub(super) struct CloudPointer {
 pub(super) struct PickScene<'a> {
     /// The points.
     pub scene: &'a CloudScene,
-    /// The bottom, where it is shown.
+    /// The bottom; `None` if it is not shown.
     pub bottom: Option<&'a BottomScene>,
     /// The box around both.
     pub all: SceneBox,
 }
 
-/// Comes nearer or goes farther, about the bottom under the pointer, or else about what lies
-/// nearest to `at` on the screen: a zoom about a place where nothing is would end in a picture of
-/// nothing. Where no point is in the picture it comes no nearer.
+/// Zooms about the bottom under the pointer, or else about the point nearest to `at` on the screen:
+/// a zoom about an empty place would end in an empty picture. If no point is in the picture, the
+/// camera comes no nearer.
 pub(super) fn zoom(
     camera: &mut OrbitCamera,
     seen: PickScene<'_>,
@@ -81,20 +81,20 @@ pub(super) fn zoom(
     let after = ndc + (point_ndc.truncate() - ndc) * factor;
     let stays = off_px <= NEAR && after.abs().max_element() < 0.95;
     camera.look_at_depth_of(place);
-    // What is under the pointer stays there; where that would lose the nearest point, the point
-    // does.
+    // The place under the pointer stays where it is on the screen; if that would move the nearest
+    // point out of the picture, the point stays instead.
     let about = if stays { ndc } else { point_ndc.truncate() };
     camera.zoom(factor, about, aspect);
     camera.hold(all.corners);
 }
 
-/// A place of the screen in normalised device coordinates.
+/// Returns a place of the screen in normalised device coordinates.
 fn ndc(rect: Rect, at: Pos2) -> Vec2 {
     let off = (at - rect.center()) / (0.5 * rect.size());
     Vec2::new(off.x, -off.y)
 }
 
-/// Left drag turns, right or middle drag moves, the wheel zooms at the pointer.
+/// Moves the camera: left drag turns, right or middle drag moves, the wheel zooms at the pointer.
 pub(super) fn move_camera(
     ui: &Ui,
     (shown, rect): (ShownPoints, Rect),
@@ -124,7 +124,8 @@ pub(super) fn move_camera(
 }
 
 impl CloudPointer {
-    /// Hover and click.
+    /// Handles hover and click: sets the hovered place, and a click selects a point or a place on
+    /// the bottom.
     pub(super) fn handle(
         &mut self,
         context: &mut ViewContext<'_>,
@@ -149,8 +150,8 @@ impl CloudPointer {
             }
         });
         let mark = point.and_then(|point| scene.mark(point));
-        // Other views show the log under the selection: what is hovered of another one is nowhere
-        // in them.
+        // Other views show the log of the selection; they have no place for a hovered point of
+        // another log.
         let here = mark.filter(|(log, _)| *log == context.app.log.id);
         self.hover.tell(context, here.map(|(_, mark)| mark));
         if response.clicked() {
@@ -164,7 +165,7 @@ impl CloudPointer {
     }
 }
 
-/// The position on the bottom at a place of the screen.
+/// Returns the position on the bottom at a place of the screen; `None` where no bottom is drawn.
 fn position_on(bottom: &BottomScene, app: &App, axes: &BoxAxes<'_>, at: Pos2) -> Option<LonLat> {
     let place = bottom.under(&axes.projection, ndc(axes.rect, at))?;
     if !axes.part.holds(place) {
@@ -188,8 +189,8 @@ fn pick(app: &App, scene: &CloudScene, axes: &BoxAxes<'_>, at: Pos2) -> Option<u
     )
 }
 
-/// Marks the selected and the hovered ping: its points, the line that joins them under the boat,
-/// and what is meant of it on the bottom.
+/// Marks the selected and the hovered ping: its points, a vertical line under the boat, and its
+/// place on the bottom.
 pub(super) fn paint_marks(
     painter: &Painter,
     app: &App,
@@ -235,7 +236,7 @@ fn paint_mark(
         axes.at(surface).zip(axes.at(bottom))
     });
     if let Some((surface, bottom)) = under {
-        // A plumb line under the boat finds the ping from any distance.
+        // A vertical line under the boat makes the ping visible from any distance.
         painter.add(Shape::dashed_line(&[surface, bottom], stroke, 4.0, 3.0));
         painter.circle_stroke(surface, 3.0, stroke);
     }
@@ -255,7 +256,7 @@ mod tests {
     use bathyscope_log::support::progress::Progress;
     use std::sync::Arc;
 
-    /// Two lines of points 40 m apart, and nothing between.
+    /// Returns two lines of points 40 m apart, and nothing between them.
     fn scene() -> CloudScene {
         let point = |index: u32| CloudPoint {
             confidence: 1.0,

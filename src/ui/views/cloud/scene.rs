@@ -1,4 +1,4 @@
-//! The cloud, ready to draw and to pick; computed in a background thread.
+//! Prepares the cloud for drawing and picking; computed in a background thread.
 
 use crate::app::{CloudColour, LogId, LogPlace, ShownLog, SwathShown, ViewOptions};
 use crate::ui::render::{CloudBuffers, PointVertex, ScenePart, Uploader};
@@ -14,31 +14,31 @@ use bathyscope_log::survey::{Side, Survey};
 use glam::Vec3;
 use std::sync::Arc;
 
-/// Points between two looks at whether the work was cancelled.
+/// Number of points between two checks for cancellation.
 const CHECK: usize = 1 << 16;
 
 /// Number of points of each kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct PointCounts {
-    /// Kept, under the boat.
+    /// Kept points under the boat.
     pub down_scan: usize,
-    /// Kept, port.
+    /// Kept points of port.
     pub port: usize,
-    /// Kept, starboard.
+    /// Kept points of starboard.
     pub starboard: usize,
-    /// Kept, of a swath.
+    /// Kept points of a swath.
     pub swath: usize,
     /// Points that do not count for the map.
     pub set_aside: usize,
 }
 
 impl PointCounts {
-    /// Kept points.
+    /// Returns the number of kept points.
     pub(super) fn kept(&self) -> usize {
         self.down_scan + self.port + self.starboard + self.swath
     }
 
-    /// All points.
+    /// Returns the number of all points.
     pub(super) fn all(&self) -> usize {
         self.kept() + self.set_aside
     }
@@ -68,17 +68,17 @@ pub(super) struct Ranging {
 pub(super) struct SceneLogPoints {
     /// The log.
     pub id: LogId,
-    /// Its name.
+    /// Name of the log.
     pub name: String,
-    /// All its points.
+    /// All points of the log.
     pub cloud: Arc<PointCloud>,
     /// The class of each point.
     pub classes: Arc<Vec<PointClass>>,
-    /// Source of their slant ranges; without it none is known.
+    /// Source of the slant ranges of the points; `None` if no slant range is known.
     pub ranging: Option<Ranging>,
-    /// The log's colour where logs are told apart.
+    /// Colour of the log where colours distinguish logs.
     pub colour: [u8; 3],
-    /// Setting that shows or hides its swath points.
+    /// Setting that shows or hides the log's swath points.
     pub swath: SwathShown,
 }
 
@@ -101,7 +101,7 @@ impl SceneLogPoints {
         }
     }
 
-    /// Slant range of a point, metres; NaN where it is not known.
+    /// Returns the slant range of a point, metres; NaN where it is not known.
     fn range_m(&self, point: &CloudPoint) -> f64 {
         self.ranging.as_ref().map_or(f64::NAN, |ranging| {
             let reduction = Reduction::new(&ranging.calibration, &ranging.correction);
@@ -109,7 +109,8 @@ impl SceneLogPoints {
         })
     }
 
-    /// Points that have a place and are kept, or are not, with their index.
+    /// Returns the points that have a place and are kept (`requested` true) or not kept, with their
+    /// index.
     fn points(&self, requested: bool) -> impl Iterator<Item = (usize, &CloudPoint)> {
         let all = self.cloud.points.iter().enumerate();
         all.filter(move |(index, point)| {
@@ -120,7 +121,7 @@ impl SceneLogPoints {
     }
 }
 
-/// Two are the same when they hold the same results, not equal ones.
+/// Two are equal if they share the same results in memory; contents are not compared.
 impl PartialEq for SceneLogPoints {
     fn eq(&self, other: &Self) -> bool {
         self.id == other.id
@@ -134,28 +135,28 @@ impl PartialEq for SceneLogPoints {
 /// Selection of the points that are drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct ShownPoints {
-    /// Those that do not count for the map as well.
+    /// True if points that do not count for the map are drawn as well.
     pub outliers: bool,
-    /// Those in this part alone, in the places of the scene.
+    /// The part in which points are drawn, in coordinates of the scene.
     pub part: ScenePart,
 }
 
-/// The clouds of all logs on the GPU with what belongs to them. The places of points are worked out
-/// from the clouds when they are asked for: a second copy of them all would be the largest thing in
-/// memory.
+/// The clouds of all logs on the GPU, with their counts and colour scales. The coordinates of
+/// points are computed from the clouds when needed: a second copy of all of them would be the
+/// largest item in memory.
 pub(super) struct CloudScene {
     logs: Vec<SceneLogPoints>,
-    /// Number of the first point of each log: points are counted through all of them.
+    /// Number of the first point of each log: the points of all logs are numbered in sequence.
     starts: Vec<usize>,
     /// Origin of the vertices, metres east, north and up.
     pub origin_m: [f64; 3],
-    /// The points on the GPU: kept ones first, then the others.
+    /// The points on the GPU: kept ones first, then the others; `None` without a GPU.
     pub buffers: Option<CloudBuffers>,
     /// Corners of the box around the kept points.
     pub corners: [Vec3; 2],
-    /// Number of points.
+    /// Number of points of each kind.
     pub counts: PointCounts,
-    /// Kept points of each log.
+    /// Number of kept points of each log.
     kept: Vec<usize>,
     /// Number of points of each class.
     pub classes: ClassCounts,
@@ -168,13 +169,13 @@ pub(super) struct CloudScene {
 pub(super) struct SceneBox {
     /// Origin of the corners, metres east, north and up.
     pub origin_m: [f64; 3],
-    /// Its lower south-western and its upper north-eastern corner.
+    /// Lower south-western and upper north-eastern corner of the box.
     pub corners: [Vec3; 2],
 }
 
 impl SceneBox {
-    /// Returns a box of the same height that is at least as wide as another one about the same
-    /// origin.
+    /// Returns a box of the same height that is horizontally extended to include another box about
+    /// the same origin.
     #[must_use]
     pub(super) fn as_wide_as(self, [low, high]: [Vec3; 2]) -> Self {
         let [from, to] = self.corners;
@@ -186,15 +187,15 @@ impl SceneBox {
 /// Ends of the colour scales of points.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct ColourEnds {
-    /// Ends for depth, metres.
+    /// Ends for depth, metres; `None` if there is no depth.
     pub depth_m: Option<[f32; 2]>,
     /// Ends for other properties of the points.
     pub scales: PointScales,
 }
 
 impl CloudScene {
-    /// Creates the scene with colours between these values; `None` when there is no point, or
-    /// cancelled.
+    /// Creates the scene with colour scales between these ends; `None` when there is no point, or
+    /// when cancelled.
     pub(super) fn new(
         logs: Vec<SceneLogPoints>,
         ends: ColourEnds,
@@ -235,18 +236,18 @@ impl CloudScene {
         Some(scene)
     }
 
-    /// Name, colour and kept points of every log.
+    /// Returns name, colour and number of kept points of every log.
     pub(super) fn by_log(&self) -> impl Iterator<Item = (&str, [u8; 3], usize)> {
         let logs = self.logs.iter().zip(&self.kept);
         logs.map(|(log, kept)| (log.name.as_str(), log.colour, *kept))
     }
 
-    /// Number of points that are drawn.
+    /// Returns the number of points that are drawn.
     pub(super) fn shown(&self, outlier_preview: bool) -> usize {
         if outlier_preview { self.counts.all() } else { self.counts.kept() }
     }
 
-    /// Number and place of every point that is drawn.
+    /// Returns number and place of every point that is drawn.
     pub(super) fn places(&self, shown: ShownPoints) -> impl Iterator<Item = (usize, Vec3)> {
         let removed = shown.outliers.then(|| self.points(false));
         let all = self.points(true).chain(removed.into_iter().flatten());
@@ -254,7 +255,8 @@ impl CloudScene {
             .filter(move |(_, place)| shown.part.holds(*place))
     }
 
-    /// Points of all logs that are kept, or are not: their numbers, and the log of each.
+    /// Returns the points of all logs that are kept (`requested` true) or not kept, each with its
+    /// number and its log.
     fn points(
         &self,
         requested: bool,
@@ -266,38 +268,38 @@ impl CloudScene {
         })
     }
 
-    /// The log of a point by its number, and its index there.
+    /// Returns the log of the point with this number, and the index of the point in the log.
     fn of_number(&self, number: usize) -> Option<(&SceneLogPoints, usize)> {
         let after = self.starts.partition_point(|start| *start <= number);
         let log = after.checked_sub(1)?;
         Some((self.logs.get(log)?, number - self.starts[log]))
     }
 
-    /// A point's place in the scene.
+    /// Returns the coordinates of a point in the scene.
     pub(super) fn place(&self, point: &CloudPoint) -> Vec3 {
         self.local(point.east_m, point.north_m, point.z_m)
     }
 
-    /// Place of a point by its number.
+    /// Returns the coordinates of the point with this number in the scene.
     pub(super) fn place_of(&self, number: usize) -> Option<Vec3> {
         let (log, index) = self.of_number(number)?;
         log.cloud.points.get(index).map(|point| self.place(point))
     }
 
-    /// A place of the survey in the scene.
+    /// Returns the coordinates of a place of the survey in the scene.
     pub(super) fn local(&self, east_m: f64, north_m: f64, z_m: f64) -> Vec3 {
         let [east, north, up] = self.origin_m;
         Vec3::from([east_m - east, north_m - north, z_m - up].map(|metres| metres as f32))
     }
 
-    /// Places of the side-scan points of a log's ping.
+    /// Returns the coordinates in the scene of the side-scan points of a log's ping.
     pub(super) fn of_ping(&self, log: LogId, ping: usize) -> impl Iterator<Item = Vec3> {
         let log = self.logs.iter().find(move |one| one.id == log);
         let points = log.into_iter().flat_map(move |log| log.cloud.of_ping(ping));
         points.filter(|point| is_placed(point)).map(|point| self.place(point))
     }
 
-    /// The log and the mark of a point by its number.
+    /// Returns the log and the mark of the point with this number.
     pub(super) fn mark(&self, number: usize) -> Option<(LogId, LogPlace)> {
         let (log, index) = self.of_number(number)?;
         let point = log.cloud.points.get(index)?;
@@ -325,7 +327,7 @@ impl CloudScene {
                 let share = |range_m| depth_share(depth_m, range_m);
                 depth_colour(self.ends.depth_m.map_or(f32::NAN, share))
             }
-            // Of soundings and the swath no level is known.
+            // Soundings and swath points have no known level.
             CloudColour::Level if !point.source.is_side_scan() => {
                 return source_colour(point.source, options);
             }
@@ -336,12 +338,12 @@ impl CloudScene {
         egui::Color32::from_rgb(r, g, b)
     }
 
-    /// The box around its kept points.
+    /// Returns the box around the kept points.
     pub(super) fn extent(&self) -> SceneBox {
         SceneBox { origin_m: self.origin_m, corners: self.corners }
     }
 
-    /// The box around the kept points, or around the others.
+    /// Returns the corners of the box around the kept points, or around the others.
     fn corners(&self, kept: bool) -> [Vec3; 2] {
         let start = [Vec3::INFINITY, Vec3::NEG_INFINITY];
         self.points(kept).fold(start, |[low, high], (_, _, point)| {
@@ -350,7 +352,7 @@ impl CloudScene {
         })
     }
 
-    /// All points in the order of drawing; ends early when cancelled.
+    /// Returns all points in the order of drawing; ends early when cancelled.
     fn vertices(
         &self,
         options: &ViewOptions,
@@ -377,7 +379,7 @@ fn source_colour(source: PointSource, options: &ViewOptions) -> egui::Color32 {
     }
 }
 
-/// The side of the side-scan that measured a point.
+/// Returns the side of the side-scan that measured a point; `None` if no side did.
 pub(super) fn side(source: PointSource) -> Option<Side> {
     match source {
         PointSource::DownScan | PointSource::Swath => None,
@@ -438,7 +440,7 @@ mod tests {
         }
     }
 
-    /// A log of four points: one is noise, and one has no depth.
+    /// Returns a log of four points: one is noise, and one has no depth.
     fn first_log() -> SceneLogPoints {
         use PointClass::{Bottom, LowNoise};
         let points = [
@@ -471,7 +473,7 @@ mod tests {
         CloudScene::new(vec![first_log()], ends, &options, None, &Progress::new()).unwrap()
     }
 
-    /// The colours of all points of both logs, in the order in which they are drawn.
+    /// Returns the colours of all points of both logs, in the order in which they are drawn.
     fn colours_by(colour: CloudColour) -> Vec<[u8; 3]> {
         let mut options = ViewOptions::default();
         options.cloud.colour = colour;

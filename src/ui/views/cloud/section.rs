@@ -1,5 +1,5 @@
-//! The cross-section: the bottom along the line of the depth profile, with what stands in front of
-//! it left out; and the water's surface with the boat's track.
+//! Draws the cross-section, which is the bottom along the line of the depth profile without what is
+//! in front of it, and the water's surface with the boat's track.
 
 use super::axes::BoxAxes;
 use super::clip;
@@ -11,11 +11,11 @@ use bathyscope_bottom::bathymetry::TransectStation;
 use egui::{Color32, Painter, Pos2, Shape, Stroke};
 use glam::{Vec3, Vec4};
 
-/// Places of all tracks that are drawn at most.
+/// Largest number of places drawn of all tracks together.
 const MOST_PLACES: usize = 20_000;
-/// Opacity over what lies below the water's surface, of 255.
+/// Opacity of the water's surface, of 255.
 const WATER_ALPHA: u8 = 36;
-/// Nearest to the camera that the water's surface is drawn, metres.
+/// Least distance from the camera at which the water's surface is drawn, metres.
 const NEAREST_M: f32 = 0.01;
 
 /// Returns the part of the scene that is drawn when seen from `eye`: inside the clip box and behind
@@ -27,8 +27,8 @@ pub(super) fn part(app: &App, scene: &CloudScene, eye: Vec3) -> ScenePart {
     ScenePart { corners: corners.unwrap_or(ScenePart::WHOLE.corners), cut: cut.flatten() }
 }
 
-/// The upright plane from the first to the last place of a profile; what is left out is the side
-/// that the camera is on, so that the section is seen from wherever one looks.
+/// Returns the vertical plane from the first to the last place of a profile; the side of the camera
+/// is left out, so that the section is visible from any direction.
 fn cut(stations: &[TransectStation], scene: &CloudScene, eye: Vec3) -> Option<Cut> {
     let ends = [stations.first()?, stations.last()?];
     let [first, last] = ends.map(|end| scene.local(end.place[0], end.place[1], 0.0).truncate());
@@ -38,7 +38,8 @@ fn cut(stations: &[TransectStation], scene: &CloudScene, eye: Vec3) -> Option<Cu
     Some(Cut { outward, at_m: outward.dot(first) })
 }
 
-/// Draws the bottom along the profile, and the plane from there up to where depths count from.
+/// Draws the bottom along the profile, and the plane from the bottom up to the level that depths
+/// count from.
 pub(super) fn paint(painter: &Painter, app: &App, scene: &CloudScene, axes: &BoxAxes<'_>) {
     let stations = app.map.measuring.stations();
     if axes.part.cut.is_none() {
@@ -63,7 +64,8 @@ pub(super) fn paint(painter: &Painter, app: &App, scene: &CloudScene, axes: &Box
     }
 }
 
-/// Place on the screen of a point above, in or below the box that is drawn; `None` outside.
+/// Returns the place on the screen of a point above, in or below the box that is drawn; `None`
+/// beside the box.
 fn in_box(axes: &BoxAxes<'_>, place: Vec3) -> Option<Pos2> {
     let [low, high] = axes.corners.map(Vec3::truncate);
     let beside = place.truncate();
@@ -71,7 +73,7 @@ fn in_box(axes: &BoxAxes<'_>, place: Vec3) -> Option<Pos2> {
     is_in.then(|| axes.at(place)).flatten()
 }
 
-/// Draws where the water's surface is, or what else depths count from, and over it the tracks of
+/// Draws the water's surface, or the other level that depths count from, and on it the tracks of
 /// all visible logs.
 pub(super) fn paint_water(painter: &Painter, app: &App, scene: &CloudScene, axes: &BoxAxes<'_>) {
     if !app.view.options.cloud.water {
@@ -81,7 +83,7 @@ pub(super) fn paint_water(painter: &Painter, app: &App, scene: &CloudScene, axes
     let [low, high] = axes.corners;
     let corners = [(low.x, low.y), (high.x, low.y), (high.x, high.y), (low.x, high.y)];
     let corners = corners.map(|(east, north)| Vec3::new(east, north, up));
-    // From below, the bottom would lie in front of it.
+    // Not drawn from below, where the surface would be behind the bottom.
     let outline = in_front(&axes.projection, &corners);
     let outline: Vec<Pos2> = outline.iter().filter_map(|place| axes.at(*place)).collect();
     if axes.projection.eye.z > up && outline.len() > 2 {
@@ -101,14 +103,14 @@ pub(super) fn paint_water(painter: &Painter, app: &App, scene: &CloudScene, axes
     }
 }
 
-/// Fill and edge of the water's surface.
+/// Returns fill and edge colour of the water's surface.
 fn water_colours(options: &ViewOptions) -> [Color32; 2] {
     let [r, g, b, _] = theme::canvas_text_colour(options).to_array();
     let tinted = |alpha| Color32::from_rgba_unmultiplied(r / 3, g / 2, b / 2 + 127, alpha);
     [tinted(WATER_ALPHA), tinted(4 * WATER_ALPHA)]
 }
 
-/// The part of a polygon that lies in front of the camera.
+/// Returns the part of a polygon in front of the camera.
 fn in_front(projection: &CameraProjection, corners: &[Vec3]) -> Vec<Vec3> {
     let away_m = |place: Vec3| {
         let clip: Vec4 = projection.clip_from_world * place.extend(1.0);
@@ -128,7 +130,7 @@ fn in_front(projection: &CameraProjection, corners: &[Vec3]) -> Vec<Vec3> {
     found
 }
 
-/// Joins places that follow each other; where one is missing the line is broken.
+/// Joins successive places by lines; a missing place breaks the line.
 fn lines(painter: &Painter, places: &[Option<Pos2>], stroke: Stroke) {
     for piece in places.split(Option::is_none) {
         let points: Vec<Pos2> = piece.iter().copied().flatten().collect();
@@ -147,7 +149,7 @@ mod tests {
     fn what_lies_behind_the_camera_is_cut_off() {
         let projection = OrbitCamera::default().projection(1.0);
         let eye = projection.eye;
-        // A square about the camera's foot, half of it behind.
+        // A square around the point below the camera, half of it behind the camera.
         let corner = |x: f32, y: f32| Vec3::new(eye.x + x, eye.y + y, eye.z - 10.0);
         let square = [(-50.0, -50.0), (50.0, -50.0), (50.0, 50.0), (-50.0, 50.0)];
         let square = square.map(|(x, y)| corner(x, y));

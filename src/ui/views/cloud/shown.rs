@@ -1,4 +1,5 @@
-//! Contents of a frame of the cloud view: the open log, and the scenes made for the view.
+//! Collects the contents of one frame of the cloud view: the open log, and the scenes made for the
+//! view.
 
 use super::axes::BoxAxes;
 use super::bottom::{self, BottomScene};
@@ -14,8 +15,8 @@ use bathyscope_products::pipeline::Products;
 use egui::Rect;
 use std::sync::Arc;
 
-/// Beside the bottom, points count as nearer by this share of their distance: they lie on it, half
-/// of each within.
+/// Share of their distance by which points are drawn nearer when the bottom is shown: they are on
+/// the bottom, and half of each would be hidden in it.
 const NEARER: f32 = 0.004;
 
 /// Contents of a frame of the view.
@@ -47,7 +48,7 @@ impl<'a> ShownCloud<'a> {
         PickScene { scene: self.scene, bottom: self.bottom.map(|bottom| &**bottom), all: self.all }
     }
 
-    /// The box that is drawn around it.
+    /// Returns the box with axes that is drawn around the contents.
     pub(super) fn axes<'b>(
         &self,
         app: &'b App,
@@ -88,7 +89,7 @@ impl<'a> ShownCloud<'a> {
         CloudDrawing { points: options.points.then(|| (self.scene.clone(), points)), bottom }
     }
 
-    /// The accessible name of the view.
+    /// Returns the accessible name of the view.
     pub(super) fn name(&self) -> String {
         let points = name(self.scene);
         match self.bottom {
@@ -98,7 +99,7 @@ impl<'a> ShownCloud<'a> {
     }
 }
 
-/// The accessible name of the view where it has points only.
+/// Returns the accessible name of the view if it has points only.
 pub(super) fn name(scene: &CloudScene) -> String {
     format!(
         "3D point cloud, {} points, {} removed ({:.1} %)",

@@ -1,4 +1,4 @@
-//! The analyst's own picture, painted in tiles under the other layers.
+//! Paints the analyst's own picture in tiles under the other layers.
 
 use super::tiles::{MapTileKey, SIDE, TilePainter, Warp};
 use super::transform::{GroundBounds, NOWHERE, joined};
@@ -9,11 +9,11 @@ use bathyscope_products::pipeline::Same;
 use egui::Color32;
 use std::sync::Arc;
 
-/// The plane of the survey reaches no farther than this from its origin, metres.
+/// Largest distance from the survey's origin at which the plane of the survey is used, metres.
 const REACH_M: f64 = 300e3;
-/// Points along each edge whose places bound the picture.
+/// Points along each edge of the picture from which its bounds are computed.
 const EDGE: usize = 17;
-/// Looks at the picture along a texel, at most.
+/// Largest number of samples of the picture along a side of a texel.
 const MOST_LOOKS: usize = 3;
 
 /// Inputs of the tiles of a base map.
@@ -25,7 +25,7 @@ pub(super) struct BaseMapKey {
 }
 
 impl BaseMapKey {
-    /// A base map in the plane of a survey.
+    /// Creates the key of a base map in the plane of a survey.
     pub(super) fn new(
         map: &Arc<BaseMap>,
         survey: &Arc<Survey>,
@@ -43,7 +43,7 @@ impl BaseMapKey {
         let bounds = bounds(&self);
         let pixel_m = self.map.0.pixel_m();
         Arc::new(BaseTiles {
-            // Finer than the pixels nothing more is seen.
+            // Tiles finer than the pixels of the picture show nothing more.
             finest: pixel_m.log2().floor().clamp(-8.0, 20.0) as i8 - 1,
             key: self,
             bounds,
@@ -52,7 +52,7 @@ impl BaseMapKey {
     }
 }
 
-/// Bounds of the part of the picture near the survey, in the survey's plane.
+/// Returns the bounds of the part of the picture near the survey, in the survey's plane.
 fn bounds(key: &BaseMapKey) -> GroundBounds {
     let BaseMapKey { map, survey, navigation } = key;
     let near = [-REACH_M, -REACH_M, REACH_M, REACH_M];
@@ -67,7 +67,7 @@ fn bounds(key: &BaseMapKey) -> GroundBounds {
         navigation.0.to_plane(&survey.0.track, at)
     });
     let [west, south, east, north] = places.fold(NOWHERE, |all, [x, y]| joined(all, [x, y, x, y]));
-    // A picture of half the Earth has edges where the plane of the survey has none.
+    // The edges of a picture of half the Earth may be where the plane of the survey is not defined.
     if map.0.covers(survey.0.track.frame.origin()) && east - west > REACH_M {
         near
     } else {
@@ -114,7 +114,8 @@ impl TilePainter for BaseTiles {
     }
 }
 
-/// Least and greatest column and row of the picture under a tile; `None` where that is no number.
+/// Returns least and greatest column and row of the picture under a tile; `None` if one of them is
+/// no finite number.
 fn extent(warp: &Warp) -> Option<[[f64; 2]; 2]> {
     let last = SIDE - 1;
     let edge = (0..=8).map(|step| step * last / 8);
@@ -131,7 +132,7 @@ fn extent(warp: &Warp) -> Option<[[f64; 2]; 2]> {
     edges.all(|edge| edge.is_finite()).then_some(found)
 }
 
-/// Colours count as much as they are opaque.
+/// Returns the mean colour, each colour weighted by its opacity.
 fn mean(looks: impl Iterator<Item = [u8; 4]>) -> Color32 {
     let (mut sum, mut count) = ([0u32; 4], 0);
     for [r, g, b, a] in looks {

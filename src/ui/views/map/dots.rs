@@ -1,23 +1,23 @@
-//! Tiles of coloured dots, and which of them is nearest to a place.
+//! Paints tiles of coloured dots, and finds the dot nearest to a place.
 
 use super::tiles::{MapTileKey, SIDE, TilePainter};
 use super::transform::{GroundBounds, around, away_m};
 use bathyscope_log::support::progress::Progress;
 use egui::Color32;
 
-/// Dots in a box that shows whether they need to be looked at. A boat cannot jump: those in a row
-/// lie close together.
+/// Dots in a bounding box, which shows whether they need to be searched. A boat cannot jump:
+/// successive dots are close together.
 const BOXED: usize = 512;
 /// Radius of a dot, texels.
 const RADIUS: f64 = 1.5;
-/// The finest level worth painting, 2 to this in metres.
+/// The finest level worth painting, as an exponent of 2 in metres.
 const FINEST: i8 = -7;
 
 /// A dot on the ground.
 pub(super) struct Dot {
     pub east_m: f64,
     pub north_m: f64,
-    /// Index of its colour.
+    /// Index of the dot's colour.
     pub colour: u8,
 }
 
@@ -30,14 +30,14 @@ impl Dot {
 /// Dots in the order of the track, and their colours.
 pub(super) struct Dots {
     dots: Vec<Dot>,
-    /// Around every [`BOXED`] dots.
+    /// Bounding boxes, each around [`BOXED`] successive dots.
     boxes: Vec<GroundBounds>,
     bounds: GroundBounds,
     colours: Vec<Color32>,
 }
 
 impl Dots {
-    /// `None` where no dot has a place; such dots are not painted.
+    /// Creates the dots; `None` if no dot has a place. Dots without a place are not painted.
     pub(super) fn new(dots: Vec<Dot>, colours: Vec<Color32>) -> Option<Self> {
         if !dots.iter().any(Dot::has_place) {
             return None;
@@ -50,13 +50,13 @@ impl Dots {
         })
     }
 
-    /// Index of the dot nearest to a place, if one is within `reach_m`.
+    /// Returns the index of the dot nearest to a place, if one is within `reach_m`.
     pub(super) fn nearest(&self, place: [f64; 2], reach_m: f64) -> Option<usize> {
         let away = |index: usize| {
             let [beside, beyond] = away_m(place, &self.boxes[index]);
             beside.hypot(beyond)
         };
-        // The nearest box first: what it holds rules out most of the others.
+        // The nearest box first: its dots rule out most of the other boxes.
         let first = (0..self.boxes.len()).min_by(|a, b| away(*a).total_cmp(&away(*b)))?;
         let others = (0..self.boxes.len()).filter(|index| *index != first);
         let mut best = (reach_m, None);
@@ -83,7 +83,7 @@ fn bounds(dots: &[Dot]) -> GroundBounds {
 impl TilePainter for Dots {
     fn bounds(&self) -> GroundBounds {
         let [west, south, east, north] = self.bounds;
-        // A single dot has an extent too.
+        // A margin, so that a single dot has an extent, too.
         [west - 0.01, south - 0.01, east + 0.01, north + 0.01]
     }
 
@@ -114,7 +114,7 @@ impl TilePainter for Dots {
     }
 }
 
-/// Draws a round dot with a soft edge; whether any of it lies in the picture.
+/// Draws a round dot with a soft edge; returns true if any of it is in the picture.
 fn ink(colours: &mut [Color32], [x, y]: [f64; 2], colour: Color32) -> bool {
     let span = |place: f64| {
         let low = (place - RADIUS - 0.5).ceil().max(0.0) as usize;
@@ -158,8 +158,8 @@ mod tests {
                 (0..SIDE).filter(inked).collect::<Vec<_>>()
             })
         };
-        // With the border, 256 m east lies between texels 256 and 257 of the western tile, and 0
-        // and 1 of the eastern.
+        // With the border, 256 m east is between texels 256 and 257 of the western tile, and
+        // between 0 and 1 of the eastern.
         assert_eq!(inked(0), Some(vec![256, 257]));
         assert_eq!(inked(1), Some(vec![0, 1, 44, 45]));
         assert_eq!(inked(2), None);

@@ -1,4 +1,4 @@
-//! The excluded stretches of the tracks.
+//! Draws the excluded stretches of the tracks.
 
 use super::scene::MapScene;
 use crate::app::{App, MapLayer, OpenLog};
@@ -6,13 +6,15 @@ use crate::ui::theme;
 use bathyscope_log::survey::PingNav;
 use egui::{Painter, Pos2, Rect, Shape, Stroke};
 
-/// Places drawn along a stretch: enough for its bends at any scale that shows it whole.
+/// Largest number of places drawn along a stretch: enough for its bends at any scale that shows it
+/// whole.
 const MOST_PLACES: usize = 512;
-/// Width of what hides the track's own colour under the dashes, points: the track's casing.
+/// Width of the line that hides the track's own colour under the dashes, points: the width of the
+/// track's casing.
 pub(super) const CASING: f32 = 4.6;
 /// Width of the dashes, points.
 const WIDTH: f32 = 1.8;
-/// Length of the dashes and of the room between them, points.
+/// Length of the dashes and of the gaps between them, points.
 const DASH: f32 = 3.0;
 
 /// Draws the excluded stretches of all visible logs as fine grey dashes over their tracks.
@@ -29,7 +31,7 @@ pub(super) fn paint(painter: &Painter, scene: &MapScene<'_>, app: &App) {
     }
 }
 
-/// Places of the boat in the excluded stretches of a log.
+/// Returns the places of the boat in the excluded stretches of a log.
 fn stretches(log: &OpenLog) -> impl Iterator<Item = &[PingNav]> {
     let found = log.survey.as_ref().zip(log.products.as_ref());
     let found = found.zip(log.exclusions()).into_iter();
@@ -39,13 +41,13 @@ fn stretches(log: &OpenLog) -> impl Iterator<Item = &[PingNav]> {
     })
 }
 
-/// Side-scan pings of all visible logs that are excluded.
+/// Returns the number of excluded side-scan pings of all visible logs.
 pub(super) fn ping_count(app: &App) -> usize {
     let found = app.visible_logs().filter_map(OpenLog::exclusions);
     found.map(|found| found.exclusions.ping_count()).sum()
 }
 
-/// Places of the boat on the screen.
+/// Returns places of the boat on the screen, at most about [`MOST_PLACES`].
 pub(super) fn places(scene: &MapScene<'_>, pings: &[PingNav]) -> Vec<Pos2> {
     let step = pings.len().div_ceil(MOST_PLACES).max(1);
     let last = pings.last();
@@ -54,7 +56,7 @@ pub(super) fn places(scene: &MapScene<'_>, pings: &[PingNav]) -> Vec<Pos2> {
     shown.filter(is_placed).map(|ping| scene.at([ping.east_m, ping.north_m])).collect()
 }
 
-/// Draws the parts of a line that are in view: dashes far outside of it would cost as much as those
+/// Draws the visible parts of a line: dashes far outside of the view would cost as much as those
 /// inside.
 fn stroke(painter: &Painter, line: &[Pos2], casing: Stroke, dashes: Stroke) {
     let view = painter.clip_rect().expand(CASING);

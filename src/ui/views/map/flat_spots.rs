@@ -1,5 +1,5 @@
-//! The ranked flat stretches, numbered, the one that the calibration was measured on, and the one
-//! that is proposed.
+//! Draws the ranked flat stretches with their numbers, the stretch that the calibration was
+//! measured on, and the proposed stretch.
 
 use super::scene::MapScene;
 use crate::ui::theme;
@@ -11,9 +11,9 @@ use std::ops::Range;
 
 /// Radius of a number's plate, points.
 const BADGE: f32 = 8.5;
-/// Places drawn along a stretch.
+/// Number of places drawn along a stretch.
 const MOST_PLACES: usize = 48;
-/// Least distance of two places of a stretch on the screen, points.
+/// Least distance between two drawn places of a stretch on the screen, points.
 const LEAST_STEP: f32 = 2.0;
 
 /// Positions of a stretch's name relative to its middle, best first; the number of the stretch is
@@ -44,8 +44,8 @@ pub(super) fn paint(painter: &Painter, scene: &MapScene<'_>) {
     }
 }
 
-/// Names the stretch that the calibration was measured on, beside it where nothing else stands; in
-/// a tile without such a place the colour has to do.
+/// Names the stretch that the calibration was measured on, beside it where nothing else is drawn.
+/// If there is no such place, only the colour marks the stretch.
 pub(super) fn name_calibrated(painter: &Painter, scene: &MapScene<'_>, covered: &[Rect]) {
     let calibration = &scene.products.calibration;
     let Some(spot) = &calibration.flat_spot else {
@@ -82,7 +82,7 @@ fn badges_under(scene: &MapScene<'_>, plate: Rect) -> usize {
         .count()
 }
 
-/// The ranked stretch whose number is under the pointer.
+/// Returns the rank index of the stretch whose number is under the pointer.
 pub(super) fn under(scene: &MapScene<'_>, pointer: Pos2) -> Option<usize> {
     if !scene.options.map.flat_spots {
         return None;
@@ -93,7 +93,7 @@ pub(super) fn under(scene: &MapScene<'_>, pointer: Pos2) -> Option<usize> {
     scene.products.flat_spots.iter().position(hit)
 }
 
-/// A few lines about a stretch.
+/// Describes a stretch in a few lines.
 pub(super) fn describe(rank: usize, spot: &FlatSpot, units: Units) -> String {
     let number = rank + 1;
     let spot = units.sentence(&spot.summary());
@@ -132,7 +132,7 @@ fn middle(scene: &MapScene<'_>, pings: &Range<usize>) -> Option<Pos2> {
     line.get(line.len() / 2).copied()
 }
 
-/// A number stands beside the middle of its stretch, not on it.
+/// Returns the place of a stretch's number: beside the middle of the stretch, not on it.
 fn badge_at(scene: &MapScene<'_>, pings: &Range<usize>) -> Option<Pos2> {
     Some(middle(scene, pings)? + vec2(0.0, -BADGE - 7.0))
 }

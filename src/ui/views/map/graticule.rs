@@ -1,5 +1,5 @@
-//! The graticule: lines at round degrees, or metres of the UTM zone, named along the lower and the
-//! left edge.
+//! Draws the graticule: lines at round degrees, or metres of the UTM zone, named along the lower
+//! and the left edge.
 
 use super::scene::MapScene;
 use crate::ui::theme;
@@ -8,11 +8,12 @@ use bathyscope_bottom::presentation::graticule::{LineFamily, Net, NetBounds};
 use bathyscope_log::support::geo::{LonLat, UtmZone};
 use egui::{Align2, Painter, Pos2, Rect, Shape, Stroke, pos2, vec2};
 
-/// Points along a line: a meridian that is bent over the whole view is still drawn bent.
+/// Number of points along a line: enough to draw a curved meridian across the whole view.
 const BENDS: usize = 9;
-/// The plane of the survey shows no more of the Earth than this, metres along the diagonal.
+/// Largest diagonal of the view for which the graticule is drawn, metres: the plane of the survey
+/// shows no more of the Earth.
 const FARTHEST_M: f64 = 2e6;
-/// Least distance between parallels, points, and room about the name of a meridian.
+/// Least distance between parallels, and room around the name of a meridian, points.
 const BETWEEN: f32 = 64.0;
 const MARGIN: f32 = 20.0;
 
@@ -26,9 +27,9 @@ pub(super) fn paint(painter: &Painter, scene: &MapScene<'_>) {
     let Some(bounds) = net.bounds(edge(scene)) else {
         return;
     };
-    // Faint over everything: the place is read across the depth map too.
+    // Faint, over everything, so that positions can be read on the depth map, too.
     let stroke = Stroke::new(1.0, scene.text_colour().gamma_multiply(0.16));
-    // No half names under the buttons and the scale bar.
+    // No partly hidden names under the buttons and the scale bar.
     let (top, foot) = (scene.rect.left_top(), scene.rect.left_bottom());
     let mut covered = vec![
         Rect::from_min_size(top, vec2(200.0, 34.0)),
@@ -53,7 +54,7 @@ fn net(scene: &MapScene<'_>) -> Net {
     Net::new(scene.options.coordinates, zone, middle)
 }
 
-/// Places along the edge of the view.
+/// Returns positions along the edge of the view.
 fn edge(scene: &MapScene<'_>) -> impl Iterator<Item = LonLat> {
     let rect = scene.rect;
     let shares = (0..BENDS).map(|bend| bend as f32 / (BENDS - 1) as f32);
@@ -65,13 +66,14 @@ fn edge(scene: &MapScene<'_>) -> impl Iterator<Item = LonLat> {
     around.map(|at| scene.position(at))
 }
 
-/// Least distances between upright and between level lines, in degrees or metres of the net.
+/// Returns the least distances between vertical and between horizontal lines, in degrees or metres
+/// of the net.
 fn distances(painter: &Painter, scene: &MapScene<'_>, net: &Net, bounds: NetBounds) -> [f64; 2] {
     let [west, south, east, north] = bounds;
-    // How much of the axis a point of the screen covers.
+    // Length on the axis that a point of the screen covers.
     let across = (east - west) / f64::from(scene.rect.width().max(1.0));
     let up = (north - south) / f64::from(scene.rect.height().max(1.0));
-    // Names grow with finer steps: the first guess tells how wide they are.
+    // Names are longer with finer steps: a first guess gives their width.
     let guess = net.typical_label(bounds, across * f64::from(BETWEEN));
     let words = painter.layout_no_wrap(guess, legend::font(), egui::Color32::WHITE);
     let room = (words.size().x + MARGIN).max(BETWEEN);
@@ -83,8 +85,8 @@ fn on_screen(scene: &MapScene<'_>, at: LonLat) -> Pos2 {
     scene.at(navigation.to_plane(&scene.survey.track, at))
 }
 
-/// Place of the name of a line: on the lower edge for vertical lines, on the left edge for
-/// horizontal ones; in the lower left corner the lower edge has priority.
+/// Returns the place of the name of a line: on the lower edge for vertical lines, on the left edge
+/// for horizontal ones; in the lower left corner the lower edge has priority.
 fn name_at(scene: &MapScene<'_>, family: LineFamily, line: &[Pos2]) -> Option<Pos2> {
     let rect = scene.rect;
     match family {
@@ -100,7 +102,7 @@ fn name_at(scene: &MapScene<'_>, family: LineFamily, line: &[Pos2]) -> Option<Po
     }
 }
 
-/// Writes a name unless another one stands there, or it would be cut off.
+/// Writes a name unless it would overlap another one or be cut off.
 fn name(painter: &Painter, scene: &MapScene<'_>, covered: &mut Vec<Rect>, at: Pos2, text: &str) {
     let colour = scene.text_colour().gamma_multiply(0.75);
     let words = painter.layout_no_wrap(text.to_owned(), legend::font(), colour);
@@ -108,7 +110,7 @@ fn name(painter: &Painter, scene: &MapScene<'_>, covered: &mut Vec<Rect>, at: Po
     let fits =
         scene.rect.contains_rect(rect) && !covered.iter().any(|other| other.intersects(rect));
     if fits {
-        // Layers of any brightness lie under them.
+        // The layers under the names may have any brightness.
         let plate = rect.expand2(vec2(2.0, 0.0));
         let ground = theme::plate_colour(scene.options).gamma_multiply(0.7);
         painter.rect_filled(plate, 2.0, ground);
@@ -117,7 +119,7 @@ fn name(painter: &Painter, scene: &MapScene<'_>, covered: &mut Vec<Rect>, at: Po
     }
 }
 
-/// Place where a line crosses the zero of `side`, between two of its points.
+/// Returns the place where `side` is zero on a line, between two of its points.
 fn crossing(line: &[Pos2], side: impl Fn(Pos2) -> f32) -> Option<Pos2> {
     line.windows(2).find_map(|ends| {
         let [from, to] = [side(ends[0]), side(ends[1])];

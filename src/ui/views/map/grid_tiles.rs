@@ -1,4 +1,4 @@
-//! The tiles of the depth map, of its hill-shade and of the side-scan mosaic.
+//! Paints the tiles of the depth map, of its hill-shade and of the side-scan mosaic.
 
 use super::tiles::{MapTileKey, SIDE, TilePainter, Warp};
 use super::transform::GroundBounds;
@@ -10,17 +10,18 @@ use bathyscope_products::pipeline::{DepthMap, FINEST, Mosaic};
 use egui::Color32;
 use std::sync::Arc;
 
-/// Opacity of the depth map at a sounding and at the farthest from one: what is less sure looks so.
+/// Opacity of the depth map at a sounding and at the farthest place from one: less certain depths
+/// are fainter.
 const OPACITY: [f32; 2] = [0.9, 0.3];
-/// Share by which the hill-shade brightens what is turned to the light, 0 to 1; what is turned away
-/// is multiplied with its shade.
+/// Strength with which the hill-shade brightens slopes that face the light, 0 to 1; slopes that
+/// face away are multiplied with their shade.
 const HIGHLIGHT: f32 = 0.45;
-/// Looks at the surface along a texel, at most, where a texel is larger than a cell.
+/// Largest number of samples of the surface along a side of a texel that is larger than a cell.
 const MOST_LOOKS: usize = 4;
-/// Texels of a cell's side beyond which finer tiles show nothing more.
+/// Texels along a cell's side beyond which finer tiles show nothing more.
 const FINEST_SHARE: f64 = 16.0;
 
-/// Places on the grid of the texels of a tile's picture.
+/// Returns the places on the grid of the texels of a tile.
 fn warp(depth_map: &DepthMap, key: MapTileKey) -> Warp {
     let grid = &depth_map.surface.grid;
     Warp::new(key, |place| {
@@ -32,7 +33,8 @@ fn warp(depth_map: &DepthMap, key: MapTileKey) -> Warp {
     })
 }
 
-/// Calls `colour` for every texel with the looks into it, row by row.
+/// Returns the colours of all texels, row by row: `colour` gets the mean of the samples that `look`
+/// takes within the texel. `None` if all are empty, or when cancelled.
 fn paint<const N: usize>(
     depth_map: &DepthMap,
     key: MapTileKey,
@@ -68,8 +70,8 @@ fn paint<const N: usize>(
     (!is_empty).then_some(colours)
 }
 
-/// A value between the centres of cells: linear where all four around it are known, else that of
-/// the nearest cell.
+/// Returns a value between the centres of cells: linear where all four cells around are known, else
+/// that of the nearest cell.
 fn between(grid: &Grid, [x, y]: [f64; 2], value: impl Fn(usize) -> Option<f32>) -> Option<f32> {
     let [near_x, near_y] = [x.round(), y.round()];
     let inside = |place: f64, count: usize| place >= 0.0 && place < count as f64;
@@ -98,10 +100,10 @@ fn known(values: &[f32]) -> impl Fn(usize) -> Option<f32> {
     |cell| values.get(cell).copied().filter(|value| !value.is_nan())
 }
 
-/// The tiles of the depths' colours, fading with the distance to a sounding.
+/// The tiles of the depths in colour, which fade with the distance to a sounding.
 pub(super) struct DepthTiles(pub Arc<DepthMap>);
 
-/// The tiles of the hill-shade: black and white, as strong as the shade.
+/// The tiles of the hill-shade: black and white, whose opacity is the strength of the shade.
 pub(super) struct ShadeTiles(pub Arc<DepthMap>);
 
 fn finest(depth_map: &DepthMap) -> i8 {
@@ -129,7 +131,7 @@ impl TilePainter for DepthTiles {
         };
         paint(depth_map, key, progress, look, |[depth_m, distance_m]| {
             let [r, g, b] = depth_colour(depth_share(depth_m, depth_map.colour_range_m));
-            // The root lets the first metres across-track already look less sure.
+            // The root makes depths look less certain already a few metres across-track.
             let unsure = (distance_m / gap_m).clamp(0.0, 1.0).sqrt();
             let opacity = OPACITY[0] + (OPACITY[1] - OPACITY[0]) * unsure;
             Color32::from_rgba_unmultiplied(r, g, b, (255.0 * opacity) as u8)
@@ -156,7 +158,7 @@ impl TilePainter for ShadeTiles {
         };
         let look = |place| Some([between(&depth_map.surface.grid, place, shade)?]);
         paint(depth_map, key, progress, look, |[shade]| {
-            // Level ground changes nothing under it.
+            // Level ground leaves the layers below unchanged.
             if shade < level {
                 Color32::from_black_alpha((255.0 * (1.0 - shade / level)) as u8)
             } else {
@@ -167,7 +169,7 @@ impl TilePainter for ShadeTiles {
     }
 }
 
-/// Note on the mosaic for the legend.
+/// Returns a note on the mosaic for the legend.
 pub(super) fn mosaic_note(settings: &MosaicSettings) -> &'static str {
     match settings.overlap {
         Overlap::Later => "mosaic: later\npass on top",

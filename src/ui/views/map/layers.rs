@@ -1,4 +1,4 @@
-//! The track, computed in a background thread so that a frame costs the same for any survey.
+//! Prepares the track in a background thread, so that a frame costs the same for any survey.
 
 use super::lines::MapLine;
 use super::transform::{GroundBounds, NOWHERE, around, away_m};
@@ -12,12 +12,12 @@ use bathyscope_products::pipeline::ProcessedLog;
 use bathyscope_products::pipeline::Same;
 use std::sync::Arc;
 
-/// Seconds without a record after which the track is broken instead of bridged.
+/// Seconds without a record above which the track is broken instead of bridged.
 const BREAK_S: f64 = 10.0;
-/// Lengths of a dash and of the grey between two dashes where depth comes from side-scan only,
+/// Lengths of a coloured dash and of the grey gap after it where depth comes from side-scan only,
 /// metres.
 const DASH_M: [f64; 2] = [5.0, 2.5];
-/// Pings in a box of [`PingBoxes`].
+/// Number of pings in a box of [`PingBoxes`].
 const PINGS: usize = 256;
 
 /// Inputs of the tracks of some logs; equal keys give equal tracks.
@@ -39,8 +39,8 @@ struct LayerLogKey {
 }
 
 impl TrackKey {
-    /// Creates the key of these logs in colours between two depths, metres; `by_log` colours by log
-    /// instead of depth.
+    /// Creates the key of these logs with a colour scale between two depths, metres; `by_log`
+    /// colours by log instead of depth.
     pub(super) fn of(logs: &[ShownLog], range_m: Option<[f32; 2]>, by_log: bool) -> Self {
         let key = |shown: &ShownLog| LayerLogKey {
             id: shown.id,
@@ -56,22 +56,22 @@ impl TrackKey {
 
 /// The tracks of all logs, ready to draw and to search.
 pub(super) struct TrackLayer {
-    /// All of the tracks.
+    /// Bounds of all tracks.
     pub bounds: GroundBounds,
-    /// Ends of the colour scale, metres.
+    /// Ends of the colour scale, metres; `None` where tracks are not coloured by depth.
     pub range_m: Option<[f32; 2]>,
-    /// True if depth comes from side-scan only somewhere.
+    /// True if depth somewhere comes from side-scan only and tracks are coloured by depth.
     pub side_scan_only: bool,
     /// Names and colours of the logs; empty where the tracks are coloured by depth.
     pub logs: Vec<(String, [u8; 3])>,
-    /// The line.
+    /// The line of all tracks.
     pub line: MapLine,
     boxes: Vec<(LogId, PingBoxes)>,
 }
 
 impl TrackLayer {
-    /// Depths are corrected as those of the depth map are. `None` when nothing has a position, or
-    /// cancelled.
+    /// Creates the tracks, with depths corrected like those of the depth map; `None` when nothing
+    /// has a position, or when cancelled.
     pub(super) fn new(
         logs: &[ShownLog],
         range_m: Option<[f32; 2]>,
@@ -112,14 +112,14 @@ impl TrackLayer {
         })
     }
 
-    /// The ping of a log that is nearest to a place, however far away.
+    /// Returns the ping of a log that is nearest to a place, however far away.
     pub(super) fn ping_of(&self, log: LogId, place: [f64; 2]) -> Option<usize> {
         let (_, boxes) = self.boxes.iter().find(|(id, _)| *id == log)?;
         Some(boxes.nearest(place, f64::INFINITY)?.0)
     }
 
-    /// The ping nearest to a place and its log, if one is within `reach_m`; of equally near ones
-    /// that of the log `first`.
+    /// Returns the ping nearest to a place and its log, if one is within `reach_m`; of equally near
+    /// pings that of the log `first`.
     pub(super) fn nearest_ping(
         &self,
         place: [f64; 2],
@@ -135,30 +135,30 @@ impl TrackLayer {
     }
 }
 
-/// Boxes around the pings of a track, for the ping nearest to a place. The boat cannot jump: a few
-/// hundred pings in a row lie close together, and a box around them shows whether they need to be
-/// looked at.
+/// Boxes around the pings of a track, for finding the ping nearest to a place. The boat cannot
+/// jump: a few hundred successive pings are close together, and a box around them shows whether
+/// they need to be searched.
 struct PingBoxes {
     navigation: Arc<Navigation>,
     boxes: Vec<GroundBounds>,
 }
 
 impl PingBoxes {
-    /// One pass over the pings.
+    /// Creates the boxes in one pass over the pings.
     fn new(navigation: Arc<Navigation>) -> Self {
         let places = |pings: &[PingNav]| around(pings.iter().map(|one| [one.east_m, one.north_m]));
         let boxes = navigation.pings.chunks(PINGS).map(places);
         Self { boxes: boxes.collect(), navigation }
     }
 
-    /// The ping nearest to a place and its distance, metres, if one is within `reach_m`.
+    /// Returns the ping nearest to a place and its distance, metres, if one is within `reach_m`.
     fn nearest(&self, place: [f64; 2], reach_m: f64) -> Option<(usize, f64)> {
         let away = self.boxes.iter().map(|bounds| {
             let [beside, beyond] = away_m(place, bounds);
             beside * beside + beyond * beyond
         });
         let away = away.enumerate();
-        // The nearest box first: what it holds rules out most of the others.
+        // The nearest box first: its pings rule out most of the other boxes.
         let (first, _) = away.clone().min_by(|a, b| a.1.total_cmp(&b.1))?;
         let mut best = (reach_m * reach_m, None);
         self.look_into(first, place, &mut best);
@@ -189,9 +189,9 @@ impl PingBoxes {
 
 /// Meaning of the colour of a track.
 enum Colouring {
-    /// Depth, between the ends of the scale, metres.
+    /// The colour shows the depth, between the ends of the scale, metres.
     Depth(Option<[f32; 2]>),
-    /// The log, by its colour.
+    /// The colour is that of the log.
     Log([u8; 3]),
 }
 
@@ -199,12 +199,13 @@ enum Colouring {
 struct Record<'a> {
     time_s: f64,
     place: &'a PingNav,
-    /// Corrected; NaN without one.
+    /// Corrected depth, metres; NaN if it is unknown.
     depth_m: f32,
     source: DepthSource,
 }
 
-/// Along the track: of the side-scan pings, or of the soundings in a log without.
+/// Returns the records along the track: of the side-scan pings, or of the soundings in a log
+/// without side-scan pings.
 fn records<'a>(ProcessedLog { survey, products }: &'a ProcessedLog) -> Vec<Record<'a>> {
     let (navigation, correction) = (&products.navigation, &products.correction);
     if navigation.pings.is_empty() {
@@ -249,7 +250,7 @@ fn vertices(
         let step_m = last
             .map_or(0.0, |last| (place.east_m - last.east_m).hypot(place.north_m - last.north_m));
         last = Some(place);
-        // Of NaN and a number, this is the number.
+        // A NaN step counts as 0: the maximum of NaN and a number is the number.
         way_m += step_m.max(0.0);
         let [dash_m, gap_m] = DASH_M;
         let is_gap = record.source == DepthSource::SideScan && way_m % (dash_m + gap_m) > dash_m;

@@ -1,4 +1,4 @@
-//! Long lines on the map, drawn by the GPU and only when something about them changed.
+//! Draws long lines on the map on the GPU, only when the lines or the view have changed.
 
 use super::transform::MapTransform;
 use crate::ui::flat::ViewTexture;
@@ -13,9 +13,9 @@ use std::sync::Arc;
 pub(super) struct MapLine {
     /// Origin of the places of `pyramid`, metres.
     pub origin_m: [f64; 2],
-    /// The levels.
+    /// The levels of detail.
     pub pyramid: LinePyramid,
-    /// Them on the GPU.
+    /// The levels on the GPU; `None` without a GPU.
     pub buffers: Option<TrackBuffers>,
 }
 
@@ -37,14 +37,14 @@ impl MapLine {
     }
 }
 
-/// Look of a line: two strokes, the first below.
+/// Style of a line: two strokes, the first below.
 #[derive(Clone, Copy)]
 pub(super) struct MapPen {
     /// Widths of the strokes, points.
     pub widths: [f32; 2],
-    /// Colours of the strokes; `None` draws the line's own.
+    /// Colours of the strokes; `None` for the line's own colours.
     pub colours: [Option<Color32>; 2],
-    /// Most segments drawn in a frame: beyond, a coarser level is taken.
+    /// Largest number of segments drawn in a frame: beyond it, a coarser level is used.
     pub most_segments: u32,
 }
 
@@ -62,8 +62,8 @@ impl<T> Default for LinePicture<T> {
 }
 
 impl<T> LinePicture<T> {
-    /// Draws the lines that `of` owns if they, or how they are seen, changed, and shows them; the
-    /// first line lies below.
+    /// Draws the lines of `of` if the lines or their view have changed, and shows them; the first
+    /// line is below.
     pub(super) fn show<const N: usize>(
         &mut self,
         painter: &Painter,
@@ -125,7 +125,7 @@ fn line_draw(
             size_px: [0.0; 2],
             half_width_px: 0.5 * pen.widths[index] * pixels_per_point,
             plain: f32::from(u8::from(pen.colours[index].is_some())),
-            // Gamma-encoded, as the target is.
+            // Gamma-encoded, like the target.
             colour: [r, g, b, a],
         }
     };

@@ -1,6 +1,6 @@
-//! The map view: the survey from above, in layers.
+//! Draws the map view: the survey from above, in layers.
 //!
-//! In: the state. Out: a map with its layers, and commands.
+//! Input: the state. Output: a map with its layers, and commands.
 
 mod base_map;
 mod dots;
@@ -42,20 +42,20 @@ use stack::Layers;
 use std::sync::Arc;
 use transform::{GroundBounds, MapTransform};
 
-/// State of the map view: where it looks, and what was made for it.
+/// State of the map view: the ground that it shows, and the layers computed for it.
 #[derive(Default)]
 pub struct MapView {
     transform: Option<MapTransform>,
-    /// The transform that showed everything; while it is in force, the view stays fitted to its
-    /// frame.
+    /// The transform that showed everything; while the user has not changed it, the view stays
+    /// fitted.
     fitted: Option<MapTransform>,
-    /// The layers that it was fitted to: it follows them while they are being made, not those that
-    /// are shown later.
+    /// The layers that the view was fitted to: the fit follows them while they are being computed,
+    /// but not layers that are shown later.
     fits: Vec<MapLayer>,
     request: Option<ViewRequest>,
-    /// The ground of the last frame.
+    /// Bounds of the ground shown in the last frame.
     visible: Option<GroundBounds>,
-    /// The ground that the first frame is to show.
+    /// Bounds of the ground that the first frame is to show; `None` for everything.
     aim: Option<GroundBounds>,
     track: Background<TrackKey, Arc<TrackLayer>>,
     layers: Layers,
@@ -70,7 +70,7 @@ pub struct MapView {
 }
 
 impl MapView {
-    /// Draws the view into all of `ui` and pushes what the analyst does in it.
+    /// Draws the view into all of `ui` and pushes the commands of the user.
     pub fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
         let whole = ui.available_rect_before_wrap();
         let (rect, plot) = measure::split(whole, context.app);
@@ -87,22 +87,22 @@ impl MapView {
         }
     }
 
-    /// Keeps the ground where it is on the screen when the plot comes into the lower part of the
-    /// view or goes: a map that moved would put another place under the pointer that has just been
-    /// clicking.
+    /// Keeps the ground where it is on the screen when the plot appears in the lower part of the
+    /// view or disappears: if the map moved, another place would be under the pointer that has just
+    /// clicked.
     fn make_room(&mut self, plot_height: f32) {
         let before = std::mem::replace(&mut self.plot_height, plot_height);
         let taken = plot_height - before;
         let toggles = (before > 0.0) != (plot_height > 0.0);
         if let Some(transform) = self.transform.as_mut().filter(|_| toggles) {
-            // The middle of a view that ends higher lies higher by half of it.
+            // A view whose lower edge moves up has its middle higher by half of that distance.
             transform.centre_m[1] += 0.5 * f64::from(taken) * transform.metres_per_point;
-            // Fitted to its frame it would move all the same.
+            // A fitted view would move in spite of this.
             self.fitted = None;
         }
     }
 
-    /// Sets a corner of what is drawn where the pointer or the cross is.
+    /// Sets a corner of the figure at the pointer or at the cross.
     pub(crate) fn set_corner(&mut self) {
         self.measure.set_corner();
     }
@@ -117,24 +117,25 @@ impl MapView {
         !self.track.is_running() && self.layers.is_settled() && self.request.is_none()
     }
 
-    /// A view that looks at the same ground, in a frame of any size.
+    /// Returns a view of the same ground, for a picture of any size.
     pub(crate) fn for_picture(&self, app: &App) -> Self {
         Self {
             aim: self.visible,
-            // What is open is no other survey to it.
+            // The survey that is open must not count as a new one.
             seen_plane: app.view.plane_serial,
             ..Self::default()
         }
     }
 
-    /// Metres that a point of a picture of this size covers that shows the same ground.
+    /// Returns the metres that a point covers in a picture of this size that shows the same ground;
+    /// `None` before the first frame.
     pub(crate) fn metres_per_point_on(&self, [width, height]: [f32; 2]) -> Option<f64> {
         let rect = Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(width, height));
         let shown = MapTransform::showing(self.visible?, rect);
         Some(shown.metres_per_point)
     }
 
-    /// Tiles that are not painted yet, of those in view.
+    /// Returns the number of visible tiles that are not painted yet, and of all visible tiles.
     pub fn missing(&self) -> [usize; 2] {
         self.layers.missing()
     }
@@ -152,7 +153,7 @@ impl MapView {
         }
     }
 
-    /// Everything inside the frame; returns the view's accessible name.
+    /// Draws the contents of the view; returns the view's accessible name.
     fn content(
         &mut self,
         ui: &mut Ui,
@@ -223,10 +224,11 @@ impl MapView {
         name + &boxes(context) + &layers(context)
     }
 
-    /// The banner of the tool in hand below the buttons; what it covers lies above the read-out.
+    /// Draws the banner of the selected tool below the buttons; the read-out then is below the
+    /// banner.
     fn banner(&mut self, ui: &mut Ui, app: &App, rect: Rect) {
         let banner = Banner::of(app, View::Map);
-        // Right of it stands the north arrow.
+        // The north arrow is to the right of this area.
         let room = Rect::from_min_max(rect.min + vec2(4.0, 36.0), rect.max - vec2(56.0, 4.0));
         let shown = banner.filter(|_| legend::has_width(room));
         let placed = shown.map(|banner| banner.place(ui, room));
@@ -256,7 +258,7 @@ impl MapView {
         self.layers.ask(context, survey, products, &logs);
     }
 
-    /// Moves the view as asked by keys, wheel, drag and reveals.
+    /// Moves the view as asked by keys, wheel, drag and reveals; returns the transform.
     fn navigate(
         &mut self,
         ui: &Ui,
@@ -266,7 +268,7 @@ impl MapView {
         drag_moves: bool,
     ) -> MapTransform {
         let rect = response.rect;
-        // A double-click ends a measurement.
+        // A double-click ends a measurement, so it fits the view only without a measuring tool.
         let fits = context.app.map.measuring.tool.is_none();
         let is_asked = self.request == Some(ViewRequest::Fit) || fits && response.double_clicked();
         if self.transform.is_none() || is_asked {
@@ -339,7 +341,7 @@ fn paint(ui: &Ui, context: &ViewContext<'_>, scene: &scene::MapScene<'_>, layers
     let now_s = ui.input(|input| input.time);
     if let Some(text) = layers.under_way(now_s) {
         overlay::under_way(&painter, scene, &text);
-        // A job that has just become worth telling about does not draw a frame by itself.
+        // A job that has just lasted long enough to be shown does not request a frame by itself.
         ui.ctx().request_repaint_after(std::time::Duration::from_millis(200));
     }
 }
@@ -357,7 +359,7 @@ fn boxes(context: &ViewContext<'_>) -> String {
     }
 }
 
-/// Names of the layers that are drawn, bottom first, for screen readers and tests.
+/// Returns the names of the layers that are drawn, bottom first, for screen readers and tests.
 fn layers(context: &ViewContext<'_>) -> String {
     let stack = &context.options().map.layers;
     let shown = stack.bottom_up().map(|shown| shown.layer);

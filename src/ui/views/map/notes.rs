@@ -1,4 +1,4 @@
-//! Notes that complete the colour scale: a few short lines for each layer that is drawn.
+//! Writes notes that complete the colour scale: a few short lines for each layer that is drawn.
 
 use super::scene::MapScene;
 use super::{grid_tiles, points};
@@ -7,7 +7,7 @@ use crate::ui::views::legend;
 use bathyscope_bottom::presentation::text::count;
 use egui::Painter;
 
-/// The lines that fit into a height, those that matter most first.
+/// Returns the lines that fit into a height, the most important ones first; `None` if none fits.
 pub(super) fn fitting(painter: &Painter, scene: &MapScene<'_>, height: f32) -> Option<String> {
     let mut notes = notes(scene);
     while !notes.is_empty() {
@@ -66,10 +66,10 @@ fn notes(scene: &MapScene<'_>) -> Vec<String> {
     notes
 }
 
-/// Reason why some of the track is grey.
+/// Returns the reason why some of the track is grey.
 fn grey_track(scene: &MapScene<'_>) -> Option<&'static str> {
     match scene.track.range_m {
-        // Its colours say which log it is.
+        // Where tracks are coloured by log, grey does not mean a missing depth.
         _ if !scene.shows(MapLayer::Track) || !scene.track.logs.is_empty() => None,
         None => Some("grey track:\nno depth"),
         Some(_) if scene.track.side_scan_only => Some("grey dashes: depth\nby side-scan only"),

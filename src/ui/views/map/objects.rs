@@ -1,4 +1,5 @@
-//! Objects on the map: a mark by state for each box, and its footprint where that can be seen.
+//! Draws objects on the map: a mark by state for each box, and the footprint where it is large
+//! enough.
 
 use super::scene::MapScene;
 use crate::app::{App, LocatedObject, LogBox, MapLayer, OpenLog};
@@ -8,15 +9,15 @@ use bathyscope_objects::review::{Reviewed, State};
 use egui::{Align2, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, vec2};
 use std::sync::Arc;
 
-/// Half of a mark, points.
+/// Half of the size of a mark, points.
 const HALF: f32 = 4.5;
 /// Greatest distance of a click from a mark, points.
 const REACH: f32 = 8.0;
-/// Longer side of a footprint on the screen from which it is drawn, points.
+/// Least longer side of a footprint on the screen that is drawn, points.
 const FOOTPRINT: f32 = 12.0;
 
-/// Boxes of all visible logs that are in the queue, with their place; those of the log that the
-/// panels show last, the selected one at the end.
+/// Returns the visible boxes in the queues of all visible logs, with their place. Those of the log
+/// in the panels are last, and the selected box is at the end.
 fn placed<'a>(scene: &MapScene<'_>, app: &'a App) -> impl Iterator<Item = Seen<'a>> {
     let (rect, transform) = (scene.rect.expand(2.0 * HALF), scene.transform);
     let frame = scene.rect;
@@ -41,7 +42,7 @@ struct Seen<'a> {
     log: &'a OpenLog,
     one: &'a Reviewed,
     placed: &'a Arc<LocatedObject>,
-    /// Its middle on the screen.
+    /// Middle of the box on the screen.
     at: Pos2,
 }
 
@@ -51,7 +52,7 @@ impl Seen<'_> {
     }
 }
 
-/// Draws them, and lines from the place of the selected object to the boxes that show it.
+/// Draws the boxes, and lines from the place of the selected object to the boxes that show it.
 pub(super) fn paint(painter: &Painter, scene: &MapScene<'_>, app: &App) {
     sightings(painter, scene, app);
     for seen in placed(scene, app) {
@@ -88,7 +89,7 @@ pub(super) fn paint(painter: &Painter, scene: &MapScene<'_>, app: &App) {
     }
 }
 
-/// Joins the place of the selected object with the places of its boxes, where there are several.
+/// Joins the place of the selected object with the places of its boxes, if it has more than one.
 fn sightings(painter: &Painter, scene: &MapScene<'_>, app: &App) {
     let Some(object) = app.selected_object().filter(|object| object.boxes.len() > 1) else {
         return;
@@ -104,7 +105,8 @@ fn sightings(painter: &Painter, scene: &MapScene<'_>, app: &App) {
     }
 }
 
-/// A ring for a proposal, a dot for an object, a square for one drawn by hand, a cross for nothing.
+/// Draws a ring for a proposed box, a disc for an accepted one, a square for one drawn by hand, a
+/// cross for a rejected one.
 fn mark(painter: &Painter, at: Pos2, state: State, colour: egui::Color32) {
     let stroke = Stroke::new(1.5, colour);
     let rim = Stroke::new(3.5, egui::Color32::from_black_alpha(120));
@@ -131,7 +133,7 @@ fn mark(painter: &Painter, at: Pos2, state: State, colour: egui::Color32) {
     }
 }
 
-/// The box whose mark is under the pointer, and its log.
+/// Returns the box whose mark is under the pointer, with its log.
 pub(super) fn under(scene: &MapScene<'_>, app: &App, at: Pos2) -> Option<LogBox> {
     if !scene.shows(MapLayer::Boxes) {
         return None;

@@ -7,10 +7,10 @@ use crate::ui::views::legend::{self, LegendScale};
 use crate::ui::{place, theme};
 use egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, vec2};
 
-/// Height at the top right that belongs to the north arrow, points.
+/// Height at the top right that is reserved for the north arrow, points.
 const BELOW_ARROW: f32 = 66.0;
 
-/// Scale bar, north arrow and legend; returns what they cover.
+/// Draws scale bar, north arrow and legend; returns the areas that they cover.
 pub(super) fn furniture(painter: &Painter, scene: &MapScene<'_>) -> Vec<Rect> {
     north_arrow(painter, scene);
     let mut covered = vec![scale_bar(painter, scene)];
@@ -29,11 +29,11 @@ pub(super) fn furniture(painter: &Painter, scene: &MapScene<'_>) -> Vec<Rect> {
     covered
 }
 
-/// Most logs that the legend names.
+/// Largest number of logs in the legend.
 const MOST_LOGS: usize = 12;
 
-/// The names of the logs beside their colours, where the tracks are coloured by log; what they
-/// cover.
+/// Draws the names of the logs beside their colours, where the tracks are coloured by log; returns
+/// the covered areas.
 fn log_names(painter: &Painter, scene: &MapScene<'_>) -> Vec<Rect> {
     if !scene.shows(MapLayer::Track) {
         return Vec::new();
@@ -50,9 +50,10 @@ fn log_names(painter: &Painter, scene: &MapScene<'_>) -> Vec<Rect> {
     logs.map(name).collect()
 }
 
-/// The scales of depths and of residuals, side by side from the right; what they cover.
+/// Draws the scales of depths and of residuals, side by side from the right; returns the covered
+/// areas.
 fn scales(painter: &Painter, scene: &MapScene<'_>, mut corner: Pos2) -> Vec<Rect> {
-    // Below the north arrow, with the title and the edge of its plate.
+    // Leaves room for the north arrow above, and for the title and the edge of the plate.
     let below_arrow = scene.rect.height() - BELOW_ARROW - 58.0;
     let height = (scene.rect.height() * 0.4).clamp(50.0, 160.0);
     let height = height.min(below_arrow).max(24.0);
@@ -73,7 +74,7 @@ fn scales(painter: &Painter, scene: &MapScene<'_>, mut corner: Pos2) -> Vec<Rect
     covered
 }
 
-/// Draws the text about the work on the map that is under way.
+/// Draws the text about the work in progress for the map.
 pub(super) fn under_way(painter: &Painter, scene: &MapScene<'_>, text: &str) {
     let at = scene.rect.center_bottom() - vec2(0.0, 20.0);
     legend::words(painter, scene.options, at, Align2::CENTER_BOTTOM, text);
@@ -109,8 +110,8 @@ fn scale_bar(painter: &Painter, scene: &MapScene<'_>) -> Rect {
     plate
 }
 
-/// The selected place as a ring with the boat's heading, the hovered one as a cross-hair; an
-/// across-track place is joined to its boat.
+/// Marks the selected place by a ring with the boat's heading, and the hovered place by a
+/// cross-hair; a line joins an across-track place to its boat.
 pub(super) fn marks(painter: &Painter, scene: &MapScene<'_>, app: &App) {
     if let Some(mark) = app.view.selection {
         let stroke = Stroke::new(2.0, theme::SELECTION_COLOUR);

@@ -1,5 +1,5 @@
-//! Planned lines on the map: drawn with the way through them, selected by a click, their ends
-//! dragged.
+//! Draws planned lines on the map with the way through them; a click selects a line, a drag moves
+//! one of its ends.
 
 use super::scene::MapScene;
 use super::transform::MapTransform;
@@ -14,12 +14,12 @@ use egui::{
     Align2, CursorIcon, Painter, Pos2, Rect, Response, RichText, Shape, Stroke, Ui, pos2, vec2,
 };
 
-/// Greatest distance of the pointer from a line or an end of one, points.
+/// Greatest distance of the pointer from a line, or from the end of a line, points.
 const REACH: f32 = 9.0;
 /// Width of the map below which the buttons are below the words, points.
 const ONE_ROW: f32 = 640.0;
 
-/// The drag of an end under way.
+/// Tool that drags the ends of planned lines; `None` while no end is dragged.
 #[derive(Default)]
 pub(super) struct PlanTool {
     drag: Option<Drag>,
@@ -28,17 +28,17 @@ pub(super) struct PlanTool {
 #[derive(Clone, Copy)]
 struct Drag {
     line: usize,
-    /// 0 the start of the line, 1 its end.
+    /// 0 for the start of the line, 1 for its end.
     end: usize,
     at: Pos2,
 }
 
-/// Use of the pointer by the lines in this frame.
+/// Actions of the pointer that the planned lines have used in this frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct PointerUse {
-    /// A drag that must not move the map.
+    /// True if a drag must not move the map.
     pub drag: bool,
-    /// A click that is not for anything else.
+    /// True if a click must have no other effect.
     pub click: bool,
 }
 
@@ -48,14 +48,14 @@ pub(super) struct MapPlace<'a> {
     pub rect: Rect,
     /// Transform from the plane to the screen.
     pub transform: MapTransform,
-    /// The shown log.
+    /// Survey of the shown log.
     pub survey: &'a Survey,
-    /// Its results.
+    /// Results of the shown log.
     pub products: &'a Products,
 }
 
 impl MapPlace<'_> {
-    /// Both ends of every line on the screen.
+    /// Returns both ends of every line on the screen.
     fn lines(&self, planned: &PlannedLines) -> Vec<[Pos2; 2]> {
         let ends = |leg: &Leg| [leg.from, leg.to].map(|place| self.at(planned, place));
         planned.plan.lines.iter().map(ends).collect()
@@ -70,7 +70,8 @@ impl MapPlace<'_> {
 }
 
 impl PlanTool {
-    /// Follows clicks and drags on the lines, unless another tool has a use for them.
+    /// Handles clicks and drags on the lines, unless another tool uses the pointer; returns what
+    /// was used.
     pub(super) fn follow(
         &mut self,
         ui: &Ui,
@@ -117,7 +118,7 @@ impl PlanTool {
         PointerUse { drag: false, click: under.is_some() }
     }
 
-    /// Draws the lines, and says what they are good for.
+    /// Draws the lines, and describes their length and uncertainties.
     pub(super) fn ui(&self, ui: &mut Ui, context: &mut ViewContext<'_>, scene: &MapScene<'_>) {
         let Some(planned) = context.app.map.planning.lines.clone() else {
             return;
@@ -163,7 +164,7 @@ fn line_under(lines: &[[Pos2; 2]], at: Pos2) -> Option<usize> {
     near.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(line, _)| line)
 }
 
-/// The way as a thin line, the lines over it with an arrow and their number.
+/// Draws the way as a thin line, and over it the lines with an arrow and their number.
 fn paint(
     painter: &Painter,
     scene: &MapScene<'_>,
@@ -236,7 +237,7 @@ fn buttons(ui: &mut Ui, context: &mut ViewContext<'_>) {
     }
 }
 
-/// `14 lines, 2.31 km, 19.8 min at 1.9 m/s; sigma 0.21 m, then 0.13 m`.
+/// Describes a plan as `14 lines, 2310 m with turns, 19.8 min; sigma 0.210 m, then 0.130 m`.
 fn words(app: &App, planned: &PlannedLines) -> String {
     let (plan, units) = (&planned.plan, app.view.options.units);
     let lines = text::plural(plan.lines.len(), "line", "lines");

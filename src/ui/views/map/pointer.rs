@@ -1,4 +1,5 @@
-//! Handles the pointer on the map: move, read, select, propose a stretch for the scale.
+//! Handles the pointer on the map: it moves the map, reads values, selects, and proposes a stretch
+//! for the scale.
 
 use super::scene::MapScene;
 use super::transform::MapTransform;
@@ -18,9 +19,9 @@ pub(super) const REACH: f32 = 30.0;
 /// Greatest distance of the pointer from a point whose residual is shown, points.
 const NEAR: f32 = 6.0;
 
-/// Width in which a place stands in one line in degrees and in metres, points.
+/// Least width of the map for a place in one line in degrees and in metres, points.
 const TWO_PLACES: f32 = 360.0;
-/// Width in which the whole read-out stands in one line, points.
+/// Least width of the map for the whole read-out in one line, points.
 const ONE_LINE: f32 = 720.0;
 
 /// State of the pointer on the map.
@@ -29,19 +30,19 @@ pub(super) struct MapPointer {
     /// Room that the banner of a tool takes below the buttons, points.
     pub banner_height: f32,
     hover: OwnHover,
-    /// Place that the menu was opened at.
+    /// Place at which the menu was opened; `None` before the first time.
     menu_at: Option<MenuAt>,
 }
 
 /// Place that the menu refers to.
 struct MenuAt {
     position: LonLat,
-    /// The ping of the track that is near, and its log.
+    /// The nearby ping of a track, and its log; `None` if there is none.
     near: Option<(LogId, usize)>,
 }
 
-/// Wheel zooms at the pointer, drag moves, with the main button unless that has something else in
-/// hand (`drag_moves`).
+/// Moves the map: the wheel zooms at the pointer, a drag moves the map, with the main button only
+/// if `drag_moves` (otherwise that button has another use).
 pub(super) fn move_view(
     ui: &Ui,
     response: &Response,
@@ -64,7 +65,7 @@ pub(super) fn move_view(
 }
 
 impl MapPointer {
-    /// Hover, click and menu.
+    /// Handles hover, click and menu.
     pub(super) fn handle(
         &mut self,
         ui: &mut Ui,
@@ -73,10 +74,10 @@ impl MapPointer {
         response: &Response,
     ) {
         let at = response.hover_pos();
-        // A measuring tool in hand has a use of its own for the pointer.
+        // A selected measuring tool uses the pointer for itself.
         let is_measuring = context.app.map.measuring.tool.is_some();
         let near = at.and_then(|at| nearest(scene, context.app, at)).filter(|_| !is_measuring);
-        // Other views show the log under the selection: a ping of another one is nowhere in them.
+        // Other views show the log of the selection; they have no place for a ping of another log.
         let here = near.filter(|(log, _)| *log == context.app.log.id);
         let ping = here.map(|(_, ping)| LogPlace::ping(ping));
         self.hover.tell(context, ping);
@@ -103,8 +104,8 @@ impl MapPointer {
         self.menu(context, response);
     }
 
-    /// A numbered stretch is proposed for the scale; with the tool in hand, any place of the track
-    /// is.
+    /// Handles a click. It proposes a numbered stretch for the scale, or with the calibration tool
+    /// any place of the track; otherwise it selects a box or a ping.
     fn click(&self, context: &mut ViewContext<'_>, scene: &MapScene<'_>, at: Pos2) {
         let near = nearest(scene, context.app, at);
         let spot = flat_spots::under(scene, at);
@@ -163,7 +164,7 @@ impl MapPointer {
         });
     }
 
-    /// The read-out, and what is known of a numbered stretch.
+    /// Shows the read-out, and the description of a numbered stretch under the pointer.
     fn show_under(
         &self,
         ui: &Ui,
@@ -187,10 +188,11 @@ impl MapPointer {
     }
 }
 
-/// The passes that saw the place, once they are found; each is shown in the other views.
+/// Adds to the menu the passes that saw a place, once they are found; a click on a pass shows it in
+/// the other views.
 fn passes_menu(ui: &mut Ui, context: &mut ViewContext<'_>, at: LonLat) {
     let passes = match context.app.passes_at(at) {
-        // Who opened the menu in this frame has just asked.
+        // The frame that opened the menu has just requested the search.
         PassesFound::Searching | PassesFound::Unasked => {
             ui.label("Looking for passes over this place");
             return;
@@ -226,19 +228,19 @@ fn passes_menu(ui: &mut Ui, context: &mut ViewContext<'_>, at: LonLat) {
     });
 }
 
-/// The nearest ping and its log.
+/// Returns the nearest ping within [`REACH`] and its log.
 fn nearest(scene: &MapScene<'_>, app: &App, at: Pos2) -> Option<(LogId, usize)> {
     let place = scene.transform.to_ground(scene.rect, at);
     let reach_m = f64::from(REACH) * scene.transform.metres_per_point;
     scene.track.nearest_ping(place, reach_m, app.log.id)
 }
 
-/// The ping, if it is one of the log that the panels show.
+/// Returns the ping if it is one of the log that the panels show.
 fn own_ping(app: &App, near: Option<(LogId, usize)>) -> Option<usize> {
     near.filter(|(log, _)| *log == app.log.id).map(|(_, ping)| ping)
 }
 
-/// A ping, with the name of its log where several are open.
+/// Names a ping, with the name of its log if more than one is open.
 fn named_ping(app: &App, (log, ping): (LogId, usize)) -> String {
     match app.open_log(log).filter(|_| app.log_count() > 1) {
         Some(log) => format!("{}, ping {ping}", log.name()),
@@ -252,7 +254,7 @@ fn range_of(scene: &MapScene<'_>, rank: usize) -> Option<PingRange> {
 
 fn read_out(app: &App, scene: &MapScene<'_>, at: Pos2, near: Option<(LogId, usize)>) -> String {
     let [east_m, north_m] = scene.transform.to_ground(scene.rect, at);
-    // In one line a narrow map would run under the north arrow, or out of its tile.
+    // In one line the text of a narrow map would reach under the north arrow or beyond the tile.
     let gap = |needed: f32| if scene.rect.width() < needed { "\n" } else { "   " };
     let units = app.view.options.units;
     let mut text = place::written(app, scene.position(at));

@@ -1,4 +1,4 @@
-//! The points of the cloud from above: the places on the bottom where depths were measured.
+//! Paints the points of the cloud from above: the places on the bottom where depths were measured.
 
 use super::dots::{Dot, Dots};
 use super::tiles::TilePainter;
@@ -10,7 +10,7 @@ use bathyscope_log::survey::Side;
 use bathyscope_products::pipeline::Same;
 use std::sync::Arc;
 
-/// Points between two looks at whether the work was cancelled.
+/// Number of points between two checks for cancellation.
 const CHECK: usize = 1 << 14;
 
 /// Inputs of the point layer: the points and their colours.
@@ -23,7 +23,7 @@ pub(super) struct PointKey {
 }
 
 impl PointKey {
-    /// Creates the key of the last results.
+    /// Creates the key of the points of these logs with their colours.
     pub(super) fn of(logs: &[ShownLog], options: &ViewOptions) -> Self {
         let key = |shown: &ShownLog| {
             let products = &shown.log.products;
@@ -38,7 +38,7 @@ impl PointKey {
     }
 }
 
-/// Note for the legend; `has_swath` is true if points of a swath are among them.
+/// Returns a note for the legend; `has_swath` is true if there are points of a swath.
 pub(super) fn note(options: &ViewOptions, has_swath: bool) -> String {
     let sides = match options.side_colours {
         SideColours::Paper => "points: blue port,\nred starboard",
@@ -47,7 +47,8 @@ pub(super) fn note(options: &ViewOptions, has_swath: bool) -> String {
     if has_swath && options.swath.0 { format!("{sides},\nviolet swath") } else { sides.to_owned() }
 }
 
-/// The tiles of all kept points; inner `None` where there is none, outer when cancelled.
+/// Returns the tiles of all kept points; inner `None` if there is no point, outer `None` when
+/// cancelled.
 pub(super) fn source(
     logs: &[ShownLog],
     options: &ViewOptions,
@@ -73,7 +74,7 @@ pub(super) fn source(
     Some(dots.map(|dots| Arc::new(dots) as Arc<dyn TilePainter>))
 }
 
-/// Index of a point's colour.
+/// Returns the index of a point's colour.
 fn source_slot(point: &CloudPoint) -> u8 {
     match point.source {
         PointSource::DownScan => 0,

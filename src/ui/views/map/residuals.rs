@@ -1,4 +1,5 @@
-//! The map of residuals: every compared point, coloured by how it differs from its reference.
+//! Paints the map of residuals: every compared point, coloured by its difference from its
+//! reference.
 
 use super::dots::{Dot, Dots};
 use super::tiles::TilePainter;
@@ -8,11 +9,11 @@ use bathyscope_products::pipeline::Agreement;
 use egui::Color32;
 use std::sync::Arc;
 
-/// Points between two looks at whether the work was cancelled.
+/// Number of points between two checks for cancellation.
 const CHECK: usize = 1 << 14;
-/// Letters of a name that a legend has room for.
+/// Largest number of letters of a name in the legend.
 const LETTERS: usize = 20;
-/// Steps of the colours: odd, so that no difference has a step of its own.
+/// Steps of the colours: an odd number, so that zero difference has a step of its own.
 const STEPS: u8 = 255;
 
 /// The points of an agreement, ready to paint and to search.
@@ -21,13 +22,13 @@ pub(super) struct ResidualLayer {
     /// Difference of each dot, metres.
     differences_m: Vec<f32>,
     dots: Arc<Dots>,
-    /// The colours end at plus and minus this, metres.
+    /// Difference, plus or minus, at which the colours end, metres.
     pub reach_m: f64,
 }
 
 impl ResidualLayer {
-    /// The colours reach as far as 95 % of the differences do, more or less; inner `None` where no
-    /// point has a place, outer when cancelled.
+    /// Creates the layer. The colours cover about 95 % of the differences; inner `None` if no point
+    /// has a place, outer `None` when cancelled.
     pub(super) fn new(agreement: Arc<Agreement>, progress: &Progress) -> Option<Option<Self>> {
         let p95_m = agreement.comparison.residuals.map(|found| found.p95_m);
         let reach_m = difference_reach_m(p95_m.unwrap_or(0.0));
@@ -60,14 +61,14 @@ impl ResidualLayer {
         self.dots.clone()
     }
 
-    /// Difference from the reference at the point nearest to a place, if one is within `reach_m`,
-    /// metres.
+    /// Returns the difference from the reference at the point nearest to a place, metres; `None` if
+    /// no point is within `reach_m`.
     pub(super) fn at(&self, place: [f64; 2], reach_m: f64) -> Option<f64> {
         let dot = self.dots.nearest(place, reach_m)?;
         self.differences_m.get(dot).copied().map(f64::from)
     }
 
-    /// Note for the legend.
+    /// Returns a note for the legend.
     pub(super) fn note(&self) -> String {
         let what = match &self.agreement.reference {
             Some(reference) => {
@@ -80,7 +81,7 @@ impl ResidualLayer {
     }
 }
 
-/// A name whose end stands for all of it where it is long.
+/// Returns a name, or only its end if it is long.
 fn shortened(name: &str) -> String {
     let count = name.chars().count();
     if count > LETTERS {
@@ -98,7 +99,7 @@ mod tests {
     use bathyscope_bottom::cloud::{CloudPoint, PointCloud, PointSource};
     use bathyscope_products::pipeline::{LogDifferences, ResidualTables};
 
-    /// Points 10 m apart on a line eastwards, each with its difference from a reference.
+    /// Returns points 10 m apart on a line eastwards, each with its difference from a reference.
     fn layer(differences_m: &[f64]) -> ResidualLayer {
         let point = |index: usize| CloudPoint {
             confidence: 1.0,

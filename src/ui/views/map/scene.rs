@@ -1,4 +1,4 @@
-//! Contents of a frame of the map.
+//! Collects the contents of one frame of the map.
 
 use super::isobaths::layer::IsobathLayer;
 use super::layers::TrackLayer;
@@ -20,41 +20,41 @@ pub(super) struct MapScene<'a> {
     pub survey: &'a Survey,
     pub products: &'a Products,
     pub track: &'a Arc<TrackLayer>,
-    /// The depth map, while something of it is shown and once it is made; inner `None` where the
-    /// depths span none.
+    /// The depth map; outer `None` while it is not needed or not ready, inner `None` if the depths
+    /// do not span an area.
     pub depth_map: Option<Option<&'a Arc<DepthMap>>>,
-    /// The isobaths, while they are shown and once they are drawn.
+    /// The isobaths; `None` while they are not shown or not ready.
     pub isobaths: Option<Arc<IsobathLayer>>,
-    /// The residuals, while they are shown and once they are placed.
+    /// The residuals; `None` while they are not shown or not ready.
     pub residuals: Option<Arc<ResidualLayer>>,
-    /// True where soundings have a fault: they leave the track grey.
+    /// True if soundings have a fault, because of which the track is grey there.
     pub has_faults: bool,
-    /// Pings of the shown log that depth map, isobaths and mosaic are made of, where it has more:
-    /// it is followed.
+    /// Number of pings of the shown log that depth map, isobaths and mosaic are made of; `None` if
+    /// these are made of all pings. A log that is being followed has more pings.
     pub made_of: Option<usize>,
-    /// True if some of the tracks is excluded.
+    /// True if some of the pings are excluded.
     pub has_excluded: bool,
     /// True if a log has depths across the track.
     pub has_swath: bool,
-    /// The stretch that is proposed for the scale.
+    /// The stretch that is proposed for the scale; `None` if no stretch is.
     pub proposed: Option<PingRange>,
     pub options: &'a ViewOptions,
 }
 
 impl MapScene<'_> {
-    /// Place on the screen.
+    /// Returns a place on the screen.
     pub(super) fn at(&self, place: [f64; 2]) -> Pos2 {
         self.transform.to_screen(self.rect, place)
     }
 
-    /// WGS84 position of a place on the screen.
+    /// Returns the WGS84 position of a place on the screen.
     pub(super) fn position(&self, at: Pos2) -> LonLat {
         let [east_m, north_m] = self.transform.to_ground(self.rect, at);
         let navigation = &self.products.navigation;
         navigation.to_lon_lat(&self.survey.track, east_m, north_m)
     }
 
-    /// Ends of the colour scale of depth, metres.
+    /// Returns the ends of the colour scale of depth, metres; `None` without depths.
     pub(super) fn range_m(&self) -> Option<[f32; 2]> {
         let of_surface = || Some(self.depth_map.flatten()?.colour_range_m);
         self.track.range_m.or_else(of_surface)
@@ -65,7 +65,7 @@ impl MapScene<'_> {
         self.options.map.layers.is_visible(layer)
     }
 
-    /// Colour of words on the map.
+    /// Returns the colour of words on the map.
     pub(super) fn text_colour(&self) -> Color32 {
         theme::canvas_text_colour(self.options)
     }

@@ -1,4 +1,4 @@
-//! The layers of the map: computed in a background thread when they are shown, and drawn in the
+//! Computes the layers of the map in a background thread when they are shown, and draws them in the
 //! order of the stack.
 
 use super::base_map::BaseMapKey;
@@ -22,20 +22,20 @@ use bathyscope_products::pipeline::{Background, Same};
 use egui::Painter;
 use std::sync::Arc;
 
-/// Work that takes longer than this is announced.
+/// Duration above which work is announced, seconds.
 const PATIENCE_S: f64 = 0.5;
 
 /// Painter of the tiles of a layer.
 type PaintedBy = Arc<dyn TilePainter>;
-/// Painter of the tiles of a layer; `None` where there is nothing to paint.
+/// Painter of the tiles of a layer; `None` if there is nothing to paint.
 type LayerSource = Option<PaintedBy>;
 
-/// Sources of the layers of one map, as far as they are ready.
+/// Sources of the layers of one map, where these are ready.
 pub(super) struct Layers {
     base_map: Background<BaseMapKey, Arc<dyn TilePainter>>,
     /// Tiles of depths and of hill-shade, with the depth map that they are painted from.
     depths: Option<(Arc<DepthMap>, [PaintedBy; 2])>,
-    /// Tiles of the mosaic, with what they are painted from.
+    /// Tiles of the mosaic, with the mosaic and the colours that they are painted from.
     mosaic: Option<(Arc<Mosaic>, Colours, PaintedBy)>,
     points: Background<PointKey, LayerSource>,
     residuals: Background<Same<Agreement>, Option<Arc<ResidualLayer>>>,
@@ -43,12 +43,12 @@ pub(super) struct Layers {
     comparing: bool,
     tiles: [(MapLayer, TileLayer); 6],
     isobaths: Background<(Same<DrawnIsobaths>, Units), Arc<IsobathLayer>>,
-    /// Products of all logs that are being made, in words.
+    /// Descriptions of the products of all logs that are being computed.
     deriving: Vec<&'static str>,
     labels: Background<(Same<IsobathLayer>, i32), IsobathLabels>,
     isobath_picture: LinePicture<IsobathLayer>,
     track: LinePicture<TrackLayer>,
-    /// Start of the present work, in the window's seconds.
+    /// Start of the present work, in the window's seconds; `None` while there is no work.
     busy_since_s: Option<f64>,
 }
 
@@ -81,7 +81,7 @@ impl Default for Layers {
 }
 
 impl Layers {
-    /// Makes sure that what the visible layers need is there or under way.
+    /// Starts the work for the visible layers, unless it is done or in progress.
     pub(super) fn ask(
         &mut self,
         context: &ViewContext<'_>,
@@ -142,7 +142,7 @@ impl Layers {
         self.base_map.ask(key, jobs, |_| Some(asked.source()));
     }
 
-    /// Paints depths and hill-shade from a depth map.
+    /// Makes the depth map the source of depths and hill-shade, if it is another one than before.
     fn take_depths(&mut self, depth_map: Option<&Arc<DepthMap>>) {
         let same = |(of, _): &(Arc<DepthMap>, _)| depth_map.is_some_and(|now| Arc::ptr_eq(of, now));
         if !self.depths.as_ref().is_some_and(same) {
@@ -154,7 +154,7 @@ impl Layers {
         }
     }
 
-    /// Paints a mosaic in the colours of its settings.
+    /// Makes the mosaic, in the colours of its settings, the source of its tiles.
     fn take_mosaic(&mut self, mosaic: Option<(&Arc<Mosaic>, &MosaicSettings)>) {
         let same = |(of, colours, _): &(Arc<Mosaic>, Colours, _)| {
             mosaic
@@ -168,8 +168,7 @@ impl Layers {
         }
     }
 
-    /// Hands what was made to the tiles that are painted from it; layers that are not shown stop
-    /// painting.
+    /// Sets the sources of all tiles; layers that are not shown stop painting.
     fn give_sources(&mut self, stack: &LayerStack) {
         let [depth, shade] = match &self.depths {
             Some((_, tiles)) => tiles.clone().map(Some),
@@ -206,20 +205,20 @@ impl Layers {
         });
     }
 
-    /// The isobaths, once they are drawn, while they are shown.
+    /// Returns the isobaths; `None` while they are not shown or not ready.
     pub(super) fn isobaths(&self, stack: &LayerStack) -> Option<Arc<IsobathLayer>> {
         let shown = stack.is_visible(MapLayer::Isobaths);
         self.isobaths.result().filter(|_| shown).cloned()
     }
 
-    /// The residuals, once they are placed, while they are shown.
+    /// Returns the residuals; `None` while they are not shown or not ready.
     pub(super) fn residuals(&self, stack: &LayerStack) -> Option<Arc<ResidualLayer>> {
         let shown = stack.is_visible(MapLayer::Residuals);
         self.residuals.result().filter(|_| shown).cloned().flatten()
     }
 
-    /// Extent of some layers and of the track: a base map, which may show a country, does not
-    /// count.
+    /// Returns the bounds of some layers and of the track, without the base map, which may show a
+    /// country.
     pub(super) fn extent(&self, layers: &[MapLayer], track: GroundBounds) -> GroundBounds {
         let counts = |layer: &MapLayer| *layer != MapLayer::BaseMap && layers.contains(layer);
         let tiles = self.tiles.iter().filter(|(layer, _)| counts(layer));
@@ -227,20 +226,20 @@ impl Layers {
         bounds.fold(track, joined)
     }
 
-    /// Tiles that are not painted yet, of those in view.
+    /// Returns the number of visible tiles that are not painted yet, and of all visible tiles.
     pub(super) fn missing(&self) -> [usize; 2] {
         let tiles = self.tiles.iter().map(|(_, tiles)| tiles.missing());
         tiles.fold([0; 2], |[missing, all], [m, a]| [missing + m, all + a])
     }
 
-    /// Returns true if everything visible is there.
+    /// Returns true if everything visible is ready.
     pub(super) fn is_settled(&self) -> bool {
         self.making().is_empty()
             && !self.labels.is_running()
             && self.tiles.iter().all(|(_, tiles)| tiles.is_settled())
     }
 
-    /// Drops what belongs to another survey.
+    /// Drops the data of another survey.
     pub(super) fn forget(&mut self) {
         *self = Self {
             track: std::mem::take(&mut self.track),
@@ -249,7 +248,7 @@ impl Layers {
         };
     }
 
-    /// Draws one layer, clipped and faded as the painter is.
+    /// Draws one layer, with the clip area and the opacity of the painter.
     pub(super) fn show(
         &mut self,
         painter: &Painter,
@@ -297,7 +296,7 @@ impl Layers {
         isobaths::show(picture, painter, state, scene, &layer, labels);
     }
 
-    /// Work that precedes the drawing, in words.
+    /// Describes the work that precedes the drawing.
     fn making(&self) -> Vec<&'static str> {
         let jobs = [
             (self.base_map.is_running(), "placing the base map"),
@@ -311,7 +310,8 @@ impl Layers {
         derived.chain(running.map(|(_, what)| what)).collect()
     }
 
-    /// Describes the work under way once it has taken longer than a moment.
+    /// Describes the work in progress; `None` if there is none, or if it has lasted less than
+    /// [`PATIENCE_S`].
     pub(super) fn under_way(&mut self, now_s: f64) -> Option<String> {
         if self.is_settled() {
             self.busy_since_s = None;

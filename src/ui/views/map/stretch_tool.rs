@@ -1,5 +1,5 @@
-//! The tools that are pressed on a track and dragged along it: one excludes pings, one proposes
-//! them for the scale.
+//! Implements the tools that are dragged along a track: one excludes pings, one proposes them for
+//! the scale.
 
 use super::exclusions::{CASING, places};
 use super::layers::TrackLayer;
@@ -13,7 +13,7 @@ use crate::ui::views::legend;
 use bathyscope_log::survey::LogPart;
 use egui::{Align2, CursorIcon, Painter, Pos2, Rect, Response, Shape, Stroke, Ui, vec2};
 
-/// The drag under way.
+/// State of both tools; `None` while there is no drag.
 #[derive(Default)]
 pub(super) struct StretchTool {
     drag: Option<Drag>,
@@ -21,7 +21,7 @@ pub(super) struct StretchTool {
 
 struct Drag {
     log: LogId,
-    /// Pings where it began and where it is.
+    /// Ping where the drag began, and ping where it is now.
     ends: [usize; 2],
     does: Does,
 }
@@ -37,9 +37,9 @@ impl Drag {
 type MapPosition = (Rect, MapTransform);
 
 impl StretchTool {
-    /// Follows a drag or a click with one of the tools in hand; returns whether a drag must not
-    /// move the map. Beside the tracks, with the middle button or with Space held, it moves the map
-    /// in any tool.
+    /// Handles a drag or a click with the selected tool; returns true if the drag must not move the
+    /// map. Beside the tracks, with the middle button or with Space held, a drag moves the map with
+    /// any tool.
     pub(super) fn follow(
         &mut self,
         ui: &Ui,
@@ -56,7 +56,7 @@ impl StretchTool {
         let shown = context.app.log.id;
         let ground = |at: Pos2| transform.to_ground(rect, at);
         let reach_m = f64::from(REACH) * transform.metres_per_point;
-        // Only the log that the panels show has a scale to propose.
+        // Only the log in the panels has a scale to propose.
         let under = |at: Pos2| {
             let near = track.nearest_ping(ground(at), reach_m, shown);
             near.filter(|(log, _)| !is_calibrating || *log == shown)
@@ -96,7 +96,7 @@ impl StretchTool {
         true
     }
 
-    /// Draws the drag under way, with what it covers.
+    /// Draws the drag in progress, and describes the stretch that it covers.
     pub(super) fn draw(&self, painter: &Painter, scene: &MapScene<'_>, app: &App) {
         let Some((drag, log)) =
             (self.drag.as_ref()).and_then(|drag| Some((drag, app.open_log(drag.log)?)))
@@ -118,7 +118,7 @@ impl StretchTool {
     }
 }
 
-/// Returns true if one of the tools is in hand.
+/// Returns true if one of the tools is selected.
 pub(super) fn is_in_hand(app: &App) -> bool {
     matches!(app.log.reviewing.tool, Tool::Exclude | Tool::Calibrate)
 }

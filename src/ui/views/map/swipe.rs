@@ -1,5 +1,5 @@
-//! The divider between two stacks of layers: dragged, or moved by the arrow keys once it was
-//! clicked.
+//! Draws the divider between two stacks of layers, which is dragged, or moved by the arrow keys
+//! after a click.
 
 use super::scene::MapScene;
 use crate::app::{MapLayer, Swipe, SwipeSide};
@@ -9,12 +9,12 @@ use crate::ui::{ViewContext, theme};
 use egui::{Align2, CursorIcon, Key, Modifiers, Painter, Rect, Response, Sense};
 use egui::{Stroke, Ui, Vec2, WidgetInfo, pos2, vec2};
 
-/// Half of the width in which the pointer takes hold of the divider, points.
+/// Half of the width in which the pointer grips the divider, points.
 const REACH: f32 = 5.0;
-/// Shares of the map that the divider moves at a key, and with Shift.
+/// Steps of the divider for an arrow key, and with Shift, as shares of the map.
 const STEPS: [f32; 2] = [0.02, 0.1];
 
-/// The part of the map that a layer is drawn in.
+/// Returns the part of the map that a layer is drawn in.
 pub(super) fn part(scene: &MapScene<'_>, layer: MapLayer) -> Rect {
     let swipe = &scene.options.map.swipe;
     let (left, right) = scene.rect.split_left_right_at_x(divider_x(scene.rect, swipe));
@@ -30,14 +30,14 @@ fn divider_x(rect: Rect, swipe: &Swipe) -> f32 {
     rect.left() + rect.width() * swipe.share.clamp(0.0, 1.0)
 }
 
-/// Draws the divider with the names of what lies on either side, and moves it.
+/// Draws the divider with the names of the layers on either side, and moves it.
 pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, scene: &MapScene<'_>) {
     let swipe = &scene.options.map.swipe;
     if !swipe.on {
         return;
     }
     let x = divider_x(scene.rect, swipe);
-    // The upper edge belongs to the buttons, the lower one to the coordinates.
+    // The upper edge is left to the buttons, the lower one to the coordinates.
     let top = scene.rect.top() + 38.0;
     let bottom = (scene.rect.bottom() - 18.0).max(top);
     let handle = Rect::from_min_max(pos2(x - REACH, top), pos2(x + REACH, bottom));
@@ -55,7 +55,8 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, scene: &MapScene<'_
     paint(&ui.painter_at(scene.rect), scene, x, &response);
 }
 
-/// Distance by which the divider was moved, as a share of the width.
+/// Returns the distance by which the divider was moved, as a share of the width; `None` if it was
+/// not moved.
 fn moved(ui: &mut Ui, rect: Rect, response: &Response) -> Option<f32> {
     if response.clicked() || response.drag_started() {
         response.request_focus();
@@ -64,7 +65,7 @@ fn moved(ui: &mut Ui, rect: Rect, response: &Response) -> Option<f32> {
     if response.has_focus() {
         keep_arrows(ui.ctx(), response.id, true, false);
         for (key, way) in [(Key::ArrowLeft, -1.0), (Key::ArrowRight, 1.0)] {
-            // A plain arrow would match with Shift held too.
+            // A plain arrow would match with Shift held, too.
             for (modifiers, step) in [(Modifiers::SHIFT, STEPS[1]), (Modifiers::NONE, STEPS[0])] {
                 let pressed = ui.input_mut(|input| input.count_and_consume_key(modifiers, key));
                 by += pressed as f32 * step * way;
@@ -94,7 +95,7 @@ fn paint(painter: &Painter, scene: &MapScene<'_>, x: f32, response: &Response) {
     }
 }
 
-/// The layers that are drawn on one side only, the topmost first.
+/// Returns the names of the layers that are drawn on this side only, the topmost first.
 fn names(scene: &MapScene<'_>, side: SwipeSide) -> String {
     let map = &scene.options.map;
     let own = map.layers.bottom_up().rev().map(|shown| shown.layer);

@@ -1,4 +1,4 @@
-//! The buttons on the map. What is drawn is chosen in the view's title.
+//! Draws the buttons on the map. The layers are chosen in the view's title.
 
 use crate::app::{Action, Command, Tool};
 use crate::ui::views::legend;
@@ -6,7 +6,7 @@ use crate::ui::{ViewContext, ViewRequest, controls, theme};
 use bathyscope_products::project::MeasurementKind;
 use egui::{Rect, Ui, vec2};
 
-/// Fit, the calibration tool and the measuring tools.
+/// Shows the buttons Fit and Calibrate, and the menu of measuring tools.
 pub(super) fn show(
     ui: &mut Ui,
     context: &mut ViewContext<'_>,

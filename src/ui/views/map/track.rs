@@ -1,5 +1,5 @@
-//! The track: a line of its depths' colours over a dark one, the recorder's own under another
-//! receiver's, and antenna and transducer at the selected ping.
+//! Draws the track, a line coloured by depth over a casing; the recorder's own track below that of
+//! another receiver; and antenna and transducer at the selected ping.
 
 use super::layers::TrackLayer;
 use super::lines::{LinePicture, MapPen};
@@ -10,20 +10,20 @@ use crate::ui::views::{empty, legend};
 use eframe::egui_wgpu::RenderState;
 use egui::{Align2, Painter, Pos2, Shape, Stroke, vec2};
 
-/// Most segments drawn in a frame: beyond, a coarser level is taken.
+/// Largest number of segments drawn in a frame: beyond it, a coarser level is used.
 const MOST_SEGMENTS: u32 = 5_000;
 /// Width of the line under the track and of the track, points.
 const WIDTHS: [f32; 2] = [4.6, 3.0];
 /// Opacity of the line under the track.
 const CASING_OPACITY: f32 = 0.75;
-/// Least distance of the strokes that join the recorder's track to another's, points.
+/// Least distance between the strokes that join the recorder's track to another's, points.
 const APART: f32 = 18.0;
-/// Half of the antenna's triangle, points.
+/// Half of the size of the antenna's triangle, points.
 const HALF: f32 = 5.0;
 /// Least distance between antenna and transducer at which each is labelled, points.
 const NAMED: f32 = 34.0;
 
-/// Draws the track if it changed, and shows it.
+/// Draws the track if it has changed, and shows it.
 pub(super) fn show(
     picture: &mut LinePicture<TrackLayer>,
     painter: &Painter,
@@ -44,8 +44,8 @@ pub(super) fn show(
     picture.show(painter, state, view, scene.track, lines);
 }
 
-/// Draws the recorder's own track under another receiver's: thin, and joined to it where both were
-/// at the same times.
+/// Draws the recorder's own track below that of another receiver: thin, with strokes between their
+/// places at the same times.
 pub(super) fn paint_recorded(painter: &Painter, scene: &MapScene<'_>, app: &App) {
     if app.log.external.recorded.is_none() || !scene.shows(MapLayer::Track) {
         return;
@@ -69,8 +69,8 @@ pub(super) fn paint_recorded(painter: &Painter, scene: &MapScene<'_>, app: &App)
     }
 }
 
-/// Places of antenna and transducer at the selected ping, metres east and north; `None` while they
-/// are at one place.
+/// Returns the places of antenna and transducer at the selected ping, metres east and north; `None`
+/// while they are at one place.
 fn mounting_places(scene: &MapScene<'_>, app: &App) -> Option<[[f64; 2]; 2]> {
     let ping = app.view.selection?.ping;
     let navigation = &scene.products.navigation;
@@ -81,7 +81,7 @@ fn mounting_places(scene: &MapScene<'_>, app: &App) -> Option<[[f64; 2]; 2]> {
     metres.all(|metres| metres.is_finite()).then_some(places)
 }
 
-/// Draws antenna and transducer at the selected ping, while they are apart: the antenna as a
+/// Draws antenna and transducer at the selected ping while they are apart: the antenna as a
 /// triangle and the transducer as a disc, joined by a line.
 pub(super) fn paint_mounting(painter: &Painter, scene: &MapScene<'_>, app: &App) {
     let Some([antenna, transducer]) =
@@ -112,7 +112,8 @@ pub(super) fn paint_mounting(painter: &Painter, scene: &MapScene<'_>, app: &App)
     name(transducer, antenna, "transducer");
 }
 
-/// Text about antenna and transducer for screen readers, after the name of the map.
+/// Returns a text about antenna and transducer for screen readers, which follows the name of the
+/// map.
 pub(super) fn mounting_name(app: &App) -> String {
     let products = app.log.products.as_ref();
     let apart = products

@@ -1,15 +1,15 @@
-//! View of the map: north up, the same scale east and north.
+//! Transforms between the ground and the map view: north up, the same scale east and north.
 
 use egui::{Pos2, Rect, Vec2, pos2};
 
-/// West, south, east, north, metres.
+/// West, south, east and north of a part of the ground, metres.
 pub(super) type GroundBounds = [f64; 4];
 
-/// Around nothing.
+/// Bounds that contain nothing.
 pub(super) const NOWHERE: GroundBounds =
     [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
 
-/// Around both.
+/// Returns the bounds around both.
 pub(super) fn joined(
     [west, south, east, north]: GroundBounds,
     [w, s, e, n]: GroundBounds,
@@ -17,13 +17,13 @@ pub(super) fn joined(
     [west.min(w), south.min(s), east.max(e), north.max(n)]
 }
 
-/// Around places, those without numbers left out.
+/// Returns the bounds around places; places without finite coordinates are left out.
 pub(super) fn around(places: impl Iterator<Item = [f64; 2]>) -> GroundBounds {
     let placed = places.filter(|place| place.iter().all(|metres| metres.is_finite()));
     placed.fold(NOWHERE, |all, [east, north]| joined(all, [east, north, east, north]))
 }
 
-/// Returns the distance of a place outside of bounds, along east and along north; 0 inside.
+/// Returns the distance of a place outside of bounds, along east and along north, metres; 0 inside.
 pub(super) fn away_m(
     [east_m, north_m]: [f64; 2],
     [west, south, east, north]: &GroundBounds,
@@ -33,16 +33,16 @@ pub(super) fn away_m(
     [beside, beyond]
 }
 
-/// Share of the view that fitted bounds fill.
+/// Share of the view that fitted bounds cover.
 const FIT_SHARE: f64 = 0.84;
-/// Width at the right edge that belongs to the legend, points.
+/// Width at the right edge that is reserved for the legend, points.
 const LEGEND_WIDTH: f32 = 76.0;
-/// Width of a further scale of colours, points.
+/// Width of each further scale of colours, points.
 const SCALE_WIDTH: f32 = 72.0;
-/// Nearest and farthest zoom, metres a screen point.
+/// Least and greatest scale, metres per screen point.
 const SCALES: [f64; 2] = [1e-4, 1e5];
 
-/// Metres on the ground to points on the screen.
+/// Transform from metres on the ground to points on the screen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct MapTransform {
     /// East and north of the middle of the view, metres.
@@ -52,11 +52,12 @@ pub(super) struct MapTransform {
 }
 
 impl MapTransform {
-    /// Shows all of `bounds`, left of a legend with as many scales of colours.
+    /// Creates a transform that shows all of `bounds`, left of a legend with `scales` scales of
+    /// colours.
     pub(super) fn fit(bounds: GroundBounds, rect: Rect, scales: usize) -> Self {
         let [west, south, east, north] = bounds;
         let [nearest, farthest] = SCALES;
-        // What is fitted leaves a margin, on which a further scale may lie.
+        // Fitted bounds leave a margin, which a further scale may cover.
         let margin = 0.5 * (1.0 - FIT_SHARE) as f32 * rect.width();
         let further = (scales.saturating_sub(1) as f32 * SCALE_WIDTH - margin).max(0.0);
         let further = further / FIT_SHARE as f32;
@@ -68,7 +69,8 @@ impl MapTransform {
         Self { centre_m: [0.5 * (west + east) + aside_m, 0.5 * (south + north)], metres_per_point }
     }
 
-    /// Shows all of `ground` and no more than the shape of `rect` asks for.
+    /// Creates a transform that shows all of `ground`, and no more than the shape of `rect`
+    /// requires.
     pub(super) fn showing([west, south, east, north]: GroundBounds, rect: Rect) -> Self {
         let [nearest, farthest] = SCALES;
         let across = (east - west) / f64::from(rect.width().max(1.0));
@@ -79,14 +81,14 @@ impl MapTransform {
         }
     }
 
-    /// Place on the screen.
+    /// Returns a place on the screen.
     pub(super) fn to_screen(self, rect: Rect, [east_m, north_m]: [f64; 2]) -> Pos2 {
         let right = (east_m - self.centre_m[0]) / self.metres_per_point;
         let up = (north_m - self.centre_m[1]) / self.metres_per_point;
         rect.center() + Vec2::new(right as f32, -up as f32)
     }
 
-    /// Inverse of [`MapTransform::to_screen`].
+    /// Returns a place on the ground; inverse of [`MapTransform::to_screen`].
     pub(super) fn to_ground(self, rect: Rect, at: Pos2) -> [f64; 2] {
         let off = at - rect.center();
         [
@@ -95,7 +97,7 @@ impl MapTransform {
         ]
     }
 
-    /// The ground that the view shows.
+    /// Returns the ground that the view shows.
     pub(super) fn visible(&self, rect: Rect) -> GroundBounds {
         let [west, south] = self.to_ground(rect, rect.left_bottom());
         let [east, north] = self.to_ground(rect, rect.right_top());
@@ -108,7 +110,7 @@ impl MapTransform {
         self.centre_m[1] += f64::from(drag.y) * self.metres_per_point;
     }
 
-    /// Enlarges by `factor` (reduces below 1); the place at `at` stays there.
+    /// Enlarges by `factor` (reduces below 1); the place at `at` stays where it is on the screen.
     pub(super) fn zoom(&mut self, rect: Rect, at: Pos2, factor: f64) {
         let held = self.to_ground(rect, at);
         let [nearest, farthest] = SCALES;
@@ -119,7 +121,7 @@ impl MapTransform {
         }
     }
 
-    /// Brings a place into the middle unless it is well in view already.
+    /// Moves a place into the middle of the view unless it is already well inside.
     pub(super) fn reveal(&mut self, rect: Rect, place: [f64; 2]) {
         let inner = rect.shrink2(rect.size() * 0.1);
         if !inner.contains(self.to_screen(rect, place)) {
@@ -127,7 +129,7 @@ impl MapTransform {
         }
     }
 
-    /// Enlarges a place: what has this size there fills about a third of the view.
+    /// Enlarges a place so that something of this size there fills about a third of the view.
     pub(super) fn close_up(&mut self, rect: Rect, place: [f64; 2], size_m: f64) {
         let [nearest, farthest] = SCALES;
         let points = f64::from(rect.size().min_elem().max(1.0));
@@ -135,8 +137,8 @@ impl MapTransform {
         self.centre_m = place;
     }
 
-    /// Scale and offset of pixels (from the top left of `rect`) per metre from `origin_m`, as
-    /// `track.wgsl` takes them.
+    /// Returns scale and offset from metres relative to `origin_m` to pixels (from the top left of
+    /// `rect`), as `track.wgsl` reads them.
     pub(super) fn pixels(&self, rect: Rect, pixels_per_point: f32, origin_m: [f64; 2]) -> [f32; 4] {
         let origin = self.to_screen(rect, origin_m) - rect.min;
         let scale = f64::from(pixels_per_point) / self.metres_per_point;

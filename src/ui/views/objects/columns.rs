@@ -1,4 +1,4 @@
-//! The widths of the columns, and the texts of their cells.
+//! Computes the widths of the columns, and the texts of their cells.
 
 use super::show;
 use crate::app::{App, Object, ObjectColumn, ObjectState};
@@ -10,16 +10,17 @@ use egui::{Button, Rect, RichText, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 
 /// Width of the picture of a row, points.
 pub(super) const PICTURE_WIDTH: f32 = 72.0;
-/// Room between the text of a cell and its edges, points.
+/// Space between the text of a cell and its edges, points.
 pub(super) const ROOM: f32 = 6.0;
 
-/// The columns behind the picture, each with its width.
+/// The columns right of the picture, each with its width.
 pub(super) struct ColumnWidths {
     widths: Vec<(&'static ObjectColumn, f32)>,
 }
 
 impl ColumnWidths {
-    /// Returns the widths for the room there is; what is left goes to the columns of text.
+    /// Returns the widths for the available room, points; spare room is given to the columns of
+    /// text.
     pub(super) fn fit(room: f32, app: &App) -> Self {
         let shown: Vec<&ObjectColumn> = ObjectColumn::shown(app.log_count()).collect();
         let least: f32 = shown.iter().map(|column| least_width(column)).sum();
@@ -29,13 +30,13 @@ impl ColumnWidths {
         Self { widths: shown.into_iter().map(|one| (one, width(one))).collect() }
     }
 
-    /// Width of a row.
+    /// Returns the width of a row, points.
     pub(super) fn width(&self) -> f32 {
         let columns: f32 = self.widths.iter().map(|(_, width)| width).sum();
         PICTURE_WIDTH + columns
     }
 
-    /// Area of the picture in a row, and of each cell.
+    /// Returns the area of the picture in a row, and of each cell.
     pub(super) fn cells(
         &self,
         row: Rect,
@@ -51,7 +52,7 @@ impl ColumnWidths {
     }
 }
 
-/// Least width of a column, points.
+/// Returns the least width of a column, points.
 fn least_width(column: &ObjectColumn) -> f32 {
     match column.values {
         ColumnValues::Text(_) if column.name == LOGS_COLUMN => 56.0,
@@ -65,7 +66,7 @@ fn least_width(column: &ObjectColumn) -> f32 {
     }
 }
 
-/// Share of a column in the room that is left.
+/// Returns the share of a column in the spare room.
 fn share(column: &ObjectColumn) -> f32 {
     match column.values {
         ColumnValues::Text(_) if column.name == LOGS_COLUMN => 0.0,
@@ -74,7 +75,7 @@ fn share(column: &ObjectColumn) -> f32 {
     }
 }
 
-/// Columns of numbers are aligned at their right.
+/// Returns true for columns of numbers, which are aligned at the right.
 pub(super) fn is_number(column: &ObjectColumn) -> bool {
     matches!(
         column.values,
@@ -85,7 +86,7 @@ pub(super) fn is_number(column: &ObjectColumn) -> bool {
     )
 }
 
-/// Its heading with the unit: `length, m`.
+/// Returns the heading of a column with its unit: `length, m`.
 fn heading(column: &ObjectColumn, units: Units) -> String {
     match column.values {
         ColumnValues::Length(_) | ColumnValues::Measured(_) => {
@@ -95,7 +96,7 @@ fn heading(column: &ObjectColumn, units: Units) -> String {
     }
 }
 
-/// The state of a box whose colour an object has.
+/// Returns the state of a box whose colour is used for an object in this state.
 pub(super) fn colour_of(state: ObjectState) -> State {
     match state {
         ObjectState::Undecided => State::Proposed,
@@ -104,7 +105,7 @@ pub(super) fn colour_of(state: ObjectState) -> State {
     }
 }
 
-/// The text of a cell; empty for what is not known.
+/// Returns the text of a cell; empty if the value is not known.
 pub(super) fn cell_text(app: &App, object: &Object, column: &ObjectColumn) -> String {
     let (of, units) = (app.listed_object(object), app.view.options.units);
     let length =
@@ -126,7 +127,7 @@ pub(super) fn cell_text(app: &App, object: &Object, column: &ObjectColumn) -> St
     }
 }
 
-/// Draws the headings: a click sorts by the column, another one the other way around.
+/// Draws the headings: a click sorts by the column, another click reverses the order.
 pub(super) fn header(ui: &mut Ui, context: &mut ViewContext<'_>, columns: &ColumnWidths) {
     let mut table = context.options().objects.clone();
     let units = context.units();
@@ -135,7 +136,7 @@ pub(super) fn header(ui: &mut Ui, context: &mut ViewContext<'_>, columns: &Colum
     let (_, cells) = columns.cells(row);
     for (column, cell) in cells {
         let is_sorted = table.is_sorted_by(column);
-        // Plain letters: an arrow has no glyph in every font.
+        // Plain characters, because not every font has a glyph for an arrow.
         let (mark, order) = match (is_sorted, table.falling) {
             (false, _) => ("", ""),
             (true, false) => (" +", ", rising"),

@@ -1,10 +1,10 @@
-//! The table of the objects of all visible logs: a row for each with its picture, sorted, filtered,
-//! and walked through by keys.
+//! Shows the table of the objects of all visible logs: a row for each with its picture, sorted,
+//! filtered, and usable by keys.
 //!
-//! In: the state. Out: rows with pictures, and commands.
+//! Input: the state. Output: rows with pictures, and commands.
 //!
-//! `columns` says what stands in a row and how wide, and sorts; `row` draws one, and makes the
-//! pictures of the rows in sight.
+//! `columns` defines contents and width of the cells, and sorts; `row` draws a row, and makes the
+//! pictures of the visible rows.
 
 mod columns;
 mod row;
@@ -22,35 +22,35 @@ use egui::{
 use row::Thumbnails;
 use std::ops::Range;
 
-/// Height of a row, points: a picture in which an object is recognised.
+/// Height of a row, points: large enough to recognise an object in its picture.
 const ROW_HEIGHT: f32 = 44.0;
-/// Width of the field of the filter, points.
+/// Width of the text field of the filter, points.
 const FIELD_WIDTH: f32 = 220.0;
 
-/// The table of objects: where it is scrolled to, and the pictures of its rows.
+/// The table of objects: its selection, and the pictures of its rows.
 #[derive(Default)]
 pub(crate) struct ObjectsView {
     thumbnails: Thumbnails,
-    /// The rows get the keyboard.
+    /// True if the rows are to get the keyboard.
     wants_keyboard: bool,
-    /// The row that was selected in the last frame; another one is scrolled to.
+    /// Index of the row that was selected in the last frame; a new selection is scrolled into view.
     last_selected: Option<usize>,
-    /// Rows in sight, for the keys that turn pages.
+    /// Number of visible rows, which is the step of the keys that turn pages.
     page: usize,
 }
 
 impl ObjectsView {
-    /// Moves the keyboard to the rows.
+    /// Gives the keyboard to the rows in the next frame.
     pub(crate) fn take_keyboard(&mut self) {
         self.wants_keyboard = true;
     }
 
-    /// Returns true if the pictures in sight are drawn.
+    /// Returns true if the pictures of the visible rows are drawn.
     pub(crate) fn is_settled(&self) -> bool {
         !self.thumbnails.is_running()
     }
 
-    /// Draws the table, or what would fill it.
+    /// Draws the table, or a text that explains why it is empty.
     pub(crate) fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
         let rect = ui.available_rect_before_wrap();
         if context.app.log.survey.is_none() {
@@ -126,7 +126,7 @@ impl ObjectsView {
         self.thumbnails.ask(app, ui.ctx(), listed[in_sight].iter().copied());
     }
 
-    /// Creates the control that has the keyboard: all rows as one, which Tab enters and leaves in
+    /// Creates the control that has the keyboard: all rows together, which Tab enters and leaves in
     /// one step.
     fn body(&mut self, ui: &Ui, count: usize, selected: Option<usize>) -> Response {
         let rect = ui.available_rect_before_wrap();
@@ -148,8 +148,8 @@ impl ObjectsView {
         body
     }
 
-    /// Commands of the keys while the rows have the keyboard: select another row, or show the
-    /// selected object in all views.
+    /// Returns the commands of the keys while the rows have the keyboard: select another row, or
+    /// show the selected object in all views.
     fn keys(
         &self,
         ui: &Ui,
@@ -175,7 +175,7 @@ impl ObjectsView {
     }
 }
 
-/// Draws the text and the state that rows are looked for by.
+/// Draws the filter of the rows: a text and a state.
 fn filter(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let mut table = context.options().objects.clone();
     ui.horizontal_wrapped(|ui| {
@@ -208,26 +208,26 @@ fn filter(ui: &mut Ui, context: &mut ViewContext<'_>) {
     show(context, table);
 }
 
-/// Has the table shown with another order or filter.
+/// Shows the table with another order or filter.
 fn show(context: &mut ViewContext<'_>, table: ObjectTable) {
     let mut options = context.options().clone();
     options.objects = table;
     context.show(options);
 }
 
-/// Enlarges an object in all views, and brings the waterfall to the front.
+/// Returns the commands that enlarge an object in all views and bring the waterfall to the front.
 fn enlarged(id: LogBox) -> Vec<Command> {
     vec![Command::FlyTo(id), Command::Focus(View::Waterfall)]
 }
 
-/// The rows that a viewport shows.
+/// Returns the range of rows that a viewport shows.
 fn rows_in(viewport: Rect, count: usize) -> Range<usize> {
     let first = (viewport.top() / ROW_HEIGHT).max(0.0) as usize;
     let end = ((viewport.bottom() / ROW_HEIGHT).ceil().max(0.0) as usize).min(count);
     first.min(end)..end
 }
 
-/// Says what would fill the table, and offers it.
+/// Explains how objects get into the table, and offers to search for them.
 fn no_objects(ui: &mut Ui, context: &mut ViewContext<'_>) {
     ui.set_min_size(ui.available_size());
     ui.vertical_centered(|ui| {

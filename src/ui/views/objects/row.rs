@@ -1,4 +1,5 @@
-//! One row: picture, texts, and what a click on it asks for; and the pictures of the rows in sight.
+//! Draws a row (picture, texts, and the commands of a click on it), and makes the pictures of the
+//! visible rows.
 
 use super::super::chip::{BoxChip, ChipKey};
 use super::columns::{ColumnWidths, ROOM, cell_text, colour_of, is_number};
@@ -13,7 +14,8 @@ use egui::{
 };
 use std::collections::HashMap;
 
-/// Pictures that are kept; beyond, those out of sight are made again when they come back.
+/// Largest number of stored pictures; beyond it, the pictures of rows that are not visible are
+/// dropped.
 const MOST: usize = 600;
 
 /// A row to draw.
@@ -25,8 +27,8 @@ pub(super) struct ObjectTableRow<'a> {
 }
 
 impl ObjectTableRow<'_> {
-    /// Draws it; a click selects the object and shows it in all views, a double-click enlarges it
-    /// there.
+    /// Draws the row; a click selects the object and shows it in all views, a double-click enlarges
+    /// it there.
     pub(super) fn ui(
         &self,
         ui: &mut Ui,
@@ -35,7 +37,7 @@ impl ObjectTableRow<'_> {
         thumbnails: &Thumbnails,
     ) -> Vec<Command> {
         let id = Id::unique(("row of object", self.object.number));
-        // Not focusable: the rows have the keyboard together.
+        // Not focusable: all rows together have the keyboard.
         let response = ui.interact(self.place, id, Sense::CLICK);
         self.background(ui, &response);
         let (picture, cells) = columns.cells(self.place);
@@ -65,7 +67,8 @@ impl ObjectTableRow<'_> {
         }
     }
 
-    /// Name for screen readers and tests: `Object 3, Anna, wreck, seen 2 times, accepted`.
+    /// Returns the name for screen readers and tests: `Object 3, Anna, wreck, seen 2 times,
+    /// accepted`.
     fn name(&self) -> String {
         let object = self.object;
         let times = text::plural(object.sightings, "time", "times");
@@ -99,7 +102,7 @@ impl ObjectTableRow<'_> {
         }
     }
 
-    /// Writes a cell; whether its text is longer than there is room.
+    /// Writes a cell; returns true if its text is longer than the cell.
     fn cell(&self, ui: &Ui, app: &App, column: &ObjectColumn, cell: Rect) -> bool {
         let inner = cell.shrink2(vec2(ROOM, 0.0));
         if column.name == LOGS_COLUMN {
@@ -125,7 +128,7 @@ impl ObjectTableRow<'_> {
     }
 }
 
-/// Squares in the colours of the logs that saw it.
+/// Draws squares in the colours of the logs that have seen the object.
 fn log_colours(ui: &Ui, app: &App, object: &Object, cell: Rect) {
     let painter = ui.painter_at(cell);
     let logs = object.logs();
@@ -138,11 +141,11 @@ fn log_colours(ui: &Ui, app: &App, object: &Object, cell: Rect) {
     }
 }
 
-/// A box to draw, and what its picture is made of.
+/// A box whose picture is to be made, and the inputs of the picture.
 type WantedThumbnail = (LogBox, ChipKey);
 
-/// The pictures of rows: made in the background for the rows in sight, and kept while they are of
-/// use.
+/// The pictures of rows: made in the background for the visible rows, and kept while there are no
+/// more than [`MOST`].
 #[derive(Default)]
 pub(super) struct Thumbnails {
     known: HashMap<LogBox, (ChipKey, BoxChip)>,
@@ -155,12 +158,12 @@ impl Thumbnails {
         self.making.is_running()
     }
 
-    /// The picture of a box, as it was made last.
+    /// Returns the picture of a box that was made last.
     fn of(&self, id: LogBox) -> Option<&BoxChip> {
         self.known.get(&id).map(|(_, chip)| chip)
     }
 
-    /// Has the pictures made that the objects in sight lack.
+    /// Starts to make the missing pictures of the visible objects, and stores those that are ready.
     pub(super) fn ask<'a>(
         &mut self,
         app: &App,

@@ -1,5 +1,5 @@
-//! The curves: raw samples faint behind, normalised intensity in front, with the normalisation of
-//! the whole picture.
+//! Draws the curves: raw samples faint behind, normalised intensity in front, with the
+//! normalisation of the whole picture.
 
 use super::Shown;
 use super::plot::ProfilePlot;
@@ -16,7 +16,7 @@ use std::sync::Arc;
 /// Width of a curve, points.
 const WIDTH: f32 = 1.0;
 
-/// Inputs that a measurement is valid for.
+/// Inputs for which a measured normalisation is valid.
 #[derive(Clone, PartialEq)]
 struct ScaleKey {
     survey_serial: u64,
@@ -24,14 +24,14 @@ struct ScaleKey {
     dead_zone_m: f64,
 }
 
-/// The normalisation of the whole picture, measured once in a background thread. Measures again
+/// The normalisation of the whole picture, measured in a background thread. It is measured again
 /// when survey, image or dead zone change; the newest request wins.
 #[derive(Default)]
 pub(super) struct ScaleJob(Background<ScaleKey, (ScaleKey, Normalisation)>);
 
 impl ScaleJob {
-    /// The normalisation for the present settings; while it is measured, the last one, or the full
-    /// scale of a sample.
+    /// Returns the normalisation for the present settings; during the measurement the last one with
+    /// the same survey and image, or else the full scale of a sample.
     pub(super) fn of(&mut self, context: &ViewContext<'_>, survey: &Arc<Survey>) -> Normalisation {
         let settings = &context.app.log.settings;
         let key = ScaleKey {
@@ -49,8 +49,8 @@ impl ScaleJob {
             known.survey_serial == key.survey_serial && known.image == key.image
         });
         match usable {
-            // The dead zone follows its slider at once; its effect on the extremes comes with the
-            // measurement.
+            // The dead zone follows its slider at once; its effect on the extremes follows when the
+            // measurement has ended.
             Some((_, measured)) => {
                 Normalisation { dead_zone_m: key.dead_zone_m, ..measured.clone() }
             }
@@ -58,7 +58,7 @@ impl ScaleJob {
         }
     }
 
-    /// Returns true if the scale is that of the settings, or cannot be measured.
+    /// Returns true if no normalisation is being measured.
     pub(super) fn is_settled(&self) -> bool {
         !self.0.is_running()
     }
@@ -105,7 +105,8 @@ pub(super) fn draw(
     raster.show(painter, picture);
 }
 
-/// One vertex a value, or the largest and smallest of a pixel column where values share one.
+/// Returns one vertex for each value, or the largest and smallest value of a pixel column if
+/// several values are in one.
 fn points(
     plot: &ProfilePlot,
     reduction: Reduction<'_>,

@@ -7,7 +7,7 @@ use crate::ui::{place, theme};
 use bathyscope_log::survey::Side;
 use egui::{Align2, FontId, Painter, Rect, Shape, Stroke, pos2, vec2};
 
-/// The stretch around the transducer that is ignored.
+/// Draws the range around the transducer that is ignored.
 pub(super) fn dead_zone(
     painter: &Painter,
     plot: &ProfilePlot,
@@ -19,7 +19,7 @@ pub(super) fn dead_zone(
     painter.rect_filled(zone, 0.0, theme::plot_ink(options).gamma_multiply(0.15));
 }
 
-/// Depth, threshold and picks, the picks on top.
+/// Draws depth, threshold and picks, the picks on top.
 pub(super) fn draw(
     painter: &Painter,
     plot: &ProfilePlot,
@@ -51,7 +51,8 @@ fn threshold(painter: &Painter, plot: &ProfilePlot, level: f32, options: &ViewOp
     painter.extend(Shape::dashed_line(&ends, stroke, 6.0, 3.0));
     let (words, font) = (format!("threshold {level:.2}"), FontId::proportional(10.0));
     let galley = painter.layout_no_wrap(words, font, colour);
-    // Above the line, or below it where the plot ends; on a ground, since the curve runs through.
+    // Above the line, or below it at the top of the plot; on a background, because the curve
+    // crosses the text.
     let above = y - galley.size().y > plot.area.top();
     let anchor = if above { Align2::RIGHT_BOTTOM } else { Align2::RIGHT_TOP };
     let text = anchor.anchor_size(pos2(plot.area.right() - 2.0, y), galley.size());
@@ -81,7 +82,7 @@ fn pick(
         Side::Port => Align2::RIGHT_BOTTOM,
         Side::Starboard => Align2::LEFT_BOTTOM,
     };
-    // At its line; a label that is too long for its side begins at the edge of the plot.
+    // Beside its line; a label that is too long for its side begins at the edge of the plot.
     let galley = painter.layout_no_wrap(label, FontId::proportional(10.5), colour);
     let at = pos2(plot.x(across_m), plot.area.top() - 2.0);
     let text = anchor.anchor_size(at, galley.size());
@@ -90,7 +91,7 @@ fn pick(
     painter.galley(pos2(x, text.top()), galley, colour);
 }
 
-/// A line at a range, if it is in view.
+/// Draws a line at a range if the plot shows that range; returns true if it does.
 fn vertical(painter: &Painter, plot: &ProfilePlot, across_m: f64, stroke: Stroke) -> bool {
     let x = plot.x(across_m);
     let in_view = plot.area.x_range().contains(x);

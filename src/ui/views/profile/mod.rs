@@ -1,7 +1,7 @@
-//! One ping as a curve, port to the left and starboard to the right of the middle, as in the
+//! Draws one ping as a curve, port to the left and starboard to the right of the middle, as in the
 //! paper's figures: raw and normalised intensity, threshold, dead zone and picks.
 //!
-//! In: the state. Out: a plot of one ping, and commands.
+//! Input: the state. Output: a plot of one ping, and commands.
 
 mod curve;
 mod marks;
@@ -18,7 +18,7 @@ use curve::ScaleJob;
 use egui::{Rect, Response, Sense, vec2};
 use plot::ProfilePlot;
 
-/// Least height that is still readable, points.
+/// Least readable height of the plot, points.
 const LEAST_HEIGHT: f32 = 140.0;
 /// Distance at which the pointer grips the threshold line, points.
 const GRIP: f32 = 6.0;
@@ -30,7 +30,7 @@ pub struct ProfileView {
     zoom: f32,
     drags_threshold: bool,
     was_over: bool,
-    /// The curves as they are on screen.
+    /// The image of the curves on the screen.
     curves: Option<RasterTexture>,
 }
 
@@ -52,12 +52,12 @@ struct Shown<'a> {
     reduction: Reduction<'a>,
     ping: usize,
     recorded: &'a SidePing,
-    /// The bottom under the boat.
+    /// The bottom under the boat; `None` if it is unknown.
     bottom: Option<place::BottomBelow>,
     picks: [Option<Found>; 2],
     threshold: f32,
     dead_zone_m: f64,
-    /// Reason why the ping is excluded, in words.
+    /// Reason why the ping is excluded; `None` if it is not excluded.
     excluded: Option<String>,
 }
 
@@ -78,8 +78,7 @@ impl ProfileView {
     /// Draws the profile of the hovered ping, or else the selected one.
     pub fn ui(&mut self, ui: &mut egui::Ui, context: &mut ViewContext<'_>) {
         let available = ui.available_size();
-        // No taller than wide: a curve that is stretched upward hides how little most echoes
-        // differ.
+        // No taller than wide: vertical stretching would hide how little most echoes differ.
         let height = available.y.min(available.x).max(LEAST_HEIGHT);
         let size = vec2(available.x, height);
         let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
@@ -121,7 +120,7 @@ impl ProfileView {
         }
     }
 
-    /// The line can be gripped and moved; the settings follow while it is held.
+    /// Lets the user drag the threshold line; the settings follow during the drag.
     fn drag_threshold(
         &mut self,
         ui: &egui::Ui,
@@ -143,7 +142,7 @@ impl ProfileView {
         }
         let live = !response.drag_stopped();
         if let Some(at) = response.interact_pointer_pos() {
-            // Steps of a hundredth, as the slider and the keys make them.
+            // Steps of a hundredth, like those of the slider and the keys.
             let threshold = (plot.level(at.y) * 100.0).round() / 100.0;
             context.change_live("threshold", live, |settings| {
                 settings.first_return.threshold = threshold;
@@ -152,7 +151,7 @@ impl ProfileView {
         self.drags_threshold = live;
     }
 
-    /// Marks the place under the pointer in the other views.
+    /// Marks the place under the pointer in the other views; a click selects it.
     fn hover(
         &mut self,
         response: &Response,
@@ -199,7 +198,7 @@ fn shown<'a>(survey: &'a Survey, ping: usize, context: &ViewContext<'a>) -> Opti
     })
 }
 
-/// Farthest slant range of both sides, metres; 1 where a damaged header gives none.
+/// Returns the farthest slant range of both sides, metres; 1 where a damaged header gives none.
 fn far_m(shown: &Shown<'_>) -> f64 {
     let far = Side::BOTH.map(|side| {
         let span = shown.recorded.side(side);

@@ -1,4 +1,4 @@
-//! The frame of the profile: intensity up, slant range to both sides.
+//! Draws the axes of the profile: intensity up, slant range to both sides.
 
 use crate::app::ViewOptions;
 use crate::ui::theme;
@@ -20,41 +20,41 @@ pub(super) struct ProfilePlot {
 }
 
 impl ProfilePlot {
-    /// A plot of both sides up to `far_m`.
+    /// Creates a plot of both sides up to `far_m`.
     pub(super) fn new(rect: Rect, far_m: f64) -> Self {
         let min = rect.min + vec2(SIDE, ABOVE);
         let max = rect.max - vec2(SIDE, BELOW);
         Self { area: Rect::from_min_max(min, max.max(min + vec2(1.0, 1.0))), far_m }
     }
 
-    /// Screen x of a slant range, port negative.
+    /// Returns the screen x of a slant range, port negative.
     pub(super) fn x(&self, across_m: f64) -> f32 {
         self.area.center().x + (across_m / self.far_m) as f32 * self.area.width() / 2.0
     }
 
-    /// Inverse of [`ProfilePlot::x`].
+    /// Returns the slant range at a screen x, port negative; inverse of [`ProfilePlot::x`].
     pub(super) fn across_m(&self, x: f32) -> f64 {
         f64::from((x - self.area.center().x) / (self.area.width() / 2.0)) * self.far_m
     }
 
-    /// Screen y of a level, 0 to 1.
+    /// Returns the screen y of a level, 0 to 1.
     pub(super) fn y(&self, level: f32) -> f32 {
         self.area.bottom() - level * self.area.height()
     }
 
-    /// Inverse of [`ProfilePlot::y`], kept within 0 to 1.
+    /// Returns the level at a screen y, limited to 0 to 1; inverse of [`ProfilePlot::y`].
     pub(super) fn level(&self, y: f32) -> f32 {
         ((self.area.bottom() - y) / self.area.height()).clamp(0.0, 1.0)
     }
 
-    /// Metres between ticks that leave room for their numbers.
+    /// Returns the metres between ticks that leave room for their numbers.
     fn step_m(&self, units: Units) -> f64 {
         let per_point = 2.0 * self.far_m / f64::from(self.area.width());
         units.round_up_m(per_point * 44.0)
     }
 }
 
-/// Axes with numbers: normalised left, raw right, slant range below.
+/// Draws the axes with numbers: normalised left, raw right, slant range below.
 pub(super) fn axes(painter: &Painter, plot: &ProfilePlot, options: &ViewOptions) {
     let ink = theme::plot_ink(options);
     let faint = Stroke::new(1.0, ink.gamma_multiply(0.25));

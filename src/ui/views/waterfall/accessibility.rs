@@ -1,4 +1,4 @@
-//! Describes the view for screen readers and tests, also while it has nothing to show.
+//! Describes the waterfall for screen readers and tests, also while it shows no picture.
 
 use super::overlay;
 use crate::ui::views::empty;
@@ -8,8 +8,8 @@ use bathyscope_log::survey::Survey;
 use egui::{Rect, Response, Role, Ui, WidgetInfo};
 use std::ops::Range;
 
-/// Fills a view that has no picture, or not yet: says why, and offers to open something where
-/// nothing is open.
+/// Fills a view that has no picture, or not yet: shows the reason, and offers to open a log if none
+/// is open.
 pub(super) fn without_picture(
     ui: &mut Ui,
     context: &mut ViewContext<'_>,
@@ -39,7 +39,8 @@ pub(super) fn without_picture(
     });
 }
 
-/// Describes the picture; the read-out under the pointer is its value.
+/// Describes the picture for screen readers; the value of the view is the read-out under the
+/// pointer.
 pub(super) fn describe(
     response: &Response,
     visible: &Range<usize>,

@@ -1,4 +1,4 @@
-//! The pen for bottom edits, and the edits.
+//! Lets the user draw bottom edits with a pen, and shows these edits.
 
 use super::lens::{Lens, LensPlace};
 use super::lines::WaterfallPen;
@@ -11,18 +11,18 @@ use egui::{CursorIcon, Modifiers, Painter, Pos2, Response, Shape, Stroke, Ui};
 
 /// Width of a drawn line, points.
 const WIDTH: f32 = 2.0;
-/// Length of the dashes of a stroke that takes away, points.
+/// Length of the dashes of a stroke that removes picks or edits, points.
 const DASH: f32 = 5.0;
 
-/// The stroke under way.
+/// The pen for bottom edits; `None` while no stroke is being drawn.
 #[derive(Default)]
 pub(super) struct BottomPen {
     stroke: Option<BottomStroke>,
 }
 
 impl BottomPen {
-    /// Follows a drag with the pen in hand; returns whether the drag draws and must not move the
-    /// picture. The middle button and Space move the picture in any tool.
+    /// Handles a drag with the selected pen; returns true if the drag draws and must not move the
+    /// picture. The middle button and Space move the picture with any tool.
     pub(super) fn follow(
         &mut self,
         ui: &Ui,
@@ -59,7 +59,7 @@ impl BottomPen {
         true
     }
 
-    /// Draws the stroke under way.
+    /// Draws the stroke in progress.
     pub(super) fn draw(&self, painter: &Painter, lens: &Lens, app: &App) {
         let Some(stroke) = &self.stroke else {
             return;
@@ -98,7 +98,7 @@ fn begun(lens: &Lens, at: Pos2, modifiers: Modifiers) -> BottomStroke {
     }
 }
 
-/// A stroke stays on its side: beyond the nadir it lies on it.
+/// Extends a stroke. The stroke stays on its side: beyond the nadir, its points are at the nadir.
 fn extend(stroke: &mut BottomStroke, to: LensPlace) {
     let point = [to.ping, to.outward_m(stroke.side).max(0.0)];
     if stroke.path.last() != Some(&point) {
@@ -110,7 +110,7 @@ fn at(lens: &Lens, side: Side, ping: f64, range_m: f64) -> Pos2 {
     lens.screen_at(LensPlace::of(ping, side, range_m))
 }
 
-/// The bottom edits in view, over the first returns: they are there before the results are.
+/// Draws the visible bottom edits over the first returns; edits are known before the results are.
 pub(super) fn drawn(painter: &Painter, lens: &Lens, app: &App) {
     let seen = lens.pings();
     let pen = WaterfallPen::new(theme::HAND_COLOUR, WIDTH);
@@ -135,7 +135,8 @@ pub(super) fn drawn(painter: &Painter, lens: &Lens, app: &App) {
     }
 }
 
-/// First returns that were accepted as bottom, at so many pings of those in view as a line shows.
+/// Returns the places of first returns that were accepted as bottom, at no more of the visible
+/// pings than a line can show.
 fn accepted(lens: &Lens, app: &App, line: &BottomEdit) -> Vec<Pos2> {
     const MOST_PLACES: usize = 512;
     let Some((returns, survey)) = app.bottom_line().zip(app.log.survey.as_ref()) else {

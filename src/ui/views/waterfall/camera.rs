@@ -1,22 +1,22 @@
-//! View of the waterfall, and its limits.
+//! Defines the view of the waterfall, and its limits.
 
 use crate::app::Orientation;
 use egui::Vec2;
 use std::ops::Range;
 
-/// Screen points that a ping or a sample takes at most.
+/// Most screen points that a ping or a sample covers.
 const LARGEST_TEXEL: f64 = 48.0;
-/// Pings in a screen point beyond which a picture that is opened starts at its beginning instead of
-/// showing all.
+/// Pings per screen point above which a newly opened picture shows its beginning instead of all
+/// pings.
 const READABLE_PINGS: f64 = 4.0;
 
 /// Extent of the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct PictureExtent {
-    /// Pings of the survey.
+    /// Number of pings of the survey.
     pub pings: f64,
-    /// End of the picture at the upper or left edge, metres from the middle: on the other side
-    /// (negative), or the middle itself (0).
+    /// End of the picture at the upper or left edge, metres from the middle: negative if a side is
+    /// shown there, 0 if the picture begins at the middle.
     pub near_m: f64,
     /// Farthest slant range, metres.
     pub far_m: f64,
@@ -26,12 +26,13 @@ pub(super) struct PictureExtent {
     pub ping_m: Option<f64>,
 }
 
-/// One axis: what is in its middle and how much a screen point covers.
+/// View along one axis: the value in the middle of the view, and the extent that a screen point
+/// covers.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct CameraAxis {
     pub centre: f64,
     pub per_point: f64,
-    /// Follows the size of the window.
+    /// True if the view shows the whole axis and follows the size of the window.
     fitted: bool,
 }
 
@@ -42,7 +43,8 @@ impl CameraAxis {
         self.fitted = true;
     }
 
-    /// Keeps the value at `offset` points from the middle where it is.
+    /// Enlarges by `factor`; the value at `offset` points from the middle stays at its place on the
+    /// screen.
     fn zoom(&mut self, factor: f64, offset: f64) {
         let at = self.centre + offset * self.per_point;
         self.per_point /= factor;
@@ -50,8 +52,8 @@ impl CameraAxis {
         self.fitted = false;
     }
 
-    /// Brings a range into the middle, unless all of it lies in the inner part of the view, or the
-    /// view shows all there is.
+    /// Moves a range into the middle, unless all of it is in the inner part of the view, or the
+    /// view shows the whole axis.
     fn bring_in(&mut self, [from, to]: [f64; 2], points: f64) {
         let inner = WELL_IN_VIEW * self.per_point * points / 2.0;
         if !self.fitted && (from < self.centre - inner || to > self.centre + inner) {
@@ -59,7 +61,8 @@ impl CameraAxis {
         }
     }
 
-    /// Takes a scale from elsewhere; what is shorter than the view then stands in its middle.
+    /// Sets the scale to a given one; a picture that is shorter than the view is then in its
+    /// middle.
     fn settle_at(&mut self, per_point: f64, to: f64, points: f64) {
         self.per_point = per_point;
         self.fitted = false;
@@ -82,12 +85,12 @@ impl CameraAxis {
     }
 }
 
-/// Share of the view around its middle in which an object is well in view.
+/// Share of the view, around its middle, in which nothing needs to be moved.
 const WELL_IN_VIEW: f64 = 0.7;
-/// Size of the view over that of an object that it shows close up.
+/// Size of the view divided by that of an object shown close up.
 const CLOSE_UP: f64 = 3.0;
-/// Size of the view over that of an object that would not fit into it one to one, with what lies
-/// around it.
+/// Size of the view divided by that of an object that is too large for one to one, so that its
+/// surroundings are visible, too.
 const FITS: f64 = 2.0;
 
 /// View of the waterfall. Along: ping numbers. Across: metres, port negative.
@@ -95,15 +98,17 @@ const FITS: f64 = 2.0;
 pub(super) struct Camera {
     pub along: CameraAxis,
     pub across: CameraAxis,
-    /// A metre along is as long as a metre across.
+    /// True if a metre along is as long on the screen as a metre across.
     pub is_one_to_one: bool,
-    /// Metres from one ping to the next that this goes by, instead of the usual ones.
+    /// Metres from one ping to the next for equal scales; `None` for the usual distance of the
+    /// extent.
     ping_m: Option<f64>,
 }
 
 impl Camera {
-    /// The whole range across, and one to one from the first ping on; where the boat's speed is not
-    /// known all pings, or as many from the first as can be distinguished.
+    /// Creates the first view: the whole range across, and one to one from the first ping on. If
+    /// the boat's speed is not known, it shows all pings, or as many from the first on as can be
+    /// distinguished.
     pub(super) fn start(extent: &PictureExtent, size: Size) -> Self {
         let mut camera = Self::default();
         camera.fit(extent, size);
@@ -120,7 +125,7 @@ impl Camera {
         camera
     }
 
-    /// Everything, stretched as the view is.
+    /// Shows everything, with separate scales along and across.
     pub(super) fn fit(&mut self, extent: &PictureExtent, size: Size) {
         self.is_one_to_one = false;
         self.along.fit(0.0, extent.pings, size.along);
@@ -138,7 +143,7 @@ impl Camera {
         [from, to, port, starboard]
     }
 
-    /// Shows what [`Camera::seen`] gave of another frame.
+    /// Shows the ends that [`Camera::seen`] returned, also in a view of another size.
     pub(super) fn show(&mut self, [from, to, port, starboard]: [f64; 4], size: Size) {
         self.along.fit(from, to, size.along);
         self.across.fit(port, starboard, size.across);
@@ -147,14 +152,15 @@ impl Camera {
         self.is_one_to_one = false;
     }
 
-    /// Exactly these pings.
+    /// Shows exactly these pings.
     pub(super) fn show_pings(&mut self, pings: &Range<usize>, size: Size) {
         self.is_one_to_one = false;
         self.along.fit(pings.start as f64, pings.end as f64, size.along);
         self.along.fitted = false;
     }
 
-    /// Moves so that a ping is in the middle, unless it is well in view.
+    /// Moves the view so that a ping is in the middle, unless the ping is already in the view and
+    /// not at its edge.
     pub(super) fn reveal(&mut self, ping: f64, size: Size) {
         let half = self.along.per_point * size.along / 2.0;
         if (ping - self.along.centre).abs() > 0.95 * half {
@@ -163,16 +169,16 @@ impl Camera {
         }
     }
 
-    /// Moves along so that the end of the log lies at the edge of the view; a view of the whole log
-    /// stays one.
+    /// Moves the view along so that the end of the log is at its edge; a view of the whole log is
+    /// not changed.
     pub(super) fn show_end(&mut self, pings: f64, size: Size) {
         if !self.along.fitted {
             self.along.centre = pings - 0.5 * self.along.per_point * size.along;
         }
     }
 
-    /// Sees along the track what another part of the view sees, which this one leads where the
-    /// other has not looked anywhere yet.
+    /// Takes the view along the track from the camera of another part of the view. If that camera
+    /// has no view yet, it gets the one of this camera first.
     pub(super) fn share_along(&mut self, other: &mut Self, extent: &PictureExtent, size: Size) {
         if other.along.per_point <= 0.0 {
             self.settle(extent, size);
@@ -183,7 +189,7 @@ impl Camera {
         self.is_one_to_one = false;
     }
 
-    /// Follows another part of the view along the track.
+    /// Copies the view along the track from another part of the view.
     pub(super) fn take_along(&mut self, other: &Self) {
         if self.along.per_point != other.along.per_point {
             self.is_one_to_one = false;
@@ -191,14 +197,14 @@ impl Camera {
         self.along = other.along;
     }
 
-    /// Keeps the range across on the picture, whatever is seen along the track.
+    /// Keeps the range across within the picture; the view along the track stays.
     pub(super) fn settle_across(&mut self, extent: &PictureExtent, size: Size) {
         let finest_m = extent.bin_m / LARGEST_TEXEL;
         self.across.settle(extent.near_m, extent.far_m, size.across, finest_m);
     }
 
-    /// Shows these pings and ranges so that they fill about a third of the view, a metre along as
-    /// long as one across where it is known how many metres a ping is.
+    /// Shows these pings and ranges so that they fill about a third of the view, with equal scales
+    /// along and across if `metres_per_ping` is known.
     pub(super) fn close_up(
         &mut self,
         pings: [f64; 2],
@@ -215,14 +221,14 @@ impl Camera {
         self.centre_on(pings, across_m, per_point);
     }
 
-    /// Brings these pings and ranges into the middle where they are not well in view; the scale
-    /// stays.
+    /// Moves these pings and ranges into the middle unless they are already in the inner part of
+    /// the view; the scale stays.
     pub(super) fn bring_in(&mut self, pings: [f64; 2], across_m: [f64; 2], size: Size) {
         self.along.bring_in(pings, size.along);
         self.across.bring_in(across_m, size.across);
     }
 
-    /// Brings these pings and ranges into the middle at a scale: pings and metres for each point.
+    /// Moves these pings and ranges into the middle at a scale: pings and metres per screen point.
     fn centre_on(&mut self, pings: [f64; 2], across_m: [f64; 2], per_point: [f64; 2]) {
         let axis = |[from, to]: [f64; 2], per_point: f64| CameraAxis {
             centre: 0.5 * (from + to),
@@ -234,9 +240,9 @@ impl Camera {
         self.across = axis(across_m, per_point[1]);
     }
 
-    /// Shows these pings and ranges in the middle with a sample to a point of the screen, a metre
-    /// along as long as one across where it is known how many metres a ping is; smaller where they
-    /// would fill more than half of the view.
+    /// Shows these pings and ranges in the middle with one sample per screen point, and with equal
+    /// scales along and across if `metres_per_ping` is known; smaller if they would fill more than
+    /// half of the view.
     pub(super) fn sample_to_point(
         &mut self,
         (pings, across_m): ([f64; 2], [f64; 2]),
@@ -256,16 +262,16 @@ impl Camera {
         self.centre_on(pings, across_m, per_point);
     }
 
-    /// Makes a metre along the track as long as one across by the speed at a ping, which comes into
-    /// the middle.
+    /// Makes a metre along the track as long as one across, from the metres per ping at a ping,
+    /// which moves into the middle.
     pub(super) fn equal_scales(&mut self, metres_per_ping: f64, ping: f64) {
         self.is_one_to_one = true;
         self.ping_m = Some(metres_per_ping);
         self.along.centre = ping;
     }
 
-    /// One to one by the usual speed, with what is in the middle staying there; from there
-    /// everything along the track.
+    /// Switches to one to one by the usual speed, keeping the middle of the view; or back from one
+    /// to one to everything along the track.
     pub(super) fn toggle_one_to_one(&mut self, extent: &PictureExtent, size: Size) {
         self.ping_m = None;
         if self.is_one_to_one {
@@ -276,14 +282,14 @@ impl Camera {
         }
     }
 
-    /// Ratio of the drawn length of a metre along to that of a metre across; `None` where the
-    /// boat's speed is not known.
+    /// Returns the ratio of the drawn length of a metre along to that of a metre across; `None`
+    /// where the boat's speed is not known.
     pub(super) fn stretch(&self, extent: &PictureExtent) -> Option<f64> {
         let ping_m = self.ping_m.or(extent.ping_m)?;
         Some(self.across.per_point / (self.along.per_point * ping_m))
     }
 
-    /// Enlarges about a place, `offset` points from the middle.
+    /// Enlarges about the place that is `offset` points from the middle.
     pub(super) fn zoom(&mut self, factor: Size, offset: Size) {
         if factor.along != factor.across {
             self.is_one_to_one = false;
@@ -304,11 +310,11 @@ impl Camera {
         }
         if by.across != 0.0 {
             self.across.centre -= by.across * self.across.per_point;
-            // A whole range that was pushed at its edge stays whole.
+            // A range that is shown as a whole stays whole when it is pushed at its edge.
         }
     }
 
-    /// Keeps the camera on the picture; fits again what follows the window's size.
+    /// Keeps the view within the picture; fits the axes that follow the window's size again.
     pub(super) fn settle(&mut self, extent: &PictureExtent, size: Size) {
         self.settle_across(extent, size);
         let ping_m = self.ping_m.or(extent.ping_m);
@@ -336,12 +342,12 @@ impl Size {
         Self { along, across }
     }
 
-    /// The same along and across.
+    /// Creates a size with the same value along and across.
     pub(super) fn both(value: f64) -> Self {
         Self::new(value, value)
     }
 
-    /// A screen vector read in an orientation.
+    /// Returns the parts of a screen vector along and across the track.
     pub(super) fn of(vector: Vec2, orientation: Orientation) -> Self {
         let (x, y) = (f64::from(vector.x), f64::from(vector.y));
         match orientation {
@@ -393,12 +399,12 @@ mod tests {
         let before = camera;
         camera.bring_in([1190.0, 1202.0], [-4.0, -2.0], size);
         assert_eq!(camera, before, "it is well in view");
-        // The last ping of the box lies in view, at its edge.
+        // The last ping of the box is in the view, at its edge.
         camera.bring_in([1380.0, 1392.0], [-4.0, -2.0], size);
         assert_eq!(camera.seen(size), [1186.0, 1586.0, -10.0, 10.0]);
         camera.bring_in([1380.0, 1392.0], [24.0, 28.0], size);
         assert_eq!(camera.seen(size), [1186.0, 1586.0, 16.0, 36.0]);
-        // What shows the whole log goes on showing it.
+        // A view of the whole log stays one.
         camera.fit(&EXTENT, size);
         let whole = camera;
         camera.bring_in([3440.0, 3450.0], [24.0, 28.0], size);

@@ -1,4 +1,4 @@
-//! Moves the camera: by wheel, drag and keys, and along with a log that is followed.
+//! Moves the camera by wheel, drag and keys, and with a log that is being followed.
 
 use super::camera::{Camera, PictureExtent, Size};
 use super::lens::{Arrangement, Lens};
@@ -10,10 +10,10 @@ use egui::{Key, PointerButton};
 const KEY_STEP: f64 = 1.25;
 /// Wheel points that enlarge by a factor of e.
 const WHEEL_POINTS: f64 = 200.0;
-/// Share of the view by which the newest ping may lie beyond its edge and still count as in view.
+/// Share of the view by which the newest ping may be beyond its edge and still counts as visible.
 const NEAR: f64 = 0.02;
 
-/// A request from menu, key or palette.
+/// Carries out a request from menu, key or palette.
 pub(super) fn carry_out(
     camera: &mut Camera,
     request: ViewRequest,
@@ -30,10 +30,11 @@ pub(super) fn carry_out(
     }
 }
 
-/// Wheel: zoom at the pointer; with Shift, along the track; with Ctrl, zoom the track alone; with
-/// Alt, the range alone. Drag with the main button unless it has something else in hand
-/// (`drag_moves`), with the middle one, or move with Space held: pan. Double-click: everything,
-/// unless it ends a measurement (`fits`).
+/// Moves the camera by pointer and keys. The wheel zooms at the pointer; with Shift it moves along
+/// the track, with Ctrl it zooms the track only, with Alt the range only. A drag with the main
+/// button (only if `drag_moves`; otherwise that button has another use) or with the middle one, or
+/// a move with Space held, pans. A double-click shows everything (only if `fits`; otherwise it ends
+/// a measurement).
 pub(super) fn apply(
     camera: &mut Camera,
     ui: &egui::Ui,
@@ -74,18 +75,17 @@ pub(super) fn apply(
     camera.pan(Size::new(sideways, 0.0));
 }
 
-/// Keeps the newest ping of a followed log in view, until the analyst looks elsewhere: its number
-/// and whether it is in view.
+/// Keeps the newest ping of a followed log in the view until the user moves the view elsewhere.
 #[derive(Default)]
 pub(super) struct NewestPing {
-    /// Pings in the last frame, where the last of them was in view then.
+    /// Number of pings in the last frame; `None` if the last of them was not visible.
     seen: Option<f64>,
     serial: u64,
 }
 
 impl NewestPing {
-    /// Moves along by what was added where the newest ping was in view; goes to it when a log
-    /// begins to be followed.
+    /// Moves the view to the end of the log when pings were added and the newest ping was visible,
+    /// and when a log begins to be followed.
     pub(super) fn keep(
         &mut self,
         camera: &mut Camera,
@@ -103,7 +103,7 @@ impl NewestPing {
         }
     }
 
-    /// Notes whether the newest ping is in view now.
+    /// Records whether the newest ping is visible now.
     pub(super) fn note(&mut self, camera: &Camera, extent: &PictureExtent, size: Size) {
         let [from, to, ..] = camera.seen(size);
         let is_seen = to >= extent.pings - NEAR * (to - from);

@@ -1,6 +1,5 @@
-//! Data of the picture of one survey: the worker that makes it, the tiles that have arrived, those
-//! that still have to go to the GPU, and the tiles in view, which are handed to the renderer inside
-//! egui's pass.
+//! Manages the picture of one survey: the worker that makes its tiles, the tiles that have arrived
+//! and wait for the GPU, and the visible tiles, which the renderer draws inside egui's pass.
 
 use super::lens::Lens;
 use super::tiles::ResidentTiles;
@@ -21,33 +20,35 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Tiles copied to the GPU in a frame: half a megabyte each, so that a frame stays a frame.
+/// Number of tiles copied to the GPU in a frame: half a megabyte each, so that the frame stays
+/// short.
 const UPLOADS: usize = 4;
 
 /// The picture of one survey.
 pub(super) struct WaterfallDrawing {
     pub survey_serial: u64,
-    /// True if port and starboard are exchanged in it.
+    /// True if port and starboard are exchanged in the picture.
     pub swapped_sides: bool,
     survey: Arc<Survey>,
     tiler: Tiler,
     tiles: ResidentTiles,
     arrived: VecDeque<WaterfallTile>,
-    /// Outer `None`: not known yet. Inner `None`: there is nothing to draw.
+    /// Extent of the picture; outer `None` while it is not known, inner `None` if there is nothing
+    /// to draw.
     axis: Option<Option<RangeAxis>>,
     requested_returns: Option<Arc<FirstReturns>>,
     wants_tiles: bool,
-    /// The worker ended before the picture was made.
+    /// True if the worker ended before the picture was complete.
     pub has_failed: bool,
     pub picks: Option<Arc<PickLines>>,
     pub depth: Option<RangeLine>,
-    /// Levels that suit the survey.
+    /// Levels of black and white that suit the survey.
     pub levels: Levels,
 }
 
 impl WaterfallDrawing {
-    /// Starts the worker, which wakes the window when something arrives. Where jobs run inside
-    /// their call, the picture's extent is waited for.
+    /// Starts the worker, which requests a repaint when data arrive. If jobs run inside their call,
+    /// this waits for the extent of the picture.
     pub(super) fn start(survey: Arc<Survey>, app: &App, ctx: &egui::Context) -> Self {
         let ctx = ctx.clone();
         let waker = move || ctx.request_repaint_after(std::time::Duration::from_millis(1));
@@ -73,12 +74,12 @@ impl WaterfallDrawing {
         }
     }
 
-    /// The picture's extent, once it is known.
+    /// Returns the extent of the picture; `None` if it is not known or there is nothing to draw.
     pub(super) fn axis(&self) -> Option<RangeAxis> {
         self.axis.flatten()
     }
 
-    /// Goes on with a later state of the survey, if it is one.
+    /// Continues with a newer state of the survey, if `survey` is one.
     pub(super) fn follow(&mut self, survey: &Arc<Survey>) {
         if !Arc::ptr_eq(&self.survey, survey) {
             self.survey = survey.clone();
@@ -86,9 +87,11 @@ impl WaterfallDrawing {
         }
     }
 
-    /// Collects what arrived; asks for lines when the first returns are others than before.
+    /// Collects the data that have arrived, and requests new lines if the first returns have
+    /// changed.
     pub(super) fn poll(&mut self, returns: Option<&Arc<FirstReturns>>) {
-        // Asked before what it has sent is taken: what it sent last is here then.
+        // Checked before the messages are read, so that the last message of an ended worker is read
+        // too.
         let has_ended = self.tiler.has_ended();
         while let Some(made) = self.tiler.poll() {
             match made {
@@ -96,8 +99,8 @@ impl WaterfallDrawing {
                 Made::Levels(levels) => self.levels = levels,
                 Made::WaterfallTile(tile) => self.arrived.push_back(tile),
                 Made::Grown { mut axis, unchanged } => {
-                    // A usual step that changes with every ping would stretch the picture a little
-                    // each time.
+                    // If the usual step changed with every ping, the picture would be stretched a
+                    // little each time.
                     axis.ping_m = self.axis().and_then(|axis| axis.ping_m).or(axis.ping_m);
                     self.axis = Some(Some(axis));
                     let stays = |tile: &WaterfallTile| {
@@ -110,7 +113,7 @@ impl WaterfallDrawing {
                 Made::Depth(depth) => self.depth = Some(depth),
             }
         }
-        // Without a usable range there is nothing to make, and the worker ends by itself.
+        // Without a usable range there is nothing to make, and the worker ends without a fault.
         self.has_failed = has_ended && self.axis != Some(None);
         let Some(returns) = returns else {
             return;
@@ -122,7 +125,7 @@ impl WaterfallDrawing {
         }
     }
 
-    /// Copies a few of the tiles that arrived to the GPU.
+    /// Copies a few of the tiles that have arrived to the GPU.
     pub(super) fn upload(&mut self, mut upload: impl FnMut([u32; 2], &[[u8; 2]]) -> TileTexture) {
         for tile in self.arrived.drain(..self.arrived.len().min(UPLOADS)) {
             if !tile.texels.is_empty() {
@@ -138,8 +141,8 @@ impl WaterfallDrawing {
         !self.arrived.is_empty()
     }
 
-    /// The tiles to draw with this; asks the worker for those that are missing. `upload` puts what
-    /// the rows of a tile are brought to one level by on the GPU.
+    /// Returns the tiles to draw, and requests the missing ones from the worker. `upload` puts on
+    /// the GPU the values that bring the rows of a tile to one level.
     pub(super) fn plan(
         &mut self,
         lens: &Lens,
@@ -167,7 +170,7 @@ impl WaterfallDrawing {
             (Some(_), None) => false,
         };
         match self.axis {
-            // Nothing more will come.
+            // A failed worker sends nothing more.
             _ if self.has_failed => true,
             None => false,
             Some(None) => true,
@@ -176,7 +179,8 @@ impl WaterfallDrawing {
     }
 }
 
-/// One frame's picture. Holds its renderer itself: two waterfalls never share a buffer.
+/// The picture of one frame. It has its own renderer, because two waterfalls must not share a
+/// buffer.
 pub(super) struct PictureCallback {
     pub picture: Arc<WaterfallPicture>,
     pub look: EchoStyle,
@@ -185,10 +189,11 @@ pub(super) struct PictureCallback {
 }
 
 impl PictureCallback {
-    /// Adds it to what is painted; `has_uploads` says that tiles wait for the next frame.
+    /// Adds the picture to the painter; `has_uploads` is true if tiles wait for the next frame.
     pub(super) fn add_to(self, painter: &Painter, rect: Rect, has_uploads: bool) {
         if has_uploads {
-            // Not "at once": a harness that waits for stillness may stop here and look again later.
+            // Not "at once": a test harness that waits for a quiet frame may stop here and continue
+            // later.
             let soon = Duration::from_millis(1);
             painter.ctx().request_repaint_after(soon);
         }

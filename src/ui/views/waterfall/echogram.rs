@@ -1,5 +1,5 @@
-//! A channel that looks down, beside the side-scan or in its place: the same pings, with the bottom
-//! that was recorded and found.
+//! Shows a channel that looks down, beside the side-scan or in its place: the same pings, with the
+//! recorded and the found bottom.
 
 use super::camera::{Camera, PictureExtent, Size};
 use super::drawing::PictureCallback;
@@ -18,10 +18,10 @@ use eframe::egui_wgpu::RenderState;
 use egui::{Align2, Painter, Rect, Response, Sense, Stroke, Ui};
 use std::sync::Arc;
 
-/// Share of the view that it takes beside the side-scan.
+/// Share of the view that the channel covers beside the side-scan.
 const SHARE: f32 = 0.36;
 
-/// State of the picture of a log's channel.
+/// State of the picture of a channel that looks down.
 #[derive(Default)]
 pub(super) struct EchogramPart {
     shown: Option<Shown>,
@@ -31,16 +31,17 @@ pub(super) struct EchogramPart {
 struct Shown {
     channel: EchogramChannel,
     survey_serial: u64,
-    /// The log.
+    /// The log as opened.
     of: Arc<Survey>,
-    /// The log as that channel saw it; `None` where it has no such channel.
+    /// The log with the samples of this channel; `None` if the log has no such channel.
     survey: Option<Arc<Survey>>,
     drawing: Option<WaterfallDrawing>,
     camera: Option<Camera>,
 }
 
 impl EchogramPart {
-    /// Parts of the view for the side-scan and for the channel; one of them may have no size.
+    /// Returns the parts of the view for the side-scan and for the channel; one of them may be
+    /// empty.
     pub(super) fn divide(
         &mut self,
         whole: Rect,
@@ -62,7 +63,7 @@ impl EchogramPart {
         [one, other]
     }
 
-    /// Starts over with another log or channel.
+    /// Starts again for another log or channel.
     fn follow(&mut self, ctx: &egui::Context, app: &App) {
         let survey = app.log.survey.as_ref();
         let chosen = survey.map(|survey| channel_of(app, survey));
@@ -98,8 +99,9 @@ impl EchogramPart {
         });
     }
 
-    /// Draws it over the pings that `along` sees, and moves that by what is done here; `side_scan`
-    /// is the drawing of the log's first returns. Returns whether everything is drawn.
+    /// Draws the channel for the pings that `along` shows, and moves `along` by wheel, drag and
+    /// keys; `side_scan` is the drawing of the log's first returns. Returns true if everything is
+    /// drawn.
     pub(super) fn ui(
         &mut self,
         ui: &mut Ui,
@@ -143,7 +145,7 @@ impl EchogramPart {
     }
 }
 
-/// The channel that was chosen; in a log without side-scan one that there is.
+/// Returns the chosen channel; in a log without side-scan, an existing one if none is chosen.
 fn channel_of(app: &App, survey: &Survey) -> EchogramChannel {
     let chosen = app.view.options.waterfall.echogram;
     if chosen != EchogramChannel::None || !survey.side_scan.is_empty() {
@@ -157,8 +159,8 @@ fn channel_of(app: &App, survey: &Survey) -> EchogramChannel {
     there.unwrap_or(EchogramChannel::None)
 }
 
-/// Moves the camera by what was done in this frame; along the track it looks where `along` does,
-/// and takes that with it.
+/// Moves the camera by wheel, drag and keys; along the track it has the same view as `along`, which
+/// moves with it.
 fn aim(
     ui: &Ui,
     response: &Response,
@@ -189,7 +191,8 @@ fn aim(
     Lens::arranged(*camera, rect, &arrangement)
 }
 
-/// Describes the picture for screen readers and tests; the read-out under the pointer is its value.
+/// Describes the picture for screen readers and tests; the value of the view is the read-out under
+/// the pointer.
 fn describe(
     response: &Response,
     channel: &str,
@@ -210,7 +213,7 @@ fn describe(
     });
 }
 
-/// Draws the echoes; returns whether all of them are there.
+/// Draws the echoes; returns true if all of them are drawn.
 fn draw_picture(
     gpu: &mut Gpu,
     state: &RenderState,
@@ -235,7 +238,7 @@ fn draw_picture(
     drawing.is_settled()
 }
 
-/// Overlay of the echoes.
+/// The lines and texts over the echoes.
 struct EchogramOverlay<'a> {
     survey: &'a Survey,
     drawing: &'a WaterfallDrawing,
@@ -282,7 +285,7 @@ impl EchogramOverlay<'_> {
         scales::ticks(painter, &mut labels, lens, self.survey, ink);
     }
 
-    /// The bottom as recorded, and as the side-scan found it on both sides.
+    /// Draws the recorded bottom, and the bottom that the side-scan found on both sides.
     fn bottom(&self, painter: &Painter, lens: &Lens, app: &App) {
         let pen = |colour| WaterfallPen::new(colour, 1.0);
         let depth = pen(theme::DEPTH_LINE_COLOUR);
@@ -302,7 +305,7 @@ impl EchogramOverlay<'_> {
     }
 }
 
-/// Hover, selection and the words beside the pointer.
+/// Handles hover and selection; returns the text beside the pointer.
 fn point(
     response: &Response,
     lens: &Lens,

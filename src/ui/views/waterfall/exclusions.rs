@@ -1,4 +1,4 @@
-//! The pings that are excluded, under a veil.
+//! Draws a veil over the pings that are excluded.
 
 use super::labels::{self, WaterfallLabels};
 use super::lens::Lens;
@@ -6,21 +6,21 @@ use crate::app::App;
 use bathyscope_log::survey::ExclusionReason;
 use egui::{Align2, Color32, Painter, Pos2, Rect, Stroke, pos2, vec2};
 
-/// Points between the lines of the veil.
+/// Distance between the lines of the veil, points.
 const HATCH: f32 = 14.0;
-/// A stretch narrower than this on the screen has edges and no lines, points.
+/// Width on the screen below which a stretch has edges but no lines, points.
 const NARROW: f32 = 6.0;
-/// A stretch narrower than this is named by its reason alone, points.
+/// Width on the screen below which a stretch is labelled with its reason only, points.
 const WORDY: f32 = 90.0;
 
-/// A stretch in view.
+/// A visible excluded stretch.
 pub(super) struct Veiled {
     area: Rect,
     edges: [[Pos2; 2]; 2],
     reason: ExclusionReason,
 }
 
-/// The excluded stretches that a lens sees.
+/// Returns the visible excluded stretches.
 pub(super) fn in_view(lens: &Lens, app: &App) -> Vec<Veiled> {
     let found = app.log.exclusions();
     let stretches = found.iter().flat_map(|found| &found.exclusions.stretches);
@@ -32,7 +32,7 @@ pub(super) fn in_view(lens: &Lens, app: &App) -> Vec<Veiled> {
 }
 
 impl Veiled {
-    /// Draws the veil: what lies under it stays readable.
+    /// Draws the veil; the picture below stays readable.
     pub(super) fn draw(&self, painter: &Painter) {
         veil(painter, self.area);
         for edge in self.edges {
@@ -40,7 +40,7 @@ impl Veiled {
         }
     }
 
-    /// Writes why at its end.
+    /// Writes the reason at the end of the stretch.
     pub(super) fn label(&self, labels: &mut WaterfallLabels<'_>) {
         let reason = self.reason.name();
         let text = if self.area.width() < WORDY {
@@ -57,7 +57,7 @@ pub(super) fn edges(lens: &Lens, [first, last]: [usize; 2]) -> [[Pos2; 2]; 2] {
     [first as f64, last as f64 + 1.0].map(|ping| lens.line_at_ping(ping))
 }
 
-/// Area of pings in the picture; `None` out of view.
+/// Returns the area of pings in the picture; `None` if they are not visible.
 pub(super) fn area(lens: &Lens, pings: [usize; 2]) -> Option<Rect> {
     let [from, to] = edges(lens, pings);
     let area = Rect::from_two_pos(from[0], to[1]).intersect(lens.rect);
@@ -72,8 +72,7 @@ pub(super) fn veil(painter: &Painter, area: Rect) {
     }
     let painter = painter.with_clip_rect(area.intersect(painter.clip_rect()));
     let line = Stroke::new(1.0, Color32::from_white_alpha(60));
-    // On the screen's own grid, so that the lines stand still while the picture moves less than it
-    // is redrawn.
+    // On the grid of the screen, so that the lines stay in place while the picture moves.
     let reach = area.height();
     let mut x = (area.left() / HATCH).floor() * HATCH;
     while x < area.right() + reach {

@@ -1,5 +1,5 @@
-//! The ranked flat stretches along the nadir, numbered as on the map, the one that the calibration
-//! was measured on, and the one that is proposed.
+//! Draws the ranked flat stretches along the nadir, numbered as on the map, the stretch that the
+//! calibration was measured on, and the proposed stretch.
 
 use super::labels::WaterfallLabels;
 use super::lens::{Lens, LensPlace};
@@ -15,9 +15,9 @@ const BAR: f32 = 2.0;
 /// Greatest distance of the pointer from a bar, points.
 const REACH: f32 = 10.0;
 
-/// A stretch in view.
+/// A visible flat stretch.
 pub(super) struct ShownStretch {
-    /// Over the whole picture's range.
+    /// Area of the stretch over the whole range of the picture.
     area: Rect,
     edges: [[egui::Pos2; 2]; 2],
     nadir: Rect,
@@ -33,7 +33,7 @@ enum Kind {
     Ranked,
 }
 
-/// The stretches that a lens sees: of the calibration, the proposed one, and the ranked ones if
+/// Returns the visible stretches: that of the calibration, the proposed one, and the ranked ones if
 /// they are shown or one is to be chosen.
 pub(super) fn in_view(lens: &Lens, app: &App) -> Vec<ShownStretch> {
     let products = app.log.products.as_ref();
@@ -66,7 +66,7 @@ fn shows_ranked(app: &App) -> bool {
     app.view.options.waterfall.flat_stretches || app.log.reviewing.tool == Tool::Calibrate
 }
 
-/// The ranked stretch whose bar is under the pointer.
+/// Returns the ranked stretch whose bar is under the pointer.
 pub(super) fn under(lens: &Lens, app: &App, at: Pos2) -> Option<PingRange> {
     let spots = app.log.products.as_ref()?.flat_spots.iter();
     let mut spots = spots.filter(|_| shows_ranked(app));
@@ -93,8 +93,9 @@ fn stretch(lens: &Lens, pings: &Range<usize>, kind: Kind, name: String) -> Optio
 }
 
 impl ShownStretch {
-    /// Draws it: two lines across the picture for that of the calibration and the proposed one, a
-    /// bar along the nadir for the others. The echoes between stay as they are.
+    /// Draws the stretch: two lines across the picture for the stretch of the calibration and the
+    /// proposed one, a bar along the nadir for the others. The echoes between the lines stay
+    /// visible.
     pub(super) fn draw(&self, painter: &Painter) {
         let colour = self.colour();
         if self.kind == Kind::Ranked {
@@ -112,12 +113,13 @@ impl ShownStretch {
         }
     }
 
-    /// Writes its name at its beginning or, for a bar, on its middle.
+    /// Writes the name at the beginning of the stretch or, for a bar, in its middle.
     pub(super) fn label(&self, labels: &mut WaterfallLabels<'_>) {
         let (at, anchor) = match self.kind {
             Kind::Ranked => (self.nadir.center(), Align2::CENTER_CENTER),
             Kind::InUse => (self.area.left_top() + vec2(5.0, 4.0), Align2::LEFT_TOP),
-            // Of the same stretch both have room.
+            // Lower than the name of the stretch in use, so that both fit if they are the same
+            // stretch.
             Kind::Proposed => (self.area.left_top() + vec2(5.0, 22.0), Align2::LEFT_TOP),
         };
         labels.write(at, anchor, &self.name, self.colour());
@@ -125,7 +127,7 @@ impl ShownStretch {
 
     fn colour(&self) -> Color32 {
         match self.kind {
-            // White on any theme: it lies on the picture, which is dark or coloured.
+            // White in any theme, because the picture is dark or coloured.
             Kind::Ranked => Color32::from_gray(235),
             Kind::InUse => theme::CALIBRATION_COLOUR,
             Kind::Proposed => theme::PROPOSAL_COLOUR,

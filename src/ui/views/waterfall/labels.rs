@@ -1,4 +1,4 @@
-//! Words on the picture.
+//! Writes words on the picture.
 
 use egui::{Align2, Color32, FontId, Galley, Painter, Pos2, Rect};
 use std::sync::Arc;
@@ -8,11 +8,11 @@ const TEXT_POINTS: f32 = 11.0;
 /// Room between labels, points.
 const APART: f32 = 2.0;
 
-/// Colour of words that name no side.
+/// Colour of words that do not name a side.
 pub(super) const INK: Color32 = Color32::from_gray(235);
 
-/// Short words that keep clear of each other and of the edges: what is asked for first is written,
-/// what would cover it or stick out is left out.
+/// Short words that do not overlap each other or the edges of the view: a word that would overlap
+/// an earlier one or reach beyond the view is not written.
 pub(super) struct WaterfallLabels<'a> {
     painter: &'a Painter,
     taken: Vec<Rect>,
@@ -24,7 +24,7 @@ impl<'a> WaterfallLabels<'a> {
         Self { painter, taken: Vec::new() }
     }
 
-    /// Keeps words off a place that is taken by something else.
+    /// Reserves an area, in which no words are written.
     pub(super) fn keep_clear(&mut self, area: Rect) {
         self.taken.push(area);
     }
@@ -42,13 +42,13 @@ impl<'a> WaterfallLabels<'a> {
     }
 }
 
-/// Text with a ground that keeps it readable on any picture.
+/// Writes a text on a background that keeps it readable on any picture.
 pub(super) fn text(painter: &Painter, at: Pos2, anchor: Align2, text: &str) {
     let (galley, rect) = lay_out(painter, at, anchor, text);
     paint(painter, galley, rect, INK);
 }
 
-/// Area that [`text`] covers.
+/// Returns the area that [`text`] covers.
 pub(super) fn covered(painter: &Painter, at: Pos2, anchor: Align2, text: &str) -> Rect {
     ground(lay_out(painter, at, anchor, text).1)
 }

@@ -1,5 +1,5 @@
-//! The arithmetic between pings and metres and the screen: the one owner of how a ping and a range
-//! lie there, for all that is drawn over the picture and all that is read off it.
+//! Converts between pings and metres and the screen. Everything drawn over the picture or read from
+//! it uses this module for the place of a ping and a range.
 
 use super::camera::{Camera, Size};
 use crate::app::Orientation;
@@ -10,15 +10,15 @@ use egui::{Pos2, Rect, pos2};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Points of a line along the picture, at most.
+/// Largest number of points of a line along the picture.
 const LINE_POINTS: usize = 512;
 
 /// A place of the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct LensPlace {
-    /// Ping number with its fraction: ping 7 lies between 7 and 8.
+    /// Ping number with its fraction: ping 7 is between 7 and 8.
     pub ping: f64,
-    /// Slant range as recorded, metres, port negative: whatever is shown across.
+    /// Slant range as recorded, metres, port negative, in any geometry of the picture.
     pub across_m: f64,
 }
 
@@ -29,12 +29,12 @@ impl LensPlace {
         Self { ping, across_m }
     }
 
-    /// Slant range counted outward on a side; negative beyond the nadir.
+    /// Returns the slant range outward on a side, metres; negative beyond the nadir.
     pub(super) fn outward_m(&self, side: Side) -> f64 {
         across_m(side, self.across_m)
     }
 
-    /// The side it lies on.
+    /// Returns the side that the place is on.
     pub(super) fn side(&self) -> Side {
         side_at(self.across_m)
     }
@@ -47,16 +47,16 @@ pub(super) struct Arrangement {
     pub orientation: Orientation,
     /// Geometry of the across direction.
     pub geometry: PictureGeometry,
-    /// Later pings to the left, or above.
+    /// True if later pings are to the left, or above.
     pub flip: bool,
-    /// Starboard first.
+    /// True if starboard is the upper or left side.
     pub starboard_first: bool,
-    /// Conversion of slant ranges at each ping; without it, slant range is shown.
+    /// Conversion of slant ranges at each ping; `None` shows the slant range.
     pub scales: Option<Arc<PingScales>>,
 }
 
 impl Arrangement {
-    /// A screen vector as pings and metres run.
+    /// Converts a screen vector into parts along and across, in the directions of pings and metres.
     pub(super) fn size(&self, vector: egui::Vec2) -> Size {
         let size = Size::of(vector, self.orientation);
         Size { along: if self.flip { -size.along } else { size.along }, ..size }
@@ -74,7 +74,7 @@ pub(super) struct Lens {
 }
 
 impl Lens {
-    /// Slant ranges, port first.
+    /// Creates the lens of a picture of slant ranges, port first.
     #[cfg(test)]
     pub(super) fn new(camera: Camera, rect: Rect, orientation: Orientation) -> Self {
         let arrangement = Arrangement { orientation, ..Arrangement::default() };
@@ -92,7 +92,7 @@ impl Lens {
         }
     }
 
-    /// Geometry of the across direction.
+    /// Returns the geometry of the across direction.
     pub(super) fn geometry(&self) -> PictureGeometry {
         match self.arrangement.scales {
             Some(_) => self.arrangement.geometry,
@@ -100,7 +100,7 @@ impl Lens {
         }
     }
 
-    /// Returns true if later pings lie to the left, or above.
+    /// Returns true if later pings are to the left, or above.
     pub(super) fn is_flipped(&self) -> bool {
         self.arrangement.flip
     }
@@ -110,50 +110,53 @@ impl Lens {
         (side == Side::Port) != self.arrangement.starboard_first
     }
 
-    /// Pings at both ends, fractions included; may lie beyond the survey's.
+    /// Returns the pings at both ends of the view, with fractions; they may be beyond those of the
+    /// survey.
     pub(super) fn pings(&self) -> Range<f64> {
         let half = self.camera.along.per_point * self.size.along / 2.0;
         self.camera.along.centre - half..self.camera.along.centre + half
     }
 
-    /// Ends of the view across, metres from the middle, negative on the side that is first.
+    /// Returns the ends of the view across, metres from the middle, negative on the first side.
     pub(super) fn metres(&self) -> Range<f64> {
         let half = self.camera.across.per_point * self.size.across / 2.0;
         self.camera.across.centre - half..self.camera.across.centre + half
     }
 
-    /// Distances from the middle that are seen of a side, metres; empty where none is.
+    /// Returns the visible distances of a side from the middle, metres; empty if the side is not
+    /// visible.
     pub(super) fn seen_of(&self, side: Side) -> Range<f64> {
         let metres = self.metres();
         let seen = if self.is_first(side) { -metres.end..-metres.start } else { metres };
         seen.start.max(0.0)..seen.end.max(0.0)
     }
 
-    /// Pings in a screen point.
+    /// Returns the number of pings per screen point.
     pub(super) fn pings_per_point(&self) -> f64 {
         self.camera.along.per_point
     }
 
-    /// Metres in a screen point.
+    /// Returns the metres per screen point.
     pub(super) fn metres_per_point(&self) -> f64 {
         self.camera.across.per_point
     }
 
-    /// The pings in view that exist.
+    /// Returns the visible pings that exist.
     pub(super) fn visible(&self, pings: usize) -> Range<usize> {
         let seen = self.pings();
         let end = (seen.end.ceil().max(0.0) as usize).min(pings);
         (seen.start.floor().max(0.0) as usize).min(end)..end
     }
 
-    /// Conversion of the slant ranges of a side at a ping.
+    /// Returns the conversion of the slant ranges of a side at a ping.
     fn scale(&self, side: Side, ping: f64) -> PingScale {
         let scales = self.arrangement.scales.as_ref();
-        // Beyond the first and last ping, theirs.
+        // Beyond the first or last ping, the conversion of that ping is used.
         scales.map_or_else(PingScale::default, |scales| scales.at(side, ping as usize))
     }
 
-    /// Distance from the middle at which a recorded range of a side is shown at a ping, metres.
+    /// Returns the distance from the middle at which a recorded range of a side is shown at a ping,
+    /// metres.
     pub(super) fn distance_m(&self, side: Side, ping: f64, range_m: f64) -> f64 {
         match self.geometry() {
             PictureGeometry::Slant => range_m,
@@ -161,20 +164,20 @@ impl Lens {
         }
     }
 
-    /// Screen position of a place.
+    /// Returns the screen position of a place.
     pub(super) fn screen_at(&self, place: LensPlace) -> Pos2 {
         let side = place.side();
         let shown_m = self.distance_m(side, place.ping, place.across_m.abs());
         self.at(place.ping, self.signed_m(side, shown_m))
     }
 
-    /// A distance from the middle with the sign of where its side is shown.
+    /// Returns a distance from the middle with the sign of its side on the screen.
     pub(super) fn signed_m(&self, side: Side, shown_m: f64) -> f64 {
         if self.is_first(side) { -shown_m } else { shown_m }
     }
 
-    /// Screen position of a ping at metres from the middle as shown, negative on the side that is
-    /// first.
+    /// Returns the screen position of a ping at a shown distance from the middle, metres, negative
+    /// on the first side.
     pub(super) fn at(&self, ping: f64, shown_m: f64) -> Pos2 {
         let Camera { along, across, .. } = &self.camera;
         let centre = self.rect.center();
@@ -187,7 +190,7 @@ impl Lens {
         }
     }
 
-    /// Place at a screen position.
+    /// Returns the place at a screen position.
     pub(super) fn place_at(&self, position: Pos2) -> LensPlace {
         let offset = self.offset(position);
         let Camera { along, across, .. } = &self.camera;
@@ -205,19 +208,20 @@ impl Lens {
         LensPlace::of(ping, side, range_m)
     }
 
-    /// Points from the middle of the rectangle, as pings and metres run.
+    /// Returns the offset of a position from the middle of the rectangle, points, in the directions
+    /// of pings and metres.
     pub(super) fn offset(&self, position: Pos2) -> Size {
         self.arrangement.size(position - self.rect.center())
     }
 
-    /// The line across the picture at a ping.
+    /// Returns the line across the picture at a ping.
     pub(super) fn line_at_ping(&self, ping: f64) -> [Pos2; 2] {
         let metres = self.metres();
         [metres.start, metres.end].map(|shown_m| self.at(ping, shown_m))
     }
 
-    /// The line along the picture at a signed range as recorded: straight, but where altitudes bend
-    /// it.
+    /// Returns the line along the picture at a signed recorded range: straight, or bent where the
+    /// altitude changes.
     pub(super) fn line_at_range(&self, across_m: f64) -> Vec<Pos2> {
         let pings = self.pings();
         let steps = match self.geometry() {
@@ -236,7 +240,7 @@ impl Lens {
             .collect()
     }
 
-    /// The straight line along the picture at a distance from the middle as shown.
+    /// Returns the straight line along the picture at a shown distance from the middle.
     pub(super) fn line_at_distance(&self, side: Side, shown_m: f64) -> [Pos2; 2] {
         let pings = self.pings();
         let shown_m = self.signed_m(side, shown_m);
@@ -256,7 +260,7 @@ mod tests {
         Lens::new(camera, rect(), orientation)
     }
 
-    /// The same with everything that can be turned, over ground 4 m down.
+    /// Returns a lens with flipped time, starboard first, and a bottom at 4 m.
     fn turned(orientation: Orientation, geometry: PictureGeometry) -> Lens {
         let plain = lens(orientation);
         let arrangement = Arrangement {
@@ -308,7 +312,7 @@ mod tests {
     #[test]
     fn ground_range_is_the_side_of_the_triangle() {
         let lens = turned(Orientation::Horizontal, PictureGeometry::Ground);
-        // 5 m of slant range over 4 m of water are 3 m on the ground.
+        // A slant range of 5 m over 4 m of water is 3 m on the ground.
         assert!((lens.distance_m(Side::Port, 7.0, 5.0) - 3.0).abs() < 1e-6);
         assert_eq!(lens.distance_m(Side::Port, 7.0, 2.0), 0.0);
         let line = lens.line_at_range(-5.0);

@@ -1,4 +1,4 @@
-//! First return and recorded depth over the picture.
+//! Draws first return and recorded depth over the picture.
 
 use super::drawing::WaterfallDrawing;
 use super::lens::{Lens, LensPlace};
@@ -9,21 +9,20 @@ use bathyscope_bottom::waterfall::{LineSpan, LineStep};
 use bathyscope_log::survey::{Side, Survey};
 use egui::{Color32, Mesh, Painter, Pos2, Rect, Shape, Stroke, vec2};
 
-/// Pings wider than this many points get a dot each.
+/// Width of a ping above which each ping gets a dot, points.
 const DOT_POINTS: f64 = 7.0;
 
-/// Points that the dark rim of a line stands out on each side: red and blue read on bright copper
-/// only with one.
+/// Width of the dark rim of a line on each side, points: without a rim, red and blue are hard to
+/// see on bright copper.
 const RIM_POINTS: f32 = 1.25;
 
-/// Look of a line.
+/// Colour and widths of a line.
 #[derive(Clone, Copy)]
 pub(super) struct WaterfallPen {
     colour: Color32,
-    /// Points.
+    /// Width of the line, points.
     width: f32,
-    /// Width by which it stands out beyond that on each side, points; 0 but for the rim under a
-    /// line.
+    /// Width of the rim on each side of the line, points; 0 except for the pen of the rim.
     rim: f32,
 }
 
@@ -54,8 +53,8 @@ impl WaterfallPen {
     }
 }
 
-/// The first return of a side; above-bottom returns are dashed and paler, pings without a pick are
-/// gaps.
+/// Draws the first return of a side; above-bottom returns are dashed and paler, and pings without a
+/// pick are gaps.
 pub(super) fn first_return(
     painter: &Painter,
     lens: &Lens,
@@ -69,7 +68,7 @@ pub(super) fn first_return(
     draw(painter, &columns(lens, survey, step, side), lens, pen);
 }
 
-/// The first return of a side below the boat, where a channel that looks down is shown.
+/// Draws the first return of a side below the boat, in the picture of a channel that looks down.
 pub(super) fn first_return_below(
     painter: &Painter,
     lens: &Lens,
@@ -79,15 +78,15 @@ pub(super) fn first_return_below(
     pen: WaterfallPen,
 ) {
     let columns = Columns {
-        // What looks down is shown where starboard is.
+        // A channel that looks down is shown in the place of starboard.
         side: Side::Starboard,
         ..columns(lens, survey, step, side)
     };
     draw(painter, &columns, lens, pen);
 }
 
-/// The recorded depth, where the slant range lies at which a flat bottom would give the first
-/// return; dashed and paler where the recorder had lost the bottom.
+/// Draws the recorded depth, at the slant range where a flat bottom would give the first return;
+/// dashed and paler where the recorder had lost the bottom.
 pub(super) fn depth(
     painter: &Painter,
     lens: &Lens,
@@ -101,7 +100,7 @@ pub(super) fn depth(
         let mut columns = columns(lens, survey, step, side);
         let (first, halvings) = (columns.first, columns.halvings);
         for (index, span) in columns.spans.iter_mut().enumerate() {
-            // The scale of the column's first ping stands for it.
+            // The scale of the column's first ping is used for the whole column.
             if let Some(recorded) = survey.span((first + index) << halvings, side) {
                 *span = span.moved(|depth_m| {
                     let altitude_m = reduction.altitude_m(f64::from(depth_m));
@@ -127,10 +126,10 @@ fn draw(painter: &Painter, columns: &Columns, lens: &Lens, pen: WaterfallPen) {
     }
 }
 
-/// The line over the pings in view, one value or pair of extremes a screen point or ping, whichever
-/// is wider.
+/// The line over the visible pings, with one value or pair of extremes for each screen point or
+/// ping, whichever is wider.
 struct Columns {
-    /// A column covers `2^halvings` pings.
+    /// Logarithm to base 2 of the number of pings in a column.
     halvings: u8,
     /// Number of the first column.
     first: usize,
@@ -149,7 +148,7 @@ fn columns(lens: &Lens, survey: &Survey, step: LineStep<'_>, side: Side) -> Colu
     let halvings = lens.pings_per_point().max(1.0).log2().ceil().min(30.0) as u8;
     let block = 1_usize << halvings;
     let seen = lens.visible(survey.side_scan.len());
-    // One more at each end, so that the line leaves the picture.
+    // One more column at each end, so that the line reaches the edges of the picture.
     let first = (seen.start / block).saturating_sub(1);
     Columns {
         halvings,
@@ -161,8 +160,8 @@ fn columns(lens: &Lens, survey: &Survey, step: LineStep<'_>, side: Side) -> Colu
     }
 }
 
-/// Bars from extreme to extreme that touch their neighbours: quick to draw however ragged the line
-/// is.
+/// Returns bars from extreme to extreme that touch their neighbours: quick to draw for any shape of
+/// the line.
 fn ribbon(columns: &Columns, lens: &Lens, pen: WaterfallPen) -> Mesh {
     let mut mesh = Mesh::default();
     let half = f64::from(1_u32 << columns.halvings) / lens.pings_per_point() / 2.0;
@@ -186,7 +185,7 @@ fn ribbon(columns: &Columns, lens: &Lens, pen: WaterfallPen) -> Mesh {
     mesh
 }
 
-/// A stretch of a line without gaps and of one kind.
+/// A piece of a line without gaps, either doubtful or not.
 struct Run {
     doubtful: bool,
     points: Vec<Pos2>,
@@ -215,7 +214,7 @@ fn runs(columns: &Columns, lens: &Lens) -> Vec<Run> {
     runs
 }
 
-/// A line drawn by hand; of a single ping a dot.
+/// Draws a bottom edit as a line; a single ping as a dot.
 pub(super) fn hand(painter: &Painter, lens: &Lens, points: Vec<Pos2>, pen: WaterfallPen) {
     let run = Run { doubtful: false, points };
     for pen in [pen.rim(), pen] {

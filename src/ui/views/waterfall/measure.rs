@@ -1,5 +1,5 @@
-//! Measuring in the waterfall: corners on the ground under the picture, and the height of what
-//! casts a shadow.
+//! Measures in the waterfall: corners on the ground under the picture, and the height of an object
+//! from its shadow.
 
 use super::labels;
 use super::lens::{Lens, LensPlace};
@@ -10,10 +10,10 @@ use bathyscope_log::survey::{Identity, Survey};
 use bathyscope_products::project::{Measurement, MeasurementKind, Pick};
 use egui::{Align2, CursorIcon, Painter, Pos2, Rect, Response, Shape, Stroke, Ui, Vec2, vec2};
 
-/// Half of the stroke that ends a shadow, points.
+/// Half of the length of the stroke at the end of a shadow, points.
 const TICK: f32 = 7.0;
 
-/// The cross that the arrow keys move over the waterfall with a tool in hand: its place; `None`
+/// The cross that the arrow keys move over the waterfall with a tool selected; its place is `None`
 /// before a key has moved it, and after the pointer has moved.
 #[derive(Default)]
 pub(super) struct Cross {
@@ -21,7 +21,7 @@ pub(super) struct Cross {
 }
 
 impl Cross {
-    /// Moves it by the keys of this frame; whether they moved it.
+    /// Moves the cross by the keys of this frame; returns true if they moved it.
     pub(super) fn follow(
         &mut self,
         ui: &mut Ui,
@@ -42,24 +42,24 @@ impl Cross {
         }
         let from = self.place.or(hover.map(|at| lens.place_at(at)));
         let from = from.map_or(lens.rect.center(), |place| lens.screen_at(place));
-        // Up on the screen is less of its y.
+        // Up on the screen is a smaller y.
         let to = from + vec2(moved[0] as f32, -moved[1] as f32);
         self.place = Some(lens.place_at(to));
         true
     }
 
-    /// Place of the cross, or else of the pointer.
+    /// Returns the place of the cross, or else of the pointer.
     fn or_pointer(&self, response: &Response, lens: &Lens) -> Option<LensPlace> {
         let under = response.hover_pos().map(|at| lens.place_at(at));
         self.place.or(under)
     }
 
-    /// Place of the cross.
+    /// Returns the place of the cross.
     pub(super) fn place(&self) -> Option<LensPlace> {
         self.place
     }
 
-    /// Draws it.
+    /// Draws the cross.
     pub(super) fn draw(&self, painter: &Painter, lens: &Lens) {
         let Some(place) = self.place else {
             return;
@@ -71,13 +71,13 @@ impl Cross {
 /// State of measuring that the view keeps between frames.
 #[derive(Default)]
 pub(super) struct MeasureTool {
-    /// Cross that the arrow keys move; the pointer takes over when it moves.
+    /// Cross that the arrow keys move; it disappears when the pointer moves.
     cross: Cross,
-    /// A corner was asked for by key.
+    /// True if a corner was requested by key.
     wants_corner: bool,
-    /// A drag along a shadow is under way.
+    /// True during a drag along a shadow.
     drags: bool,
-    /// Place of the next corner.
+    /// Place of the next corner; `None` where nothing was recorded.
     next: Option<Pick>,
 }
 
@@ -87,8 +87,8 @@ impl MeasureTool {
         self.wants_corner = true;
     }
 
-    /// Follows pointer and keys with a measuring tool in hand; returns whether a drag must not move
-    /// the picture.
+    /// Handles pointer and keys with a measuring tool; returns true if a drag must not move the
+    /// picture.
     pub(super) fn follow(
         &mut self,
         ui: &mut Ui,
@@ -127,7 +127,7 @@ impl MeasureTool {
             }
         }
         if response.double_clicked() {
-            // Its first click has set the last corner.
+            // The first click of the double-click has set the last corner.
             context.push(Command::Do(Action::EndFigure));
         } else if response.clicked() {
             picked = set(response.interact_pointer_pos());
@@ -140,7 +140,7 @@ impl MeasureTool {
         held
     }
 
-    /// Draws what is measured in this log, on to the next corner while it is drawn.
+    /// Draws the part of the figure in this log, with the next corner while drawing.
     pub(super) fn draw(&self, painter: &Painter, lens: &Lens, app: &App) {
         if app.map.measuring.tool.is_some() {
             self.cross.draw(painter, lens);
@@ -154,7 +154,7 @@ impl MeasureTool {
         }
     }
 
-    /// The strip that says what is measured, where it was measured in a waterfall.
+    /// Draws the strip with the result of the measurement, if it was measured in a waterfall.
     pub(super) fn strip(&self, ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect) {
         let shown = self.shown(context.app);
         if let Some(shown) = shown.filter(|shown| !shown.picks.is_empty()) {
@@ -162,7 +162,7 @@ impl MeasureTool {
         }
     }
 
-    /// Area of the figure in hand on the screen; `None` while nothing is drawn.
+    /// Returns the area of the figure on the screen while it is being drawn; `None` otherwise.
     pub(super) fn area(&self, lens: &Lens, app: &App) -> Option<Rect> {
         let shown = self.shown(app).filter(|_| app.map.measuring.is_drawing())?;
         let places = on_screen(lens, app, &shown);
@@ -170,15 +170,15 @@ impl MeasureTool {
         (!points.is_empty()).then(|| Rect::from_points(&points))
     }
 
-    /// The figure as it is: with the next corner while it is being drawn.
+    /// Returns the figure, with the next corner while it is being drawn.
     fn shown(&self, app: &App) -> Option<Measurement> {
         let figure = &app.map.measuring.figure.as_deref()?.measurement;
         let next = self.next.as_ref();
         let next = next.filter(|_| app.map.measuring.is_drawing());
         let at = figure.corners.last().copied();
         Some(match next.zip(at) {
-            // Its place on the ground is not known before it is set; only the picture needs it
-            // until then.
+            // The place of the next corner on the ground is not known before it is set; until then
+            // only the picture needs the corner.
             Some((next, at)) if figure.kind == MeasurementKind::Height => {
                 figure.with(at, Some(next.clone()))
             }
@@ -187,7 +187,7 @@ impl MeasureTool {
     }
 }
 
-/// The pick at a place of the picture; `None` where nothing was recorded.
+/// Returns the pick at a place of the picture; `None` where nothing was recorded.
 fn pick_at(survey: &Survey, place: LensPlace) -> Option<Pick> {
     if place.ping < 0.0 {
         return None;
@@ -198,8 +198,8 @@ fn pick_at(survey: &Survey, place: LensPlace) -> Option<Pick> {
     Some(Pick { log: Identity::of(survey), side, ping, slant_m: place.across_m.abs().min(far_m) })
 }
 
-/// Places on the screen of those picks of a figure that are of the shown log, with the numbers of
-/// their corners.
+/// Returns the places on the screen of the figure's picks in the shown log, each with the number of
+/// its corner.
 fn on_screen<'a>(lens: &'a Lens, app: &App, figure: &'a Measurement) -> Vec<(usize, Pos2)> {
     let Some(survey) = &app.log.survey else {
         return Vec::new();
@@ -212,7 +212,8 @@ fn on_screen<'a>(lens: &'a Lens, app: &App, figure: &'a Measurement) -> Vec<(usi
     own.map(|(corner, pick)| (*corner, lens.screen_at(at(pick)))).collect()
 }
 
-/// Corners, lines between neighbours of this log, and the numbers beside the last one.
+/// Draws the corners, the lines between adjacent corners in this log, and the numbers beside the
+/// last corner.
 fn corners(painter: &Painter, lens: &Lens, app: &App, figure: &Measurement) {
     let corners = on_screen(lens, app, figure);
     let colour = theme::MEASURE_COLOUR;
@@ -237,7 +238,7 @@ fn corners(painter: &Painter, lens: &Lens, app: &App, figure: &Measurement) {
     }
 }
 
-/// The shadow between its ends, with the height that follows.
+/// Draws the shadow between its ends, with the height computed from its length.
 fn shadow(painter: &Painter, lens: &Lens, app: &App, figure: &Measurement) {
     let ends = on_screen(lens, app, figure);
     let colour = theme::MEASURE_COLOUR;
@@ -256,7 +257,7 @@ fn shadow(painter: &Painter, lens: &Lens, app: &App, figure: &Measurement) {
     }
     for (corner, at) in &ends {
         if *corner == 0 {
-            // The top: a triangle that stands on its place.
+            // The top of the object: a triangle over its place.
             let tip = [vec2(0.0, -7.0), vec2(6.0, 4.0), vec2(-6.0, 4.0)].map(|by| *at + by);
             let outline = Stroke::new(1.0, casing);
             painter.add(Shape::convex_polygon(tip.to_vec(), colour, outline));
@@ -271,7 +272,7 @@ fn shadow(painter: &Painter, lens: &Lens, app: &App, figure: &Measurement) {
     }
 }
 
-/// Numbers beside a place, on the side where there is room.
+/// Writes numbers beside a place, on the side where there is more room.
 fn label(painter: &Painter, lens: &Lens, at: Pos2, words: &str) {
     let (shift, anchor) = if at.x < lens.rect.center().x {
         (vec2(12.0, -12.0), Align2::LEFT_BOTTOM)

@@ -1,7 +1,7 @@
-//! The waterfall view: the picture of all pings, port and starboard of the nadir, with the first
-//! return over it.
+//! Draws the waterfall view: the picture of all pings, port and starboard of the nadir, with the
+//! first return over it.
 //!
-//! In: the state. Out: the picture with lines, boxes and marks, and commands.
+//! Input: the state. Output: the picture with lines, boxes and marks, and commands.
 
 mod accessibility;
 mod bottom;
@@ -40,15 +40,16 @@ use lens::{Arrangement, Lens, LensPlace};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// State of the waterfall view: where it looks, and what is drawn of the open survey.
+/// State of the waterfall view: its camera, and the drawing of the open survey.
 #[derive(Default)]
 pub struct WaterfallView {
     drawing: Option<WaterfallDrawing>,
     gpu: Option<Gpu>,
     camera: Option<Camera>,
-    /// View of the first frame: its ends along the track and across it.
+    /// Ends along and across of the view that the first frame is to show; `None` for the usual
+    /// first view.
     aim: Option<[f64; 4]>,
-    /// The size of the last frame.
+    /// Size of the view in the last frame.
     size: Option<Size>,
     requests: Vec<Request>,
     reveal_serial: u64,
@@ -64,7 +65,7 @@ pub struct WaterfallView {
     end: camera_moves::NewestPing,
 }
 
-/// Requests between frames, while the size of the view is not known.
+/// Requests that wait for the next frame, in which the size of the view is known.
 enum Request {
     View(ViewRequest),
     Pings(Range<usize>),
@@ -78,7 +79,7 @@ struct Gpu {
 }
 
 impl WaterfallView {
-    /// Draws the view into all of `ui` and pushes what the analyst does in it.
+    /// Draws the view into all of `ui` and pushes the commands of the user.
     pub fn ui(&mut self, ui: &mut egui::Ui, context: &mut ViewContext<'_>) {
         let whole = ui.available_rect_before_wrap().round_to_pixels(ui.pixels_per_point());
         let canvas = theme::canvas_colour(context.options());
@@ -102,15 +103,16 @@ impl WaterfallView {
             let settled = self.echogram.ui(ui, below, &mut along, drawing, context);
             self.settled &= settled;
             let survey = context.app.log.survey.as_ref();
-            // A side-scan that is still being read looks at its beginning when it is there; without
-            // one nothing else moves it.
+            // A side-scan that is still being read must start at its own beginning; without a
+            // side-scan, only the channel moves the camera.
             if self.camera.is_some() || survey.is_some_and(|survey| !survey.has_side_scan()) {
                 self.camera = Some(along);
             }
         }
     }
 
-    /// Looks at the beginning of the side-scan although that is not shown yet.
+    /// Creates the camera at the beginning of the side-scan, although the side-scan is not shown
+    /// yet.
     fn begin(&mut self, rect: egui::Rect) {
         let axis = self.drawing.as_ref().and_then(WaterfallDrawing::axis);
         if let (None, Some(axis)) = (self.camera, axis) {
@@ -119,7 +121,7 @@ impl WaterfallView {
         }
     }
 
-    /// Sets a corner of what is measured where the pointer or the cross is.
+    /// Sets a corner of the figure at the pointer or at the cross.
     pub(crate) fn set_corner(&mut self) {
         self.measure.set_corner();
     }
@@ -141,7 +143,7 @@ impl WaterfallView {
         self.settled = false;
     }
 
-    /// A view that looks at the same pings and ranges, in a frame of any size.
+    /// Returns a view of the same pings and ranges, for a picture of any size.
     pub(crate) fn for_picture(&self) -> Self {
         Self {
             aim: self.camera.zip(self.size).map(|(camera, size)| camera.seen(size)),
@@ -149,8 +151,7 @@ impl WaterfallView {
         }
     }
 
-    /// Starts over when another survey is open; when its sides are exchanged, the camera stays
-    /// where it is.
+    /// Starts again when another survey is open; when the sides are exchanged, the camera is kept.
     fn follow_survey(&mut self, ctx: &egui::Context, context: &mut ViewContext<'_>) {
         let app = context.app;
         let serial = app.log.survey.as_ref().map(|_| app.view.survey_serial);
@@ -178,7 +179,8 @@ impl WaterfallView {
         }
     }
 
-    /// Layout of the picture. While the bottom is drawn by hand, the water above it is shown.
+    /// Returns the layout of the picture. While the bottom is drawn by hand, the water above it is
+    /// shown.
     fn arrangement(&self, app: &App) -> Arrangement {
         let options = &app.view.options.waterfall;
         let picture = &app.log.settings.picture;
@@ -194,7 +196,8 @@ impl WaterfallView {
         }
     }
 
-    /// Moves the camera by what was asked for and done since the last frame.
+    /// Moves the camera by requests, reveals, wheel, drag and keys since the last frame; returns
+    /// its lens.
     fn aim(
         &mut self,
         ui: &egui::Ui,
@@ -281,7 +284,7 @@ impl WaterfallView {
     }
 }
 
-/// Both sides of all pings.
+/// Returns the extent of both sides of all pings.
 fn extent(axis: &RangeAxis) -> PictureExtent {
     PictureExtent {
         pings: axis.pings as f64,
@@ -298,7 +301,7 @@ impl Gpu {
         Self { picture: Arc::new(WaterfallPicture::new(device, target)), palette: None, gain: None }
     }
 
-    /// Takes the colours over where they are others.
+    /// Uploads the colours of a palette if it has changed.
     fn colour(&mut self, render_state: &RenderState, map: ColourMap) {
         if self.palette.replace(map) != Some(map) {
             self.picture.set_palette(&render_state.queue, &palette(map));
@@ -306,8 +309,8 @@ impl Gpu {
     }
 }
 
-/// Distances from the middle at which slant ranges at the middle of some pings are shown, metres,
-/// the smaller first.
+/// Returns the distances from the middle at which slant ranges are shown, metres, the smaller
+/// first, for the ping in the middle of some pings.
 fn shown_m(lens: &Lens, pings: &[f64; 2], across_m: [f64; 2]) -> [f64; 2] {
     let ping = 0.5 * (pings[0] + pings[1]);
     let [a, b] = across_m.map(|across_m| {
@@ -317,7 +320,7 @@ fn shown_m(lens: &Lens, pings: &[f64; 2], across_m: [f64; 2]) -> [f64; 2] {
     [a.min(b), a.max(b)]
 }
 
-/// The colours of echo strength.
+/// Returns the colours of echo strength.
 pub(in crate::ui) fn palette(map: ColourMap) -> colours::EchoPalette {
     match map {
         ColourMap::Copper => colours::palette(colours::copper),

@@ -1,4 +1,4 @@
-//! Everything on top of the picture, in the order in which it is drawn.
+//! Draws everything over the picture, in the right order.
 
 use super::drawing::WaterfallDrawing;
 use super::labels::WaterfallLabels;
@@ -12,10 +12,10 @@ use bathyscope_bottom::presentation::units::Units;
 use bathyscope_log::survey::{Side, SideScanState, Survey};
 use egui::{Align2, Color32, Painter, Rect, Stroke, vec2};
 
-/// Width of the first return, points.
+/// Width of the line of the first return, points.
 const FIRST_RETURN_WIDTH: f32 = 1.5;
 
-/// Overlay of the picture.
+/// Inputs of everything over the picture.
 pub(super) struct ShownOverlay<'a> {
     pub app: &'a App,
     pub survey: &'a Survey,
@@ -23,18 +23,19 @@ pub(super) struct ShownOverlay<'a> {
     /// Farthest slant range of the picture, metres.
     pub far_m: f64,
     pub hover: Option<LogPlace>,
-    /// The boxes in view.
+    /// The visible boxes.
     pub boxes: &'a [boxes::ShownBox<'a>],
-    /// The missed objects in view.
+    /// The visible missed objects.
     pub missed: &'a [boxes::Missed<'a>],
     pub has_gpu: bool,
-    /// Area of the banner of a tool.
+    /// Area of the banner of a tool; `None` without one.
     pub banner: Option<egui::Rect>,
-    /// Length of a metre along the track over that of one across, as drawn; where that is known.
+    /// Length of a metre along the track divided by that of one across, as drawn; `None` if it is
+    /// unknown.
     pub stretch: Option<f64>,
 }
 
-/// Draws it.
+/// Draws everything over the picture.
 pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &ShownOverlay<'_>) {
     let options = &shown.app.view.options;
     let ink = theme::picture_ink(options);
@@ -50,7 +51,7 @@ pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &ShownOverlay<'_>) {
     for stretch in &stretches {
         stretch.draw(painter);
     }
-    // Without the water column, the bottom lies in the middle.
+    // Without the water column, the first return is at the middle of the picture.
     let shows_water = lens.geometry() == PictureGeometry::Slant;
     if let Some(drawing) = shown.drawing.filter(|_| shows_water) {
         draw_lines(painter, lens, shown, drawing);
@@ -84,7 +85,8 @@ pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &ShownOverlay<'_>) {
     if let Some(text) = shown_warning(shown) {
         labels.keep_clear(banner(painter, below, &text));
     }
-    // What is across comes before the ranges themselves.
+    // The geometry of the across direction is written first, because labels written later make way
+    // for it.
     scales::geometry(&mut labels, lens, shown.stretch);
     if let Some(lines) = &range_lines {
         lines.label(&mut labels, lens);
@@ -109,7 +111,7 @@ pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &ShownOverlay<'_>) {
     }
 }
 
-/// Reason why there is no picture of the bottom, if there is one.
+/// Returns the reason why there is no picture of the bottom, if there is one.
 fn shown_warning(shown: &ShownOverlay<'_>) -> Option<String> {
     let no_gpu = || "no picture: there is no graphics adapter that can draw it".to_owned();
     warning(shown.survey, shown.app.view.options.units).or_else(|| (!shown.has_gpu).then(no_gpu))
@@ -139,7 +141,7 @@ fn draw_lines(
     bottom::drawn(painter, lens, shown.app);
 }
 
-/// A thin line at the ping and, where the mark has a sample, one at its range.
+/// Draws a thin line at the ping and, where the mark has a sample, one at its range.
 fn cross_hair(painter: &Painter, lens: &Lens, survey: &Survey, mark: &LogPlace, colour: Color32) {
     let ping = mark.ping as f64 + 0.5;
     painter.line_segment(lens.line_at_ping(ping), Stroke::new(1.0, colour));
@@ -157,7 +159,8 @@ fn cross_hair(painter: &Painter, lens: &Lens, survey: &Survey, mark: &LogPlace, 
     }
 }
 
-/// A sentence on the picture that changes its meaning; returns what it covers.
+/// Writes on the picture a sentence that changes the meaning of the picture; returns the covered
+/// area.
 pub(super) fn banner(painter: &Painter, rect: Rect, text: &str) -> Rect {
     let (font, colour) = (egui::FontId::proportional(14.0), theme::OUTLIER_COLOUR);
     let width = (rect.width() - 40.0).max(60.0);
@@ -169,7 +172,7 @@ pub(super) fn banner(painter: &Painter, rect: Rect, text: &str) -> Rect {
     ground
 }
 
-/// Reason why the picture does not show the bottom; `None` if it does.
+/// Returns the reason why the picture does not show the bottom; `None` if it does.
 pub(super) fn warning(survey: &Survey, units: Units) -> Option<String> {
     match survey.side_scan_state {
         SideScanState::Usable => None,

@@ -1,4 +1,4 @@
-//! Handles the pointer: the read-out, hover and selection, and the menu.
+//! Handles the pointer on the waterfall: the read-out, hover and selection, and the menu.
 
 use super::lens::{Lens, LensPlace};
 use super::{boxes, flat_spots, labels};
@@ -7,7 +7,7 @@ use crate::ui::{ViewContext, place, stretch_text, text, theme};
 use bathyscope_log::survey::{Side, Survey};
 use egui::{Align2, Painter, Pos2, Rect, Response, Ui, pos2};
 
-/// The mark at a place; `None` before the first and after the last ping.
+/// Returns the mark at a place; `None` before the first and after the last ping.
 pub(super) fn mark_at(survey: &Survey, place: LensPlace) -> Option<LogPlace> {
     if place.ping < 0.0 {
         return None;
@@ -26,13 +26,13 @@ pub(super) fn mark_at(survey: &Survey, place: LensPlace) -> Option<LogPlace> {
 
 /// Result of [`follow`].
 pub(super) struct Followed {
-    /// Place under the pointer.
+    /// Place under the pointer; `None` if the pointer is not over the picture.
     pub place: Option<LensPlace>,
-    /// Equal scales along and across were asked for at this ping.
+    /// Ping at which equal scales along and across were requested; `None` without a request.
     pub equal_scales_at: Option<usize>,
 }
 
-/// Pushes hover, selection and the menu's commands.
+/// Pushes the commands of hover, selection and menu.
 pub(super) fn follow(
     response: &Response,
     lens: &Lens,
@@ -48,7 +48,8 @@ pub(super) fn follow(
         context.push(Command::Hover(mark));
     }
     let clicked = response.clicked() || response.secondary_clicked();
-    // A measuring tool in hand has a use of its own for a click, and so have the others.
+    // A click with a measuring tool belongs to that tool, and so do clicks with some of the other
+    // tools.
     let measures = context.app.map.measuring.tool.is_some() && response.clicked();
     if clicked
         && !measures
@@ -83,7 +84,8 @@ pub(super) fn follow(
     Followed { place, equal_scales_at: menu(response, context) }
 }
 
-/// Acts on the selection, which the click that opened the menu made.
+/// Shows the menu for the selection, which was set by the click that opened the menu; returns the
+/// ping for which equal scales were requested.
 fn menu(response: &Response, context: &mut ViewContext<'_>) -> Option<usize> {
     let mut equal_scales_at = None;
     response.context_menu(|ui| {
@@ -128,7 +130,7 @@ fn menu(response: &Response, context: &mut ViewContext<'_>) -> Option<usize> {
     equal_scales_at
 }
 
-/// Proposes the numbered stretch that was clicked, or the one about a ping.
+/// Proposes the numbered stretch that was clicked, or a stretch around the clicked ping.
 fn propose(context: &mut ViewContext<'_>, lens: &Lens, at: Pos2) {
     let here = lens.place_at(at).ping;
     let around = || context.app.stretch_around(here.max(0.0) as usize);
@@ -137,8 +139,8 @@ fn propose(context: &mut ViewContext<'_>, lens: &Lens, at: Pos2) {
     }
 }
 
-/// An entry that accepts the first returns above the recorded depth about a place as bottom, where
-/// there are any.
+/// Adds an entry that accepts as bottom the first returns above the recorded depth around a place,
+/// if there are any.
 fn accept(ui: &mut Ui, context: &mut ViewContext<'_>, mark: LogPlace) {
     let figures = context.app.log.figures.as_ref();
     let stretch = (mark.side.zip(figures))
@@ -166,7 +168,8 @@ fn include_again(context: &mut ViewContext<'_>, ping: usize) {
     }
 }
 
-/// Metres that the boat moved from one ping to the next, over a hundred pings about this one.
+/// Returns the metres that the boat moved from one ping to the next, averaged over a hundred pings
+/// around this one; `None` if the speed is unknown.
 pub(super) fn metres_per_ping(app: &App, survey: &Survey, ping: usize) -> Option<f64> {
     let pings = &app.log.products.as_ref()?.navigation.pings;
     let speed_mps = pings.get(ping)?.speed_mps;
@@ -178,11 +181,11 @@ pub(super) fn metres_per_ping(app: &App, survey: &Survey, ping: usize) -> Option
     (metres.is_finite() && metres > 0.0).then_some(metres)
 }
 
-/// Room between the read-out and what it keeps off, points.
+/// Least distance between the read-out and the areas that it must not cover, points.
 const APART: f32 = 10.0;
 
-/// The read-out in the corner of the view across from the pointer, or in another one where
-/// something in `clear` lies there: what it describes stays in sight.
+/// Writes the read-out in the corner of the view opposite to the pointer, or in another corner if
+/// that one overlaps an area of `clear`: what the read-out describes stays visible.
 pub(super) fn read_out(painter: &Painter, lens: &Lens, pointer: Pos2, text: &str, clear: &[Rect]) {
     let (at, anchor) = read_out_place(lens.rect, pointer, clear, |at, anchor| {
         labels::covered(painter, at, anchor, text)
@@ -190,7 +193,7 @@ pub(super) fn read_out(painter: &Painter, lens: &Lens, pointer: Pos2, text: &str
     labels::text(painter, at, anchor, text);
 }
 
-/// Place of the read-out; `covered` is its area at a place.
+/// Returns the place of the read-out; `covered` returns its area at a place.
 fn read_out_place(
     view: Rect,
     pointer: Pos2,
@@ -200,7 +203,7 @@ fn read_out_place(
     let centre = view.center();
     let (right, below) = (pointer.x < centre.x, pointer.y < centre.y);
     let inner = view.shrink(8.0);
-    // The corner across from the pointer first: it is the farthest.
+    // The corner opposite to the pointer is the first, because it is the farthest.
     let corners = [(right, below), (right, !below), (!right, below), (!right, !below)].map(
         |(right, below)| {
             let x = if right { inner.right() } else { inner.left() };
@@ -217,7 +220,7 @@ fn read_out_place(
     corners.into_iter().find(is_free).unwrap_or(corners[0])
 }
 
-/// The corner of a text that stands at a place, when the text lies right of it and below.
+/// Returns the anchor of a text that is right or left of a place, and below or above it.
 fn anchor(right: bool, below: bool) -> Align2 {
     match (right, below) {
         (true, true) => Align2::LEFT_TOP,
@@ -227,7 +230,7 @@ fn anchor(right: bool, below: bool) -> Align2 {
     }
 }
 
-/// Reasons why lines are dashed at a ping.
+/// Returns the reasons why lines are dashed at a ping.
 fn doubts(app: &App, number: usize, side: Side) -> String {
     let shown = &app.view.options.waterfall;
     let mut lines = String::new();
@@ -243,7 +246,7 @@ fn doubts(app: &App, number: usize, side: Side) -> String {
     lines
 }
 
-/// Describes a place. Its range is that of the range lines and of the cloud, followed by the
+/// Describes a place. The range is that of the range lines and of the cloud, followed by the
 /// recorded range.
 pub(super) fn describe(app: &App, survey: &Survey, at: LensPlace) -> Option<String> {
     let mark = mark_at(survey, at)?;
@@ -301,7 +304,7 @@ mod tests {
         let there = place(pointer, &[edited]);
         assert!(!there.intersects(edited.expand(APART)), "{there}");
         assert!(!there.contains(pointer), "{there}");
-        // Whatever is taken, it stands in the view.
+        // Even if everything is taken, the read-out is inside the view.
         assert!(view.contains_rect(place(pointer, &[view])));
     }
 }

@@ -1,4 +1,5 @@
-//! Range lines across the picture, ticks of ping and time along it, and the names of its sides.
+//! Draws range lines across the picture, ticks of ping and time along it, and the names of its
+//! sides.
 
 use super::labels::{INK, WaterfallLabels};
 use super::lens::{Lens, LensPlace};
@@ -11,21 +12,21 @@ use bathyscope_bottom::presentation::units::Units;
 use bathyscope_log::survey::{Side, SideSpan, Survey};
 use egui::{Align2, Color32, Painter, Pos2, Stroke, vec2};
 
-/// Screen points between range lines, at least.
+/// Least distance between range lines, screen points.
 const LINE_POINTS: f64 = 45.0;
-/// Screen points from the name of a side to the words beside it.
+/// Distance from the name of a side to the words beside it, screen points.
 const BELOW_SIDE: f32 = 20.0;
-/// Screen points between ticks along the track, at least.
+/// Least distance between ticks along the track, screen points.
 const TICK_POINTS: f64 = 120.0;
 
-/// Places along the track at which a range line is looked up, at most.
+/// Largest number of places along the track at which a range line is computed.
 const LOOKED_UP: usize = 256;
-/// Range lines on a side, at most: a damaged scale must not draw for ever.
+/// Largest number of range lines on a side: with a damaged scale there would be far too many.
 const MOST_LINES: u32 = 1000;
 
-/// Lines of equal range on both sides, on the ground or slant, as far as the picture goes. The
-/// picture is drawn by the recorder's scale; the lines stand where the ranges of the cloud and of
-/// every read-out are.
+/// Lines of equal range on both sides, on the ground or slant, as far as the picture extends. The
+/// picture is drawn with the recorder's scale; the lines are at the ranges shown by the cloud and
+/// by every read-out.
 pub(super) struct RangeLines {
     step_m: f64,
     units: Units,
@@ -39,7 +40,7 @@ struct ShownRangeLine {
 }
 
 impl RangeLines {
-    /// The lines that a lens sees of a picture `far_m` wide on each side.
+    /// Returns the visible lines of a picture `far_m` wide on each side.
     pub(super) fn in_view(
         lens: &Lens,
         survey: &Survey,
@@ -62,14 +63,14 @@ impl RangeLines {
         for line in &self.lines {
             let stroke = Stroke::new(1.0, ink);
             match line.points.as_slice() {
-                // Of a straight line, the painter sets the pixels sharp.
+                // The painter aligns a straight line to pixels.
                 [start, end] => painter.line_segment([*start, *end], stroke),
                 points => painter.line(points.to_vec(), stroke),
             };
         }
     }
 
-    /// Writes their ranges where the picture begins.
+    /// Writes the ranges of the lines at the beginning of the picture.
     pub(super) fn label(&self, labels: &mut WaterfallLabels<'_>, lens: &Lens) {
         let (anchor, shift) = match lens.orientation {
             Orientation::Horizontal => (Align2::LEFT_CENTER, vec2(6.0, 0.0)),
@@ -86,7 +87,7 @@ impl RangeLines {
     }
 }
 
-/// Lines of equal distance on the ground.
+/// Returns lines of equal distance on the ground.
 fn on_ground(lens: &Lens, step_m: f64, far_m: f64) -> Vec<ShownRangeLine> {
     let mut lines = Vec::new();
     for side in Side::BOTH {
@@ -105,8 +106,8 @@ fn on_ground(lens: &Lens, step_m: f64, far_m: f64) -> Vec<ShownRangeLine> {
     lines
 }
 
-/// A place of a range line: the ping, its range as recorded, and how far from the middle that is
-/// shown, metres.
+/// A place of a range line: the ping, the recorded range, and the distance from the middle at which
+/// that range is shown, metres.
 struct LinePlace {
     ping: usize,
     recorded_m: f64,
@@ -129,7 +130,7 @@ fn in_slant_range(
         let pings = visible.clone().step_by(step);
         let spans: Vec<(usize, SideSpan)> =
             pings.filter_map(|ping| Some((ping, *survey.span(ping, side)?))).collect();
-        // Also where no side was recorded in view, or its scale is damaged.
+        // Empty if the side was not recorded in the visible pings.
         if spans.is_empty() {
             continue;
         }
@@ -158,7 +159,8 @@ fn in_slant_range(
     lines
 }
 
-/// A line through the places of one range: straight through the picture where they are all alike.
+/// Returns a line through the places of one range: straight across the whole picture if all places
+/// have the same distance.
 fn points(lens: &Lens, side: Side, places: &[LinePlace]) -> Vec<Pos2> {
     let first_m = places.first().map_or(0.0, |place| place.shown_m);
     let alike = |place: &LinePlace| (place.shown_m - first_m).abs() < 1e-3;
@@ -171,8 +173,8 @@ fn points(lens: &Lens, side: Side, places: &[LinePlace]) -> Vec<Pos2> {
     places.iter().map(at).collect()
 }
 
-/// Writes the geometry of the across direction and the stretch along the track, where the picture
-/// begins.
+/// Writes the geometry of the across direction and the stretch along the track, at the beginning of
+/// the picture.
 pub(super) fn geometry(labels: &mut WaterfallLabels<'_>, lens: &Lens, stretch: Option<f64>) {
     let across = match lens.geometry() {
         PictureGeometry::Slant => "slant range",
@@ -188,14 +190,14 @@ pub(super) fn geometry(labels: &mut WaterfallLabels<'_>, lens: &Lens, stretch: O
     let at = lens.rect.shrink(6.0).left_bottom();
     let at = match lens.orientation {
         Orientation::Horizontal => at - vec2(0.0, BELOW_SIDE),
-        // There stands the name of the side, and what is done to its ranges.
+        // The name of the side and the change of its ranges are in this corner.
         Orientation::Vertical => at - vec2(0.0, 2.0 * BELOW_SIDE),
     };
     let words = format!("{across}{along}{flipped}");
     labels.write(at, Align2::LEFT_BOTTOM, &words, INK);
 }
 
-/// Writes the change of the recorded ranges, below the name of the side where the picture ends.
+/// Writes the change of the recorded ranges, beside the name of the side at the end of the picture.
 pub(super) fn range_change(labels: &mut WaterfallLabels<'_>, lens: &Lens, change: &str) {
     let rect = lens.rect.shrink(6.0);
     let (at, anchor) = match lens.orientation {
@@ -205,7 +207,7 @@ pub(super) fn range_change(labels: &mut WaterfallLabels<'_>, lens: &Lens, change
     labels.write(at, anchor, change, INK);
 }
 
-/// Ping numbers and times at the far edge of starboard (below) or port (left).
+/// Draws ping numbers and times at the lower or left edge of the picture.
 pub(super) fn ticks(
     painter: &Painter,
     labels: &mut WaterfallLabels<'_>,
@@ -232,7 +234,8 @@ pub(super) fn ticks(
     }
 }
 
-/// The names of the sides in view, in the colours of their first returns, where the picture ends.
+/// Writes the names of the visible sides in the colours of their first returns, at the end of the
+/// picture.
 pub(super) fn sides(labels: &mut WaterfallLabels<'_>, lens: &Lens, options: &ViewOptions) {
     for side in Side::BOTH {
         if lens.seen_of(side).is_empty() {
@@ -244,7 +247,7 @@ pub(super) fn sides(labels: &mut WaterfallLabels<'_>, lens: &Lens, options: &Vie
             (Orientation::Vertical, true) => (rect.left_bottom(), Align2::LEFT_BOTTOM),
             (_, false) => (rect.right_bottom(), Align2::RIGHT_BOTTOM),
         };
-        // Thin strokes need more light than a line to be read on the dark.
+        // Thin letters must be brighter than a line to be readable on the dark background.
         let ink = theme::side_colour(options, side).lerp_to_gamma(INK, 0.35);
         labels.write(at, anchor, side.name(), ink);
     }

@@ -1,4 +1,4 @@
-//! A frame of the side-scan: the tools in hand, the picture, and what lies over it.
+//! Draws a frame of the side-scan: the selected tools, the picture, and everything over it.
 
 use super::lens::{Lens, LensPlace};
 use super::{WaterfallDrawing, WaterfallView, accessibility, boxes, extent, overlay, pointer};
@@ -8,17 +8,17 @@ use crate::ui::views::tool_banner;
 use bathyscope_log::survey::Survey;
 use egui::{Painter, Rect, Response, Sense, Ui};
 
-/// Use of the pointer by the tools in hand.
+/// Use of the pointer by the selected tools.
 #[derive(Clone, Copy, Default)]
 struct ToolsInUse {
-    /// A box is being moved or drawn.
+    /// True while a box is being moved or drawn.
     hold_box: bool,
-    /// A line, a stretch or a measurement is being drawn.
+    /// True while a line, a stretch or a measurement is being drawn.
     draw: bool,
 }
 
 impl WaterfallView {
-    /// The side-scan with all that lies over it.
+    /// Draws the side-scan with everything over it.
     pub(super) fn side_scan(&mut self, ui: &mut Ui, rect: Rect, context: &mut ViewContext<'_>) {
         let response = ui.allocate_rect(rect, Sense::click_and_drag());
         let painter = ui.painter_at(rect);
@@ -46,7 +46,7 @@ impl WaterfallView {
             survey: &survey,
             drawing: self.drawing.as_ref(),
             far_m: axis.far_m,
-            // The pointer's own mark reaches the state only after this frame.
+            // The place under this view's own pointer reaches the state only after this frame.
             hover: self.was_over.or(context.app.view.hover),
             boxes: &boxes::in_view(&lens, context.app),
             missed: &boxes::Missed::in_view(&lens, context.app),
@@ -61,7 +61,7 @@ impl WaterfallView {
             banner.draw(ui);
         }
         let read_out = place.and_then(|place| pointer::describe(context.app, &survey, place));
-        // A hand that draws wants to see what lies ahead.
+        // While something is drawn, the read-out would hide what is ahead of the pointer.
         if let Some(text) = read_out.as_ref().filter(|_| !in_use.draw) {
             self.draw_read_out(&painter, &response, &lens, &shown, text);
         }
@@ -73,8 +73,8 @@ impl WaterfallView {
         }
     }
 
-    /// Each tool does what the pointer and the keys ask of it, in the picture as the frame before
-    /// showed it.
+    /// Lets each tool handle pointer and keys, in the view of the frame before; returns which tools
+    /// use the pointer.
     fn follow_tools(
         &mut self,
         ui: &mut Ui,
@@ -91,8 +91,8 @@ impl WaterfallView {
         ToolsInUse { hold_box, draw: draws_bottom || draws_stretch || measures }
     }
 
-    /// Moves the cross of the tool for targets by the arrow keys; the place under it becomes the
-    /// one that keys act on.
+    /// Moves the cross of the tool for targets by the arrow keys; the place of the cross becomes
+    /// the hovered place, on which keys act.
     fn aim_at_target(
         &mut self,
         ui: &mut Ui,
@@ -113,7 +113,7 @@ impl WaterfallView {
         }
     }
 
-    /// Pushes what the pointer asks for; returns the place under it.
+    /// Handles the pointer; returns the place under it.
     fn follow_pointer(
         &mut self,
         response: &Response,
@@ -131,7 +131,7 @@ impl WaterfallView {
         followed.place
     }
 
-    /// Draws what the tools have in hand.
+    /// Draws what the tools are working on.
     fn draw_tools(&self, painter: &Painter, response: &Response, lens: &Lens, app: &App) {
         self.boxes.draw(painter, response.interact_pointer_pos());
         self.pen.draw(painter, lens, app);
@@ -140,7 +140,8 @@ impl WaterfallView {
         self.cross.draw(painter, lens);
     }
 
-    /// Writes beside the pointer what is under it, clear of what is being worked on.
+    /// Writes what is under the pointer, without covering the box or the measurement that is being
+    /// worked on.
     fn draw_read_out(
         &self,
         painter: &Painter,

@@ -1,5 +1,5 @@
-//! The tools that are dragged along the pings: one excludes them, one proposes them for the scale,
-//! one accepts their first returns as bottom.
+//! Implements the tools that are dragged along the pings: one excludes them, one proposes them for
+//! the scale, one accepts their first returns as bottom.
 
 use super::exclusions::{area, edges, veil};
 use super::labels;
@@ -10,19 +10,19 @@ use crate::ui::{ViewContext, place};
 use bathyscope_log::survey::Side;
 use egui::{Align2, CursorIcon, Painter, Response, Stroke, Ui, pos2};
 
-/// The drag under way.
+/// State of these tools; `None` while there is no drag.
 #[derive(Default)]
 pub(super) struct StretchTool {
     drag: Option<Drag>,
 }
 
 struct Drag {
-    /// Pings with their fractions where it began and where it is.
+    /// Ping numbers, with their fractions, where the drag began and where it is now.
     ends: [f64; 2],
     does: Does,
 }
 
-/// Effect of a drag with the tool in hand that began on a side.
+/// Returns the effect of a drag with this tool that began on a side; `None` for other tools.
 fn does(tool: Tool, side: Side, ui: &Ui) -> Option<Does> {
     let modifiers = ui.input(|input| input.modifiers);
     match tool {
@@ -34,7 +34,8 @@ fn does(tool: Tool, side: Side, ui: &Ui) -> Option<Does> {
 }
 
 impl Drag {
-    /// The first and last ping that it covers, of so many; `None` beyond the log.
+    /// Returns the first and last ping of the drag in a log of `count` pings; `None` if the drag is
+    /// beyond the log.
     fn pings(&self, count: usize) -> Option<[usize; 2]> {
         let [one, other] = self.ends;
         let (first, last) = (one.min(other), one.max(other));
@@ -47,8 +48,7 @@ impl Drag {
 }
 
 impl StretchTool {
-    /// Follows a drag with one of the tools in hand; returns whether the drag must not move the
-    /// picture.
+    /// Handles a drag with one of the tools; returns true if the drag must not move the picture.
     pub(super) fn follow(
         &mut self,
         ui: &Ui,
@@ -87,7 +87,7 @@ impl StretchTool {
         true
     }
 
-    /// Draws the drag under way, with what it covers.
+    /// Draws the drag in progress, and describes the stretch that it covers.
     pub(super) fn draw(&self, painter: &Painter, lens: &Lens, app: &App) {
         let Some(drag) = &self.drag else {
             return;

@@ -1,4 +1,4 @@
-//! Chooses the tiles in view, and what is drawn in place of tiles that are not ready.
+//! Chooses the visible tiles, and what is drawn in place of tiles that are not ready.
 
 use super::lens::Lens;
 use crate::app::Orientation;
@@ -16,27 +16,27 @@ use std::sync::Arc;
 const BUDGET: usize = 96 << 20;
 
 const _: () = assert!(TILE == TILE_ROWS, "a row of a tile has its place in its rows");
-/// Values of a row of which nothing but its recording is known.
+/// Values of a row that is shown as recorded, without a picture of its log.
 const AS_RECORDED: TileRow = [0.0, 1.0, 0.0, 1.0];
 
 /// A tile on the GPU and how complete it is.
 pub(super) struct Resident {
     pub texture: TileTexture,
-    /// Rows for the picture that is shown; `None` until the tile is drawn with it.
+    /// Rows for the shown picture; `None` until the tile is drawn with it.
     rows: Option<TileRows>,
     pub completeness: u8,
-    /// Rows that it has.
+    /// Number of rows of the tile.
     pub height: usize,
 }
 
-/// The tiles of one survey that were drawn lately.
+/// The tiles of one survey that were drawn recently.
 pub(super) struct ResidentTiles {
     cache: Lru<WaterfallTileKey, Resident>,
-    /// Picture that the rows of the tiles belong to.
+    /// Picture that the rows of the tiles belong to; `None` without one.
     rows_of: Option<Same<LogPicture>>,
 }
 
-/// One frame: what to draw, and what to ask the worker for.
+/// The plan of one frame: the tiles to draw, and those to request from the worker.
 pub(super) struct FramePlan {
     pub draw: Vec<(Quad, DrawnTile)>,
     pub want: Vec<Want>,
@@ -53,8 +53,8 @@ impl ResidentTiles {
         self.cache.insert(tile.key, resident, tile.byte_count());
     }
 
-    /// Has tiles made again that reach beyond pings that stay as they are; drops all where none
-    /// does.
+    /// Marks the tiles that reach beyond the unchanged pings as incomplete, so that they are made
+    /// again; drops all tiles if no ping is unchanged.
     pub(super) fn outdate(&mut self, unchanged: Option<usize>) {
         match unchanged {
             Some(unchanged) => self.cache.change(|key, resident| {
@@ -66,7 +66,7 @@ impl ResidentTiles {
         }
     }
 
-    /// Has the rows of all tiles made again where something else is shown.
+    /// Drops the rows of all tiles if another picture is shown, so that they are made again.
     pub(super) fn level_by(&mut self, picture: Option<&Arc<LogPicture>>) {
         let of = picture.cloned().map(Same);
         if self.rows_of != of {
@@ -75,7 +75,7 @@ impl ResidentTiles {
         }
     }
 
-    /// Chooses the tiles for what the lens sees. `pixels_per_point` decides how fine they must be.
+    /// Chooses the tiles that the lens shows. `pixels_per_point` determines how fine they must be.
     pub(super) fn plan(
         &mut self,
         axis: &RangeAxis,
@@ -134,7 +134,7 @@ impl ResidentTiles {
         }
     }
 
-    /// The tile itself, or else the finest coarser one that covers it.
+    /// Returns the tile itself, or else the finest coarser tile that covers it.
     fn nearest(&self, scale: &LensScale<'_>, key: WaterfallTileKey) -> Option<WaterfallTileKey> {
         let coarsest = scale.axis.coarsest();
         let most = Level {
@@ -161,13 +161,14 @@ struct QuadArea {
 }
 
 impl QuadArea {
-    /// Without the pings from one on: a tile of a log that grew since does not have them.
+    /// Returns the area without the pings from `ping` on, which a tile lacks if the log has grown
+    /// since.
     fn until(&self, ping: usize) -> Self {
         Self { pings: self.pings.start..self.pings.end.min(ping as f64), bins: self.bins.clone() }
     }
 }
 
-/// The lens in pings and bins instead of points and metres.
+/// The lens in units of pings and bins instead of points and metres.
 struct LensScale<'a> {
     axis: &'a RangeAxis,
     lens: &'a Lens,
@@ -187,14 +188,15 @@ impl<'a> LensScale<'a> {
         let pixels_per_point = f64::from(pixels_per_point);
         let pings_per_pixel = lens.pings_per_point() / pixels_per_point;
         let bins_per_pixel = lens.metres_per_point() / axis.bin_m / pixels_per_point;
-        // Texels no larger than a pixel; the shader averages the one to two that a pixel covers.
+        // Texels are no larger than a pixel; the shader averages the one to two that a pixel
+        // covers.
         let halvings = |per_pixel: f64| (per_pixel + 1e-6).log2().floor().clamp(0.0, 40.0) as u8;
         let level = axis
             .drawable(Level { along: halvings(pings_per_pixel), across: halvings(bins_per_pixel) });
         Self { axis, lens, picture, pings_per_pixel, bins_per_pixel, level }
     }
 
-    /// Area of a side that the lens shows, within the survey.
+    /// Returns the area of a side that the lens shows, within the survey.
     fn whole(&self, side: Side) -> QuadArea {
         let shown = self.lens.seen_of(side);
         let [near_m, far_m] = self.recorded_m([shown.start, shown.end]);
@@ -210,7 +212,7 @@ impl<'a> LensScale<'a> {
         }
     }
 
-    /// Recorded ranges that can be shown between two distances from the middle, metres.
+    /// Returns the recorded ranges that can be shown between two distances from the middle, metres.
     fn recorded_m(&self, shown_m: [f64; 2]) -> [f64; 2] {
         match (self.lens.geometry(), self.picture) {
             (PictureGeometry::Slant, _) | (_, None) => shown_m,
@@ -218,8 +220,8 @@ impl<'a> LensScale<'a> {
         }
     }
 
-    /// Distances from the middle between which recorded ranges of a side are shown, as far as they
-    /// are seen, metres.
+    /// Returns the distances from the middle between which recorded ranges of a side are shown,
+    /// within the view, metres.
     fn shown_m(&self, side: Side, recorded_m: [f64; 2]) -> [f64; 2] {
         match (self.lens.geometry(), self.picture) {
             (PictureGeometry::Slant, _) | (_, None) => recorded_m,
@@ -231,7 +233,7 @@ impl<'a> LensScale<'a> {
         }
     }
 
-    /// Tiles in view, those in the middle of the track first.
+    /// Returns the visible tiles, those in the middle of the track first.
     fn keys_in_view(&self) -> Vec<WaterfallTileKey> {
         let tiles = |extent: &Range<f64>, step: usize| {
             let size = (TILE * step) as f64;
@@ -255,7 +257,7 @@ impl<'a> LensScale<'a> {
         keys
     }
 
-    /// The part of `within` that a tile covers.
+    /// Returns the part of `within` that a tile covers; `None` if it covers none.
     fn area(&self, key: &WaterfallTileKey, within: &QuadArea) -> Option<QuadArea> {
         let clip = |first: usize, step: usize, within: &Range<f64>| {
             let (first, last) = (first as f64, (first + TILE * step) as f64);
@@ -306,7 +308,7 @@ impl<'a> LensScale<'a> {
         }
     }
 
-    /// Values that bring the rows of a tile to the common level.
+    /// Returns the values that bring the rows of a tile to the common level.
     fn rows(&self, key: &WaterfallTileKey) -> [TileRow; TILE_ROWS] {
         std::array::from_fn(|row| {
             let first = key.first_ping() + row * key.level.pings();

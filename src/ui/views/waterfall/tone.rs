@@ -10,10 +10,10 @@ use bathyscope_products::pipeline::Same;
 use eframe::egui_wgpu::RenderState;
 use std::sync::Arc;
 
-/// Share of the maximum in the picture: enough for a bright spot of one sample to survive in an
-/// overview, little enough to leave the ground its texture.
+/// Share of the maximum in the picture: large enough for a bright spot of one sample to stay
+/// visible in an overview, small enough to preserve the texture of the ground.
 const HIGHLIGHT: f32 = 0.3;
-/// White is above black by this share of the colours, at least.
+/// Least difference of white and black, as a share of the colours.
 const LEAST_CONTRAST: f32 = 1e-3;
 /// Bits of [`EchoStyle::filters`].
 const GAIN: u32 = 1;
@@ -27,13 +27,13 @@ pub(super) struct UploadedGain {
 }
 
 impl UploadedGain {
-    /// Returns true if it is of this.
+    /// Returns true if the gain was uploaded for this picture.
     pub(super) fn is_of(&self, picture: Option<&Arc<LogPicture>>) -> bool {
         self.of == picture.cloned().map(Same)
     }
 }
 
-/// Puts the gain that a log is shown with on the GPU.
+/// Puts on the GPU the gain that a log is shown with.
 pub(super) fn upload(
     renderer: &WaterfallPicture,
     state: &RenderState,
@@ -49,7 +49,8 @@ pub(super) fn upload(
     }
 }
 
-/// `first` are the levels that suit the echoes as recorded, until those with gain are counted.
+/// Returns the parameters of the renderer. `first` are the levels that suit the echoes as recorded;
+/// they are used until the levels with gain have been counted.
 pub(super) fn look(
     app: &App,
     lens: &Lens,
@@ -66,7 +67,7 @@ pub(super) fn look(
     let white = level(settings.white, automatic.white);
     let gain = picture.and_then(|picture| picture.gain.as_deref());
     let filter = |is_on: bool, bit: u32| if is_on { bit } else { 0 };
-    // Without the scales of the pings, nothing is known that gain goes by.
+    // Gain depends on the scales of the pings, which are not known without a picture.
     let known = picture.is_some();
     let [port, starboard] = tone.sides;
     EchoStyle {
@@ -89,7 +90,7 @@ pub(super) fn look(
     }
 }
 
-/// Echoes as recorded, by levels that suit them.
+/// Returns the parameters for echoes as recorded, with levels that suit them.
 pub(super) fn plain_look(app: &App, lens: &Lens, levels: Levels) -> EchoStyle {
     EchoStyle {
         gamma: app.log.settings.picture.gamma.max(0.01) as f32,

@@ -1,4 +1,4 @@
-//! Pieces of a border joined to rings, and rings sorted into outlines and holes.
+//! Joins pieces of a border to rings, and sorts rings into outlines and holes.
 
 use super::{Piece, Stop};
 use bathyscope_log::support::outline::{bounds, is_crossed};
@@ -9,20 +9,21 @@ use std::cell::OnceCell;
 pub struct Polygon {
     /// The outline, counter-clockwise (east, north); its last point is its first.
     pub outline: Vec<[f64; 2]>,
-    /// Holes, clockwise, closed likewise.
+    /// Holes, clockwise; the last point of each is its first.
     pub holes: Vec<Vec<[f64; 2]>>,
 }
 
 impl Polygon {
-    /// Square metres without the holes.
+    /// Returns the area without the holes, square metres.
     pub fn area_m2(&self) -> f64 {
         // The holes run the other way, so that their areas are negative.
         signed_area(&self.outline) + self.holes.iter().map(|hole| signed_area(hole)).sum::<f64>()
     }
 }
 
-/// Joins pieces to closed rings. At every stop as many end as begin. Where two parts of the area
-/// touch at a corner, the ring stays in its own square, so that it never crosses itself.
+/// Joins pieces to closed rings. At every stop as many pieces end as begin. Where two parts of the
+/// area touch at a corner, the ring stays in the square of its last piece, so that it never crosses
+/// itself.
 pub(super) fn closed(pieces: &[Piece]) -> Vec<Vec<Stop>> {
     let mut order: Vec<usize> = (0..pieces.len()).collect();
     order.sort_unstable_by_key(|&piece| (pieces[piece].from, pieces[piece].square));
@@ -89,7 +90,7 @@ pub fn polygons(rings: Vec<Vec<[f64; 2]>>) -> Vec<Polygon> {
     outlines.zip(owned).map(|(outline, holes)| Polygon { outline, holes }).collect()
 }
 
-/// Gauss's formula about the first point; positive counter-clockwise.
+/// Returns the area of a ring by Gauss's formula about its first point; positive counter-clockwise.
 fn signed_area(ring: &[[f64; 2]]) -> f64 {
     let Some([x0, y0]) = ring.first().copied() else {
         return 0.0;
@@ -104,14 +105,14 @@ fn within(inner: [f64; 4], outer: [f64; 4]) -> bool {
     inner[0] >= outer[0] && inner[1] >= outer[1] && inner[2] <= outer[2] && inner[3] <= outer[3]
 }
 
-/// The edges of an outline, by the rows of it that they cross: a place is compared with those of
-/// its row alone.
+/// Edges of an outline by the rows of the outline that they cross: a place is compared with the
+/// edges of its row alone.
 #[derive(Clone)]
 struct EdgesByRow<'a> {
     outline: &'a [[f64; 2]],
     south_m: f64,
     rows_per_m: f64,
-    /// Edges of each row, by their first corner.
+    /// Edges of each row, by the index of their first corner.
     rows: Vec<Vec<usize>>,
 }
 

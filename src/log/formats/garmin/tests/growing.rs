@@ -1,4 +1,4 @@
-//! Tests that the tail of a growing file, when it is read, makes the same survey as the whole file.
+//! Tests that reading the tail of a growing file gives the same survey as reading the whole file.
 
 use super::{file, pings, with_second_pair};
 use crate::formats::{open_growing, open_tail};
@@ -44,7 +44,8 @@ fn assert_same(grown: &Survey, whole: &Survey) {
     }
 }
 
-/// Splits a file at many places, torn records among them; how often the tail was enough.
+/// Splits a file at many places, also within records; returns how often reading the tail was
+/// enough.
 fn split(bytes: &[u8], places: usize) -> usize {
     let finished = whole(bytes).expect("a log");
     let mut by_tail = 0;
@@ -53,7 +54,7 @@ fn split(bytes: &[u8], places: usize) -> usize {
         let Some(known) = whole(&bytes[..end]) else {
             continue;
         };
-        // Of a log that is so short it is not known yet which channel's depths are the soundings.
+        // In a log that is so short, the channel of the soundings may still change.
         if known.sounding_channel != finished.sounding_channel {
             continue;
         }
@@ -72,7 +73,7 @@ fn split(bytes: &[u8], places: usize) -> usize {
     by_tail
 }
 
-/// Pings whose samples use the same bits from the first to the last.
+/// Returns pings whose samples use the same bits from the first to the last.
 fn even(mut pings: Vec<Ping>) -> Vec<Ping> {
     for ping in &mut pings {
         ping.samples = (0..40).map(|place| place * 100).collect();

@@ -1,10 +1,10 @@
-//! Files that lie about themselves: they are read as far as they go, and nothing panics, hangs or
-//! takes memory by a stated size.
+//! Tests that damaged and hostile files are read as far as possible, without a panic, a hang, or
+//! memory by a stated size.
 
 use super::{file, open, pings};
 use bathyscope_test_support::garmin::{HEADER, Ping, record, structure};
 
-/// A small generator of numbers that are always the same.
+/// A small generator of reproducible numbers.
 struct Random(u64);
 
 impl Random {
@@ -15,7 +15,7 @@ impl Random {
     }
 }
 
-/// Two pings of each channel with few samples.
+/// Returns a file with two pings of each channel and few samples.
 fn small() -> Vec<u8> {
     let mut some = pings(2);
     some.iter_mut().for_each(|ping| ping.samples.truncate(9));
@@ -41,7 +41,7 @@ fn assert_bounded(bytes: Vec<u8>) {
 #[test]
 fn a_file_may_be_cut_anywhere() {
     let bytes = small();
-    // Within the padding of the header one place is as any other.
+    // All places within the padding of the header are alike.
     let header = (0..HEADER).filter(|end| *end < 400 || end % 997 == 0);
     for end in header.chain(HEADER..bytes.len()) {
         assert_bounded(bytes[..end].to_vec());
@@ -57,7 +57,7 @@ fn any_bytes_may_be_wrong() {
     for _ in 0..4_000 {
         let mut harmed = bytes.clone();
         for _ in 0..=random.below(12) {
-            // The header's fields, and the records.
+            // Damages the header's fields, or the records.
             let (from, to) = match random.below(4) {
                 0 => (0, 300),
                 _ => (HEADER, harmed.len()),
@@ -74,7 +74,7 @@ fn stated_sizes_of_four_gigabytes_are_not_believed() {
     let mut bytes = small();
     let long = Ping { has_trailer: false, ..pings(1).remove(0) };
     let magic_field = (0, 0xB7E9_DA86_u32.to_le_bytes().to_vec());
-    // Sizes of bodies; a state whose count of fields is that long.
+    // Huge sizes of bodies, and a state with a huge count of fields.
     for fields in [
         [(4, vec![0xFF; 4]), (5, vec![0; 4])],
         [(4, vec![0xFF, 0xFF, 0xFF, 0x7F]), (1, vec![0xFF; 5])],
@@ -84,10 +84,10 @@ fn stated_sizes_of_four_gigabytes_are_not_believed() {
         bytes.extend(structure(&all));
         bytes.extend([1; 40]);
     }
-    // Headers with a field, and with a count of fields, that long.
+    // Headers with a field, and with a count of fields, of this size.
     bytes.extend([6, 4, 0x86, 0xDA, 0xE9, 0xB7, 0x0F, 0xFF, 0xFF, 0xFF, 0xFF, 0x0F]);
     bytes.extend([0xFF, 4, 0x86, 0xDA, 0xE9, 0xB7, 0xFF, 0xFF, 0xFF, 0xFF, 0x0F]);
-    // Samples, and fields of a body.
+    // Huge numbers of samples, and of fields in a body.
     let stated = Ping { stated_samples: Some(u32::MAX), ..long.clone() };
     bytes.extend(stated.record());
     let mut body = long.body();
@@ -97,7 +97,7 @@ fn stated_sizes_of_four_gigabytes_are_not_believed() {
     let survey = open(bytes.clone()).expect("the sound records");
     assert_eq!(survey.side_scan.len(), 3);
     assert_bounded(bytes);
-    // Nothing but magic numbers, and nothing but records of two bytes.
+    // Only magic numbers, and only records with a body of two bytes or a huge stated size.
     let magic = [6, 4, 0x86, 0xDA, 0xE9, 0xB7];
     assert_bounded(magic.iter().copied().cycle().take(1 << 20).collect());
     let tiny = [&[2][..], &magic[1..], &[4 << 3 | 1, 2, 0, 0, 0, 0, 0, 0]].concat();

@@ -1,4 +1,4 @@
-//! Generated RSD files, read whole, as they grow, and harmed.
+//! Tests that generated RSD files, whole, growing and damaged, are read as they were written.
 
 mod growing;
 mod hostile;
@@ -10,22 +10,22 @@ use bathyscope_test_support::garmin::{
     self, Band, GARMIN_S, HEADER, Ping, START_UNIX_S, TILT_DEG, header,
 };
 
-/// Traditional sonar, down-scan and a pair of sides, under numbers that units use.
+/// Channels of a traditional sonar, a down-scan and a pair of sides, with numbers that units use.
 const BANDS: [Band; 4] =
     [(2, 150_000, 240_000), (4, 425_000, 485_000), (5, 425_000, 485_000), (6, 795_000, 805_000)];
 /// Milliseconds between two pings of a channel.
 const STEP_MS: u32 = 100;
 
-/// Number, beam and tilt of each channel, the port side first.
+/// Number, beam and tilt in degrees of each channel, the port side first.
 const CHANNELS: [(u32, u32, Option<f32>); 4] =
     [(4, 2, Some(-TILT_DEG)), (5, 3, Some(TILT_DEG)), (2, 1, None), (6, 4, None)];
 
-/// A sample that tells its channel, its ping and its place.
+/// Returns a sample whose value depends on its channel, its ping and its place.
 fn sample(channel: u32, ping: usize, place: usize) -> u16 {
     (channel as usize * 100 + ping * 3 + place * 16) as u16 % 4096
 }
 
-/// The pings of the four channels, in the order in which they are written.
+/// Returns the pings of the four channels, in the order in which they are written.
 fn pings(count: usize) -> Vec<Ping> {
     let of = |ping: usize| {
         CHANNELS.iter().enumerate().map(move |(place, &(channel, beam, tilt_deg))| Ping {
@@ -47,7 +47,7 @@ fn pings(count: usize) -> Vec<Ping> {
     (0..count).flat_map(of).collect()
 }
 
-/// A file of these pings; each channel begins with a record that has no body.
+/// Writes these pings into a file; each channel begins with a record without a body.
 fn file(pings: &[Ping]) -> Vec<u8> {
     let mut bytes = header(GARMIN_S, &BANDS);
     for (channel, ..) in CHANNELS {
@@ -104,7 +104,7 @@ fn all_channels_are_read_with_depths_ranges_positions_and_times() {
     assert_eq!(survey.side_scan.len(), 40);
     let ping = &survey.side_scan[7];
     assert_eq!(ping.time_s, 1.2);
-    // The sounding of the traditional sonar two milliseconds later.
+    // The depth is the sounding of the traditional sonar, two milliseconds later.
     assert_eq!(ping.depth_m, 8.007);
     for side in Side::BOTH {
         let span = ping.side(side).expect("a side");
@@ -124,7 +124,7 @@ fn all_channels_are_read_with_depths_ranges_positions_and_times() {
 #[test]
 fn samples_run_outward_on_both_sides_at_both_widths() {
     let wide = read(file(&pings(40)));
-    // Twelve bits are in use: four are dropped.
+    // The samples use twelve bits: four are dropped.
     for (side, channel, count) in [(Side::Port, 4, 124), (Side::Starboard, 5, 126)] {
         let expected: Vec<u8> =
             (0..count).map(|place| (sample(channel, 9, place) >> 4) as u8).collect();
@@ -167,13 +167,15 @@ fn a_channel_without_a_beam_is_known_by_its_tilt_or_its_band() {
         &bare,
         "channel 4, of 455 kHz, states neither its beam nor its side; it was taken for side-scan port"
     ));
-    // Nothing at all: no number in the body nor in the header, so that the beam is the number.
+    // No channel number at all, neither in the body nor in the header: the number of the beam is
+    // used.
     let unnumbered = without(|ping| ping.channel = None);
     let named = ["beam 1", "beam 4", "beam 2", "beam 3"];
     let names: Vec<_> = unnumbered.channels.iter().map(|one| one.recorder_name.as_str()).collect();
     assert_eq!(names, named);
     assert_eq!(unnumbered.side_scan.len(), 20);
-    // A file without the header's list of channels: the sound is shown as far as it goes.
+    // A file without the header's list of channels, frequencies and beams: the channels are
+    // guessed.
     let mut bytes = file(&[]);
     let unlisted = header(GARMIN_S, &[]);
     bytes[..HEADER].copy_from_slice(&unlisted);
@@ -186,7 +188,8 @@ fn a_channel_without_a_beam_is_known_by_its_tilt_or_its_band() {
     assert_eq!(shown, [(ChannelKind::Secondary, 20), (ChannelKind::Primary, 20)]);
 }
 
-/// The same pings once more as channels with numbers that are higher by ten, `later_ms` later.
+/// Returns the pings, and their sides again as channels with numbers higher by ten, `later_ms`
+/// later.
 fn with_second_pair(count: usize, later_ms: u32) -> Vec<Ping> {
     let first = pings(count);
     let second = first.iter().filter(|ping| matches!(ping.beam, Some(2 | 3))).cloned();
@@ -208,10 +211,10 @@ fn of_two_pairs_at_once_one_is_shown_and_of_two_in_turn_both() {
     assert!(kinds(&at_once).contains(&("15".to_owned(), ChannelKind::Other(15), 60)));
     let in_turn = read(file(&with_second_pair(60, 60 * STEP_MS)));
     assert_eq!(in_turn.side_scan.len(), 120);
-    // The boat of the second pair begins where that of the first began.
+    // The boat of the second pair starts again where the first pair started.
     assert_eq!(in_turn.warnings.len(), 1, "{:?}", in_turn.warnings);
     assert!(says(&in_turn, "the positions jump once farther than the boat can go"));
-    // Switched over after a moment: the pair with nearly all of the pings is shown.
+    // Switched to the second pair after a moment: the pair with nearly all of the pings is shown.
     let mut switched = with_second_pair(300, 4);
     switched.retain(|ping| ping.channel > Some(10) || ping.time_ms < 3_500);
     let switched = read(file(&switched));
@@ -272,8 +275,8 @@ fn damage_is_named_with_its_place_and_the_rest_is_read() {
     assert!(says(&torn, "33 bytes belong to no record"));
     assert_eq!(torn.side_scan.len(), 20);
 
-    // The size of the body: field 4 with its two bytes, and the header's field 5 and checksum
-    // before the body.
+    // The size of the body is field 4 with two bytes, before the header's field 5, the checksum and
+    // the body.
     let mut grown = whole.clone();
     let size_at = at(9) + records[9].len() - 12 - some[9].body().len() - 4 - 5 - 2;
     assert_eq!(grown[size_at - 1], 4 << 3 | 2);

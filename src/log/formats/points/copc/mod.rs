@@ -1,11 +1,11 @@
-//! Cloud Optimized Point Clouds (COPC 1.0, <https://copc.io>): LAZ 1.4 whose chunks are the nodes
-//! of an octree, with a table of where each lies, so that a map program reads as much of it as it
-//! shows, from a disk or over the network. Any reader of LAZ reads it as LAZ.
+//! Writes Cloud Optimized Point Clouds (COPC 1.0, <https://copc.io>): LAZ 1.4 whose chunks are the
+//! nodes of an octree, with a table of their places, so that a map program can read only the part
+//! that it shows, from a disk or over the network. Any reader of LAZ can read it.
 //!
 //! In: points in the layout of LAS. Out: a COPC file.
 //!
-//! `copc-rs` draws the points of a node by chance, so that no two files are the same, and brings
-//! other versions of `las` and `laz`.
+//! The crate `copc-rs` is not used for writing: it chooses the points of a node at random, so that
+//! no two files are the same, and depends on other versions of `las` and `laz`.
 
 mod octree;
 
@@ -19,25 +19,25 @@ use std::fs::File;
 use std::io::{self, BufWriter, Seek as _, SeekFrom, Write};
 use std::path::Path;
 
-/// User of the records.
+/// User id of the COPC records.
 const USER: &str = "copc";
-/// The record that says how the octree lies; it must be the first.
+/// Id of the record that describes the octree; it must be the first.
 const INFO: u16 = 1;
-/// Bytes of it.
+/// Bytes of that record.
 const INFO_LENGTH: usize = 160;
-/// The record that says where the chunk of each node lies.
+/// Id of the record with the place of the chunk of each node.
 const HIERARCHY: u16 = 1000;
-/// Nodes that are packed at a time.
+/// Number of nodes that are compressed at a time.
 const BATCH: usize = 64;
 
-/// Returns true if a file is named as these are: map programs go by the name.
+/// Returns true if a file has the ending of COPC, by which map programs recognise it.
 pub(super) fn is_named_copc(path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     name.to_lowercase().ends_with(".copc.laz")
 }
 
-/// Takes the records off a header that say how points were packed and where they lay, which a
-/// writer finds out anew.
+/// Removes the records from a header that describe the packing and the octree of points; a writer
+/// creates them again.
 pub(super) fn remove_packing(header: &mut Builder) {
     let says_else = |record: &Vlr| {
         let is_of_copc = record.user_id == USER && [INFO, HIERARCHY].contains(&record.record_id);
@@ -47,12 +47,12 @@ pub(super) fn remove_packing(header: &mut Builder) {
     header.evlrs.retain(says_else);
 }
 
-/// Writes points into a file that is open for it. The header gives what all points have in common
-/// and its records; counts, bounds and packing are found out.
+/// Writes points into an open file. `header` gives the properties that all points share, and its
+/// records; counts, bounds and packing are computed.
 ///
 /// # Errors
-/// What the system says, or that COPC holds no points of such a format: it holds formats 6 to 8 of
-/// LAS 1.4.
+/// When writing fails, or the points are not of the formats 6 to 8 of LAS 1.4, the only ones of
+/// COPC.
 pub fn write_copc(file: File, header: Header, points: &PointData) -> io::Result<()> {
     let format = points.format();
     let (number, extra) = (format.to_u8().map_err(io::Error::other)? & 0x3f, format.extra_bytes);
@@ -84,7 +84,7 @@ pub fn write_copc(file: File, header: Header, points: &PointData) -> io::Result<
         let raw = one.clone().into_raw(true).map_err(io::Error::other)?;
         raw.write_to(&mut out).map_err(io::Error::other)?;
     }
-    // The record's own header comes first.
+    // The data follow the header of the record.
     let pages =
         [first + (hierarchy.len(true) - hierarchy.data.len()) as u64, hierarchy.data.len() as u64];
     let mut builder = Builder::from(header);
@@ -101,8 +101,8 @@ fn record(number: u16, description: &str, data: Vec<u8>) -> Vlr {
     Vlr { user_id: USER.to_owned(), record_id: number, description: description.to_owned(), data }
 }
 
-/// The header with the records of the packing at the front, the first of them still empty, and
-/// counts and bounds of the points.
+/// Returns the header with the records of the octree (still empty) and the packing at the front,
+/// and the counts and bounds of the points.
 fn with_packing(header: Header, packing: &LazVlr, points: &PointData) -> io::Result<Header> {
     let mut builder = Builder::from(header);
     builder.point_format = *points.format();
@@ -124,7 +124,7 @@ fn with_packing(header: Header, packing: &LazVlr, points: &PointData) -> io::Res
     Ok(header)
 }
 
-/// Writes the header and its records; `evlrs` is where the extended ones begin.
+/// Writes the header and its records; `evlrs` is the offset of the extended records, if known.
 fn write_header(out: &mut impl Write, header: &Header, evlrs: Option<u64>) -> io::Result<()> {
     let mut raw = header.clone().into_raw().map_err(io::Error::other)?;
     raw.evlr = evlrs.map(|start_of_first_evlr| raw::header::Evlr {
@@ -139,8 +139,8 @@ fn write_header(out: &mut impl Write, header: &Header, evlrs: Option<u64>) -> io
     out.write_all(header.vlr_padding())
 }
 
-/// Writes the points node by node, and behind them the table of the chunks, whose place stands
-/// before them. Gives back the table.
+/// Writes the points node by node, then the table of the chunks, whose offset is stored before
+/// them. Returns the table.
 fn write_chunks(
     out: &mut BufWriter<File>,
     packing: &LazVlr,
@@ -171,7 +171,7 @@ fn write_chunks(
     Ok(entries)
 }
 
-/// The chunk of a node; nothing of one without points.
+/// Returns the compressed chunk of a node; empty for a node without points.
 fn packed(packing: &LazVlr, node: &OctreeNode, points: &PointData) -> io::Result<Vec<u8>> {
     if node.points.is_empty() {
         return Ok(Vec::new());
@@ -186,8 +186,8 @@ fn packed(packing: &LazVlr, node: &OctreeNode, points: &PointData) -> io::Result
     Ok(compressor.into_inner())
 }
 
-/// The table of the nodes: level, cell, where its chunk begins, how long it is and how many points
-/// it holds.
+/// Returns the table of the nodes: level, cell, offset and bytes of the chunk, and number of
+/// points.
 fn hierarchy(
     header: &Header,
     nodes: &[OctreeNode],
@@ -211,15 +211,15 @@ fn hierarchy(
     Ok(bytes)
 }
 
-/// The root of the octree: all nodes are cubes.
+/// Root node of the octree; all nodes are cubes.
 struct Cube {
     centre: [f64; 3],
     half: f64,
 }
 
 impl Cube {
-    /// A little larger than the bounds, so that no point lies on its sides; of one place, as large
-    /// as a step of the coordinates.
+    /// Returns a cube slightly larger than the bounds, so that no point is on its sides; for a
+    /// single place, as large as a step of the coordinates.
     fn around(bounds: &Bounds, step: f64) -> Self {
         let array = |at: Vector<f64>| [at.x, at.y, at.z];
         let (least, most) = (array(bounds.min), array(bounds.max));
@@ -238,8 +238,9 @@ impl Cube {
         [0, 1, 2].map(|axis| octree::on_lattice(share(axis)))
     }
 
-    /// The record: centre, half the side, distance of the points in the root, place and length of
-    /// the table of the nodes, first and last time; the rest is reserved.
+    /// Returns the record that describes the octree: centre, half the side, distance of the points
+    /// in the root, offset and length of the table of the nodes, first and last time; the rest is
+    /// reserved.
     fn info(&self, pages: [u64; 2], points: &PointData) -> Vec<u8> {
         let spacing = 2.0 * self.half / f64::from(octree::GRID);
         let mut bytes = Vec::with_capacity(INFO_LENGTH);
@@ -275,7 +276,7 @@ mod tests {
         builder.into_header().unwrap()
     }
 
-    /// A bed of so many points a side, 0.25 m apart, a metre deeper every 32 m.
+    /// Returns a bed of `side` by `side` points, 0.25 m apart, a metre deeper every 32 m.
     fn bed(side: usize) -> Vec<Point> {
         let point = |index: usize| {
             let [x, y] = [index % side, index / side].map(|at| 0.25 * at as f64);
@@ -311,7 +312,8 @@ mod tests {
         let mut reader = CopcReader::from_path(&path).unwrap();
         let every = reader.query(LodSelection::All, BoundsSelection::All).unwrap();
         assert_eq!(times(&every), all);
-        // 128 cells of 100 m: a point in each cell of 0.78 m, and twice as near on the next level.
+        // 128 cells along 100 m: a point in each cell of 0.78 m, and half that distance on the next
+        // level.
         let coarse = reader.query(LodSelection::Level(0), BoundsSelection::All).unwrap();
         assert_eq!(coarse.len(), 128 * 128);
         let finer = reader.query(LodSelection::LevelMinMax(0, 2), BoundsSelection::All).unwrap();

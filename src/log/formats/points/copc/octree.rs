@@ -1,39 +1,39 @@
-//! Distributes the points of a cloud over the nodes of an octree: those near the root are few and
-//! far apart, each level below halves the distance.
+//! Distributes the points of a cloud over the nodes of an octree: nodes near the root have few
+//! points far apart, and each level below halves the distance.
 
 use std::collections::VecDeque;
 
-/// Bits of a coordinate within the root.
+/// Bits of a coordinate on the lattice of the root.
 const BITS: u32 = 24;
-/// A node keeps one point of each cell of a grid of 128 by 128 by 128, so that the points of a
-/// level are evenly spread.
+/// Bits of a cell index in a node's grid of 128 by 128 by 128; a node keeps one point of each cell,
+/// so that the points of a level are evenly spread.
 const GRID_BITS: u32 = 7;
-/// Cells along a side of a node.
+/// Number of cells along a side of a node.
 pub(super) const GRID: u32 = 1 << GRID_BITS;
-/// A node of so many points is not split: as many as an even bed fills of its grid.
+/// Most points of a node that is not split: as many as a flat bed fills of its grid.
 const MOST_IN_LEAF: usize = 1 << (2 * GRID_BITS);
-/// Below this level the lattice of coordinates has no finer cells; points in one place end here.
+/// Deepest level, below which the lattice has no finer cells; points in the same place end here.
 const DEEPEST: u32 = BITS - GRID_BITS;
 
-/// A node with the points that it holds.
+/// A node with its own points.
 #[derive(Debug, PartialEq)]
 pub(super) struct OctreeNode {
     /// Level, 0 for the root.
     pub level: u32,
-    /// Place of the node in its level: east, north and up, from 0.
+    /// Place of the node in its level: east, north and up, counted from 0.
     pub cell: [u32; 3],
-    /// Indices of its points, ascending.
+    /// Indices of the points, ascending.
     pub points: Vec<usize>,
 }
 
 /// Returns the coordinate on the lattice for a share of the root's side, 0 to 1.
 pub(super) fn on_lattice(share: f64) -> u32 {
-    // A cast holds what lies beyond either end within the range.
+    // The cast limits values beyond either end.
     ((share * f64::from(1 << BITS)) as u32).min((1 << BITS) - 1)
 }
 
-/// The nodes over points on the lattice, each level after the one above it. Every point is in one
-/// node, and every node but the root of no points holds some.
+/// Returns the nodes over points on the lattice, each level after the level above it. Every point
+/// is in one node, and every node has points, except the root without any.
 pub(super) fn nodes(places: &[[u32; 3]]) -> Vec<OctreeNode> {
     let mut nodes = Vec::new();
     let mut taken = vec![0_u64; 1 << (3 * GRID_BITS - 6)];
@@ -54,7 +54,8 @@ pub(super) fn nodes(places: &[[u32; 3]]) -> Vec<OctreeNode> {
     nodes
 }
 
-/// A node with the first point of each cell of its grid, and its eight children with the others.
+/// Returns the node with the first point of each cell of its grid, and its eight children with the
+/// other points.
 fn split(
     node: OctreeNode,
     places: &[[u32; 3]],
@@ -99,7 +100,7 @@ mod tests {
 
     #[test]
     fn a_level_halves_the_distance_and_no_point_is_lost() {
-        // An even bed of 512 by 512 points: 128 by 128 in the root, 256 by 256 on the next level,
+        // A flat bed of 512 by 512 points: 128 by 128 in the root, 256 by 256 on the next level,
         // the rest below.
         let side = 512;
         let step = (1 << BITS) / side;

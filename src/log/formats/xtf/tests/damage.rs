@@ -1,4 +1,4 @@
-//! Files that grow, and files that lie.
+//! Tests that growing, damaged and hostile XTF files are read.
 
 use super::pairs::two_frequencies;
 use super::places::raw_navigation;
@@ -18,7 +18,7 @@ fn held(bytes: &[u8]) -> Vec<(PathBuf, Bytes)> {
 fn a_growing_log_is_what_the_whole_one_is() {
     let weighted = Xtf {
         header: |header| header.sonar_type = 38,
-        // Later samples are louder than those by which the scale was chosen.
+        // Later samples are louder than those from which the scale was chosen.
         sample: |ping, sample| {
             let loud = value(sample) << (ping % 4) << (ping / 300);
             loud.min(65_535).to_le_bytes()[..2].to_vec()
@@ -55,7 +55,7 @@ fn a_growing_log_is_what_the_whole_one_is() {
             let tail = open_tail(&known, &seam, held(&bytes), &Progress::new()).expect("a tail");
             let grown = known.extended(tail, &seam, &mut SurveyVersions::default());
             let grown = grown.expect("a tail that continues");
-            // The scale stays that of the shorter log.
+            // The scale remains that of the shorter log.
             let spans = |survey: &Survey| -> Vec<_> {
                 let pings = survey.pairs.iter().map(|pair| &pair.side_scan);
                 let pings = std::iter::once(&survey.side_scan).chain(pings);
@@ -118,8 +118,8 @@ fn hostile_bytes_neither_end_the_program_nor_make_up_pings() {
             looked_at(small[..length].to_vec());
         }
         let mut random = Random(20_210_605);
-        // Samples are of no interest: the headers lie in the first bytes and at the beginning of
-        // packets.
+        // Only headers are damaged, not samples: headers are in the first bytes and at the
+        // beginning of packets.
         let starts: Vec<usize> = (0..small.len() - 1)
             .filter(|&at| at < 512 || small[at..].starts_with(&[0xCE, 0xFA]))
             .collect();

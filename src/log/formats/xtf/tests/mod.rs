@@ -1,4 +1,4 @@
-//! Generated XTF files are read to what was written into them, whole, damaged and growing.
+//! Tests that generated XTF files, whole, damaged and growing, are read as they were written.
 
 mod damage;
 mod multibeam;
@@ -13,29 +13,29 @@ use crate::support::progress::Progress;
 use crate::survey::{Side, Survey};
 use bytemuck::{Zeroable as _, bytes_of};
 
-/// Samples of a side of a ping.
+/// Number of samples of a side of a ping.
 const SAMPLES: usize = 200;
 /// Position of the first ping.
 const START: LonLat = LonLat::new(11.5, 48.1);
 
-/// A file to write: pings of all channels, ten a second from noon on.
+/// Description of a file to write: pings of all channels, ten a second from noon on.
 #[derive(Clone)]
 struct Xtf {
     pings: usize,
     header: fn(&mut FileHeader),
-    /// Kind and frequency of each.
+    /// Kind and frequency (kHz) of each channel.
     channels: Vec<(u8, f32)>,
-    /// Bytes of a sample, format, and whether it has no sign.
+    /// Bytes of a sample, format, and true if samples are unsigned.
     stored: (u16, u8, bool),
-    /// A sample of a ping in the bytes of the file.
+    /// Bytes of a sample of a ping in the file.
     sample: fn(usize, usize) -> Vec<u8>,
     ping: fn(usize, &mut PingHeader),
     side: fn(usize, &mut PingChannel),
-    /// Packets before a ping.
+    /// Bytes of the packets before a ping.
     before: fn(usize) -> Vec<u8>,
 }
 
-/// The value of a sample: 12 bits are in use, so that four are dropped.
+/// Returns the value of a sample, which has 12 bits, so that four are dropped.
 fn value(sample: usize) -> u32 {
     sample as u32 * 20
 }
@@ -61,17 +61,17 @@ impl Default for Xtf {
     }
 }
 
-/// Half a metre to the north each ping.
+/// Returns the latitude of a ping: half a metre further north with each ping.
 fn latitude(index: usize) -> f64 {
     START.lat_deg + index as f64 * 4.5e-6
 }
 
-/// A packet header of a record of so many bytes.
+/// Returns the packet header of a record of `size` bytes.
 fn packet(kind: u8, size: usize) -> PacketHeader {
     PacketHeader { magic: 0xFACE, kind, size: size as u32, ..PacketHeader::zeroed() }
 }
 
-/// The time of a ping, and the hundredths of its second.
+/// Returns the time of a ping, and the hundredths of its second.
 fn time(index: usize) -> (PacketTime, u8) {
     let time = PacketTime {
         year: 2020,
@@ -141,7 +141,7 @@ fn ping(file: &Xtf, index: usize) -> Vec<u8> {
         (file.side)(index, &mut side);
         bytes.extend(bytes_of(&side));
         for sample in 0..SAMPLES {
-            // Port lies from far to near.
+            // Port is stored from far to near.
             let sample = if *kind == 1 { SAMPLES - 1 - sample } else { sample };
             bytes.extend((file.sample)(index, sample));
         }

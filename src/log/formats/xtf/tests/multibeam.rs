@@ -1,17 +1,17 @@
-//! Depths of a multibeam sonar.
+//! Tests that depths of a multibeam sonar are read.
 
 use super::super::read_multibeam;
 use super::*;
 use crate::formats::points::PointPlane;
 use crate::support::geo::LocalFrame;
 
-/// Beams of the datagram.
+/// Number of beams in the datagram.
 const BEAMS: usize = 101;
 /// Depth of a flat bottom below the sonar, metres.
 const DEPTH_M: f64 = 12.0;
 
-/// A datagram 0x13 of a flat bottom: 1.5 degrees a beam, 15 000 samples a second, 1500 m/s. The
-/// first beam is bad.
+/// Returns a datagram 0x13 of a flat bottom: 1.5 degrees a beam, 15 000 samples a second, 1500 m/s.
+/// The first beam is bad.
 fn datagram(roll_deg: f64) -> Vec<u8> {
     let mut bytes = vec![0; 36];
     let mut put = |at: usize, value: &[u8]| bytes[at..at + value.len()].copy_from_slice(value);
@@ -64,12 +64,12 @@ fn beams_become_depths_across_the_track() {
     for (index, &[lon_deg, lat_deg, z_m]) in read.points[..BEAMS - 1].iter().enumerate() {
         assert!((z_m + DEPTH_M).abs() < 0.04, "{index}: {z_m}");
         let angle_rad = ((index as f64 - 49.0) * 1.5 - 2.0).to_radians();
-        // East is ahead, so that starboard is south.
+        // The heading is east, so starboard is south.
         let [east_m, north_m] = frame.to_enu(LonLat::new(lon_deg, lat_deg));
         let right_m = DEPTH_M * angle_rad.tan();
         assert!(east_m.abs() < 1e-6 && (north_m + right_m).abs() < 0.12, "{index}");
     }
-    // Its side-scan is what is read otherwise; a file without beams has no points.
+    // The same file opens as side-scan; a file without beams has no points.
     let survey = read_survey(&written(&file));
     assert!(says(&survey, "40 bathymetry (type 2) packets that are no side-scan pings"));
     std::fs::write(&path, written(&Xtf::default())).expect("a file");

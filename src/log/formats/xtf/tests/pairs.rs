@@ -1,8 +1,8 @@
-//! Side-scan of two frequencies.
+//! Tests that side-scan of two frequencies is read as two pairs.
 
 use super::*;
 
-/// A file of two frequencies, which have different ranges.
+/// Returns a file of two frequencies, which have different ranges.
 pub(super) fn two_frequencies() -> Xtf {
     Xtf {
         channels: vec![(1, 100.0), (2, 100.0), (1, 400.0), (2, 400.0)],
@@ -28,7 +28,7 @@ fn one_of_two_frequencies_is_shown_and_the_other_can_be_chosen() {
     assert_eq!(high.side_scan[9].depth_m, 7.5);
     assert!(says(&high, "400 kHz, 2 is shown; set source.frequency_khz to show 100 kHz, 0"));
     assert_eq!(survey.clone().with_frequency(120.0).side_scan, survey.side_scan);
-    // Nothing to choose from.
+    // A file with one pair has nothing to choose from.
     let one = read(&Xtf::default());
     assert!(one.pairs.is_empty() && !says(&one, "source.frequency_khz"));
     assert_eq!(far_m(&one.with_frequency(400.0)), Some(25.0));

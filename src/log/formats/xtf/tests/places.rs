@@ -1,10 +1,10 @@
-//! Tests of the sonar's position: its own, that of a ship that tows it, and those of packets.
+//! Tests the positions of the sonar: its own, those of a ship that tows it, and those of packets.
 
 use super::super::raw::{AttitudePacket, GyroPacket, NavigationPacket, RawNavigationPacket};
 use super::*;
 use crate::support::geo::LocalFrame;
 
-/// Metres east and north of where the ship is at a ping.
+/// Returns the position of the fix of a ping relative to the ship, metres east and north.
 fn from_ship(survey: &Survey, ping: usize) -> [f64; 2] {
     let ship = LocalFrame::new(LonLat::new(START.lon_deg, latitude(ping)));
     ship.to_enu(survey.track.fixes[ping].position)
@@ -38,14 +38,14 @@ fn the_ships_position_is_moved_back_by_the_layback() {
         assert!(says(&survey, "40 positions are the ship's and were moved to the sonar"));
         assert!(says(&survey, "by the stated layback of 12.0 m; mounting"));
     }
-    // With the antenna 3 m before and 1 m to port of the reference point.
+    // The antenna is 3 m forward and 1 m to port of the reference point.
     let survey = read(&Xtf {
         header: |header| (header.nav_offset_y_m, header.nav_offset_x_m) = (3.0, -1.0),
         ping: |index, ping| ship_at(ping, index),
         ..Xtf::default()
     });
     assert_near(from_ship(&survey, 5), [-15.0, -1.0]);
-    // Without a heading nothing is known of where it is.
+    // Without a heading, the direction from the ship to the sonar is unknown.
     let survey = read(&Xtf {
         ping: |index, ping| {
             ship_at(ping, index);
@@ -55,7 +55,7 @@ fn the_ships_position_is_moved_back_by_the_layback() {
     });
     assert_near(from_ship(&survey, 5), [0.0, 0.0]);
     assert!(says(&survey, "no heading is known there"));
-    // Cable alone says nothing of a layback.
+    // The length of cable alone gives no layback.
     let survey = read(&Xtf {
         ping: |index, ping| {
             ship_at(ping, index);
@@ -69,7 +69,7 @@ fn the_ships_position_is_moved_back_by_the_layback() {
 
 #[test]
 fn a_position_of_the_sonars_own_stays() {
-    // 12 m west of the ship.
+    // The sonar is 12 m west of the ship.
     let survey = read(&Xtf {
         ping: |index, ping| {
             let ship = LonLat::new(START.lon_deg, latitude(index));
@@ -102,7 +102,8 @@ fn a_position_that_repeats_is_moved_alike() {
     assert_ne!(places[0], places[10]);
 }
 
-/// A position of a packet ten times a second, a metre to the east of the ship of the pings.
+/// Returns a packet with a position, for ten packets a second, a metre east of the ship of the
+/// pings.
 pub(super) fn raw_navigation(index: usize) -> Vec<u8> {
     let (time, hundredths) = time(index);
     let place = LocalFrame::new(LonLat::new(START.lon_deg, latitude(index))).to_lon_lat(1.0, 0.0);
@@ -131,12 +132,12 @@ fn navigation_packets_stand_in_for_pings_without_positions() {
     assert!((fix.time_s - 0.7).abs() < 1e-6);
     assert!((fix.compass_rad.to_degrees() - 45.0).abs() < 1e-4);
     assert!(says(&survey, "40 positions of navigation packets stand in"));
-    // Those of the pings come first where they are good.
+    // Positions of pings are preferred where they are good.
     let survey = read(&Xtf { before: raw_navigation, ..Xtf::default() });
     assert_eq!(survey.track.fixes.len(), 40);
     assert_near(from_ship(&survey, 7), [0.0, 0.0]);
     assert!(!says(&survey, "stand in") && !says(&survey, "skipped"));
-    // The other kind of packet, whose layback is that of the pings.
+    // The other kind of position packet, to which the layback of the pings applies.
     let survey = read(&Xtf {
         ping: |_, ping| ping.layback_m = 12.0,
         before: |index| {
@@ -161,7 +162,7 @@ fn navigation_packets_stand_in_for_pings_without_positions() {
 fn old_positions_of_pings_give_way_to_those_of_packets() {
     let survey = read(&Xtf {
         pings: 300,
-        // The receiver is gone after ten seconds.
+        // The receiver fails after ten seconds.
         ping: |index, ping| {
             (ping.sensor_x, ping.sensor_y) = (START.lon_deg, latitude(index.min(100)));
         },

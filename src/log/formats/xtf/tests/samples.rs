@@ -1,8 +1,9 @@
-//! Samples of every format, and the range that they cover.
+//! Tests that samples of every format, and the range that they cover, are read.
 
 use super::*;
 
-/// A number of IBM's format; whole numbers below 2^24 have an exponent of 6 hexadecimal digits.
+/// Returns a number in IBM's format; whole numbers below 2^24 have an exponent of 6 hexadecimal
+/// digits.
 fn ibm(value: u32) -> Vec<u8> {
     (0x4600_0000 | value).to_le_bytes().to_vec()
 }
@@ -36,7 +37,7 @@ fn every_format_of_samples_shows_the_same_picture() {
         let survey = read(&Xtf { stored, sample, ..Xtf::default() });
         let shown = [Side::Port, Side::Starboard].map(|side| outward(&survey, 7, side));
         let expected = match stored {
-            // 39.8 as the highest takes 6 bits.
+            // The highest value, 39.8, takes 6 bits.
             (4, 0, _) if shown[0][100] != 125 => {
                 let level = |sample| (value(sample) as f32 * 0.01 * 4.0) as u8;
                 (0..SAMPLES).map(level).collect()
@@ -78,7 +79,7 @@ fn the_weights_of_edgetech_put_all_pings_on_one_scale() {
     for ping in 0..8 {
         assert_eq!(outward(&survey, ping, Side::Port), expected(), "{ping}");
     }
-    // The samples of other sonars have none.
+    // The samples of other sonars have no weights.
     let survey = read(&Xtf { header: |_| (), ..file });
     assert_ne!(outward(&survey, 0, Side::Port), outward(&survey, 1, Side::Port));
 }

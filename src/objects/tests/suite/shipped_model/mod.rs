@@ -1,4 +1,4 @@
-//! The detector that comes with the program: on the demo survey, whose objects are known, and
+//! Tests the detector that comes with the program: on the demo survey, whose objects are known, and
 //! against onnxruntime (`oracle.py` made `boxes.json` from the shipped file and a chip of the test
 //! split).
 
@@ -14,8 +14,8 @@ const SIDECAR: &str = include_str!("../../../../../assets/detector/default.json"
 const DEMO: &[u8] = include_bytes!("../../../../../assets/demo.sl2");
 const SCENE: &str = include_str!("../../../../../assets/demo.toml");
 
-/// Echo and shadow of a sighting; `None` for a glimpse of under four pings, or a shadow that runs
-/// off the range.
+/// Returns the box around echo and shadow of a sighting; `None` for a sighting of under four pings,
+/// or a shadow that continues beyond the range.
 fn clear_box(seen: &ObjectPass) -> Option<Mark> {
     let pings = seen.first_ping..seen.last_ping + 1;
     let far_m = seen.shadow_m[1].max(seen.far_m);
@@ -64,7 +64,7 @@ fn finds_the_objects_of_the_demo() {
         let kind = object.kind.name();
         assert!(marks.iter().any(|mark| named(&mark)), "no pass over a {kind} found it");
     }
-    // Whatever lies on an object or in its shadow is no false alarm, glimpses included.
+    // A box on any object or its shadow is no false alarm, even if the sighting is short.
     let known: Vec<Mark> = truth
         .objects
         .iter()
@@ -93,7 +93,7 @@ fn finds_the_objects_of_the_demo() {
     assert!(false_alarms * 5 <= found.len(), "{false_alarms} of {}", found.len());
 }
 
-/// A box as onnxruntime has it.
+/// A box from onnxruntime.
 #[derive(serde::Deserialize)]
 struct Expected {
     class: usize,
@@ -107,7 +107,7 @@ fn agrees_with_onnxruntime() {
     let expected: Vec<Expected> =
         serde_json::from_str(include_str!("boxes.json")).expect("boxes of the oracle");
     let mut sidecar: serde_json::Value = serde_json::from_str(SIDECAR).expect("the sidecar");
-    // The oracle takes the chip as it is, and the boxes as the network has them.
+    // The oracle does not change the chip's levels or the network's boxes.
     sidecar["level"] = "raw".into();
     sidecar["thresholds"]["vote"] = serde_json::Value::Null;
     sidecar["test_time_augmentation"] = serde_json::Value::Null;
@@ -125,7 +125,7 @@ fn agrees_with_onnxruntime() {
         assert!((one.score - other.score).abs() < 1e-4, "{} {}", one.score, other.score);
         let rect = [one.rect.x0, one.rect.y0, one.rect.x1, one.rect.y1];
         for (edge, other) in rect.iter().zip(other.edges_px) {
-            // A ten-thousandth of the picture's width.
+            // The tolerance is a ten-thousandth of the picture's width.
             assert!((edge - other).abs() < 1e-4 * 416.0, "{rect:?} {other}");
         }
     }

@@ -1,4 +1,4 @@
-//! The precision-recall curve with the point that the slider of the least score stands at.
+//! Draws the precision-recall curve, with the point of the least score that the slider sets.
 
 use super::share;
 use crate::app::{Command, ViewOptions};
@@ -12,14 +12,15 @@ use egui::{
     vec2,
 };
 
-/// Height of the picture, points.
+/// Height of the plot, points.
 const HEIGHT: f32 = 138.0;
-/// Its greatest width, points.
+/// Greatest width of the plot, points.
 const WIDTH: f32 = 166.0;
-/// Width of the figures beside it, points.
+/// Width of the figures beside the plot, points.
 const FIGURES: f32 = 116.0;
 
-/// Draws the curve, and the figures beside it. A click on the curve moves the slider there.
+/// Draws the curve, and the figures beside it. A click on the curve sets the slider to the nearest
+/// point.
 pub(super) fn ui(
     ui: &mut Ui,
     context: &mut ViewContext<'_>,
@@ -52,7 +53,7 @@ pub(super) fn ui(
     });
 }
 
-/// Describes the point of the slider for screen readers and tests.
+/// Describes the point of the slider, for screen readers and tests.
 fn said(standing: &Standing) -> String {
     let counts = &standing.counts;
     format!(
@@ -94,7 +95,7 @@ fn figures(ui: &mut Ui, counts: &MatchCounts) {
     line("Missed", text::count(counts.missed()), hint);
 }
 
-/// Recall across, precision up.
+/// Creates the axes: recall across, precision up.
 fn shares(painter: &Painter, rect: Rect) -> PlotAxes {
     let axis = |name: &str| Axis {
         name: name.to_owned(),
@@ -104,7 +105,7 @@ fn shares(painter: &Painter, rect: Rect) -> PlotAxes {
     PlotAxes::new(painter, rect, axis("recall"), axis("precision"))
 }
 
-/// The point of the curve nearest to a place.
+/// Returns the point of the curve nearest to a position on the screen; `None` without points.
 fn nearest<'a>(axes: &PlotAxes, curve: &'a [CurvePoint], at: Pos2) -> Option<&'a CurvePoint> {
     let distance = |point: &CurvePoint| axes.at(point.recall, point.precision).distance_sq(at);
     let drawn = curve.iter().filter(|point| point.recall.is_finite());

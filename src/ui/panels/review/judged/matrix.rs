@@ -1,23 +1,23 @@
-//! Confusion matrix: counts by true and predicted class, as a grid of numbers.
+//! Draws the confusion matrix: counts by true and predicted class, as a grid of numbers.
 
 use crate::ui::{ViewContext, text, theme};
 use bathyscope_objects::metrics::Confusion;
 use bathyscope_objects::truth::{Standing, TruthComparison};
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 
-/// Room for the names of the rows, points.
+/// Space for the names of the rows, points.
 const NAMES: f32 = 66.0;
-/// Room for the names of the columns, which stand upright, points.
+/// Space for the names of the columns, which are written upwards, points.
 const ABOVE: f32 = 62.0;
 /// Largest side of a cell, points.
 const CELL: f32 = 26.0;
-/// Room for the name of an axis, points.
+/// Space for the name of an axis, points.
 const AXIS: f32 = 14.0;
 
-/// Name of what is no object.
+/// Name of the class of places without an object.
 const BACKGROUND: &str = "background";
 
-/// The rows and columns that have something in them.
+/// The rows and columns of the matrix that are not empty.
 struct MatrixGrid<'a> {
     confusion: &'a Confusion,
     names: &'a [String],
@@ -60,7 +60,7 @@ impl<'a> MatrixGrid<'a> {
         }
     }
 
-    /// All cells that hold something, for screen readers and tests.
+    /// Describes all cells that are not empty, for screen readers and tests.
     fn all_said(&self) -> String {
         let cells = self
             .shown
@@ -147,7 +147,8 @@ fn draw(
     }
 }
 
-/// Found in the accent, mistakes in the warning colour, the more the stronger.
+/// Returns the colour of a cell: the accent for found objects, the error colour for mistakes,
+/// stronger for a greater share.
 fn ground(context: &ViewContext<'_>, right: bool, share: f32) -> Color32 {
     let options = context.options();
     let full = if right {
@@ -162,13 +163,14 @@ fn ground(context: &ViewContext<'_>, right: bool, share: f32) -> Color32 {
     }
 }
 
-/// Writes upwards. `anchor` is that of the words as they are read: left is their beginning.
+/// Writes a text upwards. `anchor` refers to the text before it is turned: left is its beginning.
 fn upright(painter: &Painter, at: Pos2, anchor: Align2, words: &str, ink: Color32) {
     let galley = painter.layout_no_wrap(words.to_owned(), FontId::proportional(10.0), ink);
     let size = galley.size();
     let along = anchor.x().to_factor() * size.x;
     let across = anchor.y().to_factor() * size.y;
-    // Turned a quarter to the left about its start: what was right is up, what was down is right.
+    // The text is turned a quarter to the left about its start: right becomes up, and down becomes
+    // right.
     let start = at + vec2(-across, along);
     let quarter = std::f32::consts::FRAC_PI_2;
     painter.add(egui::epaint::TextShape::new(start, galley, ink).with_angle(-quarter));

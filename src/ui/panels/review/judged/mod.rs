@@ -1,7 +1,7 @@
-//! The boxes against the truth, where it is known: the precision-recall curve that the least score
-//! slider runs along, the list of mistakes, and what was taken for what.
+//! Draws the comparison of the boxes with the truth, if it is known: the precision-recall curve
+//! with the point of the slider, the list of mistakes, and the confusion matrix.
 //!
-//! In: the state. Out: a curve, lists and a table, and commands.
+//! The panel reads the state of the app, draws a curve, lists and a table, and sends commands.
 
 mod curve;
 mod matrix;
@@ -15,7 +15,7 @@ use bathyscope_objects::metrics::Cause;
 use bathyscope_objects::truth::{Mistake, TruthComparison};
 use egui::{Button, RichText, Ui};
 
-/// Draws the curve with the figures at the slider; nothing while there is no truth.
+/// Draws the curve with the figures at the slider; draws nothing without truth.
 pub(super) fn at_slider(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let judging = &context.app.log.reviewing.judging;
     let (Some(comparison), Some(standing)) = (judging.comparison(), judging.standing()) else {
@@ -31,7 +31,7 @@ pub(super) fn at_slider(ui: &mut Ui, context: &mut ViewContext<'_>) {
     curve::ui(ui, context, comparison, standing);
 }
 
-/// Draws the section of mistakes; nothing while there is no truth.
+/// Draws the section of mistakes; draws nothing without truth.
 pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let app = context.app;
     let judging = &app.log.reviewing.judging;
@@ -61,7 +61,8 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     });
 }
 
-/// Draws the list of false alarms and misses, how it is sorted, and the buttons that walk along it.
+/// Draws the list of false alarms and missed objects, the choice of its order, and the buttons that
+/// step through it.
 fn list_of_mistakes(ui: &mut Ui, context: &mut ViewContext<'_>, comparison: &TruthComparison) {
     let reviewing = &context.app.log.reviewing;
     let mistakes = reviewing.judging.mistakes();
@@ -111,7 +112,7 @@ fn list(
     });
 }
 
-/// `rock 0.87, background, 1.2 m` or `missed tyre, 0.8 m`.
+/// Returns the text of a mistake: `rock 0.87, background, 1.2 m` or `missed tyre, 0.8 m`.
 fn said(context: &ViewContext<'_>, comparison: &TruthComparison, mistake: &Mistake) -> String {
     let size = context.units().measure(mistake.size_m(), 1);
     match mistake {
@@ -147,7 +148,7 @@ fn colour(context: &ViewContext<'_>, mistake: &Mistake) -> egui::Color32 {
     }
 }
 
-/// `0.93`, or a dash where there is nothing to divide by.
+/// Returns a share as text: `0.93`, or a dash if it is not finite.
 fn share(value: f64) -> String {
     if value.is_finite() { format!("{value:.2}") } else { text::NONE.to_owned() }
 }

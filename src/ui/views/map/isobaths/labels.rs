@@ -1,7 +1,7 @@
-//! Places the depth labels along isobaths: upright, on straight pieces, none over another.
+//! Places the depth labels along isobaths: upright, on straight pieces, without overlap.
 //!
-//! Labels keep their size on the screen, so where they fit depends on the zoom. They are placed
-//! once for every octave of it, in a background thread, and move with the map in between.
+//! Labels keep their size on the screen, so the places where they fit depend on the zoom. They are
+//! placed once for every octave of zoom, in a background thread, and move with the map in between.
 
 use super::layer::{GroundLine, IsobathLayer};
 use bathyscope_log::support::progress::Progress;
@@ -12,40 +12,40 @@ use std::sync::Arc;
 const DIGIT: f32 = 6.4;
 const MARGIN: f32 = 8.0;
 const HEIGHT: f32 = 15.0;
-/// Way along a line from one label to the next, points.
+/// Distance along a line from one label to the next, points.
 const SPACING: f32 = 340.0;
-/// The least share of a label's width that the chord of the line under it has: less, and the line
-/// bends away.
+/// Least length of the chord of the line under a label, as a share of the label's width: a shorter
+/// chord belongs to a line that bends too much.
 const STRAIGHT: f32 = 0.94;
-/// Places tried to each side of where a label would stand best, and the step between them in widths
-/// of the label.
+/// Number of places tried to each side of the best place of a label, and the step between them in
+/// widths of the label.
 const TRIES: i32 = 6;
 const TRY_STEP: f32 = 0.6;
-/// Most labels of a map.
+/// Largest number of labels of a map.
 const MOST: usize = 20_000;
-/// The room that a label takes at the far end of its octave, by that at the middle.
+/// Room that a label takes at the far end of its octave, as a multiple of the room at the middle.
 const ROOM: f32 = std::f32::consts::SQRT_2;
 
 /// A depth on a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct IsobathLabel {
-    /// Its middle, east and north of the layer's origin, metres.
+    /// Middle of the label, east and north of the layer's origin, metres.
     pub place: [f32; 2],
-    /// Clockwise on the screen from level, -quarter to quarter of a turn.
+    /// Rotation clockwise from horizontal on the screen, radians, -quarter to quarter of a turn.
     pub angle_rad: f32,
-    /// Index of the line.
+    /// Index of the line that the label is on.
     pub line: usize,
 }
 
 /// The labels for an octave of zoom.
 pub(crate) struct IsobathLabels {
-    /// The lines that they stand on.
+    /// The lines that the labels are on.
     pub layer: Arc<IsobathLayer>,
     /// The labels.
     pub labels: Vec<IsobathLabel>,
 }
 
-/// The octave that a zoom lies in the middle of.
+/// Returns the octave of zoom whose middle is nearest.
 pub(crate) fn octave(metres_per_point: f64) -> i32 {
     metres_per_point.log2().round().clamp(-64.0, 64.0) as i32
 }
@@ -106,14 +106,15 @@ fn width(line: &GroundLine) -> f32 {
     DIGIT * line.text.len() as f32 + MARGIN
 }
 
-/// Screen angle of a direction on the ground, turned so that the text is not upside down.
+/// Returns the screen angle of a direction on the ground, turned so that the text is not upside
+/// down.
 fn upright([east, north]: [f32; 2]) -> f32 {
     let turn = if east < 0.0 { -1.0 } else { 1.0 };
-    // On the screen y runs down.
+    // On the screen, y points down.
     (-turn * north).atan2(turn * east)
 }
 
-/// A line with the way to each of its points.
+/// A line with the distance along it of each of its points.
 struct Way<'a> {
     points: &'a [[f32; 2]],
     metres: Vec<f32>,
@@ -148,8 +149,8 @@ impl<'a> Way<'a> {
         Some([0, 1].map(|axis| a[axis] + (b[axis] - a[axis]) * share))
     }
 
-    /// The middle and the unit direction of a piece of a width, where it is straight enough to
-    /// carry a text.
+    /// Returns the middle and the unit direction of a piece of this width around `at_m`; `None` if
+    /// the piece is not straight enough for a text.
     fn straight(&self, at_m: f32, width_m: f32) -> Option<([f32; 2], [f32; 2])> {
         let [from, to] = [-0.5, 0.5].map(|half| self.at(at_m + half * width_m));
         let (from, to) = (from?, to?);
@@ -160,7 +161,7 @@ impl<'a> Way<'a> {
     }
 }
 
-/// Ground that labels stand on already: boxes around them, in squares.
+/// Ground that is taken by labels: boxes around them, in squares.
 struct TakenGround {
     square_m: f32,
     squares: HashMap<[i32; 2], Vec<[f32; 4]>>,
@@ -171,7 +172,7 @@ impl TakenGround {
         Self { square_m: square_m.max(f32::MIN_POSITIVE), squares: HashMap::new() }
     }
 
-    /// Takes the ground of a label unless another stands there.
+    /// Takes the ground of a label and returns true, unless another label is there.
     fn take(&mut self, place: [f32; 2], along: [f32; 2], [width_m, height_m]: [f32; 2]) -> bool {
         let half = [0, 1].map(|axis| {
             0.5 * ROOM * (along[axis].abs() * width_m + along[1 - axis].abs() * height_m)
@@ -205,7 +206,7 @@ mod tests {
         GroundLine { text: "2.5".to_owned(), is_index, points }
     }
 
-    /// A box around a label, metres, at the middle of its octave.
+    /// Returns the box around a label, metres, at the middle of its octave.
     fn spans(label: &IsobathLabel, metres_per_point: f32) -> [f32; 4] {
         let (sin, cos) = label.angle_rad.sin_cos();
         let [w, h] = [27.0 * metres_per_point, HEIGHT * metres_per_point];

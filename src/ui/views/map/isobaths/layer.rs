@@ -1,4 +1,4 @@
-//! The isobaths of a depth map, ready to draw.
+//! Prepares the isobaths of a depth map for drawing.
 
 use crate::app::DrawnIsobaths;
 use crate::ui::render::{Specks, Uploader, Vertex};
@@ -8,20 +8,20 @@ use bathyscope_bottom::presentation::units::{LengthUnit, Units};
 use bathyscope_log::support::progress::Progress;
 use bathyscope_products::pipeline::Isobaths;
 
-/// Vertices from which on rings too small to be seen are left out of the coarser levels.
+/// Number of vertices above which rings too small to be visible are left out of the coarser levels.
 const MANY: usize = 20_000;
 
-/// Isobaths where the settings give no depths.
+/// Isobaths used when there are none to draw.
 static NONE: Isobaths =
     Isobaths { levels_m: Vec::new(), lines: Vec::new(), shoal_safe: false, clip: None };
 
 /// A line of equal depth in the plane of the survey.
 pub(crate) struct GroundLine {
-    /// Its depth in words.
+    /// Depth of the line as text.
     pub text: String,
-    /// Thick, and the first to be labelled.
+    /// True if the line is thick and labelled first.
     pub is_index: bool,
-    /// East and north of the layer's origin, metres.
+    /// Points east and north of the layer's origin, metres.
     pub points: Vec<[f32; 2]>,
 }
 
@@ -38,7 +38,7 @@ pub(crate) struct IsobathLayer {
 }
 
 impl IsobathLayer {
-    /// Makes them ready to draw; `None` when cancelled.
+    /// Prepares the isobaths for drawing; `None` when cancelled.
     pub(crate) fn new(
         drawn: &DrawnIsobaths,
         units: Units,
@@ -93,8 +93,8 @@ fn vertices(lines: &[GroundLine], is_index: bool) -> Vec<Vertex> {
         .collect()
 }
 
-/// Digits after the point that distinguish the levels: at most three, and two where levels that are
-/// round in metres are not shown in metres.
+/// Returns the number of decimals that distinguish the levels: at most three, and two if levels
+/// that are round in metres are not shown in metres.
 fn decimals(levels_m: &[f64], units: Units) -> usize {
     let most = match units.length {
         LengthUnit::Metres => 3,

@@ -1,6 +1,6 @@
-//! Isobaths: lines of equal depth with their depths written along them.
+//! Draws isobaths: lines of equal depth with their depths written along them.
 //!
-//! In: the isobaths of the survey. Out: lines and numbers on the map.
+//! Input: the isobaths of the survey. Output: lines and numbers on the map.
 
 mod labels;
 pub(super) mod layer;
@@ -18,12 +18,12 @@ use egui::epaint::TextShape;
 use egui::{Align2, Color32, Painter, Shape, Stroke, Vec2, vec2};
 use std::sync::Arc;
 
-/// Most segments drawn in a frame, of the thin and of the thick lines: beyond, coarser levels are
-/// taken.
+/// Largest number of segments drawn in a frame, of the thin and of the thick lines: beyond it, a
+/// coarser level is used.
 const MOST_SEGMENTS: [u32; 2] = [5_000, 2_500];
 
-/// Light lines in dark casings show on every colour of depth; in the light theme it is the other
-/// way round.
+/// Returns the pen of an isobath. Light lines in dark casings are visible on every colour of depth;
+/// in the light theme lines are dark and casings light.
 fn pen(theme: ThemeChoice, is_index: bool) -> MapPen {
     let (line, casing) = match theme {
         ThemeChoice::Dark => (Color32::from_gray(244), Color32::from_black_alpha(120)),
@@ -38,7 +38,7 @@ fn pen(theme: ThemeChoice, is_index: bool) -> MapPen {
     }
 }
 
-/// Draws the lines, and their depths where the labels for about this zoom are there.
+/// Draws the lines, and their depths if there are labels for the shown zoom and layer.
 pub(super) fn show(
     picture: &mut LinePicture<IsobathLayer>,
     painter: &Painter,
@@ -48,7 +48,7 @@ pub(super) fn show(
     labels: Option<&IsobathLabels>,
 ) {
     let Some(state) = state else {
-        // The track says that there is no GPU.
+        // The notice that there is no GPU is shown by the track.
         return;
     };
     let theme = scene.options.theme;
@@ -56,7 +56,7 @@ pub(super) fn show(
     let view = (scene.rect, &scene.transform);
     picture.show(painter, state, view, layer, lines);
     let of_these = |labels: &&IsobathLabels| Arc::ptr_eq(&labels.layer, layer);
-    // A small tile keeps the lines and drops the words.
+    // A small tile keeps the lines and leaves out the words.
     if let Some(labels) = labels.filter(of_these)
         && legend::has_room(scene.rect)
     {

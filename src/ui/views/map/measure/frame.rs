@@ -1,4 +1,4 @@
-//! The axes of the depth profile: distance to the right, depth down.
+//! Draws the axes of the depth profile: distance to the right, depth down.
 
 use crate::app::ViewOptions;
 use crate::ui::theme;
@@ -6,7 +6,7 @@ use crate::ui::views::{legend, ticks};
 use bathyscope_bottom::bathymetry::TransectStation;
 use egui::{Align2, Painter, Pos2, Rect, Stroke, pos2, vec2};
 
-/// Room for the numbers of depth, and of distance, points.
+/// Room for the numbers of depth (left) and of distance (below), points.
 const ROOM: [f32; 2] = [40.0, 18.0];
 
 /// Transform between metres and the screen.
@@ -19,8 +19,8 @@ pub(super) struct ProfileTransform {
 }
 
 impl ProfileTransform {
-    /// Holds all of a line, with room above and below its depths; `None` while there is no depth on
-    /// it, or no place for it.
+    /// Creates a transform that shows a whole line, with room above and below its depths; `None` if
+    /// no depth on the line is known, or if `rect` is too small.
     pub(super) fn new(rect: Rect, stations: &[TransectStation]) -> Option<Self> {
         let length_m = stations.last()?.distance_m;
         let depths = || {
@@ -38,36 +38,36 @@ impl ProfileTransform {
         })
     }
 
-    /// Screen x of a distance.
+    /// Returns the screen x of a distance.
     pub(super) fn x(&self, distance_m: f64) -> f32 {
         self.area.left() + (distance_m / self.length_m) as f32 * self.area.width()
     }
 
-    /// Inverse of [`ProfileTransform::x`], kept on the line.
+    /// Returns the distance at a screen x, limited to the line; inverse of [`ProfileTransform::x`].
     pub(super) fn distance_m(&self, x: f32) -> f64 {
         let share = (x - self.area.left()) / self.area.width();
         f64::from(share.clamp(0.0, 1.0)) * self.length_m
     }
 
-    /// Screen y of a depth.
+    /// Returns the screen y of a depth.
     pub(super) fn y(&self, depth_m: f64) -> f32 {
         let [top_m, bottom_m] = self.depths_m;
         self.area.top() + ((depth_m - top_m) / (bottom_m - top_m)) as f32 * self.area.height()
     }
 
-    /// Place of a station on the screen; `None` without a depth.
+    /// Returns the place of a station on the screen; `None` without a depth.
     pub(super) fn at(&self, station: &TransectStation) -> Option<Pos2> {
         Some(pos2(self.x(station.distance_m), self.y(f64::from(station.depth_m?))))
     }
 
-    /// Vertical exaggeration of the plot.
+    /// Returns the vertical exaggeration of the plot.
     pub(super) fn exaggeration(&self) -> f64 {
         let [top_m, bottom_m] = self.depths_m;
         let down = f64::from(self.area.height()) / (bottom_m - top_m);
         down * self.length_m / f64::from(self.area.width())
     }
 
-    /// Lines and numbers.
+    /// Draws the axes with their lines and numbers, and a line at each corner.
     pub(super) fn axes(&self, painter: &Painter, options: &ViewOptions, corners_m: &[f64]) {
         let ink = theme::plot_ink(options);
         let faint = Stroke::new(1.0, ink.gamma_multiply(0.2));
@@ -86,7 +86,7 @@ impl ProfileTransform {
         }
         let most = f64::from(self.area.width() / 70.0).max(1.0);
         let step_m = units.round_step_m(self.length_m, most);
-        // The unit stands once, at the end of the axis.
+        // The unit is written once, at the end of the axis.
         let last_m = self.distance_m(self.area.right() - 78.0);
         for distance_m in ticks::multiples(0.0, last_m, step_m) {
             let x = self.x(distance_m);

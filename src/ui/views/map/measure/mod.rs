@@ -1,8 +1,8 @@
-//! Measuring on the map: the tool in hand, what it draws, and the depths along the line.
+//! Measures on the map: the selected tool, its drawing, and the depths along the line.
 //!
-//! In: the state, and what the pointer does. Out: lines and a plot, and commands.
+//! Input: the state and the actions of the pointer. Output: lines, a plot, and commands.
 //!
-//! `profile` is the plot below the map with its `frame`.
+//! `profile` is the plot below the map, and `frame` its axes.
 
 mod frame;
 mod profile;
@@ -21,14 +21,15 @@ pub(crate) use profile::split;
 /// State of measuring that the view keeps between frames.
 #[derive(Default)]
 pub(super) struct MeasureTool {
-    /// Place of the cross once the arrow keys have moved it, metres; the pointer takes over when it
-    /// moves.
+    /// Place of the cross that the arrow keys have moved, metres; `None` if the pointer has moved
+    /// since.
     cross: Option<[f64; 2]>,
-    /// A corner was asked for by key.
+    /// True if a corner was requested by key.
     wants_corner: bool,
-    /// Next corner of a profile that was last reported to the state.
+    /// Next corner of a profile, as it was last reported to the state.
     next: Option<LonLat>,
-    /// Place of the pointer along the line, metres from its start.
+    /// Place of the pointer along the line, metres from its start; `None` if the pointer is not on
+    /// the line or the plot.
     hovered_m: Option<f64>,
 }
 
@@ -38,7 +39,7 @@ impl MeasureTool {
         self.wants_corner = true;
     }
 
-    /// Draws on, paints and says what is measured; called while the map is drawn.
+    /// Handles the tool, and paints the figure and its measurements; called while the map is drawn.
     pub(super) fn ui(
         &mut self,
         ui: &mut Ui,
@@ -74,13 +75,13 @@ impl MeasureTool {
         profile::ui(ui, context, rect, &mut hovered_m);
         if self.hovered_m != hovered_m {
             self.hovered_m = hovered_m;
-            // The map above has been drawn already.
+            // The map above has already been drawn in this frame.
             ui.ctx().request_repaint();
         }
     }
 
-    /// Place of the next corner: under the pointer, or at the cross once the arrow keys have moved
-    /// it.
+    /// Returns the place of the next corner: under the pointer, or at the cross if the arrow keys
+    /// have moved it; `None` without a tool or place.
     fn next_place(
         &mut self,
         ui: &mut Ui,
@@ -124,7 +125,7 @@ impl MeasureTool {
         }
         let corner = |at: Pos2| Command::Measure(Measure::Corner(scene.position(at)));
         if response.double_clicked() {
-            // Its first click has set the last corner.
+            // The first click of the double-click has set the last corner.
             context.push(Command::Do(Action::EndFigure));
         } else if response.clicked()
             && let Some(at) = response.interact_pointer_pos()
@@ -135,8 +136,8 @@ impl MeasureTool {
         }
     }
 
-    /// Tells the state where the next corner of a profile would be: it looks at the depths up to
-    /// there.
+    /// Reports the place of the next corner of a profile to the state, which then computes the
+    /// depths up to there.
     fn tell_next(&mut self, ui: &Ui, context: &mut ViewContext<'_>, next: Option<LonLat>) {
         let is_drawing =
             context.app.map.measuring.is_drawing() && context.app.map.measuring.shows_profile();
@@ -151,7 +152,7 @@ impl MeasureTool {
         }
     }
 
-    /// The pointer on the line marks its place in the plot.
+    /// Marks in the plot the place of the line that is under the pointer on the map.
     fn follow_on_map(&mut self, ui: &Ui, app: &App, scene: &MapScene<'_>, response: &Response) {
         const REACH: f32 = 12.0;
         let Some(at) = response.hover_pos() else {
@@ -168,7 +169,7 @@ impl MeasureTool {
     }
 }
 
-/// The figure as it is on the map: with the next corner while it is being drawn.
+/// Returns the figure as drawn on the map: with the next corner while drawing.
 fn shown(app: &App, next: Option<LonLat>) -> Option<Measurement> {
     let measuring = &app.map.measuring;
     let figure = &measuring.figure.as_deref()?.measurement;
@@ -178,7 +179,7 @@ fn shown(app: &App, next: Option<LonLat>) -> Option<Measurement> {
     })
 }
 
-/// The depths along the line of the profile.
+/// Returns the depths along the line of the profile.
 fn stations(app: &App) -> &[TransectStation] {
     let profile = app.map.measuring.profile();
     profile.map_or(&[], |line| &line.stations)
@@ -216,7 +217,7 @@ fn paint_cross(painter: &Painter, scene: &MapScene<'_>, place: [f64; 2]) {
     measured::cross(painter, scene.at(place));
 }
 
-/// Draws the place that the pointer is at in the plot.
+/// Draws the place of the line that is under the pointer in the plot.
 fn paint_station(painter: &Painter, scene: &MapScene<'_>, station: &TransectStation) {
     let at = scene.at(station.place);
     let around = Stroke::new(4.0, theme::canvas_colour(scene.options));

@@ -1,4 +1,4 @@
-//! The plot of a depth profile below the map.
+//! Draws the plot of a depth profile below the map.
 
 use super::frame::ProfileTransform;
 use crate::app::{Action, App, ProfileLine};
@@ -14,7 +14,7 @@ use egui::{
 /// Height of the line of words and buttons, points.
 const HEAD: f32 = 24.0;
 
-/// The part of the view that is the map, and the one that the plot takes while it is shown.
+/// Returns the part of the view for the map, and the part for the plot while it is shown.
 pub(crate) fn split(whole: Rect, app: &App) -> (Rect, Option<Rect>) {
     let requested = app.map.measuring.shows_profile() && app.log.products.is_some();
     if !requested || whole.height() < 120.0 {
@@ -25,7 +25,7 @@ pub(crate) fn split(whole: Rect, app: &App) -> (Rect, Option<Rect>) {
     (map, Some(plot))
 }
 
-/// The station nearest to a distance.
+/// Returns the station nearest to a distance.
 pub(super) fn nearest(stations: &[TransectStation], at_m: f64) -> Option<&TransectStation> {
     let after = stations.partition_point(|station| station.distance_m < at_m);
     let about = [after.checked_sub(1), Some(after)];
@@ -34,7 +34,8 @@ pub(super) fn nearest(stations: &[TransectStation], at_m: f64) -> Option<&Transe
     about.min_by(|a, b| (a.distance_m - at_m).abs().total_cmp(&(b.distance_m - at_m).abs()))
 }
 
-/// Words, buttons and the curve.
+/// Draws the words, the buttons and the curve; sets `hovered_m` to the distance under the pointer,
+/// metres from the start of the line.
 pub(super) fn ui(
     ui: &mut Ui,
     context: &mut ViewContext<'_>,
@@ -113,7 +114,7 @@ fn head_line(
     });
 }
 
-/// Reason why there is no curve.
+/// Returns the reason why there is no curve.
 fn lack(line: Option<&ProfileLine>) -> &'static str {
     match line {
         None => "Click the corners of a line on the map.",
@@ -122,7 +123,7 @@ fn lack(line: Option<&ProfileLine>) -> &'static str {
     }
 }
 
-/// Length, depths, and how much of the line has none.
+/// Describes the length, the depths, and the share of the line without a depth.
 fn figures(stations: &[TransectStation], units: Units) -> String {
     let length_m = stations.last().map_or(0.0, |last| last.distance_m);
     let depths = || stations.iter().filter_map(|station| station.depth_m);
@@ -152,7 +153,7 @@ fn words(station: &TransectStation, units: Units) -> String {
     format!("at {}: {depth}", units.ground_length(station.distance_m))
 }
 
-/// The bed as a line with the ground under it, broken where nothing is known.
+/// Draws the bed as a line with the ground below filled, interrupted where no depth is known.
 fn curve(
     painter: &Painter,
     frame: &ProfileTransform,
@@ -196,7 +197,7 @@ fn ground(line: &[Pos2], bottom: f32, colour: Color32) -> Shape {
     Shape::mesh(mesh)
 }
 
-/// The station under the pointer.
+/// Marks the station under the pointer.
 fn mark(
     painter: &Painter,
     frame: &ProfileTransform,

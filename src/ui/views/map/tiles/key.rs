@@ -1,52 +1,53 @@
-//! Keys of the tiles of a map: squares of 256 texels whose side is a power of two in metres. And
-//! the places of their texels in another plane.
+//! Defines the keys of the tiles of a map, which are squares of 256 texels whose side is a power of
+//! two in metres, and finds the places of their texels in another plane.
 
 use crate::ui::views::map::transform::GroundBounds;
 
-/// Texels along a tile's side.
+/// Number of texels along a tile's side.
 pub(super) const TEXELS: usize = 256;
-/// Texels around a tile that belong to its neighbours: with them a smooth picture has no seams.
+/// Number of texels around a tile that belong to its neighbours: with them a smooth picture has no
+/// seams.
 pub(super) const BORDER: usize = 1;
-/// Texels along the side of a tile's picture.
+/// Number of texels along the side of a tile's picture.
 pub(crate) const SIDE: usize = TEXELS + 2 * BORDER;
 /// Finest and coarsest level.
 const LEVELS: [i8; 2] = [-8, 24];
-/// Meshes of the net of a [`Warp`] along a tile's side. In a tile of 65 km a projection bends a
+/// Meshes of the net of a [`Warp`] along a tile's side. In a tile of 65 km, a projection bends a
 /// mesh of 8 km by less than half a texel.
 const MESHES: usize = 8;
 
-/// A tile.
+/// The key of a tile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct MapTileKey {
-    /// A texel's side is 2 to this, metres.
+    /// Level: the side of a texel is 2 to the power of it, metres.
     pub level: i8,
-    /// Counted eastwards from the survey's origin.
+    /// Column, counted eastwards from the survey's origin.
     pub column: i32,
-    /// Counted northwards from the survey's origin.
+    /// Row, counted northwards from the survey's origin.
     pub row: i32,
 }
 
 impl MapTileKey {
-    /// Side of a texel, metres.
+    /// Returns the side of a texel, metres.
     pub(crate) fn texel_m(self) -> f64 {
         2f64.powi(i32::from(self.level))
     }
 
-    /// West, south, east, north of the tile without its border, metres.
+    /// Returns west, south, east and north of the tile without its border, metres.
     pub(crate) fn bounds(self) -> GroundBounds {
         let side_m = TEXELS as f64 * self.texel_m();
         let edge = |count: i32| f64::from(count) * side_m;
         [edge(self.column), edge(self.row), edge(self.column + 1), edge(self.row + 1)]
     }
 
-    /// West and north edge of the picture with its border, metres.
+    /// Returns the west and north edge of the picture with its border, metres.
     pub(crate) fn corner(self) -> [f64; 2] {
         let [west, _, _, north] = self.bounds();
         let border_m = BORDER as f64 * self.texel_m();
         [west - border_m, north + border_m]
     }
 
-    /// The tile of twice the size that this one is a quarter of.
+    /// Returns the tile of twice the side that contains this tile.
     pub(crate) fn parent(self) -> Self {
         Self {
             level: self.level + 1,
@@ -55,8 +56,8 @@ impl MapTileKey {
         }
     }
 
-    /// Part of the picture of `forebear`, which is `self` or a tile that holds it, that shows this
-    /// tile: left, top, right and bottom as shares.
+    /// Returns the part of the picture of `forebear`, which is `self` or a tile that contains it,
+    /// that shows this tile: left, top, right and bottom as shares.
     pub(crate) fn part_of(self, forebear: MapTileKey) -> [f32; 4] {
         let up = u32::from((forebear.level - self.level).max(0).unsigned_abs());
         let count = f64::from(2u32.pow(up.min(30)));
@@ -68,13 +69,13 @@ impl MapTileKey {
     }
 }
 
-/// The level whose texels come nearest to a pixel.
+/// Returns the level whose texels come nearest to the size of a pixel.
 pub(super) fn level_for(metres_per_pixel: f64) -> i8 {
     let level = metres_per_pixel.log2().round();
     level.clamp(f64::from(LEVELS[0]), f64::from(LEVELS[1])) as i8
 }
 
-/// The finest level at which at most two by two tiles hold all of `bounds`.
+/// Returns the finest level at which at most two by two tiles contain all of `bounds`.
 pub(super) fn overview_level(bounds: GroundBounds) -> i8 {
     let [west, south, east, north] = bounds;
     let extent_m = (east - west).max(north - south).max(1e-3);
@@ -82,14 +83,15 @@ pub(super) fn overview_level(bounds: GroundBounds) -> i8 {
     level.clamp(f64::from(LEVELS[0]), f64::from(LEVELS[1])) as i8
 }
 
-/// The tiles of a level that touch both bounds, those nearest to the middle of the first first.
+/// Returns the tiles of a level that touch both `view` and `all`, sorted by the distance to the
+/// middle of `view`.
 pub(super) fn tiles(level: i8, view: GroundBounds, all: GroundBounds) -> Vec<MapTileKey> {
     let side_m = TEXELS as f64 * 2f64.powi(i32::from(level));
     let both: [f64; 4] = std::array::from_fn(|edge| {
         if edge < 2 { view[edge].max(all[edge]) } else { view[edge].min(all[edge]) }
     });
     let [west, south, east, north] = both;
-    // Also false where something is no number.
+    // Also catches NaN.
     if !(west < east && south < north) {
         return Vec::new();
     }
@@ -108,15 +110,15 @@ pub(super) fn tiles(level: i8, view: GroundBounds, all: GroundBounds) -> Vec<Map
     found
 }
 
-/// Places of the texels of a tile's picture in another plane: exact on a coarse net, linear
-/// between.
+/// Places of the texels of a tile's picture in another plane: exact on a coarse net, and linear
+/// between its nodes.
 pub(crate) struct Warp {
     nodes: Vec<[f64; 2]>,
 }
 
 impl Warp {
-    /// Creates the places with `into`, which takes metres east and north of the survey's origin to
-    /// the other plane.
+    /// Computes the places with `into`, which converts metres east and north of the survey's origin
+    /// to the other plane.
     pub(crate) fn new(key: MapTileKey, into: impl Fn([f64; 2]) -> [f64; 2]) -> Self {
         let [west, north] = key.corner();
         let step_m = key.texel_m() * SIDE as f64 / MESHES as f64;
@@ -127,7 +129,7 @@ impl Warp {
         Self { nodes: (0..(MESHES + 1) * (MESHES + 1)).map(node).collect() }
     }
 
-    /// `looks` by `looks` places spread evenly over a texel.
+    /// Returns `looks` by `looks` places spread evenly over a texel.
     pub(crate) fn places(
         &self,
         row: usize,
@@ -141,7 +143,7 @@ impl Warp {
             .map(move |look| self.at([share(column, look % looks), share(row, look / looks)]))
     }
 
-    /// Place at shares of the picture's width and height.
+    /// Returns the place at shares of the picture's width and height.
     fn at(&self, shares: [f64; 2]) -> [f64; 2] {
         let [(left, right), (top, down)] = shares.map(|share| {
             let place = share * MESHES as f64;

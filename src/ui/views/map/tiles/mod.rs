@@ -1,10 +1,10 @@
-//! A layer of the map that is painted in tiles, in a background thread: what is in view, as finely
-//! as the screen shows it.
+//! Paints a layer of the map in tiles, in a background thread: the visible part, as finely as the
+//! screen shows it.
 //!
-//! In: what a tile shows, and the part of the map in view. Out: tiles on the screen.
+//! Input: the painter of the tiles, and the visible part of the map. Output: tiles on the screen.
 //!
-//! The work grows with what is on the screen, the memory is bounded, and until a tile is there a
-//! coarser one stands in for it, or what it looked like before its settings were changed.
+//! The work grows with the size of the screen, the memory is bounded, and until a tile is painted a
+//! coarser one replaces it, or the same tile as painted before its settings changed.
 
 mod key;
 
@@ -19,29 +19,29 @@ use egui::{
 };
 use std::sync::Arc;
 
-/// Bytes of textures that a layer keeps besides what is on the screen.
+/// Bytes of textures that a layer keeps besides those on the screen.
 const BUDGET: usize = 48 << 20;
-/// Tiles painted at once.
+/// Number of tiles painted at once.
 const WORKERS: usize = 2;
 /// Bytes of an entry without a picture.
 const EMPTY: usize = 64;
-/// Blocks along a side of a picture.
+/// Number of blocks along a side of a picture.
 const BLOCKS: usize = 8;
 
 /// Painter of the tiles of a layer.
 pub(super) trait TilePainter: Send + Sync {
-    /// West, south, east and north of all that there is, metres.
+    /// Returns west, south, east and north of everything that can be painted, metres.
     fn bounds(&self) -> GroundBounds;
 
-    /// The finest level worth painting: finer ones show nothing more.
+    /// Returns the finest level worth painting: finer ones show nothing more.
     fn finest(&self) -> i8;
 
-    /// [`SIDE`] rows of as many colours, from the north-west corner of the tile with its border;
-    /// `None` where there is nothing or when cancelled.
+    /// Returns [`SIDE`] rows of as many colours, from the north-west corner of the tile with its
+    /// border; `None` if the tile is empty or when cancelled.
     fn paint(&self, key: MapTileKey, progress: &Progress) -> Option<Vec<Color32>>;
 }
 
-/// A tile as it was last painted; without a texture where there is nothing.
+/// A tile as it was last painted; without a texture if it is empty.
 struct PaintedTile {
     texture: Option<(TextureHandle, Occupied)>,
     generation: u64,
@@ -53,20 +53,20 @@ struct Running {
     task: Task<Option<(ColorImage, Occupied)>>,
 }
 
-/// The tiles of a layer, and the work under way.
+/// The tiles of a layer, and the work in progress.
 pub(super) struct TileLayer {
     name: &'static str,
     source: Option<Arc<dyn TilePainter>>,
-    /// Grows with every new source.
+    /// Number of the present source; grows with every new source.
     generation: u64,
     cache: Lru<MapTileKey, PaintedTile>,
     running: Vec<Running>,
-    /// Tiles in view that are as they are to be, and all of them.
+    /// Number of visible tiles that are final, and of all visible tiles.
     ready: [usize; 2],
 }
 
 impl TileLayer {
-    /// An empty layer.
+    /// Creates an empty layer.
     pub(super) fn new(name: &'static str) -> Self {
         Self {
             name,
@@ -78,8 +78,8 @@ impl TileLayer {
         }
     }
 
-    /// Paints by `source` from now on; the tiles of another stay on the screen until theirs are
-    /// there. `None` empties the layer.
+    /// Makes `source` paint from now on; tiles of the former source stay on the screen until the
+    /// new ones are painted. `None` empties the layer.
     pub(super) fn set_source(&mut self, source: Option<Arc<dyn TilePainter>>) {
         let same = match (&self.source, &source) {
             (Some(old), Some(new)) => std::ptr::addr_eq(Arc::as_ptr(old), Arc::as_ptr(new)),
@@ -96,28 +96,28 @@ impl TileLayer {
         }
     }
 
-    /// Stops painting: the layer is not shown.
+    /// Stops painting while the layer is not shown.
     pub(super) fn rest(&mut self) {
         self.running.clear();
         self.ready = [0; 2];
     }
 
-    /// Returns true if every tile in view is as it is to be.
+    /// Returns true if every visible tile is final.
     pub(super) fn is_settled(&self) -> bool {
         self.running.is_empty() && self.ready[0] == self.ready[1]
     }
 
-    /// Tiles in view that are still to come, and all in view.
+    /// Returns the number of visible tiles that are not final yet, and of all visible tiles.
     pub(super) fn missing(&self) -> [usize; 2] {
         [self.ready[1] - self.ready[0], self.ready[1]]
     }
 
-    /// All that there is to paint, metres.
+    /// Returns the bounds of everything that can be painted, metres; `None` without a source.
     pub(super) fn bounds(&self) -> Option<GroundBounds> {
         self.source.as_ref().map(|source| source.bounds())
     }
 
-    /// Draws what is there of the view, and has the rest painted.
+    /// Draws the tiles that are ready, and starts to paint the others.
     pub(super) fn show(
         &mut self,
         painter: &Painter,
@@ -137,7 +137,7 @@ impl TileLayer {
         let overview = key::overview_level(all);
         let mut requested = Vec::new();
         if overview > level {
-            // Something to show at once, wherever the view moves next.
+            // Shows something at once, wherever the view moves next.
             requested.extend(key::tiles(overview, view, all));
         }
         requested.extend(&seen);
@@ -156,8 +156,8 @@ impl TileLayer {
         resident.is_some_and(|resident| resident.generation == self.generation)
     }
 
-    /// Takes the tiles that are ready. What failed or was given up is as good as empty: asking
-    /// again would not change that.
+    /// Stores the tiles that are ready. A tile whose painting failed counts as empty: another
+    /// attempt would fail, too.
     fn collect(&mut self, context: &egui::Context) {
         let mut index = 0;
         while index < self.running.len() {
@@ -192,8 +192,8 @@ impl TileLayer {
         self.cache.insert(done.key, resident, bytes);
     }
 
-    /// Has the first of the requested tiles painted; gives up those that are not requested any
-    /// more.
+    /// Starts to paint the first of the requested tiles; cancels those that are no longer
+    /// requested.
     fn order(
         &mut self,
         source: &Arc<dyn TilePainter>,
@@ -219,12 +219,13 @@ impl TileLayer {
                 })
             });
             self.running.push(Running { key, generation: self.generation, task });
-            // Work inside the call is done by now.
+            // Jobs that run inside the call have already ended.
             self.collect(context);
         }
     }
 
-    /// The tile itself, of any generation, or else the nearest of the coarser ones that cover it.
+    /// Draws the tile itself, of any generation, or else the finest of the coarser tiles that cover
+    /// it.
     fn draw(
         &mut self,
         painter: &Painter,
@@ -267,14 +268,14 @@ impl TileLayer {
 /// A part of a picture: left, top, right and bottom as shares.
 type PicturePart = [f32; 4];
 
-/// The blocks of a tile's picture with something in them, a bit each, row by row: most of a tile
-/// along a track is empty, and empty blocks are not drawn.
+/// The blocks of a tile's picture that are not empty, a bit each, row by row: most of a tile along
+/// a track is empty, and empty blocks are not drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Occupied(u64);
 
 impl Occupied {
-    /// The blocks of a picture that are not transparent, or that a neighbour's texel reaches into
-    /// when it is magnified.
+    /// Returns the blocks of a picture that are not transparent, or that a texel of a neighbouring
+    /// block reaches into when the picture is magnified.
     fn of(image: &ColorImage) -> Self {
         let [width, height] = image.size;
         let mut bits = 0;
@@ -294,7 +295,7 @@ impl Occupied {
         Self(bits)
     }
 
-    /// Returns the rectangles to draw of a part of the picture: one for each run of blocks in a
+    /// Returns the rectangles to draw in a part of the picture: one for each run of blocks in a
     /// row.
     fn within(self, [left, top, right, bottom]: PicturePart) -> Vec<PicturePart> {
         let mut parts = Vec::new();
@@ -329,7 +330,7 @@ mod tests {
     use super::*;
     use std::sync::atomic::{AtomicUsize, Ordering};
 
-    /// One colour everywhere, over 100 by 100 m, with a count of what was painted.
+    /// A painter of one colour everywhere, over 100 by 100 m, that counts the painted tiles.
     struct Plain {
         colour: Color32,
         painted: AtomicUsize,
@@ -360,7 +361,7 @@ mod tests {
         }
     }
 
-    /// Shows a layer in a view of 400 by 300 points; the textured meshes that it drew.
+    /// Shows a layer in a view of 400 by 300 points; returns the number of textured meshes drawn.
     fn show(layer: &mut TileLayer, centre_m: [f64; 2], metres_per_point: f64) -> usize {
         let context = egui::Context::default();
         let rect = Rect::from_min_size(Pos2::ZERO, egui::vec2(400.0, 300.0));
@@ -380,8 +381,8 @@ mod tests {
         let source = Plain::new(Color32::RED);
         let mut layer = TileLayer::new("plain");
         layer.set_source(Some(source.clone()));
-        // Tiles of 4 m at 1/64 m a texel; the view is 6.25 m by 4.7 m, at most 3 by 3 of them, and
-        // the overview is one.
+        // Tiles of 4 m at 1/64 m a texel; the view of 6.25 m by 4.7 m has at most 3 by 3 of them,
+        // and the overview is one tile.
         let drawn = show(&mut layer, [50.0, 50.0], 1.0 / 64.0);
         let painted = source.painted();
         assert!((4..=9).contains(&drawn) && painted == drawn + 1, "{drawn} {painted}");
@@ -424,7 +425,7 @@ mod tests {
 
     #[test]
     fn blocks_in_a_row_are_one_part_and_a_part_is_cut_to_what_is_asked_for() {
-        // In blocks 2 and 3 of row 1, and on the lower edge of block 7 of row 7.
+        // Texels in blocks 2 and 3 of row 1, and on the lower edge of block 7 of row 7.
         let some = with(&[[25, 15], [35, 15], [75, 79]]);
         let whole = some.within([0.0, 0.0, 1.0, 1.0]);
         assert_eq!(whole, [[0.25, 0.125, 0.5, 0.25], [0.875, 0.875, 1.0, 1.0]]);

@@ -1,4 +1,4 @@
-//! Clicks and drags on boxes.
+//! Handles clicks and drags on boxes.
 
 use super::hit::{Edges, drawn};
 use super::{Lens, on_screen};
@@ -14,18 +14,18 @@ use egui::{CursorIcon, Painter, Pos2, Rect, Response, Stroke, StrokeKind, Ui, Ve
 const NEAR: f32 = 3.0;
 /// Side of the square in which a click finds a point, points.
 const POINT: f32 = 18.0;
-/// Least extent on the screen of a box that is drawn: less is a click that slipped, points.
+/// Least extent on the screen of a newly drawn box, points: a smaller one is an accidental drag.
 const LEAST: f32 = 4.0;
 
 /// Box, border or corner that the pointer drags.
 enum Held {
-    /// A box, or some of its edges, since a place.
+    /// A box, or some of its edges, with the place where the drag began.
     Box { id: BoxId, edges: Edges, origin: Mark, from: LensPlace },
-    /// The border between echo and shadow of a box, since a place.
+    /// The border between echo and shadow of a box, with the place where the drag began.
     Border {
         id: BoxId,
         mark: Mark,
-        /// Extent before the drag, set or not.
+        /// Extent before the drag; its border may not have been set.
         extent: ObjectExtent,
         border_m: f64,
         from: LensPlace,
@@ -34,15 +34,15 @@ enum Held {
     Corner(Pos2),
 }
 
-/// The pointer on the boxes.
+/// State of the pointer on boxes; `None` while nothing is dragged.
 #[derive(Default)]
 pub(in crate::ui::views::waterfall) struct BoxGrab {
     held: Option<Held>,
 }
 
 impl BoxGrab {
-    /// Follows a drag with a tool in hand; returns whether the drag is about boxes and must not
-    /// move the picture. The middle button and Space move the picture in any tool.
+    /// Handles a drag with a tool for boxes; returns true if the drag is about boxes and must not
+    /// move the picture. The middle button and Space move the picture with any tool.
     pub(crate) fn follow(
         &mut self,
         ui: &Ui,
@@ -100,7 +100,7 @@ impl BoxGrab {
         true
     }
 
-    /// Lets go without a change: a box goes back to where it was.
+    /// Ends a drag without a change: a box goes back to its former place.
     fn give_up(&mut self, context: &mut ViewContext<'_>) {
         let edit = match self.held.take() {
             Some(Held::Box { id, origin, .. }) => Edit::Reshape(id, origin),
@@ -131,7 +131,7 @@ impl BoxGrab {
         }
     }
 
-    /// Draws the box that is being drawn.
+    /// Draws the new box while it is being drawn.
     pub(crate) fn draw(&self, painter: &Painter, at: Option<Pos2>) {
         if let Some((Held::Corner(corner), at)) = self.held.as_ref().zip(at) {
             let rect = Rect::from_two_pos(*corner, at);
@@ -141,7 +141,8 @@ impl BoxGrab {
     }
 }
 
-/// The edges of a box under the pointer; a point has none and moves as a whole.
+/// Returns the edges of a box under the pointer, if there are any; a point has no edges and moves
+/// as a whole.
 fn edges_under(lens: &Lens, one: &Reviewed, at: LensPlace) -> Option<Edges> {
     let edges = Edges::under(lens, &one.mark, at)?;
     Some(match one.extent {
@@ -150,7 +151,7 @@ fn edges_under(lens: &Lens, one: &Reviewed, at: LensPlace) -> Option<Edges> {
     })
 }
 
-/// The border between echo and shadow, metres of slant range, if it is under the pointer.
+/// Returns the border between echo and shadow, metres of slant range, if it is under the pointer.
 fn border_under(app: &App, lens: &Lens, one: &Reviewed, at: LensPlace) -> Option<f64> {
     let border_m = border_m(&app.log.reviewing, one);
     let is_under =
@@ -184,7 +185,7 @@ fn take(app: &App, lens: &Lens, at: Pos2) -> Option<Held> {
     Some(Held::Box { id: one.id, edges, origin: one.mark.clone(), from })
 }
 
-/// Area of a box for clicks: its outline with a margin, or the ring of a point.
+/// Returns the area of a box for clicks: its outline with a margin, or the ring of a point.
 fn reach(lens: &Lens, one: &Reviewed) -> Rect {
     let rect = on_screen(lens, &one.mark);
     match one.extent {
@@ -193,7 +194,8 @@ fn reach(lens: &Lens, one: &Reviewed) -> Rect {
     }
 }
 
-/// The box under the pointer: of several the smallest, which the others would otherwise hide.
+/// Returns the box under the pointer; of several boxes the smallest, which the others would
+/// otherwise hide.
 pub(in crate::ui::views::waterfall) fn under(lens: &Lens, app: &App, at: Pos2) -> Option<BoxId> {
     if !app.view.options.waterfall.boxes {
         return None;

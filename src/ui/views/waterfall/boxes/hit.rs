@@ -1,4 +1,4 @@
-//! Finds the edges of a box under the pointer, and the box that results from a drag.
+//! Finds the edges of a box under the pointer, and computes the box that results from a drag.
 
 use super::Lens;
 use crate::ui::views::waterfall::lens::LensPlace;
@@ -7,10 +7,11 @@ use egui::CursorIcon;
 
 /// Greatest distance of the pointer from an edge, points.
 const REACH: f64 = 6.0;
-/// The same of the border in a box so small that the rest of it is to be grabbed as well.
+/// Greatest distance of the pointer from the border between echo and shadow in a very small box,
+/// points: the rest of the box must remain for other drags.
 const LEAST_REACH: f64 = 2.0;
 
-/// The edges that move.
+/// The edges that a drag moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Edges {
     pub start: bool,
@@ -23,7 +24,8 @@ impl Edges {
     /// The whole box.
     pub(super) const ALL: Self = Self { start: true, end: true, near: true, far: true };
 
-    /// The edges under the pointer, all of them inside the box, `None` outside.
+    /// Returns the edges under the pointer; all edges if it is inside the box, `None` if it is
+    /// outside.
     pub(super) fn under(lens: &Lens, mark: &Mark, at: LensPlace) -> Option<Self> {
         let range_m = at.outward_m(mark.side);
         let points = |from: f64, to: f64, per_point: f64| (to - from) / per_point;
@@ -35,7 +37,7 @@ impl Edges {
         if [start, end, near, far].iter().any(|inside| *inside < -REACH) {
             return None;
         }
-        // In a box smaller than the reach the nearer edge counts.
+        // In a box smaller than the reach, only the nearer edge counts.
         let edges = Self {
             start: start < REACH && start <= end,
             end: end < REACH && end < start,
@@ -46,16 +48,16 @@ impl Edges {
         Some(if is_inside { Self::ALL } else { edges })
     }
 
-    /// Returns true if the border between echo and shadow is under the pointer, nearer than an edge
-    /// along it. It leaves most of echo and shadow to drag the whole box by.
+    /// Returns true if the border between echo and shadow is under the pointer, and nearer than the
+    /// two edges parallel to it. Most of echo and shadow remains for dragging the whole box.
     pub(super) fn is_border(lens: &Lens, mark: &Mark, border_m: f64, at: LensPlace) -> bool {
         let range_m = at.outward_m(mark.side);
         let points = |from_m: f64, to_m: f64| (to_m - from_m).abs() / lens.metres_per_point();
         let (echo, shadow) = (points(mark.near_m, border_m), points(border_m, mark.far_m));
         let reach = (0.25 * echo.min(shadow)).clamp(LEAST_REACH, REACH);
         let off = points(range_m, border_m);
-        // A border on an edge leaves the edge to be grabbed: drawn away, it leaves the border
-        // behind.
+        // Where the border is on an edge, the pointer grips the edge; dragging the edge away leaves
+        // the border behind.
         let is_nearest = off < points(range_m, mark.near_m).min(points(range_m, mark.far_m));
         let along = lens.pings_per_point();
         let inside = [
@@ -65,7 +67,7 @@ impl Edges {
         off < reach && is_nearest && inside.iter().all(|inside| *inside > -REACH)
     }
 
-    /// The cursor that says so.
+    /// Returns the cursor for a drag of these edges.
     pub(super) fn cursor(&self) -> CursorIcon {
         match self {
             _ if *self == Self::ALL => CursorIcon::Move,
@@ -76,8 +78,8 @@ impl Edges {
         }
     }
 
-    /// The mark after a drag from one place to another. A box keeps a ping and a centimetre, and
-    /// its side.
+    /// Returns the mark after a drag from one place to another. A box keeps its side, and an extent
+    /// of at least a ping and a centimetre.
     pub(super) fn dragged(&self, mark: &Mark, from: LensPlace, to: LensPlace) -> Mark {
         let pings = (to.ping - from.ping).round() as isize;
         let outward = to.outward_m(mark.side) - from.outward_m(mark.side);
@@ -111,12 +113,12 @@ impl Edges {
 /// Least extent in range that a drag leaves, metres.
 const LEAST_M: f64 = 0.01;
 
-/// The box between two places, on the side of the first.
+/// Returns the box between two places, on the side of the first place.
 pub(super) fn drawn(from: LensPlace, to: LensPlace) -> Mark {
     let side = from.side();
     let ranges = [from, to].map(|at| at.outward_m(side).max(0.0));
     let pings = [from, to].map(|at| at.ping.max(0.0));
-    // `as` saturates; a survey's pings fit many times over.
+    // `as` saturates; the number of pings of a survey is far below the limit.
     Mark {
         side,
         pings: pings[0].min(pings[1]).floor() as usize..pings[0].max(pings[1]).ceil() as usize,

@@ -1,7 +1,8 @@
-//! Boxes over the picture, the objects that no box has found, and the shape of the selected object:
-//! their outlines, and the pointer on them.
+//! Shows over the picture the boxes, the objects that no box has found, and the shape of the
+//! selected object, and handles the pointer on boxes.
 //!
-//! In: the boxes of a review, and what the pointer does. Out: outlines and labels, and commands.
+//! Input: the boxes of a review, and the actions of the pointer. Output: outlines, labels, and
+//! commands.
 
 mod grab;
 mod hit;
@@ -20,22 +21,23 @@ use bathyscope_objects::{Mark, ObjectExtent};
 use egui::{Align2, Painter, Pos2, Rect, Shape, Stroke, vec2};
 use outline::Style;
 
-/// Shorter side on the screen from which a box carries its class and score, points.
+/// Least shorter side on the screen of a box that is labelled with its class and score, points.
 const LABELLED: f32 = 24.0;
-/// Width of the lines of an object's shape and of the dark rim under them, points; dashes of its
-/// shadow.
+/// Width of the lines of an object's shape, width of the dark rim under them, and length of the
+/// dashes of its shadow, points.
 const SHAPE_WIDTH: f32 = 1.5;
 const SHAPE_RIM: f32 = 3.0;
 const SHAPE_DASH: f32 = 4.0;
 
-/// A box in view.
+/// A visible box.
 pub(super) struct ShownBox<'a> {
     one: &'a Reviewed,
     rect: Rect,
     is_selected: bool,
 }
 
-/// The boxes that a lens sees, the selected one last. Costs what is in view, not what there is.
+/// Returns the visible boxes, the selected one last. The cost depends on the number of visible
+/// boxes only.
 pub(super) fn in_view<'a>(lens: &Lens, app: &'a App) -> Vec<ShownBox<'a>> {
     let reviewing = &app.log.reviewing;
     let pings = match &app.log.survey {
@@ -50,13 +52,13 @@ pub(super) fn in_view<'a>(lens: &Lens, app: &'a App) -> Vec<ShownBox<'a>> {
     let others = reviewing.between(pings).map(shown);
     let mut seen: Vec<ShownBox<'_>> =
         others.filter(|shown| !shown.is_selected && shown.rect.intersects(lens.rect)).collect();
-    // In sight whatever the filter says: keys act on it.
+    // The selected box is shown in spite of the filter, because keys act on it.
     seen.extend(reviewing.selected_box().map(shown));
     seen
 }
 
-/// Area of a mark on the screen: the rectangle around its corners, which over an uneven bottom do
-/// not form a rectangle themselves.
+/// Returns the area of a mark on the screen: the rectangle around its corners, which over an uneven
+/// bottom do not form a rectangle themselves.
 fn on_screen(lens: &Lens, mark: &Mark) -> Rect {
     let at = |ping: usize, range_m: f64| LensPlace::of(ping as f64, mark.side, range_m);
     let corner = |ping: usize, range_m: f64| lens.screen_at(at(ping, range_m));
@@ -66,12 +68,13 @@ fn on_screen(lens: &Lens, mark: &Mark) -> Rect {
 }
 
 impl ShownBox<'_> {
-    /// Area of the box on the screen while keys and drags act on it.
+    /// Returns the area of the box on the screen if keys and drags act on the box; `None`
+    /// otherwise.
     pub(super) fn edited(&self) -> Option<Rect> {
         self.is_selected.then_some(self.rect)
     }
 
-    /// Draws its outline, and the handles of the one that is edited.
+    /// Draws the outline of the box, and the handles of the box that is edited.
     pub(super) fn draw(&self, painter: &Painter, lens: &Lens, reviewing: &Reviewing) {
         let style = Style::of(self.one.state);
         if self.one.extent == ObjectExtent::Point {
@@ -94,7 +97,7 @@ impl ShownBox<'_> {
         }
     }
 
-    /// The line between its echo and its shadow.
+    /// Returns the line between the echo and the shadow of the box.
     fn border(&self, lens: &Lens, reviewing: &Reviewing) -> [Pos2; 2] {
         self.line_at(lens, border_m(reviewing, self.one))
     }
@@ -105,7 +108,7 @@ impl ShownBox<'_> {
             .map(|ping| lens.screen_at(LensPlace::of(ping as f64, *side, range_m)))
     }
 
-    /// The edge that the arrow keys move; `None` where they move all of it.
+    /// Returns the edge that the arrow keys move; `None` where they move the whole box.
     fn edge(&self, lens: &Lens, reviewing: &Reviewing) -> Option<[Pos2; 2]> {
         let Mark { side, pings, near_m, far_m } = &self.one.mark;
         let at_ping = |ping: usize| {
@@ -122,7 +125,7 @@ impl ShownBox<'_> {
         }
     }
 
-    /// Writes its class and score above it where there is room.
+    /// Writes class and score above the box if the box is large enough or selected.
     pub(super) fn label(&self, labels: &mut WaterfallLabels<'_>, review: &Review) {
         if self.rect.size().min_elem() >= LABELLED || self.is_selected {
             let at = self.rect.left_top() - vec2(0.0, 2.0);
@@ -132,7 +135,7 @@ impl ShownBox<'_> {
     }
 }
 
-/// An object of the truth in view that no box has found.
+/// A visible object of the truth that no box has found.
 pub(super) struct Missed<'a> {
     class: &'a str,
     rect: Rect,
@@ -140,8 +143,8 @@ pub(super) struct Missed<'a> {
 }
 
 impl<'a> Missed<'a> {
-    /// Those that a lens sees; none before anything was proposed, which would only give the truth
-    /// away.
+    /// Returns the visible missed objects; none before the review has boxes, because they would
+    /// reveal the truth.
     pub(super) fn in_view(lens: &Lens, app: &'a App) -> Vec<Self> {
         let judging = &app.log.reviewing.judging;
         let shown = app.view.options.waterfall.boxes && app.log.reviewing.has_boxes();
@@ -163,13 +166,13 @@ impl<'a> Missed<'a> {
         missed.filter(|missed| missed.rect.intersects(lens.rect)).collect()
     }
 
-    /// Draws its outline.
+    /// Draws the outline of the missed object.
     pub(super) fn draw(&self, painter: &Painter) {
         let style = outline::Style::missed();
         outline::draw(painter, self.rect, style, self.is_selected);
     }
 
-    /// Writes `missed rock` below it, where the words of boxes are not.
+    /// Writes `missed rock` below the object, because the labels of boxes are above.
     pub(super) fn label(&self, labels: &mut WaterfallLabels<'_>) {
         let at = self.rect.left_bottom() + vec2(0.0, 2.0);
         let words = format!("missed {}", self.class);
@@ -178,7 +181,7 @@ impl<'a> Missed<'a> {
 }
 
 /// Draws the shape of the selected object in each of its boxes of this log: a line around its echo,
-/// a dashed one around its shadow.
+/// and a dashed line around its shadow.
 pub(super) fn draw_shape(painter: &Painter, lens: &Lens, app: &App) {
     let fitted = app.selected_object_shape();
     let (Some(Ok(fitted)), Some(object)) = (fitted, app.selected_object()) else {
@@ -202,7 +205,7 @@ pub(super) fn draw_shape(painter: &Painter, lens: &Lens, app: &App) {
     }
 }
 
-/// The way around what lies between two slant ranges in each ping.
+/// Returns the outline of the part between two slant ranges in each ping.
 fn around(
     lens: &Lens,
     mark: &Mark,
@@ -223,8 +226,8 @@ fn closed(mut line: Vec<Pos2>) -> Vec<Pos2> {
     line
 }
 
-/// `rock 0.87`, or `Anna (wreck) 0.87` of one that has a name; what was decided goes without saying
-/// by the outline.
+/// Returns `rock 0.87`, or `Anna (wreck) 0.87` for a box with a name; the outline already shows the
+/// decision.
 fn caption(one: &Reviewed, review: &Review) -> String {
     let class = review.class_name(one.class);
     let class =

@@ -6,7 +6,7 @@ use egui::{Color32, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, vec2};
 
 /// Shorter side on the screen below which a box is drawn plainly, points.
 const PLAIN: f32 = 8.0;
-/// Half of a handle, points.
+/// Half of the side of a handle, points.
 const HANDLE: f32 = 3.0;
 /// Radius of the ring of a point, points.
 const POINT: f32 = 6.0;
@@ -14,22 +14,22 @@ const POINT: f32 = 6.0;
 /// Colour under lines, so that they are visible on any picture.
 pub(crate) const RIM: Color32 = Color32::from_black_alpha(120);
 
-/// The kind of line.
+/// Style of the line of a box.
 #[derive(Clone, Copy, PartialEq)]
 enum Line {
-    /// Proposed: not yet sure.
+    /// Proposed box.
     Dashed,
-    /// Accepted.
+    /// Accepted box.
     Solid,
-    /// Rejected: struck out.
+    /// Rejected box, crossed out.
     Crossed,
-    /// Added by hand: corners only.
+    /// Box added by hand: corners only.
     Corners,
-    /// Missed: nobody has drawn it.
+    /// Missed object, which no box has found.
     Dotted,
 }
 
-/// Colour and line of a state.
+/// Colour and line style of a state.
 #[derive(Clone, Copy)]
 pub(crate) struct Style {
     pub colour: Color32,
@@ -47,7 +47,7 @@ impl Style {
         Self { colour: theme::box_colour(state), line }
     }
 
-    /// An object that no box has found.
+    /// Returns the style of an object that no box has found.
     pub(crate) fn missed() -> Self {
         Self { colour: theme::MISSED_COLOUR, line: Line::Dotted }
     }
@@ -64,8 +64,8 @@ pub(crate) fn draw(painter: &Painter, rect: Rect, style: Style, is_selected: boo
     }
     if rect.size().min_elem() < PLAIN {
         match style.line {
-            // Without a frame around it: distinguished from the others by its shape where there is
-            // no room for two lines.
+            // Without an outline around the cross: a small box has no room for both, and the cross
+            // distinguishes it from the other states.
             Line::Crossed => cross(painter, rect.expand2(room(rect)), style.colour),
             _ => {
                 painter.rect_stroke(rect, 0.0, stroke, StrokeKind::Middle);
@@ -98,7 +98,7 @@ pub(crate) fn draw(painter: &Painter, rect: Rect, style: Style, is_selected: boo
     }
 }
 
-/// Both diagonals, over the same dark rim as an outline.
+/// Draws both diagonals, over the same dark rim as an outline.
 fn cross(painter: &Painter, rect: Rect, colour: Color32) {
     let [a, b, c, d, _] = outline(rect);
     for diagonal in [[a, c], [b, d]] {
@@ -107,12 +107,13 @@ fn cross(painter: &Painter, rect: Rect, colour: Color32) {
     }
 }
 
-/// Margin by which a small box is enlarged at each edge so that a cross in it is visible.
+/// Returns the margin by which a small box is enlarged at each edge so that a cross in it is
+/// visible.
 fn room(rect: Rect) -> egui::Vec2 {
     (0.5 * (vec2(PLAIN, PLAIN) - rect.size())).max(egui::Vec2::ZERO)
 }
 
-/// A place without size: a ring with a dot, whatever the scale.
+/// Draws a place without size: a ring with a dot, of the same size at any scale.
 pub(crate) fn point(painter: &Painter, at: Pos2, style: Style, is_selected: bool) {
     let rim = Stroke::new(4.0, RIM);
     let stroke = Stroke::new(1.5, style.colour);
@@ -130,7 +131,7 @@ pub(crate) fn point(painter: &Painter, at: Pos2, style: Style, is_selected: bool
     }
 }
 
-/// The line between echo and shadow, with a handle in its middle while it can be dragged.
+/// Draws the line between echo and shadow, with a handle in its middle while it can be dragged.
 pub(crate) fn border(painter: &Painter, line: [Pos2; 2], colour: Color32, has_handle: bool) {
     painter.line_segment(line, Stroke::new(3.0, RIM));
     let stroke = Stroke::new(1.5, colour);
@@ -140,14 +141,14 @@ pub(crate) fn border(painter: &Painter, line: [Pos2; 2], colour: Color32, has_ha
     }
 }
 
-/// The edge that the arrow keys move.
+/// Draws the edge that the arrow keys move.
 pub(crate) fn held(painter: &Painter, line: [Pos2; 2]) {
     painter.line_segment(line, Stroke::new(3.0, theme::SELECTION_COLOUR));
 }
 
-/// Squares at the corners and on the middles of the edges.
+/// Draws squares at the corners and in the middle of the edges.
 pub(crate) fn handles(painter: &Painter, rect: Rect, colour: Color32) {
-    // In a small box they would hide it.
+    // In a small box, handles on the edges would hide the box.
     let is_small = rect.size().min_elem() < 10.0 * HANDLE;
     for across in [0.0, 0.5, 1.0] {
         for down in [0.0, 0.5, 1.0] {
@@ -168,7 +169,7 @@ fn handle(painter: &Painter, at: Pos2, colour: Color32) {
     painter.rect_stroke(square, 0.0, edge, StrokeKind::Outside);
 }
 
-/// The way around, back to its start.
+/// Returns the corners in order, ending with the first one again.
 fn outline(rect: Rect) -> [Pos2; 5] {
     let start = rect.left_top();
     [start, rect.right_top(), rect.right_bottom(), rect.left_bottom(), start]
@@ -192,7 +193,7 @@ mod tests {
     use super::*;
     use egui::{Context, LayerId, RawInput, pos2};
 
-    /// Strokes of a rectangle, and lines, that a box is drawn with.
+    /// Returns how many rectangles and how many lines a box is drawn with.
     fn drawn(state: State, size: f32) -> [usize; 2] {
         let rect = Rect::from_min_size(pos2(100.0, 100.0), vec2(size, size));
         let ctx = Context::default();
