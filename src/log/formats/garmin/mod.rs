@@ -19,7 +19,7 @@
 //!   checksum, the body, and a trailer of twelve bytes (0xF98EACBC, the record's length, a
 //!   checksum). The first and the last records of a channel have no body.
 //! - Body: fields 0 the channel, 1 the depth of the bottom, 3 and 4 the range of the first and the
-//!   last sample, all three in millimetres ([`decode::DepthEncoding`]), 7 the count of samples, 8
+//!   last sample, all three in millimetres (`decode::DepthEncoding`), 7 the count of samples, 8
 //!   whether there is shade, 9 and 10 latitude and longitude in 2^32 to the circle, 11 the water's
 //!   temperature, 12 the beam (1 traditional sonar, 2 side-scan to port, 3 to starboard, 4
 //!   down-scan), 13 the element, whose field 5 has the tilt to port (negative) or to starboard. The

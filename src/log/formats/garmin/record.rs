@@ -67,7 +67,7 @@ pub(super) struct StoredSamples {
 }
 
 /// The ping in the body of a record. Depths are as they are stored
-/// ([`super::decode::DepthEncoding`]).
+/// (`decode::DepthEncoding`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct RecordBody {
     /// Channel; `None` where the body does not state it.
