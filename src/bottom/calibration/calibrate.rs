@@ -25,7 +25,7 @@ const MIN_FIT_PICKS: usize = 50;
 /// Measures all scales and chooses the one that the settings name. `spots` are the ranked
 /// stretches.
 ///
-/// Where the flat spot gives no scale, the header's is in force, and there is a warning.
+/// The header's scale is used, with a warning, where the flat spot gives none.
 ///
 /// # Errors
 /// When the work was cancelled.

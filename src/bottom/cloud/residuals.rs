@@ -31,7 +31,7 @@ pub struct Residuals {
 /// the same ping (positive is shallower), over the kept points where the recorder had the bottom;
 /// `None` without any. Recorded depths are corrected as the cloud's were.
 ///
-/// Where the bottom point lies across-track, the two elevations are those of different places: on a
+/// The two elevations are those of different places where the bottom point lies across-track: on a
 /// slope the difference is real.
 pub fn residuals(
     survey: &Survey,

@@ -119,9 +119,9 @@ impl<'a> Around<'a> {
 /// Returns the angles of the first returns to port and to starboard from straight below, outwards,
 /// radians, at every ping: the slope on the side to which the bottom rises, and less than 0 on the
 /// other side, whose beam reaches past the nadir by `overlap_rad`. Both are 0 on level ground.
-/// Where neither the other side nor a depth determines the angle of a side for a while, as over a
-/// bank whose depth the recorder has lost, the angle is interpolated between those before and
-/// behind; elsewhere it is 0.
+/// An angle that neither the other side nor a depth determines, as over a bank whose depth the
+/// recorder has lost, is interpolated between the angles before and behind; it is 0 where these are
+/// too far away.
 pub(super) fn beam_angles_rad(pairs: &[Pair], overlap_rad: f64) -> Vec<[f64; 2]> {
     let known = (0..pairs.len()).into_par_iter().map(|ping| known_rad(pairs, ping, overlap_rad));
     let mut angles_rad: Vec<[f64; 2]> = known.collect();

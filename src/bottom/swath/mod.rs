@@ -266,8 +266,8 @@ struct StatedByLevels {
     error_sds: f64,
     /// Least stated error, as a share of the error without levels, where the latter is far above
     /// the usual: there, levels do not reduce the error more than they do at left-out soundings.
-    /// Where the bed bends between the lines by more than the equations assume, the error is larger
-    /// than they predict.
+    /// The equations predict too small an error if the bed bends more between the lines than they
+    /// assume.
     least_share: f64,
 }
 

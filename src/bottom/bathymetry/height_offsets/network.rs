@@ -28,8 +28,8 @@ const ASSUMED_DIFFERENCES: f64 = 1.0;
 /// Least robust weight of an overlap that connects two logs.
 const LEAST_SHARE: f64 = 1e-9;
 /// Largest standard error of an offset that is determined, metres, and as a share of the offset:
-/// overlaps on false depths contradict each other by metres, and what is left of them determines
-/// nothing.
+/// overlaps on false depths contradict each other by metres, and the few that then count determine
+/// no offset.
 const MOST_ERROR_M: f64 = 0.25;
 const MOST_ERROR_SHARE: f64 = 1.0 / 3.0;
 /// Standard error of a median, as a multiple of that of a mean.

@@ -43,8 +43,8 @@ struct Tuning {
     /// Largest movement of the line from ping to ping without a leap, metres.
     move_m: f64,
     /// Cost in score of a metre of such a movement, limited to `move_cost_per_cell` for each cell.
-    /// It is low: a bottom that slopes 20 degrees along the track moves 5 cm at every ping, and the
-    /// line must follow it.
+    /// The cost is low because a bottom that slopes 20 degrees along the track moves 5 cm at every
+    /// ping, and the line must follow it.
     move_cost_per_m: f64,
     /// See `move_cost_per_m`.
     move_cost_per_cell: f64,

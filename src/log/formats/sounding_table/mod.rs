@@ -14,7 +14,7 @@
 //! either order; latitude and longitude are 0 in rows between two positions of the phone. The other
 //! has three columns, of which two can only be degrees: latitude, longitude and depth in metres.
 //!
-//! Where a picture has the same name as a table of pings, `picture_table` reads both.
+//! A table of pings that has the same name as a picture is read with it by `picture_table`.
 //!
 //! Rows without times are assumed to be one second apart, in the order of the file, with a warning.
 //! The level from which a program counts depths is not stated; depths are assumed to be below the
