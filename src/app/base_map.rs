@@ -2,18 +2,11 @@
 //! to survey.
 
 use super::error::AppError;
-use super::{App, MapLayer, Task, TaskOutcome};
+use super::jobs::JobKey;
+use super::{App, MapLayer};
 use bathyscope_log::formats::base_map::{self, BaseMap};
 use std::path::PathBuf;
 use std::sync::Arc;
-
-/// A base map that is being opened.
-pub(super) struct OpeningBaseMap {
-    task: Task<Result<BaseMap, AppError>>,
-    /// True if the map was open when the window was last closed, so that the analyst did not ask
-    /// for it now.
-    is_of_last_time: bool,
-}
 
 impl App {
     /// Starts opening a base map; the opening of an earlier one is dropped.
@@ -32,39 +25,25 @@ impl App {
         }
     }
 
+    /// Starts opening a base map, which the analyst asked for now or in the last session.
     fn start_base_map(&mut self, path: PathBuf, is_of_last_time: bool) {
         // The file must be found again in whatever folder the next run starts.
         let path = std::path::absolute(&path).unwrap_or(path);
-        let open = move |progress: &bathyscope_log::support::progress::Progress| {
-            Ok(base_map::open(&path, progress)?)
-        };
-        self.files.opening_base_map =
-            Some(OpeningBaseMap { task: Task::start(&self.jobs, open), is_of_last_time });
+        self.jobs.run(
+            JobKey::OpenBaseMap,
+            move |progress| Ok(base_map::open(&path, progress)?),
+            move |app, opened| app.take_base_map(opened, is_of_last_time),
+        );
     }
 
     /// Removes the base map.
     pub(super) fn close_base_map(&mut self) {
         self.map.base_map = None;
-        self.files.opening_base_map = None;
+        self.jobs.stop(&JobKey::OpenBaseMap);
     }
 
-    /// Returns the done share of opening a base map, 0 to 1; `None` if none is being opened.
-    pub(crate) fn base_map_fraction(&self) -> Option<f32> {
-        self.files.opening_base_map.as_ref().map(|opening| opening.task.fraction())
-    }
-
-    /// Shows a base map when opening has ended, or notifies the analyst of the error.
-    pub(super) fn poll_base_map(&mut self) {
-        let Some(opening) = &self.files.opening_base_map else {
-            return;
-        };
-        let is_of_last_time = opening.is_of_last_time;
-        let opened = match opening.task.poll() {
-            TaskOutcome::Pending => return,
-            TaskOutcome::Done(opened) => opened,
-            TaskOutcome::Failed => Err(AppError::Failed("opening the base map")),
-        };
-        self.files.opening_base_map = None;
+    /// Shows a base map that was opened, or notifies the analyst of the error.
+    fn take_base_map(&mut self, opened: Result<BaseMap, AppError>, is_of_last_time: bool) {
         match opened {
             // A base map of the last session stays shown or hidden, without a notice.
             Ok(map) if is_of_last_time => self.map.base_map = Some(Arc::new(map)),

@@ -2,14 +2,14 @@
 //! or keeps the recorded range. Nothing changes before that; afterwards a notice states by how much
 //! the depths changed.
 
+use super::jobs::{JobKey, Kept};
 use super::{Action, App, LogId, OpenLog, Tool};
 use bathyscope_bottom::calibration::{self, CalibrationSettings, PingRange, ScaleMode};
 use bathyscope_bottom::cloud::{DepthChange, PointClass, PointCloud};
 use bathyscope_log::support::printable::quoted;
+use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::Survey;
-use bathyscope_products::pipeline::{
-    Background, Jobs, ProcessedLog, Products, Same, ScaleTrial, Settings,
-};
+use bathyscope_products::pipeline::{ProcessedLog, Products, Same, ScaleTrial, Settings};
 use std::sync::Arc;
 
 /// Key of the setting of the scale in use.
@@ -25,7 +25,7 @@ type TrialKey = (Same<Survey>, Same<Settings>, PingRange);
 pub(super) struct Calibrating {
     /// The stretch that is proposed to the analyst; `None` if none is.
     proposal: Option<PingRange>,
-    trial: Background<TrialKey, Arc<ScaleTrial>>,
+    trial: Kept<TrialKey, Arc<ScaleTrial>>,
     change: Option<ScaleChange>,
     /// The flatter stretch that was offered while the log is followed.
     pub(super) offered: Option<PingRange>,
@@ -41,23 +41,10 @@ struct ScaleChange {
 }
 
 impl Calibrating {
-    fn follow(&mut self, log: ProcessedLog, pings: PingRange, jobs: &Jobs) {
-        let ProcessedLog { survey, products } = log;
-        let key = (Same(survey.clone()), Same(products.settings.clone()), pings);
-        self.trial.ask(key, jobs, move |progress| {
-            let trial = ScaleTrial::new(&survey, &products, pings, progress).ok()?;
-            Some(Arc::new(trial))
-        });
-    }
-
     /// Drops the proposal.
     fn drop_proposal(&mut self) {
         self.proposal = None;
-        self.trial = Background::default();
-    }
-
-    pub(super) fn is_busy(&self) -> bool {
-        self.trial.is_running()
+        self.trial = Kept::default();
     }
 
     /// Returns a sentence about the effect of the last change of scale on the depths, if `products`
@@ -92,13 +79,6 @@ impl OpenLog {
         trial.filter(|trial| trial.spot.range() == proposal)
     }
 
-    /// Starts the trial of the proposed stretch again when the results have changed.
-    pub(super) fn poll_calibrating(&mut self, jobs: &Jobs) {
-        if let Some((pings, log)) = self.calibrating.proposal.zip(self.settled()) {
-            self.calibrating.follow(log, pings, jobs);
-        }
-    }
-
     /// Remembers the depths before a change of scale, so that its effect on them is reported once
     /// its results exist.
     fn expect_change(&mut self, what: String, calibration: CalibrationSettings) {
@@ -113,6 +93,24 @@ impl OpenLog {
 }
 
 impl App {
+    /// Starts the trial of the stretch that is proposed for a log again if its results have
+    /// changed.
+    pub(super) fn try_scale(&mut self, id: LogId) {
+        let proposed =
+            self.open_log(id).and_then(|log| log.calibrating.proposal.zip(log.settled()));
+        let Some((pings, ProcessedLog { survey, products })) = proposed else {
+            return;
+        };
+        let key = (Same(survey.clone()), Same(products.settings.clone()), pings);
+        let work = move |progress: &Progress| {
+            let trial = ScaleTrial::new(&survey, &products, pings, progress).ok()?;
+            Some(Arc::new(trial))
+        };
+        self.keep(JobKey::TryScale(id), key, work, move |app| {
+            app.log_mut(id).map(|log| &mut log.calibrating.trial)
+        });
+    }
+
     /// Proposes a stretch for the scale of the shown log.
     pub(super) fn propose_stretch(&mut self, pings: PingRange) {
         let count = (self.log.survey.as_ref()).map_or(0, |survey| survey.side_scan.len());

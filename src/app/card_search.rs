@@ -5,7 +5,8 @@
 //! is not. Each drive is searched once, in its own thread, so that a slow card does not delay the
 //! others.
 
-use super::{App, Task, TaskOutcome};
+use super::App;
+use super::jobs::JobKey;
 use bathyscope_log::formats::{LogFolder, log_folders};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -21,7 +22,6 @@ type Drives = fn() -> Vec<PathBuf>;
 pub(super) struct CardSearch {
     /// Function that lists the drives; `None` if they are not searched.
     drives: Option<Drives>,
-    listing: Option<Task<Vec<PathBuf>>>,
     listed: Option<Instant>,
     cards: Vec<Card>,
 }
@@ -29,7 +29,6 @@ pub(super) struct CardSearch {
 /// A drive, and the folders with logs that were found on it.
 struct Card {
     top: PathBuf,
-    searching: Option<Task<Vec<LogFolder>>>,
     folders: Vec<LogFolder>,
 }
 
@@ -48,57 +47,56 @@ impl App {
         folders
     }
 
-    /// Collects the found folders, and lists the drives when the time has come.
-    pub(super) fn poll_cards(&mut self) {
-        let search = &mut self.card_search;
-        let Some(drives) = search.drives else {
+    /// Lists the drives when the time has come, while no log is open.
+    pub(super) fn search_cards(&mut self) {
+        let Some(drives) = self.card_search.drives else {
             return;
         };
         if self.log.survey.is_some() {
-            search.cards.clear();
+            return self.search_drives(&[]);
+        }
+        let listed = self.card_search.listed;
+        let is_due = listed.is_none_or(|listed| listed.elapsed() >= LISTED_EVERY);
+        if !is_due || self.is_running(&JobKey::ListDrives) {
             return;
         }
-        match search.listing.as_ref().map(Task::poll) {
-            Some(TaskOutcome::Pending) => {}
-            Some(TaskOutcome::Done(tops)) => {
-                search.listing = None;
-                search.cards.retain(|card| tops.contains(&card.top));
-                for top in tops {
-                    if search.cards.iter().all(|card| card.top != top) {
-                        let of = top.clone();
-                        let task =
-                            Task::start(&self.jobs, move |progress| log_folders(&of, progress));
-                        search.cards.push(Card::new(top, task));
+        self.card_search.listed = Some(Instant::now());
+        // A failure would be reported every few seconds.
+        self.jobs.run_or(
+            JobKey::ListDrives,
+            move |_| drives(),
+            |app, tops| {
+                if app.log.survey.is_none() {
+                    app.search_drives(&tops);
+                }
+            },
+            |_| (),
+        );
+    }
+
+    /// Starts searching the drives that are new in the list, and drops those that are not in it any
+    /// more.
+    fn search_drives(&mut self, tops: &[PathBuf]) {
+        let cards = &mut self.card_search.cards;
+        for gone in cards.extract_if(.., |card| !tops.contains(&card.top)) {
+            self.jobs.stop(&JobKey::SearchDrive(gone.top));
+        }
+        for top in tops {
+            if cards.iter().any(|card| card.top == *top) {
+                continue;
+            }
+            cards.push(Card { top: top.clone(), folders: Vec::new() });
+            let (of, top) = (top.clone(), top.clone());
+            self.jobs.run(
+                JobKey::SearchDrive(top.clone()),
+                move |progress| log_folders(&of, progress),
+                move |app, folders| {
+                    let mut cards = app.card_search.cards.iter_mut();
+                    if let Some(card) = cards.find(|card| card.top == top) {
+                        card.folders = folders;
                     }
-                }
-            }
-            Some(TaskOutcome::Failed) | None => {
-                let is_due = (search.listed).is_none_or(|listed| listed.elapsed() >= LISTED_EVERY);
-                if is_due {
-                    search.listed = Some(Instant::now());
-                    search.listing = Some(Task::start(&self.jobs, move |_| drives()));
-                }
-            }
-        }
-        for card in &mut search.cards {
-            card.poll();
-        }
-    }
-}
-
-impl Card {
-    fn new(top: PathBuf, searching: Task<Vec<LogFolder>>) -> Self {
-        Self { top, searching: Some(searching), folders: Vec::new() }
-    }
-
-    fn poll(&mut self) {
-        match self.searching.as_ref().map(Task::poll) {
-            Some(TaskOutcome::Done(folders)) => {
-                self.folders = folders;
-                self.searching = None;
-            }
-            Some(TaskOutcome::Failed) => self.searching = None,
-            Some(TaskOutcome::Pending) | None => {}
+                },
+            );
         }
     }
 }

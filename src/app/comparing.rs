@@ -2,8 +2,9 @@
 //! background thread.
 
 use super::error::AppError;
-use super::reference_comparison::{Of, ReferenceComparison};
-use super::{App, MapLayer, Task, TaskOutcome};
+use super::jobs::JobKey;
+use super::reference_comparison::Of;
+use super::{App, MapLayer};
 use bathyscope_bottom::bathymetry::compare::Matching;
 use bathyscope_log::support::progress::Progress;
 use bathyscope_products::pipeline::{Agreement, AgreementError, ProcessedLog, Reference, Settings};
@@ -31,7 +32,6 @@ pub struct Comparing {
     pub by: ReferenceBy,
     /// Largest distance of the nearest point for [`ReferenceBy::Nearest`], metres.
     pub radius_m: f64,
-    opening: Option<ReferenceOpening>,
 }
 
 /// A reference, and the agreement of the survey with it.
@@ -40,39 +40,16 @@ struct Opened {
     agreement: Agreement,
 }
 
-type ReferenceOpening = Task<Result<Opened, AppError>>;
-
 impl Default for Comparing {
     fn default() -> Self {
-        Self { reference: None, by: ReferenceBy::default(), radius_m: RADIUS_M, opening: None }
+        Self { reference: None, by: ReferenceBy::default(), radius_m: RADIUS_M }
     }
 }
 
 impl Comparing {
-    /// Returns true if a reference is being opened.
-    pub fn is_opening(&self) -> bool {
-        self.opening.is_some()
-    }
-
     /// Returns a copy that holds only the drawn parts.
     pub(super) fn for_picture(&self) -> Self {
-        Self {
-            reference: self.reference.clone(),
-            by: self.by,
-            radius_m: self.radius_m,
-            opening: None,
-        }
-    }
-
-    /// Stops opening a reference.
-    pub(super) fn stop(&mut self) {
-        self.opening = None;
-    }
-
-    /// Removes the reference, and stops opening another.
-    pub(super) fn leave(&mut self) {
-        self.reference = None;
-        self.opening = None;
+        Self { reference: self.reference.clone(), by: self.by, radius_m: self.radius_m }
     }
 
     fn matching(&self, settings: &Settings) -> Matching {
@@ -100,15 +77,19 @@ impl App {
             return;
         };
         let matching = self.map.comparing.matching(&first.products.settings);
-        self.map.comparing.opening = Some(Task::start(&self.jobs, move |progress| {
-            Ok(open(&path, &logs, matching, progress)?)
-        }));
+        self.jobs.run(
+            JobKey::OpenReference,
+            move |progress| Ok(open(&path, &logs, matching, progress)?),
+            App::take_reference,
+        );
     }
 
-    /// Closes the reference, so that side-scan is compared with soundings again.
+    /// Closes the reference, so that side-scan is compared with soundings again, and stops opening
+    /// another.
     pub(super) fn leave_reference(&mut self) {
-        self.map.comparing.leave();
-        self.findings.reference_comparison = ReferenceComparison::default();
+        self.jobs.stop(&JobKey::OpenReference);
+        self.map.comparing.reference = None;
+        self.forget_agreement();
     }
 
     /// Sets the method that finds the reference of a point, and its radius.
@@ -119,24 +100,8 @@ impl App {
         }
     }
 
-    /// Returns the done share of the running comparison with a reference, 0 to 1; `None` without
-    /// one.
-    pub fn comparing_fraction(&self) -> Option<f32> {
-        let opening = self.map.comparing.opening.as_ref().map(Task::fraction);
-        let has_reference = self.map.comparing.reference.is_some();
-        let reference_comparison =
-            || self.findings.reference_comparison.fraction().filter(|_| has_reference);
-        opening.or_else(reference_comparison)
-    }
-
-    /// Shows a reference when opening has ended, or notifies the analyst of the error.
-    pub(super) fn poll_comparing(&mut self) {
-        let opened = match self.map.comparing.opening.as_ref().map(Task::poll) {
-            None | Some(TaskOutcome::Pending) => return,
-            Some(TaskOutcome::Done(opened)) => opened,
-            Some(TaskOutcome::Failed) => Err(AppError::Failed("opening the reference")),
-        };
-        self.map.comparing.opening = None;
+    /// Shows a reference that was opened, or notifies the analyst of the error.
+    fn take_reference(&mut self, opened: Result<Opened, AppError>) {
         match opened {
             Ok(Opened { of, agreement }) => {
                 self.notify(words_about(&agreement));

@@ -1,14 +1,16 @@
 //! Computes depth map, isobaths and mosaic of all visible logs in background threads while a layer
 //! or a profile needs them, and the picture with which the waterfall of the shown log is drawn.
 
+use super::jobs::{JobKey, Kept};
 use super::{App, LogId, MapLayer};
 use bathyscope_bottom::bathymetry::isobaths::{IsobathSettings, NoIsobaths, evenly_apart_m};
 use bathyscope_bottom::cloud::PointScales;
 use bathyscope_bottom::picture::{LevelHistogram, LogPicture, Tone};
 use bathyscope_bottom::presentation::units::LengthUnit;
+use bathyscope_log::support::progress::Progress;
 use bathyscope_products::pipeline::{
-    Background, Bottom, BottomKey, DepthMap, DepthMapKey, Derived, IsobathKey, Isobaths, Mosaic,
-    MosaicKey, MosaicPlane, PictureKey, ProcessedLog, Same, colour_range_m,
+    Bottom, BottomKey, DepthMap, DepthMapKey, Derived, IsobathKey, Isobaths, Mosaic, MosaicKey,
+    MosaicPlane, PictureKey, ProcessedLog, Same, colour_range_m,
 };
 use std::sync::Arc;
 
@@ -37,11 +39,11 @@ pub struct DrawnIsobaths {
 pub(super) struct Deriving {
     /// Results shared with the writers of files, so that nothing is computed twice.
     pub results: Arc<Derived>,
-    depth_map: Background<DepthMapKey, Option<Arc<DepthMap>>>,
-    isobaths: Background<(IsobathKey, LengthUnit), Arc<DrawnIsobaths>>,
-    mosaic: Background<MosaicKey, Option<Arc<Mosaic>>>,
-    bottom: Background<BottomKey, Option<Arc<Bottom>>>,
-    picture: Background<PictureKey, (LogId, Arc<LogPicture>)>,
+    depth_map: Kept<DepthMapKey, Option<Arc<DepthMap>>>,
+    isobaths: Kept<(IsobathKey, LengthUnit), Arc<DrawnIsobaths>>,
+    mosaic: Kept<MosaicKey, Option<Arc<Mosaic>>>,
+    bottom: Kept<BottomKey, Option<Arc<Bottom>>>,
+    picture: Kept<PictureKey, (LogId, Arc<LogPicture>)>,
     histogram: Option<CountedLevels>,
 }
 
@@ -53,14 +55,6 @@ struct CountedLevels {
 }
 
 impl Deriving {
-    pub(super) fn is_busy(&self) -> bool {
-        self.depth_map.is_running()
-            || self.isobaths.is_running()
-            || self.mosaic.is_running()
-            || self.bottom.is_running()
-            || self.picture.is_running()
-    }
-
     /// Returns a copy that holds only the results, for a picture.
     pub(super) fn for_picture(&self) -> Self {
         Self { results: self.results.clone(), ..Self::default() }
@@ -68,8 +62,7 @@ impl Deriving {
 }
 
 impl App {
-    /// Starts computing the shown results, and collects the finished ones. Costs next to nothing if
-    /// nothing changed.
+    /// Starts computing the shown results again if their inputs have changed.
     pub(super) fn derive(&mut self) {
         let layers = &self.view.options.map.layers;
         let [isobaths, mosaic] =
@@ -105,16 +98,16 @@ impl App {
         }
         let log = ProcessedLog::new(survey.clone(), products.clone());
         let (results, id) = (self.pipeline.deriving.results.clone(), self.log.id);
-        let ask = &mut self.pipeline.deriving.picture;
-        let whole = self.log.whole.clone();
-        ask.ask(PictureKey::of(&log), &self.jobs, move |progress| {
+        let (key, whole) = (PictureKey::of(&log), self.log.whole.clone());
+        let work = move |progress: &Progress| {
             let picture = match &whole {
                 // The gain is that of the whole log.
                 Some(whole) => results.growing_picture(&log, whole, progress),
                 None => results.picture(&log, progress),
             };
             Some((id, picture.ok()?))
-        });
+        };
+        self.keep(JobKey::Picture, key, work, |app| Some(&mut app.pipeline.deriving.picture));
         let Some(picture) = self.picture().cloned() else {
             return;
         };
@@ -153,27 +146,28 @@ impl App {
     fn derive_depth_map(&mut self, logs: &[ProcessedLog]) {
         let (results, of) = (self.pipeline.deriving.results.clone(), logs.to_vec());
         let key = DepthMapKey::of(logs);
-        self.pipeline.deriving.depth_map.ask(key, &self.jobs, move |progress| {
+        let work = move |progress: &Progress| {
             let made = results.depth_map(&of, progress).ok()?;
             if let Some(made) = &made {
                 // Tiles are painted from the shading.
                 made.shade(progress).ok()?;
             }
             Some(made)
-        });
+        };
+        self.keep(JobKey::DepthMap, key, work, |app| Some(&mut app.pipeline.deriving.depth_map));
     }
 
     fn derive_isobaths(&mut self, logs: &[ProcessedLog]) {
         let depth_map = self.pipeline.deriving.depth_map.result().cloned().flatten();
         let Some((depth_map, first)) = depth_map.zip(logs.first()) else {
-            self.pipeline.deriving.isobaths = Background::default();
-            return;
+            let isobaths = &mut self.pipeline.deriving.isobaths;
+            return isobaths.drop_all(&mut self.jobs, &JobKey::Isobaths);
         };
         let settings = first.products.settings.isobaths.clone();
         let results = self.pipeline.deriving.results.clone();
         let unit = self.view.options.units.length;
         let key = (IsobathKey::of(&depth_map, &settings), unit);
-        self.pipeline.deriving.isobaths.ask(key, &self.jobs, move |progress| {
+        let work = move |progress: &Progress| {
             let settings = match unit {
                 // These settings are those of the files, which then share the result.
                 LengthUnit::Metres => settings,
@@ -185,28 +179,29 @@ impl App {
                 Err(_) => Vec::new(),
             };
             Some(Arc::new(DrawnIsobaths { depth_map, settings, isobaths, on_ground }))
-        });
+        };
+        self.keep(JobKey::Isobaths, key, work, |app| Some(&mut app.pipeline.deriving.isobaths));
     }
 
     fn derive_bottom(&mut self, logs: &[ProcessedLog]) {
         let Some(depth_map) = self.pipeline.deriving.depth_map.result().cloned().flatten() else {
-            self.pipeline.deriving.bottom = Background::default();
-            return;
+            let bottom = &mut self.pipeline.deriving.bottom;
+            return bottom.drop_all(&mut self.jobs, &JobKey::Bottom);
         };
         let colour = self.view.options.cloud.bottom_colour;
         let key = BottomKey::of(&depth_map, logs, colour, BOTTOM_CORNERS);
         let (results, of) = (self.pipeline.deriving.results.clone(), logs.to_vec());
-        self.pipeline.deriving.bottom.ask(key, &self.jobs, move |progress| {
-            results.bottom(&of, colour, BOTTOM_CORNERS, progress).ok()
-        });
+        let work =
+            move |progress: &Progress| results.bottom(&of, colour, BOTTOM_CORNERS, progress).ok();
+        self.keep(JobKey::Bottom, key, work, |app| Some(&mut app.pipeline.deriving.bottom));
     }
 
     fn derive_mosaic(&mut self, logs: &[ProcessedLog]) {
         let (results, of) = (self.pipeline.deriving.results.clone(), logs.to_vec());
         let key = MosaicKey::of(logs, MosaicPlane::Survey);
-        self.pipeline.deriving.mosaic.ask(key, &self.jobs, move |progress| {
-            results.mosaic(&of, MosaicPlane::Survey, progress).ok()
-        });
+        let work =
+            move |progress: &Progress| results.mosaic(&of, MosaicPlane::Survey, progress).ok();
+        self.keep(JobKey::Mosaic, key, work, |app| Some(&mut app.pipeline.deriving.mosaic));
     }
 
     /// Returns the latest depth map of all visible logs: the outer `None` before it is made, the
@@ -214,7 +209,7 @@ impl App {
     pub fn depth_map(&self) -> Option<Option<&Arc<DepthMap>>> {
         let made = &self.pipeline.deriving.depth_map;
         let last = made.result().map(Option::as_ref);
-        last.filter(|map| map.is_some() || !made.is_running())
+        last.filter(|map| map.is_some() || !self.is_running(&JobKey::DepthMap))
     }
 
     /// Returns the ends of the colour scale of depth over all visible logs, metres: the same scale
@@ -270,18 +265,10 @@ impl App {
 
     /// Returns a phrase for each derived result that is being made.
     pub(crate) fn deriving(&self) -> impl Iterator<Item = &'static str> {
-        let jobs = [
-            (self.pipeline.deriving.depth_map.is_running(), "making the depth map"),
-            (self.pipeline.deriving.isobaths.is_running(), "drawing isobaths"),
-            (self.pipeline.deriving.mosaic.is_running(), "normalising the mosaic's gain"),
-            (self.pipeline.deriving.bottom.is_running(), "making the bottom in 3D"),
-            (
-                // While a log is followed, the gain is normalised with every few pings.
-                self.pipeline.deriving.picture.is_running() && self.log.whole.is_none(),
-                "normalising the waterfall's gain",
-            ),
-        ];
-        let running = jobs.into_iter().filter(|(is_running, _)| *is_running);
-        running.map(|(_, what)| what)
+        // While a log is followed, the gain of its picture is normalised with every few pings.
+        let picture = self.log.whole.is_none().then_some(JobKey::Picture);
+        let made = [JobKey::DepthMap, JobKey::Isobaths, JobKey::Mosaic, JobKey::Bottom];
+        let running = made.into_iter().chain(picture).filter(|key| self.is_running(key));
+        running.map(|key| key.name())
     }
 }

@@ -9,7 +9,6 @@ use bathyscope_objects::{DetectError, ModelError};
 use bathyscope_products::export::{ExportError, PlanFormatError};
 use bathyscope_products::pipeline::{AgreementError, SettingsError, SourceError};
 use bathyscope_products::project::StoreError;
-use std::error::Error;
 use std::io;
 use std::path::PathBuf;
 
@@ -87,8 +86,4 @@ pub(super) enum AppError {
     /// Bottom edits cannot be written as text.
     #[error(transparent)]
     Bottom(#[from] toml::ser::Error),
-    /// An export cannot be written. The error may have any type: the window draws pictures, and has
-    /// its own errors.
-    #[error(transparent)]
-    Exporting(Box<dyn Error + Send + Sync>),
 }

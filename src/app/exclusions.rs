@@ -1,11 +1,13 @@
 //! Excludes parts of a log that the analyst draws, or includes them again, and counts the excluded
 //! pings before the results are updated.
 
+use super::jobs::JobKey;
 use super::{App, LogId, OpenLog};
+use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::{
     ExcludedStretch, ExclusionReason, ExclusionSettings, Exclusions, LogPart, Navigation, Survey,
 };
-use bathyscope_products::pipeline::{Background, Jobs, Same, Settings};
+use bathyscope_products::pipeline::{Same, Settings};
 use std::sync::Arc;
 
 /// A change of the exclusion of a part of a log.
@@ -91,49 +93,36 @@ impl FoundExclusions {
 }
 
 /// Inputs of the exclusions; equal keys give the same exclusions.
-type ExclusionKey = (Same<Survey>, Same<Navigation>, ExclusionSettings);
-
-/// The search for exclusions by the settings in force, which ends before the results that leave
-/// them out.
-#[derive(Default)]
-pub(super) struct ExclusionSearch {
-    found: Background<ExclusionKey, Arc<FoundExclusions>>,
-}
-
-impl ExclusionSearch {
-    fn follow(&mut self, log: (&Arc<Survey>, &Arc<Navigation>, &Settings), jobs: &Jobs) {
-        let (survey, navigation, settings) = log;
-        let key = (Same(survey.clone()), Same(navigation.clone()), settings.excluded.clone());
-        let (survey, navigation) = (survey.clone(), navigation.clone());
-        let settings = settings.excluded.clone();
-        self.found.ask(key, jobs, move |_| {
-            let found = FoundExclusions::new(&survey, &navigation, &settings);
-            Some(Arc::new(found))
-        });
-    }
-
-    pub(super) fn is_busy(&self) -> bool {
-        self.found.is_running()
-    }
-}
+pub(super) type ExclusionKey = (Same<Survey>, Same<Navigation>, ExclusionSettings);
 
 impl OpenLog {
     /// Returns the exclusions of the log by the settings in force; `None` until the positions of
     /// its pings are known.
     pub fn exclusions(&self) -> Option<&Arc<FoundExclusions>> {
-        self.exclusion_search.found.result()
-    }
-
-    /// Starts the search for exclusions again when the settings have changed.
-    pub(super) fn poll_exclusions(&mut self, jobs: &Jobs) {
-        if let (Some(survey), Some(products)) = (&self.survey, &self.products) {
-            let found_in = (survey, &products.navigation, self.settings.as_ref());
-            self.exclusion_search.follow(found_in, jobs);
-        }
+        self.found_exclusions.result()
     }
 }
 
 impl App {
+    /// Starts the search for the exclusions of a log again if its settings have changed. It ends
+    /// before the results that leave them out.
+    pub(super) fn find_exclusions(&mut self, id: LogId) {
+        let log = self.open_log(id).and_then(|log| {
+            let (survey, products) = (log.survey.clone()?, log.products.as_ref()?);
+            Some((survey, products.navigation.clone(), log.settings.excluded.clone()))
+        });
+        let Some((survey, navigation, settings)) = log else {
+            return;
+        };
+        let key = (Same(survey.clone()), Same(navigation.clone()), settings.clone());
+        let work = move |_: &Progress| {
+            Some(Arc::new(FoundExclusions::new(&survey, &navigation, &settings)))
+        };
+        self.keep(JobKey::FindExclusions(id), key, work, move |app| {
+            app.log_mut(id).map(|log| &mut log.found_exclusions)
+        });
+    }
+
     /// Excludes a part of a log or includes it again, as an undo step.
     pub(super) fn exclude(&mut self, id: LogId, part: LogPart, edit: ExclusionEdit) {
         let Some(log) = self.open_log(id) else {

@@ -1,7 +1,7 @@
 //! Writes products and reviewed boxes into a folder in a background thread.
 
-use super::error::AppError;
-use super::{Action, App, Jobs, LogId, Task, TaskOutcome};
+use super::jobs::JobKey;
+use super::{Action, App, LogId};
 use bathyscope_bottom::calibration::PingRange;
 use bathyscope_log::support::progress::Progress;
 use bathyscope_products::export::{CopyError, LogPartChoice, copy_log};
@@ -11,38 +11,11 @@ use std::error::Error;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// Products or boxes being written.
-pub(super) struct Exporting {
-    /// The running work; its result is a sentence about the written files.
-    task: Task<Result<String, AppError>>,
-    /// The folder that is written into; `None` if the work writes no folder.
-    into: Option<PathBuf>,
-    /// Log and folder of a run of the processing; `None` if no run is written.
-    run: Option<(LogId, PathBuf)>,
-}
-
 /// The files of a run that this window has written.
 pub(super) struct Exported {
     log: LogId,
     folder: PathBuf,
     run: EarlierRun,
-}
-
-impl Exporting {
-    /// Starts writing.
-    pub(super) fn start<E: Error + Send + Sync + 'static>(
-        jobs: &Jobs,
-        write: impl FnOnce(&Progress) -> Result<String, E> + Send + 'static,
-    ) -> Self {
-        let write = |progress: &Progress| {
-            write(progress).map_err(|error| AppError::Exporting(Box::new(error)))
-        };
-        Self { task: Task::start(jobs, write), into: None, run: None }
-    }
-
-    pub(super) fn fraction(&self) -> f32 {
-        self.task.fraction()
-    }
 }
 
 impl App {
@@ -76,7 +49,37 @@ impl App {
         &mut self,
         write: impl FnOnce(&Progress) -> Result<String, E> + Send + 'static,
     ) {
-        self.files.exporting = Some(Exporting::start(&self.jobs, write));
+        self.start_writing(write, |_| (), None);
+    }
+
+    /// Returns the done share of the running export, 0 to 1; `None` if none is running.
+    pub(crate) fn export_fraction(&self) -> Option<f32> {
+        self.jobs.fraction(&JobKey::Export)
+    }
+
+    /// Writes something in a background thread, `into` a folder if it is one; `written` is called
+    /// before the analyst is notified of what was written.
+    fn start_writing<E: Error + Send + Sync + 'static>(
+        &mut self,
+        write: impl FnOnce(&Progress) -> Result<String, E> + Send + 'static,
+        written: impl FnOnce(&mut Self) + Send + 'static,
+        into: Option<PathBuf>,
+    ) {
+        self.jobs.run(JobKey::Export, write, |app, text| {
+            app.withdraw(Action::OpenExported);
+            match text {
+                Ok(text) => {
+                    written(app);
+                    app.written_into = into;
+                    match app.written_into {
+                        Some(_) => app.offer(text, Action::OpenExported),
+                        None => app.notify(text),
+                    }
+                }
+                Err(error) => app.warn(error.to_string()),
+            }
+            app.say_lost_logs();
+        });
     }
 
     /// Writes one set of products of the visible logs into a folder, as `process` does: the
@@ -94,7 +97,7 @@ impl App {
         let run = (logs.len() == 1).then(|| (self.log.id, folder.clone()));
         let into = folder.clone();
         let derived = self.pipeline.deriving.results.clone();
-        let exporting = Exporting::start(&self.jobs, move |progress| {
+        let write = move |progress: &Progress| {
             let reference = against.as_ref().map(|(reference, _)| &**reference);
             let surveys = logs.iter().map(|log| &*log.survey);
             let run = outputs::begin(&folder, surveys, reference)?;
@@ -109,8 +112,14 @@ impl App {
             };
             let written = outputs::write(&order, run, progress, |_| ());
             written.map(|written| written.summary(&folder))
-        });
-        self.files.exporting = Some(Exporting { run, into: Some(into), ..exporting });
+        };
+        let written = |app: &mut Self| {
+            if let Some((log, folder)) = run {
+                let run = EarlierRun::read(&folder);
+                app.files.exported = run.map(|run| Exported { log, folder, run });
+            }
+        };
+        self.start_writing(write, written, Some(into));
     }
 
     /// Writes the shown log, or some of its pings, into a file.
@@ -170,35 +179,5 @@ impl App {
         let Exported { log, folder, run } = self.files.exported.as_ref()?;
         let files = run.out_of_date(&self.log.settings);
         (*log == self.log.id && !files.is_empty()).then_some((folder, files))
-    }
-
-    /// Notifies the analyst of the written files, or of the error.
-    pub(super) fn poll_export(&mut self) {
-        let Some(exporting) = &self.files.exporting else {
-            return;
-        };
-        let written = match exporting.task.poll() {
-            TaskOutcome::Pending => return,
-            TaskOutcome::Done(written) => written,
-            TaskOutcome::Failed => Err(AppError::Failed("the export")),
-        };
-        let (run, into) = (exporting.run.clone(), exporting.into.clone());
-        self.files.exporting = None;
-        self.withdraw(Action::OpenExported);
-        match written {
-            Ok(text) => {
-                if let Some((log, folder)) = run {
-                    let run = EarlierRun::read(&folder);
-                    self.files.exported = run.map(|run| Exported { log, folder, run });
-                }
-                self.written_into = into;
-                match self.written_into {
-                    Some(_) => self.offer(text, Action::OpenExported),
-                    None => self.notify(text),
-                }
-            }
-            Err(error) => self.warn(error.to_string()),
-        }
-        self.say_lost_logs();
     }
 }

@@ -5,8 +5,9 @@
 //! log; another file leaves everything as it was.
 
 use super::error::AppError;
+use super::jobs::JobKey;
 use super::outdated::LogsChange;
-use super::{App, LogId, OpenLog, Task, TaskOutcome};
+use super::{App, LogId, OpenLog};
 use bathyscope_bottom::cloud::Correction;
 use bathyscope_bottom::cloud::correction::WaterLevelSettings;
 use bathyscope_log::formats::{TrackError, TrackFile, read_gauge};
@@ -50,22 +51,12 @@ pub struct External {
     pub apart: Arc<TracksApart>,
     /// The tracks that were read for the open survey, so that undo can restore them.
     tracks: Vec<Arc<TrackFile>>,
-    reading: Option<Task<Result<ExternalContent, AppError>>>,
 }
 
 impl External {
-    /// Returns true if a file is being read.
-    pub(crate) fn is_reading(&self) -> bool {
-        self.reading.is_some()
-    }
-
     /// Returns a copy that holds only the drawn parts.
     pub(super) fn for_picture(&self) -> Self {
         Self { recorded: self.recorded.clone(), apart: self.apart.clone(), ..Self::default() }
-    }
-
-    pub(super) fn stop_reading(&mut self) {
-        self.reading = None;
     }
 
     /// Returns the track of a file, which is read unless it was read before.
@@ -76,17 +67,6 @@ impl External {
         let read = Arc::new(TrackFile::read(path)?);
         self.tracks.push(read.clone());
         Ok(read)
-    }
-
-    /// Returns a file once, when reading has ended; `None` otherwise.
-    fn collect(&mut self) -> Option<Result<ExternalContent, AppError>> {
-        let read = match self.reading.as_ref()?.poll() {
-            TaskOutcome::Pending => return None,
-            TaskOutcome::Done(read) => read,
-            TaskOutcome::Failed => Err(AppError::Failed("reading the table")),
-        };
-        self.reading = None;
-        Some(read)
     }
 
     fn keep(&mut self, track: TrackFile) {
@@ -103,31 +83,23 @@ impl App {
         path: PathBuf,
         instrument: Option<Instrument>,
     ) {
-        let work = move |_: &Progress| match instrument.or_else(|| instrument_of(&path)) {
-            Some(Instrument::Gauge) => Ok(ExternalContent::Levels(read_gauge(&path)?)),
-            Some(Instrument::Receiver) => Ok(ExternalContent::Track(TrackFile::read(&path)?)),
-            None => Ok(ExternalContent::Points(path)),
-        };
-        let jobs = self.jobs.clone();
-        match self.log_mut(id).filter(|log| log.survey.is_some()) {
-            Some(log) => log.external.reading = Some(Task::start(&jobs, work)),
-            None => {
-                let text = "open the log first, then its water levels or its track";
-                self.warn(text.to_owned());
+        let work = move |_: &Progress| -> Result<_, AppError> {
+            match instrument.or_else(|| instrument_of(&path)) {
+                Some(Instrument::Gauge) => Ok(ExternalContent::Levels(read_gauge(&path)?)),
+                Some(Instrument::Receiver) => Ok(ExternalContent::Track(TrackFile::read(&path)?)),
+                None => Ok(ExternalContent::Points(path)),
             }
+        };
+        if self.open_log(id).is_none() {
+            let text = "open the log first, then its water levels or its track";
+            return self.warn(text.to_owned());
         }
-    }
-
-    /// Collects a file that was read for a log, and adds it to the settings of the log.
-    pub(super) fn poll_external(&mut self, id: LogId) {
-        let read = self.log_mut(id).and_then(|log| log.external.collect());
-        match read {
-            Some(Ok(ExternalContent::Levels(gauge))) => self.take_levels(id, gauge),
-            Some(Ok(ExternalContent::Track(track))) => self.take_track(id, track),
-            Some(Ok(ExternalContent::Points(path))) => self.compare_with(path),
-            Some(Err(error)) => self.warn(error.to_string()),
-            None => {}
-        }
+        self.jobs.run(JobKey::ReadTable(id), work, move |app, read| match read {
+            Ok(ExternalContent::Levels(gauge)) => app.take_levels(id, gauge),
+            Ok(ExternalContent::Track(track)) => app.take_track(id, track),
+            Ok(ExternalContent::Points(path)) => app.compare_with(path),
+            Err(error) => app.warn(error.to_string()),
+        });
     }
 
     fn take_levels(&mut self, id: LogId, gauge: Gauge) {

@@ -5,7 +5,8 @@
 //! The check has its own thread, because a disk may not respond; the thread wakes the window only
 //! if there is a fault to report.
 
-use super::{App, Jobs, LogId, Task, TaskOutcome};
+use super::jobs::JobKey;
+use super::{App, Jobs, LogId};
 use crate::app::crash_report;
 use bathyscope_log::support::file_error::FileError;
 use bathyscope_log::support::mapped_file::FileFault;
@@ -25,7 +26,6 @@ const NAP: Duration = Duration::from_millis(250);
 pub(super) struct FileWatch {
     /// Weak references to the checked surveys, so that the check does not keep them open.
     logs: Vec<(LogId, Weak<Survey>)>,
-    looking: Option<Task<Vec<(LogId, String)>>>,
     /// Logs whose fault was reported.
     said: Vec<LogId>,
 }
@@ -47,20 +47,8 @@ impl App {
         surveys.try_for_each(|survey| survey.check_files())
     }
 
-    /// Notifies of faults found in the files of the logs, and starts the next check of the open
-    /// logs.
-    pub(super) fn poll_file_watch(&mut self) {
-        match self.file_watch.looking.as_ref().map(Task::poll) {
-            Some(TaskOutcome::Done(found)) => {
-                self.file_watch.looking = None;
-                for (id, text) in found {
-                    self.file_watch.said.push(id);
-                    self.warn(text);
-                }
-            }
-            Some(TaskOutcome::Failed) => self.file_watch.looking = None,
-            Some(TaskOutcome::Pending) | None => {}
-        }
+    /// Starts checking the files of the open logs, unless these logs are being checked already.
+    pub(super) fn check_files(&mut self) {
         let said = &self.file_watch.said;
         let open = self.logs().filter(|log| !said.contains(&log.id));
         let open = open.filter_map(|log| Some((log.id, log.survey.as_ref()?)));
@@ -78,9 +66,21 @@ impl App {
             (open.iter()).map(|(id, survey)| WatchedLog::new(*id, survey)).collect();
         self.file_watch.logs =
             (open.iter()).map(|(id, survey)| (*id, Arc::downgrade(survey))).collect();
-        let repeats = matches!(self.jobs, Jobs::Threads(_));
-        self.file_watch.looking = (!watched.is_empty())
-            .then(|| Task::start(&self.jobs, move |progress| look(&watched, repeats, progress)));
+        if watched.is_empty() {
+            self.jobs.stop(&JobKey::CheckFiles);
+            return;
+        }
+        let repeats = matches!(self.jobs(), Jobs::Threads(_));
+        self.jobs.run(
+            JobKey::CheckFiles,
+            move |progress| look(&watched, repeats, progress),
+            |app, found| {
+                for (id, text) in found {
+                    app.file_watch.said.push(id);
+                    app.warn(text);
+                }
+            },
+        );
     }
 
     /// Notifies the analyst again of the logs that lost bytes, because a file was written that may
@@ -210,6 +210,6 @@ mod tests {
         app.poll();
         assert_eq!(said(&app, "while it was open"), 0);
         // The check of the files still runs after one of them was removed.
-        assert!(app.file_watch.looking.is_some());
+        assert!(app.is_running(&JobKey::CheckFiles));
     }
 }

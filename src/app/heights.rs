@@ -2,14 +2,16 @@
 //! tracks meet, whenever several logs have results; the analyst can then level the logs or leave
 //! the soundings out.
 
+use super::jobs::{JobKey, Kept};
 use super::{Action, App, LogId, OpenLog};
 use bathyscope_bottom::bathymetry::height_offsets::{Datum, HeightDifference, LogOffset};
 use bathyscope_bottom::cloud::PingDepth;
 use bathyscope_bottom::presentation::text;
+use bathyscope_log::support::progress::Progress;
 use bathyscope_products::pipeline::joint::{
     HeightComparison, compare_heights, contradictions, depths_scale, heights_differ,
 };
-use bathyscope_products::pipeline::{Background, LogSettings, ProcessedLog, Same, Settings};
+use bathyscope_products::pipeline::{LogSettings, ProcessedLog, Same, Settings};
 use std::sync::Arc;
 use toml::Value;
 
@@ -46,7 +48,7 @@ type HeightsKey = (Vec<(LogId, Same<Vec<PingDepth>>)>, Option<LogId>);
 /// State of the comparison of heights.
 #[derive(Default)]
 pub(super) struct Heights {
-    found: Background<HeightsKey, FoundHeights>,
+    found: Kept<HeightsKey, FoundHeights>,
     /// The log whose height stays when offsets are applied; with `None` the mean height of all logs
     /// stays.
     held: Option<LogId>,
@@ -55,17 +57,10 @@ pub(super) struct Heights {
     said_false: Option<String>,
 }
 
-impl Heights {
-    /// Returns true while heights are being compared.
-    pub(super) fn is_busy(&self) -> bool {
-        self.found.is_running()
-    }
-}
-
 impl App {
     /// Returns true while heights are being compared.
     pub(crate) fn is_matching_heights(&self) -> bool {
-        self.findings.heights.is_busy()
+        self.is_running(&JobKey::CompareHeights)
     }
 
     /// Returns the height differences of the visible logs; `None` until they are found, and for
@@ -133,11 +128,10 @@ impl App {
     pub(super) fn follow_heights(&mut self) {
         let recordings = self.visible_logs().filter(|log| log.survey.is_some()).count();
         if recordings < 2 {
-            self.findings.heights.found = Background::default();
-            return;
+            return self.findings.heights.found.drop_all(&mut self.jobs, &JobKey::CompareHeights);
         }
         // Without this wait, the logs that have results first would be compared again and again.
-        if self.load_status().is_some() || self.visible_logs().any(OpenLog::is_behind) {
+        if self.is_running(&JobKey::OpenLog) || self.visible_logs().any(OpenLog::is_behind) {
             return;
         }
         let settled = |log: &OpenLog| Some((log.id, log.settled()?));
@@ -148,7 +142,7 @@ impl App {
         let held = self.findings.heights.held.and_then(place);
         let key = (logs.iter().map(depths).collect(), held.map(|place| ids[place]));
         let logs: Vec<ProcessedLog> = logs.into_iter().map(|(_, log)| log).collect();
-        self.findings.heights.found.ask(key, &self.jobs, move |progress| {
+        let work = move |progress: &Progress| {
             let datum = held.map_or(Datum::Mean, Datum::Log);
             let mut compared = compare_heights(&logs, datum, progress).ok()?;
             if let Some(held) = held {
@@ -156,8 +150,9 @@ impl App {
                 compared.offsets.raise(held, in_force_m);
             }
             Some(FoundHeights { ids, compared })
-        });
-        if !self.findings.heights.is_busy() {
+        };
+        self.keep(JobKey::CompareHeights, key, work, |app| Some(&mut app.findings.heights.found));
+        if !self.is_matching_heights() {
             self.say_heights();
         }
     }

@@ -1,8 +1,6 @@
-//! Opens logs in background threads.
+//! Opens logs.
 
-use super::Jobs;
 use super::error::AppError;
-use super::{Task, TaskOutcome};
 use bathyscope_bottom::first_return::BottomSettings;
 use bathyscope_log::formats;
 use bathyscope_log::support::progress::Progress;
@@ -44,15 +42,6 @@ impl LogOrigin {
     }
 }
 
-/// Name and progress of the log that is being opened, for the status line.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct LoadStatus {
-    /// Name of the log.
-    pub name: String,
-    /// Done share, 0 to 1.
-    pub fraction: f32,
-}
-
 /// Treatment of the open logs when another log has been read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum OpenMode {
@@ -86,59 +75,35 @@ pub(super) enum OpenedPath {
     Known(String),
 }
 
-/// The opening of a log, which is cancelled when this is dropped.
-pub(super) struct Loading {
-    pub request: OpenRequest,
-    task: Task<Result<OpenedPath, AppError>>,
-}
-
-impl Loading {
-    /// Starts opening a log beside those that are `open`.
-    pub(super) fn start(
-        request: OpenRequest,
-        open: Vec<Arc<Survey>>,
-        in_project: bool,
-        jobs: &Jobs,
-    ) -> Self {
-        let requested = request.origin.clone();
-        let task = Task::start(jobs, move |progress| {
-            if let LogOrigin::Path(path) = &requested {
-                let logs = formats::logs_in(path);
-                if logs.len() > 1 {
-                    return Ok(OpenedPath::Folder(logs));
-                }
-            }
-            let survey = requested.open(progress)?;
-            if let Some(known) = open.iter().find(|known| is_same_recording(known, &survey)) {
-                return Ok(OpenedPath::Known(known.name()));
-            }
-            let log = survey.source.files.first();
-            let drawn = match &requested {
-                LogOrigin::Path(_) => log.and_then(|log| read_bottom(log, &survey)),
-                LogOrigin::Demo => None,
-            };
-            let is_file = matches!(requested, LogOrigin::Path(_));
-            let file = (in_project && is_file).then(|| LogFile::of(&survey, progress));
-            let file = file.transpose()?;
-            // The hash belongs to the log only if the whole log could be read.
-            survey.check_files().map_err(formats::OpenError::from)?;
-            Ok(OpenedPath::Log(Box::new(survey), drawn, file))
-        });
-        Self { request, task }
-    }
-
-    /// Returns the result once, when opening has ended; `None` while it is running.
-    pub(super) fn poll(&self) -> Option<Result<OpenedPath, AppError>> {
-        match self.task.poll() {
-            TaskOutcome::Done(opened) => Some(opened),
-            TaskOutcome::Pending => None,
-            TaskOutcome::Failed => Some(Err(AppError::OpeningFailed(self.request.origin.name()))),
+/// Opens a path; `open` are the logs that are open already. The file of the log is hashed if it
+/// joins a project.
+pub(super) fn open(
+    origin: &LogOrigin,
+    open: &[Arc<Survey>],
+    in_project: bool,
+    progress: &Progress,
+) -> Result<OpenedPath, AppError> {
+    if let LogOrigin::Path(path) = origin {
+        let logs = formats::logs_in(path);
+        if logs.len() > 1 {
+            return Ok(OpenedPath::Folder(logs));
         }
     }
-
-    pub(super) fn status(&self) -> LoadStatus {
-        LoadStatus { name: self.request.origin.name(), fraction: self.task.fraction() }
+    let survey = origin.open(progress)?;
+    if let Some(known) = open.iter().find(|known| is_same_recording(known, &survey)) {
+        return Ok(OpenedPath::Known(known.name()));
     }
+    let log = survey.source.files.first();
+    let drawn = match origin {
+        LogOrigin::Path(_) => log.and_then(|log| read_bottom(log, &survey)),
+        LogOrigin::Demo => None,
+    };
+    let is_file = matches!(origin, LogOrigin::Path(_));
+    let file = (in_project && is_file).then(|| LogFile::of(&survey, progress));
+    let file = file.transpose()?;
+    // The hash belongs to the log only if the whole log could be read.
+    survey.check_files().map_err(formats::OpenError::from)?;
+    Ok(OpenedPath::Log(Box::new(survey), drawn, file))
 }
 
 /// Returns true if two logs hold the same bytes, whatever their names.

@@ -3,6 +3,7 @@
 //! [`App::log`] is the log that waterfall, profile and panels show; the other logs keep their
 //! results beside it, and maps, clouds and products are made from all visible logs.
 
+use super::jobs::JobKey;
 use super::open_log::log_colour;
 use super::outdated::LogsChange;
 use super::reviewing::Parked;
@@ -11,7 +12,7 @@ use bathyscope_log::support::geo::LocalFrame;
 use bathyscope_log::support::printable::quoted;
 use bathyscope_log::survey::{Identity, Survey, distinct_names};
 use bathyscope_products::pipeline::Products;
-use bathyscope_products::pipeline::{EngineStatus, ProcessedLog, Settings};
+use bathyscope_products::pipeline::{ProcessedLog, Settings};
 use std::sync::Arc;
 
 /// Number of reviews of closed logs that are kept while the window is open.
@@ -187,6 +188,7 @@ impl App {
         self.keep_decisions();
         for id in self.log_ids() {
             self.remember_settings(id);
+            self.jobs.stop_log(id);
         }
         let mut last = std::mem::take(&mut self.log);
         self.logs.park(&mut last);
@@ -194,7 +196,7 @@ impl App {
             self.logs.park(&mut other);
         }
         for id in std::mem::take(&mut self.logs.order) {
-            self.findings.search.leave(id);
+            self.leave_search(id);
         }
         self.log.settings = self.document.shared.clone();
         self.take_over(&mut last);
@@ -285,7 +287,7 @@ impl App {
     pub fn keep_all(&mut self) {
         self.keep_decisions();
         self.keep_project("close");
-        self.finish_keeping();
+        self.finish_writing();
     }
 
     /// Closes a log, as an undo step; the decisions about it stay in its files.
@@ -303,9 +305,14 @@ impl App {
 
     /// Removes a log from the open ones; if it was shown, a neighbour in the list is shown.
     fn put_away(&mut self, id: LogId) {
+        // What is being read for the log belongs to it, even if it is closed.
+        for key in [JobKey::ReadReview(id), JobKey::ReadUnsaved(id), JobKey::ReadTruth(id)] {
+            self.wait_for(&key);
+        }
         self.keep_decisions_of(id);
         self.remember_settings(id);
-        self.findings.search.leave(id);
+        self.jobs.stop_log(id);
+        self.leave_search(id);
         let order = &self.logs.order;
         let Some(place) = order.iter().position(|one| *one == id) else {
             return;
@@ -432,37 +439,5 @@ impl App {
     pub(super) fn reveal_in(&mut self, id: LogId, mark: LogPlace) {
         self.show_log(id);
         self.reveal(mark);
-    }
-
-    /// Returns true if a log is being processed.
-    pub(crate) fn is_processing(&self, id: LogId) -> bool {
-        let processed = self.pipeline.requested.as_ref().map(|(processed, ..)| *processed);
-        processed == Some(id) && self.engine_status() != EngineStatus::Idle
-    }
-
-    /// Starts processing a log whose results are missing or older than its settings: the shown log
-    /// first.
-    pub(super) fn schedule(&mut self) {
-        if self.pipeline.is_waiting {
-            return;
-        }
-        let behind = |log: &&OpenLog| log.is_behind();
-        let shown = self.open_log(self.log.id).filter(behind);
-        let next = shown.or_else(|| self.visible_logs().find(behind));
-        let Some((log, survey)) = next.and_then(|log| Some((log, log.survey.as_ref()?))) else {
-            return;
-        };
-        let request = (log.id, survey.clone(), log.settings.clone());
-        let is_running = self.engine_status() != EngineStatus::Idle;
-        let same = |(id, survey, settings): &(LogId, Arc<Survey>, Arc<Settings>)| {
-            *id == request.0 && Arc::ptr_eq(survey, &request.1) && Arc::ptr_eq(settings, &request.2)
-        };
-        if is_running && self.pipeline.requested.as_ref().is_some_and(same) {
-            return;
-        }
-        let before = log.products.clone();
-        let settings = Settings::clone(&log.settings);
-        self.pipeline.engine.request(survey.clone(), settings, before);
-        self.pipeline.requested = Some(request);
     }
 }

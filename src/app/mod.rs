@@ -1,7 +1,7 @@
 //! Holds the state, commands and undo of Bathyscope, without widgets and without drawing.
 //!
 //! The window reads [`App`] and sends [`Command`]s; [`App::apply`] is the only place that changes
-//! state, and [`App::poll`] collects the results of the workers.
+//! state, with the answers of work in the background, which [`App::poll`] applies.
 
 mod above_bottom;
 mod action;
@@ -29,11 +29,11 @@ mod given;
 mod heights;
 mod history;
 mod isobath_area;
+mod jobs;
 mod key_scope;
 mod loader;
 mod log_place;
 mod logs;
-mod logs_task;
 pub mod manual;
 mod map_layers;
 mod measuring;
@@ -75,8 +75,9 @@ pub use exclusions::{ExcludedExtent, ExclusionEdit, FoundExclusions};
 pub use figures::Figures;
 pub use following::FollowStatus;
 pub use given::GivenSettings;
+pub(crate) use jobs::JobKey;
 pub use key_scope::{KeyFocus, is_bare};
-pub(crate) use loader::{LoadStatus, LogOrigin};
+pub(crate) use loader::LogOrigin;
 pub use log_place::{CloseUp, Enlarged, LogPlace, Reveal};
 pub use logs::ShownLog;
 pub use map_layers::{LayerShown, LayerStack, MapLayer};

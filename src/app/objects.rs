@@ -3,8 +3,10 @@
 //! A background job makes the list again when a box, a position, the confidence or the logs change.
 //! An object keeps its number while its boxes are decided, moved or hidden.
 
+use super::jobs::{JobKey, Kept};
 use super::reviewing::{Entries, LocatedObject};
 use super::{App, ObjectTable, OpenLog};
+use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::{Exclusions, Navigation, Survey};
 use bathyscope_objects::objects::{
     ListedObject, LogBox, LogId, LogNumbers, LogReview, Object, ObjectBox, ObjectList,
@@ -12,7 +14,7 @@ use bathyscope_objects::objects::{
 };
 use bathyscope_objects::targets::{FittedShape, PassCount, PassLog, ShapeError, Target};
 use bathyscope_products::pipeline::object_shape;
-use bathyscope_products::pipeline::{Background, ProcessedLog, Same};
+use bathyscope_products::pipeline::{ProcessedLog, Same};
 use std::sync::Arc;
 
 /// The parts of a log from which objects are made.
@@ -80,35 +82,31 @@ type Listed = (Same<ObjectList>, ObjectTable, Same<Vec<String>>);
 pub(super) struct Objects {
     /// The numbers that objects had when the project was opened.
     first: Arc<ObjectNumbers>,
-    list: Background<Vec<LogBoxes>, Arc<ObjectList>>,
-    passes: Background<PassesOf, (u32, PassCount)>,
-    shape: Background<ShapeOf, ShapeFound>,
-    listing: Background<Listed, Vec<u32>>,
+    list: Kept<Vec<LogBoxes>, Arc<ObjectList>>,
+    passes: Kept<PassesOf, (u32, PassCount)>,
+    shape: Kept<ShapeOf, ShapeFound>,
+    listing: Kept<Listed, Vec<u32>>,
     /// Names of the logs of the objects; empty if there is only one log.
     log_names: Arc<Vec<String>>,
 }
 
 impl Objects {
-    /// Drops all objects, and sets the numbers of a project, which the objects keep.
-    pub(super) fn number_from(&mut self, first: ObjectNumbers) {
-        *self = Self { first: Arc::new(first), ..Self::default() };
-    }
-
     fn numbers(&self) -> &ObjectNumbers {
         let list = self.list.result();
         list.map_or(&*self.first, |list| list.numbers())
     }
-
-    /// Returns true while objects are being joined, listed, fitted or their passes counted.
-    pub(super) fn is_busy(&self) -> bool {
-        self.list.is_running()
-            || self.passes.is_running()
-            || self.shape.is_running()
-            || self.listing.is_running()
-    }
 }
 
 impl App {
+    /// Drops all objects, and sets the numbers of a project, which its objects keep.
+    pub(super) fn number_objects(&mut self, first: ObjectNumbers) {
+        use JobKey::{CountPasses, FitShape, JoinObjects, ListObjects};
+        for key in [JoinObjects, CountPasses, FitShape, ListObjects] {
+            self.jobs.stop(&key);
+        }
+        self.findings.objects = Objects { first: Arc::new(first), ..Objects::default() };
+    }
+
     /// Returns the objects that the boxes of all visible logs show, by number.
     pub fn objects(&self) -> &[Object] {
         let list = self.findings.objects.list.result();
@@ -190,7 +188,7 @@ impl App {
     }
 
     /// Starts making the list of objects again if its inputs have changed.
-    pub(super) fn poll_objects(&mut self) {
+    pub(super) fn follow_objects(&mut self) {
         let boxes = |log: &OpenLog| {
             let products = log.products.as_ref()?;
             Some(LogBoxes {
@@ -210,10 +208,12 @@ impl App {
         }
         let (before, first) = (list.result().cloned(), first.clone());
         let of = logs.clone();
-        list.ask(logs.clone(), &self.jobs, move |_| {
+        let key = logs.clone();
+        let work = move |_: &Progress| {
             let before = before.as_ref().map_or(&*first, |list| list.numbers());
             Some(Arc::new(list_of(&of, before)))
-        });
+        };
+        self.keep(JobKey::JoinObjects, key, work, |app| Some(&mut app.findings.objects.list));
         self.list_objects();
         self.count_passes(logs);
         self.fit_shape();
@@ -222,14 +222,15 @@ impl App {
     /// Starts sorting and filtering the table again if the objects, the order or the filter have
     /// changed.
     fn list_objects(&mut self) {
-        let Objects { list, listing, log_names, .. } = &mut self.findings.objects;
+        let Objects { list, log_names, .. } = &self.findings.objects;
         let Some(list) = list.result().cloned() else {
             return;
         };
         let table = self.view.options.objects.clone();
         let names = log_names.clone();
         let key = (Same(list.clone()), table.clone(), Same(names.clone()));
-        listing.ask(key, &self.jobs, move |_| Some(table.list(list.objects(), &names)));
+        let work = move |_: &Progress| Some(table.list(list.objects(), &names));
+        self.keep(JobKey::ListObjects, key, work, |app| Some(&mut app.findings.objects.listing));
     }
 
     /// Starts fitting a shape to the selected object again if its boxes or their positions have
@@ -243,28 +244,22 @@ impl App {
         });
         let placed: Vec<(LogBox, ProcessedLog, Arc<LocatedObject>)> = placed.collect();
         if placed.is_empty() {
-            // A result that is never collected would keep the window from resting.
-            if self.findings.objects.shape.is_running() {
-                self.findings.objects.shape = Background::default();
-            }
-            return;
+            return self.findings.objects.shape.drop_all(&mut self.jobs, &JobKey::FitShape);
         }
         let of = placed.iter().map(|(id, _, at)| (*id, Same(at.clone())));
-        self.findings.objects.shape.ask(of.collect(), &self.jobs, move |_| {
+        let key: ShapeOf = of.collect();
+        let work = move |_: &Progress| {
             let boxes: Vec<(&ProcessedLog, &Target)> =
                 (placed.iter()).map(|(_, log, at)| (log, &at.target)).collect();
             let ids = placed.iter().map(|(id, ..)| *id).collect();
             Some((ids, object_shape(&boxes)))
-        });
+        };
+        self.keep(JobKey::FitShape, key, work, |app| Some(&mut app.findings.objects.shape));
     }
 
     fn count_passes(&mut self, logs: Vec<LogBoxes>) {
         let Some(object) = self.selected_object() else {
-            // A result that is never collected would keep the window from resting.
-            if self.findings.objects.passes.is_running() {
-                self.findings.objects.passes = Background::default();
-            }
-            return;
+            return self.findings.objects.passes.drop_all(&mut self.jobs, &JobKey::CountPasses);
         };
         let (number, list) = (object.number, self.findings.objects.list.result().cloned());
         let track = |one: &LogBoxes| (one.review.log, Same(one.navigation.clone()));
@@ -274,9 +269,10 @@ impl App {
             place_m: object.place_m,
             logs: logs.iter().map(track).collect(),
         };
-        self.findings.objects.passes.ask(of, &self.jobs, move |_| {
+        let work = move |_: &Progress| {
             let logs: Vec<PassLog<'_>> = logs.iter().map(LogBoxes::pass_log).collect();
             Some((number, list?.object(number)?.passes(&logs)))
-        });
+        };
+        self.keep(JobKey::CountPasses, of, work, |app| Some(&mut app.findings.objects.passes));
     }
 }

@@ -1,12 +1,13 @@
 //! Holds an open log: everything that belongs to it alone, beside what all logs of the window
 //! share.
 
+use super::Figures;
 use super::bottom::BottomSidecar;
 use super::calibrating::Calibrating;
-use super::exclusions::ExclusionSearch;
+use super::exclusions::{ExclusionKey, FoundExclusions};
 use super::external::External;
+use super::jobs::Kept;
 use super::reviewing::Reviewing;
-use super::{Figures, Task};
 use bathyscope_bottom::first_return::FirstReturns;
 use bathyscope_log::survey::{Apart, Survey};
 use bathyscope_objects::objects::{LogId, LogReview};
@@ -76,9 +77,8 @@ pub struct OpenLog {
     pub external: External,
     /// The boxes and the decisions about them.
     pub reviewing: Reviewing,
-    pub(super) counting: Option<Task<Option<Figures>>>,
     pub(super) bottom_file: BottomSidecar,
-    pub(super) exclusion_search: ExclusionSearch,
+    pub(super) found_exclusions: Kept<ExclusionKey, Arc<FoundExclusions>>,
     pub(super) calibrating: Calibrating,
 }
 
@@ -103,9 +103,8 @@ impl Default for OpenLog {
             figures: None,
             external: External::default(),
             reviewing: Reviewing::default(),
-            counting: None,
             bottom_file: BottomSidecar::default(),
-            exclusion_search: ExclusionSearch::default(),
+            found_exclusions: Kept::default(),
             calibrating: Calibrating::default(),
         }
     }
@@ -200,15 +199,6 @@ impl OpenLog {
         made.picture = now.picture.clone();
         made.review = now.review.clone();
         products.settings == self.settings
-    }
-
-    /// Returns true if a part of the log is being read, counted or searched.
-    pub(super) fn is_busy(&self) -> bool {
-        self.counting.is_some()
-            || self.external.is_reading()
-            || self.reviewing.is_busy()
-            || self.exclusion_search.is_busy()
-            || self.calibrating.is_busy()
     }
 
     /// Returns the log without its results and running work, to be kept after closing.

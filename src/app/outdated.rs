@@ -3,9 +3,10 @@
 //!
 //! Most state that is derived from logs is updated elsewhere: results are computed again if they
 //! are older than the settings ([`App::schedule`]), and state derived from results if these changed
-//! ([`bathyscope_products::pipeline::Background`]). This module drops or corrects the state that
+//! ([`App::keep`]). This module drops or corrects the state that
 //! nothing else replaces.
 
+use super::jobs::JobKey;
 use super::{App, LogId};
 use bathyscope_log::survey::Side;
 
@@ -34,12 +35,14 @@ impl App {
         match change {
             LogsChange::AllClosed => {
                 self.forget_steps();
-                self.map.comparing.leave();
+                self.leave_reference();
+                self.jobs.stop(&JobKey::CompareHeights);
                 self.findings.heights = Default::default();
-                self.findings.positions = Default::default();
-                self.findings.objects = Default::default();
+                self.jobs.stop(&JobKey::ComparePositions);
+                self.findings.positions = None;
+                self.number_objects(Default::default());
             }
-            LogsChange::LastClosed => self.map.comparing.leave(),
+            LogsChange::LastClosed => self.leave_reference(),
             // Logs that were closed before, and their measurements, are in another plane.
             LogsChange::FirstOpened => self.forget_steps(),
             LogsChange::OtherShown => {
@@ -47,8 +50,8 @@ impl App {
                 self.view.selection = None;
                 self.view.hover = None;
                 self.view.visible = 0..0;
-                self.findings.reference_comparison = Default::default();
-                self.pipeline.previewer.forget();
+                self.forget_agreement();
+                self.forget_previews();
             }
             LogsChange::OtherPlane => {
                 self.view.plane_serial += 1;
@@ -59,7 +62,7 @@ impl App {
             LogsChange::SidesExchanged(id) => {
                 self.forget_preview(id);
                 // The results of a search of the log as it was would be put on the wrong side.
-                self.findings.search.leave(id);
+                self.leave_search(id);
                 if id == self.log.id {
                     self.exchange_marks();
                 }
@@ -82,7 +85,7 @@ impl App {
             log.preview = None;
         }
         if id == self.log.id {
-            self.pipeline.previewer.forget();
+            self.forget_previews();
         }
     }
 

@@ -1,9 +1,9 @@
 //! Finds the passes that saw a place, for the menu of the map and to go from a selected place to
 //! the next pass over it. The search lays out the logs in a background thread; it is dropped when
 //! its result is not needed any more.
-//! waits for any more is dropped.
 
-use super::{App, LogId, LogPlace, ShownLog, Task, TaskOutcome};
+use super::jobs::JobKey;
+use super::{App, LogId, LogPlace, ShownLog};
 use bathyscope_log::support::geo::LonLat;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_products::pipeline::{Derived, Pass, passes_over, place_of};
@@ -28,29 +28,12 @@ pub enum PassesFound<'a> {
     Found(&'a [LogPass]),
 }
 
-/// The running searches, and the result of the last one for the menu.
+/// The last search for the menu of the map, with its result, and the pass that is searched to go to
+/// it.
 #[derive(Default)]
 pub(super) struct Passes {
-    listed: Option<Listed>,
-    next: Option<Next>,
-}
-
-/// A search for the menu of the map, and its result.
-struct Listed {
-    at: LonLat,
-    task: Option<Task<Option<Vec<LogPass>>>>,
-    found: Option<Vec<LogPass>>,
-}
-
-/// A search for a pass to go to.
-struct Next {
-    /// Selection when the search was requested; the result is dropped if it has changed.
-    from: Option<(LogId, LogPlace)>,
-    /// The pass to go to.
-    to: Goal,
-    /// The outer `None` means that the search was cancelled, the inner one that the selected sample
-    /// shows no ground.
-    task: Task<Option<Option<Vec<LogPass>>>>,
+    listed: Option<(LonLat, Option<Vec<LogPass>>)>,
+    next: Option<Goal>,
 }
 
 /// A pass to go to.
@@ -60,28 +43,6 @@ enum Goal {
     After(LogId, LogPlace),
     /// The first pass over a position, preferably in the shown log.
     FirstOver(LonLat),
-}
-
-impl Passes {
-    /// Returns true while passes are being searched.
-    pub(super) fn is_busy(&self) -> bool {
-        self.fraction().is_some()
-    }
-
-    /// Returns the done share of the running search, 0 to 1; `None` if none is running.
-    pub(super) fn fraction(&self) -> Option<f32> {
-        let listed = self.listed.as_ref().and_then(|listed| listed.task.as_ref());
-        let next = self.next.as_ref().map(|next| &next.task);
-        listed.map(Task::fraction).or(next.map(Task::fraction))
-    }
-
-    /// Stops searching; earlier results stay.
-    pub(super) fn stop(&mut self) {
-        self.next = None;
-        if let Some(listed) = &mut self.listed {
-            listed.task = None;
-        }
-    }
 }
 
 /// Returns the place in the middle of a pass, which the other views show.
@@ -94,26 +55,24 @@ impl App {
     /// Returns the passes of all visible logs over a position, in the order of the list of logs, or
     /// the state of their search.
     pub fn passes_at(&self, at: LonLat) -> PassesFound<'_> {
-        let listed = self.findings.passes.listed.as_ref().filter(|one| one.at == at);
-        match listed.map(|listed| (&listed.task, &listed.found)) {
-            Some((Some(_), _)) => PassesFound::Searching,
-            Some((None, Some(found))) => PassesFound::Found(found),
-            Some((None, None)) => PassesFound::Stopped,
+        let listed = self.findings.passes.listed.as_ref().filter(|(place, _)| *place == at);
+        match listed {
+            Some(_) if self.is_running(&JobKey::ListPasses) => PassesFound::Searching,
+            Some((_, Some(found))) => PassesFound::Found(found),
+            Some((_, None)) => PassesFound::Stopped,
             None => PassesFound::Unasked,
         }
-    }
-
-    /// Returns the done share of the running search for passes, 0 to 1; `None` if none is running.
-    pub(crate) fn passes_fraction(&self) -> Option<f32> {
-        self.findings.passes.fraction()
     }
 
     /// Starts to search for the passes over a position; the search for another position is dropped.
     pub(super) fn find_passes(&mut self, at: LonLat) {
         let (shown, results) = (self.shown_logs(), self.pipeline.deriving.results.clone());
-        let work = move |progress: &Progress| found(&shown, at, &results, progress).ok();
-        self.findings.passes.listed =
-            Some(Listed { at, task: Some(Task::start(&self.jobs, work)), found: None });
+        self.findings.passes.listed = Some((at, None));
+        self.jobs.run(
+            JobKey::ListPasses,
+            move |progress| found(&shown, at, &results, progress).ok(),
+            move |app, found| app.findings.passes.listed = Some((at, found)),
+        );
     }
 
     /// Starts to search for the next pass over the selected place, and shows the place in it; after
@@ -132,7 +91,8 @@ impl App {
     }
 
     fn go_to(&mut self, to: Goal) {
-        if self.findings.passes.next.as_ref().is_some_and(|next| next.to == to) {
+        let is_searched = self.is_running(&JobKey::NextPass);
+        if self.findings.passes.next.replace(to) == Some(to) && is_searched {
             return;
         }
         let (shown, results) = (self.shown_logs(), self.pipeline.deriving.results.clone());
@@ -146,48 +106,23 @@ impl App {
                 None => Some(None),
             }
         };
-        self.findings.passes.next =
-            Some(Next { from: self.selected(), to, task: Task::start(&self.jobs, work) });
+        let from = self.selected();
+        self.jobs.run(JobKey::NextPass, work, move |app, found| {
+            // An analyst who has selected another place meanwhile should stay there.
+            if app.selected() != from {
+                return;
+            }
+            match (found, to) {
+                (Some(Some(passes)), Goal::After(id, mark)) => app.go_to_next(&passes, id, mark),
+                (Some(Some(passes)), Goal::FirstOver(_)) => app.go_to_first(&passes),
+                (Some(None), _) => app.warn(NO_PLACE.to_owned()),
+                (None, _) => {}
+            }
+        });
     }
 
     fn selected(&self) -> Option<(LogId, LogPlace)> {
         self.view.selection.map(|mark| (self.log.id, mark))
-    }
-
-    /// Collects the results of the searches.
-    pub(super) fn poll_passes(&mut self) {
-        self.poll_listed();
-        match self.findings.passes.next.as_ref().map(|next| next.task.poll()) {
-            None | Some(TaskOutcome::Pending) => {}
-            Some(TaskOutcome::Done(found)) => {
-                let here = self.selected();
-                // An analyst who has selected another place meanwhile should stay there.
-                let next = self.findings.passes.next.take().filter(|next| next.from == here);
-                match found.zip(next.map(|next| next.to)) {
-                    Some((Some(passes), Goal::After(id, mark))) => {
-                        self.go_to_next(&passes, id, mark);
-                    }
-                    Some((Some(passes), Goal::FirstOver(_))) => self.go_to_first(&passes),
-                    Some((None, _)) => self.warn(NO_PLACE.to_owned()),
-                    None => {}
-                }
-            }
-            Some(TaskOutcome::Failed) => {
-                self.findings.passes.next = None;
-                self.warn("looking for passes failed unexpectedly".to_owned());
-            }
-        }
-    }
-
-    fn poll_listed(&mut self) {
-        let Some(listed) = &mut self.findings.passes.listed else {
-            return;
-        };
-        match listed.task.as_ref().map(Task::poll) {
-            None | Some(TaskOutcome::Pending) => {}
-            Some(TaskOutcome::Done(found)) => (listed.found, listed.task) = (found, None),
-            Some(TaskOutcome::Failed) => listed.task = None,
-        }
     }
 
     fn go_to_first(&mut self, passes: &[LogPass]) {

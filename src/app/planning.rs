@@ -1,8 +1,9 @@
 //! Plans the next survey lines in a background thread, changes them by hand, and writes them for
 //! plotters and autopilots.
 
+use super::App;
 use super::error::AppError;
-use super::{App, Task, TaskOutcome};
+use super::jobs::JobKey;
 use bathyscope_bottom::planning::{Leg, Plan, PlanError, PlanSettings, plan};
 use bathyscope_log::support::geo::{LocalFrame, LonLat};
 use bathyscope_log::support::printable::quoted;
@@ -65,28 +66,12 @@ pub struct Planning {
     pub lines: Option<Arc<PlannedLines>>,
     /// Number of the line that commands act on; `None` if none is selected.
     pub selected: Option<usize>,
-    task: Option<Task<Result<PlannedLines, PlanError>>>,
 }
 
 impl Planning {
-    /// Returns true if lines are being planned.
-    pub(crate) fn is_busy(&self) -> bool {
-        self.task.is_some()
-    }
-
-    /// Returns the done share of planning, 0 to 1; `None` if no planning is running.
-    pub fn fraction(&self) -> Option<f32> {
-        self.task.as_ref().map(Task::fraction)
-    }
-
     /// Returns a copy that holds only the drawn parts.
     pub(super) fn for_picture(&self) -> Self {
         Self { lines: self.lines.clone(), ..Self::default() }
-    }
-
-    /// Stops planning; the present lines stay.
-    pub(super) fn stop(&mut self) {
-        self.task = None;
     }
 }
 
@@ -106,26 +91,16 @@ impl App {
         let review = self.survey_review();
         let logs: Vec<_> = shown.into_iter().map(|shown| shown.log).collect();
         let asked = self.map.planning.asked;
-        let work = move |progress: &Progress| {
+        let work = move |progress: &Progress| -> Result<PlannedLines, PlanError> {
             let objects = list_objects(&logs, &review, progress)?;
             let known = survey_coverage(&logs, &objects, progress)?.ok_or(PlanError::NoLog)?;
             let plan = plan(&known, None, &asked, progress)?;
             Ok(PlannedLines { plan, frame, home, name })
         };
-        self.map.planning.task = Some(Task::start(&self.jobs, work));
-    }
-
-    /// Collects the planned lines.
-    pub(super) fn poll_planning(&mut self) {
-        match self.map.planning.task.as_ref().map(Task::poll) {
-            None | Some(TaskOutcome::Pending) => return,
-            Some(TaskOutcome::Done(Ok(lines))) => self.set_lines(Some(lines), "planned lines"),
-            Some(TaskOutcome::Done(Err(error))) => self.warn(error.to_string()),
-            Some(TaskOutcome::Failed) => {
-                self.warn("planning lines failed unexpectedly".to_owned());
-            }
-        }
-        self.map.planning.task = None;
+        self.jobs.run(JobKey::PlanLines, work, |app, planned| match planned {
+            Ok(lines) => app.set_lines(Some(lines), "planned lines"),
+            Err(error) => app.warn(error.to_string()),
+        });
     }
 
     /// Carries out a request about the lines.

@@ -1,7 +1,7 @@
 //! Finds the errors and the latency of the positions of each log where tracks cross over a slope,
 //! and corrects them if the analyst applies them.
 
-use super::logs_task::{LogsTask, Stands};
+use super::jobs::JobKey;
 use super::{App, LogId};
 use bathyscope_bottom::bathymetry::position_offsets::Wanted;
 use bathyscope_products::pipeline::joint::{LogPositions, position_offsets};
@@ -33,18 +33,15 @@ impl FoundPositions {
     }
 }
 
-/// The comparison of positions, and its last result.
-pub(super) type Positions = LogsTask<FoundPositions>;
-
 impl App {
     /// Returns true if positions are being compared.
     pub(crate) fn is_matching_positions(&self) -> bool {
-        self.findings.positions.is_busy()
+        self.is_running(&JobKey::ComparePositions)
     }
 
     /// Returns the position errors found last; `None` until they were requested and found.
     pub fn position_offsets(&self) -> Option<&FoundPositions> {
-        self.findings.positions.found()
+        self.findings.positions.as_ref()
     }
 
     /// Starts to compare the positions of the visible logs: their shifts, if there are several
@@ -59,24 +56,20 @@ impl App {
         let ids: Vec<LogId> = shown.iter().map(|log| log.id).collect();
         let logs: Vec<ProcessedLog> = shown.into_iter().map(|log| log.log).collect();
         let wanted = Wanted { shifts: logs.len() > 1, latencies: true };
-        self.findings.positions.start(&self.jobs, move |progress| {
-            let found = position_offsets(&logs, wanted, progress).ok()??;
-            let logs = ids.into_iter().zip(found).collect();
-            Some(FoundPositions { logs })
-        });
-    }
-
-    /// Collects the result of a comparison.
-    pub(super) fn poll_positions(&mut self) {
-        match self.findings.positions.poll() {
-            Stands::Found if !self.position_offsets().is_some_and(FoundPositions::tells) => {
-                self.notify(FoundPositions::NOTHING_TOLD.to_owned());
-            }
-            Stands::Found | Stands::Still => {}
-            Stands::Failed => {
-                self.warn("comparing positions failed unexpectedly".to_owned());
-            }
-        }
+        self.jobs.run(
+            JobKey::ComparePositions,
+            move |progress| {
+                let found = position_offsets(&logs, wanted, progress).ok()??;
+                let logs = ids.into_iter().zip(found).collect();
+                Some(FoundPositions { logs })
+            },
+            |app, found| {
+                if found.as_ref().is_some_and(|found| !found.tells()) {
+                    app.notify(FoundPositions::NOTHING_TOLD.to_owned());
+                }
+                app.findings.positions = found.or(app.findings.positions.take());
+            },
+        );
     }
 
     /// Applies the shifts and latencies that crossings determine, as one undo step.

@@ -4,7 +4,8 @@
 //! is run over the visible pings. One job runs at a time, and the newest request waits for it: if
 //! each request cancelled the last job, nothing at all would appear during a long drag.
 
-use super::{Jobs, Task, TaskOutcome};
+use super::App;
+use super::jobs::{JobKey, JobQueue};
 use bathyscope_bottom::first_return::{
     BottomSettings, FirstReturnSettings, FirstReturns, ImageSettings, Method, Normalisation,
     SampleMode, ThresholdIndex, track_range,
@@ -69,15 +70,15 @@ struct PreviewKey {
 }
 
 /// First returns that were found with some settings.
-pub(super) struct Preview {
+struct Preview {
     image: ImageSettings,
     first_return: FirstReturnSettings,
-    pub returns: Arc<FirstReturns>,
+    returns: Arc<FirstReturns>,
 }
 
 impl Preview {
     /// Returns true if the first returns were found with the settings in force.
-    pub(super) fn is_for(&self, settings: &Settings) -> bool {
+    fn is_for(&self, settings: &Settings) -> bool {
         self.image == settings.image && self.first_return.finds_the_same(&settings.first_return)
     }
 }
@@ -88,70 +89,60 @@ struct Answer {
     preview: Option<Preview>,
 }
 
-type Running = Task<Result<Answer, Cancelled>>;
-
-/// Runs requests one after the other, and skips those that a newer one replaced.
+/// The measurements of the shown log, and the request that waits for the running one.
 #[derive(Default)]
 pub(super) struct Previewer {
     measured: Option<(PreviewKey, Arc<Measured>)>,
-    running: Option<Running>,
     queued: Option<PreviewRequest>,
 }
 
 impl Previewer {
-    /// Drops the measurements of the survey, and the running and waiting requests.
-    pub(super) fn forget(&mut self) {
-        *self = Self::default();
-    }
-
-    /// Returns true if a request is running or waiting.
-    pub(super) fn is_busy(&self) -> bool {
-        self.running.is_some() || self.queued.is_some()
-    }
-
     /// Makes the measurement for `request` in advance, so that the first drag does not have to wait
     /// for it.
-    pub(super) fn warm_up(&mut self, request: PreviewRequest, jobs: &Jobs) {
+    pub(super) fn warm_up(&mut self, request: PreviewRequest, jobs: &mut JobQueue) {
         let known = self.measured.as_ref().map(|(key, _)| *key);
-        if known != Some(request.key()) && !self.is_busy() {
+        if known != Some(request.key()) && !jobs.is_running(&JobKey::Preview) {
             self.start(request, jobs, false);
         }
     }
 
     /// Requests first returns; an older request that has not begun is dropped.
-    pub(super) fn want(&mut self, request: PreviewRequest, jobs: &Jobs) {
-        if self.running.is_some() {
+    pub(super) fn want(&mut self, request: PreviewRequest, jobs: &mut JobQueue) {
+        if jobs.is_running(&JobKey::Preview) {
             self.queued = Some(request);
         } else {
             self.start(request, jobs, true);
         }
     }
 
-    fn start(&mut self, request: PreviewRequest, jobs: &Jobs, requested: bool) {
+    fn start(&mut self, request: PreviewRequest, jobs: &mut JobQueue, requested: bool) {
         let key = request.key();
         let known = self.measured.as_ref().filter(|(known, _)| *known == key);
         let known = known.map(|(_, measured)| measured.clone());
-        self.running =
-            Some(Task::start(jobs, move |progress| answer(request, known, requested, progress)));
+        jobs.run(
+            JobKey::Preview,
+            move |progress| answer(request, known, requested, progress).ok(),
+            App::take_preview,
+        );
     }
+}
 
-    /// Returns the newest preview once; `None` if there is no new one.
-    pub(super) fn poll(&mut self, jobs: &Jobs) -> Option<Preview> {
-        let outcome = self.running.as_ref()?.poll();
-        let answer = match outcome {
-            TaskOutcome::Pending => return None,
-            TaskOutcome::Done(answer) => answer.ok(),
-            TaskOutcome::Failed => None,
-        };
-        self.running = None;
-        let preview = answer.and_then(|answer| {
-            self.measured = Some((answer.key, answer.measured));
-            answer.preview
-        });
-        if let Some(request) = self.queued.take() {
-            self.start(request, jobs, true);
+impl App {
+    /// Shows first returns that were found ahead of the pipeline, if their settings are still in
+    /// force, and starts the search that waited.
+    fn take_preview(&mut self, answer: Option<Answer>) {
+        if let Some(Answer { key, measured, preview }) = answer {
+            self.pipeline.previewer.measured = Some((key, measured));
+            let is_current = |preview: &Preview| preview.is_for(&self.log.settings);
+            if let Some(preview) = preview.filter(is_current)
+                && self.stale().is_some()
+            {
+                self.log.preview = Some(preview.returns);
+            }
         }
-        preview
+        if let Some(request) = self.pipeline.previewer.queued.take() {
+            self.pipeline.previewer.start(request, &mut self.jobs, true);
+        }
     }
 }
 

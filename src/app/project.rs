@@ -4,7 +4,8 @@
 
 use super::drawn_figure::Figure;
 use super::error::AppError;
-use super::{App, LogId, OpenLog, Task, TaskOutcome, ViewOptions};
+use super::jobs::JobKey;
+use super::{App, LogId, OpenLog, ViewOptions};
 use bathyscope_log::formats::{self, OpenError};
 use bathyscope_log::support::geo::LocalFrame;
 use bathyscope_log::support::printable::quoted;
@@ -16,7 +17,7 @@ use bathyscope_products::export::is_same_file;
 use bathyscope_products::pipeline::Settings;
 use bathyscope_products::project::{
     ENDING, LogFile, LogLocation, OpenedProject, Project, ProjectLog, REVIEW_VIEW, SavingOutcome,
-    Store, StoreError, find,
+    Store, find,
 };
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -29,62 +30,16 @@ const MEASUREMENT: u32 = 1;
 /// Key of the base map among the project's files.
 const BASE_MAP: &str = "base_map";
 
-/// The files of the open logs, with their hashes.
-type Hashed = Result<Vec<(LogId, LogFile)>, AppError>;
-
 /// State of the open project and its file.
 #[derive(Default)]
 pub(super) struct ProjectSaving {
     store: Option<Store>,
     /// Contents of the project, from which parts that this window does not show are preserved.
     project: Project,
-    opening: Option<Task<Result<OpenedLogs, AppError>>>,
-    /// Path of a project that is to be written for the first time, and the task that hashes the
-    /// files of the open logs.
-    naming: Option<(PathBuf, Task<Hashed>)>,
-    /// Contents of a project that is being written for the first time, and the task that writes it.
-    creating: Option<(Project, Task<Result<Store, StoreError>>)>,
-    /// Task that writes the project into its file.
-    saving: Option<Task<SavingOutcome>>,
     /// True if the project must be saved again after that.
     saves_again: bool,
     /// True if the project cannot be written, and the analyst was notified.
     failed: bool,
-}
-
-impl ProjectSaving {
-    /// Returns true if a project is being opened or written.
-    pub(super) fn is_busy(&self) -> bool {
-        self.opening.is_some() || self.is_writing()
-    }
-
-    fn is_writing(&self) -> bool {
-        self.naming.is_some() || self.creating.is_some() || self.saving.is_some()
-    }
-
-    /// Stops opening and naming a project; a running write is completed.
-    pub(super) fn stop(&mut self) {
-        self.opening = None;
-        self.naming = None;
-    }
-
-    /// Waits for running writes: nothing else may use the file before.
-    fn finish_writing(&mut self) {
-        self.naming = None;
-        self.saves_again = false;
-        if let Some((project, task)) = self.creating.take()
-            && let Some(Ok(store)) = task.wait()
-        {
-            self.store = Some(store);
-            self.project = project;
-        }
-        if let (Some(task), Some(store)) = (self.saving.take(), &mut self.store)
-            && let Some(written) = task.wait()
-        {
-            // A part that could not be written is in the journal.
-            store.end_save(written).ok();
-        }
-    }
 }
 
 /// A project that was read, with the logs of it that were found.
@@ -115,14 +70,28 @@ impl App {
 
     /// Starts to open a project, which replaces what is open.
     pub(super) fn open_project(&mut self, path: PathBuf) {
-        self.files.loading = None;
+        self.jobs.stop(&JobKey::OpenLog);
         self.files.to_load.clear();
         self.keep_project("close");
-        self.files.project_saving.finish_writing();
+        self.finish_writing();
         // This window may have the project open itself.
         self.files.project_saving.store = None;
-        self.files.project_saving.opening =
-            Some(Task::start(&self.jobs, move |progress| read(&path, progress)));
+        self.jobs.run(
+            JobKey::OpenProject,
+            move |progress| read(&path, progress),
+            |app, read| match read {
+                Ok(read) => app.take_project(read),
+                Err(error) => app.warn(error.to_string()),
+            },
+        );
+    }
+
+    /// Waits for running writes of the project: nothing else may use its file before.
+    pub(super) fn finish_writing(&mut self) {
+        self.jobs.stop(&JobKey::HashLogs);
+        self.files.project_saving.saves_again = false;
+        self.wait_for(&JobKey::CreateProject);
+        self.wait_for(&JobKey::SaveProject);
     }
 
     /// Starts to save the open survey as a project in a file.
@@ -140,7 +109,7 @@ impl App {
             let text = "a project needs at least one log; open one first";
             return self.warn(text.to_owned());
         }
-        let task = Task::start(&self.jobs, move |progress| {
+        let hash = move |progress: &Progress| -> Result<Vec<(LogId, LogFile)>, AppError> {
             let file = |(id, survey, known): (LogId, Arc<Survey>, Option<LogFile>)| {
                 let file = match known {
                     Some(file) => file,
@@ -153,62 +122,59 @@ impl App {
                 Ok((id, file))
             };
             logs.into_iter().map(file).collect()
+        };
+        self.jobs.run(JobKey::HashLogs, hash, move |app, hashed| match hashed {
+            Ok(files) => app.name_project(path, files),
+            Err(error) => app.warn(error.to_string()),
         });
-        self.files.project_saving.naming = Some((path, task));
     }
 
     /// Starts to write the project into its file.
     pub(super) fn save_project(&mut self) {
         self.keep_project("save");
-        let Some(store) = &mut self.files.project_saving.store else {
+        let saves = self.is_running(&JobKey::SaveProject);
+        let saving = &mut self.files.project_saving;
+        let Some(store) = &mut saving.store else {
             let text = "there is no project file yet; use Save project as";
             return self.warn(text.to_owned());
         };
-        if self.files.project_saving.saving.is_some() {
-            self.files.project_saving.saves_again = true;
+        if saves {
+            saving.saves_again = true;
             return;
         }
-        match store.begin_save(&self.files.project_saving.project) {
-            Ok(saving) => {
-                let task = Task::start(&self.jobs, move |_| saving.write());
-                self.files.project_saving.saving = Some(task);
+        match store.begin_save(&saving.project) {
+            Ok(writing) => {
+                self.jobs.run(JobKey::SaveProject, move |_| writing.write(), App::take_saved);
             }
             Err(error) => self.warn(error.to_string()),
         }
     }
 
-    /// Collects a project that was saved.
-    fn poll_saving(&mut self) {
-        let written = match self.files.project_saving.saving.as_ref().map(Task::poll) {
-            Some(TaskOutcome::Done(written)) => Some(written),
-            Some(TaskOutcome::Failed) => None,
-            Some(TaskOutcome::Pending) | None => return,
+    /// Notifies the analyst that the project was saved.
+    fn take_saved(&mut self, written: SavingOutcome) {
+        let saving = &mut self.files.project_saving;
+        let saves_again = std::mem::take(&mut saving.saves_again);
+        let Some(store) = &mut saving.store else {
+            return;
         };
-        self.files.project_saving.saving = None;
-        match (written, &mut self.files.project_saving.store) {
-            (Some(written), Some(store)) => match store.end_save(written) {
-                Ok(()) => {
-                    self.files.project_saving.failed = false;
-                    let text = format!("Saved the project: {}", store.path().display());
-                    self.notify(text);
-                }
-                Err(error) => self.warn(error.to_string()),
-            },
-            _ => self.warn("saving the project failed unexpectedly".to_owned()),
+        match store.end_save(written) {
+            Ok(()) => {
+                saving.failed = false;
+                let text = format!("Saved the project: {}", store.path().display());
+                self.notify(text);
+            }
+            Err(error) => self.warn(error.to_string()),
         }
-        if std::mem::take(&mut self.files.project_saving.saves_again) {
+        if saves_again {
             self.save_project();
         }
     }
 
     /// Returns true if the project is being written into its file.
     pub fn is_keeping(&self) -> bool {
-        self.files.project_saving.is_writing()
-    }
-
-    /// Waits until the project is written, because the window closes.
-    pub(super) fn finish_keeping(&mut self) {
-        self.files.project_saving.finish_writing();
+        [JobKey::HashLogs, JobKey::CreateProject, JobKey::SaveProject]
+            .iter()
+            .any(|key| self.is_running(key))
     }
 
     /// Writes the changes into the journal of the open project.
@@ -233,7 +199,7 @@ impl App {
     /// Closes the project, before logs that do not belong to it are opened.
     pub(super) fn leave_project(&mut self) {
         self.keep_project("close");
-        self.files.project_saving.finish_writing();
+        self.finish_writing();
         self.files.project_saving = ProjectSaving::default();
     }
 
@@ -290,80 +256,41 @@ impl App {
         project
     }
 
-    /// Collects the results of reading and writing a project.
-    pub(super) fn poll_project(&mut self) {
-        self.poll_saving();
-        self.poll_creating();
-        match self.files.project_saving.opening.as_ref().map(Task::poll) {
-            Some(TaskOutcome::Done(read)) => {
-                self.files.project_saving.opening = None;
-                match read {
-                    Ok(read) => self.take_project(read),
-                    Err(error) => self.warn(error.to_string()),
-                }
-            }
-            Some(TaskOutcome::Failed) => {
-                self.files.project_saving.opening = None;
-                self.warn("opening the project failed unexpectedly".to_owned());
-            }
-            Some(TaskOutcome::Pending) | None => {}
-        }
-        let named = match self.files.project_saving.naming.as_ref().map(|(_, task)| task.poll()) {
-            Some(TaskOutcome::Done(files)) => files,
-            Some(TaskOutcome::Failed) => Err(AppError::Failed("saving the project")),
-            Some(TaskOutcome::Pending) | None => return,
-        };
-        let naming = self.files.project_saving.naming.take();
-        match (naming, named) {
-            (Some((path, _)), Ok(files)) => self.name_project(&path, files),
-            (_, Err(error)) => self.warn(error.to_string()),
-            (None, Ok(_)) => {}
-        }
-    }
-
-    fn name_project(&mut self, path: &Path, files: Vec<(LogId, LogFile)>) {
+    /// Writes the project for the first time, with the files of its logs, or saves it if it has
+    /// this path already. Until it is written, changes are saved in their earlier files.
+    fn name_project(&mut self, path: PathBuf, files: Vec<(LogId, LogFile)>) {
         for (id, file) in files {
             if let Some(log) = self.log_mut(id) {
                 log.file = Some(file);
             }
         }
-        if self.project_path().is_some_and(|kept| is_same_file(kept, path)) {
+        if self.project_path().is_some_and(|kept| is_same_file(kept, &path)) {
             return self.save_project();
         }
         let project = self.as_project(&self.files.project_saving.project);
-        let (path, kept) = (path.to_owned(), project.clone());
+        let kept = project.clone();
         let past = self.past_of(&project);
-        let create = move |_: &Progress| Store::create_with_past(&path, &kept, past);
-        self.files.project_saving.creating = Some((project, Task::start(&self.jobs, create)));
-        self.poll_creating();
+        self.jobs.run(
+            JobKey::CreateProject,
+            move |_| Store::create_with_past(&path, &kept, past),
+            |app, created| match created {
+                Ok(store) => app.take_created(store, project),
+                Err(error) => app.warn(error.to_string()),
+            },
+        );
     }
 
-    /// Collects a project that was written for the first time. Until then changes are saved in
-    /// their earlier files.
-    fn poll_creating(&mut self) {
-        let created = match self.files.project_saving.creating.as_ref().map(|(_, task)| task.poll())
-        {
-            Some(TaskOutcome::Done(created)) => Some(created),
-            Some(TaskOutcome::Failed) => None,
-            Some(TaskOutcome::Pending) | None => return,
-        };
-        let Some((project, _)) = self.files.project_saving.creating.take() else {
-            return;
-        };
-        match created {
-            Some(Ok(store)) => {
-                let text = format!("Saved the project: {}", store.path().display());
-                self.remember(store.path().to_owned());
-                self.files.project_saving.finish_writing();
-                self.files.project_saving.store = Some(store);
-                self.files.project_saving.project = project;
-                self.files.project_saving.failed = false;
-                self.notify(text);
-                self.keep_project("save under another name");
-                self.logs_mut().for_each(OpenLog::leave_sidecars);
-            }
-            Some(Err(error)) => self.warn(error.to_string()),
-            None => self.warn("saving the project failed unexpectedly".to_owned()),
+    /// Sets the project that was written for the first time as the open one.
+    fn take_created(&mut self, store: Store, project: Project) {
+        let text = format!("Saved the project: {}", store.path().display());
+        self.remember(store.path().to_owned());
+        self.finish_writing();
+        let saving = &mut self.files.project_saving;
+        (saving.store, saving.project, saving.failed) = (Some(store), project, false);
+        self.notify(text);
+        self.keep_project("save under another name");
+        for id in self.log_ids() {
+            self.leave_sidecars(id);
         }
     }
 
@@ -393,7 +320,7 @@ impl App {
             numbers.add_log(id, log.object_numbers.clone());
             self.take_project_log(id, &log, settings);
         }
-        self.findings.objects.number_from(numbers);
+        self.number_objects(numbers);
         if let Some(queue) = queue.filter(|kept| (0.0..=1.0).contains(&kept.threshold)) {
             self.set_queue(&queue.into_queue());
         }
@@ -423,19 +350,20 @@ impl App {
             open.own = Arc::new(log.settings.clone().with_files_of(&settings));
             open.settings = Arc::new(settings);
             open.reviewing.take_kept(log.review.clone());
-            open.leave_sidecars();
             // The log may have grown since.
             open.carry_own(&shared);
         }
+        self.leave_sidecars(id);
         self.carry_decisions(id);
     }
-}
 
-impl OpenLog {
-    /// Saves decisions about the log in the project from now on, instead of in its sidecar files.
-    fn leave_sidecars(&mut self) {
-        self.bottom_file = super::bottom::BottomSidecar::default();
-        self.reviewing.keep_elsewhere();
+    /// Saves decisions about a log in the project from now on, instead of in its sidecar files.
+    fn leave_sidecars(&mut self, id: LogId) {
+        self.wait_for(&JobKey::WriteUnsaved(id));
+        if let Some(log) = self.log_mut(id) {
+            log.bottom_file = super::bottom::BottomSidecar::default();
+            log.reviewing.keep_elsewhere();
+        }
     }
 }
 

@@ -1,8 +1,9 @@
 //! Computes the agreement of points with a reference, on demand only, because the comparison needs
 //! a triangulation of all soundings.
 
+use super::App;
 use super::error::AppError;
-use super::{App, Task, TaskOutcome};
+use super::jobs::JobKey;
 use bathyscope_bottom::bathymetry::SurfaceSettings;
 use bathyscope_bottom::bathymetry::compare::Matching;
 use bathyscope_bottom::cloud::{PointClass, PointSource};
@@ -15,14 +16,10 @@ const WITH_SOUNDINGS: [PointSource; 3] =
 /// Problem that is shown when the comparison was stopped.
 const STOPPED: &str = "Comparing was stopped; Update results starts it again.";
 
-/// An agreement, `None` if no point is over the reference, or the error of the comparison.
-type Found = Result<Option<Agreement>, AppError>;
-
-/// State of the comparison, and its last result.
+/// The last comparison that was requested, and its result.
 #[derive(Default)]
 pub(super) struct ReferenceComparison {
     of: Option<Of>,
-    task: Option<Task<Found>>,
     agreement: Option<Arc<Agreement>>,
     problem: Option<String>,
 }
@@ -68,16 +65,6 @@ impl PartialEq for Of {
 }
 
 impl ReferenceComparison {
-    /// Returns true if points are being compared.
-    pub(super) fn is_busy(&self) -> bool {
-        self.task.is_some()
-    }
-
-    /// Returns the done share of the comparison, 0 to 1; `None` if none is running.
-    pub(super) fn fraction(&self) -> Option<f32> {
-        self.task.as_ref().map(Task::fraction)
-    }
-
     /// Returns a copy that holds only the drawn parts.
     pub(super) fn for_picture(&self) -> Self {
         Self { of: self.of.clone(), agreement: self.agreement.clone(), ..Self::default() }
@@ -86,14 +73,6 @@ impl ReferenceComparison {
     /// Sets an agreement that was computed elsewhere.
     pub(super) fn take(&mut self, of: Of, agreement: Agreement) {
         *self = Self { of: Some(of), agreement: Some(Arc::new(agreement)), ..Self::default() };
-    }
-
-    /// Stops the comparison.
-    pub(super) fn stop(&mut self) {
-        if self.task.take().is_some() {
-            self.agreement = None;
-            self.problem = Some(STOPPED.to_owned());
-        }
     }
 
     /// Permits a stopped comparison to start again.
@@ -118,7 +97,22 @@ impl App {
 
     /// Returns true if depths are being compared with the reference.
     pub(crate) fn is_comparing_with_reference(&self) -> bool {
-        self.findings.reference_comparison.is_busy()
+        self.is_running(&JobKey::CompareReference)
+    }
+
+    /// Drops the agreement, and stops the comparison.
+    pub(super) fn forget_agreement(&mut self) {
+        self.jobs.stop(&JobKey::CompareReference);
+        self.findings.reference_comparison = ReferenceComparison::default();
+    }
+
+    /// Stops the comparison until [`ReferenceComparison::resume`] is called.
+    pub(super) fn stop_comparing(&mut self) {
+        if self.jobs.stop(&JobKey::CompareReference) {
+            let made = &mut self.findings.reference_comparison;
+            made.agreement = None;
+            made.problem = Some(STOPPED.to_owned());
+        }
     }
 
     /// Starts comparing the results of the visible logs, unless that is done or running.
@@ -133,27 +127,22 @@ impl App {
             return;
         }
         made.of = Some(of.clone());
-        made.task = Some(Task::start(&self.jobs, move |progress| match &of.reference {
-            Some((reference, matching)) => {
-                let made = Agreement::with_reference(&logs, reference, *matching, progress);
-                Ok(Some(made?))
-            }
-            None => Ok(Agreement::with_soundings(&logs, &WITH_SOUNDINGS, progress)?),
-        }));
-    }
-
-    /// Collects the result of the comparison.
-    pub(super) fn poll_tables(&mut self) {
-        let made = &mut self.findings.reference_comparison;
-        let found = match made.task.as_ref().map(Task::poll) {
-            Some(TaskOutcome::Done(found)) => found,
-            Some(TaskOutcome::Failed) => Err(AppError::Failed("comparing")),
-            Some(TaskOutcome::Pending) | None => return,
-        };
-        made.task = None;
-        (made.agreement, made.problem) = match found {
-            Ok(agreement) => (agreement.map(Arc::new), None),
-            Err(error) => (None, Some(error.to_string())),
-        };
+        self.jobs.run(
+            JobKey::CompareReference,
+            move |progress| match &of.reference {
+                Some((reference, matching)) => {
+                    let made = Agreement::with_reference(&logs, reference, *matching, progress);
+                    Ok(Some(made?))
+                }
+                None => Ok(Agreement::with_soundings(&logs, &WITH_SOUNDINGS, progress)?),
+            },
+            |app, found: Result<_, AppError>| {
+                let made = &mut app.findings.reference_comparison;
+                (made.agreement, made.problem) = match found {
+                    Ok(agreement) => (agreement.map(Arc::new), None),
+                    Err(error) => (None, Some(error.to_string())),
+                };
+            },
+        );
     }
 }

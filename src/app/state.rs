@@ -1,16 +1,15 @@
 //! Holds the state of the window for reading; commands change it in `apply`, finished background
 //! work in `work`.
 
-use super::base_map::OpeningBaseMap;
 use super::card_search::CardSearch;
 use super::comparing::Comparing;
 use super::deriving::Deriving;
-use super::exporting::{Exported, Exporting};
+use super::exporting::Exported;
 use super::file_watch::FileWatch;
 use super::following::Following;
 use super::heights::Heights;
-use super::isobath_area::ReadingArea;
-use super::loader::{Loading, OpenRequest};
+use super::jobs::{JobKey, JobQueue};
+use super::loader::OpenRequest;
 use super::logs::OpenLogs;
 use super::measuring::Measuring;
 use super::mounting::Mountings;
@@ -18,18 +17,19 @@ use super::notices::{Notice, NoticeHistory};
 use super::objects::Objects;
 use super::passes::Passes;
 use super::planning::Planning;
-use super::positions::Positions;
+use super::positions::FoundPositions;
 use super::preview::Previewer;
 use super::project::ProjectSaving;
 use super::reference_comparison::ReferenceComparison;
 use super::reviewing::ObjectSearch;
 use super::step::UndoStep;
-use super::{GivenSettings, Jobs, LoadStatus, LogId, LogPlace, OpenLog, Reveal, ViewOptions};
+use super::work::ProcessRequest;
+use super::{GivenSettings, Jobs, LogPlace, OpenLog, Reveal, ViewOptions};
 use bathyscope_bottom::first_return::FirstReturns;
 use bathyscope_log::formats::base_map::BaseMap;
 use bathyscope_log::support::geo::LocalFrame;
-use bathyscope_log::survey::{Survey, Track};
-use bathyscope_products::pipeline::{Engine, EngineStatus, Settings, Stage};
+use bathyscope_log::survey::Track;
+use bathyscope_products::pipeline::{Settings, Stage};
 use bathyscope_products::project::{History, LogKey};
 use std::collections::VecDeque;
 use std::ops::Range;
@@ -71,10 +71,10 @@ impl Default for Document {
 }
 
 /// State of the pipeline.
+#[derive(Default)]
 pub(super) struct PipelineWork {
-    pub engine: Engine,
-    /// Last request to the engine.
-    pub requested: Option<(LogId, Arc<Survey>, Arc<Settings>)>,
+    /// The last request to process a log; `None` once it has ended.
+    pub requested: Option<ProcessRequest>,
     /// True if nothing is processed until the analyst requests it: the slider is still held, or the
     /// work was stopped.
     pub is_waiting: bool,
@@ -83,69 +83,27 @@ pub(super) struct PipelineWork {
     pub deriving: Deriving,
 }
 
-impl PipelineWork {
-    fn new(jobs: Jobs) -> Self {
-        Self {
-            engine: Engine::new(jobs),
-            requested: None,
-            is_waiting: false,
-            previewer: Previewer::default(),
-            deriving: Deriving::default(),
-        }
-    }
-
-    fn is_busy(&self) -> bool {
-        self.engine.status() != EngineStatus::Idle
-            || self.previewer.is_busy()
-            || self.deriving.is_busy()
-    }
-}
-
 /// State of reading and writing files.
 #[derive(Default)]
 pub(super) struct FileWork {
-    pub loading: Option<Loading>,
+    /// Name of the log that was opened last, or is being opened.
+    pub loading: String,
     pub to_load: VecDeque<OpenRequest>,
-    pub opening_base_map: Option<OpeningBaseMap>,
-    pub reading_area: ReadingArea,
-    pub exporting: Option<Exporting>,
     pub exported: Option<Exported>,
     pub project_saving: ProjectSaving,
     /// Logs of the project that were not found.
     pub missing: Vec<LogKey>,
 }
 
-impl FileWork {
-    fn is_busy(&self) -> bool {
-        self.loading.is_some()
-            || self.opening_base_map.is_some()
-            || self.reading_area.is_busy()
-            || self.exporting.is_some()
-            || self.project_saving.is_busy()
-    }
-}
-
 /// State and results of searches over the open logs.
 #[derive(Default)]
 pub(super) struct Findings {
     pub heights: Heights,
-    pub positions: Positions,
+    pub positions: Option<FoundPositions>,
     pub passes: Passes,
     pub objects: Objects,
     pub search: ObjectSearch,
     pub reference_comparison: ReferenceComparison,
-}
-
-impl Findings {
-    fn is_busy(&self) -> bool {
-        self.heights.is_busy()
-            || self.positions.is_busy()
-            || self.passes.is_busy()
-            || self.objects.is_busy()
-            || self.search.is_busy()
-            || self.search.is_busy_with_tail()
-            || self.reference_comparison.is_busy()
-    }
 }
 
 /// Display state of the views.
@@ -207,17 +165,17 @@ pub struct App {
     pub(super) card_search: CardSearch,
     /// The folder that was written last; `None` if none was.
     pub written_into: Option<PathBuf>,
-    pub(super) jobs: Jobs,
+    pub(super) jobs: JobQueue,
 }
 
 impl App {
     /// Creates the state of an empty window.
-    pub fn new(jobs: Jobs) -> Self {
+    pub fn new(workers: Jobs) -> Self {
         Self {
             log: OpenLog::default(),
             logs: OpenLogs::default(),
             document: Document::default(),
-            pipeline: PipelineWork::new(jobs.clone()),
+            pipeline: PipelineWork::default(),
             files: FileWork::default(),
             findings: Findings::default(),
             view: ViewState::default(),
@@ -229,7 +187,7 @@ impl App {
             file_watch: FileWatch::default(),
             card_search: CardSearch::default(),
             written_into: None,
-            jobs,
+            jobs: JobQueue::new(workers),
         }
     }
 
@@ -253,38 +211,43 @@ impl App {
     /// Returns true if results are missing or older than their settings, and no work is running to
     /// update them.
     pub(crate) fn is_stopped(&self) -> bool {
-        self.log.is_behind() && self.engine_status() == EngineStatus::Idle
+        self.log.is_behind() && !self.jobs.is_running(&JobKey::Process)
     }
 
-    /// Returns the runner of work in background threads.
-    pub fn jobs(&self) -> &Jobs {
-        &self.jobs
+    /// Returns the way in which work in the background is run.
+    pub(crate) fn jobs(&self) -> &Jobs {
+        self.jobs.workers()
     }
 
-    /// Returns the state of the engine.
-    pub(crate) fn engine_status(&self) -> EngineStatus {
-        self.pipeline.engine.status()
+    /// Returns true if some work is running, or its result was not applied yet.
+    pub(crate) fn is_running(&self, key: &JobKey) -> bool {
+        self.jobs.is_running(key)
     }
 
-    /// Returns the name and progress of the log that is being opened; `None` if none is.
-    pub(crate) fn load_status(&self) -> Option<LoadStatus> {
-        self.files.loading.as_ref().map(Loading::status)
+    /// Returns the running stage of the pipeline, and the done share of it, 0 to 1; `None` if no
+    /// log is being processed.
+    pub(crate) fn running_stage(&self) -> Option<(Stage, f32)> {
+        let fraction = self.jobs.fraction(&JobKey::Process)?;
+        Some((self.pipeline.requested.as_ref()?.stage(), fraction))
     }
 
-    /// Returns the done share of the running export, 0 to 1; `None` if none is running.
-    pub(crate) fn export_fraction(&self) -> Option<f32> {
-        self.files.exporting.as_ref().map(Exporting::fraction)
+    /// Returns the description of the work that the analyst waits for, and the done share of it, 0
+    /// to 1; `None` if there is none.
+    pub fn awaited(&self) -> Option<(String, f32)> {
+        if let Some(fraction) = self.jobs.fraction(&JobKey::OpenLog) {
+            return Some((format!("opening {}", self.files.loading), fraction));
+        }
+        if let Some((stage, fraction)) = self.running_stage() {
+            return Some((stage.name().to_owned(), fraction));
+        }
+        let (key, fraction) = self.jobs.requested()?;
+        let search = self.search_status().filter(|_| *key == JobKey::SearchObjects);
+        Some((key.name().to_owned(), search.map_or(fraction, |search| search.share)))
     }
 
     /// Returns true if nothing is being opened, computed or written.
     pub fn is_idle(&self) -> bool {
-        let is_busy = self.pipeline.is_busy()
-            || self.files.is_busy()
-            || self.findings.is_busy()
-            || self.map.planning.is_busy()
-            || self.following.is_busy()
-            || self.map.comparing.is_opening()
-            || self.logs().any(OpenLog::is_busy);
-        !is_busy
+        let is_waiting = self.findings.search.is_busy() || self.following.is_ending();
+        !self.jobs.is_busy() && !is_waiting
     }
 }

@@ -1,100 +1,140 @@
-//! Starts work in background threads and collects its results.
+//! Opens logs and processes them in background threads, and follows what their results change.
 
+use super::error::AppError;
 use super::figures::Figures;
-use super::loader::{Loading, OpenMode, OpenRequest, OpenedPath, ReadBottom};
+use super::jobs::JobKey;
+use super::loader::{self, OpenMode, OpenRequest, OpenedPath, ReadBottom};
 use super::preview::PreviewRequest;
-use super::{Action, App, Jobs, LogId, LogOrigin, OpenLog, Task, TaskOutcome};
+use super::{Action, App, LogId, LogOrigin, OpenLog};
 use bathyscope_log::support::printable::quoted;
 use bathyscope_log::survey::Survey;
 use bathyscope_products::export::is_same_file;
-use bathyscope_products::pipeline::{ProcessedLog, Products};
+use bathyscope_products::pipeline::{ProcessedLog, Products, Settings, Stage, run};
 use bathyscope_products::project::LogFile;
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Number of remembered logs.
 const RECENT: usize = 10;
 
+/// Notice when the pipeline ended in a panic.
+const PROCESSING_FAILED: &str = "a processing step failed unexpectedly; the last result stays";
+
+/// A request to process a log.
+pub(super) struct ProcessRequest {
+    log: LogId,
+    survey: Arc<Survey>,
+    settings: Arc<Settings>,
+    /// The running stage.
+    stage: Arc<Mutex<Stage>>,
+}
+
+impl ProcessRequest {
+    /// Returns the running stage.
+    pub(super) fn stage(&self) -> Stage {
+        *self.stage.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn is_for(&self, log: &OpenLog) -> bool {
+        let is_same = log.survey.as_ref().is_some_and(|survey| Arc::ptr_eq(survey, &self.survey));
+        self.log == log.id && is_same && Arc::ptr_eq(&self.settings, &log.settings)
+    }
+}
+
 impl App {
-    /// Collects the results of finished background work. The window calls this once a frame.
+    /// Applies the results of finished background work, and starts the work that follows from them.
+    /// The window calls this once a frame.
     pub fn poll(&mut self) {
-        self.poll_loading();
-        self.poll_engine();
-        self.poll_following();
-        self.collect_tail();
-        self.poll_file_watch();
-        self.poll_cards();
-        if let Some(preview) = self.pipeline.previewer.poll(&self.jobs)
-            && preview.is_for(&self.log.settings)
-            && self.stale().is_some()
-        {
-            self.log.preview = Some(preview.returns);
+        self.take_answers();
+        self.follow_state();
+        // Work that runs in the calling thread has ended already.
+        while self.take_answers() {
+            self.follow_state();
         }
-        self.poll_comparing();
-        self.poll_tables();
-        self.poll_positions();
-        self.poll_planning();
-        self.poll_passes();
-        self.poll_project();
-        self.poll_export();
-        self.poll_detecting();
+    }
+
+    /// Starts the work that the present state needs, and that is neither done nor running. Costs
+    /// next to nothing if nothing has changed.
+    fn follow_state(&mut self) {
+        self.follow_log();
+        self.check_files();
+        self.search_cards();
+        self.search_on();
         for id in self.log_ids() {
-            self.poll_log(id);
+            self.autosave(id);
+            self.locate_boxes(id);
+            self.compare_with_truth(id);
+            self.find_exclusions(id);
+            self.try_scale(id);
         }
-        self.poll_objects();
-        self.poll_base_map();
-        self.poll_isobath_area();
+        self.follow_objects();
         self.follow_heights();
         self.derive();
         self.derive_picture();
         self.follow_profile();
     }
 
-    /// Collects the results of background work on one log.
-    fn poll_log(&mut self, id: LogId) {
-        let jobs = self.jobs.clone();
-        if let Some(log) = self.log_mut(id) {
-            log.poll_figures();
-        }
-        self.poll_review(id);
-        self.poll_autosave(id);
-        self.poll_judging(id);
-        if let Some(log) = self.log_mut(id) {
-            log.poll_places(&jobs);
-        }
-        self.poll_external(id);
-        if let Some(log) = self.log_mut(id) {
-            log.poll_exclusions(&jobs);
-            log.poll_calibrating(&jobs);
-        }
+    /// Returns true if a log is being processed.
+    pub(crate) fn is_processing(&self, id: LogId) -> bool {
+        let requested = self.pipeline.requested.as_ref().filter(|request| request.log == id);
+        requested.is_some() && self.is_running(&JobKey::Process)
     }
 
-    fn poll_engine(&mut self) {
-        let Some(processed) = self.pipeline.engine.poll() else {
+    /// Starts processing a log whose results are missing or older than its settings: the shown log
+    /// first.
+    pub(super) fn schedule(&mut self) {
+        if self.pipeline.is_waiting {
+            return;
+        }
+        let behind = |log: &&OpenLog| log.is_behind();
+        let shown = self.open_log(self.log.id).filter(behind);
+        let next = shown.or_else(|| self.visible_logs().find(behind));
+        let Some((log, survey)) = next.and_then(|log| Some((log, log.survey.clone()?))) else {
             return;
         };
-        let log = self.pipeline.requested.take().map(|(id, ..)| id);
-        match (processed, log) {
-            (Ok(products), Some(id)) => self.take_products(id, products),
-            (Ok(_), None) => {}
-            (Err(failed), _) => {
+        let is_running = self.is_running(&JobKey::Process);
+        let requested = self.pipeline.requested.as_ref();
+        if is_running && requested.is_some_and(|requested| requested.is_for(log)) {
+            return;
+        }
+        let (id, settings, before) = (log.id, log.settings.clone(), log.products.clone());
+        let stage = Arc::new(Mutex::new(Stage::Navigation));
+        self.pipeline.requested = Some(ProcessRequest {
+            log: id,
+            survey: survey.clone(),
+            settings: settings.clone(),
+            stage: stage.clone(),
+        });
+        let jobs = self.jobs().clone();
+        self.jobs.run_or(
+            JobKey::Process,
+            move |progress| {
+                let on_stage = |now| {
+                    *stage.lock().unwrap_or_else(PoisonError::into_inner) = now;
+                    jobs.wake();
+                };
+                run(&survey, &settings, before.as_ref(), progress, on_stage).ok()
+            },
+            move |app, products| {
+                app.pipeline.requested = None;
+                if let Some(products) = products {
+                    app.take_products(id, products);
+                }
+                app.schedule();
+            },
+            |app| {
+                app.pipeline.requested = None;
                 // The same settings would fail again.
-                self.pipeline.is_waiting = true;
-                self.warn(failed.to_string());
-            }
-        }
-        self.schedule();
+                app.pipeline.is_waiting = true;
+                app.warn(PROCESSING_FAILED.to_owned());
+            },
+        );
     }
 
-    fn poll_loading(&mut self) {
-        let Some(opened) = self.files.loading.as_ref().and_then(Loading::poll) else {
-            return;
-        };
-        let Some(loading) = self.files.loading.take() else {
-            return;
-        };
-        let OpenRequest { origin, place } = loading.request;
+    /// Applies the result of opening a path, and opens the next one.
+    fn take_opened(&mut self, request: OpenRequest, opened: Result<OpenedPath, AppError>) {
+        let OpenRequest { origin, place } = request;
         match opened {
             Ok(OpenedPath::Log(survey, drawn, file)) => {
                 self.take_survey(*survey, origin, place, (drawn, file));
@@ -174,19 +214,36 @@ impl App {
 
     /// Sets new results of a log.
     pub(super) fn take_products(&mut self, id: LogId, products: Products) {
-        let jobs = self.jobs.clone();
         let Some(log) = self.log_mut(id) else {
             return;
         };
-        if let Some(text) = log.take_products(products, &jobs) {
+        let said = log.take_products(products);
+        let counted = log.settled();
+        if let Some(log) = counted {
+            self.count_figures(id, log);
+        }
+        if let Some(text) = said {
             self.withdraw(Action::Undo);
             self.offer(text, Action::Undo);
         }
         if id == self.log.id
             && let Some(request) = self.preview_request()
         {
-            self.pipeline.previewer.warm_up(request, &self.jobs);
+            self.pipeline.previewer.warm_up(request, &mut self.jobs);
         }
+    }
+
+    /// Starts counting the figures that panels show of the results of a log.
+    pub(super) fn count_figures(&mut self, id: LogId, log: ProcessedLog) {
+        self.jobs.run(
+            JobKey::CountFigures(id),
+            move |progress| Figures::of(&log.survey, &log.products, progress).ok(),
+            move |app, figures| {
+                if let Some(log) = app.log_mut(id) {
+                    log.figures = figures;
+                }
+            },
+        );
     }
 
     /// Starts the pipeline with the settings in force.
@@ -199,7 +256,7 @@ impl App {
     /// pipeline.
     pub(super) fn preview_returns(&mut self) {
         if let Some(request) = self.preview_request() {
-            self.pipeline.previewer.want(request, &self.jobs);
+            self.pipeline.previewer.want(request, &mut self.jobs);
         }
     }
 
@@ -215,26 +272,22 @@ impl App {
         })
     }
 
-    /// Stops all running work; the last results stay.
+    /// Stops the work that the analyst has asked for; the last results stay.
     pub(super) fn cancel(&mut self) {
-        self.pipeline.engine.cancel();
         self.pipeline.is_waiting = true;
         self.stop_detecting();
-        self.pipeline.previewer.forget();
+        self.stop_comparing();
+        self.jobs.stop_requested();
+        self.forget_previews();
         self.log.preview = None;
-        self.files.loading = None;
         self.files.to_load.clear();
-        self.files.project_saving.stop();
-        self.files.exporting = None;
-        self.files.opening_base_map = None;
-        self.files.reading_area.stop();
-        self.map.comparing.stop();
-        self.map.planning.stop();
-        self.findings.passes.stop();
-        self.findings.reference_comparison.stop();
-        for log in self.logs_mut() {
-            log.external.stop_reading();
-        }
+    }
+
+    /// Drops the first returns that are searched ahead of the pipeline, and what was measured for
+    /// them.
+    pub(super) fn forget_previews(&mut self) {
+        self.jobs.stop(&JobKey::Preview);
+        self.pipeline.previewer = Default::default();
     }
 
     /// Returns true if a path is a file of the log, which is never overwritten, and then warns the
@@ -257,62 +310,47 @@ impl App {
 
     /// Opens logs one after the other; the opening of earlier requests is dropped.
     pub(super) fn load(&mut self, origins: impl Iterator<Item = LogOrigin>, place: OpenMode) {
-        self.files.loading = None;
+        self.jobs.stop(&JobKey::OpenLog);
         self.files.to_load = requests(origins, place);
         self.load_next();
     }
 
     fn load_next(&mut self) {
-        if self.files.loading.is_none()
-            && let Some(request) = self.files.to_load.pop_front()
-        {
-            let open = match request.place {
-                // A log that replaces the open ones is read again, even if it is open.
-                OpenMode::Instead => Vec::new(),
-                OpenMode::Added { .. } => {
-                    self.logs().filter_map(|log| log.survey.clone()).collect()
-                }
-            };
-            let in_project = self.project_path().is_some();
-            self.files.loading = Some(Loading::start(request, open, in_project, &self.jobs));
-        }
-        if self.files.loading.is_none() && self.files.to_load.is_empty() {
-            self.set_apart();
-        }
+        let Some(request) = self.files.to_load.pop_front() else {
+            return self.set_apart();
+        };
+        let open = match request.place {
+            // A log that replaces the open ones is read again, even if it is open.
+            OpenMode::Instead => Vec::new(),
+            OpenMode::Added { .. } => self.logs().filter_map(|log| log.survey.clone()).collect(),
+        };
+        let in_project = self.project_path().is_some();
+        let origin = request.origin.clone();
+        let name = origin.name();
+        self.files.loading.clone_from(&name);
+        self.jobs.run_or(
+            JobKey::OpenLog,
+            move |progress| loader::open(&origin, &open, in_project, progress),
+            move |app, opened| app.take_opened(request, opened),
+            move |app| {
+                app.warn(AppError::OpeningFailed(name).to_string());
+                app.load_next();
+            },
+        );
     }
 }
 
 impl OpenLog {
-    /// Collects the counted figures.
-    fn poll_figures(&mut self) {
-        match self.counting.as_ref().map(Task::poll) {
-            Some(TaskOutcome::Done(figures)) => {
-                self.figures = figures;
-                self.counting = None;
-            }
-            Some(TaskOutcome::Failed) => self.counting = None,
-            Some(TaskOutcome::Pending) | None => {}
-        }
-    }
-
     /// Sets new results; returns a sentence about the depths if they are the results of a change of
     /// scale.
-    fn take_products(&mut self, products: Products, jobs: &Jobs) -> Option<String> {
+    fn take_products(&mut self, products: Products) -> Option<String> {
         self.preview = None;
         let said = self.calibrating.said_of_change(&products);
         if let Some(survey) = self.survey.clone() {
             self.reviewing.follow(&survey, &products.navigation);
-            self.count_figures(survey, products.clone(), jobs);
         }
         self.products = Some(products);
         said
-    }
-
-    /// Starts counting the figures that panels show of some results.
-    pub(super) fn count_figures(&mut self, survey: Arc<Survey>, products: Products, jobs: &Jobs) {
-        let ProcessedLog { survey, products } = ProcessedLog::new(survey, products);
-        self.counting =
-            Some(Task::start(jobs, move |progress| Figures::of(&survey, &products, progress).ok()));
     }
 }
 

@@ -186,15 +186,8 @@ const MAKES_RESULTS: [&str; 9] = [
 const SETTINGS_TABLE: [&str; 2] = ["rows", "settings"];
 
 /// Makers of results that are types.
-const MAKERS: [&str; 7] = [
-    "DepthMap::new",
-    "Derived::",
-    "Engine::",
-    "Isobaths::new",
-    "Light::suited",
-    "Mosaic::new",
-    "Surface::",
-];
+const MAKERS: [&str; 6] =
+    ["DepthMap::new", "Derived::", "Isobaths::new", "Light::suited", "Mosaic::new", "Surface::"];
 
 /// Names that the code takes out of a module: `{a, b::C}` after `module::` gives `a` and `C`.
 fn names_of(code: &str, module: &str) -> Vec<String> {

@@ -279,7 +279,7 @@ fn comparing_is_stopped_and_taken_up_again() {
     app.apply(Command::OpenDemo);
     wait(&mut app);
     app.apply(Command::CompareWith(demo_log()));
-    assert!(app.map.comparing.is_opening() && app.comparing_fraction().is_some());
+    assert!(app.awaited().is_some_and(|(what, _)| what == "opening the reference"));
     app.apply(Command::Do(Action::Cancel));
     wait(&mut app);
     assert!(app.map.comparing.reference.is_none() && app.notices.is_empty());

@@ -15,12 +15,12 @@ mod scale;
 mod step;
 mod whole;
 
-use super::{App, LogId, OpenLog, Task, TaskOutcome};
+use super::jobs::JobKey;
+use super::{App, LogId, OpenLog};
 use bathyscope_bottom::calibration::PingRange;
 use bathyscope_bottom::presentation::text::count;
 use bathyscope_log::support::printable::quoted;
 use bathyscope_log::survey::{Bytes, Survey};
-use bathyscope_products::pipeline::EngineStatus;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use step::{FollowedLog, Grown, StepError, Tools};
@@ -51,9 +51,6 @@ struct Active {
     log: LogId,
     /// Copy of the log and state of its results; `None` while a step uses them.
     tools: Option<Tools>,
-    starting: Option<Task<Result<Tools, StepError>>>,
-    stepping: Option<Stepping>,
-    whole: Option<Task<Result<FollowedLog, StepError>>>,
     /// Results of the whole log as it was when they were begun, from which the next step continues.
     fresh: Option<FollowedLog>,
     /// Number of bytes of the log at the last run over the whole log.
@@ -72,13 +69,11 @@ struct Active {
     stretch: Option<PingRange>,
 }
 
-/// A running step.
-struct Stepping {
-    /// Recording from which the step continues.
-    from: Arc<Survey>,
+/// The recording from which a step continues.
+struct StepFrom {
+    survey: Arc<Survey>,
     /// True if that recording is the one of the fresh results of the whole log.
     is_fresh: bool,
-    task: Task<(Tools, Result<Grown, StepError>)>,
 }
 
 /// Reason that a log is no longer followed.
@@ -111,15 +106,9 @@ pub enum FollowStatus {
 }
 
 impl Following {
-    /// Returns true if a step or a run over the whole log is running, or following is ending.
-    pub(super) fn is_busy(&self) -> bool {
-        let works = |active: &Active| {
-            active.starting.is_some()
-                || active.stepping.is_some()
-                || active.whole.is_some()
-                || active.ends.is_some()
-        };
-        self.active.as_ref().is_some_and(works)
+    /// Returns true if following is ending.
+    pub(super) fn is_ending(&self) -> bool {
+        self.active.as_ref().is_some_and(|active| active.ends.is_some())
     }
 }
 
@@ -146,7 +135,7 @@ impl App {
         if active.ends.is_some() {
             return Some(FollowStatus::Ending);
         }
-        if active.starting.is_some() {
+        if self.is_running(&JobKey::StartFollowing) {
             return Some(FollowStatus::Starting);
         }
         let silent = active.added.elapsed();
@@ -186,18 +175,11 @@ impl App {
             let text = "a log with another receiver's track cannot be followed; remove the external track first";
             return self.warn(text.to_owned());
         }
-        let known = survey.clone();
-        let starting = Task::start(&self.jobs, move |progress| {
-            Tools::start(&known, progress).map_err(StepError::from)
-        });
         let now = Instant::now();
         self.following.serial += 1;
         self.following.active = Some(Active {
             log: self.log.id,
             tools: None,
-            starting: Some(starting),
-            stepping: None,
-            whole: None,
             fresh: None,
             whole_bytes: survey.source.byte_count,
             whole_at: now,
@@ -208,24 +190,44 @@ impl App {
             is_last: false,
             stretch: None,
         });
+        self.jobs.run_or(
+            JobKey::StartFollowing,
+            move |progress| Tools::start(&survey, progress).map_err(StepError::from),
+            |app, started| app.with_followed(|app, active| app.take_start(active, started)),
+            |app| app.with_followed(|app, active| app.take_start(active, Err(StepError::Failed))),
+        );
     }
 
-    /// Collects what was read, and starts reading the log again when the time has come.
-    pub(super) fn poll_following(&mut self) {
+    /// Changes the state of following; does nothing while no log is followed.
+    fn with_followed(&mut self, change: impl FnOnce(&mut Self, &mut Active)) {
+        if let Some(mut active) = self.following.active.take() {
+            self.hold_scale(&mut active);
+            change(self, &mut active);
+            self.following.active = Some(active);
+        }
+    }
+
+    /// Stops reading the log that was followed.
+    fn stop_steps(&mut self) {
+        for key in [JobKey::StartFollowing, JobKey::FollowStep, JobKey::FollowWhole] {
+            self.jobs.stop(&key);
+        }
+    }
+
+    /// Starts reading the followed log again when the time has come, and ends following.
+    pub(super) fn follow_log(&mut self) {
         let Some(mut active) = self.following.active.take() else {
             return;
         };
         let Some(survey) = self.open_log(active.log).map(|log| log.survey.clone()) else {
             // The log was closed.
-            return;
+            return self.stop_steps();
         };
         if survey.is_some_and(|survey| survey.track.external.is_some()) {
+            self.stop_steps();
             return self.leave_following(active.log);
         }
         self.hold_scale(&mut active);
-        self.collect_start(&mut active);
-        self.collect_step(&mut active);
-        self.collect_whole(&mut active);
         let is_done = active.ends.is_some() && self.finish(&mut active);
         if is_done {
             return;
@@ -239,20 +241,14 @@ impl App {
         self.search_tail(id);
     }
 
-    fn collect_start(&mut self, active: &mut Active) {
-        let started = match active.starting.as_ref().map(Task::poll) {
-            Some(TaskOutcome::Done(started)) => started,
-            Some(TaskOutcome::Failed) => Err(StepError::Failed),
-            Some(TaskOutcome::Pending) | None => return,
-        };
-        active.starting = None;
+    fn take_start(&mut self, active: &mut Active, started: Result<Tools, StepError>) {
         match started {
             Ok(mut tools) => {
                 let bytes = std::mem::take(&mut tools.beginning);
                 if let Some(log) = self.log_mut(active.log) {
                     log.leave_map(&bytes);
                 }
-                self.pipeline.previewer.forget();
+                self.forget_previews();
                 active.tools = Some(tools);
             }
             Err(error) => {
@@ -264,23 +260,19 @@ impl App {
         }
     }
 
-    fn collect_step(&mut self, active: &mut Active) {
-        let outcome = active.stepping.as_ref().map(|step| step.task.poll());
-        if matches!(outcome, None | Some(TaskOutcome::Pending)) {
-            return;
-        }
-        let (Some(step), Some(TaskOutcome::Done((tools, grown)))) =
-            (active.stepping.take(), outcome)
-        else {
-            return self.fail_following(active, "reading it failed unexpectedly");
-        };
+    fn take_grown(
+        &mut self,
+        active: &mut Active,
+        from: &StepFrom,
+        (tools, grown): (Tools, Result<Grown, StepError>),
+    ) {
         active.tools = Some(tools);
         match grown {
             Ok(Grown::Waits(0)) => active.waiting = None,
             Ok(Grown::Waits(_)) => active.note_added(),
             // The step continued from a recording that is not shown any more; the next step adds
             // the same bytes.
-            Ok(Grown::Longer(_)) if !self.goes_on(active, &step) => active.note_added(),
+            Ok(Grown::Longer(_)) if !self.goes_on(active, from) => active.note_added(),
             Ok(Grown::Longer(ground)) => {
                 active.added = Instant::now();
                 active.waiting = None;
@@ -296,23 +288,17 @@ impl App {
     }
 
     /// Returns true if the recording from which a step continued is still the newest.
-    fn goes_on(&self, active: &Active, step: &Stepping) -> bool {
-        let newest = match (&active.fresh, step.is_fresh) {
+    fn goes_on(&self, active: &Active, from: &StepFrom) -> bool {
+        let newest = match (&active.fresh, from.is_fresh) {
             (Some(fresh), true) => Some(&fresh.survey),
             (None, false) => self.open_log(active.log).and_then(|log| log.survey.as_ref()),
             _ => None,
         };
-        let is_same = newest.is_some_and(|newest| Arc::ptr_eq(newest, &step.from));
-        is_same && !self.is_engine_on(active.log)
+        let is_same = newest.is_some_and(|newest| Arc::ptr_eq(newest, &from.survey));
+        is_same && !self.is_processing(active.log)
     }
 
-    fn collect_whole(&mut self, active: &mut Active) {
-        let made = match active.whole.as_ref().map(Task::poll) {
-            Some(TaskOutcome::Done(made)) => made,
-            Some(TaskOutcome::Failed) => Err(StepError::Failed),
-            Some(TaskOutcome::Pending) | None => return,
-        };
-        active.whole = None;
+    fn take_whole(&mut self, active: &mut Active, made: Result<FollowedLog, StepError>) {
         active.whole_at = Instant::now();
         let id = active.log;
         match made {
@@ -331,10 +317,8 @@ impl App {
                 } else {
                     // More pings were shown meanwhile: the next step adds them to these results.
                     let settled = ground.settled();
-                    let jobs = self.jobs.clone();
+                    self.count_figures(id, settled.clone());
                     if let Some(log) = self.log_mut(id) {
-                        let (survey, products) = (settled.survey.clone(), settled.products.clone());
-                        log.count_figures(survey, products, &jobs);
                         log.whole = Some(settled);
                     }
                     active.fresh = Some(ground);
@@ -357,15 +341,11 @@ impl App {
         })
     }
 
-    fn is_engine_on(&self, id: LogId) -> bool {
-        let is_it = self.pipeline.requested.as_ref().is_some_and(|(log, ..)| *log == id);
-        is_it && self.engine_status() != EngineStatus::Idle
-    }
-
     fn begin_step(&mut self, active: &mut Active) {
         let is_due = active.looked.is_none_or(|looked| looked.elapsed() >= LOOK);
         let is_behind = self.open_log(active.log).is_none_or(OpenLog::is_behind);
-        if !is_due || active.stepping.is_some() || is_behind || self.is_engine_on(active.log) {
+        let is_reading = self.is_running(&JobKey::FollowStep);
+        if !is_due || is_reading || is_behind || self.is_processing(active.log) {
             return;
         }
         let shown = self.ground_of(active.log);
@@ -386,12 +366,20 @@ impl App {
         let has_waited = active.waiting.is_some_and(|since| since.elapsed() >= LONGEST_WAIT);
         let waits = !(has_waited || is_fresh);
         active.looked = Some(Instant::now());
-        let from = ground.survey.clone();
-        let task = Task::start(&self.jobs, move |progress| {
-            let grown = tools.step(&ground, waits, progress);
-            (tools, grown)
-        });
-        active.stepping = Some(Stepping { from, is_fresh, task });
+        let from = StepFrom { survey: ground.survey.clone(), is_fresh };
+        self.jobs.run_or(
+            JobKey::FollowStep,
+            move |progress| {
+                let grown = tools.step(&ground, waits, progress);
+                (tools, grown)
+            },
+            move |app, step| app.with_followed(|app, active| app.take_grown(active, &from, step)),
+            |app| {
+                app.with_followed(|app, active| {
+                    app.fail_following(active, "reading it failed unexpectedly");
+                });
+            },
+        );
     }
 
     /// Ends following a log that now has the track of another receiver; its present pings are

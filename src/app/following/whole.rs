@@ -1,20 +1,23 @@
 //! Computes all results from the whole log again, and ends following.
 
-use super::step;
+use super::step::{self, StepError};
 use super::{Active, App, BETWEEN_WHOLE, End, QUIET, WHOLE_AGAIN};
-use crate::app::{LogId, OpenLog, Task};
+use crate::app::jobs::JobKey;
+use crate::app::{LogId, OpenLog};
 use bathyscope_bottom::picture::PictureSettings;
 use bathyscope_bottom::presentation::text::count;
 use bathyscope_log::formats::{GrowingError, GrowingLog};
 use bathyscope_log::support::printable::quoted;
+use bathyscope_log::support::progress::Progress;
 use bathyscope_products::pipeline::Settings;
 
 impl App {
     /// Starts computing results from the whole log if it has grown by enough, has stopped growing,
     /// or if its settings have changed.
     pub(super) fn begin_whole(&mut self, active: &mut Active) {
-        let is_busy = active.whole.is_some() || active.fresh.is_some() || active.tools.is_none();
-        if is_busy || active.whole_at.elapsed() < BETWEEN_WHOLE || self.is_engine_on(active.log) {
+        let is_running = self.is_running(&JobKey::FollowWhole);
+        let is_busy = is_running || active.fresh.is_some() || active.tools.is_none();
+        if is_busy || active.whole_at.elapsed() < BETWEEN_WHOLE || self.is_processing(active.log) {
             return;
         }
         let Some(log) = self.open_log(active.log) else {
@@ -50,7 +53,7 @@ impl App {
             Err(error) => return self.fail_following(active, &error.to_string()),
         };
         let is_cut = matches!(active.ends, Some(End::Failed));
-        active.whole = Some(Task::start(&self.jobs, move |progress| {
+        let work = move |progress: &Progress| {
             let files = if is_finished && !is_cut {
                 // A recorder may have written its header again when it was switched off.
                 match GrowingLog::again(&files, progress) {
@@ -62,13 +65,20 @@ impl App {
                 files
             };
             step::whole(files, is_finished, frame.as_ref(), &ground, progress)
-        }));
+        };
+        self.jobs.run_or(
+            JobKey::FollowWhole,
+            work,
+            |app, made| app.with_followed(|app, active| app.take_whole(active, made)),
+            |app| app.with_followed(|app, active| app.take_whole(active, Err(StepError::Failed))),
+        );
     }
 
     /// Ends following: the whole log is read and processed once more. Returns true once that is
     /// done.
     pub(super) fn finish(&mut self, active: &mut Active) -> bool {
-        if active.stepping.is_some() || active.starting.is_some() || active.whole.is_some() {
+        let steps = [JobKey::StartFollowing, JobKey::FollowStep, JobKey::FollowWhole];
+        if steps.iter().any(|key| self.is_running(key)) {
             return false;
         }
         let known = self.open_log(active.log).and_then(|log| {
@@ -96,7 +106,7 @@ impl App {
             }
             return true;
         }
-        if self.is_engine_on(active.log) {
+        if self.is_processing(active.log) {
             return false;
         }
         if !is_provisional && tools.growing.byte_count() == bytes {

@@ -2,12 +2,12 @@
 //! renamed, every few seconds and when the log or the window is closed. Decisions that an earlier
 //! run left in the file are offered to the analyst, but never merged without a request.
 
-use super::{Parked, Reviewing, is_touched};
+use super::{Parked, is_touched};
 use crate::app::error::AppError;
-use crate::app::{Action, App, Jobs, LogId, Task, TaskOutcome};
+use crate::app::jobs::JobKey;
+use crate::app::{Action, App, LogId};
 use bathyscope_bottom::presentation::text;
-use bathyscope_log::support::progress::Progress;
-use bathyscope_objects::review::{Review, Reviewed};
+use bathyscope_objects::review::{Review, ReviewError, Reviewed};
 use bathyscope_products::export::{self, ExportError};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -19,12 +19,6 @@ const EVERY: Duration = Duration::from_secs(3);
 /// Ending of the file's name, which replaces that of the log.
 const SUFFIX: &str = "review.unsaved.json";
 
-/// A version of the review that is being written into the file.
-struct Writing {
-    review: Arc<Review>,
-    task: Task<Result<(), ExportError>>,
-}
-
 /// State of the automatic saving of a log's decisions.
 #[derive(Default)]
 pub(super) struct Autosave {
@@ -33,8 +27,9 @@ pub(super) struct Autosave {
     /// The version in the file, if this run wrote or restored it.
     written: Option<Arc<Review>>,
     last: Option<Instant>,
-    writing: Option<Writing>,
-    looking: Option<Task<Result<Review, AppError>>>,
+    /// Contents of a file of an earlier run that was found, until they are compared with the saved
+    /// review.
+    found: Option<Result<Review, ReviewError>>,
     /// Decisions of an earlier run that the analyst has not restored yet.
     left: Option<Arc<Review>>,
     /// True if the file cannot be written, and the analyst was notified.
@@ -54,10 +49,6 @@ impl Autosave {
         if self.holds(before) {
             self.written = Some(carried.clone());
         }
-    }
-
-    pub(super) fn is_looking(&self) -> bool {
-        self.looking.is_some()
     }
 
     fn path(&self) -> Option<PathBuf> {
@@ -86,7 +77,6 @@ impl Autosave {
 
     /// Removes the file after the review was saved, because its decisions are not needed any more.
     pub(super) fn clear(&mut self) {
-        self.writing = None;
         if self.written.take().is_some()
             && let Some(path) = self.path()
         {
@@ -123,124 +113,101 @@ impl App {
 
     /// Returns the time until decisions must be written; `None` if there is nothing to write.
     pub fn autosave_due(&self) -> Option<Duration> {
-        self.logs().filter_map(|log| log.reviewing.autosave_due()).min()
-    }
-}
-
-impl Reviewing {
-    fn autosave_due(&self) -> Option<Duration> {
-        let is_due = self.autosave.writing.is_none() && self.wants_autosave();
-        is_due.then(|| self.autosave.wait())
+        self.logs().filter_map(|log| self.autosave_due_of(log.id)).min()
     }
 
-    fn wants_autosave(&self) -> bool {
-        let reviewing = self;
+    /// Returns the time until decisions about a log must be written; `None` if there is nothing to
+    /// write.
+    fn autosave_due_of(&self, id: LogId) -> Option<Duration> {
+        let is_writing = self.is_running(&JobKey::WriteUnsaved(id));
+        let reviewing = &self.open_log(id).filter(|_| !is_writing)?.reviewing;
+        self.wants_autosave(id).then(|| reviewing.autosave.wait())
+    }
+
+    fn wants_autosave(&self, id: LogId) -> bool {
+        let Some(reviewing) = self.open_log(id).map(|log| &log.reviewing) else {
+            return false;
+        };
         let autosave = &reviewing.autosave;
-        let is_possible = autosave.log.is_some() && !autosave.failed && !autosave.is_looking();
+        let is_read = autosave.found.is_none() && !self.is_running(&JobKey::ReadUnsaved(id));
+        let is_possible = autosave.log.is_some() && !autosave.failed && is_read;
         is_possible && reviewing.is_unsaved() && !autosave.holds(&reviewing.review)
     }
 
-    /// Collects a finished write, and starts the next one when the time has come.
-    fn poll_writing(&mut self, jobs: &Jobs) -> Result<(), AppError> {
-        let collected = self.collect_writing();
-        self.autosave.failed |= collected.is_err();
-        if self.autosave_due() == Some(Duration::ZERO)
-            && let Some(write) = self.autosave.next()
-        {
-            let review = self.review.clone();
-            let requested = review.clone();
-            let task = Task::start(jobs, move |_| write(&requested));
-            self.autosave.last = Some(Instant::now());
-            self.autosave.writing = Some(Writing { review, task });
-        }
-        collected
-    }
-
-    fn collect_writing(&mut self) -> Result<(), AppError> {
-        let Some(writing) = self.autosave.writing.take() else {
-            return Ok(());
-        };
-        match writing.task.poll() {
-            TaskOutcome::Pending => self.autosave.writing = Some(writing),
-            TaskOutcome::Done(written) => {
-                written?;
-                self.autosave.written = Some(writing.review);
-            }
-            TaskOutcome::Failed => return Err(AppError::Failed("the writing")),
-        }
-        Ok(())
-    }
-
-    /// Writes the decisions that are not in the file yet.
-    fn write_now(&mut self) -> Result<(), AppError> {
-        if self.wants_autosave()
-            && let Some(write) = self.autosave.next()
-        {
-            let written = write(&self.review);
-            self.autosave.failed = written.is_err();
-            written?;
-            self.autosave.written = Some(self.review.clone());
-        }
-        Ok(())
-    }
-
-    /// Collects the decisions that an earlier run left. Returns the number of boxes that it decided
-    /// about, once; `None` if there are none.
-    fn poll_left(&mut self) -> Result<Option<usize>, AppError> {
-        // The saved review must be read first, because the left decisions are compared with it.
-        if self.opening.is_some() {
-            return Ok(None);
-        }
-        let autosave = &mut self.autosave;
-        let left = match autosave.looking.as_ref().map(Task::poll) {
-            Some(TaskOutcome::Done(left)) => left,
-            Some(TaskOutcome::Failed) => Err(AppError::Failed("reading them")),
-            Some(TaskOutcome::Pending) | None => return Ok(None),
-        };
-        autosave.looking = None;
-        match left {
-            // This run wrote the file.
-            Ok(left) if left.shared() == self.review.shared() => {
-                autosave.written = Some(self.review.clone());
-                Ok(None)
-            }
-            Ok(left) => {
-                let decided = left.boxes().filter(|one| Reviewed::is_kept(one)).count();
-                autosave.left = Some(Arc::new(left));
-                Ok(Some(decided))
-            }
-            Err(error) => {
-                // A file that cannot be read is never overwritten: it may be somebody's work.
-                autosave.log = None;
-                Err(error)
-            }
-        }
-    }
-}
-
-impl App {
     /// Writes decisions about a log when the time has come, and notifies the analyst of decisions
     /// that an earlier run left.
-    pub(in crate::app) fn poll_autosave(&mut self, id: LogId) {
-        let jobs = self.jobs.clone();
+    pub(in crate::app) fn autosave(&mut self, id: LogId) {
+        // The saved review is read first, because the left decisions are compared with it.
+        if !self.is_running(&JobKey::ReadReview(id))
+            && let Some(found) =
+                self.log_mut(id).and_then(|log| log.reviewing.autosave.found.take())
+        {
+            self.take_left(id, found);
+        }
+        if self.autosave_due_of(id) != Some(Duration::ZERO) {
+            return;
+        }
         let Some(log) = self.log_mut(id) else {
             return;
         };
-        let left = log.reviewing.poll_left();
-        let written = log.reviewing.poll_writing(&jobs);
-        match left {
-            Ok(Some(decided)) => {
+        if let Some(write) = log.reviewing.autosave.next() {
+            log.reviewing.autosave.last = Some(Instant::now());
+            let review = log.reviewing.review.clone();
+            let requested = review.clone();
+            self.jobs.run_or(
+                JobKey::WriteUnsaved(id),
+                move |_| write(&requested),
+                move |app, written| app.take_written(id, review, written.map_err(AppError::from)),
+                move |app| {
+                    // The next write would fail as well.
+                    if let Some(log) = app.log_mut(id) {
+                        log.reviewing.autosave.failed = true;
+                    }
+                    app.say_not_kept(&AppError::Failed("the writing"));
+                },
+            );
+        }
+    }
+
+    /// Remembers the version of a review that was written, or that writing failed.
+    fn take_written(&mut self, id: LogId, review: Arc<Review>, written: Result<(), AppError>) {
+        if let Some(log) = self.log_mut(id) {
+            let autosave = &mut log.reviewing.autosave;
+            autosave.failed = written.is_err();
+            if written.is_ok() {
+                autosave.written = Some(review);
+            }
+        }
+        if let Err(why) = written {
+            self.say_not_kept(&why);
+        }
+    }
+
+    /// Offers the decisions of an earlier run to the analyst, unless they are those of this run.
+    fn take_left(&mut self, id: LogId, found: Result<Review, ReviewError>) {
+        let Some(log) = self.log_mut(id) else {
+            return;
+        };
+        let reviewing = &mut log.reviewing;
+        match found {
+            // This run wrote the file.
+            Ok(left) if left.shared() == reviewing.review.shared() => {
+                reviewing.autosave.written = Some(reviewing.review.clone());
+            }
+            Ok(left) => {
+                let decided = left.boxes().filter(|one| Reviewed::is_kept(one)).count();
+                reviewing.autosave.left = Some(Arc::new(left));
                 let boxes = text::plural(decided, "box", "boxes");
                 let notice =
                     format!("Decisions about {boxes} were not saved when this log was last open");
                 self.offer(notice, Action::TakeUpUnsaved);
             }
-            Ok(None) => {}
             Err(error) => {
+                // A file that cannot be read is never overwritten: it may be somebody's work.
+                reviewing.autosave.log = None;
                 self.warn(format!("cannot use the unsaved decisions: {error}"));
             }
         }
-        self.say_not_kept(written);
     }
 
     /// Writes the unsaved decisions about all logs now, because others are opened or the window
@@ -254,27 +221,29 @@ impl App {
     /// Writes the unsaved decisions about a log now, because it is closed.
     pub(in crate::app) fn keep_decisions_of(&mut self, id: LogId) {
         // A running write must end before this one, so that the newest version stays.
-        while (self.log_mut(id)).is_some_and(|log| log.reviewing.autosave.writing.is_some()) {
-            self.poll_autosave(id);
-            std::thread::sleep(Duration::from_millis(1));
+        self.wait_for(&JobKey::WriteUnsaved(id));
+        if !self.wants_autosave(id) {
+            return;
         }
-        let written = self.log_mut(id).map(|log| log.reviewing.write_now());
-        self.say_not_kept(written.unwrap_or(Ok(())));
+        let Some(log) = self.log_mut(id) else {
+            return;
+        };
+        if let Some(write) = log.reviewing.autosave.next() {
+            let review = log.reviewing.review.clone();
+            let written = write(&review).map_err(AppError::from);
+            self.take_written(id, review, written);
+        }
     }
 
-    fn say_not_kept(&mut self, written: Result<(), AppError>) {
-        if let Err(why) = written {
-            let text = format!(
-                "decisions cannot be saved automatically; save the review in the Review menu: {why}"
-            );
-            self.warn(text);
-        }
+    fn say_not_kept(&mut self, why: &AppError) {
+        self.warn(format!(
+            "decisions cannot be saved automatically; save the review in the Review menu: {why}"
+        ));
     }
 
     /// Starts saving the decisions about a log that is a file, and searches for those that an
     /// earlier run left.
     pub(in crate::app) fn look_for_unsaved(&mut self, id: LogId) {
-        let jobs = self.jobs.clone();
         let Some(log) = self.log_mut(id) else {
             return;
         };
@@ -284,8 +253,23 @@ impl App {
         let autosave = &mut log.reviewing.autosave;
         autosave.log = survey.source.files.first().cloned();
         if let Some(path) = autosave.path().filter(|path| path.is_file()) {
-            let read = move |_: &Progress| Ok(Review::open_for(&path, &survey)?);
-            autosave.looking = Some(Task::start(&jobs, read));
+            self.jobs.run_or(
+                JobKey::ReadUnsaved(id),
+                move |_| Review::open_for(&path, &survey),
+                move |app, found| {
+                    if let Some(log) = app.log_mut(id) {
+                        log.reviewing.autosave.found = Some(found);
+                    }
+                },
+                move |app| {
+                    // A file that cannot be read is never overwritten: it may be somebody's work.
+                    if let Some(log) = app.log_mut(id) {
+                        log.reviewing.autosave.log = None;
+                    }
+                    let name = JobKey::ReadUnsaved(id).name();
+                    app.warn(AppError::Failed(name).to_string());
+                },
+            );
         }
     }
 

@@ -4,11 +4,12 @@
 mod tail;
 
 use crate::app::error::AppError;
-use crate::app::{Action, App, LogId, OpenLog, Task, TaskOutcome};
+use crate::app::jobs::JobKey;
+use crate::app::{Action, App, LogId, OpenLog};
+use bathyscope_log::support::progress::Progress;
 use bathyscope_objects::model::shipped;
 use bathyscope_objects::review::{Queue, Review};
 use bathyscope_objects::{Detection, DetectorSettings, Model, ModelError, SoFar, find};
-use bathyscope_products::pipeline::EngineStatus;
 use std::collections::VecDeque;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -44,7 +45,6 @@ struct Detecting {
     /// log when the search began.
     pings: usize,
     all: usize,
-    task: Task<Result<Vec<Detection>, AppError>>,
 }
 
 /// The detector of the window, and the state of its search of one log after the other.
@@ -70,14 +70,6 @@ impl ObjectSearch {
     /// Returns true if a log is being searched or is waiting to be searched.
     pub(crate) fn is_busy(&self) -> bool {
         self.running.is_some() || !self.ahead.is_empty()
-    }
-
-    /// Removes a log that is being closed from the search.
-    pub(crate) fn leave(&mut self, log: LogId) {
-        let planned = self.ahead.len();
-        self.ahead.retain(|one| *one != log);
-        let running = self.running.take_if(|running| running.log == log);
-        self.logs -= planned - self.ahead.len() + usize::from(running.is_some());
     }
 }
 
@@ -111,7 +103,7 @@ impl App {
     pub fn search_status(&self) -> Option<SearchStatus> {
         let search = &self.findings.search;
         let running = search.running.as_ref();
-        let here = running.map_or(0.0, |running| running.task.fraction());
+        let here = self.jobs.fraction(&JobKey::SearchObjects).unwrap_or(0.0);
         search.is_busy().then(|| SearchStatus {
             log: running.map(|running| running.log),
             place: (search.done + 1).min(search.logs),
@@ -142,6 +134,7 @@ impl App {
             let text = "there is no usable side-scan in this log to find objects in";
             return self.warn(text.to_owned());
         }
+        self.jobs.stop(&JobKey::SearchObjects);
         self.findings.search.running = None;
         self.findings.search.tail.wants();
         (self.findings.search.logs, self.findings.search.done, self.findings.search.found) =
@@ -162,7 +155,7 @@ impl App {
             if let Some(id) = self.findings.search.ahead.remove(place) {
                 self.search_log(id);
             }
-        } else if self.engine_status() == EngineStatus::Idle
+        } else if !self.is_running(&JobKey::Process)
             && (self.pipeline.is_waiting || self.pipeline.requested.is_none())
         {
             // No log is being processed, so that waiting would never end.
@@ -187,7 +180,7 @@ impl App {
         let known = self.findings.search.detector.clone();
         let known = known.filter(|detector| detector.path == path);
         let (sender, messages) = mpsc::channel();
-        let task = Task::start(&self.jobs, move |progress| {
+        let work = move |progress: &Progress| -> Result<Vec<Detection>, AppError> {
             let detector = match known {
                 Some(detector) => detector,
                 None => load(path)?,
@@ -204,8 +197,12 @@ impl App {
             };
             let found = find(&survey, &navigation, &model, &settings, progress, on_found);
             Ok(found?)
+        };
+        self.findings.search.running = Some(Detecting { log: id, messages, pings: 0, all });
+        let name = JobKey::SearchObjects.name();
+        self.jobs.run_or(JobKey::SearchObjects, work, Self::take_search, move |app| {
+            app.take_search(Err(AppError::Failed(name)));
         });
-        self.findings.search.running = Some(Detecting { log: id, messages, pings: 0, all, task });
     }
 
     /// Returns a sentence about the searched part of the shown log, if a search is still running or
@@ -231,7 +228,8 @@ impl App {
 
     /// Stops a search; the boxes that it has found stay, with the range of searched pings.
     pub(in crate::app) fn stop_detecting(&mut self) {
-        self.findings.search.tail.stop();
+        self.stop_tail();
+        self.jobs.stop(&JobKey::SearchObjects);
         if !self.findings.search.is_busy() {
             return;
         }
@@ -267,37 +265,47 @@ impl App {
         last
     }
 
-    /// Collects the results of a search, and continues with the next log.
-    pub(in crate::app) fn poll_detecting(&mut self) {
+    /// Shows the boxes that the running search has found so far, or continues with the next log.
+    pub(in crate::app) fn search_on(&mut self) {
         let Some(mut running) = self.findings.search.running.take() else {
             if self.findings.search.is_busy() {
                 self.search_next();
             }
             return;
         };
-        let id = running.log;
-        let outcome = running.task.poll();
-        let last = self.receive_messages(&running);
-        let found = match outcome {
-            TaskOutcome::Pending => {
-                if let Some(so_far) = last {
-                    running.pings = so_far.pings;
-                    self.adopt(id, &so_far.boxes, so_far.pings, true);
-                }
-                self.findings.search.running = Some(running);
-                return;
-            }
-            TaskOutcome::Done(found) => found,
-            TaskOutcome::Failed => Err(AppError::Failed("the search for objects")),
+        if let Some(so_far) = self.receive_messages(&running) {
+            running.pings = so_far.pings;
+            self.adopt(running.log, &so_far.boxes, so_far.pings, true);
+        }
+        self.findings.search.running = Some(running);
+    }
+
+    /// Adds the boxes of a search that has ended.
+    fn take_search(&mut self, found: Result<Vec<Detection>, AppError>) {
+        let Some(running) = self.findings.search.running.take() else {
+            return;
         };
+        let last = self.receive_messages(&running);
         match found {
-            Ok(found) => self.take_found(id, &found, running.all),
+            Ok(found) => self.take_found(running.log, &found, running.all),
             Err(error) => {
                 // The same model would fail on the next log as well.
                 self.findings.search.ahead.clear();
-                self.end_search(id, last);
+                self.end_search(running.log, last);
                 self.warn(error.to_string());
             }
+        }
+    }
+
+    /// Removes a log that is being closed from the search.
+    pub(in crate::app) fn leave_search(&mut self, log: LogId) {
+        let search = &mut self.findings.search;
+        let planned = search.ahead.len();
+        search.ahead.retain(|one| *one != log);
+        let running = search.running.take_if(|running| running.log == log);
+        search.logs -= planned - search.ahead.len() + usize::from(running.is_some());
+        if running.is_some() {
+            self.jobs.stop(&JobKey::SearchObjects);
         }
     }
 

@@ -1,10 +1,10 @@
 //! Reads and writes the file of a review: a sidecar file of the log, which itself is never changed.
 
 use super::Reviewing;
-use crate::app::error::AppError;
-use crate::app::{App, Jobs, LogId, OpenLog, Task, TaskOutcome};
+use crate::app::jobs::JobKey;
+use crate::app::{App, LogId, OpenLog};
 use bathyscope_log::support::printable::quoted;
-use bathyscope_objects::review::Review;
+use bathyscope_objects::review::{Review, ReviewError};
 use bathyscope_products::export::{self, ExportError};
 use bathyscope_products::outputs::write_boxes;
 use std::io::Write as _;
@@ -13,14 +13,6 @@ use std::sync::Arc;
 
 /// Ending of the name of a review's file.
 const SUFFIX: &str = "review.json";
-
-/// A review being read.
-pub(super) struct ReviewOpening {
-    path: PathBuf,
-    /// True if the file is a sidecar file that was found, not a file that the analyst opened.
-    unasked: bool,
-    task: Task<Result<Review, AppError>>,
-}
 
 impl App {
     /// Returns the path of the review of the shown log: its file, or else the sidecar file of the
@@ -64,6 +56,8 @@ impl App {
         if self.refuses_log(id, &path) {
             return;
         }
+        // A running write of the unsaved decisions would leave a file of them.
+        self.wait_for(&JobKey::WriteUnsaved(id));
         let Some(log) = self.log_mut(id) else {
             return;
         };
@@ -103,8 +97,7 @@ impl App {
 
     /// Starts reading a review of the shown log.
     pub(in crate::app) fn open_review(&mut self, path: PathBuf) {
-        let jobs = self.jobs.clone();
-        if !self.log.read_review(path, false, &jobs) {
+        if !self.read_review(self.log.id, path, false) {
             let text = "open the log first, then the review of its boxes";
             self.warn(text.to_owned());
         }
@@ -113,28 +106,45 @@ impl App {
     /// Starts reading the review in a log's sidecar file, if there is one and the log has no boxes
     /// yet.
     pub(in crate::app) fn look_for_review(&mut self, id: LogId) {
-        let jobs = self.jobs.clone();
-        if let Some(log) = self.log_mut(id)
+        if let Some(log) = self.open_log(id)
             && let Some(path) = log.review_path()
             && !log.reviewing.has_boxes()
             && path.is_file()
         {
-            log.read_review(path, true, &jobs);
+            self.read_review(id, path, true);
         }
     }
 
-    /// Collects a review that was read for a log.
-    pub(in crate::app) fn poll_review(&mut self, id: LogId) {
-        let Some(log) = self.log_mut(id) else {
-            return;
+    /// Starts reading a review of a log; `is_found` if it is a sidecar file, not a file that the
+    /// analyst opened. Returns true if there is a log.
+    fn read_review(&mut self, id: LogId, path: PathBuf, is_found: bool) -> bool {
+        let Some(survey) = self.open_log(id).and_then(|log| log.survey.clone()) else {
+            return false;
         };
-        let Some((read, path, unasked)) = log.reviewing.take_read() else {
+        let from = path.clone();
+        self.jobs.run(
+            JobKey::ReadReview(id),
+            move |_| Review::open_for(&from, &survey),
+            move |app, read| app.take_read_review(id, read, path, is_found),
+        );
+        true
+    }
+
+    /// Sets the boxes of a log that were read from a file.
+    fn take_read_review(
+        &mut self,
+        id: LogId,
+        read: Result<Review, ReviewError>,
+        path: PathBuf,
+        is_found: bool,
+    ) {
+        let Some(log) = self.log_mut(id) else {
             return;
         };
         match read {
             Ok(review) => {
                 let boxes = review.boxes().len();
-                let text = if unasked {
+                let text = if is_found {
                     format!("Found {boxes} boxes in the log's sidecar file: {}", path.display())
                 } else {
                     format!("Opened {boxes} boxes: {}", path.display())
@@ -150,7 +160,7 @@ impl App {
                 self.notify(text);
             }
             Err(error) => {
-                log.reviewing.refused = unasked.then_some(path);
+                log.reviewing.refused = is_found.then_some(path);
                 self.warn(error.to_string());
             }
         }
@@ -167,32 +177,9 @@ impl OpenLog {
         };
         self.reviewing.path.clone().or_else(beside)
     }
-
-    /// Starts reading a review of the log. Returns true if there is a log.
-    fn read_review(&mut self, path: PathBuf, unasked: bool, jobs: &Jobs) -> bool {
-        let Some(survey) = self.survey.clone() else {
-            return false;
-        };
-        let from = path.clone();
-        let task = Task::start(jobs, move |_| Ok(Review::open_for(&from, &survey)?));
-        self.reviewing.opening = Some(ReviewOpening { path, unasked, task });
-        true
-    }
 }
 
 impl Reviewing {
-    /// Returns a review once, when reading has ended, with its file, and true if that was found,
-    /// not opened.
-    fn take_read(&mut self) -> Option<(Result<Review, AppError>, PathBuf, bool)> {
-        let read = match self.opening.as_ref()?.task.poll() {
-            TaskOutcome::Pending => return None,
-            TaskOutcome::Done(read) => read,
-            TaskOutcome::Failed => Err(AppError::Failed("reading the review")),
-        };
-        let ReviewOpening { path, unasked, .. } = self.opening.take()?;
-        Some((read, path, unasked))
-    }
-
     /// Writes the boxes into a file, which is the file of the review from now on.
     fn save(&mut self, path: PathBuf) -> Result<(), ExportError> {
         let text = self.review.to_json();

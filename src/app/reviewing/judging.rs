@@ -3,7 +3,9 @@
 
 use super::{Reviewing, middle};
 use crate::app::error::AppError;
-use crate::app::{App, Jobs, LogId, OpenLog, Task, TaskOutcome};
+use crate::app::jobs::JobKey;
+use crate::app::{App, LogId, OpenLog};
+use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::Identity;
 use bathyscope_objects::truth::{
     self, Mistake, RasterTruth, Standing, SurveyTruth, TruthComparison,
@@ -49,23 +51,13 @@ enum TruthSource {
     Demo,
 }
 
-/// A truth being read.
-struct TruthOpening {
-    source: TruthSource,
-    /// True if the file is a sidecar file that was found, not a file that the analyst opened.
-    unasked: bool,
-    task: Task<Result<SurveyTruth, AppError>>,
-}
-
 /// The truth, and its comparison with the boxes.
 #[derive(Default)]
 pub struct Judging {
     truth: Option<(TruthSource, Arc<SurveyTruth>)>,
-    opening: Option<TruthOpening>,
     /// Path of a truth that was requested while the log was still being opened.
     requested: Option<PathBuf>,
     comparison: Option<TruthComparison>,
-    running: Option<Task<TruthComparison>>,
     /// True if boxes, raster or truth have changed since the last comparison began.
     outdated: bool,
     standing: Option<Standing>,
@@ -130,84 +122,20 @@ impl Judging {
         self.requested = before.judging.requested.take();
     }
 
-    pub(super) fn is_busy(&self) -> bool {
-        self.opening.is_some() || self.running.is_some()
-    }
-
     /// Deselects the missed object.
     pub(in crate::app) fn look_away(&mut self) {
         self.missed = None;
     }
 
-    /// Collects a truth when reading has ended; returns the text of a notice about it, or `None` if
-    /// there is none.
-    fn take_truth(&mut self) -> Result<Option<String>, AppError> {
-        let read = match self.opening.as_ref().map(|opening| opening.task.poll()) {
-            Some(TaskOutcome::Done(read)) => read,
-            Some(TaskOutcome::Failed) => Err(AppError::Failed("reading the known objects")),
-            Some(TaskOutcome::Pending) | None => return Ok(None),
-        };
-        let opening = self.opening.take();
-        let (truth, Some(opening)) = (read?, opening) else {
-            return Ok(None);
-        };
-        let objects = truth.objects.len();
-        self.forget();
-        self.truth = Some((opening.source.clone(), Arc::new(truth)));
-        self.outdated = true;
-        Ok(match opening.source {
-            TruthSource::File(path) if !opening.unasked => {
-                let path = path.display();
-                Some(format!("Opened {objects} known objects: {path}"))
-            }
-            // The name of a sidecar file is shown where its objects are used.
-            TruthSource::File(_) | TruthSource::Demo => None,
-        })
-    }
-
     fn forget(&mut self) {
         self.truth = None;
         self.comparison = None;
-        self.running = None;
         self.standing = None;
         self.missed = None;
     }
 }
 
 impl Reviewing {
-    /// Collects the comparison with the truth, and starts it again if it is outdated.
-    fn poll_comparison(&mut self, jobs: &Jobs) {
-        if self.judging.running.is_none() {
-            self.compare(jobs);
-        }
-        let judging = &mut self.judging;
-        match judging.running.as_ref().map(Task::poll) {
-            Some(TaskOutcome::Done(comparison)) => {
-                judging.running = None;
-                judging.comparison = Some(comparison);
-                self.count_mistakes();
-            }
-            Some(TaskOutcome::Failed) => judging.running = None,
-            Some(TaskOutcome::Pending) | None => {}
-        }
-    }
-
-    fn compare(&mut self, jobs: &Jobs) {
-        let Some(raster) = self.raster().cloned() else {
-            return;
-        };
-        let review = self.review.clone();
-        let judging = &mut self.judging;
-        let (Some((_, truth)), true) = (&judging.truth, judging.outdated) else {
-            return;
-        };
-        judging.outdated = false;
-        let truth = truth.clone();
-        judging.running = Some(Task::start(jobs, move |_| {
-            TruthComparison::new(&review, RasterTruth::new(&raster, truth), &raster)
-        }));
-    }
-
     /// Counts the mistakes again at the confidence slider, and sorts them.
     pub(super) fn count_mistakes(&mut self) {
         let Some(comparison) = &self.judging.comparison else {
@@ -262,66 +190,102 @@ impl OpenLog {
         let sidecar = log.with_extension(truth::SIDECAR);
         sidecar.is_file().then_some((TruthSource::File(sidecar), true))
     }
-
-    /// Starts reading the log's truth. Returns true if there is a log.
-    fn read_truth(&mut self, source: TruthSource, unasked: bool, jobs: &Jobs) -> bool {
-        let Some(survey) = &self.survey else {
-            return false;
-        };
-        let (identity, from) = (Identity::of(survey), source.clone());
-        let task = Task::start(jobs, move |_| match &from {
-            TruthSource::Demo => Ok(SurveyTruth::parse(DEMO_TRUTH, &identity)?),
-            TruthSource::File(path) => Ok(SurveyTruth::read(path, &identity)?),
-        });
-        self.reviewing.judging.opening = Some(TruthOpening { source, unasked, task });
-        true
-    }
 }
 
 impl App {
     /// Starts reading the truth of the shown log from a file; if a log is being opened, the file is
     /// read for that log once it is open.
     pub(in crate::app) fn open_truth(&mut self, path: PathBuf) {
-        if self.load_status().is_some() {
+        let id = self.log.id;
+        if self.is_running(&JobKey::OpenLog) {
             self.log.reviewing.judging.requested = Some(path);
+        } else if self.log.survey.is_some() {
+            self.read_truth(id, TruthSource::File(path), false);
         } else {
-            let jobs = self.jobs.clone();
-            if !self.log.read_truth(TruthSource::File(path), false, &jobs) {
-                let text = "open the log first, then its known objects";
-                self.warn(text.to_owned());
-            }
+            let text = "open the log first, then its known objects";
+            self.warn(text.to_owned());
         }
     }
 
     /// Starts reading the truth that was requested while a log was being opened, or else its
     /// sidecar file.
     pub(in crate::app) fn look_for_truth(&mut self, id: LogId, is_file: bool) {
-        let jobs = self.jobs.clone();
-        if let Some(log) = self.log_mut(id)
-            && let Some((source, unasked)) = log.known_truth(is_file)
-        {
-            log.read_truth(source, unasked, &jobs);
+        let known = self.log_mut(id).and_then(|log| log.known_truth(is_file));
+        if let Some((source, is_found)) = known {
+            self.read_truth(id, source, is_found);
+        }
+    }
+
+    /// Starts reading the truth of a log; `is_found` if the analyst did not open its file.
+    fn read_truth(&mut self, id: LogId, source: TruthSource, is_found: bool) {
+        let Some(survey) = self.open_log(id).and_then(|log| log.survey.as_ref()) else {
+            return;
+        };
+        let (identity, from) = (Identity::of(survey), source.clone());
+        let read = move |_: &Progress| -> Result<SurveyTruth, AppError> {
+            match &from {
+                TruthSource::Demo => Ok(SurveyTruth::parse(DEMO_TRUTH, &identity)?),
+                TruthSource::File(path) => Ok(SurveyTruth::read(path, &identity)?),
+            }
+        };
+        self.jobs.run(JobKey::ReadTruth(id), read, move |app, read| match read {
+            Ok(truth) => app.take_truth(id, truth, source, is_found),
+            Err(error) => app.warn(error.to_string()),
+        });
+    }
+
+    /// Sets the truth of a log.
+    fn take_truth(&mut self, id: LogId, truth: SurveyTruth, source: TruthSource, is_found: bool) {
+        let objects = truth.objects.len();
+        self.jobs.stop(&JobKey::CompareTruth(id));
+        let Some(log) = self.log_mut(id) else {
+            return;
+        };
+        let judging = &mut log.reviewing.judging;
+        judging.forget();
+        judging.truth = Some((source.clone(), Arc::new(truth)));
+        judging.outdated = true;
+        match source {
+            TruthSource::File(path) if !is_found => {
+                let path = path.display();
+                self.notify(format!("Opened {objects} known objects: {path}"));
+            }
+            // The name of a sidecar file is shown where its objects are used.
+            TruthSource::File(_) | TruthSource::Demo => {}
         }
     }
 
     /// Removes the truth of the shown log.
     pub(in crate::app) fn forget_truth(&mut self) {
+        self.jobs.stop(&JobKey::CompareTruth(self.log.id));
         self.log.reviewing.judging.forget();
     }
 
-    /// Collects the truth and the comparison of a log, and starts an outdated comparison again.
-    pub(in crate::app) fn poll_judging(&mut self, id: LogId) {
-        let jobs = self.jobs.clone();
-        let Some(log) = self.log_mut(id) else {
+    /// Starts comparing the boxes of a log with its truth if they have changed.
+    pub(in crate::app) fn compare_with_truth(&mut self, id: LogId) {
+        if self.is_running(&JobKey::CompareTruth(id)) {
+            return;
+        }
+        let Some(log) = self.log_mut(id).filter(|log| log.reviewing.judging.outdated) else {
             return;
         };
-        let opened = log.reviewing.judging.take_truth();
-        log.reviewing.poll_comparison(&jobs);
-        match opened {
-            Ok(Some(text)) => self.notify(text),
-            Ok(None) => {}
-            Err(error) => self.warn(error.to_string()),
-        }
+        let (review, raster) = (log.reviewing.review.clone(), log.reviewing.raster().cloned());
+        let judging = &mut log.reviewing.judging;
+        let Some(((_, truth), raster)) = judging.truth.as_ref().zip(raster) else {
+            return;
+        };
+        let truth = truth.clone();
+        judging.outdated = false;
+        self.jobs.run(
+            JobKey::CompareTruth(id),
+            move |_| TruthComparison::new(&review, RasterTruth::new(&raster, truth), &raster),
+            move |app, comparison| {
+                if let Some(log) = app.log_mut(id) {
+                    log.reviewing.judging.comparison = Some(comparison);
+                    log.reviewing.count_mistakes();
+                }
+            },
+        );
     }
 
     /// Shows a mistake in all views: selects the box of a false alarm, or marks a missed object.

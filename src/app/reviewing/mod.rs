@@ -34,7 +34,7 @@ use bathyscope_log::survey::{Identity, Navigation, Survey};
 use bathyscope_objects::NAMELESS_CLASS;
 use bathyscope_objects::review::{BoxId, DecisionCounts, Queue, Review, Reviewed};
 use bathyscope_objects::{Mark, Raster};
-use files::ReviewOpening;
+
 use places::BoxPlaces;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -98,7 +98,6 @@ pub struct Reviewing {
     raster: Option<(Arc<Navigation>, Arc<Raster>)>,
     /// The version in the file, or the empty version.
     saved: Arc<Review>,
-    opening: Option<ReviewOpening>,
     /// A sidecar file that cannot be used, and is not overwritten, because it may be somebody's
     /// work.
     refused: Option<PathBuf>,
@@ -127,7 +126,6 @@ impl Default for Reviewing {
             is_in_project: false,
             class: 0,
             raster: None,
-            opening: None,
             refused: None,
             autosave: Autosave::default(),
             places: BoxPlaces::default(),
@@ -199,14 +197,6 @@ impl Reviewing {
         !self.is_in_project
             && !Arc::ptr_eq(&self.review, &self.saved)
             && (self.is_touched || is_touched(&self.saved))
-    }
-
-    /// Returns true if a review is being read, or boxes are being placed or compared.
-    pub(super) fn is_busy(&self) -> bool {
-        self.opening.is_some()
-            || self.autosave.is_looking()
-            || self.places.is_busy()
-            || self.judging.is_busy()
     }
 
     /// Returns the extent of a mark along the track and in slant range, metres; the first is NaN

@@ -2,7 +2,9 @@
 //! moved, and for all boxes when the track, the first returns or the scale changed.
 
 use super::Reviewing;
-use crate::app::{Jobs, OpenLog, Task, TaskOutcome};
+use crate::app::jobs::JobKey;
+use crate::app::{App, LogId};
+use bathyscope_log::support::progress::Progress;
 use bathyscope_objects::review::{BoxId, Reviewed};
 use bathyscope_objects::targets::{Target, TopShape};
 use bathyscope_objects::{Mark, MeasuredShadow, ObjectExtent};
@@ -46,17 +48,11 @@ pub(in crate::app) type LocatedBox = (BoxExtent, Option<Arc<LocatedObject>>);
 /// The positions of a log's boxes; a change of any of them makes another allocation.
 pub(in crate::app) type Entries = Arc<HashMap<BoxId, LocatedBox>>;
 
-struct Running {
-    ground: PlaceInputs,
-    task: Task<Vec<(BoxId, LocatedBox)>>,
-}
-
 /// State of the positions of a log's boxes.
 #[derive(Default)]
 pub(super) struct BoxPlaces {
     known: Entries,
     ground: Option<PlaceInputs>,
-    running: Option<Running>,
     /// True if boxes or ground have changed since the last check for missing positions.
     outdated: bool,
 }
@@ -71,59 +67,11 @@ impl Reviewing {
     pub(in crate::app) fn entries(&self) -> &Entries {
         &self.places.known
     }
-}
 
-impl BoxPlaces {
-    /// Marks the positions as outdated, because boxes were added or moved.
-    pub(super) fn outdate(&mut self) {
-        self.outdated = true;
-    }
-
-    /// Returns true if positions are being computed.
-    pub(super) fn is_busy(&self) -> bool {
-        self.running.is_some()
-    }
-}
-
-impl OpenLog {
-    /// Collects positions, and starts computing the missing ones.
-    pub(in crate::app) fn poll_places(&mut self, jobs: &Jobs) {
-        let places = &mut self.reviewing.places;
-        match places.running.as_ref().map(|running| running.task.poll()) {
-            Some(TaskOutcome::Pending) => return,
-            Some(TaskOutcome::Done(entries)) => {
-                if let Some(running) = places.running.take() {
-                    // Positions on an earlier ground stay visible until the new ones are computed.
-                    let is_same = places
-                        .ground
-                        .as_ref()
-                        .is_some_and(|ground| ground.is_same(&running.ground));
-                    let known = Arc::make_mut(&mut places.known);
-                    if !is_same {
-                        known.clear();
-                    }
-                    known.extend(entries);
-                    places.ground = Some(running.ground);
-                }
-            }
-            Some(TaskOutcome::Failed) => places.running = None,
-            None => {}
-        }
-        if places.outdated {
-            self.place_boxes(jobs);
-        }
-    }
-
-    fn place_boxes(&mut self, jobs: &Jobs) {
-        let (Some(survey), Some(products)) = (&self.survey, &self.products) else {
-            return;
-        };
-        let reviewing = &mut self.reviewing;
-        reviewing.places.outdated = false;
-        let ground = PlaceInputs(products.clone());
-        let places = &mut reviewing.places;
-        let is_same = places.ground.as_ref().is_some_and(|known| known.is_same(&ground));
-        let review = &reviewing.review;
+    /// Returns the boxes that have no position on a ground.
+    fn not_located(&self, ground: &PlaceInputs) -> Vec<(BoxId, BoxExtent)> {
+        let (places, review) = (&self.places, &self.review);
+        let is_same = places.ground.as_ref().is_some_and(|known| known.is_same(ground));
         let top = |one: &Reviewed| TopShape::of_class(review.class_name(one.class));
         let is_known = |one: &Reviewed| {
             let known = places.known.get(&one.id);
@@ -135,15 +83,52 @@ impl OpenLog {
             };
             is_same && known.is_some_and(|(known, _)| is_as_placed(known))
         };
-        let missing: Vec<(BoxId, BoxExtent)> = (review.boxes())
+        (review.boxes())
             .filter(|one| !is_known(one))
             .map(|one| (one.id, (one.mark.clone(), one.extent, one.shadow, top(one))))
-            .collect();
+            .collect()
+    }
+}
+
+impl BoxPlaces {
+    /// Marks the positions as outdated, because boxes were added or moved.
+    pub(super) fn outdate(&mut self) {
+        self.outdated = true;
+    }
+
+    /// Sets positions that were computed on a ground.
+    fn take(&mut self, ground: PlaceInputs, entries: Vec<(BoxId, LocatedBox)>) {
+        // Positions on an earlier ground stay visible until the new ones are computed.
+        let is_same = self.ground.as_ref().is_some_and(|known| known.is_same(&ground));
+        let known = Arc::make_mut(&mut self.known);
+        if !is_same {
+            known.clear();
+        }
+        known.extend(entries);
+        self.ground = Some(ground);
+    }
+}
+
+impl App {
+    /// Starts locating the boxes of a log that have no position on its present ground.
+    pub(in crate::app) fn locate_boxes(&mut self, id: LogId) {
+        if self.is_running(&JobKey::PlaceBoxes(id)) {
+            return;
+        }
+        let Some(log) = self.log_mut(id).filter(|log| log.reviewing.places.outdated) else {
+            return;
+        };
+        let (Some(survey), Some(products)) = (log.survey.clone(), log.products.clone()) else {
+            return;
+        };
+        log.reviewing.places.outdated = false;
+        let ground = PlaceInputs(products);
+        let missing = log.reviewing.not_located(&ground);
         if missing.is_empty() {
             return;
         }
-        let (survey, from) = (survey.clone(), ground.clone());
-        let task = Task::start(jobs, move |progress| {
+        let from = ground.clone();
+        let work = move |progress: &Progress| {
             let locator = ObjectLocator::new(&survey, &from.0);
             let entry = |(id, (mark, extent, shadow, top)): (BoxId, BoxExtent)| {
                 let placed = locator.place_as(&mark, extent, shadow, top).map(|target| {
@@ -154,7 +139,11 @@ impl OpenLog {
             };
             let requested = missing.into_par_iter();
             requested.filter_map(|one| (!progress.is_cancelled()).then(|| entry(one))).collect()
+        };
+        self.jobs.run(JobKey::PlaceBoxes(id), work, move |app, entries| {
+            if let Some(log) = app.log_mut(id) {
+                log.reviewing.places.take(ground, entries);
+            }
         });
-        places.running = Some(Running { ground, task });
     }
 }

@@ -20,7 +20,6 @@ mod agreement;
 mod clip_area;
 mod depth;
 mod derived;
-mod engine;
 mod fingerprint;
 mod growing;
 pub mod joint;
@@ -55,7 +54,6 @@ pub use derived::{
 pub use derived::{
     Contours, DepthMap, Derived, Mosaic, MosaicPlane, mosaic_layout, mosaic_layout_by,
 };
-pub use engine::{Engine, EngineStatus};
 pub use fingerprint::{Fingerprint, Input, InputError, in_hexadecimal};
 pub(crate) use fingerprint::{LogFiles, sha256_of};
 pub use growing::{GrowingResults, extend};

@@ -15,7 +15,7 @@ pub enum Jobs {
 
 impl Jobs {
     /// Calls the function of [`Jobs::Threads`]: there is a result to show.
-    pub(crate) fn wake(&self) {
+    pub fn wake(&self) {
         match self {
             Self::Threads(waker) => waker(),
             Self::Inline => {}

@@ -2,7 +2,7 @@
 
 use super::parts::{remark, row};
 use super::section::{Section, section};
-use crate::app::{Action, Command, PlanRequest};
+use crate::app::{Action, Command, JobKey, PlanRequest};
 use crate::ui::ViewContext;
 use crate::ui::controls::number_field;
 use egui::Ui;
@@ -57,7 +57,7 @@ fn plan(ui: &mut Ui, context: &mut ViewContext<'_>) {
     }
     ui.horizontal(|ui| {
         let action = Action::PlanLines;
-        let busy = context.app.map.planning.is_busy();
+        let busy = context.app.is_running(&JobKey::PlanLines);
         let button = ui.add_enabled(!busy, egui::Button::new(action.label()));
         context.button(button, action);
         if busy {

@@ -2,7 +2,7 @@
 
 use super::parts::within;
 use crate::ui::{ViewContext, theme};
-use bathyscope_products::pipeline::{EngineStatus, Stage};
+use bathyscope_products::pipeline::Stage;
 use egui::{Response, Ui};
 
 /// The heading of a section.
@@ -47,7 +47,7 @@ fn freshness(context: &ViewContext<'_>, stage: Option<Stage>) -> Freshness {
     let Some(stage) = stage else {
         return Freshness::Fresh;
     };
-    if let EngineStatus::Running { stage: running, fraction } = context.app.engine_status() {
+    if let Some((running, fraction)) = context.app.running_stage() {
         if running == stage {
             return Freshness::Running(fraction);
         }

@@ -6,9 +6,12 @@
 
 use super::{LABEL, LEAST_SCORE};
 use crate::app::error::AppError;
-use crate::app::{App, LogId, Task, TaskOutcome};
+use crate::app::jobs::JobKey;
+use crate::app::{App, LogId};
+use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::Navigation;
 use bathyscope_objects::{Detection, DetectorSettings, find};
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Number of new pings that start a search: about half of a tile of the picture at a walking pace.
@@ -17,19 +20,10 @@ const ENOUGH: usize = 150;
 /// end.
 const AGAIN: usize = 300;
 
-/// The search of the end of a log.
+/// The search of the end of a log, which begins once objects were requested.
 #[derive(Default)]
 pub(super) struct TailSearch {
     is_wanted: bool,
-    running: Option<Running>,
-}
-
-struct Running {
-    log: LogId,
-    /// First ping of the search, and the first ping after it.
-    from: usize,
-    to: usize,
-    task: Task<Result<Vec<Detection>, AppError>>,
 }
 
 impl TailSearch {
@@ -37,26 +31,21 @@ impl TailSearch {
     pub(super) fn wants(&mut self) {
         self.is_wanted = true;
     }
-
-    /// Stops and disables the search.
-    pub(super) fn stop(&mut self) {
-        *self = Self::default();
-    }
-}
-
-impl super::ObjectSearch {
-    /// Returns true if the end of a followed log is being searched.
-    pub(crate) fn is_busy_with_tail(&self) -> bool {
-        self.tail.running.is_some()
-    }
 }
 
 impl App {
+    /// Stops and disables the search.
+    pub(super) fn stop_tail(&mut self) {
+        self.jobs.stop(&JobKey::SearchTail);
+        self.findings.search.tail = TailSearch::default();
+    }
+
     /// Starts searching the pings that a followed log has got since its last search, if objects
     /// were requested.
     pub(in crate::app) fn search_tail(&mut self, id: LogId) {
-        let tail = &self.findings.search.tail;
-        if tail.is_wanted && tail.running.is_none() && !self.findings.search.is_busy() {
+        let search = &self.findings.search;
+        let is_searched = search.is_busy() || self.is_running(&JobKey::SearchTail);
+        if search.tail.is_wanted && !is_searched {
             self.begin_tail(id);
         }
     }
@@ -79,7 +68,7 @@ impl App {
         }
         let from = end.saturating_sub(AGAIN);
         let (survey, all) = (survey.clone(), products.navigation.clone());
-        let task = Task::start(&self.jobs, move |progress| {
+        let work = move |progress: &Progress| -> Result<Vec<Detection>, AppError> {
             let (stretch, _) = survey.stretch_from(from);
             let navigation = Navigation {
                 pings: Arc::new(all.pings[from..to].to_vec()),
@@ -101,38 +90,33 @@ impl App {
                 one.mark.pings = one.mark.pings.start + from..one.mark.pings.end + from;
             }
             Ok(found)
-        });
-        self.findings.search.tail.running = Some(Running { log: id, from, to, task });
-    }
-
-    /// Collects the boxes that were found, even if the log is not followed any more.
-    pub(in crate::app) fn collect_tail(&mut self) {
-        let found =
-            match self.findings.search.tail.running.as_ref().map(|running| running.task.poll()) {
-                Some(TaskOutcome::Done(found)) => found,
-                Some(TaskOutcome::Failed) => Err(AppError::Failed("the search for objects")),
-                Some(TaskOutcome::Pending) | None => return,
-            };
-        let Some(running) = self.findings.search.tail.running.take() else {
-            return;
         };
-        match found {
-            Ok(found) => self.adopt_tail(&running, &found),
-            Err(error) => {
-                // The same model would fail again.
-                self.findings.search.tail.stop();
-                self.warn(error.to_string());
-            }
-        }
+        let name = JobKey::SearchTail.name();
+        self.jobs.run_or(
+            JobKey::SearchTail,
+            work,
+            move |app, found| match found {
+                Ok(found) => app.adopt_tail(id, &found, from..to),
+                Err(error) => app.fail_tail(&error),
+            },
+            move |app| app.fail_tail(&AppError::Failed(name)),
+        );
     }
 
-    fn adopt_tail(&mut self, running: &Running, found: &[Detection]) {
-        let &Running { log, from, to, .. } = running;
+    /// Stops the search and reports its error: the same model would fail again.
+    fn fail_tail(&mut self, error: &AppError) {
+        self.stop_tail();
+        self.warn(error.to_string());
+    }
+
+    /// Adds the boxes that were found in some pings, even if the log is not followed any more.
+    fn adopt_tail(&mut self, log: LogId, found: &[Detection], pings: Range<usize>) {
         // A box at the edge of the picture is no object, and objects that begin before it are
         // listed already.
+        let from = pings.start;
         let inside = found.iter().filter(|one| one.mark.pings.start > from || from == 0);
         let inside: Vec<Detection> = inside.cloned().collect();
-        let adopted = self.adopted(log, &inside, from..to);
+        let adopted = self.adopted(log, &inside, pings);
         if let Some((log, review)) = self.log_mut(log).zip(adopted) {
             log.reviewing.set(review);
             self.keep_project(LABEL);

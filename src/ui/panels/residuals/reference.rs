@@ -1,7 +1,7 @@
 //! Draws the settings of the reference that the points are compared with, and of the method that
 //! finds the reference of a point.
 
-use crate::app::{Action, Command, ReferenceBy};
+use crate::app::{Action, Command, JobKey, ReferenceBy};
 use crate::ui::ViewContext;
 use crate::ui::controls::number_slider;
 use crate::ui::panels::parts::{self, fact};
@@ -48,7 +48,8 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 }
 
 fn buttons(ui: &mut Ui, context: &mut ViewContext<'_>, is_open: bool) {
-    let ready = context.app.log.products.is_some() && !context.app.map.comparing.is_opening();
+    let ready =
+        context.app.log.products.is_some() && !context.app.is_running(&JobKey::OpenReference);
     ui.horizontal_wrapped(|ui| {
         for (action, enabled) in [(Action::CompareWith, ready), (Action::CloseReference, is_open)] {
             let button = ui.add_enabled(enabled, Button::new(action.label()));

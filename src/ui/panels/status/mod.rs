@@ -8,7 +8,6 @@ use crate::app::{Action, FollowStatus, LogPlace};
 use crate::ui::panels::parts::progress_bar;
 use crate::ui::{ViewContext, theme};
 use bathyscope_bottom::presentation::text::count;
-use bathyscope_products::pipeline::EngineStatus;
 use egui::{Align, Layout, RichText, Ui};
 
 /// Time after which a running job is shown, seconds.
@@ -120,29 +119,9 @@ fn rest(ui: &mut Ui, context: &ViewContext<'_>) {
 }
 
 fn jobs(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let job = match (context.app.load_status(), context.app.engine_status()) {
-        (Some(load), _) => Some((format!("opening {}", load.name), load.fraction)),
-        (None, EngineStatus::Running { stage, fraction }) => {
-            Some((stage.name().to_owned(), fraction))
-        }
-        (None, EngineStatus::Idle) => {
-            let app = context.app;
-            let detecting = app.search_status().map(|status| status.share);
-            let jobs = [
-                ("finding objects", detecting),
-                ("exporting", app.export_fraction()),
-                ("comparing", app.comparing_fraction()),
-                ("planning lines", app.map.planning.fraction()),
-                ("looking for passes", app.passes_fraction()),
-                ("opening the base map", app.base_map_fraction()),
-            ];
-            let running = jobs.into_iter().find_map(|(what, share)| share.zip(Some(what)));
-            running.map(|(share, what)| (what.to_owned(), share))
-        }
-    };
     let since = egui::Id::unique("job since");
     let now = ui.input(|input| input.time);
-    let Some((what, share)) = job else {
+    let Some((what, share)) = context.app.awaited() else {
         ui.data_mut(|data| data.remove::<f64>(since));
         return stopped(ui, context);
     };
