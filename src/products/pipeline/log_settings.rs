@@ -4,7 +4,7 @@
 //! ([`LogSettings::compose`]); the pipeline uses the result like the settings of a single log. Keys
 //! are those of `--set`: `draft_m`, `first_return.threshold`.
 
-use super::settings::{in_one_line, renamed, row};
+use super::settings::{SettingScope, in_one_line, renamed, row};
 use super::{Settings, SettingsError};
 use bathyscope_bottom::first_return::BottomSettings;
 use bathyscope_log::survey::{Gauge, Identity, Survey, WaterArea};
@@ -16,42 +16,6 @@ use toml::{Table, Value};
 /// Settings by their dotted keys.
 pub type SettingValues = BTreeMap<String, Value>;
 
-/// Keys whose values cannot apply to another log, so that they cannot be shared.
-const NEVER_SHARED: [&str; 15] = [
-    "calibration.pings",
-    "excluded.log",
-    "excluded.stretches",
-    "height_offset_m",
-    "mounting.clock_offset_s",
-    "mounting.forward_m",
-    "mounting.heading_offset_deg",
-    "mounting.latency_s",
-    "mounting.right_m",
-    "mounting.sounding_lag_s",
-    "mounting.swap_sides",
-    "position_shift.east_m",
-    "position_shift.north_m",
-    "track.file",
-    "track.offset_s",
-];
-/// Other keys that usually belong to one log: a change of their values is stored with that log
-/// only.
-const SELDOM_SHARED: [&str; 14] = [
-    "draft_m",
-    "picture.absorption_db_m",
-    "picture.balance_db",
-    "picture.black",
-    "picture.despeckle",
-    "picture.flip",
-    "picture.gain",
-    "picture.gamma",
-    "picture.spreading_db",
-    "picture.starboard_first",
-    "picture.stripe_filter",
-    "picture.white",
-    "water_level.file",
-    "water_level_m",
-];
 /// Key of the bottom edits, which are stored apart because they consist of many strokes.
 const BOTTOM: &str = "bottom";
 /// Key of the log to which excluded stretches belong.
@@ -75,11 +39,10 @@ pub(crate) fn is_setting(key: &str) -> bool {
     row(key).is_some()
 }
 
-/// Returns true if a change of this key applies to a single log, not to all: draft, water level,
-/// height offset, track and its clock, mounting, position shift, flat spot, excluded stretches, and
-/// how the picture of the log is shown.
+/// Returns true if a change of this key is stored with a single log, not with the settings that all
+/// logs share; see [`SettingScope`].
 pub fn is_of_one_log(key: &str) -> bool {
-    NEVER_SHARED.contains(&key) || SELDOM_SHARED.contains(&key)
+    row(key).is_some_and(|row| row.scope != SettingScope::Survey)
 }
 
 /// Returns all settings that have a value, by their keys, without the bottom edits.
@@ -308,7 +271,8 @@ impl LogSettings {
     /// own value was removed. `None` if nothing would change, or if the key cannot be shared: a
     /// flat spot, a track and a mounting do not apply to another log.
     pub fn owning(&self, shared: &Settings, key: &str, own: bool) -> Option<LogSettings> {
-        if own == self.is_own(key) || (!own && NEVER_SHARED.contains(&key)) {
+        let scope = row(key).map(|row| row.scope);
+        if own == self.is_own(key) || (!own && scope == Some(SettingScope::OneLog)) {
             return None;
         }
         let mut changed = self.clone();

@@ -5,7 +5,7 @@
 
 use super::table::Control::{Drag, LogSlider, Slider};
 use super::table::{
-    Named, Number, Numeric, SettingChoice, SettingKind, SettingRow, choose, name_of,
+    Named, Number, Numeric, SettingChoice, SettingKind, SettingRow, SettingScope, choose, name_of,
 };
 use bathyscope_log::survey::WATER_LEVELS_M;
 
@@ -43,12 +43,23 @@ macro_rules! choice {
     };
 }
 
-/// Makes a static for each row, which a panel names to show it, and the list of all rows.
+/// Names the scope of a row; settings are those of the survey unless the row says otherwise.
+macro_rules! scope {
+    () => {
+        SettingScope::Survey
+    };
+    ($scope:ident) => {
+        SettingScope::$scope
+    };
+}
+
+/// Makes a static for each row, which a panel names to show it, and the list of all rows. A row
+/// names its scope in brackets if that is not the survey.
 macro_rules! rows {
-    ($($id:ident: $key:literal, $label:literal, $name:literal, $hint:literal, $kind:expr;)+) => {
+    ($($id:ident $(($scope:ident))?: $key:literal, $label:literal, $name:literal, $hint:literal, $kind:expr;)+) => {
         $(
             #[doc = concat!("`", $key, "`: ", $hint)]
-            pub static $id: SettingRow = SettingRow { key: $key, label: $label, name: $name, hint: $hint, kind: $kind };
+            pub static $id: SettingRow = SettingRow { key: $key, label: $label, name: $name, hint: $hint, scope: scope!($($scope)?), kind: $kind };
         )+
         /// All settings, in the order of the manual, without the bottom edits, which consist of
         /// strokes.
@@ -70,16 +81,16 @@ rows! {
         ], "EPSG:NUMBER");
     // The deepest hulls of survey vessels draw less; the depth of a towed transducer is not
     // constant.
-    DRAFT: "draft_m", "Draft", "draft",
+    DRAFT (UsuallyOneLog): "draft_m", "Draft", "draft",
         "Depth of the transducer below the water surface; added to every depth.",
         number!(draft_m, "m", [0.0, 20.0], 0.01, 2, LogSlider);
-    WATER_LEVEL: "water_level_m", "Water level", "water level",
+    WATER_LEVEL (UsuallyOneLog): "water_level_m", "Water level", "water level",
         "Height of the water above the level that depths count from; subtracted from every depth. With readings, the height of their zero.",
         number!(water_level_m, "m", [*WATER_LEVELS_M.start(), *WATER_LEVELS_M.end()], 0.01, 2, Drag);
-    WATER_LEVEL_FILE: "water_level.file", "Readings", "readings of the water level",
+    WATER_LEVEL_FILE (UsuallyOneLog): "water_level.file", "Readings", "readings of the water level",
         "Water heights over time; the setting above is the height of their zero.",
         SettingKind::Text("a file");
-    HEIGHT_OFFSET: "height_offset_m", "Height offset", "height offset",
+    HEIGHT_OFFSET (OneLog): "height_offset_m", "Height offset", "height offset",
         "Added to every elevation of the log, so that it agrees with other logs where they cross.",
         number!(height_offset_m, "m", [-100.0, 100.0], 0.01, 2, Drag);
     // From ice-cold fresh water to the brine of the Dead Sea and the deepest sea, with a margin in
@@ -136,7 +147,7 @@ rows! {
             "header", "recorded range", "The range that the recorder states for each ping.";
             "flat_spot", "flat stretch", "Pixels per metre on a flat stretch: first return divided by recorded depth (PPD = p / d of Pulido et al.).";
         ]);
-    FLAT_SPOT: "calibration.pings", "Flat stretch", "flat stretch",
+    FLAT_SPOT (OneLog): "calibration.pings", "Flat stretch", "flat stretch",
         "Side-scan pings of the flat stretch, from A to the ping before B. Without them, the best-ranked flat stretch.",
         SettingKind::Text("A..B");
     PPD_REACH: "calibration.ppd", "Other ranges", "scale at other ranges",
@@ -179,14 +190,14 @@ rows! {
     HEADING_WINDOW: "heading.window_s", "Window", "heading window",
         "Width of the time window that the heading line is fitted over.",
         number!(heading.window_s, "s", [0.2, 120.0], 0.1, 1, LogSlider);
-    TRACK_FILE: "track.file", "Track", "track",
+    TRACK_FILE (OneLog): "track.file", "Track", "track",
         "Positions of another receiver (RTK, autopilot) in place of those of the recorder.",
         SettingKind::Text("a file, CSV or GPX");
     // A clock may be wrong by hours because of its time zone, and by years because of its date.
-    TRACK_OFFSET: "track.offset_s", "Time offset", "time offset",
+    TRACK_OFFSET (OneLog): "track.offset_s", "Time offset", "time offset",
         "Added to the times of the track; positive where its clock is behind the recorder's.",
         number!(track.offset_s, "s", [-1e9, 1e9], 0.01, 2, Drag);
-    SWAP_SIDES: "mounting.swap_sides", "Sides", "sides of the recorder",
+    SWAP_SIDES (OneLog): "mounting.swap_sides", "Sides", "sides of the recorder",
         "Whether port and starboard are exchanged: a transducer that is mounted backwards, or exchanged cables.",
         choice!(mounting.swap_sides, [
             "false", "as recorded", "Port is what was recorded as port.";
@@ -194,32 +205,32 @@ rows! {
         ]);
     // The longest survey vessels are a hundred metres long; a towed transducer is not covered by
     // these settings.
-    ANTENNA_FORWARD: "mounting.forward_m", "Forward", "transducer forward of the antenna",
+    ANTENNA_FORWARD (OneLog): "mounting.forward_m", "Forward", "transducer forward of the antenna",
         "Distance from the antenna to the transducer along the boat, positive forward.",
         number!(mounting.forward_m, "m", [-200.0, 200.0], 0.01, 2, Drag);
-    ANTENNA_RIGHT: "mounting.right_m", "Starboard", "transducer to starboard of the antenna",
+    ANTENNA_RIGHT (OneLog): "mounting.right_m", "Starboard", "transducer to starboard of the antenna",
         "Distance from the antenna to the transducer across the boat, positive to starboard.",
         number!(mounting.right_m, "m", [-100.0, 100.0], 0.01, 2, Drag);
-    HEADING_OFFSET: "mounting.heading_offset_deg", "Compass", "heading offset",
+    HEADING_OFFSET (OneLog): "mounting.heading_offset_deg", "Compass", "heading offset",
         "Added to the compass heading: misalignment of the compass plus magnetic variation. Headings from the track do not change.",
         number!(mounting.heading_offset_deg, "°", [-180.0, 180.0], 0.1, 1, Drag);
     // With an offset of more than ten days, the log is of another survey.
-    CLOCK_OFFSET: "mounting.clock_offset_s", "Clock", "clock of the log",
+    CLOCK_OFFSET (OneLog): "mounting.clock_offset_s", "Clock", "clock of the log",
         "Added to the times of the log; positive where the clock of the recorder is behind UTC.",
         number!(mounting.clock_offset_s, "s", [-864_000.0, 864_000.0], 0.01, 2, Drag);
     // A receiver with a larger delay has lost its fix.
-    LATENCY: "mounting.latency_s", "Latency", "latency of positions",
+    LATENCY (OneLog): "mounting.latency_s", "Latency", "latency of positions",
         "Delay of recorded positions behind the echoes. Compare positions finds it at crossings over a slope.",
         number!(mounting.latency_s, "s", [-10.0, 10.0], 0.01, 2, Drag);
     // No sounder averages over a longer time.
-    SOUNDING_LAG: "mounting.sounding_lag_s", "Sounding lag", "lag of the soundings",
+    SOUNDING_LAG (OneLog): "mounting.sounding_lag_s", "Sounding lag", "lag of the soundings",
         "Delay of recorded depths behind the echoes, of a sounder that averages. First returns show it where the bottom slopes along the track.",
         number!(mounting.sounding_lag_s, "s", [0.0, 10.0], 0.01, 2, Drag);
     // Receivers without corrections are wrong by metres; a larger shift means another place.
-    SHIFT_EAST: "position_shift.east_m", "Shift east", "shift of positions to the east",
+    SHIFT_EAST (OneLog): "position_shift.east_m", "Shift east", "shift of positions to the east",
         "Added to every position of the log, to the east. Compare positions finds it at crossings with other logs.",
         number!(position_shift.east_m, "m", [-20.0, 20.0], 0.01, 2, Drag);
-    SHIFT_NORTH: "position_shift.north_m", "Shift north", "shift of positions to the north",
+    SHIFT_NORTH (OneLog): "position_shift.north_m", "Shift north", "shift of positions to the north",
         "Added to every position of the log, to the north.",
         number!(position_shift.north_m, "m", [-20.0, 20.0], 0.01, 2, Drag);
     SOURCE_CRS: "source.crs", "Metres of", "system of the log's metres",
@@ -237,10 +248,10 @@ rows! {
     MIN_DURATION: "excluded.min_duration_s", "Shortest", "shortest turn or stop to exclude",
         "Shorter turns and stops are not excluded; a shorter stretch between two of them is excluded with them.",
         number!(excluded.min_duration_s, "s", [0.0, 3600.0], 0.1, 1, LogSlider);
-    EXCLUDED_LOG: "excluded.log", "Log", "log of the stretches",
+    EXCLUDED_LOG (OneLog): "excluded.log", "Log", "log of the stretches",
         "The log that the stretches belong to; they are not applied to another log.",
         SettingKind::Text("size and hash of a log");
-    STRETCHES: "excluded.stretches", "Stretches", "excluded stretches",
+    STRETCHES (OneLog): "excluded.stretches", "Stretches", "excluded stretches",
         "Stretches of one log that are excluded from every result, or kept although a turn or a stop is there; trusted: the soundings count, too, that were taken for false.",
         SettingKind::Text("[{ pings = [A, B], reason = \"turn | stop | bad | drawn | kept\", trusted = false }, ...], or time_s in place of pings");
     // Limits: the spacing of the densest points and the width of the largest swath.
@@ -265,51 +276,51 @@ rows! {
     OBJECT_CLASSES: "review.classes", "Classes", "classes of objects",
         "Classes of boxes, in the order of the keys 1 to 9 and of the class numbers in training labels.",
         SettingKind::Text("a list of names");
-    PICTURE_GAIN: "picture.gain", "Gain", "gain of the waterfall", "Whether levels of the waterfall are normalised across the track.",
+    PICTURE_GAIN (UsuallyOneLog): "picture.gain", "Gain", "gain of the waterfall", "Whether levels of the waterfall are normalised across the track.",
         choice!(picture.gain, [
             "empirical", "gain-normalised", "Divided by the mean of the log at the same range and angle, as in the mosaic; shadows stay dark.";
             "recorded", "as recorded", "The recorder's own levels.";
         ]);
     // Spreading of intensity is 20 log r one way; the limits are twice the gain for both ways.
-    PICTURE_SPREADING: "picture.spreading_db", "Spreading", "gain for spreading",
+    PICTURE_SPREADING (UsuallyOneLog): "picture.spreading_db", "Spreading", "gain for spreading",
         "k of the time-varied gain k log10 r + 2 α r: dB for each tenfold slant range.",
         number!(picture.spreading_db, "dB", [-80.0, 80.0], 0.5, 1, Slider);
     // In sea water the absorption at 1.2 MHz is 0.5 dB a metre.
-    PICTURE_ABSORPTION: "picture.absorption_db_m", "Absorption", "gain for absorption",
+    PICTURE_ABSORPTION (UsuallyOneLog): "picture.absorption_db_m", "Absorption", "gain for absorption",
         "α of the time-varied gain k log10 r + 2 α r: dB for each metre, there and back.",
         number!(picture.absorption_db_m, "dB/m", [-1.0, 1.0], 0.005, 3, Slider);
-    PICTURE_BALANCE: "picture.balance_db", "Balance", "balance of the sides",
+    PICTURE_BALANCE (UsuallyOneLog): "picture.balance_db", "Balance", "balance of the sides",
         "Gain of starboard over port; negative values brighten port.",
         number!(picture.balance_db, "dB", [-40.0, 40.0], 0.1, 1, Slider);
-    PICTURE_STRIPES: "picture.stripe_filter", "Stripes", "stripe filter",
+    PICTURE_STRIPES (UsuallyOneLog): "picture.stripe_filter", "Stripes", "stripe filter",
         "Correction of pings that are brighter or darker than their neighbours.",
         choice!(picture.stripe_filter, [
             "false", "as recorded", "Pings are shown as they are.";
             "true", "filtered", "Each ping gets the median level of its neighbours.";
         ]);
-    PICTURE_DESPECKLE: "picture.despeckle", "Speckle", "despeckling",
+    PICTURE_DESPECKLE (UsuallyOneLog): "picture.despeckle", "Speckle", "despeckling",
         "Removal of single bright and dark echoes.",
         choice!(picture.despeckle, [
             "false", "as recorded", "Echoes are shown as they are.";
             "true", "removed", "Each echo is the median of 3 x 3 echoes, at the resolution of the screen.";
         ]);
     // At the greatest gain the largest byte becomes 8000.
-    PICTURE_BLACK: "picture.black", "Black", "black point",
+    PICTURE_BLACK (UsuallyOneLog): "picture.black", "Black", "black point",
         "Level that is shown as black; 255 is the largest byte.",
         number!(picture.black, "", [0.0, 10_000.0], 0.5, 1, Drag, Some("the 1st percentile of the echoes"));
-    PICTURE_WHITE: "picture.white", "White", "white point",
+    PICTURE_WHITE (UsuallyOneLog): "picture.white", "White", "white point",
         "Level that is shown as white; 255 is the largest byte.",
         number!(picture.white, "", [0.5, 10_000.0], 0.5, 1, Drag, Some("a little above the 99th percentile of the echoes"));
-    PICTURE_GAMMA: "picture.gamma", "Gamma", "gamma of the waterfall",
+    PICTURE_GAMMA (UsuallyOneLog): "picture.gamma", "Gamma", "gamma of the waterfall",
         "Exponent 1 / gamma between black and white: above 1 brightens dark echoes.",
         number!(picture.gamma, "", [0.2, 5.0], 0.05, 2, LogSlider);
-    PICTURE_FLIP: "picture.flip", "Along", "direction of the waterfall",
+    PICTURE_FLIP (UsuallyOneLog): "picture.flip", "Along", "direction of the waterfall",
         "Direction of time in the waterfall.",
         choice!(picture.flip, [
             "false", "forward", "Later pings to the right, or below.";
             "true", "flipped", "Later pings to the left, or above.";
         ]);
-    PICTURE_FIRST: "picture.starboard_first", "First", "side that comes first",
+    PICTURE_FIRST (UsuallyOneLog): "picture.starboard_first", "First", "side that comes first",
         "Side on which port is drawn. The data do not change; `mounting.swap_sides` corrects a recorder with exchanged sides.",
         choice!(picture.starboard_first, [
             "false", "port first", "Port is above, or to the left.";

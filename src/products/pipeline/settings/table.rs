@@ -15,8 +15,21 @@ pub struct SettingRow {
     pub name: &'static str,
     /// Explanation of the effect, with the paper's symbol if there is one.
     pub hint: &'static str,
+    /// Logs to which a value applies.
+    pub scope: SettingScope,
     /// Kind of the setting, with the allowed values.
     pub kind: SettingKind,
+}
+
+/// Logs to which a value of a setting applies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SettingScope {
+    /// All logs of a survey, except logs that have a value of their own.
+    Survey,
+    /// Usually one log: a change is stored with that log, but logs may share a value.
+    UsuallyOneLog,
+    /// One log: its value has no meaning for another log, so that none is shared.
+    OneLog,
 }
 
 /// Kind of a setting, with the allowed values.
