@@ -34,41 +34,27 @@ pub(crate) enum HeadLayout {
     AnchorsFirst,
 }
 
-/// The boxes found so far, and the least score of a box.
-struct Found {
+/// Returns the box of a candidate with its class of the highest score, if `trust` times this score
+/// is at least `least`.
+fn surest(
     least: f32,
-    boxes: Vec<Scored>,
+    trust: f32,
+    scores: impl Iterator<Item = f32>,
+    rect: impl FnOnce() -> Rect,
+) -> Option<Scored> {
+    let (class, score) = scores
+        .enumerate()
+        .filter(|(_, score)| score.is_finite())
+        .max_by(|(_, a), (_, b)| a.total_cmp(b))?;
+    scored(least, class, trust * score, rect)
 }
 
-impl Found {
-    fn new(least: f32) -> Self {
-        Self { least, boxes: Vec::new() }
-    }
-
-    /// Keeps a box with its class of the highest score, if `trust` times this score is at least the
-    /// least score.
-    fn add(&mut self, trust: f32, scores: impl Iterator<Item = f32>, rect: impl FnOnce() -> Rect) {
-        let surest = scores
-            .enumerate()
-            .filter(|(_, score)| score.is_finite())
-            .max_by(|(_, a), (_, b)| a.total_cmp(b));
-        let Some((class, score)) = surest else {
-            return;
-        };
-        self.add_one(class, trust * score, rect);
-    }
-
-    /// Keeps a box of a known class, if its score is at least the least score.
-    fn add_one(&mut self, class: usize, score: f32, rect: impl FnOnce() -> Rect) {
-        // Written so that a NaN is refused.
-        if score >= self.least {
-            let rect = rect();
-            let finite = [rect.x0, rect.y0, rect.x1, rect.y1].iter().all(|edge| edge.is_finite());
-            if finite && rect.area() > 0.0 {
-                self.boxes.push(Scored::new(class, score.min(1.0), rect));
-            }
-        }
-    }
+/// Returns the box of a candidate of a known class, if its score is at least `least`.
+fn scored(least: f32, class: usize, score: f32, rect: impl FnOnce() -> Rect) -> Option<Scored> {
+    // Written so that a NaN is refused.
+    let rect = (score >= least).then(rect)?;
+    let finite = [rect.x0, rect.y0, rect.x1, rect.y1].iter().all(|edge| edge.is_finite());
+    (finite && rect.area() > 0.0).then(|| Scored::new(class, score.min(1.0), rect))
 }
 
 /// Returns the boxes of YOLOv5, YOLOv7 and Darknet's row layout: one row a candidate.
@@ -76,11 +62,12 @@ impl Found {
 /// `values` holds 5 + `classes` numbers a candidate: centre x, centre y, width, height in pixels,
 /// objectness, then a score a class. A box's score is objectness times class.
 pub fn rows(values: &[f32], classes: usize, least: f32) -> Vec<Scored> {
-    let mut found = Found::new(least);
-    for row in values.chunks_exact(5 + classes) {
-        found.add(row[4], row[5..].iter().copied(), || centred([row[0], row[1], row[2], row[3]]));
-    }
-    found.boxes
+    let rows = values.chunks_exact(5 + classes);
+    rows.filter_map(|row| {
+        let rect = || centred([row[0], row[1], row[2], row[3]]);
+        surest(least, row[4], row[5..].iter().copied(), rect)
+    })
+    .collect()
 }
 
 /// Returns the boxes of YOLOv8 to v12: one column a candidate.
@@ -89,15 +76,13 @@ pub fn rows(values: &[f32], classes: usize, least: f32) -> Vec<Scored> {
 /// y, width, height in pixels, then a score a class; there is no objectness.
 pub fn columns(values: &[f32], classes: usize, least: f32) -> Vec<Scored> {
     let count = values.len() / (4 + classes);
-    let mut found = Found::new(least);
     let at = |row: usize, column: usize| values.get(row * count + column).copied();
-    for column in 0..count {
+    let candidate = |column: usize| {
         let scores = (4..4 + classes).filter_map(|row| at(row, column));
-        found.add(1.0, scores, || {
-            centred([0, 1, 2, 3].map(|row| at(row, column).unwrap_or(f32::NAN)))
-        });
-    }
-    found.boxes
+        let rect = || centred([0, 1, 2, 3].map(|row| at(row, column).unwrap_or(f32::NAN)));
+        surest(least, 1.0, scores, rect)
+    };
+    (0..count).filter_map(candidate).collect()
 }
 
 /// Returns the boxes of YOLOv10, YOLO26 and other networks that suppress overlapping boxes
@@ -106,15 +91,14 @@ pub fn columns(values: &[f32], classes: usize, least: f32) -> Vec<Scored> {
 /// `values` holds six numbers a box: x1, y1, x2, y2 in pixels, score, class. Rows whose class is
 /// not below `classes` make no box.
 pub(crate) fn end_to_end(values: &[f32], classes: usize, least: f32) -> Vec<Scored> {
-    let mut found = Found::new(least);
-    for row in values.chunks_exact(6) {
+    let rows = values.chunks_exact(6);
+    rows.filter_map(|row| {
         let class = row[5].round();
         // Written so that a NaN is refused.
-        if class >= 0.0 && class < classes as f32 {
-            found.add_one(class as usize, row[4], || Rect::new([row[0], row[1]], [row[2], row[3]]));
-        }
-    }
-    found.boxes
+        (class >= 0.0 && class < classes as f32).then_some(())?;
+        scored(least, class as usize, row[4], || Rect::new([row[0], row[1]], [row[2], row[3]]))
+    })
+    .collect()
 }
 
 /// Returns the boxes of YOLOv4 with the decoding in the network, as Tianxiaomo's and Darknet's
@@ -130,16 +114,15 @@ pub(crate) fn boxes_and_confs(
     scale: [f32; 2],
     least: f32,
 ) -> Vec<Scored> {
-    let mut found = Found::new(least);
-    for (edges, scores) in boxes.chunks_exact(4).zip(confs.chunks_exact(classes.max(1))) {
-        found.add(1.0, scores.iter().copied(), || {
-            Rect::new(
-                [edges[0] * scale[0], edges[1] * scale[1]],
-                [edges[2] * scale[0], edges[3] * scale[1]],
-            )
-        });
-    }
-    found.boxes
+    let candidates = boxes.chunks_exact(4).zip(confs.chunks_exact(classes.max(1)));
+    let [across, down] = scale;
+    candidates
+        .filter_map(|(edges, scores)| {
+            let [x0, y0, x1, y1] = [edges[0], edges[1], edges[2], edges[3]];
+            let rect = || Rect::new([x0 * across, y0 * down], [x1 * across, y1 * down]);
+            surest(least, 1.0, scores.iter().copied(), rect)
+        })
+        .collect()
 }
 
 /// Returns the boxes of YOLOX, whose rows are still in units of their grid cell.
@@ -160,19 +143,15 @@ pub(crate) fn yolox(
         let [columns, rows] = input.map(|size| size / stride);
         (0..rows).flat_map(move |row| (0..columns).map(move |column| (stride, column, row)))
     });
-    let mut found = Found::new(least);
-    for (cell, (stride, column, row)) in values.chunks_exact(5 + classes).zip(cells) {
+    let candidate = |(cell, (stride, column, row)): (&[f32], (usize, usize, usize))| {
         let size = stride as f32;
-        found.add(cell[4], cell[5..].iter().copied(), || {
-            centred([
-                (cell[0] + column as f32) * size,
-                (cell[1] + row as f32) * size,
-                cell[2].exp() * size,
-                cell[3].exp() * size,
-            ])
-        });
-    }
-    found.boxes
+        let rect = || {
+            let [x, y] = [cell[0] + column as f32, cell[1] + row as f32];
+            centred([x * size, y * size, cell[2].exp() * size, cell[3].exp() * size])
+        };
+        surest(least, cell[4], cell[5..].iter().copied(), rect)
+    };
+    values.chunks_exact(5 + classes).zip(cells).filter_map(candidate).collect()
 }
 
 impl HeadLayout {
@@ -222,31 +201,29 @@ pub(crate) fn raw_head(
     let centre = |t: f32, cell: usize| {
         cell as f32 + head.scale_x_y * active(t) - 0.5 * (head.scale_x_y - 1.0)
     };
-    let mut found = Found::new(least);
-    for (anchor, [width, height]) in head.anchors.iter().enumerate() {
-        for (row, column) in (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column)))
-        {
-            let at = |attribute| {
-                let index = layout.index(sizes, anchor, attribute, [row, column]);
-                values.get(index).copied().unwrap_or(f32::NAN)
-            };
-            let objectness = active(at(4));
-            // Most cells hold no object: their class scores need not be computed.
-            if objectness < least {
-                continue;
-            }
-            let scores = (5..5 + classes).map(|attribute| active(at(attribute)));
-            found.add(objectness, scores, || {
-                centred([
-                    centre(at(0), column) * stride[0],
-                    centre(at(1), row) * stride[1],
-                    size(at(2), *width),
-                    size(at(3), *height),
-                ])
-            });
+    let candidate = |(anchor, row, column): (usize, usize, usize)| {
+        let at = |attribute| {
+            let index = layout.index(sizes, anchor, attribute, [row, column]);
+            values.get(index).copied().unwrap_or(f32::NAN)
+        };
+        let objectness = active(at(4));
+        // Most cells hold no object: their class scores need not be computed.
+        if objectness < least {
+            return None;
         }
-    }
-    found.boxes
+        let scores = (5..5 + classes).map(|attribute| active(at(attribute)));
+        let [width, height] = head.anchors[anchor];
+        surest(least, objectness, scores, || {
+            let [x, y] = [centre(at(0), column), centre(at(1), row)];
+            centred([x * stride[0], y * stride[1], size(at(2), width), size(at(3), height)])
+        })
+    };
+    let cells = (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column)));
+    let anchors = 0..head.anchors.len();
+    anchors
+        .flat_map(|anchor| cells.clone().map(move |(row, column)| (anchor, row, column)))
+        .filter_map(candidate)
+        .collect()
 }
 
 /// Creates a box from its centre and size.
