@@ -8,19 +8,29 @@
 //! box: the model file may be from anybody.
 
 use super::{Rect, Scored};
+use serde::Deserialize;
 
-/// Parameters of a head that the network does not state.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Head {
+/// The parameters of a head that the network does not state.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+pub(crate) struct HeadEntry {
+    /// Pixels of the input in a grid cell; the heads differ in their stride.
+    pub stride: usize,
     /// Width and height of each anchor, pixels of the network's input.
     pub anchors: Vec<[f32; 2]>,
     /// Darknet's `scale_x_y`: factor of a centre's offset within its cell; above 1, the centre may
     /// lie outside the cell.
+    #[serde(default = "one")]
     pub scale_x_y: f32,
     /// Darknet's `new_coords`: sizes are `(2 t)^2` anchors instead of `e^t`.
+    #[serde(default)]
     pub new_coords: bool,
     /// True if the logistic function has been applied already (Darknet's heads with `new_coords`).
+    #[serde(default)]
     pub activated: bool,
+}
+
+fn one() -> f32 {
+    1.0
 }
 
 /// Order of the numbers in a head.
@@ -185,7 +195,7 @@ impl HeadLayout {
 pub(crate) fn raw_head(
     values: &[f32],
     layout: HeadLayout,
-    head: &Head,
+    head: &HeadEntry,
     classes: usize,
     grid: [usize; 2],
     input: [usize; 2],

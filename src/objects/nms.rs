@@ -2,9 +2,11 @@
 //! score is kept, and a vote moves its edges to the mean of all of them.
 
 use super::{Rect, Scored};
+use serde::Deserialize;
 
 /// Measure of the overlap of two boxes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum OverlapMeasure {
     /// Intersection over union.
     #[default]

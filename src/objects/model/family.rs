@@ -5,7 +5,7 @@ use super::Unusable;
 use super::sidecar::{FamilyName, Metadata, Sidecar};
 use super::tract::Output;
 use crate::Scored;
-use crate::decode::{self, Head, HeadLayout};
+use crate::decode::{self, HeadEntry, HeadLayout};
 
 /// Greatest number of boxes of an end-to-end network; 300 is usual.
 const MOST_END_TO_END: usize = 1000;
@@ -47,7 +47,7 @@ struct BoundHead {
     layout: HeadLayout,
     /// Columns and rows of grid cells.
     grid: [usize; 2],
-    head: Head,
+    head: HeadEntry,
 }
 
 impl FamilyName {
@@ -305,17 +305,7 @@ fn bind_heads(
         if *found.get_or_insert(classes) != classes {
             return Err(misfit("its heads differ in their classes".to_owned()));
         }
-        heads.push(BoundHead {
-            output,
-            layout,
-            grid,
-            head: Head {
-                anchors: entry.anchors.clone(),
-                scale_x_y: entry.scale_x_y,
-                new_coords: entry.new_coords,
-                activated: entry.activated,
-            },
-        });
+        heads.push(BoundHead { output, layout, grid, head: entry.clone() });
     }
     found.map(|classes| (classes, heads)).ok_or_else(|| misfit("there are no outputs".to_owned()))
 }

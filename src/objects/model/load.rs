@@ -330,7 +330,7 @@ fn assemble(
         iou: thresholds.iou.unwrap_or(0.45),
         name_score: thresholds.name.unwrap_or(0.0),
         nms: Nms {
-            overlap: thresholds.nms.map(Into::into).unwrap_or_default(),
+            overlap: thresholds.nms.unwrap_or_default(),
             across_classes: thresholds.class_agnostic.unwrap_or(false),
         },
         vote: thresholds.vote,

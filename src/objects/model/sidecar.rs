@@ -4,6 +4,7 @@
 
 use super::Unusable;
 use crate::OverlapMeasure;
+use crate::decode::HeadEntry;
 use serde::Deserialize;
 use std::collections::HashMap;
 
@@ -128,28 +129,6 @@ pub(super) enum Augmentation {
     Mirrored,
 }
 
-/// The anchors of one raw head.
-#[derive(Clone, Debug, Deserialize)]
-pub(super) struct HeadEntry {
-    /// Pixels of the input in a grid cell; the heads differ in their stride.
-    pub stride: usize,
-    /// Width and height of each anchor, pixels of the input.
-    pub anchors: Vec<[f32; 2]>,
-    /// Darknet's `scale_x_y`.
-    #[serde(default = "one")]
-    pub scale_x_y: f32,
-    /// Darknet's `new_coords`.
-    #[serde(default)]
-    pub new_coords: bool,
-    /// True if the logistic function has been applied already.
-    #[serde(default)]
-    pub activated: bool,
-}
-
-fn one() -> f32 {
-    1.0
-}
-
 /// Thresholds for boxes.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default)]
@@ -161,31 +140,12 @@ pub(super) struct ThresholdEntry {
     /// Least confidence of a box that keeps its class, 0 to 1; if `None`, every box keeps it.
     pub name: Option<f32>,
     /// Measure of overlap.
-    pub nms: Option<NmsEntry>,
+    pub nms: Option<OverlapMeasure>,
     /// True if boxes of different classes drop each other.
     pub class_agnostic: Option<bool>,
     /// Overlap above which the boxes of its class move a kept box to their mean, 0 to 1; if `None`,
     /// boxes are not moved.
     pub vote: Option<f32>,
-}
-
-/// Measure of overlap.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum NmsEntry {
-    /// Intersection over union.
-    Plain,
-    /// Intersection over union, less a term for the distance of the centres.
-    Darknet,
-}
-
-impl From<NmsEntry> for OverlapMeasure {
-    fn from(entry: NmsEntry) -> Self {
-        match entry {
-            NmsEntry::Plain => OverlapMeasure::Plain,
-            NmsEntry::Darknet => OverlapMeasure::Darknet,
-        }
-    }
 }
 
 impl Sidecar {
