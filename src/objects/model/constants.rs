@@ -44,11 +44,9 @@ pub(super) fn check_constants(model: &mut InferenceModel) -> Result<(), Unusable
         if around.known() {
             let unsized_output = UNSIZED.contains(&&*model.node(node).op.name());
             in_all = in_all.saturating_add(elements_of(&name, &outputs, unsized_output)?);
-            if in_all > MOST_ELEMENTS_IN_ALL {
-                return Err(Unusable::TooBig(format!(
-                    "up to its layer {name} it makes {in_all} numbers of its constants"
-                )));
-            }
+            Unusable::unless(in_all <= MOST_ELEMENTS_IN_ALL, || {
+                format!("up to its layer {name} it makes {in_all} numbers of its constants")
+            })?;
             let Ok(made) = around.numbers(model.node_mut(node).op.as_mut()) else {
                 continue;
             };
@@ -76,10 +74,8 @@ fn elements_of(
     let mut sum = 0;
     for fact in outputs {
         let elements = fact.shape.concretize().map(|sizes| {
-            let sizes = sizes.iter().map(|size| size.to_i64().ok()?.try_into().ok());
-            sizes
-                .into_iter()
-                .try_fold(1_u64, |product, size: Option<u64>| product.checked_mul(size?))
+            let mut sizes = sizes.iter().map(|size| u64::try_from(size.to_i64().ok()?).ok());
+            sizes.try_fold(1_u64, |product, size| product.checked_mul(size?))
         });
         match elements {
             Some(Some(elements)) if elements <= MOST_ELEMENTS => sum += elements,

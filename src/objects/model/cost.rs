@@ -17,6 +17,8 @@ const MOST_ELEMENTS_AT_ONCE: u64 = 1 << 28;
 /// Greatest number of elements of all tensors together, most of which are held only for a moment.
 const MOST_ELEMENTS_IN_ALL: u64 = 1 << 31;
 
+const BILLION: u64 = 1_000_000_000;
+
 /// Refuses a network that needs more memory or work than a detector should.
 ///
 /// # Errors
@@ -29,18 +31,12 @@ pub(super) fn check_cost(model: &TypedModel) -> Result<(), Unusable> {
         multiplications = multiplications.saturating_add(work);
         check_gathered(node, work)?;
     }
-    if in_all > MOST_ELEMENTS_IN_ALL {
-        return Err(Unusable::TooBig(format!(
-            "one picture becomes {} billion numbers on its way",
-            in_all / 1_000_000_000
-        )));
-    }
-    if multiplications > MOST_MULTIPLICATIONS {
-        return Err(Unusable::TooBig(format!(
-            "one picture takes {} billion multiplications",
-            multiplications / 1_000_000_000
-        )));
-    }
+    Unusable::unless(in_all <= MOST_ELEMENTS_IN_ALL, || {
+        format!("one picture becomes {} billion numbers on its way", in_all / BILLION)
+    })?;
+    Unusable::unless(multiplications <= MOST_MULTIPLICATIONS, || {
+        format!("one picture takes {} billion multiplications", multiplications / BILLION)
+    })?;
     check_held(model)
 }
 
@@ -84,13 +80,9 @@ fn check_gathered(node: &TypedNode, multiplications: u64) -> Result<(), Unusable
         _ => return Ok(()),
     };
     let gathered = multiplications / (shared as u64).max(1);
-    if gathered > MOST_ELEMENTS_AT_ONCE {
-        return Err(Unusable::TooBig(format!(
-            "its layer {} gathers {gathered} numbers under its kernel",
-            node.name
-        )));
-    }
-    Ok(())
+    Unusable::unless(gathered <= MOST_ELEMENTS_AT_ONCE, || {
+        format!("its layer {} gathers {gathered} numbers under its kernel", node.name)
+    })
 }
 
 /// Refuses a network that holds too many elements at one time. Each output is held until the last
@@ -116,12 +108,10 @@ fn check_held(model: &TypedModel) -> Result<(), Unusable> {
             held = held.saturating_add(elements);
             freed[last_read(outlet).unwrap_or(order.len() - 1)] += elements;
         }
-        if held > MOST_ELEMENTS_AT_ONCE {
-            return Err(Unusable::TooBig(format!(
-                "at its layer {} one picture holds {held} numbers at a time",
-                model.node(node).name
-            )));
-        }
+        Unusable::unless(held <= MOST_ELEMENTS_AT_ONCE, || {
+            let name = &model.node(node).name;
+            format!("at its layer {name} one picture holds {held} numbers at a time")
+        })?;
         held -= freed[step];
     }
     Ok(())

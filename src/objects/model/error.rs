@@ -90,6 +90,13 @@ pub enum Unusable {
     },
 }
 
+impl Unusable {
+    /// Refuses a network that is too large, with `text` as the reason, unless it fits.
+    pub(super) fn unless(fits: bool, text: impl FnOnce() -> String) -> Result<(), Self> {
+        if fits { Ok(()) } else { Err(Self::TooBig(text())) }
+    }
+}
+
 /// Error of a search that did not end normally.
 #[derive(Debug, thiserror::Error)]
 pub enum DetectError {

@@ -87,7 +87,7 @@ pub(super) fn metadata(proto: &ModelProto) -> Metadata {
 
 /// Returns the names of the files that hold weights outside the model file, sorted.
 pub(super) fn outside_files(proto: &ModelProto) -> Vec<String> {
-    let mut names: Vec<String> = tensors(proto)
+    let mut names: Vec<String> = (proto.graph.iter().flat_map(tensors))
         .filter(|tensor| tensor.data_location == Some(DataLocation::External as i32))
         .flat_map(|tensor| &tensor.external_data)
         .filter(|entry| entry.key == "location")
@@ -98,19 +98,14 @@ pub(super) fn outside_files(proto: &ModelProto) -> Vec<String> {
     names
 }
 
-fn tensors(proto: &ModelProto) -> impl Iterator<Item = &TensorProto> {
-    let graph = proto.graph.iter();
-    graph.flat_map(|graph| {
-        let constants = graph.node.iter().flat_map(|node| &node.attribute);
-        graph.initializer.iter().chain(constants.filter_map(|attribute| attribute.t.as_ref()))
-    })
+fn tensors(graph: &GraphProto) -> impl Iterator<Item = &TensorProto> {
+    let constants = graph.node.iter().flat_map(|node| &node.attribute);
+    graph.initializer.iter().chain(constants.filter_map(|attribute| attribute.t.as_ref()))
 }
 
 fn screen_graph(graph: &GraphProto, layers: &mut usize) -> Result<(), Unusable> {
     *layers += graph.node.len();
-    if *layers > MOST_LAYERS {
-        return Err(Unusable::TooBig(format!("it has more than {MOST_LAYERS} layers")));
-    }
+    Unusable::unless(*layers <= MOST_LAYERS, || format!("it has more than {MOST_LAYERS} layers"))?;
     screen_weights(graph)?;
     let listed = graph.input.iter().chain(&graph.output);
     for (name, axes) in listed.chain(&graph.value_info).map(axes_of) {
@@ -137,19 +132,14 @@ fn screen_graph(graph: &GraphProto, layers: &mut usize) -> Result<(), Unusable> 
 /// the same bytes of a file beside the model, and each is unpacked on its own.
 fn screen_weights(graph: &GraphProto) -> Result<(), Unusable> {
     let mut in_all = 0_i64;
-    let constants = graph.node.iter().flat_map(|node| &node.attribute);
-    let constants = constants.filter_map(|attribute| attribute.t.as_ref());
-    for weight in graph.initializer.iter().chain(constants) {
+    for weight in tensors(graph) {
         check_axes(&weight.name, weight.dims.len())?;
         let mut sizes = weight.dims.iter();
         let elements = sizes.try_fold(1_i64, |product, &size| product.checked_mul(size.max(0)));
         in_all = in_all.saturating_add(elements.unwrap_or(i64::MAX));
-        if in_all > MOST_WEIGHTS {
-            return Err(Unusable::TooBig(format!(
-                "with `{}` it has more than {MOST_WEIGHTS} weights",
-                weight.name
-            )));
-        }
+        Unusable::unless(in_all <= MOST_WEIGHTS, || {
+            format!("with `{}` it has more than {MOST_WEIGHTS} weights", weight.name)
+        })?;
     }
     Ok(())
 }
@@ -166,11 +156,7 @@ fn axes_of(declared: &ValueInfoProto) -> (&str, usize) {
 
 /// Refuses a tensor with more axes than any tensor of a detector.
 pub(super) fn check_axes(name: &str, axes: usize) -> Result<(), Unusable> {
-    if axes <= MOST_AXES {
-        Ok(())
-    } else {
-        Err(Unusable::TooBig(format!("its tensor `{name}` has {axes} axes")))
-    }
+    Unusable::unless(axes <= MOST_AXES, || format!("its tensor `{name}` has {axes} axes"))
 }
 
 /// Refuses a layer that makes a tensor of too many axes: the shape of the tensor is a list in the
@@ -227,12 +213,9 @@ fn screen_growth(node: &NodeProto, sizes: &HashMap<&str, Vec<i64>>) -> Result<()
             .iter()
             .filter(|&&size| size > 0)
             .try_fold(1_i64, |product, &size| product.checked_mul(size));
-        if elements.is_none_or(|elements| elements > most) {
-            return Err(Unusable::TooBig(format!(
-                "its layer {} asks for a size of {sizes:?}",
-                node.op_type
-            )));
-        }
+        Unusable::unless(elements.is_some_and(|elements| elements <= most), || {
+            format!("its layer {} asks for a size of {sizes:?}", node.op_type)
+        })?;
     }
     Ok(())
 }
