@@ -85,13 +85,6 @@ pub(super) fn from_path(path: &Path) -> Result<Model, Unusable> {
     from_bytes(bytes.into(), sidecar.as_deref(), path.parent(), Limits::USUAL)
 }
 
-/// Compiled network with its input and metadata, before its first run.
-struct Opened {
-    network: Arc<Network>,
-    input: InputSpec,
-    metadata: Metadata,
-}
-
 /// Loads a model from the bytes of its file; weights outside the file are searched in `folder`.
 ///
 /// # Errors
@@ -102,40 +95,33 @@ pub(super) fn from_bytes(
     folder: Option<&Path>,
     limits: Limits,
 ) -> Result<Model, Unusable> {
-    let said = sidecar.map(Sidecar::parse).transpose()?;
-    let sidecar = said.clone().unwrap_or_default();
-    let folder = folder.map(Path::to_path_buf);
-    let Opened { network, mut input, metadata } =
+    let sidecar = sidecar.map(Sidecar::parse).transpose()?.unwrap_or_default();
+    let (said, folder) = (sidecar.clone(), folder.map(Path::to_path_buf));
+    let (network, mut input, metadata) =
         guarded("its compilation", limits.compilation, move || {
-            Source { onnx, sidecar: said.unwrap_or_default(), folder }.open()
+            open(&onnx, &said, folder.as_deref())
         })?;
 
     let (first, numbers) = (Arc::clone(&network), vec![0.5; input.count()]);
     let outputs = guarded("its first picture", limits.first_picture, move || first.run(&numbers))?;
-    let (family, name, guessed) = understand(&outputs, &input, &sidecar, &metadata)?;
+    let known = sidecar.names.clone().or_else(|| metadata.names());
+    let known_count = known.as_ref().map(Vec::len);
+    let (family, name) = understand(&outputs, &input, &sidecar, &metadata, known_count)?;
     prepare_as_trained(&mut input, name, &sidecar)?;
-    let names = class_names(&sidecar, &metadata, &family)?;
-    Ok(assemble(network, family, input, names, &sidecar, (name, guessed)))
+    let names = class_names(known, family.classes)?;
+    Ok(assemble(network, family, input, names, &sidecar, name))
 }
 
-/// Contents of the files that a model is loaded from.
-struct Source {
-    onnx: Cow<'static, [u8]>,
-    sidecar: Sidecar,
-    /// Folder of the weights outside the file.
-    folder: Option<PathBuf>,
-}
-
-impl Source {
-    /// Reads, checks and compiles the network.
-    fn open(self) -> Result<Opened, Unusable> {
-        let folder = self.folder.as_deref();
-        let Screened { proto, declared, metadata, input } =
-            screened(&self.onnx, &self.sidecar, folder)?;
-        let shape = input.shape();
-        let graph = tract::graph(&proto, &declared, shape, folder)?;
-        Ok(Opened { network: Arc::new(Network::compile(graph, &proto, shape)?), input, metadata })
-    }
+/// Reads, checks and compiles a network.
+fn open(
+    onnx: &[u8],
+    sidecar: &Sidecar,
+    folder: Option<&Path>,
+) -> Result<(Arc<Network>, InputSpec, Metadata), Unusable> {
+    let Screened { proto, declared, metadata, input } = checked(onnx, sidecar, folder)?;
+    let shape = input.shape();
+    let graph = tract::graph(&proto, &declared, shape, folder)?;
+    Ok((Arc::new(Network::compile(graph, &proto, shape)?), input, metadata))
 }
 
 /// A graph that was checked, and is not compiled yet.
@@ -147,7 +133,7 @@ struct Screened {
 }
 
 /// Reads and checks a graph. Until then, no number in it can be trusted.
-fn screened(onnx: &[u8], sidecar: &Sidecar, folder: Option<&Path>) -> Result<Screened, Unusable> {
+fn checked(onnx: &[u8], sidecar: &Sidecar, folder: Option<&Path>) -> Result<Screened, Unusable> {
     let proto = tract::parse(onnx)?;
     let declared = screen::screen(&proto)?;
     let metadata = screen::metadata(&proto);
@@ -159,14 +145,13 @@ fn screened(onnx: &[u8], sidecar: &Sidecar, folder: Option<&Path>) -> Result<Scr
     Ok(Screened { proto, declared, metadata, input })
 }
 
-/// Makes the checks of [`from_bytes`] that come before any computation, for the fuzzer.
+/// Makes the checks of [`Model::from_bytes`] that come before any computation, for the fuzzer.
 ///
 /// # Errors
 /// When the model cannot be used; the error is the reason.
-pub(super) fn screen_only(onnx: &[u8], sidecar: Option<&str>) -> Result<(), Unusable> {
+pub fn screened(onnx: &[u8], sidecar: Option<&str>) -> Result<(), Unusable> {
     let sidecar = sidecar.map(Sidecar::parse).transpose()?.unwrap_or_default();
-    let screened = screened(onnx, &sidecar, None)?;
-    screened.metadata.names();
+    checked(onnx, &sidecar, None)?.metadata.names();
     Ok(())
 }
 
@@ -226,14 +211,14 @@ fn input_of(
     Ok(input)
 }
 
-/// Returns the family of the network, its name, and true if the family was guessed from the
-/// outputs.
+/// Returns the family of the network and its name.
 fn understand(
     outputs: &[Output],
     input: &InputSpec,
     sidecar: &Sidecar,
     metadata: &Metadata,
-) -> Result<(DetectorFamily, FamilyName, bool), Unusable> {
+    known_names: Option<usize>,
+) -> Result<(DetectorFamily, FamilyName), Unusable> {
     let shapes: Vec<Shaped<'_>> =
         outputs.iter().map(|output| (output.name.as_str(), output.shape.as_slice())).collect();
     let size = [input.width, input.height];
@@ -241,10 +226,9 @@ fn understand(
         Some(name) => name,
         None => family::guess(&shapes, size, metadata)?,
     };
-    let known = sidecar.names.clone().or_else(|| metadata.names());
-    let mut family = family::bind(name, &shapes, size, sidecar, known.map(|names| names.len()))?;
+    let mut family = family::bind(name, &shapes, size, sidecar, known_names)?;
     family.learn(outputs);
-    Ok((family, name, sidecar.family.is_none()))
+    Ok((family, name))
 }
 
 /// Sets the preparation of a picture to that of the training of the family, and then to the entries
@@ -280,23 +264,17 @@ fn prepare_as_trained(
     Ok(())
 }
 
-fn class_names(
-    sidecar: &Sidecar,
-    metadata: &Metadata,
-    family: &DetectorFamily,
-) -> Result<Vec<String>, Unusable> {
-    let known = sidecar.names.clone().or_else(|| metadata.names());
+fn class_names(known: Option<Vec<String>>, classes: usize) -> Result<Vec<String>, Unusable> {
     match known {
         // Names are put on one line, because they are shown in tables, folder names and the window.
-        Some(names) if names.len() == family.classes => {
+        Some(names) if names.len() == classes => {
             Ok(names.iter().map(|name| one_line(name)).collect())
         }
         Some(names) => Err(Unusable::Sidecar(format!(
-            "{} class names are given, but the outputs distinguish {} classes",
-            names.len(),
-            family.classes
+            "{} class names are given, but the outputs distinguish {classes} classes",
+            names.len()
         ))),
-        None => Ok((0..family.classes).map(|class| format!("class {class}")).collect()),
+        None => Ok((0..classes).map(|class| format!("class {class}")).collect()),
     }
 }
 
@@ -306,10 +284,10 @@ fn assemble(
     input: InputSpec,
     names: Vec<String>,
     sidecar: &Sidecar,
-    (name, guessed): (FamilyName, bool),
+    name: FamilyName,
 ) -> Model {
     let thresholds = &sidecar.thresholds;
-    let mut description = describe(name, guessed, &names, &input);
+    let mut description = describe(name, sidecar.family.is_none(), &names, &input);
     let mut with_nameless = names;
     let classes = with_nameless.len();
     let nameless = class_index(&mut with_nameless, NAMELESS_CLASS);

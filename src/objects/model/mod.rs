@@ -27,7 +27,7 @@ mod tract;
 mod winograd;
 
 pub use error::{DetectError, ModelError, Unusable};
-pub use load::shipped;
+pub use load::{screened, shipped};
 
 use super::{Nms, Picture, Rect, Scored, level, suppress, vote};
 use family::DetectorFamily;
@@ -37,14 +37,6 @@ use sidecar::ConfidenceCalibration;
 use std::path::Path;
 use std::sync::Arc;
 use tract::Network;
-
-/// Makes the checks of [`Model::from_bytes`] that come before compilation, for the fuzzer.
-///
-/// # Errors
-/// When the model cannot be used; the error is the reason.
-pub fn screened(onnx: &[u8], sidecar: Option<&str>) -> Result<(), Unusable> {
-    load::screen_only(onnx, sidecar)
-}
 
 /// Greatest number of boxes of one picture that are processed, those of highest confidence first:
 /// this bounds the work for a network that proposes boxes everywhere.
