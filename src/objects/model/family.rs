@@ -78,13 +78,16 @@ pub(super) fn guess(
     if let [(_, shape)] = outputs
         && let Some([first, second]) = flat(shape)
     {
-        let one_class = cells(input, first) || yolov5_rows(input, first);
+        let cells = |count: usize, each: usize| {
+            STRIDES.iter().any(|strides| each * cells_of(input, strides) == count)
+        };
+        let one_class = cells(first, 1) || cells(first, 3);
         return match (first, second) {
             (_, 6) if metadata.end_to_end() => Ok(FamilyName::EndToEnd),
             (count, 6) if count <= MOST_END_TO_END && !one_class => Ok(FamilyName::EndToEnd),
             (count, width) if count < width && count > 4 => Ok(FamilyName::Yolov8),
-            (count, width) if width > 5 && cells(input, count) => Ok(FamilyName::Yolox),
-            (count, width) if width > 5 && yolov5_rows(input, count) => Ok(FamilyName::Yolov5),
+            (count, width) if width > 5 && cells(count, 1) => Ok(FamilyName::Yolox),
+            (count, width) if width > 5 && cells(count, 3) => Ok(FamilyName::Yolov5),
             _ => unknown(),
         };
     }
@@ -101,18 +104,18 @@ pub(super) fn bind(
     known_names: Option<usize>,
 ) -> Result<DetectorFamily, Unusable> {
     let misfit = |why: String| Unusable::Misfit { family: name.words().to_owned(), why };
+    let unfit = || misfit(listed(outputs));
     let one = || match outputs {
-        [(_, shape)] => flat(shape).ok_or_else(|| misfit(listed(outputs))),
-        _ => Err(misfit(listed(outputs))),
+        [(_, shape)] => flat(shape).ok_or_else(unfit),
+        _ => Err(unfit()),
     };
     let more = |width: usize, fixed: usize| {
         let classes = width.checked_sub(fixed).filter(|&classes| classes > 0);
-        classes.ok_or_else(|| misfit(listed(outputs)))
+        classes.ok_or_else(unfit)
     };
     let (classes, kind) = match name {
         FamilyName::Yolov4 => {
-            let (boxes, confs, classes) =
-                boxes_and_confs(outputs).ok_or_else(|| misfit(listed(outputs)))?;
+            let (boxes, confs, classes) = boxes_and_confs(outputs).ok_or_else(unfit)?;
             let fractions = coordinates(sidecar);
             (classes, Kind::BoxesAndConfs { boxes, confs, fractions })
         }
@@ -125,7 +128,7 @@ pub(super) fn bind(
         FamilyName::EndToEnd => {
             let [_, width] = one()?;
             if width != 6 {
-                return Err(misfit(listed(outputs)));
+                return Err(unfit());
             }
             // The outputs do not show how many classes there are.
             (known_names.unwrap_or(80), Kind::EndToEnd)
@@ -244,16 +247,6 @@ fn boxes_and_confs(outputs: &[Shaped<'_>]) -> Option<(usize, usize, usize)> {
 
 fn cells_of(input: [usize; 2], strides: &[usize]) -> usize {
     strides.iter().map(|stride| (input[0] / stride) * (input[1] / stride)).sum()
-}
-
-/// Returns true if `count` is the number of grid cells of some strides.
-fn cells(input: [usize; 2], count: usize) -> bool {
-    STRIDES.iter().any(|strides| cells_of(input, strides) == count)
-}
-
-/// Returns true if `count` is three times the number of grid cells of some strides.
-fn yolov5_rows(input: [usize; 2], count: usize) -> bool {
-    STRIDES.iter().any(|strides| 3 * cells_of(input, strides) == count)
 }
 
 /// Returns the ways in which an output can be read as a raw head: its layout, columns and rows, and

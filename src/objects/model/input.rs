@@ -98,11 +98,11 @@ impl InputSpec {
         let mut numbers = vec![0.0; self.count()];
         for channel in 0..self.channels {
             let bar = self.number(BAR, channel);
-            let across = Line::new(self.width, fit, 0);
-            let down = Line::new(self.height, fit, 1);
+            let across = places(self.width, fit, 0);
+            let down = places(self.height, fit, 1);
             for y in 0..self.height {
                 for x in 0..self.width {
-                    let number = match (across.at(x), down.at(y)) {
+                    let number = match (across[x], down[y]) {
                         (Some(x), Some(y)) => {
                             self.number(self.between(picture, x, y, channel), channel)
                         }
@@ -156,28 +156,16 @@ struct PixelPlace {
     share: f32,
 }
 
-/// Places in the picture of the middles of the input's pixels along one axis; `None` in the bars.
-struct Line(Vec<Option<PixelPlace>>);
-
-impl Line {
-    fn new(count: usize, fit: &InputFit, axis: usize) -> Self {
-        let first = fit.offset[axis] as usize;
-        let inside = first..first + fit.covered[axis];
-        Self(
-            (0..count)
-                .map(|index| {
-                    let middle = index as f32 + 0.5 - fit.offset[axis];
-                    let place =
-                        (middle / fit.scale[axis] - 0.5).clamp(0.0, fit.picture[axis] - 1.0);
-                    inside
-                        .contains(&index)
-                        .then_some(PixelPlace { low: place as usize, share: place.fract() })
-                })
-                .collect(),
-        )
-    }
-
-    fn at(&self, index: usize) -> Option<PixelPlace> {
-        self.0.get(index).copied().flatten()
-    }
+/// Returns the places in the picture of the middles of the input's pixels along one axis; `None` in
+/// the bars.
+fn places(count: usize, fit: &InputFit, axis: usize) -> Vec<Option<PixelPlace>> {
+    let first = fit.offset[axis] as usize;
+    let inside = first..first + fit.covered[axis];
+    let place = |index: usize| {
+        let middle = index as f32 + 0.5 - fit.offset[axis];
+        let place = (middle / fit.scale[axis] - 0.5).clamp(0.0, fit.picture[axis] - 1.0);
+        let place = PixelPlace { low: place as usize, share: place.fract() };
+        inside.contains(&index).then_some(place)
+    };
+    (0..count).map(place).collect()
 }

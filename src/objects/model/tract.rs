@@ -40,10 +40,9 @@ pub(super) struct Network {
 ///
 /// # Errors
 /// When the bytes are no ONNX file.
-pub(super) fn parse(bytes: &[u8]) -> Result<ModelProto, Unusable> {
+pub(super) fn parse(mut bytes: &[u8]) -> Result<ModelProto, Unusable> {
     // tract's table of layers is filled only once.
     static ONNX: LazyLock<Onnx> = LazyLock::new(tract_onnx::onnx);
-    let mut bytes = bytes;
     ONNX.proto_model_for_read(&mut bytes).map_err(|_| Unusable::NotOnnx)
 }
 
@@ -124,11 +123,6 @@ pub(super) const FLOAT16: i32 = 10;
 /// Number of the type f32 in ONNX.
 pub(super) const FLOAT32: i32 = 1;
 
-fn output_names(proto: &ModelProto) -> Vec<String> {
-    let outputs = proto.graph.iter().flat_map(|graph| &graph.output);
-    outputs.map(|output| output.name.clone()).collect()
-}
-
 impl Network {
     /// Compiles a graph; `proto` is the file that the graph is from.
     ///
@@ -145,7 +139,9 @@ impl Network {
             graph.into_optimized()?.into_runnable()
         };
         let plan = plan().map_err(compile_error)?;
-        Ok(Self { plan, names: output_names(proto), shape })
+        let outputs = proto.graph.iter().flat_map(|graph| &graph.output);
+        let names = outputs.map(|output| output.name.clone()).collect();
+        Ok(Self { plan, names, shape })
     }
 
     /// Runs the network on one picture; `input` must hold as many numbers as the input shape.
