@@ -34,8 +34,8 @@ pub(super) fn reach_m(span: &SideSpan) -> f64 {
 
 /// Computes the positions and sizes of boxes of one survey.
 pub struct Placer<'a> {
-    survey: &'a Survey,
-    navigation: &'a Navigation,
+    pub(super) survey: &'a Survey,
+    pub(super) navigation: &'a Navigation,
     returns: &'a FirstReturns,
     calibration: &'a Calibration,
     /// Factor for recorded ranges and depths.
@@ -95,7 +95,7 @@ impl<'a> Placer<'a> {
     ) -> Option<Target> {
         let middle = self.middle(mark);
         let span = self.survey.span(middle, mark.side)?;
-        let altitude_m = self.altitude_m(mark)?;
+        let altitude_m = self.altitude_over_m(mark.side, mark.pings.clone())?;
         let found = self.parts(mark, extent, span, top);
         // The box begins where the echo begins, and holds more shadow than echo.
         let near_m = self.calibrated_m(span, mark.near_m);
@@ -149,14 +149,32 @@ impl<'a> Placer<'a> {
         })
     }
 
-    /// Returns the height of the transducer above the bottom over the pings of a box.
-    fn altitude_m(&self, mark: &Mark) -> Option<f64> {
-        self.altitude_over_m(mark.side, mark.pings.clone())
-    }
-
-    /// Returns the height of the transducer above the bottom over some pings, for one side.
+    /// Returns the altitude over some pings on a side, metres; `None` if no ping has a known bottom.
+    /// The altitude is the median of the bottom edits; without edits, of the recorded depths where
+    /// the recorder had bottom lock; without these, of the first returns on this side. Edits come
+    /// first, because an analyst who draws the bottom sees the recorder's own.
     pub(super) fn altitude_over_m(&self, side: Side, pings: Range<usize>) -> Option<f64> {
-        altitude_m(self.survey, self.returns, self.calibration, self.range_factor, side, pings)
+        let (survey, returns) = (self.survey, self.returns);
+        let pings = pings.start..pings.end.min(survey.side_scan.len());
+        let first_return_m = |ping: usize| {
+            let pick = returns.side(side).get(ping)?;
+            let span = survey.span(ping, side)?;
+            let range_m = self.calibration.range_m(span, f64::from(pick.sample));
+            (pick.is_some() && !pick.above_bottom && range_m > 0.0).then_some(range_m)
+        };
+        let is_drawn = |&ping: &usize| returns.is_drawn(side, ping);
+        let drawn = pings.clone().filter(is_drawn).filter_map(first_return_m);
+        let mut depths_m: Vec<f64> = drawn.collect();
+        if depths_m.is_empty() {
+            let recorded = pings.clone();
+            let recorded = recorded.map(|ping| f64::from(survey.good_depth_m(ping)));
+            depths_m = recorded.filter(|depth_m| *depth_m > 0.0).collect();
+        }
+        if depths_m.is_empty() {
+            depths_m = pings.filter_map(first_return_m).collect();
+        }
+        let altitude_m = median(&mut depths_m) * self.range_factor;
+        (altitude_m > 0.0).then_some(altitude_m)
     }
 
     /// Returns the height of the transducer above the bottom at a slant range, given the height
@@ -189,21 +207,6 @@ impl<'a> Placer<'a> {
     pub(super) fn abeam(&self, side: Side, ping: usize, ground_m: f64) -> Option<[f64; 2]> {
         let place = self.navigation.pings.get(ping)?.abeam(side, ground_m)?;
         (place.iter().all(|metres| metres.is_finite())).then_some(place)
-    }
-
-    /// Returns the survey.
-    pub(super) fn survey(&self) -> &'a Survey {
-        self.survey
-    }
-
-    /// Returns the place and heading of the boat at a ping.
-    pub(super) fn boat_at(&self, ping: usize) -> Option<&PingNav> {
-        self.navigation.pings.get(ping)
-    }
-
-    /// Returns the span of a ping on one side.
-    pub(super) fn span(&self, side: Side, ping: usize) -> Option<&'a SideSpan> {
-        self.survey.span(ping, side)
     }
 
     /// Returns echo and shadow of a box, as the analyst has set them or as they are found; `None`
@@ -347,9 +350,8 @@ impl<'a> Placer<'a> {
     fn boat(&self, mark: &Mark) -> Option<PingNav> {
         let behind_ping = self.middle(mark).min(mark.pings.end.checked_sub(1)?);
         let before_ping = behind_ping.saturating_sub(1).max(mark.pings.start);
-        let [before, behind] =
-            [before_ping, behind_ping].map(|ping| self.navigation.pings.get(ping).copied());
-        let (before, behind) = (before?, behind?);
+        let before = *self.navigation.pings.get(before_ping)?;
+        let behind = self.navigation.pings.get(behind_ping)?;
         let [from_m, to_m] = [before_ping, behind_ping].map(|ping| self.sailed_m()[ping]);
         let half_m = self.sailed_m()[mark.pings.start] + 0.5 * self.sailed_over_m(mark);
         let share =
@@ -366,10 +368,7 @@ impl<'a> Placer<'a> {
     /// there (widths of two blurs are subtracted as squares). In a turn, the beam sweeps slower or
     /// faster there than the boat sails.
     fn length_m(&self, mark: &Mark, slant_m: f64, ground_m: f64) -> f64 {
-        let abeam = |ping: usize| {
-            let boat = self.navigation.pings.get(ping)?;
-            boat.abeam(mark.side, ground_m)
-        };
+        let abeam = |ping: usize| self.navigation.pings.get(ping)?.abeam(mark.side, ground_m);
         let ends = abeam(mark.pings.start).zip(abeam(mark.pings.end.saturating_sub(1)));
         let Some(([from_east, from_north], [to_east, to_north])) = ends else {
             return f64::NAN;
@@ -383,40 +382,6 @@ impl<'a> Placer<'a> {
         let beam_m = BEAM_RAD * slant_m;
         (whole_m * whole_m - beam_m * beam_m).max(spacing_m * spacing_m).sqrt()
     }
-}
-
-/// Returns the altitude over some pings on a side, metres, times `range_factor`; `None` if no ping
-/// has a known bottom. The altitude is the median of the bottom edits; without edits, of the
-/// recorded depths where the recorder had bottom lock; without these, of the first returns on this
-/// side. Edits come first, because an analyst who draws the bottom sees the recorder's own.
-fn altitude_m(
-    survey: &Survey,
-    returns: &FirstReturns,
-    calibration: &Calibration,
-    range_factor: f64,
-    side: Side,
-    pings: Range<usize>,
-) -> Option<f64> {
-    let pings = pings.start..pings.end.min(survey.side_scan.len());
-    let first_return_m = |ping: usize| {
-        let pick = returns.side(side).get(ping)?;
-        let span = survey.span(ping, side)?;
-        let range_m = calibration.range_m(span, f64::from(pick.sample));
-        (pick.is_some() && !pick.above_bottom && range_m > 0.0).then_some(range_m)
-    };
-    let is_drawn = |&ping: &usize| returns.is_drawn(side, ping);
-    let drawn = pings.clone().filter(is_drawn).filter_map(first_return_m);
-    let mut depths_m: Vec<f64> = drawn.collect();
-    if depths_m.is_empty() {
-        let recorded = pings.clone();
-        let recorded = recorded.map(|ping| f64::from(survey.good_depth_m(ping)));
-        depths_m = recorded.filter(|depth_m| *depth_m > 0.0).collect();
-    }
-    if depths_m.is_empty() {
-        depths_m = pings.filter_map(first_return_m).collect();
-    }
-    let altitude_m = median(&mut depths_m) * range_factor;
-    (altitude_m > 0.0).then_some(altitude_m)
 }
 
 /// Returns the standard deviation of the heading over some pings, radians: in a turn, the line that

@@ -107,11 +107,8 @@ impl MeasuredObject {
             let end_sigma_m = self.edge_sigma_m.hypot(0.5 * (self.box_end_m - end_m));
             let start = self.altitude_m / end_m * start_sigma_m;
             let end = self.altitude_m * start_m / (end_m * end_m) * end_sigma_m;
-            let beside = |range_m: f64, below_m: f64| {
-                (range_m * range_m - below_m * below_m).max(0.0).sqrt()
-            };
-            let ground_m = beside(end_m, self.altitude_there_m);
-            let shadow_m = ground_m - beside(start_m, self.altitude_there_m - height_m);
+            let ground_m = across_m(end_m, self.altitude_there_m);
+            let shadow_m = ground_m - across_m(start_m, self.altitude_there_m - height_m);
             let flank = 0.5 * (end_m / ground_m.max(STEEPEST * end_m) - 1.0);
             start
                 .hypot(end)
@@ -181,8 +178,7 @@ impl MeasuredObject {
     /// Returns the distances of both edges from the track, for an object of a height, metres.
     fn ground_m(&self, raised_m: f64) -> [f64; 2] {
         let below_m = (self.altitude_there_m - raised_m).max(0.0);
-        [self.near_m, self.far_m]
-            .map(|range_m| (range_m * range_m - below_m * below_m).max(0.0).sqrt())
+        [self.near_m, self.far_m].map(|range_m| across_m(range_m, below_m))
     }
 
     /// Returns the distance from the track to the middle of an object of a height, metres. If no
@@ -194,6 +190,12 @@ impl MeasuredObject {
             if self.bounded { far_m - near_m } else { (far_m - near_m).max(USUAL_WIDTH_M) };
         near_m + 0.5 * width_m
     }
+}
+
+/// Returns the distance across the track of a place at a slant range, given how far the place lies
+/// below the transducer, metres; 0 for a place nearer than that.
+pub(super) fn across_m(range_m: f64, below_m: f64) -> f64 {
+    (range_m * range_m - below_m * below_m).max(0.0).sqrt()
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Computes the height of the object that casts a shadow which the analyst measures on one ping.
 
 use super::place::{Placer, reach_m};
-use super::seen::{ALTITUDE_SIGMA, EDGE_SIGMA_M, SLOPE_SIGMA};
+use super::seen::{ALTITUDE_SIGMA, EDGE_SIGMA_M, SLOPE_SIGMA, across_m};
 use bathyscope_log::survey::Side;
 
 /// Number of pings to either side of the measured one over which the altitude is the median: a fish
@@ -64,9 +64,7 @@ impl ShadowHeight {
     /// shadow's end, metres.
     pub fn ground_m(&self) -> [f64; 2] {
         let below_m = self.altitude_m - self.height_m();
-        let across_m =
-            |range_m: f64, below_m: f64| (range_m * range_m - below_m * below_m).max(0.0);
-        [across_m(self.top_m, below_m).sqrt(), across_m(self.end_m, self.altitude_m).sqrt()]
+        [across_m(self.top_m, below_m), across_m(self.end_m, self.altitude_m)]
     }
 }
 
@@ -75,7 +73,7 @@ impl Placer<'_> {
     /// east and north. `None` if the boat has no position or heading, or the side was not recorded.
     /// In the water column, the place is that of the boat.
     pub fn ground(&self, side: Side, ping: usize, recorded_m: f64) -> Option<[f64; 2]> {
-        let slant_m = self.calibrated_m(self.span(side, ping)?, recorded_m);
+        let slant_m = self.calibrated_m(self.survey.span(ping, side)?, recorded_m);
         let near = ping.saturating_sub(ALTITUDE_PINGS)..ping + ALTITUDE_PINGS + 1;
         let altitude_m = self.altitude_over_m(side, near).unwrap_or(0.0);
         let ground_m = self.across(side, ping).ground_m(altitude_m, slant_m);
@@ -93,7 +91,7 @@ impl Placer<'_> {
         ping: usize,
         recorded_m: [f64; 2],
     ) -> Result<ShadowHeight, ShadowError> {
-        let span = self.span(side, ping).ok_or(ShadowError::NotRecorded)?;
+        let span = self.survey.span(ping, side).ok_or(ShadowError::NotRecorded)?;
         let near = ping.saturating_sub(ALTITUDE_PINGS)..ping + ALTITUDE_PINGS + 1;
         let altitude_m = self.altitude_over_m(side, near);
         let altitude_m = altitude_m.ok_or(ShadowError::NoAltitude)?;

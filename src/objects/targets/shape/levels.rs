@@ -2,6 +2,7 @@
 
 use super::super::Placer;
 use super::super::profile::{BackgroundLevels, RangeSteps};
+use super::super::seen::across_m;
 use crate::Mark;
 use bathyscope_log::support::statistics::median;
 use std::ops::Range;
@@ -134,10 +135,7 @@ impl BoxLevels {
 
     /// Returns the extent across the track on a level bottom, metres.
     pub(super) fn across_m(&self) -> f64 {
-        let out_m = |bin: usize| {
-            let range_m = self.from_m + bin as f64 * self.step_m;
-            (range_m * range_m - self.altitude_m * self.altitude_m).max(0.0).sqrt()
-        };
+        let out_m = |bin: usize| across_m(self.from_m + bin as f64 * self.step_m, self.altitude_m);
         out_m(self.bins) - out_m(0)
     }
 }
@@ -148,7 +146,7 @@ impl Placer<'_> {
     /// for comparison).
     pub fn box_levels(&self, mark: &Mark) -> Option<BoxLevels> {
         let middle = usize::midpoint(mark.pings.start, mark.pings.end);
-        let span = self.span(mark.side, middle)?;
+        let span = self.survey.span(middle, mark.side)?;
         let altitude_m = self.altitude_over_m(mark.side, mark.pings.clone())?;
         let length_m = mark.far_m - mark.near_m;
         let calibrated_m = |recorded_m: f64| self.calibrated_m(span, recorded_m);
@@ -172,14 +170,14 @@ impl Placer<'_> {
             step_m: (to_m - from_m) / bins as f64,
             steps: bins,
         };
-        let background = grid.background(self.survey(), mark)?;
+        let background = grid.background(self.survey, mark)?;
         let more = PING_MARGIN.max(mark.pings.len() / PING_SHARE);
-        let end = (mark.pings.end + more).min(self.survey().side_scan.len());
+        let end = (mark.pings.end + more).min(self.survey.side_scan.len());
         let groups = groups(mark.pings.start.saturating_sub(more)..end);
         let noise = self.noise(&grid, &background, mark, groups.first()?.len())?;
         // On a bottom that slopes evenly, the geometry is that of a level bottom, moved along the
         // slope.
-        let level_m = (near_m * near_m - altitude_m * altitude_m).max(0.0).sqrt();
+        let level_m = across_m(near_m, altitude_m);
         let moved_m = self.across(mark.side, middle).ground_m(altitude_m, near_m) - level_m;
         let pings: Vec<PingLevels> = groups
             .into_iter()
@@ -212,7 +210,7 @@ impl Placer<'_> {
         moved_m: f64,
     ) -> Option<PingLevels> {
         let ping = usize::midpoint(pings.start, pings.end - 1);
-        let boat = self.boat_at(ping)?;
+        let boat = self.navigation.pings.get(ping)?;
         let [x, y] = boat.starboard()?;
         let outward = [x, y].map(|part| grid.side.to_starboard(part));
         let boat_m = [boat.east_m + moved_m * outward[0], boat.north_m + moved_m * outward[1]];
@@ -223,7 +221,7 @@ impl Placer<'_> {
             ping,
             boat_m,
             outward,
-            levels: background.levels_above(&grid.profile(self.survey(), pings)?)?,
+            levels: background.levels_above(&grid.profile(self.survey, pings)?)?,
         })
     }
 
@@ -238,10 +236,10 @@ impl Placer<'_> {
         together: usize,
     ) -> Option<f64> {
         let mut squares = Vec::new();
-        for pings in RangeSteps::beside(self.survey(), mark) {
+        for pings in RangeSteps::beside(self.survey, mark) {
             for first in pings.clone().step_by(together) {
                 let some = first..(first + together).min(pings.end);
-                let levels = grid.profile(self.survey(), some);
+                let levels = grid.profile(self.survey, some);
                 let levels = levels.and_then(|levels| background.levels_above(&levels));
                 squares.extend(levels.into_iter().flatten().map(|level| f64::from(level * level)));
             }
