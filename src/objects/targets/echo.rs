@@ -140,21 +140,13 @@ pub(super) fn drawn_parts(survey: &Survey, mark: &Mark) -> Option<Parts> {
     let start_m = shadows.iter().map(|one| one.start_m).reduce(f64::max);
     // If most of the box ends in echo, a hollow in the rest of it is no shadow.
     let start_m = start_m.filter(|start_m| *start_m < mark.far_m && 2 * shadows.len() > all.len());
-    let Some(start_m) = start_m else {
-        return Some(Parts {
-            echo_m: [mark.near_m, mark.far_m],
-            shadow_m: None,
-            longest: None,
-            spread: 0.0,
-        });
-    };
-    let ends = shadows.iter().map(|one| one.end_m);
-    let (longest, spread) = longest(shadows.clone(), LARGE).unzip();
+    let shadows = if start_m.is_some() { shadows } else { Vec::new() };
+    // NaN counts as the largest: a shadow that continues beyond the range is longer than any other.
+    let end_m = shadows.iter().map(|one| one.end_m).max_by(f64::total_cmp);
+    let (longest, spread) = longest(shadows, LARGE).unzip();
     Some(Parts {
-        echo_m: [mark.near_m, start_m],
-        // NaN counts as the largest: a shadow that continues beyond the range is longer than any
-        // other.
-        shadow_m: ends.max_by(f64::total_cmp).map(|end_m| [start_m, end_m]),
+        echo_m: [mark.near_m, start_m.unwrap_or(mark.far_m)],
+        shadow_m: start_m.zip(end_m).map(|(start_m, end_m)| [start_m, end_m]),
         longest,
         spread: spread.unwrap_or(0.0),
     })
@@ -182,7 +174,8 @@ pub(super) fn set_parts(mark: &Mark, border_m: f64, reach_m: f64) -> Parts {
 /// samples.
 pub fn parts(survey: &Survey, mark: &Mark, top: TopShape) -> Option<Parts> {
     let look = Look::new(survey, mark)?;
-    let (echo_m, shadow) = look.at(core(&mark.pings))?;
+    let (echo_m, dark) = look.at(&look.contrast(core(&mark.pings))?)?;
+    let shadow = dark.map(|(_, shadow)| shadow);
     let of_top = shadow.and_then(|shadow| look.top_shadow(&mark.pings, &shadow, top));
     let (longest, spread) = of_top.unzip();
     Some(Parts {
@@ -271,7 +264,10 @@ impl<'a> Look<'a> {
         let mut darkness = Vec::with_capacity(places.len());
         let (mut shadows, mut flat) = (Vec::with_capacity(places.len()), 0);
         for pings in &places {
-            let Some((contrast, dark, shadow)) = self.dark_at(pings.clone()) else {
+            let Some(contrast) = self.contrast(pings.clone()) else {
+                continue;
+            };
+            let Some((_, Some((dark, shadow)))) = self.at(&contrast) else {
                 continue;
             };
             darkness.push(darkness_of(&contrast[dark.clone()]));
@@ -305,9 +301,9 @@ impl<'a> Look<'a> {
     /// Returns the shadow in some pings, if no part of the object follows behind it up to the far
     /// edge of the box.
     fn behind_all(&self, pings: Range<usize>, far_m: f64) -> Option<Shadow> {
-        let contrast = self.contrast(pings.clone())?;
-        let (echo_m, shadow) = self.at(pings)?;
-        let shadow = shadow?;
+        let contrast = self.contrast(pings)?;
+        let (echo_m, dark) = self.at(&contrast)?;
+        let (_, shadow) = dark?;
         // A shadow that continues beyond the range has nothing behind it.
         let from =
             if shadow.end_m.is_nan() { return Some(shadow) } else { self.step_of(shadow.end_m) };
@@ -319,22 +315,16 @@ impl<'a> Look<'a> {
         (!goes_on).then_some(shadow)
     }
 
-    /// Finds the echo and its shadow in some pings.
-    fn at(&self, pings: Range<usize>) -> Option<([f64; 2], Option<Shadow>)> {
-        let contrast = self.contrast(pings)?;
-        let Runs { echo, shadow } = runs(&contrast, (GAP_M / self.grid.step_m) as usize)?;
-        let echo_m = [self.range_m(echo.start), self.range_m(echo.end)];
-        Some((echo_m, shadow.and_then(|dark| self.shadow(&contrast, echo_m[1], dark))))
-    }
-
-    /// Returns the contrast of some pings, the steps of the dark run behind their echo, and the
+    /// Finds the echo in the contrast of some pings, the steps of the dark run behind it, and the
     /// shadow of this run.
-    fn dark_at(&self, pings: Range<usize>) -> Option<(Vec<f64>, Range<usize>, Shadow)> {
-        let contrast = self.contrast(pings)?;
-        let Runs { echo, shadow } = runs(&contrast, (GAP_M / self.grid.step_m) as usize)?;
-        let dark = shadow?;
-        let shadow = self.shadow(&contrast, self.range_m(echo.end), dark.clone())?;
-        Some((contrast, dark, shadow))
+    fn at(&self, contrast: &[f64]) -> Option<([f64; 2], Option<(Range<usize>, Shadow)>)> {
+        let Runs { echo, shadow } = runs(contrast, (GAP_M / self.grid.step_m) as usize)?;
+        let echo_m = [self.range_m(echo.start), self.range_m(echo.end)];
+        let dark = shadow.and_then(|dark| {
+            let shadow = self.shadow(contrast, echo_m[1], dark.clone())?;
+            Some((dark, shadow))
+        });
+        Some((echo_m, dark))
     }
 
     /// Creates the shadow from a dark run behind a bright one; `None` if the dark run is speckle.
