@@ -44,6 +44,7 @@ pub(super) struct Problem<'a> {
 }
 
 /// Parameters of a fit, with the levels that they predict.
+#[derive(Clone)]
 pub(super) struct FitState {
     pub(super) numbers: Numbers,
     /// Next change of each parameter.
@@ -54,33 +55,6 @@ pub(super) struct FitState {
     /// Sum of the squared differences of each look.
     costs: Vec<f64>,
     pub(super) cost: f64,
-}
-
-impl Clone for FitState {
-    fn clone(&self) -> Self {
-        Self {
-            numbers: self.numbers.clone(),
-            steps: self.steps.clone(),
-            edge_steps: self.edge_steps,
-            predicted: self.predicted.clone(),
-            costs: self.costs.clone(),
-            cost: self.cost,
-        }
-    }
-
-    /// Copies into existing memory, because the search does little else than such copies.
-    fn clone_from(&mut self, other: &Self) {
-        self.numbers.clone_from(&other.numbers);
-        self.steps.clone_from(&other.steps);
-        self.edge_steps = other.edge_steps;
-        self.costs.clone_from(&other.costs);
-        self.cost = other.cost;
-        for (own, other) in self.predicted.iter_mut().zip(&other.predicted) {
-            own.bottom.clone_from(&other.bottom);
-            own.object.clone_from(&other.object);
-            own.changed.clone_from(&other.changed);
-        }
-    }
 }
 
 impl FitState {
@@ -102,6 +76,21 @@ impl FitState {
         };
         problem.all(&mut state);
         state
+    }
+
+    /// Copies another state of the same problem into the memory of this one, because the search does
+    /// little else than such copies.
+    pub(super) fn copy_from(&mut self, other: &Self) {
+        self.numbers.clone_from(&other.numbers);
+        self.steps.clone_from(&other.steps);
+        self.edge_steps = other.edge_steps;
+        self.costs.clone_from(&other.costs);
+        self.cost = other.cost;
+        for (own, other) in self.predicted.iter_mut().zip(&other.predicted) {
+            own.bottom.clone_from(&other.bottom);
+            own.object.clone_from(&other.object);
+            own.changed.clone_from(&other.changed);
+        }
     }
 
     /// Multiplies the next changes of parameters and edges by a factor.

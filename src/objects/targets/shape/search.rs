@@ -23,23 +23,24 @@ pub(super) fn search(problem: &Problem<'_>, state: &mut FitState, rounds: usize)
             state.edge_steps[index] = step * if better { 1.3 } else { 0.5 };
         }
         // If the round changed nothing, there is no direction to continue in.
-        if state.numbers == before {
-            if state.is_settled() {
-                break;
-            }
-            continue;
-        }
-        trial.clone_from(state);
-        for (number, before) in trial.numbers.iter_mut().zip(&before) {
-            *number += *number - before;
-        }
-        problem.all(&mut trial);
-        if trial.cost < state.cost {
-            std::mem::swap(state, &mut trial);
+        if state.numbers != before {
+            go_on(problem, state, &mut trial, &before);
         }
         if state.is_settled() {
             break;
         }
+    }
+}
+
+/// Moves all numbers once more as they have moved since `before`, if that lowers the cost.
+fn go_on(problem: &Problem<'_>, state: &mut FitState, trial: &mut FitState, before: &[f64]) {
+    trial.copy_from(state);
+    for (number, before) in trial.numbers.iter_mut().zip(before) {
+        *number += *number - before;
+    }
+    problem.all(trial);
+    if trial.cost < state.cost {
+        std::mem::swap(state, trial);
     }
 }
 
@@ -52,7 +53,7 @@ fn try_both_ways(
     change: impl Fn(&mut FitState, f64),
 ) -> bool {
     let better = [step, -step].into_iter().any(|by| {
-        trial.clone_from(state);
+        trial.copy_from(state);
         change(trial, by);
         trial.cost < state.cost
     });
