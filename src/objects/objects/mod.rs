@@ -19,8 +19,7 @@ pub use columns::{
 pub use list::ObjectList;
 pub use numbers::{LogNumbers, ObjectNumbers};
 pub use object::{Object, ObjectBox, ObjectState};
-pub use review::SurveyReview;
-pub use review::{KeptReview, LogReview};
+pub use review::{KeptReview, LogReview, SurveyReview};
 
 use crate::review::BoxId;
 

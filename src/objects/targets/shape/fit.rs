@@ -68,16 +68,14 @@ pub(super) fn fits(looks: &[BoxLevels], starts: &[InitialGuess]) -> Vec<ShapeFit
         let all = kinds.map(|kind| (kind, beginnings(kind, &starts[first])));
         let fitted =
             COARSE.iter().fold(all.collect(), |kinds, search| search.fits(&looks[first], kinds));
-        let beginnings = fitted.into_iter().flat_map(|(kind, beginnings)| {
-            let beginnings = beginnings.into_iter();
-            beginnings.map(move |one| (kind, one))
-        });
-        for (kind, beginning) in beginnings {
-            let fitted = fit(kind, looks, starts, first, beginning);
-            match best.iter_mut().find(|other| other.kind == kind) {
-                Some(other) if fitted.cost < other.cost => *other = fitted,
-                Some(_) => {}
-                None => best.push(fitted),
+        for (kind, beginnings) in fitted {
+            for beginning in beginnings {
+                let fitted = fit(kind, looks, starts, first, beginning);
+                match best.iter_mut().find(|other| other.kind == kind) {
+                    Some(other) if fitted.cost < other.cost => *other = fitted,
+                    Some(_) => {}
+                    None => best.push(fitted),
+                }
             }
         }
     }

@@ -18,8 +18,7 @@ mod solid;
 
 pub use levels::BoxLevels;
 pub use predict::{PosedSolid, ShapeOnPing};
-pub use solid::ShapeKind;
-pub use solid::Solid;
+pub use solid::{ShapeKind, Solid};
 
 use super::Target;
 use fit::{ShapeFit, fits};

@@ -149,27 +149,24 @@ impl VectorLoop for Predict<'_> {
 
     #[inline(always)]
     fn run(self) {
-        predict_inlined(self.look, self.posed, self.into);
-    }
-}
-
-/// Does the work of `predict`; inlined, so that it is compiled for each kind of processor.
-#[inline(always)]
-fn predict_inlined(look: &BoxLevels, posed: &PosedSolid, into: &mut Predicted) {
-    into.clear(look);
-    let mut ray = ShapeRay::default();
-    let turned = (posed.solid.reach_m(), posed.heading_rad.sin_cos().into());
-    let bottom = into.bottom.chunks_exact_mut(look.bins);
-    let both = bottom.zip(into.object.chunks_exact_mut(look.bins));
-    for ((ping, (bottom, object)), changed) in look.pings.iter().zip(both).zip(&mut into.changed) {
-        let mut bins = EchoBins::new(look, bottom, object);
-        one_ping(look, ping, posed, turned, &mut ray, &mut bins);
-        let Some(written) = bins.written() else {
-            continue;
-        };
-        *changed = written.start.saturating_sub(1)..(written.end + 1).min(look.bins);
-        blur(&mut bottom[changed.clone()]);
-        blur(&mut object[changed.clone()]);
+        let Self { look, posed, into } = self;
+        into.clear(look);
+        let mut ray = ShapeRay::default();
+        let turned = (posed.solid.reach_m(), posed.heading_rad.sin_cos().into());
+        let bottom = into.bottom.chunks_exact_mut(look.bins);
+        let both = bottom.zip(into.object.chunks_exact_mut(look.bins));
+        for ((ping, (bottom, object)), changed) in
+            look.pings.iter().zip(both).zip(&mut into.changed)
+        {
+            let mut bins = EchoBins::new(look, bottom, object);
+            one_ping(look, ping, posed, turned, &mut ray, &mut bins);
+            let Some(written) = bins.written() else {
+                continue;
+            };
+            *changed = written.start.saturating_sub(1)..(written.end + 1).min(look.bins);
+            blur(&mut bottom[changed.clone()]);
+            blur(&mut object[changed.clone()]);
+        }
     }
 }
 
@@ -205,13 +202,9 @@ fn one_ping(
     let beam_m = BEAM_SIGMA_RAD * slant_m(out_m, look.altitude_m);
     let sigma_m = slant_m(beam_m, look.ping_m / 12f64.sqrt());
     // A coarse picture needs no beam width.
-    let rays = match look.together {
-        1 => &RAYS[..],
-        _ => &[(0.0, 1.0)][..],
-    };
-    let least_step_m = match look.together {
-        1 => 0.0,
-        _ => COARSE_STEP * look.step_m,
+    let (rays, least_step_m) = match look.together {
+        1 => (&RAYS[..], 0.0),
+        _ => (&[(0.0, 1.0)][..], COARSE_STEP * look.step_m),
     };
     // Components of a step outward along and across the solid.
     let outward = [x * sin + y * cos, x * cos - y * sin];
