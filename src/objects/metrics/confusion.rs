@@ -1,6 +1,6 @@
 //! Counts the boxes by true and by predicted class.
 
-use super::mistakes::ShownImages;
+use super::mistakes::ShownImage;
 use super::{Image, MetricSettings, TrueBox, iou};
 use crate::Scored;
 
@@ -47,12 +47,12 @@ impl Confusion {
 /// that it overlaps most, if the overlap passes the threshold.
 pub(super) fn confusion(
     images: &[Image],
-    shown: &ShownImages,
+    shown: &[ShownImage],
     classes: usize,
     settings: &MetricSettings,
 ) -> Confusion {
     let mut confusion = Confusion::new(classes);
-    for (boxes, shown) in images.iter().zip(&shown.images) {
+    for (boxes, shown) in images.iter().zip(shown) {
         let mut free: Vec<&TrueBox> = Vec::new();
         for (truth, &found) in boxes.truth.iter().zip(&shown.found) {
             if found {

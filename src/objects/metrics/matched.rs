@@ -1,7 +1,7 @@
 //! Pairs predictions with truths once, so that they can be counted at any score.
 
 use super::confusion::{Confusion, confusion};
-use super::mistakes::{FalseAlarm, Miss, ShownImages};
+use super::mistakes::{FalseAlarm, Miss, false_alarms, misses, shown_images};
 use super::precision::{CurvePoint, MatchCounts, curve};
 use super::ranking::{ANY_SIZE, Ranked, Ranking, Sizes};
 use super::{Image, MetricSettings};
@@ -59,12 +59,12 @@ impl Matched {
         let of_class = |ranking: &Ranking| MatchCounts::of(ranking.shown(score), ranking.truths);
         let classes: Vec<MatchCounts> = self.rankings.iter().map(of_class).collect();
         let shown = self.rankings.iter().flat_map(|ranking| ranking.shown(score));
-        let shown = ShownImages::new(&self.images, shown);
+        let shown = shown_images(&self.images, shown);
         AtScore {
             counts: total(classes.iter().copied()),
             confusion: confusion(&self.images, &shown, classes.len(), &self.settings),
-            false_alarms: shown.false_alarms(&self.images, &self.settings),
-            misses: shown.misses(&self.images),
+            false_alarms: false_alarms(&self.images, &shown, &self.settings),
+            misses: misses(&self.images, &shown),
             classes,
         }
     }

@@ -50,12 +50,6 @@ pub struct Miss {
     pub truth: usize,
 }
 
-/// Hits and false alarms among the boxes of at least the score, in every picture.
-#[derive(Debug)]
-pub(super) struct ShownImages {
-    pub images: Vec<ShownImage>,
-}
-
 /// Hits and false alarms among the boxes of at least the score, in one picture.
 #[derive(Debug)]
 pub(super) struct ShownImage {
@@ -65,57 +59,58 @@ pub(super) struct ShownImage {
     pub false_alarms: Vec<usize>,
 }
 
-impl ShownImages {
-    /// Sorts the shown predictions of all classes by picture.
-    pub(super) fn new<'a>(images: &[Image], shown: impl Iterator<Item = &'a Ranked>) -> Self {
-        let none = |boxes: &Image| ShownImage {
-            found: vec![false; boxes.truth.len()],
-            false_alarms: Vec::new(),
-        };
-        let mut sorted: Vec<ShownImage> = images.iter().map(none).collect();
-        for one in shown {
-            let image = &mut sorted[one.image];
-            match one.outcome {
-                MatchOutcome::Hit { truth, .. } => image.found[truth] = true,
-                _ => image.false_alarms.push(one.predicted),
-            }
+/// Sorts the shown predictions of all classes by picture.
+pub(super) fn shown_images<'a>(
+    images: &[Image],
+    shown: impl Iterator<Item = &'a Ranked>,
+) -> Vec<ShownImage> {
+    let none = |boxes: &Image| ShownImage {
+        found: vec![false; boxes.truth.len()],
+        false_alarms: Vec::new(),
+    };
+    let mut sorted: Vec<ShownImage> = images.iter().map(none).collect();
+    for one in shown {
+        let image = &mut sorted[one.image];
+        match one.outcome {
+            MatchOutcome::Hit { truth, .. } => image.found[truth] = true,
+            _ => image.false_alarms.push(one.predicted),
         }
-        for (image, boxes) in sorted.iter_mut().zip(images) {
-            let score = |index: &usize| boxes.predicted[*index].score;
-            image.false_alarms.sort_by(|a, b| score(b).total_cmp(&score(a)));
-        }
-        Self { images: sorted }
     }
+    for (image, boxes) in sorted.iter_mut().zip(images) {
+        let score = |index: &usize| boxes.predicted[*index].score;
+        image.false_alarms.sort_by(|a, b| score(b).total_cmp(&score(a)));
+    }
+    sorted
+}
 
-    /// Returns every false alarm with its cause, by falling score.
-    pub(super) fn false_alarms(
-        &self,
-        images: &[Image],
-        settings: &MetricSettings,
-    ) -> Vec<FalseAlarm> {
-        let mut all: Vec<FalseAlarm> = Vec::new();
-        for (image, (boxes, shown)) in images.iter().zip(&self.images).enumerate() {
-            all.extend(shown.false_alarms.iter().map(|&predicted| FalseAlarm {
-                image,
-                predicted,
-                cause: cause(boxes, predicted, settings),
-            }));
-        }
-        let score = |one: &FalseAlarm| images[one.image].predicted[one.predicted].score;
-        all.sort_by(|a, b| score(b).total_cmp(&score(a)));
-        all
+/// Returns every false alarm with its cause, by falling score.
+pub(super) fn false_alarms(
+    images: &[Image],
+    shown: &[ShownImage],
+    settings: &MetricSettings,
+) -> Vec<FalseAlarm> {
+    let mut all: Vec<FalseAlarm> = Vec::new();
+    for (image, (boxes, shown)) in images.iter().zip(shown).enumerate() {
+        all.extend(shown.false_alarms.iter().map(|&predicted| FalseAlarm {
+            image,
+            predicted,
+            cause: cause(boxes, predicted, settings),
+        }));
     }
+    let score = |one: &FalseAlarm| images[one.image].predicted[one.predicted].score;
+    all.sort_by(|a, b| score(b).total_cmp(&score(a)));
+    all
+}
 
-    /// Returns every miss, picture by picture.
-    pub(super) fn misses(&self, images: &[Image]) -> Vec<Miss> {
-        let mut all = Vec::new();
-        for (image, (boxes, shown)) in images.iter().zip(&self.images).enumerate() {
-            let missed = (0..boxes.truth.len())
-                .filter(|&truth| !shown.found[truth] && !boxes.truth[truth].ignored);
-            all.extend(missed.map(|truth| Miss { image, truth }));
-        }
-        all
+/// Returns every miss, picture by picture.
+pub(super) fn misses(images: &[Image], shown: &[ShownImage]) -> Vec<Miss> {
+    let mut all = Vec::new();
+    for (image, (boxes, shown)) in images.iter().zip(shown).enumerate() {
+        let missed = (0..boxes.truth.len())
+            .filter(|&truth| !shown.found[truth] && !boxes.truth[truth].ignored);
+        all.extend(missed.map(|truth| Miss { image, truth }));
     }
+    all
 }
 
 /// Least overlap (IoU) of a box that is near an object.
