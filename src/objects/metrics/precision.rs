@@ -130,7 +130,7 @@ pub(super) fn average_precision(ranked: &[Ranked], truths: usize, method: ApMeth
         return f64::NAN;
     }
     let (recall, precision) = envelope(ranked, truths);
-    let mean_at = |levels: &[f64]| {
+    let mean_at = |levels: Vec<f64>| {
         let reached = levels.iter().map(|level| {
             let first = recall.partition_point(|recall| recall < level);
             precision.get(first).copied().unwrap_or(0.0)
@@ -139,16 +139,10 @@ pub(super) fn average_precision(ranked: &[Ranked], truths: usize, method: ApMeth
     };
     match method {
         ApMethod::AllPoint => area_under(&recall, &precision),
-        ApMethod::Voc11 => {
-            let levels = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10].map(|tenth| f64::from(tenth) / 10.0);
-            mean_at(&levels)
-        }
-        ApMethod::Coco101 => {
-            // Computed as in numpy: 57 * 0.01 is slightly above 0.57, and a recall of 57/100 does
-            // not reach it.
-            let levels: Vec<f64> = (0..=100).map(|point| f64::from(point) * 0.01).collect();
-            mean_at(&levels)
-        }
+        ApMethod::Voc11 => mean_at((0..=10).map(|tenth| f64::from(tenth) / 10.0).collect()),
+        // Computed as in numpy: 57 * 0.01 is slightly above 0.57, and a recall of 57/100 does not
+        // reach it.
+        ApMethod::Coco101 => mean_at((0..=100).map(|point| f64::from(point) * 0.01).collect()),
     }
 }
 
