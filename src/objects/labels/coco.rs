@@ -1,8 +1,7 @@
 //! Reads COCO's JSON: a data set, or a list of results.
 
 use super::{
-    AnnotationFault, Label, LabelError, LabelFault, LabelFormat, LabelSet, MOST_CLASSES,
-    PictureLabels, text,
+    Label, LabelError, LabelFault, LabelFormat, LabelSet, MOST_CLASSES, PictureLabels, text,
 };
 use crate::Rect;
 use serde::Deserialize;
@@ -125,11 +124,8 @@ fn data_set(text: &str, file: &Path) -> Result<(LabelSet, Vec<Annotation>), Labe
         };
         set.numbers.entry(name.clone()).or_insert(name.clone());
         set.numbers.insert(image.id.to_string(), name.clone());
-        let size_px = image.width.zip(image.height);
-        let picture = PictureLabels {
-            size_px: size_px.map(|(width, height)| [width, height]),
-            labels: Vec::new(),
-        };
+        let size_px = image.width.zip(image.height).map(Into::into);
+        let picture = PictureLabels { size_px, labels: Vec::new() };
         set.pictures.insert(name, picture);
     }
     Ok((set, annotations))
@@ -143,7 +139,7 @@ fn add(
 ) -> Result<(), LabelError> {
     let file = set.path.clone();
     for (index, annotation) in annotations.into_iter().enumerate() {
-        let refuse = |what: AnnotationFault| {
+        let refuse = |what: String| {
             let number = index + 1;
             Err(LabelError::new(LabelFault::Annotation { number, what }, &file))
         };
@@ -152,7 +148,7 @@ fn add(
         let name = match set.numbers.get(&number) {
             Some(name) => name.clone(),
             None if set.numbers.is_empty() => number,
-            None => return refuse(AnnotationFault::UnknownPicture(number)),
+            None => return refuse(format!("there is no picture {number}")),
         };
         let class = if set.categories.is_empty() {
             usize::try_from(annotation.category_id).ok().filter(|&class| class < MOST_CLASSES)
@@ -160,15 +156,15 @@ fn add(
             set.categories.get(&annotation.category_id).copied()
         };
         let Some(class) = class else {
-            return refuse(AnnotationFault::UnknownCategory(annotation.category_id));
+            return refuse(format!("there is no category {}", annotation.category_id));
         };
         let score = annotation.score.filter(|score| predicted && (0.0..=1.0).contains(score));
         if predicted && score.is_none() {
-            return refuse(AnnotationFault::NoScore);
+            return refuse("a predicted box needs a score from 0 to 1".to_owned());
         }
         let [x, y, width, height] = annotation.bbox;
         if !annotation.bbox.iter().all(|edge| edge.is_finite()) || width < 0.0 || height < 0.0 {
-            return refuse(AnnotationFault::NoBox);
+            return refuse("its bbox is [left, top, width, height] in pixels".to_owned());
         }
         let label = Label {
             class,

@@ -49,8 +49,7 @@ pub enum LabelFault {
         /// Number of the line, from 1.
         line: usize,
         /// The fault.
-        #[source]
-        what: YoloLineFault,
+        what: String,
     },
     /// An annotation or a result of a COCO file is no valid box.
     #[error("cannot use the box {number} of the file: {what}")]
@@ -58,60 +57,11 @@ pub enum LabelFault {
         /// Number of the box in the file, from 1.
         number: usize,
         /// The fault.
-        #[source]
-        what: AnnotationFault,
+        what: String,
     },
     /// The predictions are of other pictures than the true boxes.
     #[error(
         "no predictions have the name of a labelled picture; name the folders of the same pictures"
     )]
     OtherPictures,
-}
-
-/// Fault of a line of a YOLO file.
-#[derive(Debug, thiserror::Error)]
-pub enum YoloLineFault {
-    /// The line has no score, although its box is predicted.
-    #[error("a predicted box needs a score: class cx cy w h score")]
-    NoScore,
-    /// The line has a sixth number, although its box is a true one.
-    #[error("a true box has no sixth number (these may be predictions): class cx cy w h")]
-    ExtraNumber,
-    /// The line has a wrong count of numbers.
-    #[error("{count} numbers where a box is written {shape}")]
-    Numbers {
-        /// Count of the numbers.
-        count: usize,
-        /// Form of a correct line.
-        shape: &'static str,
-    },
-    /// The class is not a whole number below the greatest number of classes.
-    #[error("`{0}` is no class (a whole number from 0, below {MOST_CLASSES})")]
-    NoClass(String),
-    /// A field is no number.
-    #[error("`{0}` is no number")]
-    NotANumber(String),
-    /// The box lies beyond the picture.
-    #[error("centre and size are shares of the picture, from 0 to 1")]
-    Beyond,
-    /// The score is not a number from 0 to 1.
-    #[error("the score `{0}` is not within 0 to 1")]
-    BadScore(String),
-}
-
-/// Fault of an annotation or a result of a COCO file.
-#[derive(Debug, thiserror::Error)]
-pub enum AnnotationFault {
-    /// The picture of the box is not in the file.
-    #[error("there is no picture {0}")]
-    UnknownPicture(String),
-    /// The category of the box is not in the file.
-    #[error("there is no category {0}")]
-    UnknownCategory(u64),
-    /// The box is predicted and has no valid score.
-    #[error("a predicted box needs a score from 0 to 1")]
-    NoScore,
-    /// The `bbox` is no valid box.
-    #[error("its bbox is [left, top, width, height] in pixels")]
-    NoBox,
 }

@@ -12,7 +12,7 @@ mod pairing;
 mod tests;
 mod yolo;
 
-pub use error::{AnnotationFault, LabelError, LabelFault, YoloLineFault};
+pub use error::{LabelError, LabelFault};
 pub use pairing::{Paired, pair};
 
 use super::Rect;

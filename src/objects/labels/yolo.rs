@@ -1,8 +1,7 @@
 //! Reads folders of YOLO labels.
 
 use super::{
-    Label, LabelError, LabelFault, LabelFormat, LabelSet, MOST_CLASSES, PictureLabels,
-    YoloLineFault, text,
+    Label, LabelError, LabelFault, LabelFormat, LabelSet, MOST_CLASSES, PictureLabels, text,
 };
 use crate::Rect;
 use std::path::{Path, PathBuf};
@@ -81,46 +80,45 @@ fn picture_size(folder: &Path, file: &Path) -> Option<[u32; 2]> {
         })
         .collect();
     let apart = images.join(stem).with_added_extension("png");
-    [beside, apart]
-        .iter()
-        .find_map(|picture| image::image_dimensions(picture).ok())
-        .map(|(width, height)| [width, height])
+    [beside, apart].iter().find_map(|picture| image::image_dimensions(picture).ok()).map(Into::into)
 }
 
 /// Reads a line `class cx cy w h`, with `score` at its end if predicted.
-fn parse(line: &str, predicted: bool) -> Result<Label, YoloLineFault> {
+fn parse(line: &str, predicted: bool) -> Result<Label, String> {
     let fields: Vec<&str> = line.split_whitespace().collect();
     match (fields.len(), predicted) {
         (5, false) | (6, true) => {}
-        (5, true) => return Err(YoloLineFault::NoScore),
-        (6, false) => return Err(YoloLineFault::ExtraNumber),
+        (5, true) => return Err("a predicted box needs a score: class cx cy w h score".to_owned()),
+        (6, false) => {
+            let text = "a true box has no sixth number (these may be predictions): class cx cy w h";
+            return Err(text.to_owned());
+        }
         (count, _) => {
             let shape = if predicted { "class cx cy w h score" } else { "class cx cy w h" };
-            return Err(YoloLineFault::Numbers { count, shape });
+            return Err(format!("{count} numbers where a box is written {shape}"));
         }
     }
-    let class: usize = fields[0]
-        .parse()
-        .ok()
-        .filter(|&class| class < MOST_CLASSES)
-        .ok_or_else(|| YoloLineFault::NoClass(fields[0].to_owned()))?;
+    let class = fields[0].parse().ok().filter(|&class: &usize| class < MOST_CLASSES);
+    let class = class.ok_or_else(|| {
+        format!("`{}` is no class (a whole number from 0, below {MOST_CLASSES})", fields[0])
+    })?;
     let number = |field: &str| {
         let value = field.parse().ok().filter(|value: &f64| value.is_finite());
-        value.ok_or_else(|| YoloLineFault::NotANumber(field.to_owned()))
+        value.ok_or_else(|| format!("`{field}` is no number"))
     };
     let [cx, cy, w, h] =
         [number(fields[1])?, number(fields[2])?, number(fields[3])?, number(fields[4])?];
     // Some writers round a box at the edge to a little beyond the picture; coordinates in pixels
     // are far beyond.
     if [cx, cy, w, h].iter().any(|share| !(-0.5..=1.5).contains(share)) || w < 0.0 || h < 0.0 {
-        return Err(YoloLineFault::Beyond);
+        return Err("centre and size are shares of the picture, from 0 to 1".to_owned());
     }
     let score = match fields.get(5) {
         Some(field) => Some(number(field)?).filter(|score| (0.0..=1.0).contains(score)),
         None => None,
     };
     if predicted && score.is_none() {
-        return Err(YoloLineFault::BadScore(fields[5].to_owned()));
+        return Err(format!("the score `{}` is not within 0 to 1", fields[5]));
     }
     Ok(Label {
         class,
