@@ -1,6 +1,6 @@
 //! Brings true and predicted boxes of the same pictures together.
 
-use super::{Label, LabelError, LabelFault, LabelFormat, LabelSet, PictureLabels};
+use super::{LabelError, LabelFault, LabelFormat, LabelSet, PictureLabels};
 use crate::metrics::{Image, TrueBox};
 use crate::{Rect, Scored, TILE_PX};
 
@@ -59,13 +59,10 @@ fn image(
     size_px: Option<[u32; 2]>,
 ) -> Image {
     let size_px = size_px.unwrap_or([TILE_PX as u32; 2]);
-    let boxes = |picture: Option<&PictureLabels>| -> Vec<Label> {
-        picture.map_or(Vec::new(), |picture| picture.labels.clone())
-    };
-    let [true_ones, proposed] = pictures.map(boxes);
+    let [true_ones, proposed] =
+        pictures.map(|picture| picture.into_iter().flat_map(|one| &one.labels));
     Image {
         truth: true_ones
-            .into_iter()
             .map(|label| TrueBox {
                 class: label.class,
                 rect: pixels(label.rect, truth.format, size_px),
@@ -73,7 +70,6 @@ fn image(
             })
             .collect(),
         predicted: proposed
-            .into_iter()
             .map(|label| {
                 let rect = pixels(label.rect, predicted.format, size_px);
                 Scored::new(label.class, label.score.unwrap_or(0.0), rect)
