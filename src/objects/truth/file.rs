@@ -35,8 +35,7 @@ pub enum TruthError {
         /// Number of the line, from 1.
         line: usize,
         /// The fault.
-        #[source]
-        what: SightingFault,
+        what: String,
     },
     /// The table has more lines or kinds than any survey.
     #[error("at most {MOST_OBJECTS} sightings of {MOST_CLASSES} kinds are read")]
@@ -53,33 +52,6 @@ pub enum TruthFileError {
     /// The file does not describe the survey.
     #[error(transparent)]
     Unusable(#[from] FileError<TruthError>),
-}
-
-/// Fault of a sighting of an object.
-#[derive(Debug, thiserror::Error)]
-pub enum SightingFault {
-    /// A field has a value of the wrong kind.
-    #[error("`{text}` is no {needed}")]
-    Field {
-        /// Text of the field.
-        text: String,
-        /// Kind of value that is needed.
-        needed: &'static str,
-    },
-    /// The sighting is on a ping that the log does not have.
-    #[error("ping {ping} is beyond the {pings} of the open log; this is the truth of another")]
-    Beyond {
-        /// Last ping of the sighting.
-        ping: usize,
-        /// Number of pings of the log.
-        pings: usize,
-    },
-    /// The last ping is before the first, or the far edge is not beyond the near edge.
-    #[error("the object is inside out")]
-    InsideOut,
-    /// The field `shown` is neither 0 nor 1.
-    #[error("`{0}` in `shown` is neither 0 nor 1")]
-    Shown(String),
 }
 
 impl SurveyTruth {
@@ -179,12 +151,9 @@ fn known(
     columns: &Columns,
     pings: usize,
     classes: &mut Vec<String>,
-) -> Result<KnownObject, SightingFault> {
+) -> Result<KnownObject, String> {
     let field = |column: usize| record.get(column).unwrap_or_default().trim();
-    let no = |column: usize, needed: &'static str| SightingFault::Field {
-        text: field(column).to_owned(),
-        needed,
-    };
+    let no = |column: usize, needed: &str| format!("`{}` is no {needed}", field(column));
     let metres = |column: usize| {
         let value = field(column).parse().ok();
         value
@@ -202,16 +171,18 @@ fn known(
     let [first, last, box_near, box_far] = columns.whole;
     let (first, last) = (ping(first)?, ping(last)?);
     if last >= pings {
-        return Err(SightingFault::Beyond { ping: last, pings });
+        return Err(format!(
+            "ping {last} is beyond the {pings} of the open log; this is the truth of another"
+        ));
     }
     let (near_m, far_m) = (metres(box_near)?, metres(box_far)?);
     if first > last || near_m >= far_m {
-        return Err(SightingFault::InsideOut);
+        return Err("the object is inside out".to_owned());
     }
     let shown = match field(columns.shown) {
         "0" => false,
         "1" => true,
-        other => return Err(SightingFault::Shown(other.to_owned())),
+        other => return Err(format!("`{other}` in `shown` is neither 0 nor 1")),
     };
     Ok(KnownObject {
         class: class_index(classes, field(columns.kind)),
