@@ -121,7 +121,7 @@ impl TruthComparison {
 
     /// Returns the truth that boxes are compared with.
     pub fn truth(&self) -> &super::SurveyTruth {
-        self.on_raster.truth()
+        &self.on_raster.truth
     }
 
     /// Returns the number of visible objects that do not count, because no search has covered them.

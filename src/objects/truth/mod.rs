@@ -69,11 +69,6 @@ impl RasterTruth {
             }
         })
     }
-
-    /// Returns the truth.
-    pub fn truth(&self) -> &Arc<SurveyTruth> {
-        &self.truth
-    }
 }
 
 #[cfg(test)]
