@@ -40,6 +40,12 @@ impl Mark {
         Self { side, pings, near_m, far_m }
     }
 
+    /// Creates the mark of a point at a ping and a slant range in the recorder's scale, metres.
+    pub fn point(side: Side, ping: usize, range_m: f64) -> Self {
+        let edges_m = [(range_m - POINT_HALF_M).max(0.0), range_m + POINT_HALF_M];
+        Self::new(side, ping..ping + 1, edges_m)
+    }
+
     /// Returns the samples that the box covers in its middle ping, the end excluded; empty if this
     /// ping has no data of the side.
     pub fn samples(&self, survey: &Survey) -> Range<u32> {
@@ -117,18 +123,6 @@ impl ObjectExtent {
         let [before_m, after_m] = [from, to].map(|mark| mark.far_m - mark.near_m);
         let by_m = if (after_m - before_m).abs() < 1e-9 { to.near_m - from.near_m } else { 0.0 };
         ObjectExtent::Drawn { border_m: (border_m + by_m).clamp(to.near_m, to.far_m) }
-    }
-}
-
-impl Mark {
-    /// Creates the mark of a point at a ping and a slant range in the recorder's scale, metres.
-    pub fn point(side: bathyscope_log::survey::Side, ping: usize, range_m: f64) -> Self {
-        Self {
-            side,
-            pings: ping..ping + 1,
-            near_m: (range_m - POINT_HALF_M).max(0.0),
-            far_m: range_m + POINT_HALF_M,
-        }
     }
 }
 

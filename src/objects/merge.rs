@@ -93,11 +93,11 @@ pub(super) fn merge(seen: Vec<TileDetection>, nms: Nms, iou: f32) -> Vec<Scored>
         seen.into_iter().partition(|seen| seen.cut);
     cut.sort_by(|a, b| b.found.score.total_cmp(&a.found.score));
 
-    let mut wholes = Bands::default();
+    let mut wholes = Bands(HashMap::new());
     for (index, seen) in whole.iter().enumerate() {
         wholes.add(&seen.found.rect, (index, *seen));
     }
-    let mut pieces = Bands::default();
+    let mut pieces = Bands(HashMap::new());
     let mut joined: Vec<Scored> = Vec::new();
     for seen in cut {
         let rect = seen.found.rect;
@@ -129,12 +129,6 @@ pub(super) fn merge(seen: Vec<TileDetection>, nms: Nms, iou: f32) -> Vec<Scored>
 
 /// Boxes by the bands of rows that they lie in.
 struct Bands<T>(HashMap<i64, Vec<T>>);
-
-impl<T> Default for Bands<T> {
-    fn default() -> Self {
-        Self(HashMap::new())
-    }
-}
 
 impl<T: Copy> Bands<T> {
     fn bands(rect: &Rect) -> std::ops::RangeInclusive<i64> {
