@@ -7,7 +7,6 @@
 //! tools read the labels. The same code serves simulated surveys and reviewed ones.
 
 use super::{Labelled, Mark, Raster, RasterTile, Rect, TILE_PX, level};
-use bathyscope_log::survey::Side;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder as _};
 use serde::Serialize;
@@ -46,12 +45,6 @@ pub struct Slice {
     /// Contribution to the object's visibility: if the sum over the object is at least 1, an
     /// observer distinguishes the object from chance.
     pub visibility: f32,
-}
-
-impl Slice {
-    fn mark(&self, side: Side) -> Mark {
-        Mark::new(side, self.ping..self.ping + 1, [self.near_m, self.far_m])
-    }
 }
 
 /// The part of an object in a tile.
@@ -105,7 +98,8 @@ impl KnownObject {
             return Some(self.part(inside, inside.area() / whole.area()));
         }
         let rows = self.slices.iter().filter_map(|slice| {
-            let row = place(&slice.mark(self.whole.side));
+            let pings = slice.ping..slice.ping + 1;
+            let row = place(&Mark::new(self.whole.side, pings, [slice.near_m, slice.far_m]));
             let cut = row.intersection(&FRAME);
             (cut.area() > 0.0).then(|| (cut, slice.visibility * cut.area() / row.area()))
         });

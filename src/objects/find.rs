@@ -60,7 +60,8 @@ pub fn find(
     on_found: impl Fn(SoFar) + Sync,
 ) -> Result<Vec<Detection>, DetectError> {
     let raster = Raster::new(survey, navigation, model.pixel_m());
-    let sides: Vec<Side> = Side::BOTH.into_iter().filter(|&side| recorded(survey, side)).collect();
+    let is_recorded = |&side: &Side| survey.side_scan.iter().any(|ping| ping.side(side).is_some());
+    let sides: Vec<Side> = Side::BOTH.into_iter().filter(is_recorded).collect();
     let grid = TileGrid::new([raster.columns(), raster.rows()], [TILE_PX; 2]);
     let draw = |side: usize, [column, row]: [usize; 2]| {
         let pixels = if raster.is_recorded(survey, sides[side], row, column) {
@@ -119,10 +120,6 @@ pub fn find_in_picture(
     let draw = |_: usize, [x, y]: [usize; 2]| picture.piece(x, y, grid.tile[0], grid.tile[1]);
     let found = search(&grid, 1, draw, model, settings, progress, |_, _, _| ())?;
     Ok(found.into_iter().next().unwrap_or_default())
-}
-
-fn recorded(survey: &Survey, side: Side) -> bool {
-    survey.side_scan.iter().any(|ping| ping.side(side).is_some())
 }
 
 /// Draws and searches every tile of some pictures of one size, in parallel and from the first row
@@ -272,12 +269,9 @@ struct TileGrid {
 
 impl TileGrid {
     fn new(size: [usize; 2], tile: [usize; 2]) -> Self {
-        let counts = [0, 1].map(|axis| {
-            let beyond = size[axis].saturating_sub(tile[axis]);
-            match size[axis] {
-                0 => 0,
-                _ => 1 + beyond.div_ceil(step(tile[axis])),
-            }
+        let counts = [0, 1].map(|axis| match size[axis] {
+            0 => 0,
+            size => 1 + size.saturating_sub(tile[axis]).div_ceil(step(tile[axis])),
         });
         Self { size, tile, counts }
     }
