@@ -72,44 +72,31 @@ pub enum Edit {
 impl Edit {
     /// Returns the name of the edit in the undo menu.
     pub fn label(&self) -> &'static str {
-        match self {
-            Edit::Accept(_) => "accept box",
-            Edit::Reject(_) => "reject box",
-            Edit::Undecide(_) => "take decision back",
-            Edit::Relabel(..) => "class of box",
-            Edit::Reshape(..) => "move box",
-            Edit::SwapSide(_) => "swap side of box",
-            Edit::Add { .. } => "new box",
-            Edit::AddPoint { .. } => "new point",
-            Edit::SetEdges { .. } => "edges of box",
-            Edit::FindEdges(_) => "find edges of box",
-            Edit::SetShadow(..) => "height of box",
-            Edit::Classify(..) => "class of box",
-            Edit::Rename(..) => "name of box",
-            Edit::Rate(..) => "certainty of box",
-            Edit::Remove(_) => "remove box",
-            Edit::Note(..) => "note on box",
-        }
+        self.label_and_target().0
     }
 
     /// Returns the number of the box to edit; `None` for an edit that adds a box.
     pub fn target(&self) -> Option<BoxId> {
+        self.label_and_target().1
+    }
+
+    fn label_and_target(&self) -> (&'static str, Option<BoxId>) {
         match self {
-            Edit::Add { .. } | Edit::AddPoint { .. } => None,
-            Edit::Accept(id)
-            | Edit::Reject(id)
-            | Edit::Undecide(id)
-            | Edit::Relabel(id, _)
-            | Edit::Reshape(id, _)
-            | Edit::SwapSide(id)
-            | Edit::Remove(id)
-            | Edit::SetEdges { id, .. }
-            | Edit::FindEdges(id)
-            | Edit::SetShadow(id, _)
-            | Edit::Classify(id, _)
-            | Edit::Rename(id, _)
-            | Edit::Rate(id, _)
-            | Edit::Note(id, _) => Some(*id),
+            Edit::Accept(id) => ("accept box", Some(*id)),
+            Edit::Reject(id) => ("reject box", Some(*id)),
+            Edit::Undecide(id) => ("take decision back", Some(*id)),
+            Edit::Relabel(id, _) | Edit::Classify(id, _) => ("class of box", Some(*id)),
+            Edit::Reshape(id, _) => ("move box", Some(*id)),
+            Edit::SwapSide(id) => ("swap side of box", Some(*id)),
+            Edit::Add { .. } => ("new box", None),
+            Edit::AddPoint { .. } => ("new point", None),
+            Edit::SetEdges { id, .. } => ("edges of box", Some(*id)),
+            Edit::FindEdges(id) => ("find edges of box", Some(*id)),
+            Edit::SetShadow(id, _) => ("height of box", Some(*id)),
+            Edit::Rename(id, _) => ("name of box", Some(*id)),
+            Edit::Rate(id, _) => ("certainty of box", Some(*id)),
+            Edit::Remove(id) => ("remove box", Some(*id)),
+            Edit::Note(id, _) => ("note on box", Some(*id)),
         }
     }
 }
