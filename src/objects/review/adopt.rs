@@ -60,15 +60,10 @@ impl Review {
     ) -> Review {
         let is_elsewhere =
             |one: &Reviewed| one.mark.pings.start < pings.start || one.mark.pings.end > pings.end;
-        let (kept, open): (Vec<_>, Vec<_>) =
-            (self.boxes.iter().cloned()).partition(|one| one.is_kept() || is_elsewhere(one));
-        let mut after = Review {
-            identity: self.identity.clone(),
-            classes: self.classes.clone(),
-            boxes: kept,
-            next_id: self.next_id,
-            searched: self.searched.clone(),
-        };
+        let mut after = self.clone();
+        let stays = |one: &Arc<Reviewed>| one.is_kept() || is_elsewhere(one);
+        let (kept, open): (Vec<_>, Vec<_>) = after.boxes.into_iter().partition(stays);
+        after.boxes = kept;
         let class_of: Vec<usize> =
             (classes.iter()).map(|name| class_index(&mut after.classes, name)).collect();
         let decided = Places::of(&after.boxes, raster);
