@@ -34,6 +34,10 @@ impl ReviewError {
     fn new(what: impl Into<String>) -> Self {
         Self { what: what.into(), id: None }
     }
+
+    fn at(self, path: &Path) -> Self {
+        Self { what: format!("{self}: {}", path.display()), ..self }
+    }
 }
 
 /// Contents of a review, row by row, for the files that hold it.
@@ -190,8 +194,7 @@ impl Review {
     /// When the file cannot be read, or as [`Review::from_json`]; the error holds the path.
     pub fn open(path: &Path, of: &Identity) -> Result<Self, ReviewError> {
         let text = read_text(path, "review")?;
-        Self::from_json(&text, of)
-            .map_err(|error| ReviewError { what: format!("{error}: {}", path.display()), ..error })
+        Self::from_json(&text, of).map_err(|error| error.at(path))
     }
 
     /// Reads the review of an open log from a file. The log may have grown since the file was
@@ -205,11 +208,7 @@ impl Review {
         let of: Option<OfLog> = serde_json::from_str(&text).ok();
         let of = of.map(|of| of.survey).filter(|of| survey.is_or_was(of));
         let read = Self::from_json(&text, of.as_ref().unwrap_or(&own));
-        let read = read.map_err(|error| ReviewError {
-            what: format!("{error}: {}", path.display()),
-            ..error
-        })?;
-        Ok(read.carried_to(own))
+        Ok(read.map_err(|error| error.at(path))?.carried_to(own))
     }
 
     /// Reads the text of a file.
@@ -261,20 +260,13 @@ impl Review {
                 rows.classes.len()
             ));
         }
-        Self::check_classes(&rows.classes)?;
-        Self::collect(rows, of)
-    }
-
-    fn check_classes(classes: &[String]) -> Result<(), ReviewError> {
         let mut seen = HashSet::new();
-        for class in classes {
-            if !is_name(class) || !seen.insert(class) {
-                return Err(ReviewError::new(
-                    "this review is damaged: a class name is empty, too long or there twice",
-                ));
-            }
+        if !rows.classes.iter().all(|class| is_name(class) && seen.insert(class)) {
+            return Err(ReviewError::new(
+                "this review is damaged: a class name is empty, too long or there twice",
+            ));
         }
-        Ok(())
+        Self::collect(rows, of)
     }
 
     fn collect(rows: ReviewRows, of: &Identity) -> Result<Self, ReviewError> {
