@@ -73,20 +73,18 @@ fn elements_of(
 ) -> Result<u64, Unusable> {
     let mut sum = 0;
     for fact in outputs {
-        let elements = fact.shape.concretize().map(|sizes| {
-            let mut sizes = sizes.iter().map(|size| u64::try_from(size.to_i64().ok()?).ok());
-            sizes.try_fold(1_u64, |product, size| product.checked_mul(size?))
-        });
-        match elements {
-            Some(Some(elements)) if elements <= MOST_ELEMENTS => sum += elements,
-            None if unsized_output => (),
-            _ => {
-                return Err(Unusable::TooBig(format!(
-                    "its layer {name} makes {:?} numbers of constants",
-                    fact.shape
-                )));
+        let elements = match fact.shape.concretize() {
+            Some(sizes) => {
+                let mut sizes = sizes.iter().map(|size| u64::try_from(size.to_i64().ok()?).ok());
+                sizes.try_fold(1_u64, |product, size| product.checked_mul(size?))
             }
-        }
+            None => unsized_output.then_some(0),
+        };
+        let elements = elements.unwrap_or(u64::MAX);
+        Unusable::unless(elements <= MOST_ELEMENTS, || {
+            format!("its layer {name} makes {:?} numbers of constants", fact.shape)
+        })?;
+        sum += elements;
     }
     Ok(sum)
 }

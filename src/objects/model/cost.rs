@@ -47,13 +47,11 @@ pub(super) fn check_cost(model: &TypedModel) -> Result<(), Unusable> {
 fn elements_of(node: &TypedNode) -> Result<u64, Unusable> {
     let mut sum = 0;
     for output in &node.outputs {
-        let elements = output.fact.shape.volume().as_i64().map(i64::unsigned_abs);
-        let Some(elements) = elements.filter(|&count| count <= MOST_ELEMENTS) else {
-            return Err(Unusable::TooBig(format!(
-                "its layer {} holds {:?} numbers",
-                node.name, output.fact.shape
-            )));
-        };
+        let shape = &output.fact.shape;
+        let elements = shape.volume().as_i64().map_or(u64::MAX, i64::unsigned_abs);
+        Unusable::unless(elements <= MOST_ELEMENTS, || {
+            format!("its layer {} holds {shape:?} numbers", node.name)
+        })?;
         sum += elements;
     }
     Ok(sum)

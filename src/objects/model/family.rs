@@ -224,17 +224,11 @@ fn boxes_and_confs(outputs: &[Shaped<'_>]) -> Option<(usize, usize, usize)> {
     let [a, b] = outputs else {
         return None;
     };
-    let as_boxes = |(_, shape): &Shaped<'_>| match **shape {
-        [1, count, 1, 4] | [1, count, 4] => Some(count),
+    let pair = |(_, boxes): &Shaped<'_>, (_, confs): &Shaped<'_>| match (*boxes, *confs) {
+        (&([1, boxes, 1, 4] | [1, boxes, 4]), &[1, count, classes]) => {
+            (boxes == count && classes > 0).then_some(classes)
+        }
         _ => None,
-    };
-    let as_confs = |(_, shape): &Shaped<'_>| match **shape {
-        [1, count, classes] => Some((count, classes)),
-        _ => None,
-    };
-    let pair = |boxes: &Shaped<'_>, confs: &Shaped<'_>| {
-        let (count, classes) = as_confs(confs)?;
-        (as_boxes(boxes)? == count && classes > 0).then_some(classes)
     };
     match (pair(a, b), pair(b, a)) {
         (Some(classes), None) => Some((0, 1, classes)),

@@ -50,7 +50,8 @@ fn convolution(
     else {
         return Ok(None);
     };
-    if !pads_by_one(&conv.pool_spec, [height, width]) {
+    let padding = conv.pool_spec.computed_padding(&[height, width]);
+    if !padding.iter().all(|side| (side.pad_before, side.pad_after) == (1, 1)) {
         return Ok(None);
     }
     let channels = [conv.pool_spec.input_channels, conv.pool_spec.output_channels];
@@ -129,12 +130,6 @@ fn is_of_the_kind(conv: &Conv) -> bool {
         && spec.kernel_shape[..] == [3, 3]
         && spec.strides().iter().all(|step| *step == 1)
         && spec.dilations().iter().all(|step| *step == 1)
-}
-
-/// Returns true if a picture is padded by a border of one zero.
-fn pads_by_one(spec: &PoolSpec, size: [usize; 2]) -> bool {
-    let padding = spec.computed_padding(&size);
-    padding.iter().all(|side| (side.pad_before, side.pad_after) == (1, 1))
 }
 
 enum Computation {

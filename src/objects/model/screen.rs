@@ -5,7 +5,7 @@ use super::sidecar::Metadata;
 use std::collections::{HashMap, HashSet};
 use tract_onnx::pb::tensor_proto::DataLocation;
 use tract_onnx::pb::tensor_shape_proto::dimension::Value as Size;
-use tract_onnx::pb::type_proto::Value as Kind;
+use tract_onnx::pb::type_proto::{Tensor as TensorType, Value as Kind};
 use tract_onnx::pb::{GraphProto, ModelProto, NodeProto, TensorProto, ValueInfoProto};
 
 /// Greatest number of layers. The largest detectors have about a thousand.
@@ -108,8 +108,9 @@ fn screen_graph(graph: &GraphProto, layers: &mut usize) -> Result<(), Unusable> 
     Unusable::unless(*layers <= MOST_LAYERS, || format!("it has more than {MOST_LAYERS} layers"))?;
     screen_weights(graph)?;
     let listed = graph.input.iter().chain(&graph.output);
-    for (name, axes) in listed.chain(&graph.value_info).map(axes_of) {
-        check_axes(name, axes)?;
+    for declared in listed.chain(&graph.value_info) {
+        let shape = tensor_type(declared).and_then(|tensor| tensor.shape.as_ref());
+        check_axes(&declared.name, shape.map_or(0, |shape| shape.dim.len()))?;
     }
     let (sizes, lists) = (written_sizes(graph), list_lengths(graph));
     for node in &graph.node {
@@ -144,14 +145,9 @@ fn screen_weights(graph: &GraphProto) -> Result<(), Unusable> {
     Ok(())
 }
 
-/// Returns the name and the number of axes of an input, an output or an intermediate value.
-fn axes_of(declared: &ValueInfoProto) -> (&str, usize) {
-    let kind = declared.r#type.as_ref().and_then(|kind| kind.value.as_ref());
-    let axes = match kind {
-        Some(Kind::TensorType(tensor)) => tensor.shape.as_ref().map_or(0, |shape| shape.dim.len()),
-        _ => 0,
-    };
-    (&declared.name, axes)
+fn tensor_type(declared: &ValueInfoProto) -> Option<&TensorType> {
+    let Kind::TensorType(tensor) = declared.r#type.as_ref()?.value.as_ref()?;
+    Some(tensor)
 }
 
 /// Refuses a tensor with more axes than any tensor of a detector.
@@ -259,10 +255,7 @@ fn declared_input(graph: &GraphProto) -> Result<Declared, Unusable> {
     let [input] = inputs[..] else {
         return Err(Unusable::Input(format!("is {} inputs", inputs.len())));
     };
-    let kind = input.r#type.as_ref().and_then(|kind| kind.value.as_ref());
-    let Some(Kind::TensorType(tensor)) = kind else {
-        return Err(Unusable::Input("is no tensor".to_owned()));
-    };
+    let tensor = tensor_type(input).ok_or_else(|| Unusable::Input("is no tensor".to_owned()))?;
     let sizes: Vec<Option<usize>> = tensor
         .shape
         .iter()
