@@ -12,40 +12,42 @@ use bathyscope_objects::objects::{
 use bathyscope_objects::review::Certainty;
 use bathyscope_objects::targets::{FittedShape, Target};
 use std::collections::BTreeMap;
+use std::fs::File;
 use std::io::{BufWriter, Write as _};
 use std::path::Path;
 
-const HEADER: [&str; 30] = [
-    "id",
-    "file",
-    "class",
-    "score",
-    "state",
-    "side",
-    "ping_from",
-    "ping_to",
-    "sample_from",
-    "sample_to",
-    "lon",
-    "lat",
-    "east_m",
-    "north_m",
-    "length_m",
-    "width_m",
-    "height_m",
-    "depth_m",
-    "sigma_m",
-    "height_sigma_m",
-    "object",
-    "note",
-    "name",
-    "confidence",
-    "shape",
-    "shape_length_m",
-    "shape_width_m",
-    "shape_height_m",
-    "shape_heading_deg",
-    "shape_explained",
+/// Names and texts of the columns of the table of boxes.
+const COLUMNS: [(&str, fn(&BoxRow<'_>) -> String); 30] = [
+    ("id", |row| row.of.one.id.0.to_string()),
+    ("file", |row| plain(row.file)),
+    ("class", |row| plain(&row.of.class)),
+    ("score", |row| row.of.one.score.map_or_else(String::new, |score| format!("{score:.4}"))),
+    ("state", |row| row.of.one.state.name().to_owned()),
+    ("side", |row| row.of.one.mark.side.name().to_owned()),
+    ("ping_from", |row| row.of.one.mark.pings.start.to_string()),
+    ("ping_to", |row| row.of.one.mark.pings.end.to_string()),
+    ("sample_from", |row| row.of.one.mark.samples(row.survey).start.to_string()),
+    ("sample_to", |row| row.of.one.mark.samples(row.survey).end.to_string()),
+    ("lon", |row| row.target(|target| target.position.lon_deg, 8)),
+    ("lat", |row| row.target(|target| target.position.lat_deg, 8)),
+    ("east_m", |row| row.target(|target| target.east_m, 3)),
+    ("north_m", |row| row.target(|target| target.north_m, 3)),
+    ("length_m", |row| row.target(|target| target.length_m, 3)),
+    ("width_m", |row| row.target(|target| target.width_m, 3)),
+    ("height_m", |row| row.target(|target| target.height_m, 3)),
+    ("depth_m", |row| row.target(|target| target.depth_m, 3)),
+    ("sigma_m", |row| row.target(|target| target.sigma_m, 3)),
+    ("height_sigma_m", |row| row.target(|target| target.height_sigma_m, 3)),
+    ("object", |row| row.of.object.map_or_else(String::new, |object| object.to_string())),
+    ("note", |row| plain(&row.of.one.note)),
+    ("name", |row| plain(&row.of.one.name)),
+    ("confidence", |row| row.of.one.certainty.map_or("", Certainty::name).to_owned()),
+    ("shape", |row| row.shape.map_or("", |shape| shape.posed.solid.kind.name()).to_owned()),
+    ("shape_length_m", |row| row.solid(|shape| shape.posed.solid.length_m, 2)),
+    ("shape_width_m", |row| row.solid(|shape| shape.posed.solid.width_m, 2)),
+    ("shape_height_m", |row| row.solid(|shape| shape.posed.solid.height_m, 2)),
+    ("shape_heading_deg", |row| row.solid(|shape| shape.posed.shown_heading_rad().to_degrees(), 0)),
+    ("shape_explained", |row| row.solid(|shape| shape.explained, 2)),
 ];
 const PICTURE_HEADER: [&str; 9] =
     ["id", "file", "class", "score", "state", "x_from", "x_to", "y_from", "y_to"];
@@ -62,9 +64,8 @@ pub(crate) fn box_table(
 ) -> Result<(), ExportError> {
     let column = (logs.len() > 1).then_some("log");
     let files: Vec<String> = logs.iter().map(|log| log.survey.name()).collect();
-    write_atomically(path, |out| {
-        let mut table = csv::Writer::from_writer(BufWriter::new(out));
-        table.write_record(column.into_iter().chain(HEADER))?;
+    write_table(path, |table| {
+        table.write_record(column.into_iter().chain(COLUMNS.map(|(name, _)| name)))?;
         for of in boxes {
             let (Some(log), Some(file)) = (logs.get(of.log), files.get(of.log)) else {
                 continue;
@@ -72,64 +73,48 @@ pub(crate) fn box_table(
             // With a single log the column is not needed.
             let name = column.map(|_| plain(log.name));
             let shape = of.object.and_then(|number| shapes.get(&number));
-            let fields = record(of, shape, file, log.survey);
+            let row = BoxRow { of, shape, file, survey: log.survey };
+            let fields = COLUMNS.iter().map(|(_, text)| text(&row));
             table.write_record(name.into_iter().chain(fields))?;
         }
-        table.flush()?;
-        table.into_inner().map_err(|error| error.into_error())?.flush()
+        Ok(())
     })
 }
 
-fn record(
-    of: &ObjectBox,
-    shape: Option<&FittedShape>,
-    file: &str,
-    survey: &Survey,
-) -> [String; 30] {
-    let one = &of.one;
-    let samples = one.mark.samples(survey);
-    let target = of.target.as_ref();
-    let number = |value: f64, decimals: usize| {
-        if value.is_finite() { format!("{value:.decimals$}") } else { String::new() }
-    };
-    let of_target = |value: fn(&Target) -> f64, decimals| {
+/// A box, and what its row is made from.
+struct BoxRow<'a> {
+    of: &'a ObjectBox,
+    shape: Option<&'a FittedShape>,
+    file: &'a str,
+    survey: &'a Survey,
+}
+
+impl BoxRow<'_> {
+    fn target(&self, value: fn(&Target) -> f64, decimals: usize) -> String {
+        let target = self.of.target.as_ref();
         target.map_or_else(String::new, |target| number(value(target), decimals))
-    };
-    let of_shape = |value: fn(&FittedShape) -> f64, decimals| {
-        shape.map_or_else(String::new, |shape| number(value(shape), decimals))
-    };
-    [
-        one.id.0.to_string(),
-        plain(file),
-        plain(&of.class),
-        one.score.map_or_else(String::new, |score| format!("{score:.4}")),
-        one.state.name().to_owned(),
-        one.mark.side.name().to_owned(),
-        one.mark.pings.start.to_string(),
-        one.mark.pings.end.to_string(),
-        samples.start.to_string(),
-        samples.end.to_string(),
-        of_target(|target| target.position.lon_deg, 8),
-        of_target(|target| target.position.lat_deg, 8),
-        of_target(|target| target.east_m, 3),
-        of_target(|target| target.north_m, 3),
-        of_target(|target| target.length_m, 3),
-        of_target(|target| target.width_m, 3),
-        of_target(|target| target.height_m, 3),
-        of_target(|target| target.depth_m, 3),
-        of_target(|target| target.sigma_m, 3),
-        of_target(|target| target.height_sigma_m, 3),
-        of.object.map_or_else(String::new, |object| object.to_string()),
-        plain(&one.note),
-        plain(&one.name),
-        one.certainty.map_or("", Certainty::name).to_owned(),
-        shape.map_or_else(String::new, |shape| shape.posed.solid.kind.name().to_owned()),
-        of_shape(|shape| shape.posed.solid.length_m, 2),
-        of_shape(|shape| shape.posed.solid.width_m, 2),
-        of_shape(|shape| shape.posed.solid.height_m, 2),
-        of_shape(|shape| shape.posed.shown_heading_rad().to_degrees(), 0),
-        of_shape(|shape| shape.explained, 2),
-    ]
+    }
+
+    fn solid(&self, value: fn(&FittedShape) -> f64, decimals: usize) -> String {
+        self.shape.map_or_else(String::new, |shape| number(value(shape), decimals))
+    }
+}
+
+fn number(value: f64, decimals: usize) -> String {
+    if value.is_finite() { format!("{value:.decimals$}") } else { String::new() }
+}
+
+/// Writes a table whose records `write` adds.
+fn write_table(
+    path: &Path,
+    write: impl FnOnce(&mut csv::Writer<BufWriter<File>>) -> csv::Result<()>,
+) -> Result<(), ExportError> {
+    write_atomically(path, |out| {
+        let mut table = csv::Writer::from_writer(BufWriter::new(out));
+        write(&mut table)?;
+        table.flush()?;
+        table.into_inner().map_err(|error| error.into_error())?.flush()
+    })
 }
 
 /// Returns a text that no spreadsheet reads as a formula.
@@ -140,8 +125,7 @@ fn plain(text: &str) -> String {
 /// Writes objects as a table of all columns. A field is empty where there is no value; a text that
 /// a spreadsheet would read as a formula begins with an apostrophe.
 pub(crate) fn object_table(path: &Path, objects: &[ListedObject<'_>]) -> Result<(), ExportError> {
-    write_atomically(path, |out| {
-        let mut table = csv::Writer::from_writer(BufWriter::new(out));
+    write_table(path, |table| {
         table.write_record(OBJECT_COLUMNS.iter().map(|column| column.name))?;
         for object in objects {
             let field = |column: &ObjectColumn| match column.value(object) {
@@ -150,8 +134,7 @@ pub(crate) fn object_table(path: &Path, objects: &[ListedObject<'_>]) -> Result<
             };
             table.write_record(OBJECT_COLUMNS.iter().map(field))?;
         }
-        table.flush()?;
-        table.into_inner().map_err(|error| error.into_error())?.flush()
+        Ok(())
     })
 }
 
@@ -163,8 +146,7 @@ pub(crate) fn picture_boxes_csv(
     names: &[String],
     boxes: &[Scored],
 ) -> Result<(), ExportError> {
-    write_atomically(path, |out| {
-        let mut out = csv::Writer::from_writer(BufWriter::new(out));
+    write_table(path, |out| {
         out.write_record(PICTURE_HEADER)?;
         for (index, found) in boxes.iter().enumerate() {
             let edges = [found.rect.x0, found.rect.x1, found.rect.y0, found.rect.y1];
@@ -174,7 +156,6 @@ pub(crate) fn picture_boxes_csv(
             fields.extend(edges.map(|edge| format!("{edge:.2}")));
             out.write_record(fields)?;
         }
-        out.flush()?;
-        out.into_inner().map_err(|error| error.into_error())?.flush()
+        Ok(())
     })
 }
