@@ -1,10 +1,8 @@
 //! Lists objects as rows of tables, and fits shapes to them.
 
-use crate::pipeline::object_shape;
-use crate::pipeline::{ProcessedLog, Products};
+use crate::pipeline::{ProcessedLog, object_shape};
 use bathyscope_log::support::geo::LonLat;
 use bathyscope_log::support::progress::{Cancelled, Progress};
-use bathyscope_objects::Mark;
 use bathyscope_objects::objects::{ListedObject, Object, ObjectBox, ObjectList};
 use bathyscope_objects::targets::{FittedShape, Target};
 use rayon::prelude::*;
@@ -64,9 +62,4 @@ fn outline(of: &ProcessedLog, target: &Target) -> Option<[LonLat; 4]> {
     let (navigation, track) = (&of.products.navigation, &of.survey.track);
     let place = |[east_m, north_m]: [f64; 2]| navigation.to_lon_lat(track, east_m, north_m);
     is_known.then(|| target.corners().map(place))
-}
-
-/// Returns true if the middle of a box is in an excluded stretch.
-pub(super) fn is_excluded(products: &Products, mark: &Mark) -> bool {
-    products.exclusions.is_middle_excluded(&mark.pings)
 }

@@ -6,7 +6,7 @@ use super::depth::NO_SURFACE;
 use super::depth::map_tiles::MapTiles;
 use super::error::NoContours;
 use super::ground::{SideScanCoverage, mosaic_grid};
-use super::objects::{Shapes, find_shapes, is_excluded};
+use super::objects::{Shapes, find_shapes};
 use super::order::{Order, When, log_names, log_points, survey_name};
 use crate::export::{self, LogPoints, ObjectLog, TrackPiece};
 use crate::outputs::OutputError;
@@ -413,7 +413,7 @@ impl<'a> Results<'a> {
             }
             let (navigation, settings) = (&products.navigation, &products.settings.detector);
             let mut found = find(survey, navigation, model, settings, self.progress, |_| ())?;
-            found.retain(|one| !is_excluded(products, &one.mark));
+            found.retain(|one| !products.exclusions.is_middle_excluded(&one.mark.pings));
             Ok(found)
         };
         let made = once(&self.computed.found, || self.logs().map(of_log).collect());
