@@ -139,10 +139,8 @@ fn sizes(facts: &mut Facts, target: &Target, height: ObjectHeight) {
     } else {
         "a point: not known".to_owned()
     };
-    let edges = match target.extent {
-        ObjectExtent::Drawn { .. } => ", by edges drawn by hand",
-        ObjectExtent::Found | ObjectExtent::Point => "",
-    };
+    let is_drawn = target.extent.border_m().is_some();
+    let edges = if is_drawn { ", by edges drawn by hand" } else { "" };
     facts.add("Size", &format!("{size}{edges}"));
     facts.add("Height", &units.with_sigma(height.mean_m, height.sigma_m, 2));
     facts.add("Shadow", &shadow(target));
@@ -153,10 +151,7 @@ fn sizes(facts: &mut Facts, target: &Target, height: ObjectHeight) {
 /// = H (r_e - r_t) / r_e`.
 fn shadow(target: &Target) -> String {
     let [start_m, end_m] = target.shadow_m;
-    let measured = match target.measured_shadow {
-        Some(_) => "measured, ",
-        None => "",
-    };
+    let measured = if target.measured_shadow.is_some() { "measured, " } else { "" };
     match (start_m.is_finite(), end_m.is_finite()) {
         (true, true) => format!(
             "{measured}from r<sub>t</sub> = {start_m:.2} to r<sub>e</sub> = {end_m:.2} m of slant range, altitude H = {:.2} m; height h = H (r<sub>e</sub> − r<sub>t</sub>) / r<sub>e</sub>",
