@@ -95,7 +95,7 @@ pub fn evaluate(images: &[Image], classes: usize, settings: &MetricSettings) -> 
         .zip(at_score)
         .map(|((ranking, ap_50_95), counts)| ClassReport {
             counts,
-            ap: average_precision(&ranking.ranked, ranking.truths, settings.ap),
+            ap: average_precision(ranking, settings.ap),
             ap_50_95,
             curve: curve(&ranking.ranked, ranking.truths),
         })
@@ -134,7 +134,7 @@ fn ap_50_95(
     for threshold in thresholds() {
         let rankings = rank(images, classes, settings, threshold, sizes);
         for (sum, ranking) in sums.iter_mut().zip(&rankings) {
-            *sum += average_precision(&ranking.ranked, ranking.truths, settings.ap);
+            *sum += average_precision(ranking, settings.ap);
         }
     }
     let count = thresholds().len() as f64;
@@ -161,12 +161,8 @@ fn sizes(images: &[Image], classes: usize, settings: &MetricSettings) -> Vec<Siz
     let report = |edges: &[f64]| {
         let areas = edges[0] * edges[0]..=edges[1] * edges[1];
         let rankings = rank(images, classes, settings, settings.iou, &areas);
-        let counts = rankings
-            .iter()
-            .map(|ranking| MatchCounts::of(ranking.shown(settings.score), ranking.truths));
-        let ap = rankings
-            .iter()
-            .map(|ranking| average_precision(&ranking.ranked, ranking.truths, settings.ap));
+        let counts = rankings.iter().map(|ranking| MatchCounts::shown(ranking, settings.score));
+        let ap = rankings.iter().map(|ranking| average_precision(ranking, settings.ap));
         SizeReport {
             side_px: [edges[0], edges[1]],
             counts: total(counts),

@@ -56,8 +56,8 @@ impl Matched {
 
     /// Counts the predictions of at least a score.
     pub fn at(&self, score: f32) -> AtScore {
-        let of_class = |ranking: &Ranking| MatchCounts::of(ranking.shown(score), ranking.truths);
-        let classes: Vec<MatchCounts> = self.rankings.iter().map(of_class).collect();
+        let classes: Vec<MatchCounts> =
+            self.rankings.iter().map(|ranking| MatchCounts::shown(ranking, score)).collect();
         let shown = self.rankings.iter().flat_map(|ranking| ranking.shown(score));
         let shown = shown_images(&self.images, shown);
         AtScore {

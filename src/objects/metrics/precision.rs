@@ -1,7 +1,7 @@
 //! Computes counts, precision and recall, and their curves over the score.
 
 use super::matching::MatchOutcome;
-use super::ranking::Ranked;
+use super::ranking::{Ranked, Ranking};
 
 /// Method to compute one number from a precision-recall curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,6 +43,11 @@ impl MatchCounts {
             }
         }
         counts
+    }
+
+    /// Counts the truths of a class, and hits and false alarms of at least a score.
+    pub(super) fn shown(ranking: &Ranking, score: f32) -> Self {
+        Self::of(ranking.shown(score), ranking.truths)
     }
 
     /// Adds two counts.
@@ -125,11 +130,11 @@ pub(super) fn curve(ranked: &[Ranked], truths: usize) -> Vec<CurvePoint> {
 }
 
 /// Returns the average precision of a class; NaN without truths.
-pub(super) fn average_precision(ranked: &[Ranked], truths: usize, method: ApMethod) -> f64 {
-    if truths == 0 {
+pub(super) fn average_precision(ranking: &Ranking, method: ApMethod) -> f64 {
+    if ranking.truths == 0 {
         return f64::NAN;
     }
-    let (recall, precision) = envelope(ranked, truths);
+    let (recall, precision) = envelope(&ranking.ranked, ranking.truths);
     let mean_at = |levels: Vec<f64>| {
         let reached = levels.iter().map(|level| {
             let first = recall.partition_point(|recall| recall < level);
