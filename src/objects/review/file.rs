@@ -304,53 +304,55 @@ impl Review {
         let mark = Mark::new(one.side, start..end, [one.near_m, one.far_m]);
         let is_held = held(&mark, self.identity.pings).as_ref() == Some(&mark);
         let class = self.classes.iter().position(|class| *class == one.class);
-        let has_model_name = model.as_deref().is_none_or(is_name);
-        let is_manual = model.is_none();
         let extent = match one.border_m {
             Some(border_m) => ObjectExtent::Drawn { border_m },
             None if one.point => ObjectExtent::Point,
             None => ObjectExtent::Found,
         };
-        let is_inside = |border_m: f64| (one.near_m..=one.far_m).contains(&border_m);
-        match class {
-            _ if !is_held => Err("its pings or ranges lie outside the log"),
-            None => Err("its class is not in the list"),
-            _ if !one.score.is_none_or(|score| (0.0..=1.0).contains(&score)) => {
-                Err("its score is not between 0 and 1")
-            }
-            _ if !has_model_name || one.note.chars().count() > LONGEST_NOTE => {
-                Err("its note or the name of its model is too long")
-            }
-            _ if !(one.name.is_empty() || is_name(&one.name)) => {
-                Err("its name is too long or not of one line")
-            }
-            _ if !one.border_m.is_none_or(is_inside) || (one.point && one.border_m.is_some()) => {
-                Err("the border of its shadow lies outside of it")
-            }
-            _ if !one.shadow.is_none_or(|shadow| shadow.fits(&mark)) => Err(
-                "the shadow that its height was measured by lies on no ping of it, or has no length",
-            ),
-            _ if (one.state == State::Added && !is_manual)
-                || (is_manual && matches!(one.state, State::Proposed | State::Accepted)) =>
-            {
-                Err("its state does not fit where it came from")
-            }
-            Some(class) => Ok(Reviewed {
-                id: one.id,
-                mark,
-                class,
-                score: one.score,
-                state: one.state,
-                edited: one.edited,
-                note: one.note,
-                name: one.name,
-                certainty: one.certainty,
-                extent,
-                shadow: one.shadow,
-                model,
-            }),
-        }
+        let is_inside = |border_m: f64| !one.point && (one.near_m..=one.far_m).contains(&border_m);
+        let has_score = one.score.is_none_or(|score| (0.0..=1.0).contains(&score));
+        let has_short_note = one.note.chars().count() <= LONGEST_NOTE;
+        let has_origin = match one.state {
+            State::Added => model.is_none(),
+            State::Proposed | State::Accepted => model.is_some(),
+            State::Rejected => true,
+        };
+        check(is_held, "its pings or ranges lie outside the log")?;
+        let class = class.ok_or("its class is not in the list")?;
+        check(has_score, "its score is not between 0 and 1")?;
+        check(
+            has_short_note && model.as_deref().is_none_or(is_name),
+            "its note or the name of its model is too long",
+        )?;
+        check(
+            one.name.is_empty() || is_name(&one.name),
+            "its name is too long or not of one line",
+        )?;
+        check(one.border_m.is_none_or(is_inside), "the border of its shadow lies outside of it")?;
+        check(
+            one.shadow.is_none_or(|shadow| shadow.fits(&mark)),
+            "the shadow that its height was measured by lies on no ping of it, or has no length",
+        )?;
+        check(has_origin, "its state does not fit where it came from")?;
+        Ok(Reviewed {
+            id: one.id,
+            mark,
+            class,
+            score: one.score,
+            state: one.state,
+            edited: one.edited,
+            note: one.note,
+            name: one.name,
+            certainty: one.certainty,
+            extent,
+            shadow: one.shadow,
+            model,
+        })
     }
+}
+
+fn check(is_sound: bool, fault: &'static str) -> Result<(), &'static str> {
+    is_sound.then_some(()).ok_or(fault)
 }
 
 fn shared(models: &mut HashSet<Arc<str>>, name: String) -> Arc<str> {
