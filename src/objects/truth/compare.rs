@@ -2,9 +2,8 @@
 
 use super::RasterTruth;
 use crate::metrics::{AtScore, Cause, Confusion, CurvePoint, MatchCounts, Matched, MetricSettings};
-use crate::review::{BoxId, Review, Reviewed};
+use crate::review::{BoxId, Review};
 use crate::{NAMELESS_CLASS, Raster, Rect, Scored};
-use bathyscope_log::survey::Side;
 
 /// Boxes of the model, paired with the truth at every score, whatever the decision about them.
 /// Boxes without a score, which no model has found, are left out.
@@ -78,19 +77,14 @@ impl TruthComparison {
         let mut classes = review.classes().to_vec();
         let mut images = on_raster.images(&mut classes);
         let mut boxes = [Vec::new(), Vec::new()];
-        for (index, side) in Side::BOTH.into_iter().enumerate() {
-            let of_side =
-                |one: &&Reviewed| one.mark.side == side && !Review::reaches_into(&gaps, &one.mark);
-            for (one, score) in
-                (review.boxes().filter(of_side)).filter_map(|one| Some((one, one.score?)))
-            {
-                boxes[index].push(one.id);
-                images[index].predicted.push(Scored::new(
-                    one.class,
-                    score,
-                    raster.rect_of(&one.mark),
-                ));
-            }
+        for one in review.boxes().filter(|one| !Review::reaches_into(&gaps, &one.mark)) {
+            let Some(score) = one.score else {
+                continue;
+            };
+            let side = one.mark.side as usize;
+            boxes[side].push(one.id);
+            let rect = raster.rect_of(&one.mark);
+            images[side].predicted.push(Scored::new(one.class, score, rect));
         }
         if let Some(nameless) = classes.iter().position(|name| name == NAMELESS_CLASS) {
             for image in &mut images {
