@@ -108,13 +108,11 @@ fn around(rect: &Rect, side: Side, raster: &Raster, boxes: &[(Rect, &Reviewed)])
         let label = Labelled { class: one.class, rect: inside.shifted(-frame.x0, -frame.y0) };
         let large = (inside.x1 - inside.x0).min(inside.y1 - inside.y0) >= LEAST_PX;
         let whole_enough = large && inside.area() >= LEAST_SHARE * rect.area();
+        // The size of a point is unknown.
+        let is_plain = whole_enough && one.extent != ObjectExtent::Point;
         match one.state {
-            // The size of a point is unknown.
-            State::Accepted | State::Added if one.extent == ObjectExtent::Point => {
-                tile.boxes.ignored.push(label);
-            }
             State::Rejected => tile.rejected += 1,
-            State::Accepted | State::Added if whole_enough => tile.boxes.labels.push(label),
+            State::Accepted | State::Added if is_plain => tile.boxes.labels.push(label),
             State::Accepted | State::Added | State::Proposed => tile.boxes.ignored.push(label),
         }
     }
