@@ -66,9 +66,8 @@ fn convolution(
     };
     let weights = weights.try_as_plain_ram()?.as_slice::<f32>()?;
     let convolution = Convolution::new(weights, &bias, channels, [height, width]);
-    let with_batch = conv.pool_spec.data_format.has_n();
     Ok(convolution.map(|convolution| FastLayer {
-        shape: shape(with_batch, convolution.output_shape()),
+        shape: shape(&conv.pool_spec, convolution.output_shape()),
         computation: Arc::new(Computation::Convolution(convolution)),
     }))
 }
@@ -95,9 +94,8 @@ fn pool(model: &TypedModel, node: &TypedNode) -> TractResult<Option<FastLayer>> 
         step: spec.stride(axis),
         before: padding[axis].pad_before,
     });
-    let with_batch = spec.data_format.has_n();
     Ok(Some(FastLayer {
-        shape: shape(with_batch, [channels, axes[0].into, axes[1].into]),
+        shape: shape(spec, [channels, axes[0].into, axes[1].into]),
         computation: Arc::new(Computation::MaxPool(channels, axes)),
     }))
 }
@@ -115,8 +113,8 @@ fn picture(spec: &PoolSpec, input: &TypedFact) -> Option<[usize; 3]> {
     }
 }
 
-fn shape(with_batch: bool, shape: [usize; 3]) -> TVec<usize> {
-    let batch = with_batch.then_some(1);
+fn shape(spec: &PoolSpec, shape: [usize; 3]) -> TVec<usize> {
+    let batch = spec.data_format.has_n().then_some(1);
     batch.into_iter().chain(shape).collect()
 }
 

@@ -74,8 +74,7 @@ pub(super) fn screen(proto: &ModelProto) -> Result<Declared, Unusable> {
     if graph.node.is_empty() || graph.output.is_empty() {
         return Err(Unusable::NotOnnx);
     }
-    let mut layers = 0;
-    screen_graph(graph, &mut layers)?;
+    screen_graph(graph, &mut 0)?;
     declared_input(graph)
 }
 
