@@ -158,8 +158,7 @@ impl Object {
     /// Returns the index of the log of the sighting that the height is from; `None` without a
     /// height.
     pub(crate) fn height_log(&self) -> Option<usize> {
-        let (log, _) = self.seen_on.get(self.height.source?.sighting)?;
-        Some(*log)
+        self.seen_on.get(self.height.source?.sighting).map(|(log, _)| *log)
     }
 
     /// Counts the passes of the boat in these logs that covered the place of the object, and those

@@ -107,9 +107,7 @@ fn steepnesses(kind: ShapeKind, by_shadow: f64) -> impl Iterator<Item = f64> {
     let [low, high] = kind.usual().steepness;
     let usual = (low * high).sqrt();
     let known = (by_shadow > 0.0).then(|| by_shadow.clamp(low, high));
-    let is_other = match known {
-        Some(known) => kind.is_boat() && (known / usual).ln().abs() > STEEPNESS_APART,
-        None => true,
-    };
+    let is_far = |known: f64| (known / usual).ln().abs() > STEEPNESS_APART;
+    let is_other = known.is_none_or(|known| kind.is_boat() && is_far(known));
     known.into_iter().chain(is_other.then_some(usual))
 }
