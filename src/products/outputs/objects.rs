@@ -26,9 +26,7 @@ pub(super) fn find_shapes(
         Ok(shape.map(|shape| (object.number, shape)))
     };
     let targets: Vec<&Object> = list.targets().collect();
-    let shapes = targets.par_iter().map(shape);
-    let shapes: Result<Vec<_>, Cancelled> = shapes.collect();
-    Ok(shapes?.into_iter().flatten().collect())
+    targets.par_iter().filter_map(|object| shape(object).transpose()).collect()
 }
 
 /// Returns objects as rows of tables, with their shapes and outlines.
