@@ -184,8 +184,8 @@ impl App {
         recorded_m: [f64; 2],
     ) -> Option<Result<ShadowHeight, ShadowError>> {
         self.with_locator(on, |locator, _| {
-            let side = on.side_in(locator.survey());
-            locator.placer().shadow_height(side, on.ping, recorded_m)
+            let side = on.side_in(locator.survey);
+            locator.placer.shadow_height(side, on.ping, recorded_m)
         })
     }
 
@@ -241,8 +241,8 @@ impl App {
     /// Returns the position of a pick on the bottom.
     fn ground_at(&self, pick: &Pick) -> Option<LonLat> {
         self.with_locator(pick, |locator, log| {
-            let side = pick.side_in(locator.survey());
-            let [east_m, north_m] = locator.placer().ground(side, pick.ping, pick.slant_m)?;
+            let side = pick.side_in(locator.survey);
+            let [east_m, north_m] = locator.placer.ground(side, pick.ping, pick.slant_m)?;
             let track = &log.survey.as_ref()?.track;
             let navigation = &log.products.as_ref()?.navigation;
             Some(navigation.to_lon_lat(track, east_m, north_m))

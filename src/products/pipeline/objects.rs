@@ -14,8 +14,10 @@ use bathyscope_objects::{Mark, MeasuredShadow, ObjectExtent};
 
 /// Locator of the boxes of one survey.
 pub struct ObjectLocator<'a> {
-    placer: Placer<'a>,
-    survey: &'a Survey,
+    /// Measures and places boxes as the cloud's points are placed, without the correction of depths.
+    pub placer: Placer<'a>,
+    /// Survey of the boxes.
+    pub survey: &'a Survey,
     correction: &'a Correction,
 }
 
@@ -48,17 +50,6 @@ impl<'a> ObjectLocator<'a> {
         let middle = usize::midpoint(mark.pings.start, mark.pings.end);
         let ping = self.survey.side_scan.get(middle)?;
         Some(Target { depth_m: -self.correction.z_m(ping.time_s, target.depth_m), ..target })
-    }
-
-    /// Returns the survey of the boxes.
-    pub fn survey(&self) -> &Survey {
-        self.survey
-    }
-
-    /// Returns the placer, which measures and places boxes as the cloud's points are placed,
-    /// without the correction of depths.
-    pub fn placer(&self) -> &Placer<'a> {
-        &self.placer
     }
 }
 
@@ -100,7 +91,7 @@ pub fn object_shape(boxes: &[(&ProcessedLog, &Target)]) -> Result<FittedShape, S
             let has_extent = target.extent != ObjectExtent::Point;
             let levels = has_extent.then(|| {
                 let locator = ObjectLocator::new(&log.survey, &log.products);
-                locator.placer().box_levels(&target.mark)
+                locator.placer.box_levels(&target.mark)
             });
             (*target, levels.flatten())
         })
