@@ -139,8 +139,9 @@ fn add(
 ) -> Result<(), LabelError> {
     let file = set.path.clone();
     for (index, annotation) in annotations.into_iter().enumerate() {
-        let refuse = |what: String| {
+        let refuse = |what: &str| {
             let number = index + 1;
+            let what = what.to_owned();
             Err(LabelError::new(LabelFault::Annotation { number, what }, &file))
         };
         let number = annotation.image_id.to_string();
@@ -148,7 +149,7 @@ fn add(
         let name = match set.numbers.get(&number) {
             Some(name) => name.clone(),
             None if set.numbers.is_empty() => number,
-            None => return refuse(format!("there is no picture {number}")),
+            None => return refuse(&format!("there is no picture {number}")),
         };
         let class = if set.categories.is_empty() {
             usize::try_from(annotation.category_id).ok().filter(|&class| class < MOST_CLASSES)
@@ -156,15 +157,15 @@ fn add(
             set.categories.get(&annotation.category_id).copied()
         };
         let Some(class) = class else {
-            return refuse(format!("there is no category {}", annotation.category_id));
+            return refuse(&format!("there is no category {}", annotation.category_id));
         };
         let score = annotation.score.filter(|score| predicted && (0.0..=1.0).contains(score));
         if predicted && score.is_none() {
-            return refuse("a predicted box needs a score from 0 to 1".to_owned());
+            return refuse("a predicted box needs a score from 0 to 1");
         }
         let [x, y, width, height] = annotation.bbox;
         if !annotation.bbox.iter().all(|edge| edge.is_finite()) || width < 0.0 || height < 0.0 {
-            return refuse("its bbox is [left, top, width, height] in pixels".to_owned());
+            return refuse("its bbox is [left, top, width, height] in pixels");
         }
         let label = Label {
             class,

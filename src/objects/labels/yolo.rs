@@ -36,12 +36,7 @@ pub(super) fn read(
             .lines()
             .enumerate()
             .filter(|(_, line)| !line.trim().is_empty())
-            .map(|(index, line)| {
-                parse(line, predicted).map_err(|what| {
-                    let line = index + 1;
-                    LabelError::new(LabelFault::Line { line, what }, file)
-                })
-            })
+            .map(|(index, line)| parse(index + 1, line, predicted).map_err(LabelError::at(file)))
             .collect::<Result<Vec<Label>, LabelError>>()?;
         let size_px = (!predicted).then(|| picture_size(folder, file)).flatten();
         let picture = PictureLabels { size_px, labels };
@@ -84,41 +79,44 @@ fn picture_size(folder: &Path, file: &Path) -> Option<[u32; 2]> {
 }
 
 /// Reads a line `class cx cy w h`, with `score` at its end if predicted.
-fn parse(line: &str, predicted: bool) -> Result<Label, String> {
+fn parse(line_number: usize, line: &str, predicted: bool) -> Result<Label, LabelFault> {
+    let fault = |what: &str| LabelFault::Line { line: line_number, what: what.to_owned() };
     let fields: Vec<&str> = line.split_whitespace().collect();
     match (fields.len(), predicted) {
         (5, false) | (6, true) => {}
-        (5, true) => return Err("a predicted box needs a score: class cx cy w h score".to_owned()),
+        (5, true) => return Err(fault("a predicted box needs a score: class cx cy w h score")),
         (6, false) => {
-            let text = "a true box has no sixth number (these may be predictions): class cx cy w h";
-            return Err(text.to_owned());
+            return Err(fault(
+                "a true box has no sixth number (these may be predictions): class cx cy w h",
+            ));
         }
         (count, _) => {
             let shape = if predicted { "class cx cy w h score" } else { "class cx cy w h" };
-            return Err(format!("{count} numbers where a box is written {shape}"));
+            return Err(fault(&format!("{count} numbers where a box is written {shape}")));
         }
     }
     let class = fields[0].parse().ok().filter(|&class: &usize| class < MOST_CLASSES);
     let class = class.ok_or_else(|| {
-        format!("`{}` is no class (a whole number from 0, below {MOST_CLASSES})", fields[0])
+        let field = fields[0];
+        fault(&format!("`{field}` is no class (a whole number from 0, below {MOST_CLASSES})"))
     })?;
     let number = |field: &str| {
         let value = field.parse().ok().filter(|value: &f64| value.is_finite());
-        value.ok_or_else(|| format!("`{field}` is no number"))
+        value.ok_or_else(|| fault(&format!("`{field}` is no number")))
     };
     let [cx, cy, w, h] =
         [number(fields[1])?, number(fields[2])?, number(fields[3])?, number(fields[4])?];
     // Some writers round a box at the edge to a little beyond the picture; coordinates in pixels
     // are far beyond.
     if [cx, cy, w, h].iter().any(|share| !(-0.5..=1.5).contains(share)) || w < 0.0 || h < 0.0 {
-        return Err("centre and size are shares of the picture, from 0 to 1".to_owned());
+        return Err(fault("centre and size are shares of the picture, from 0 to 1"));
     }
     let score = match fields.get(5) {
         Some(field) => Some(number(field)?).filter(|score| (0.0..=1.0).contains(score)),
         None => None,
     };
     if predicted && score.is_none() {
-        return Err(format!("the score `{}` is not within 0 to 1", fields[5]));
+        return Err(fault(&format!("the score `{}` is not within 0 to 1", fields[5])));
     }
     Ok(Label {
         class,

@@ -137,8 +137,8 @@ fn from_table(text: &str, pings: usize) -> Result<SurveyTruth, TruthError> {
         if record.get(columns.side).is_none_or(str::is_empty) {
             continue;
         }
-        let known = known(&record, &columns, pings, &mut truth.classes);
-        truth.objects.push(known.map_err(|what| TruthError::Line { line: index + 2, what })?);
+        let known = known(&record, index + 2, &columns, pings, &mut truth.classes)?;
+        truth.objects.push(known);
         if truth.objects.len() > MOST_OBJECTS || truth.classes.len() > MOST_CLASSES {
             return Err(TruthError::TooMany);
         }
@@ -148,12 +148,14 @@ fn from_table(text: &str, pings: usize) -> Result<SurveyTruth, TruthError> {
 
 fn known(
     record: &StringRecord,
+    line: usize,
     columns: &Columns,
     pings: usize,
     classes: &mut Vec<String>,
-) -> Result<KnownObject, String> {
+) -> Result<KnownObject, TruthError> {
+    let fault = |what: String| TruthError::Line { line, what };
     let field = |column: usize| record.get(column).unwrap_or_default().trim();
-    let no = |column: usize, needed: &str| format!("`{}` is no {needed}", field(column));
+    let no = |column: usize, needed: &str| fault(format!("`{}` is no {needed}", field(column)));
     let metres = |column: usize| {
         let value = field(column).parse().ok();
         value
@@ -171,18 +173,18 @@ fn known(
     let [first, last, box_near, box_far] = columns.whole;
     let (first, last) = (ping(first)?, ping(last)?);
     if last >= pings {
-        return Err(format!(
+        return Err(fault(format!(
             "ping {last} is beyond the {pings} of the open log; this is the truth of another"
-        ));
+        )));
     }
     let (near_m, far_m) = (metres(box_near)?, metres(box_far)?);
     if first > last || near_m >= far_m {
-        return Err("the object is inside out".to_owned());
+        return Err(fault("the object is inside out".to_owned()));
     }
     let shown = match field(columns.shown) {
         "0" => false,
         "1" => true,
-        other => return Err(format!("`{other}` in `shown` is neither 0 nor 1")),
+        other => return Err(fault(format!("`{other}` in `shown` is neither 0 nor 1"))),
     };
     Ok(KnownObject {
         class: class_index(classes, field(columns.kind)),
