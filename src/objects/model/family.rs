@@ -78,6 +78,7 @@ pub(super) fn guess(
     if let [(_, shape)] = outputs
         && let Some([first, second]) = flat(shape)
     {
+        // True if some strides make `count` boxes, with `each` of them a grid cell.
         let cells = |count: usize, each: usize| {
             STRIDES.iter().any(|strides| each * cells_of(input, strides) == count)
         };

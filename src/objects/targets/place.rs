@@ -149,10 +149,10 @@ impl<'a> Placer<'a> {
         })
     }
 
-    /// Returns the altitude over some pings on a side, metres; `None` if no ping has a known bottom.
-    /// The altitude is the median of the bottom edits; without edits, of the recorded depths where
-    /// the recorder had bottom lock; without these, of the first returns on this side. Edits come
-    /// first, because an analyst who draws the bottom sees the recorder's own.
+    /// Returns the altitude over some pings on a side, metres; `None` if no ping has a known
+    /// bottom. The altitude is the median of the bottom edits; without edits, of the recorded
+    /// depths where the recorder had bottom lock; without these, of the first returns on this side.
+    /// Edits come first, because an analyst who draws the bottom sees the recorder's own.
     pub(super) fn altitude_over_m(&self, side: Side, pings: Range<usize>) -> Option<f64> {
         let (survey, returns) = (self.survey, self.returns);
         let pings = pings.start..pings.end.min(survey.side_scan.len());

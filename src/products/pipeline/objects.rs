@@ -14,7 +14,8 @@ use bathyscope_objects::{Mark, MeasuredShadow, ObjectExtent};
 
 /// Locator of the boxes of one survey.
 pub struct ObjectLocator<'a> {
-    /// Measures and places boxes as the cloud's points are placed, without the correction of depths.
+    /// Measures and places boxes as the cloud's points are placed, without the correction of
+    /// depths.
     pub placer: Placer<'a>,
     /// Survey of the boxes.
     pub survey: &'a Survey,

@@ -78,8 +78,8 @@ impl FitState {
         state
     }
 
-    /// Copies another state of the same problem into the memory of this one, because the search does
-    /// little else than such copies.
+    /// Copies another state of the same problem into the memory of this one, because the search
+    /// does little else than such copies.
     pub(super) fn copy_from(&mut self, other: &Self) {
         self.numbers.clone_from(&other.numbers);
         self.steps.clone_from(&other.steps);
