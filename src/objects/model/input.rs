@@ -100,9 +100,9 @@ impl InputSpec {
             let bar = self.number(BAR, channel);
             let across = places(self.width, fit, 0);
             let down = places(self.height, fit, 1);
-            for y in 0..self.height {
-                for x in 0..self.width {
-                    let number = match (across[x], down[y]) {
+            for (y, down) in down.iter().enumerate() {
+                for (x, across) in across.iter().enumerate() {
+                    let number = match (*across, *down) {
                         (Some(x), Some(y)) => {
                             self.number(self.between(picture, x, y, channel), channel)
                         }

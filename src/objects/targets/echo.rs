@@ -198,6 +198,9 @@ struct Look<'a> {
     end_m: f64,
 }
 
+/// Steps of a dark run behind an echo, and its shadow.
+type DarkRun = (Range<usize>, Shadow);
+
 impl<'a> Look<'a> {
     fn new(survey: &'a Survey, mark: &Mark) -> Option<Self> {
         let middle = usize::midpoint(mark.pings.start, mark.pings.end);
@@ -317,7 +320,7 @@ impl<'a> Look<'a> {
 
     /// Finds the echo in the contrast of some pings, the steps of the dark run behind it, and the
     /// shadow of this run.
-    fn at(&self, contrast: &[f64]) -> Option<([f64; 2], Option<(Range<usize>, Shadow)>)> {
+    fn at(&self, contrast: &[f64]) -> Option<([f64; 2], Option<DarkRun>)> {
         let Runs { echo, shadow } = runs(contrast, (GAP_M / self.grid.step_m) as usize)?;
         let echo_m = [self.range_m(echo.start), self.range_m(echo.end)];
         let dark = shadow.and_then(|dark| {

@@ -17,7 +17,7 @@ use std::io::{BufWriter, Write as _};
 use std::path::Path;
 
 /// Names and texts of the columns of the table of boxes.
-const COLUMNS: [(&str, fn(&BoxRow<'_>) -> String); 30] = [
+const COLUMNS: [(&str, BoxText); 30] = [
     ("id", |row| row.of.one.id.0.to_string()),
     ("file", |row| plain(row.file)),
     ("class", |row| plain(&row.of.class)),
@@ -80,6 +80,9 @@ pub(crate) fn box_table(
         Ok(())
     })
 }
+
+/// Returns the text of a box in one column.
+type BoxText = fn(&BoxRow<'_>) -> String;
 
 /// A box, and what its row is made from.
 struct BoxRow<'a> {
