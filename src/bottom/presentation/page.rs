@@ -4,23 +4,32 @@ pub use minijinja::{Value, context};
 
 use bathyscope_log::support::printable::xml;
 use minijinja::syntax::SyntaxConfig;
-use minijinja::{Environment, Error, UndefinedBehavior};
+use minijinja::{Environment, UndefinedBehavior};
+use std::error::Error;
 
 /// Fault of a template, such as the name of a value that it is not given.
 #[derive(Debug, thiserror::Error)]
 #[error("the page cannot be made: {0}")]
-pub struct TemplateFault(#[from] Error);
+pub struct TemplateFault(String);
+
+impl From<minijinja::Error> for TemplateFault {
+    /// Names the fault in an included template after the place where the template is included.
+    fn from(fault: minijinja::Error) -> Self {
+        let faults = std::iter::successors(Some(&fault as &dyn Error), |fault| (*fault).source());
+        Self(faults.map(ToString::to_string).collect::<Vec<String>>().join(": "))
+    }
+}
 
 /// Template: its file name and its text.
-pub type Template = (&'static str, &'static str);
+pub type Template<'a> = (&'a str, &'a str);
 
 /// Fills the first template, which may include the others. Texts are escaped, except those of
 /// [`Value::from_safe_string`]; what is not known leaves an empty place.
 ///
 /// # Errors
 /// When a template cannot be read, or names a value that it is not given.
-pub fn fill(templates: &[Template], values: Value) -> Result<String, TemplateFault> {
-    let mut environment = Environment::empty();
+pub fn fill(templates: &[Template<'_>], values: Value) -> Result<String, TemplateFault> {
+    let mut environment = Environment::new();
     // Lines with nothing but a block leave no trace.
     let syntax = SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).build()?;
     environment.set_syntax(syntax);
@@ -58,12 +67,13 @@ mod tests {
 
     #[test]
     fn a_value_that_is_not_given_is_an_error_that_names_the_place() {
-        for text in
-            ["\n{{ depth }}", "\n{% if depth %}{% endif %}", "\n{% for a in depth %}{% endfor %}"]
-        {
-            let fault =
-                fill(&[("page.html", text)], context!(height => 1)).unwrap_err().to_string();
-            assert!(fault.contains("page.html:2"), "{fault}");
+        let places =
+            ["{{ depth }}", "{% if depth %}{% endif %}", "{% for a in depth %}{% endfor %}"];
+        for place in places {
+            let part = format!("<p>\n{place}</p>");
+            let templates = [("page.html", "{% include \"part.html\" %}"), ("part.html", &part)];
+            let fault = fill(&templates, context!(height => 1)).unwrap_err().to_string();
+            assert!(fault.contains("page.html:1") && fault.contains("part.html:2"), "{fault}");
         }
     }
 }

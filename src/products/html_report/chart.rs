@@ -3,6 +3,7 @@
 
 use super::ReportData;
 use bathyscope_bottom::bathymetry::isobaths::{Storage, storage};
+use bathyscope_bottom::presentation::page::{Value, context};
 use bathyscope_bottom::presentation::plot::{Axis, Plot, PlotCurve};
 use bathyscope_bottom::presentation::text::typeset_count as count;
 
@@ -11,11 +12,9 @@ const STEPS: usize = 60;
 /// Width and height of each plot, pixels.
 const PLOT_PX: [f64; 2] = [360.0, 240.0];
 
-/// Returns the section with the curves and the table; empty without a depth map.
-pub(super) fn storage_section(from: &ReportData<'_>) -> String {
-    let Some(surface) = from.depth_map.map(|depth_map| &depth_map.surface) else {
-        return String::new();
-    };
+/// Returns the curves and the rows of the table; `None` without a depth map.
+pub(super) fn values(from: &ReportData<'_>) -> Option<Value> {
+    let surface = &from.depth_map?.surface;
     let [least_m, most_m] = surface.range_m();
     let grid = &surface.grid;
     let middle = grid.centre(grid.rows / 2, grid.columns / 2);
@@ -29,27 +28,26 @@ pub(super) fn storage_section(from: &ReportData<'_>) -> String {
         }
         rows
     };
-    let mut html = String::from("<h2>Area and volume below each level</h2>\n<figure>");
     let even: Vec<f64> =
         (0..=STEPS).map(|step| least_m + step as f64 / STEPS as f64 * (most_m - least_m)).collect();
-    html += &curves(&below(&even));
-    html += "</figure>\n<table><tr><th>below depth, m</th><th>area, m\u{b2}</th><th>volume, m\u{b3}</th></tr>\n";
-    // The same levels as in `storage.csv`.
-    for row in below(&from.isobaths.levels_m) {
-        html += &format!(
-            "<tr><td>{:.2}</td><td>{}</td><td>{}</td></tr>\n",
-            row.depth_m,
-            count(row.area_m2.round() as usize),
-            count(row.volume_m3.round() as usize)
-        );
-    }
-    html + "</table>\n<p>What was not mapped does not count: a basin holds more than this where the survey leaves parts of it out.</p>\n"
+    let level = |row: Storage| {
+        context! {
+            depth_m => format!("{:.2}", row.depth_m),
+            area_m2 => count(row.area_m2.round() as usize),
+            volume_m3 => count(row.volume_m3.round() as usize),
+        }
+    };
+    Some(context! {
+        plots => curves(&below(&even)),
+        // The same levels as in `storage.csv`.
+        levels => below(&from.isobaths.levels_m).into_iter().map(level).collect::<Vec<Value>>(),
+    })
 }
 
 /// Draws area and volume, each in a plot whose depth axis points down.
-fn curves(rows: &[Storage]) -> String {
+fn curves(rows: &[Storage]) -> Vec<Value> {
     let (Some(first), Some(last)) = (rows.first(), rows.last()) else {
-        return String::new();
+        return Vec::new();
     };
     let plot = |name: &str, amount: fn(&Storage) -> f64| {
         let mut across = Axis::new(&format!("{name} deeper than"), [0.0, amount(first)]);
@@ -67,7 +65,7 @@ fn curves(rows: &[Storage]) -> String {
             mark: None,
             limit: None,
         };
-        plot.svg(PLOT_PX)
+        Value::from_safe_string(plot.svg(PLOT_PX))
     };
-    plot("area, m\u{b2}", |row| row.area_m2) + &plot("volume, m\u{b3}", |row| row.volume_m3)
+    vec![plot("area, m\u{b2}", |row| row.area_m2), plot("volume, m\u{b3}", |row| row.volume_m3)]
 }

@@ -1,10 +1,12 @@
 //! Draws the map of depths: colours, isobaths with their depths, track and objects.
 
-use super::frame::PageTransform;
-use super::{ReportData, raster};
+use super::frame::{PageTransform, pixels};
+use super::map::map;
+use super::{ReportData, logs, raster};
 use bathyscope_bottom::bathymetry::Surface;
 use bathyscope_bottom::bathymetry::isobaths::Isobath;
 use bathyscope_bottom::presentation::colours::{depth_colour, lit_depth_colour};
+use bathyscope_bottom::presentation::page::{Value, context};
 use bathyscope_bottom::presentation::ticks::ticks;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 
@@ -20,7 +22,7 @@ const APART_PX: f64 = 46.0;
 pub(super) fn depth_plan(
     from: &ReportData<'_>,
     progress: &Progress,
-) -> Result<Option<String>, Cancelled> {
+) -> Result<Option<Value>, Cancelled> {
     let Some(depth_map) = from.depth_map else {
         return Ok(None);
     };
@@ -35,11 +37,19 @@ pub(super) fn depth_plan(
         level_ground: f32::from(depth_map.light.level_ground()),
         shade: depth_map.shade(progress)?,
     };
-    let under = lit.picture(&frame);
-    let over = isobath_lines(&from.isobaths.lines, &frame) + &super::objects::marks(from, &frame);
-    let name = "Depth map with isobaths, track and objects";
-    let under = under + &super::mosaic_plan::track(from, &frame, "#000000", 0.35);
-    Ok(Some(frame.svg(name, &under, &over, &legend(range_m, &frame))))
+    let settings = &from.products.settings;
+    Ok(Some(context! {
+        map => map(from, &frame, lit.picture(&frame)),
+        isobaths => isobath_lines(&from.isobaths.lines, &frame),
+        legend => legend(range_m, &frame),
+        cell_m => format!("{:.2}", surface.grid.cell_m),
+        method => surface.method_in_words(),
+        system => from.map.crs.to_string(),
+        between_lines => surface.between_lines(),
+        max_gap_m => settings.surface.max_gap_m.to_string(),
+        exaggeration => depth_map.light.exaggeration.to_string(),
+        correction => logs::correction(from),
+    }))
 }
 
 /// Depths with their hill-shade.
@@ -54,7 +64,7 @@ struct Lit<'a> {
 impl Lit<'_> {
     /// Returns the depths as a picture in which several cells are joined to a pixel if there are
     /// more than [`MOST_CELLS`] along a side.
-    fn picture(&self, frame: &PageTransform) -> String {
+    fn picture(&self, frame: &PageTransform) -> Value {
         let grid = &self.surface.grid;
         let joined = grid.columns.max(grid.rows).div_ceil(MOST_CELLS).max(1);
         let (columns, rows) = (grid.columns.div_ceil(joined), grid.rows.div_ceil(joined));
@@ -65,7 +75,7 @@ impl Lit<'_> {
             }
         }
         let address = raster::rgba(&pixels, columns, rows);
-        frame.picture(grid, joined, [columns, rows], &address)
+        frame.picture(grid, joined, [columns, rows], address)
     }
 
     /// Returns the colour of the mean depth of some cells, lit by their mean shade; transparent
@@ -112,16 +122,10 @@ impl Mean {
     }
 }
 
-/// Draws the isobaths, and the depth of the longer ones at their middle.
-fn isobath_lines(lines: &[Isobath], frame: &PageTransform) -> String {
-    let mut drawn = String::from(
-        "<g fill=\"none\" stroke=\"#ffffff\" stroke-opacity=\"0.85\" stroke-width=\"0.9\">\n",
-    );
-    for line in lines {
-        let path = frame.path(line.points.iter().copied());
-        drawn += &format!("<path d=\"{path}\"/>\n");
-    }
-    drawn.push_str("</g>\n<g text-anchor=\"middle\" font-size=\"10\" fill=\"#111111\" paint-order=\"stroke\" stroke=\"#ffffff\" stroke-width=\"2.5\">\n");
+/// Returns the paths of the isobaths, and the depth of the longer ones at their middle.
+fn isobath_lines(lines: &[Isobath], frame: &PageTransform) -> Value {
+    let paths = lines.iter().map(|line| frame.path(line.points.iter().copied()));
+    let mut labels: Vec<(String, String, String)> = Vec::new();
     let mut taken: Vec<[f64; 2]> = Vec::new();
     let mut longest_first: Vec<&Isobath> = lines.iter().collect();
     longest_first.sort_by(|a, b| b.length_m().total_cmp(&a.length_m()));
@@ -136,34 +140,35 @@ fn isobath_lines(lines: &[Isobath], frame: &PageTransform) -> String {
         let crowded = |other: &[f64; 2]| (other[0] - x).hypot(other[1] - y) < APART_PX;
         if !taken.iter().any(crowded) {
             taken.push([x, y]);
-            let depth_m = line.depth_m;
-            drawn += &format!("<text x=\"{x:.1}\" y=\"{:.1}\">{depth_m}</text>\n", y + 3.5);
+            labels.push((pixels(x), pixels(y + 3.5), line.depth_m.to_string()));
         }
     }
-    drawn.push_str("</g>\n");
-    drawn
+    context!(paths => paths.collect::<Vec<String>>(), labels)
 }
 
-/// Draws a column of colours with depths beside it, shallow on top.
-fn legend([least_m, most_m]: [f32; 2], frame: &PageTransform) -> String {
+/// Returns a column of colours with depths beside it, shallow on top.
+fn legend([least_m, most_m]: [f32; 2], frame: &PageTransform) -> Value {
     const STEPS: usize = 32;
     let [x, y] = frame.legend_at();
     let height = (frame.height_px() - 40.0).min(240.0);
     let step = height / STEPS as f64;
-    let mut drawn = format!("<text x=\"{x:.1}\" y=\"{:.1}\">depth, m</text>\n", y + 8.0);
-    for index in 0..STEPS {
+    let steps = (0..STEPS).map(|index| {
         let [r, g, b] = depth_colour((index as f32 + 0.5) / STEPS as f32);
         let top = y + 18.0 + index as f64 * step;
-        // A little overlap, so that no seam shows between two colours.
-        drawn += &format!(
-            "<rect x=\"{x:.1}\" y=\"{top:.2}\" width=\"16\" height=\"{:.2}\" fill=\"rgb({r},{g},{b})\"/>\n",
-            step + 0.5
-        );
-    }
+        (format!("{top:.2}"), format!("rgb({r},{g},{b})"))
+    });
     let extent_m = f64::from(most_m - least_m).max(f64::MIN_POSITIVE);
-    for (depth_m, label) in ticks(f64::from(least_m), f64::from(most_m)) {
+    let ticks = ticks(f64::from(least_m), f64::from(most_m)).into_iter().map(|(depth_m, label)| {
         let at = y + 18.0 + (depth_m - f64::from(least_m)) / extent_m * height + 4.0;
-        drawn += &format!("<text x=\"{:.1}\" y=\"{at:.1}\">{label}</text>\n", x + 22.0);
+        (pixels(at), label)
+    });
+    context! {
+        x => pixels(x),
+        y => pixels(y + 8.0),
+        text_x => pixels(x + 22.0),
+        steps => steps.collect::<Vec<_>>(),
+        // A little overlap, so that no seam shows between two colours.
+        step_height => format!("{:.2}", step + 0.5),
+        ticks => ticks.collect::<Vec<_>>(),
     }
-    drawn
 }

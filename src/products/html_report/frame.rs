@@ -1,11 +1,11 @@
-//! Transforms metres of a plane to pixels on the page and draws the frame of a map, with graticule,
-//! scale bar and north arrow.
+//! Transforms metres of a plane to pixels on the page and computes the frame of a map, with
+//! graticule, scale bar and north arrow.
 
 use bathyscope_bottom::bathymetry::Grid;
 use bathyscope_bottom::presentation::graticule::{LineFamily, Net};
+use bathyscope_bottom::presentation::page::{Value, context};
 use bathyscope_bottom::presentation::ticks;
 use bathyscope_log::support::geo::{CoordinateFormat, MapPlane};
-use bathyscope_log::support::printable::xml;
 
 /// Largest width and height of a map, pixels.
 const MOST_PX: [f64; 2] = [900.0, 760.0];
@@ -57,22 +57,24 @@ impl PageTransform {
         })
     }
 
-    /// Returns a picture over a grid as an image element: `columns` by `rows` pixels of `joined`
-    /// cells a side.
+    /// Returns the place of a picture over a grid: `columns` by `rows` pixels of `joined` cells a
+    /// side.
     pub(super) fn picture(
         &self,
         grid: &Grid,
         joined: usize,
         [columns, rows]: [usize; 2],
-        address: &str,
-    ) -> String {
+        address: String,
+    ) -> Value {
         let scale = grid.cell_m * joined as f64 * self.px_per_m;
         let [x, y] = self.place([grid.west_m, grid.north_m]);
-        format!(
-            "<image x=\"{x:.2}\" y=\"{y:.2}\" width=\"{:.2}\" height=\"{:.2}\" preserveAspectRatio=\"none\" href=\"{address}\"/>\n",
-            columns as f64 * scale,
-            rows as f64 * scale,
-        )
+        context! {
+            x => format!("{x:.2}"),
+            y => format!("{y:.2}"),
+            width => format!("{:.2}", columns as f64 * scale),
+            height => format!("{:.2}", rows as f64 * scale),
+            address,
+        }
     }
 
     /// Converts a place of the plane to pixels from the left and from the top.
@@ -135,29 +137,23 @@ impl PageTransform {
         path
     }
 
-    /// Returns the map as an `svg` element: `under` is drawn below the graticule, `over` above it,
-    /// and `beside` to the right of the map.
-    pub(super) fn svg(&self, name: &str, under: &str, over: &str, beside: &str) -> String {
-        let (width, height) =
-            (LEFT_PX + self.width_px + RIGHT_PX, ABOVE_PX + self.height_px + BELOW_PX);
-        let (inner_width, inner_height) = (self.width_px, self.height_px);
-        // Identifiers of clips must be unique on the page: this one is derived from the name of the
-        // picture.
-        let clip: String = name.chars().filter(char::is_ascii_alphanumeric).collect();
-        format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" aria-label=\"{label}\" viewBox=\"0 0 {width:.0} {height:.0}\" width=\"{width:.0}\" font-family=\"sans-serif\" font-size=\"11\">\n\
-             <clipPath id=\"{clip}\"><rect x=\"{LEFT_PX}\" y=\"{ABOVE_PX}\" width=\"{inner_width:.1}\" height=\"{inner_height:.1}\"/></clipPath>\n\
-             <rect x=\"{LEFT_PX}\" y=\"{ABOVE_PX}\" width=\"{inner_width:.1}\" height=\"{inner_height:.1}\" fill=\"#f7f7f5\"/>\n\
-             <g clip-path=\"url(#{clip})\">\n{under}</g>\n{graticule}<g clip-path=\"url(#{clip})\">\n{over}</g>\n\
-             <rect x=\"{LEFT_PX}\" y=\"{ABOVE_PX}\" width=\"{inner_width:.1}\" height=\"{inner_height:.1}\" fill=\"none\" stroke=\"#333333\"/>\n{furniture}{beside}</svg>\n",
-            label = xml(name),
-            graticule = self.graticule(&clip),
-            furniture = self.furniture(),
-        )
+    /// Returns the frame of the map.
+    pub(super) fn values(&self) -> Value {
+        context! {
+            left => LEFT_PX.to_string(),
+            top => ABOVE_PX.to_string(),
+            inner_width => pixels(self.width_px),
+            inner_height => pixels(self.height_px),
+            width => format!("{:.0}", LEFT_PX + self.width_px + RIGHT_PX),
+            height => format!("{:.0}", ABOVE_PX + self.height_px + BELOW_PX),
+            graticule => self.graticule(),
+            bar => self.scale_bar(),
+            north => self.north_arrow(),
+        }
     }
 
-    /// Draws meridians and parallels with their degrees at the edges of the map.
-    fn graticule(&self, clip: &str) -> String {
+    /// Returns meridians and parallels with their degrees at the edges of the map.
+    fn graticule(&self) -> Vec<Value> {
         let (right, bottom) = (LEFT_PX + self.width_px, ABOVE_PX + self.height_px);
         let at = |x: f64, y: f64| self.map.to_lon_lat(self.metres([x, y]));
         let net = Net::Degrees {
@@ -167,12 +163,12 @@ impl PageTransform {
         let corners =
             [at(LEFT_PX, ABOVE_PX), at(right, ABOVE_PX), at(LEFT_PX, bottom), at(right, bottom)];
         let Some(bounds) = net.bounds(corners) else {
-            return String::new();
+            return Vec::new();
         };
         let [west, south, east, north] = bounds;
         let across_deg = (east - west) * BETWEEN_PX / self.width_px;
         let up_deg = (north - south) * BETWEEN_PX / self.height_px;
-        let mut drawn = String::new();
+        let mut drawn = Vec::new();
         for (family, least_deg) in [(LineFamily::Upright, across_deg), (LineFamily::Level, up_deg)]
         {
             for line in net.lines(family, bounds, least_deg) {
@@ -180,73 +176,70 @@ impl PageTransform {
                 let places = net.places(family, line.value, bounds, 2);
                 let ends: Vec<[f64; 2]> = places.map(|at| self.place(self.map.place(at))).collect();
                 if let [from, to] = ends[..] {
-                    self.graticule_line(&mut drawn, clip, family, &line.label, [from, to]);
+                    drawn.push(self.graticule_line(family, &line.label, [from, to]));
                 }
             }
         }
         drawn
     }
 
+    /// Returns a line with its label where it meets the lower or the left edge.
     fn graticule_line(
         &self,
-        drawn: &mut String,
-        clip: &str,
         family: LineFamily,
-        text: &str,
+        label: &str,
         [[x1, y1], [x2, y2]]: [[f64; 2]; 2],
-    ) {
-        let label = match family {
-            // The label is placed where the line meets the lower or the left edge.
+    ) -> Value {
+        let (right, bottom) = (LEFT_PX + self.width_px, ABOVE_PX + self.height_px);
+        let (is_labelled, x, y, anchor) = match family {
             LineFamily::Upright => {
-                let bottom = ABOVE_PX + self.height_px;
                 let x = x1 + (bottom - y1) / (y2 - y1) * (x2 - x1);
-                let inside = (LEFT_PX + 20.0..LEFT_PX + self.width_px - 20.0).contains(&x);
-                inside.then(|| {
-                    format!(
-                        "<text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{text}</text>",
-                        bottom + 15.0
-                    )
-                })
+                let is_inside = (LEFT_PX + 20.0..right - 20.0).contains(&x);
+                (is_inside, x, bottom + 15.0, "middle")
             }
             LineFamily::Level => {
                 let y = y1 + (LEFT_PX - x1) / (x2 - x1) * (y2 - y1);
-                let inside = (ABOVE_PX + 6.0..ABOVE_PX + self.height_px - 6.0).contains(&y);
-                inside.then(|| {
-                    format!(
-                        "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{text}</text>",
-                        LEFT_PX - 5.0,
-                        y + 4.0
-                    )
-                })
+                let is_inside = (ABOVE_PX + 6.0..bottom - 6.0).contains(&y);
+                (is_inside, LEFT_PX - 5.0, y + 4.0, "end")
             }
         };
-        *drawn += &format!(
-            "<path clip-path=\"url(#{clip})\" d=\"M{x1:.1} {y1:.1}L{x2:.1} {y2:.1}\" stroke=\"#000000\" stroke-opacity=\"0.18\" fill=\"none\"/>{}\n",
-            label.unwrap_or_default()
-        );
+        context! {
+            path => format!("M{x1:.1} {y1:.1}L{x2:.1} {y2:.1}"),
+            is_labelled,
+            label,
+            x => pixels(x),
+            y => pixels(y),
+            anchor,
+        }
     }
 
-    /// Draws the scale bar at the lower left, and the north arrow at the upper right.
-    fn furniture(&self) -> String {
+    /// Returns the scale bar at the lower left.
+    fn scale_bar(&self) -> Value {
         let middle = self.metres([LEFT_PX + 0.5 * self.width_px, ABOVE_PX + 0.5 * self.height_px]);
-        let scale = self.map.area_scale_at(middle).sqrt();
-        let px_per_ground_m = self.px_per_m * scale;
+        let px_per_ground_m = self.px_per_m * self.map.area_scale_at(middle).sqrt();
         let length_m = ticks::round_down(0.25 * self.width_px / px_per_ground_m);
         let length_px = length_m * px_per_ground_m;
         let (x, y) = (LEFT_PX + 14.0, ABOVE_PX + self.height_px - 14.0);
-        let text = ticks::bar_label(length_m);
-        let (arrow_x, arrow_y) = (LEFT_PX + self.width_px - 20.0, ABOVE_PX + 14.0);
-        format!(
-            "<g stroke=\"#ffffff\" stroke-width=\"5\" stroke-opacity=\"0.8\" fill=\"none\"><path d=\"M{x} {y}h{length_px:.1}\"/></g>\
-             <path d=\"M{x} {y}h{length_px:.1}m0 -4v8m-{length_px:.1} -8v8\" stroke=\"#111111\" stroke-width=\"1.5\" fill=\"none\"/>\
-             <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\" paint-order=\"stroke\" stroke=\"#ffffff\" stroke-width=\"3\">{text}</text>\n\
-             <path d=\"M{arrow_x} {arrow_y}l6 18l-6 -4l-6 4z\" fill=\"#111111\" stroke=\"#ffffff\"/>\
-             <text x=\"{arrow_x}\" y=\"{:.1}\" text-anchor=\"middle\" font-weight=\"bold\" paint-order=\"stroke\" stroke=\"#ffffff\" stroke-width=\"3\">N</text>\n",
-            x + 0.5 * length_px,
-            y - 7.0,
-            arrow_y + 31.0,
-        )
+        context! {
+            x => x.to_string(),
+            y => y.to_string(),
+            length => pixels(length_px),
+            text_x => pixels(x + 0.5 * length_px),
+            text_y => pixels(y - 7.0),
+            label => ticks::bar_label(length_m),
+        }
     }
+
+    /// Returns the north arrow at the upper right.
+    fn north_arrow(&self) -> Value {
+        let (x, y) = (LEFT_PX + self.width_px - 20.0, ABOVE_PX + 14.0);
+        context!(x => x.to_string(), y => y.to_string(), text_y => pixels(y + 31.0))
+    }
+}
+
+/// Writes a length or a place on the page.
+pub(super) fn pixels(pixels: f64) -> String {
+    format!("{pixels:.1}")
 }
 
 #[cfg(test)]

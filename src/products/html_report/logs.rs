@@ -1,103 +1,74 @@
-//! Makes the section on the logs of a survey of several: when and what each recorded, and how their
+//! Returns the values on the logs of a survey of several: when and what each recorded, and how their
 //! heights agree.
 
 use super::ReportData;
 use super::summary::sailed_m;
 use crate::pipeline::ProcessedLog;
-use crate::pipeline::joint::{LogReport, LogsReport};
+use crate::pipeline::joint::LogReport;
 use bathyscope_bottom::bathymetry::height_offsets::LogOffset;
+use bathyscope_bottom::presentation::page::{Value, context};
 use bathyscope_bottom::presentation::text::{
     long_date, typeset_count as count, typeset_signed, way,
 };
 use bathyscope_log::support::calendar;
-use bathyscope_log::support::printable::xml;
 use bathyscope_log::survey::Survey;
 use std::collections::BTreeSet;
 
-/// Returns the table of logs; empty for a single log.
-pub(super) fn section(from: &ReportData<'_>) -> String {
-    let Some(all) = &from.report.logs else {
-        return String::new();
-    };
-    let mut html = String::from(
-        "<h2>The logs</h2>\n<table><tr><th class=\"text\">log</th><th class=\"text\">recorded, UTC</th><th>track</th><th>pings</th><th>soundings</th>\
-         <th>excluded</th><th>recorded depth, m</th><th>height offset, m</th><th>in force, m</th><th>overlaps</th><th>against the others, m</th><th>95 %, m</th></tr>\n",
-    );
-    for (report, log) in all.logs.iter().zip(from.logs) {
-        html += &line(report, log);
-    }
-    html += "</table>\n";
-    html + &agreement(all)
+/// Returns the rows of the table of logs; `None` for a single log.
+pub(super) fn values(from: &ReportData<'_>) -> Option<Value> {
+    let all = from.report.logs.as_ref()?;
+    let crossings = all.crosslines.as_ref().and_then(|found| found.between_logs);
+    let rows = all.logs.iter().zip(from.logs).map(|(report, log)| row(report, log));
+    Some(context! {
+        rows => rows.collect::<Vec<Value>>(),
+        crossings => crossings.map(|found| context! {
+            count => count(found.n),
+            median_m => typeset_signed(found.median_m, 3),
+            sd_m => format!("{:.3}", found.sd_m),
+        }),
+    })
 }
 
-fn line(report: &LogReport, log: &ProcessedLog) -> String {
+fn row(report: &LogReport, log: &ProcessedLog) -> Value {
     let LogOffset { offset_m, standard_error_m, log_overlaps, .. } = report.offset;
-    let offset = match (log_overlaps, report.offset.is_determined()) {
-        (0, _) => "unknown".to_owned(),
-        (_, false) => "not determined".to_owned(),
-        _ => format!("{} \u{b1} {standard_error_m:.3}", typeset_signed(offset_m, 3)),
-    };
-    let (median, p95) = match &report.against_the_others.residuals {
-        Some(found) => (typeset_signed(found.median_m, 3), format!("{:.3}", found.p95_m)),
-        None => ("apart".to_owned(), String::new()),
-    };
-    let excluded = match report.counts.excluded_pings {
-        0 => String::new(),
-        pings => count(pings),
-    };
-    format!(
-        "<tr><td class=\"text\">{}</td><td class=\"text\">{}</td><td>{}</td><td>{}</td><td>{}</td><td>{excluded}</td><td>{}</td><td>{offset}</td><td>{}</td><td>{}</td><td>{median}</td><td>{p95}</td></tr>\n",
-        xml(&report.log),
-        recorded(&log.survey),
-        way(sailed_m(log)),
-        count(report.counts.pings),
-        count(report.counts.soundings),
-        depths(&log.survey),
-        typeset_signed(report.height_offset_in_force_m, 3),
-        count(log_overlaps),
-    )
+    let is_known = log_overlaps > 0 && report.offset.is_determined();
+    let residuals = report.against_the_others.residuals.as_ref();
+    let excluded = report.counts.excluded_pings;
+    context! {
+        name => &report.log,
+        recorded => recorded(&log.survey),
+        way => way(sailed_m(log)),
+        pings => count(report.counts.pings),
+        soundings => count(report.counts.soundings),
+        excluded => (excluded > 0).then(|| count(excluded)),
+        depths => depths(&log.survey).map(|range_m| range_m.map(|depth_m| format!("{depth_m:.1}"))),
+        offset => is_known.then(|| [typeset_signed(offset_m, 3), format!("{standard_error_m:.3}")]),
+        in_force_m => typeset_signed(report.height_offset_in_force_m, 3),
+        has_overlaps => log_overlaps > 0,
+        overlaps => count(log_overlaps),
+        against => residuals.map(|found| context! {
+            median_m => typeset_signed(found.median_m, 3),
+            p95_m => format!("{:.3}", found.p95_m),
+        }),
+    }
 }
 
-/// Returns the date of a log and the times of day at which it begins and ends.
-fn recorded(survey: &Survey) -> String {
+/// Returns the date of a log and the times of day at which it begins and ends; `None` where the
+/// log states no time.
+fn recorded(survey: &Survey) -> Option<String> {
     let (begin_s, end_s) = survey.time_span_s().unwrap_or((0.0, 0.0));
-    let Some(start_s) = survey.start_unix_s else {
-        return "at a time that the log does not state".to_owned();
-    };
+    let start_s = survey.start_unix_s?;
     let clock = |time_s: f64| calendar::time_of_day(start_s + time_s)[..5].to_owned();
-    format!("{}, {} to {}", long_date(start_s + begin_s), clock(begin_s), clock(end_s))
+    Some(format!("{}, {} to {}", long_date(start_s + begin_s), clock(begin_s), clock(end_s)))
 }
 
-/// Returns the least and the greatest depth with bottom lock.
-fn depths(survey: &Survey) -> String {
+/// Returns the least and the greatest depth with bottom lock, metres.
+fn depths(survey: &Survey) -> Option<[f32; 2]> {
     let locked = survey.soundings.iter().filter(|sounding| sounding.is_good());
-    let span = locked.fold(None, |span: Option<[f32; 2]>, one| {
+    locked.fold(None, |span: Option<[f32; 2]>, one| {
         let [least, most] = span.unwrap_or([one.depth_m; 2]);
         Some([least.min(one.depth_m), most.max(one.depth_m)])
-    });
-    span.map_or_else(String::new, |[least_m, most_m]| format!("{least_m:.1} to {most_m:.1}"))
-}
-
-/// Explains the columns of the table and reports the differences at crossings.
-fn agreement(all: &LogsReport) -> String {
-    let mut html = String::from(
-        "<p>The height offset is what is to be added to the elevations of a log so that it agrees with the others where their tracks meet, \
-         with its standard error; the mean of connected logs is zero. In force is what was added. The last columns hold the points of a log \
-         against those of all others, with the offsets in force: median, and what 95 % do not exceed.",
-    );
-    let between = all.crosslines.as_ref().and_then(|found| found.between_logs);
-    match between {
-        Some(found) => {
-            html += &format!(
-                " At {} crossings of two logs the depths differ by {} m in the median, with a standard deviation of {:.3} m.",
-                count(found.n),
-                typeset_signed(found.median_m, 3),
-                found.sd_m
-            )
-        }
-        None => html += " No track of one log crosses that of another.",
-    }
-    html + "</p>\n"
+    })
 }
 
 /// Describes the corrections of all logs, applied or not; refers to another section where they

@@ -5,11 +5,14 @@
 //!
 //! ```text
 //! Survey, Products, Report, Surface --summary--> what was surveyed, how deep, how sure
-//! Surface, isobaths, mosaic --plan--> maps with scale, graticule and legend, as SVG around a raster
+//! Surface, isobaths, mosaic --plan--> maps with scale, graticule and legend around a raster
 //! Survey, FirstReturns --strip--> each log at a glance
 //! LogsReport --logs--> the logs of a survey of several, and how they agree
-//! all --page--> one HTML file that loads nothing from elsewhere
+//! all --templates--> one HTML file that loads nothing from elsewhere
 //! ```
+//!
+//! The code returns values: numbers with their decimals, places on the page in pixels. What the
+//! page says, its order and its style are in the folder `templates`.
 //!
 //! Everything is drawn on the processor, so that a machine without a graphics adapter writes the
 //! same page.
@@ -19,6 +22,7 @@ mod depth_plan;
 mod document;
 mod frame;
 mod logs;
+mod map;
 mod mosaic_plan;
 mod objects;
 mod raster;
@@ -27,7 +31,7 @@ mod summary;
 mod tables;
 mod targets;
 
-pub(crate) use document::document;
+pub(crate) use document::{document, values};
 
 use crate::pipeline::LogLatency;
 use crate::pipeline::{

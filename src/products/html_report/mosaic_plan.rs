@@ -1,10 +1,12 @@
 //! Draws the map of echoes: the mosaic with the track and the objects.
 
 use super::frame::PageTransform;
-use super::{ReportData, objects, raster};
-use crate::pipeline::{Mosaic, ProcessedLog};
+use super::map::map;
+use super::{ReportData, raster};
+use crate::pipeline::Mosaic;
 use bathyscope_bottom::bathymetry::Grid;
 use bathyscope_bottom::mosaic::joint_grid;
+use bathyscope_bottom::presentation::page::Value;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 
@@ -21,7 +23,7 @@ const PAPER: u8 = 0xf7;
 pub(super) fn mosaic_plan(
     from: &ReportData<'_>,
     progress: &Progress,
-) -> Result<Option<String>, Cancelled> {
+) -> Result<Option<Value>, Cancelled> {
     let Some(mosaic) = from.mosaic else {
         return Ok(None);
     };
@@ -36,10 +38,8 @@ pub(super) fn mosaic_plan(
     };
     let pixels = pixels(mosaic, &grid, progress)?;
     let address = raster::grey(&pixels, grid.columns, grid.rows);
-    let picture = frame.picture(&grid, 1, [grid.columns, grid.rows], &address);
-    let under = picture + &track(from, &frame, "#e6550d", 0.8);
-    let name = "Side-scan mosaic with track and objects";
-    Ok(Some(frame.svg(name, &under, &objects::marks(from, &frame), "")))
+    let picture = frame.picture(&grid, 1, [grid.columns, grid.rows], address);
+    Ok(Some(map(from, &frame, picture)))
 }
 
 /// Returns the levels of all cells, row by row.
@@ -61,27 +61,4 @@ fn pixels(mosaic: &Mosaic, grid: &Grid, progress: &Progress) -> Result<Vec<u8>, 
     });
     let bands = bands.collect::<Result<Vec<_>, Cancelled>>()?;
     Ok(bands.concat())
-}
-
-/// Draws the track of the boat in all logs.
-pub(super) fn track(
-    from: &ReportData<'_>,
-    frame: &PageTransform,
-    colour: &str,
-    opacity: f64,
-) -> String {
-    let of_log = |log: &ProcessedLog| {
-        let navigation = &log.products.navigation;
-        let pings =
-            if navigation.pings.is_empty() { &navigation.soundings } else { &navigation.pings };
-        let places = pings.iter().map(|place| {
-            let track = &log.survey.track;
-            from.map.place(navigation.to_lon_lat(track, place.east_m, place.north_m))
-        });
-        frame.path(places)
-    };
-    let paths: String = from.logs.iter().map(of_log).collect();
-    format!(
-        "<path d=\"{paths}\" fill=\"none\" stroke=\"{colour}\" stroke-opacity=\"{opacity}\" stroke-width=\"1.1\"/>\n"
-    )
 }

@@ -1,10 +1,10 @@
-//! Draws the objects of the report: marks on the maps, and a table with a picture of each object.
+//! Returns the objects of the report: marks on the maps, and a table with a picture of each object.
 
-use super::frame::PageTransform;
-use super::{ReportData, ReportObjects, raster};
+use super::frame::{PageTransform, pixels};
+use super::{ReportData, raster};
 use crate::export::chip;
+use bathyscope_bottom::presentation::page::{Value, context};
 use bathyscope_bottom::presentation::text::{plural, position, typeset_count};
-use bathyscope_log::support::printable::xml;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_objects::objects::{ColumnValues, ListedObject, Object, ObjectBox, ObjectColumn};
 use bathyscope_objects::review::State;
@@ -48,21 +48,19 @@ pub(super) fn count(from: &ReportData<'_>) -> usize {
     }
 }
 
-/// Draws a ring with the number of the target at each target.
-pub(super) fn marks(from: &ReportData<'_>, frame: &PageTransform) -> String {
-    let mut drawn = String::from(
-        "<g font-size=\"11\" fill=\"#111111\" paint-order=\"stroke\" stroke=\"#ffffff\" stroke-width=\"3\">\n",
-    );
-    for object in targets(from) {
+/// Returns the places of the rings and numbers that mark the targets on a map.
+pub(super) fn marks(from: &ReportData<'_>, frame: &PageTransform) -> Vec<Value> {
+    let mark = |object: &Object| {
         let [x, y] = frame.place(from.map.place(object.position));
-        drawn += &format!(
-            "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"5\" fill=\"none\" stroke=\"#d4006a\" stroke-width=\"1.8\"/><text x=\"{:.1}\" y=\"{:.1}\">{}</text>\n",
-            x + 7.0,
-            y + 4.0,
-            object.number,
-        );
-    }
-    drawn + "</g>\n"
+        context! {
+            x => pixels(x),
+            y => pixels(y),
+            text_x => pixels(x + 7.0),
+            text_y => pixels(y + 4.0),
+            number => object.number,
+        }
+    };
+    targets(from).map(mark).collect()
 }
 
 /// Returns the numbers of passes that saw an object and that covered its place.
@@ -72,28 +70,42 @@ pub(super) fn passes_of(from: &ReportData<'_>, object: &Object) -> PassCount {
     counted.copied().unwrap_or_default()
 }
 
-/// Returns the section on objects; empty without a search or a review.
-pub(super) fn section(from: &ReportData<'_>, progress: &Progress) -> Result<String, Cancelled> {
+/// Returns the values of the section on objects; `None` without a search or a review.
+pub(super) fn values(
+    from: &ReportData<'_>,
+    progress: &Progress,
+) -> Result<Option<Value>, Cancelled> {
     let Some(objects) = &from.objects else {
-        return Ok(String::new());
+        return Ok(None);
     };
     let (boxes, count) = (objects.boxes.len(), objects.listed.len());
-    let mut html = format!("<h2>Objects</h2>\n<p>{}. ", xml(&objects.origin));
-    html += &not_listed(from);
-    if boxes == 0 {
-        let none = if is_reviewed(from) { "None was accepted." } else { "None was found." };
-        return Ok(html + none + "</p>\n");
-    }
-    if count > 0 {
-        html += &format!(
-            "{}.{} Objects are numbered as on the maps. The picture is that of the sighting that tells the size best; the boat is to the left.</p>\n",
-            seen_in(boxes, count),
-            first_of(count)
-        );
-        html += &object_rows(from, objects, progress)?;
-        html += "<p>";
-    }
-    Ok(html + &unplaced(from, progress)? + "</p>\n")
+    let columns: Vec<&ObjectColumn> = ObjectColumn::shown(from.logs.len()).collect();
+    let heading = |column: &&ObjectColumn| {
+        let is_length =
+            matches!(column.values, ColumnValues::Length(_) | ColumnValues::Measured(_));
+        context!(heading => column.heading, is_length, is_text => is_text(column))
+    };
+    let rows = objects.listed.iter().take(MOST_ROWS).map(|of| {
+        progress.check()?;
+        let cells = columns.iter().map(|column| (is_text(column), cell(from, column, of)));
+        let best = objects.list.members(of.object).nth(of.object.best);
+        Ok(context! {
+            cells => cells.collect::<Vec<(bool, String)>>(),
+            picture => best.and_then(|best| picture(from, best, LISTED_WIDTH)),
+        })
+    });
+    Ok(Some(context! {
+        count => typeset_count(self::count(from)),
+        is_reviewed => is_reviewed(from),
+        origin => &objects.origin,
+        undecided => undecided(from).count(),
+        boxes,
+        seen => seen_in(boxes, count),
+        first_rows => first_of(count),
+        columns => columns.iter().map(heading).collect::<Vec<Value>>(),
+        rows => rows.collect::<Result<Vec<Value>, Cancelled>>()?,
+        unplaced => unplaced(from, progress)?,
+    }))
 }
 
 /// Describes the numbers of boxes and objects: `14 boxes on 9 objects`; `9 objects` where each has
@@ -103,65 +115,28 @@ fn seen_in(boxes: usize, objects: usize) -> String {
     if boxes > objects { format!("{} boxes on {seen}", typeset_count(boxes)) } else { seen }
 }
 
-/// Returns a sentence that the table is cut; empty where it is complete.
-fn first_of(count: usize) -> String {
-    if count > MOST_ROWS {
-        format!(" The first {MOST_ROWS} are listed; the files of this run hold all.")
-    } else {
-        String::new()
-    }
+/// Returns the number of rows of a table that is cut; `None` where it is complete.
+fn first_of(count: usize) -> Option<usize> {
+    (count > MOST_ROWS).then_some(MOST_ROWS)
 }
 
-/// Returns a table with a row for each target and the columns of the table of objects.
-fn object_rows(
-    from: &ReportData<'_>,
-    objects: &ReportObjects<'_>,
-    progress: &Progress,
-) -> Result<String, Cancelled> {
-    let columns: Vec<&ObjectColumn> = ObjectColumn::shown(from.logs.len()).collect();
-    let heading = |column: &&ObjectColumn| match column.values {
-        ColumnValues::Length(_) | ColumnValues::Measured(_) => {
-            format!("<th>{}, m</th>", column.heading)
-        }
-        ColumnValues::Count(_) | ColumnValues::Number(..) => {
-            format!("<th>{}</th>", column.heading)
-        }
-        _ => format!("<th class=\"text\">{}</th>", column.heading),
-    };
-    let headings: Vec<String> = columns.iter().map(heading).collect();
-    let (number, rest) = headings.split_at(1.min(headings.len()));
-    let mut html = format!(
-        "<table><tr>{}<th class=\"text\">picture</th>{}</tr>\n",
-        number.concat(),
-        rest.concat()
-    );
-    for of in objects.listed.iter().take(MOST_ROWS) {
-        progress.check()?;
-        let cells = columns.iter().map(|column| cell(from, column, of));
-        let cells: Vec<String> = cells.collect();
-        let (number, rest) = cells.split_at(1.min(cells.len()));
-        let best = objects.list.members(of.object).nth(of.object.best);
-        let picture = best.map_or_else(String::new, |best| picture(from, best, LISTED_WIDTH));
-        html += &format!(
-            "<tr>{}<td class=\"text\">{picture}</td>{}</tr>\n",
-            number.concat(),
-            rest.concat()
-        );
-    }
-    Ok(html + "</table>\n")
+/// Returns true for a column of words, which begin at the left.
+fn is_text(column: &ObjectColumn) -> bool {
+    matches!(
+        column.values,
+        ColumnValues::Position(_) | ColumnValues::Text(_) | ColumnValues::State(_)
+    )
 }
 
 /// Returns a cell of an object: lengths to the centimetre, with their standard deviation if it is
 /// known.
 fn cell(from: &ReportData<'_>, column: &ObjectColumn, of: &ListedObject<'_>) -> String {
-    let number = |value: f64| {
-        if value.is_finite() { format!("<td>{value:.2}</td>") } else { "<td></td>".to_owned() }
-    };
+    let number = |value: f64| if value.is_finite() { format!("{value:.2}") } else { String::new() };
     match column.values {
         ColumnValues::Measured(value) => {
             let [length_m, sigma_m] = value(of);
             if sigma_m.is_finite() {
-                format!("<td>{length_m:.2} ± {sigma_m:.2}</td>")
+                format!("{length_m:.2} ± {sigma_m:.2}")
             } else {
                 number(length_m)
             }
@@ -169,72 +144,52 @@ fn cell(from: &ReportData<'_>, column: &ObjectColumn, of: &ListedObject<'_>) -> 
         ColumnValues::Length(value) | ColumnValues::Number(_, value) => number(value(of)),
         ColumnValues::Count(_) if column.name == "sightings" => {
             let PassCount { seen, covered } = passes_of(from, of.object);
-            format!("<td>{seen} of {}</td>", plural(covered, "pass", "passes"))
+            format!("{seen} of {}", plural(covered, "pass", "passes"))
         }
-        ColumnValues::Count(value) => format!("<td>{}</td>", value(of)),
-        ColumnValues::Position(value) => {
-            format!("<td class=\"text\">{}</td>", position(value(of)))
-        }
-        ColumnValues::Text(_) | ColumnValues::State(_) => {
-            format!("<td class=\"text\">{}</td>", xml(&column.text(of)))
-        }
+        ColumnValues::Count(value) => value(of).to_string(),
+        ColumnValues::Position(value) => position(value(of)),
+        ColumnValues::Text(_) | ColumnValues::State(_) => column.text(of),
     }
 }
 
-/// Returns the boxes of targets without a position, with their pictures; empty where all have one.
-fn unplaced(from: &ReportData<'_>, progress: &Progress) -> Result<String, Cancelled> {
+/// Returns the boxes of targets without a position, with their pictures; `None` where all have one.
+fn unplaced(from: &ReportData<'_>, progress: &Progress) -> Result<Option<Value>, Cancelled> {
     let unplaced = || boxes(from).iter().filter(|of| of.object.is_none());
     let count = unplaced().count();
-    if count == 0 {
-        return Ok(String::new());
-    }
-    let mut html = format!(
-        "{} without a position: the log has no position, heading or depth there.{}</p>\n<table><tr><th>box</th><th class=\"text\">picture</th><th class=\"text\">class</th><th class=\"text\">state</th><th>score</th><th class=\"text\">remarks</th></tr>\n",
-        plural(count, "box", "boxes"),
-        first_of(count)
-    );
-    for of in unplaced().take(MOST_ROWS) {
+    let rows = unplaced().take(MOST_ROWS).map(|of| {
         progress.check()?;
         let one = &of.one;
-        html += &format!(
-            "<tr><td>{}</td><td class=\"text\">{}</td><td class=\"text\">{}</td><td class=\"text\">{}</td><td>{}</td><td class=\"text\">{}</td></tr>\n",
-            one.id.0,
-            picture(from, of, LISTED_WIDTH),
-            xml(&of.class),
-            one.state.name(),
-            one.score.map_or_else(String::new, |score| format!("{score:.2}")),
-            xml(&one.note),
-        );
-    }
-    Ok(html + "</table>\n<p>")
-}
-
-/// Reports the undecided proposals of a review in a sentence; empty where there are none, or no
-/// review.
-fn not_listed(from: &ReportData<'_>) -> String {
-    match undecided(from).count() {
-        0 => String::new(),
-        1 => "One proposal is undecided and not listed. ".to_owned(),
-        undecided => format!("{undecided} proposals are undecided and not listed. "),
-    }
-}
-
-/// Returns the picture of a box as an image of at most `width` pixels across; empty where there is
-/// no raster for its log.
-pub(super) fn picture(from: &ReportData<'_>, of: &ObjectBox, width: usize) -> String {
-    let rasters = from.objects.as_ref().map(|objects| objects.rasters);
-    let raster = rasters.and_then(|rasters| rasters.get(of.log)?.as_ref());
-    let (Some(raster), Some(log)) = (raster, from.logs.get(of.log)) else {
-        return String::new();
+        Ok(context! {
+            number => one.id.0,
+            picture => picture(from, of, LISTED_WIDTH),
+            class => &of.class,
+            state => one.state.name(),
+            score => one.score.map(|score| format!("{score:.2}")),
+            remarks => &one.note,
+        })
+    });
+    let rows = rows.collect::<Result<Vec<Value>, Cancelled>>()?;
+    let found = || {
+        context! {
+            boxes => plural(count, "box", "boxes"),
+            first_rows => first_of(count),
+            rows,
+        }
     };
-    let chip = chip(&log.survey, raster, &of.one.mark);
-    format!(
-        "<img alt=\"{} {}\" width=\"{}\" src=\"{}\">",
-        xml(&of.class),
-        of.one.id.0,
-        shown_width(chip.width, chip.height, width),
-        raster::grey(&chip.levels, chip.width, chip.height)
-    )
+    Ok((count > 0).then(found))
+}
+
+/// Returns the picture of a box, at most `width` pixels across; `None` where there is no raster for
+/// its log.
+pub(super) fn picture(from: &ReportData<'_>, of: &ObjectBox, width: usize) -> Option<Value> {
+    let raster = from.objects.as_ref()?.rasters.get(of.log)?.as_ref()?;
+    let chip = chip(&from.logs.get(of.log)?.survey, raster, &of.one.mark);
+    Some(context! {
+        class => &of.class,
+        number => of.one.id.0,
+        width => shown_width(chip.width, chip.height, width),
+        address => raster::grey(&chip.levels, chip.width, chip.height),
+    })
 }
 
 /// Returns the width of a picture on the page. In the table a picture keeps its width, up to the

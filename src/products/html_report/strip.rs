@@ -4,6 +4,7 @@
 use super::raster;
 use crate::pipeline::ProcessedLog;
 use bathyscope_bottom::cloud::Reduction;
+use bathyscope_bottom::presentation::page::{Value, context};
 use bathyscope_bottom::waterfall::{Levels, RangeAxis};
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::{Side, Survey};
@@ -18,7 +19,11 @@ const READ: usize = 4;
 const LEFT: usize = 40;
 
 /// Draws the picture of a log; `None` without side-scan.
-pub(super) fn strip(log: &ProcessedLog, progress: &Progress) -> Result<Option<String>, Cancelled> {
+pub(super) fn strip(
+    log: &ProcessedLog,
+    name: &str,
+    progress: &Progress,
+) -> Result<Option<Value>, Cancelled> {
     let Some(axis) = RangeAxis::of(&log.survey).filter(|_| log.survey.has_side_scan()) else {
         return Ok(None);
     };
@@ -39,7 +44,7 @@ pub(super) fn strip(log: &ProcessedLog, progress: &Progress) -> Result<Option<St
             pixels[row * columns + column] = *shade;
         }
     }
-    Ok(Some(strip.svg(&raster::grey(&pixels, columns, rows))))
+    Ok(Some(strip.values(name, raster::grey(&pixels, columns, rows))))
 }
 
 struct ReportStrip<'a> {
@@ -113,27 +118,26 @@ impl ReportStrip<'_> {
         path
     }
 
-    fn svg(&self, picture: &str) -> String {
-        let (width, height) = (LEFT + self.columns, 2 * SIDE_ROWS);
-        let mut scale = String::new();
-        for side in Side::BOTH {
-            for share in [0.5, 1.0] {
-                let y = self.y(side, share * self.far_m).clamp(9.0, height as f64 - 2.0);
+    fn values(&self, name: &str, picture: String) -> Value {
+        let height = 2 * SIDE_ROWS;
+        let ranges = Side::BOTH.into_iter().flat_map(|side| {
+            [0.5, 1.0].map(|share| {
                 let range_m = share * self.far_m;
-                scale += &format!(
-                    "<text x=\"{}\" y=\"{y:.1}\" text-anchor=\"end\">{range_m:.0} m</text>\n",
-                    LEFT - 4
-                );
-            }
+                let y = self.y(side, range_m).clamp(9.0, height as f64 - 2.0);
+                (format!("{y:.1}"), format!("{range_m:.0}"))
+            })
+        });
+        context! {
+            name,
+            picture,
+            left => LEFT,
+            width => LEFT + self.columns,
+            columns => self.columns,
+            height,
+            port => self.line(Side::Port),
+            starboard => self.line(Side::Starboard),
+            ranges => ranges.collect::<Vec<_>>(),
         }
-        format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" aria-label=\"All pings, port above, starboard below\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" font-family=\"sans-serif\" font-size=\"11\">\n\
-             <image x=\"{LEFT}\" y=\"0\" width=\"{}\" height=\"{height}\" preserveAspectRatio=\"none\" href=\"{picture}\"/>\n\
-             <g fill=\"none\" stroke=\"#ffb000\" stroke-width=\"1\"><path d=\"{}\"/><path d=\"{}\"/></g>\n{scale}</svg>\n",
-            self.columns,
-            self.line(Side::Port),
-            self.line(Side::Starboard),
-        )
     }
 }
 

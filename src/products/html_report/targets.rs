@@ -1,11 +1,11 @@
-//! Makes a section for each target: its picture, position and size, and the measurements of its
+//! Returns the values of each target: its picture, position and size, and the measurements of its
 //! height.
 
 use super::ReportData;
 use super::objects::{is_reviewed, passes_of, picture, targets, undecided};
+use bathyscope_bottom::presentation::page::{Value, context};
 use bathyscope_bottom::presentation::text::{NONE, plural, position};
 use bathyscope_bottom::presentation::units::Units;
-use bathyscope_log::support::printable::xml;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_objects::ObjectExtent;
 use bathyscope_objects::objects::{Object, ObjectBox};
@@ -17,43 +17,35 @@ const MOST: usize = 60;
 /// Width of a picture on the page, pixels.
 const PICTURE_WIDTH: usize = 360;
 
-/// Returns the sections; empty where no person has decided about boxes and the settings require no
-/// proposals.
-pub(super) fn section(from: &ReportData<'_>, progress: &Progress) -> Result<String, Cancelled> {
+/// Returns the values of the sections; `None` where no person has decided about boxes and the
+/// settings require no proposals.
+pub(super) fn values(
+    from: &ReportData<'_>,
+    progress: &Progress,
+) -> Result<Option<Value>, Cancelled> {
     let with_proposals = from.products.settings.report.proposals;
-    let is_reviewed = is_reviewed(from);
-    let mut shown: Vec<Shown<'_>> = Vec::new();
-    if is_reviewed || with_proposals {
-        shown.extend(targets(from).filter_map(|object| Shown::new(from, object)));
+    let mut found: Vec<Shown<'_>> = Vec::new();
+    if is_reviewed(from) || with_proposals {
+        found.extend(targets(from).filter_map(|object| Shown::new(from, object)));
     }
     // Without a review the proposals are shown as objects already.
-    let mut proposals: Vec<&ObjectBox> = Vec::new();
     if with_proposals {
-        proposals.extend(undecided(from));
+        found.extend(undecided(from).map(|of| Shown { object: None, sightings: vec![of] }));
     }
-    let count = shown.len() + proposals.len();
-    if count == 0 {
-        return Ok(String::new());
-    }
-    let mut html = String::from("<h2>Targets</h2>\n");
-    if count > MOST {
-        html += &format!("<p>The first {MOST} of {count}; the files of this run hold all.</p>\n");
-    }
-    for one in shown.iter().take(MOST) {
+    let shown = found.iter().take(MOST).map(|one| {
         progress.check()?;
-        html += &of_object(from, one);
-    }
-    for one in proposals.iter().take(MOST.saturating_sub(shown.len())) {
-        progress.check()?;
-        html += &of_proposal(from, one);
-    }
-    Ok(html)
+        Ok(one.values(from))
+    });
+    let shown = shown.collect::<Result<Vec<Value>, Cancelled>>()?;
+    let all = found.len();
+    Ok((all > 0).then(|| context!(all, most => MOST, shown)))
 }
 
-/// A target with the boxes that show it.
+/// A target with the boxes that show it, or a proposal.
 struct Shown<'a> {
-    object: &'a Object,
-    /// Boxes of the target: drawn extents first, then by score.
+    /// The target; `None` for a proposal.
+    object: Option<&'a Object>,
+    /// Boxes of the target, at least one: drawn extents first, then by score.
     sightings: Vec<&'a ObjectBox>,
 }
 
@@ -70,132 +62,89 @@ impl<'a> Shown<'a> {
             let (a, b) = (rank(a), rank(b));
             b.0.cmp(&a.0).then(b.1.total_cmp(&a.1))
         });
-        (!sightings.is_empty()).then_some(Self { object, sightings })
+        (!sightings.is_empty()).then_some(Self { object: Some(object), sightings })
     }
-}
 
-/// Facts about a target, as the rows of a description list.
-#[derive(Default)]
-struct Facts(String);
+    fn values(&self, from: &ReportData<'_>) -> Value {
+        let (best, object) = (self.sightings[0], self.object);
+        let target = best.target.as_ref();
+        let position_of = |target: &Target| (target.position, target.sigma_m);
+        let place = object.map(|object| (object.position, object.sigma_m));
+        let place = place.or(target.map(position_of));
+        let several_logs = from.logs.len() > 1;
+        let pings = &best.one.mark.pings;
+        context! {
+            number => object.map(|object| object.number),
+            name => object.map(|object| &object.name),
+            class => object.map_or(&best.class, |object| &object.class),
+            picture => picture(from, best, PICTURE_WIDTH),
+            position => place.map(|(at, _)| position(at)),
+            within => place.map(|(_, sigma_m)| Units::default().measure(sigma_m, 2)),
+            size => target.map(|target| self.size(target)),
+            passes => object.map(|object| passes(from, object)),
+            log => from.names.get(best.log).filter(|_| several_logs),
+            box => best.one.id.0,
+            side => best.one.mark.side.name(),
+            first_ping => pings.start,
+            last_ping => pings.end.saturating_sub(1),
+            ..self.decided()
+        }
+    }
 
-impl Facts {
-    fn add(&mut self, name: &str, value: &str) {
-        if !value.is_empty() {
-            self.0 += &format!("<dt>{name}</dt><dd>{value}</dd>");
+    /// Returns length and width of a sighting, the height of its object, the shadow in the
+    /// sighting, and the depth there.
+    fn size(&self, target: &Target) -> Value {
+        let units = Units::default();
+        let is_known = target.length_m.is_finite() && target.width_m.is_finite();
+        let known = |metres: f64| is_known.then(|| format!("{metres:.2}"));
+        let of_sighting = || ObjectHeight::of(std::iter::once(target));
+        let height = self.object.map_or_else(of_sighting, |object| object.height);
+        context! {
+            length_m => known(target.length_m),
+            width_m => known(target.width_m),
+            is_drawn => matches!(target.extent, ObjectExtent::Drawn { .. }),
+            height => units.with_sigma(height.mean_m, height.sigma_m, 2),
+            shadow => shadow(target),
+            unknown => NONE,
+            depth => units.measure(target.depth_m, 2),
+        }
+    }
+
+    /// Returns the decisions of the analyst and the score of the detector.
+    fn decided(&self) -> Value {
+        let boxes = || self.sightings.iter().map(|of| &of.one);
+        let score = boxes().filter_map(|one| one.score).max_by(f32::total_cmp);
+        let notes = boxes().map(|one| one.note.as_str()).filter(|note| !note.is_empty());
+        context! {
+            state => self.sightings[0].one.state.name(),
+            certainty => boxes().filter_map(|one| one.certainty).max().map(Certainty::name),
+            score => score.map(|score| format!("{score:.2}")),
+            remarks => notes.collect::<Vec<&str>>().join("; "),
         }
     }
 }
 
-fn of_object(from: &ReportData<'_>, shown: &Shown<'_>) -> String {
-    let Shown { object, sightings } = shown;
-    let (best, number) = (sightings[0], object.number);
-    let class = xml(&object.class);
-    let title = match object.name.as_str() {
-        "" => format!("{number}. {class}"),
-        name => format!("{number}. {} ({class})", xml(name)),
-    };
-    let mut facts = Facts::default();
-    facts.add("Class", &class);
-    facts.add("Position", &position(object.position));
-    facts.add("Within", &Units::default().measure(object.sigma_m, 2));
-    if let Some(target) = &best.target {
-        sizes(&mut facts, target, object.height);
-    }
+/// Returns the numbers of passes that saw an object and that covered its place, and of logs.
+fn passes(from: &ReportData<'_>, object: &Object) -> Value {
     let passes = passes_of(from, object);
-    let seen = format!(
-        "{} of {}, in {}",
-        passes.seen,
-        plural(passes.covered, "pass", "passes"),
-        plural(object.logs().len(), "log", "logs")
-    );
-    facts.add("Seen", &seen);
-    decided(&mut facts, sightings);
-    of_box(from, &mut facts, best);
-    card(from, &title, best, &facts)
-}
-
-fn of_proposal(from: &ReportData<'_>, of: &ObjectBox) -> String {
-    let class = xml(&of.class);
-    let mut facts = Facts::default();
-    facts.add("Class", &class);
-    if let Some(target) = &of.target {
-        facts.add("Position", &position(target.position));
-        facts.add("Within", &Units::default().measure(target.sigma_m, 2));
-        let height = ObjectHeight::of(std::iter::once(target));
-        sizes(&mut facts, target, height);
+    context! {
+        seen => passes.seen,
+        covered => plural(passes.covered, "pass", "passes"),
+        logs => plural(object.logs().len(), "log", "logs"),
     }
-    decided(&mut facts, &[of]);
-    of_box(from, &mut facts, of);
-    let title = format!("Proposal: {class}, box {}", of.one.id.0);
-    card(from, &title, of, &facts)
 }
 
-/// Adds length and width of a sighting, the height of its object, the shadow in the sighting, and
-/// the depth there.
-fn sizes(facts: &mut Facts, target: &Target, height: ObjectHeight) {
-    let units = Units::default();
-    let size = if target.length_m.is_finite() && target.width_m.is_finite() {
-        format!("{:.2} m along the track, {:.2} m across it", target.length_m, target.width_m)
-    } else {
-        "a point: not known".to_owned()
-    };
-    let is_drawn = target.extent.border_m().is_some();
-    let edges = if is_drawn { ", by edges drawn by hand" } else { "" };
-    facts.add("Size", &format!("{size}{edges}"));
-    facts.add("Height", &units.with_sigma(height.mean_m, height.sigma_m, 2));
-    facts.add("Shadow", &shadow(target));
-    facts.add("Depth there", &units.measure(target.depth_m, 2));
-}
-
-/// Describes the shadow: `from r_t = 17.20 to r_e = 22.90 m of slant range, altitude H = 8.01 m; h
-/// = H (r_e - r_t) / r_e`.
-fn shadow(target: &Target) -> String {
+/// Returns the shadow: `from r_t = 17.20 to r_e = 22.90 m of slant range, altitude H = 8.01 m; h =
+/// H (r_e - r_t) / r_e`; `None` where none is known.
+fn shadow(target: &Target) -> Option<Value> {
     let [start_m, end_m] = target.shadow_m;
-    let measured = if target.measured_shadow.is_some() { "measured, " } else { "" };
-    match (start_m.is_finite(), end_m.is_finite()) {
-        (true, true) => format!(
-            "{measured}from r<sub>t</sub> = {start_m:.2} to r<sub>e</sub> = {end_m:.2} m of slant range, altitude H = {:.2} m; height h = H (r<sub>e</sub> − r<sub>t</sub>) / r<sub>e</sub>",
-            target.altitude_m
-        ),
-        (true, false) => format!("{measured}from {start_m:.2} m, runs off the range"),
-        (false, _) => NONE.to_owned(),
-    }
-}
-
-/// Adds the decisions of the analyst and the score of the detector.
-fn decided(facts: &mut Facts, sightings: &[&ObjectBox]) {
-    let boxes = || sightings.iter().map(|of| &of.one);
-    facts.add("State", sightings[0].one.state.name());
-    let certainty = boxes().filter_map(|one| one.certainty).max();
-    facts.add("Certainty", certainty.map_or("", Certainty::name));
-    if let Some(score) = boxes().filter_map(|one| one.score).max_by(f32::total_cmp) {
-        facts.add("Score of the detector", &format!("{score:.2}"));
-    }
-    let notes = boxes().filter(|one| !one.note.is_empty());
-    let notes: Vec<String> = notes.map(|one| xml(&one.note)).collect();
-    facts.add("Remarks", &notes.join("; "));
-}
-
-/// Adds the log, number, side and pings of the box that the picture and the size belong to.
-fn of_box(from: &ReportData<'_>, facts: &mut Facts, of: &ObjectBox) {
-    let log = match from.names.get(of.log) {
-        Some(name) if from.logs.len() > 1 => format!("{}, ", xml(name)),
-        _ => String::new(),
+    let shadow = || {
+        context! {
+            is_measured => target.measured_shadow.is_some(),
+            start_m => format!("{start_m:.2}"),
+            end_m => end_m.is_finite().then(|| format!("{end_m:.2}")),
+            altitude_m => format!("{:.2}", target.altitude_m),
+        }
     };
-    let (first, last) = (of.one.mark.pings.start, of.one.mark.pings.end.saturating_sub(1));
-    let pings =
-        if first < last { format!("pings {first} to {last}") } else { format!("ping {first}") };
-    let side = of.one.mark.side.name();
-    facts.add(
-        "Picture",
-        &format!("{log}box {}, {side}, {pings}; the boat is to the left", of.one.id.0),
-    );
-}
-
-fn card(from: &ReportData<'_>, title: &str, of: &ObjectBox, facts: &Facts) -> String {
-    format!(
-        "<section class=\"target\"><h3>{title}</h3><div><figure>{}</figure><dl>{}</dl></div></section>\n",
-        picture(from, of, PICTURE_WIDTH),
-        facts.0
-    )
+    start_m.is_finite().then(shadow)
 }

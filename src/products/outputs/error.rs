@@ -4,6 +4,7 @@ use super::ground::NoMosaic;
 use crate::export::{ChipError, ExportError, NoFolder, RasterError};
 use crate::pipeline::{AgreementError, InputError};
 use bathyscope_bottom::bathymetry::isobaths::NoIsobaths;
+use bathyscope_bottom::presentation::page::TemplateFault;
 use bathyscope_log::support::file_error::FileError;
 use bathyscope_log::support::geo::CrsError;
 use bathyscope_log::support::mapped_file::FileFault;
@@ -60,6 +61,9 @@ pub enum OutputError {
     /// There are no isobaths.
     #[error(transparent)]
     Contours(#[from] NoContours),
+    /// The page cannot be made.
+    #[error(transparent)]
+    Page(#[from] TemplateFault),
     /// Any other refusal, in a sentence that names the file or the setting.
     #[error("{0}")]
     Refused(String),

@@ -81,8 +81,8 @@ pub(super) fn write(run: &OutputRun<'_>, path: &Path) -> Result<(), OutputError>
         objects,
         files: &files,
     };
-    let html = html_report::document(&from, results.progress)?;
-    Ok(write_bytes(path, html)?)
+    let values = html_report::values(&from, results.progress)?;
+    Ok(write_bytes(path, html_report::document(values)?)?)
 }
 
 /// The boxes of all logs with the data that the page shows about them.

@@ -13,6 +13,7 @@ mod cloud;
 mod detection_targets;
 mod export;
 mod garbled;
+mod html_report;
 mod large_boxes;
 mod missions;
 mod mosaic;
