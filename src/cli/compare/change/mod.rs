@@ -116,7 +116,7 @@ pub(super) fn run(args: &CompareArgs, folder: &Path) -> Result<(), Failure> {
     write_json(&folder.join("change.json"), &record)?;
     // With many tiles, one picture would show a part as if it were all.
     let shown = (written.len() == 1).then_some(shown);
-    let page = report_page::of(&record, shown.as_deref());
+    let page = report_page::of(&record, shown.as_deref())?;
     write_bytes(&folder.join("change.html"), page)?;
     drop(status);
     if args.json { output::json(&record) } else { output::results(record.table()) }
