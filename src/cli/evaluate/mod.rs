@@ -141,7 +141,7 @@ pub(super) fn run(args: EvaluateArgs) -> Result<(), Failure> {
     };
     let outcome = Outcome::of(boxes, args.iou);
     if let Some(page) = &args.output {
-        write_bytes(page, html::of(&outcome))?;
+        write_bytes(page, html::of(&outcome)?)?;
     }
     if args.json {
         return output::json(&json::of(&outcome));
