@@ -16,7 +16,7 @@ const MOST_ROWS: usize = 60;
 const LISTED_WIDTH: usize = 220;
 
 /// Returns the boxes of targets, which are drawn and listed.
-pub(super) fn boxes<'a>(from: &'a ReportData<'_>) -> &'a [&'a ObjectBox] {
+fn boxes<'a>(from: &'a ReportData<'_>) -> &'a [&'a ObjectBox] {
     let objects = from.objects.as_ref();
     objects.map_or(&[][..], |objects| &objects.boxes)
 }
@@ -41,7 +41,7 @@ pub(super) fn targets<'a>(from: &'a ReportData<'_>) -> impl Iterator<Item = &'a 
 }
 
 /// Returns the number of targets, or of their boxes where no box has a place.
-pub(super) fn count(from: &ReportData<'_>) -> usize {
+fn count(from: &ReportData<'_>) -> usize {
     match targets(from).count() {
         0 => boxes(from).len(),
         count => count,
@@ -78,7 +78,7 @@ pub(super) fn values(
     let Some(objects) = &from.objects else {
         return Ok(None);
     };
-    let (boxes, count) = (objects.boxes.len(), objects.listed.len());
+    let (boxes, listed) = (objects.boxes.len(), objects.listed.len());
     let columns: Vec<&ObjectColumn> = ObjectColumn::shown(from.logs.len()).collect();
     let heading = |column: &&ObjectColumn| {
         let is_length =
@@ -95,13 +95,13 @@ pub(super) fn values(
         })
     });
     Ok(Some(context! {
-        count => typeset_count(self::count(from)),
+        count => typeset_count(count(from)),
         is_reviewed => is_reviewed(from),
         origin => &objects.origin,
         undecided => undecided(from).count(),
         boxes,
-        seen => seen_in(boxes, count),
-        first_rows => first_of(count),
+        seen => seen_in(boxes, listed),
+        first_rows => first_of(listed),
         columns => columns.iter().map(heading).collect::<Vec<Value>>(),
         rows => rows.collect::<Result<Vec<Value>, Cancelled>>()?,
         unplaced => unplaced(from, progress)?,

@@ -33,22 +33,22 @@ pub(super) fn values(from: &ReportData<'_>) -> Value {
             side_scan => count(counts.side_scan_points),
             outliers_percent => format!("{:.1}", 100.0 * counts.outliers_removed_share),
         },
-        false_soundings => some(counts.false_soundings.all()).map(|count| context! {
+        false_soundings => if_any(counts.false_soundings.all()).map(|count| context! {
             count,
             summary => counts.false_soundings.summary(),
         }),
-        side_scan_only => some(track.side_scan_only_pings).map(|_| context! {
+        side_scan_only => if_any(track.side_scan_only_pings).map(|_| context! {
             way => way(track.side_scan_only_m),
             percent => format!("{:.0}", 100.0 * track.side_scan_only()),
         }),
-        low_confidence => some(counts.low_confidence).map(|count| context! {
+        low_confidence => if_any(counts.low_confidence).map(|count| context! {
             count,
             limit => format!("{:.2}", settings.first_return.min_confidence),
         }),
-        above_bottom => some(counts.above_bottom).map(|count| context! {
+        above_bottom => if_any(counts.above_bottom).map(|count| context! {
             count,
-            left_out => some(counts.above_bottom_left_out),
-            ground => some(counts.above_bottom_kept).filter(|_| !settings.surface.above_bottom),
+            left_out => if_any(counts.above_bottom_left_out),
+            ground => if_any(counts.above_bottom_kept).filter(|_| !settings.surface.above_bottom),
             longest_m => settings.surface.longest_above_bottom_m.to_string(),
         }),
         mapped => mapped(from),
@@ -60,7 +60,7 @@ pub(super) fn values(from: &ReportData<'_>) -> Value {
 }
 
 /// Returns a number as text; `None` for 0.
-fn some(number: usize) -> Option<String> {
+fn if_any(number: usize) -> Option<String> {
     (number > 0).then(|| count(number))
 }
 
