@@ -7,6 +7,7 @@ use super::reference_comparison::Of;
 use super::{App, MapLayer};
 use bathyscope_bottom::bathymetry::compare::Matching;
 use bathyscope_log::support::progress::Progress;
+use bathyscope_products::outputs::finish_killed_run;
 use bathyscope_products::pipeline::{Agreement, AgreementError, ProcessedLog, Reference, Settings};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -79,7 +80,10 @@ impl App {
         let matching = self.map.comparing.matching(&first.products.settings);
         self.jobs.run(
             JobKey::OpenReference,
-            move |progress| Ok(open(&path, &logs, matching, progress)?),
+            move |progress| {
+                finish_killed_run(&path)?;
+                Ok(open(&path, &logs, matching, progress)?)
+            },
             App::take_reference,
         );
     }

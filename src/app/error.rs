@@ -7,6 +7,7 @@ use bathyscope_objects::review::ReviewError;
 use bathyscope_objects::truth::{TruthError, TruthFileError};
 use bathyscope_objects::{DetectError, ModelError};
 use bathyscope_products::export::{ExportError, PlanFormatError};
+use bathyscope_products::outputs::OutputError;
 use bathyscope_products::pipeline::{AgreementError, SettingsError, SourceError};
 use bathyscope_products::project::StoreError;
 use std::io;
@@ -75,6 +76,9 @@ pub(super) enum AppError {
     /// A file cannot be written.
     #[error(transparent)]
     Export(#[from] ExportError),
+    /// The files of a run that was killed cannot be completed.
+    #[error(transparent)]
+    Run(#[from] OutputError),
     /// A file cannot be removed.
     #[error("{source}: {}", path.display())]
     Remove {

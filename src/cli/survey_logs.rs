@@ -10,6 +10,7 @@ use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::{MountingSettings, Survey};
 use bathyscope_objects::objects::{KeptReview, SurveyReview};
 use bathyscope_objects::review::{Review, ReviewError};
+use bathyscope_products::outputs::finish_killed_run;
 use bathyscope_products::pipeline::settings::SourceSettings;
 use bathyscope_products::pipeline::{MissionLog, Reference, Settings};
 use bathyscope_products::project;
@@ -276,6 +277,7 @@ pub(super) fn open_reference(
             logs_of(&[path.to_owned()]).into_iter().map(input).collect()
         }
         false => {
+            finish_killed_run(path)?;
             let opened = Reference::open(argument, &first.survey, &first.settings, progress);
             return Ok(opened?);
         }

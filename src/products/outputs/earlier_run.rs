@@ -42,8 +42,10 @@ struct Hashed {
 }
 
 impl EarlierRun {
-    /// Reads the manifest of a folder; `None` where there is no readable manifest.
+    /// Reads the manifest of a folder, after the run was finished if it was killed at its end;
+    /// `None` where there is no readable manifest.
     pub fn read(folder: &Path) -> Option<Self> {
+        super::finish_killed_run(folder).ok()?;
         let text = std::fs::read(folder.join(super::MANIFEST)).ok()?;
         let Manifest { settings, files, inputs } = serde_json::from_slice(&text).ok()?;
         let files = files.into_iter().map(|named| named.file);

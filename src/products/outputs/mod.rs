@@ -50,8 +50,7 @@ pub use overwrite::begin;
 pub use product_files::{Amounts, about_bytes, files_in_words};
 pub use registry::row_of;
 pub use registry::{OUTPUT_FILES, OutputFile};
-pub use run_folder::Replaced;
-pub use run_folder::RunFolder;
+pub use run_folder::{Replaced, RunFolder, finish_killed_run};
 pub use write::{Written, write, write_detected, write_detected_in_picture};
 
 /// The file that lists all files of a run; it is put in place last.

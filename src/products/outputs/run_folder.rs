@@ -4,8 +4,8 @@
 //! killed leaves the files of the earlier run unchanged. When all files are written, a journal with
 //! their names is put beside them. From then on the run is complete except for renames: the old
 //! manifest is removed first, the new one is put in place last, so that a folder with a manifest is
-//! consistent. If a run is killed among these renames, the next run into the same folder finishes
-//! them.
+//! consistent. If a run is killed among these renames, the next run into the same folder or the next
+//! reader of its files finishes them.
 //!
 //! Files that an earlier run wrote and the new one did not are removed, unless a person has changed
 //! them since: a folder holds the files of one run. Files that no manifest lists belong to the user
@@ -280,6 +280,33 @@ impl Drop for RunFolder {
     fn drop(&mut self) {
         self.clear();
     }
+}
+
+/// Finishes the renames of a run that was killed among them, in the folder `path` or in the folder
+/// of a run that holds the file `path`: its files are then all of one run. Does nothing where no
+/// run was killed, or while another run is writing.
+///
+/// # Errors
+/// When a file cannot be renamed or removed; the sentence names the folder.
+pub fn finish_killed_run(path: &Path) -> Result<(), OutputError> {
+    // A file of a run is at most in a subfolder.
+    for folder in path.ancestors().take(3) {
+        let side = folder.join(SIDE);
+        let Some(journal) = Journal::read(&side.join(JOURNAL)) else {
+            continue;
+        };
+        let fail = |error: io::Error| {
+            let text =
+                "a run was killed while it replaced these files, and they cannot be completed";
+            format!("{text}: {error}: {}", folder.display())
+        };
+        let Some(lock) = take_lock(folder).map_err(fail)? else {
+            return Ok(());
+        };
+        journal.finish(&side.join(NEW), folder).map_err(fail)?;
+        drop(RunFolder { folder: folder.to_path_buf(), is_ours: false, lock: Some(lock) });
+    }
+    Ok(())
 }
 
 /// Locks the side folder, which is made if it is missing; `None` if another run holds the lock.

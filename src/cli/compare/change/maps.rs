@@ -6,6 +6,7 @@ use bathyscope_log::formats::geotiff::{
     CellFormat, CellsError, RasterSpec, RasterTiles, RasterValues, read_values,
 };
 use bathyscope_log::support::geo::{Crs, MapPlane, bounds_deg, boxes_meet};
+use bathyscope_products::outputs::finish_killed_run;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -24,6 +25,7 @@ pub(super) struct DepthMaps {
 impl DepthMaps {
     /// Opens the map that an argument names: a GeoTIFF, the folder of a run, or an archive.
     pub(super) fn open(path: &Path) -> Result<Self, Failure> {
+        finish_killed_run(path)?;
         let of_run = path.join("depth").join(DEPTH);
         let files = match (path.is_dir(), of_run.is_file()) {
             (false, _) => vec![path.to_owned()],

@@ -121,10 +121,16 @@ fn the_next_run_clears_away_what_was_killed_before_it_was_decided() {
     assert_eq!(text(&out.join("cloud.csv")), "one");
 }
 
-/// Tests a kill after each of the renames and removals: the next run finishes the work, and
-/// meanwhile a folder with a manifest is consistent.
+/// Tests a kill after each of the renames and removals: the next run or the next reader finishes the
+/// work, and meanwhile a folder with a manifest is consistent.
 #[test]
-fn a_swap_that_was_killed_is_finished_by_the_next_run() {
+fn a_swap_that_was_killed_is_finished_by_the_next_run_or_reader() {
+    swaps_killed_at_each_step(|out| drop(RunFolder::begin(out).unwrap()));
+    swaps_killed_at_each_step(|out| finish_killed_run(out).unwrap());
+    swaps_killed_at_each_step(|out| finish_killed_run(&out.join("points/cloud.csv")).unwrap());
+}
+
+fn swaps_killed_at_each_step(finish: impl Fn(&Path)) {
     let old = ["depth.tif", "objects/chips/0001-rock.png", "points/cloud.csv"];
     let new = ["objects/chips/0001-boat.png", "points/cloud.csv", "report.json"];
     for step in 0.. {
@@ -162,7 +168,7 @@ fn a_swap_that_was_killed_is_finished_by_the_next_run() {
             assert!(!out.join("manifest.json").exists());
         }
         kill(run);
-        drop(RunFolder::begin(out).unwrap());
+        finish(out);
         let mut expected = new.to_vec();
         expected.insert(0, "manifest.json");
         assert_eq!(names(out), expected, "killed at {step}");
