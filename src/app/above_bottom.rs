@@ -78,7 +78,7 @@ impl AboveBottom {
                 parts.filter_map(|part| AboveStretch::of(*side, part))
             })
             .collect();
-        stretches.sort_by_key(|one| std::cmp::Reverse((one.uncounted, one.count)));
+        stretches.sort_by_key(|stretch| std::cmp::Reverse((stretch.uncounted, stretch.count)));
         stretches.truncate(MOST_LISTED);
         Self {
             count: sides.iter().map(|(_, all)| all.len()).sum(),
@@ -92,8 +92,9 @@ impl AboveBottom {
 
     /// Returns the stretch of a side that contains a ping; `None` if no listed stretch does.
     pub(crate) fn stretch_at(&self, side: Side, ping: usize) -> Option<&AboveStretch> {
-        let holds =
-            |one: &&AboveStretch| one.side == side && (one.pings[0]..=one.pings[1]).contains(&ping);
+        let holds = |stretch: &&AboveStretch| {
+            stretch.side == side && (stretch.pings[0]..=stretch.pings[1]).contains(&ping)
+        };
         self.stretches.iter().find(holds)
     }
 }

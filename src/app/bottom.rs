@@ -113,7 +113,7 @@ impl App {
 
     fn sides_of(&self, side: Side) -> impl Iterator<Item = Side> + use<> {
         let both = self.view.options.waterfall.bottom_both_sides;
-        (Side::BOTH.into_iter()).filter(move |&one| both || one == side)
+        (Side::BOTH.into_iter()).filter(move |&candidate| both || candidate == side)
     }
 
     /// Moves the bottom at the selected ping outward by samples, beginning at the recorded depth

@@ -70,11 +70,11 @@ impl App {
     /// Returns true if no box is selected, or the selected box is not visible where the key was
     /// pressed; a box outside the visible pings is brought into view.
     fn misses_box(&mut self, keys: &str, focus: KeyFocus) -> bool {
-        let Some(one) = self.log.reviewing.selected_box() else {
+        let Some(review_box) = self.log.reviewing.selected_box() else {
             self.ask_for_box();
             return true;
         };
-        let (BoxId(number), pings) = (one.id, one.mark.pings.clone());
+        let (BoxId(number), pings) = (review_box.id, review_box.mark.pings.clone());
         let options = &self.view.options;
         let is_drawn = match focus {
             KeyFocus::View(View::Waterfall) => options.waterfall.boxes,

@@ -221,7 +221,7 @@ impl App {
     /// Returns the ends of the colour scales of points over all visible logs.
     pub(crate) fn point_scales(&self) -> PointScales {
         let logs = self.visible_logs().filter_map(|log| log.products.as_ref());
-        logs.fold(PointScales::default(), |all, one| all.with(one.scales))
+        logs.fold(PointScales::default(), |all, products| all.with(products.scales))
     }
 
     /// Returns true if something on the map is drawn or measured from the depth map; otherwise the

@@ -150,7 +150,7 @@ impl App {
     fn requested(&self) -> Vec<Product> {
         let excluded_products = &self.view.options.excluded_products;
         let all = Product::ALL.into_iter();
-        all.filter(|one| !excluded_products.contains(one)).collect()
+        all.filter(|product| !excluded_products.contains(product)).collect()
     }
 
     /// Returns the folder for products unless the analyst names another: the one that was written

@@ -38,7 +38,7 @@ impl Figures {
             port_picks: found(Side::Port),
             starboard_picks: found(Side::Starboard),
             above_bottom: AboveBottom::of(survey, products),
-            faults: FaultCounts::of(survey.soundings.iter().filter_map(|one| one.fault)),
+            faults: FaultCounts::of(survey.soundings.iter().filter_map(|sounding| sounding.fault)),
             classes: ClassCounts::of(&products.cloud, &products.classes),
             residuals: residuals(survey, &products.cloud, &products.correction, &products.classes),
         })

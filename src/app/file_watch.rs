@@ -171,7 +171,7 @@ mod tests {
     }
 
     fn said(app: &App, what: &str) -> usize {
-        app.said().filter(|one| one.text.contains(what)).count()
+        app.said().filter(|notice| notice.text.contains(what)).count()
     }
 
     #[test]

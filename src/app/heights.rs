@@ -115,7 +115,8 @@ impl App {
             return Vec::new();
         };
         let names = self.names_of(&found.ids);
-        found.compared.contradicted.iter().map(|one| format!("{}.", one.summary(&names))).collect()
+        let stretches = found.compared.contradicted.iter();
+        stretches.map(|stretch| format!("{}.", stretch.summary(&names))).collect()
     }
 
     fn names_of(&self, ids: &[LogId]) -> Vec<String> {
@@ -189,22 +190,22 @@ impl App {
         };
         let before = self.step_now();
         let mut left_out = 0;
-        for one in &found.compared.contradicted {
-            let id = found.ids[one.log];
+        for stretch in &found.compared.contradicted {
+            let id = found.ids[stretch.log];
             let Some((log, survey)) =
                 self.open_log(id).and_then(|log| Some((log, log.survey.clone()?)))
             else {
                 continue;
             };
             let mut settings = Settings::clone(&log.settings);
-            settings.excluded = settings.excluded.excluding(&survey, one.part());
+            settings.excluded = settings.excluded.excluding(&survey, stretch.part());
             let (shared, own) = match log.own.change(&self.document.shared, &settings) {
                 Ok(parts) => parts,
                 Err(error) => return self.warn(error.to_string()),
             };
             self.document.shared = Arc::new(shared);
             self.set_own(id, Arc::new(own), false);
-            left_out += one.count;
+            left_out += stretch.count;
         }
         let after = self.step_now();
         self.record_step(&before, &after, "false soundings", false);

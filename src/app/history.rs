@@ -197,8 +197,8 @@ impl App {
         let changed: Vec<LogId> = changed_logs(before, after).map(|(_, log)| log.id).collect();
         match changed[..] {
             [] => {}
-            [one] if self.log_count() > 1 => {
-                title += &name(one).map_or_else(String::new, |name| format!(" of {name}"));
+            [id] if self.log_count() > 1 => {
+                title += &name(id).map_or_else(String::new, |name| format!(" of {name}"));
             }
             [_] => {}
             _ => title += &format!(" of {} logs", changed.len()),

@@ -234,7 +234,8 @@ impl App {
             self.open_first(Arc::new(survey));
             return self.log.id;
         }
-        let is_placed = |log: &OpenLog| log.survey.as_ref().is_some_and(|one| one.has_place());
+        let is_placed =
+            |log: &OpenLog| log.survey.as_ref().is_some_and(|survey| survey.has_place());
         if !self.logs().any(is_placed) {
             // A plane around another place would distort this log's track.
             self.enter_plane(survey.track.frame.clone());
@@ -314,7 +315,7 @@ impl App {
         self.jobs.stop_log(id);
         self.leave_search(id);
         let order = &self.logs.order;
-        let Some(place) = order.iter().position(|one| *one == id) else {
+        let Some(place) = order.iter().position(|listed| *listed == id) else {
             return;
         };
         let next = order.get(place + 1).or(place.checked_sub(1).map(|i| &order[i]));
@@ -400,7 +401,7 @@ impl App {
     pub(super) fn move_log(&mut self, id: LogId, by: isize) {
         let before = self.step_now();
         let order = &mut self.logs.order;
-        let Some(from) = order.iter().position(|one| *one == id) else {
+        let Some(from) = order.iter().position(|listed| *listed == id) else {
             return;
         };
         let to = from.saturating_add_signed(by).min(order.len() - 1);

@@ -227,15 +227,18 @@ impl App {
         let reviewing = &self.log.reviewing;
         let selected = reviewing.selected_box();
         let Some((side, shadow)) = shadow else {
-            let measured = selected.filter(|one| one.shadow.is_some())?;
+            let measured = selected.filter(|review_box| review_box.shadow.is_some())?;
             return Some((measured.id, None));
         };
-        let fits = |one: &&Reviewed| one.mark.side == side && shadow.fits(&one.mark);
-        let around = |one: &&Reviewed| {
-            fits(one) && one.mark.near_m < shadow.end_m && shadow.top_m < one.mark.far_m
+        let fits =
+            |review_box: &&Reviewed| review_box.mark.side == side && shadow.fits(&review_box.mark);
+        let around = |review_box: &&Reviewed| {
+            fits(review_box)
+                && review_box.mark.near_m < shadow.end_m
+                && shadow.top_m < review_box.mark.far_m
         };
-        let one = selected.filter(fits).or_else(|| reviewing.review.boxes().find(around))?;
-        Some((one.id, (one.shadow != Some(shadow)).then_some(shadow)))
+        let review_box = selected.filter(fits).or_else(|| reviewing.review.boxes().find(around))?;
+        Some((review_box.id, (review_box.shadow != Some(shadow)).then_some(shadow)))
     }
 
     /// Returns the position of a pick on the bottom.

@@ -112,7 +112,8 @@ mod tests {
         app.notify("one".to_owned());
         app.offer_undo("two".to_owned());
         app.offer_undo("three".to_owned());
-        let said = |app: &App| -> Vec<String> { app.said().map(|one| one.text.clone()).collect() };
+        let said =
+            |app: &App| -> Vec<String> { app.said().map(|notice| notice.text.clone()).collect() };
         assert_eq!(said(&app), ["three", "one"]);
         assert_eq!(app.notices.len(), 2);
         assert_eq!(app.notices[1].offer, Some(Action::Undo));

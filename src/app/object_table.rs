@@ -153,10 +153,10 @@ mod tests {
     }
 
     fn object(number: u32, class: &str, boxes: &[(Reviewed, Target)]) -> Object {
-        let boxed = |(index, (one, target)): (usize, &(Reviewed, Target))| ObjectBox {
+        let boxed = |(index, (review_box, target)): (usize, &(Reviewed, Target))| ObjectBox {
             log: 0,
             key: LogBox { log: LogId(1), id: BoxId(index as u32) },
-            one: Arc::new(one.clone()),
+            one: Arc::new(review_box.clone()),
             class: class.to_owned(),
             // Each box belongs to its own line.
             target: Some(Target { sailed_m: 50.0 * index as f64, ..target.clone() }),
@@ -200,11 +200,11 @@ mod tests {
 
     #[test]
     fn the_table_is_sorted_and_filtered() {
-        let one = |state, score, length_m| [(reviewed(state, score), target(length_m))];
+        let one_box = |state, score, length_m| [(reviewed(state, score), target(length_m))];
         let objects = [
-            object(1, "tyre", &one(State::Accepted, 0.5, 2.0)),
-            object(2, "Rock", &one(State::Proposed, 0.9, f64::NAN)),
-            object(3, "block", &one(State::Rejected, 0.7, 3.0)),
+            object(1, "tyre", &one_box(State::Accepted, 0.5, 2.0)),
+            object(2, "Rock", &one_box(State::Proposed, 0.9, f64::NAN)),
+            object(3, "block", &one_box(State::Rejected, 0.7, 3.0)),
         ];
         let mut table = ObjectTable::default();
         assert_eq!(table.list(&objects, &[]), [1, 2, 3]);
@@ -233,10 +233,10 @@ mod tests {
         let first = object(1, "rock", &boxes);
         let objects: Vec<Object> = (0..50_000_u32)
             .map(|index| {
-                let mut one = first.clone();
-                one.number = index + 1;
-                one.length_m = f64::from(index.wrapping_mul(2_654_435_761) >> 12);
-                one
+                let mut numbered = first.clone();
+                numbered.number = index + 1;
+                numbered.length_m = f64::from(index.wrapping_mul(2_654_435_761) >> 12);
+                numbered
             })
             .collect();
         let mut table = ObjectTable::default();

@@ -42,10 +42,10 @@ impl LogBoxes {
     /// a moment later; until then its earlier position counts.
     fn boxes(&self, log: usize) -> impl Iterator<Item = ObjectBox> {
         let boxes = self.review.boxes(&self.exclusions);
-        boxes.filter_map(move |one| {
-            let (_, placed) = self.entries.get(&one.id)?;
+        boxes.filter_map(move |review_box| {
+            let (_, placed) = self.entries.get(&review_box.id)?;
             let target = placed.as_ref()?.target.clone();
-            Some(self.review.object_box(log, one, Some(target)))
+            Some(self.review.object_box(log, review_box, Some(target)))
         })
     }
 
@@ -155,7 +155,7 @@ impl App {
     /// with the highest score.
     pub(crate) fn best_box(&self, object: &Object) -> Option<LogBox> {
         let rank = |id: &LogBox| {
-            let score = self.log_box(*id).and_then(|one| one.score);
+            let score = self.log_box(*id).and_then(|review_box| review_box.score);
             (id.log == self.log.id, score.unwrap_or(1.0))
         };
         let best = object.boxes.iter().max_by(|a, b| {
@@ -262,7 +262,8 @@ impl App {
             return self.findings.objects.passes.drop_all(&mut self.jobs, &JobKey::CountPasses);
         };
         let (number, list) = (object.number, self.findings.objects.list.result().cloned());
-        let track = |one: &LogBoxes| (one.review.log, Same(one.navigation.clone()));
+        let track =
+            |log_boxes: &LogBoxes| (log_boxes.review.log, Same(log_boxes.navigation.clone()));
         let of = PassesOf {
             number,
             boxes: object.boxes.clone(),

@@ -296,7 +296,7 @@ impl CloudColour {
     #[must_use]
     pub fn next(self, has_several_logs: bool) -> Self {
         let all = if has_several_logs { &Self::ALL[..] } else { &Self::ALL[..4] };
-        let here = all.iter().position(|one| *one == self);
+        let here = all.iter().position(|property| *property == self);
         here.map_or(all[0], |here| all[(here + 1) % all.len()])
     }
 }

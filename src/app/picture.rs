@@ -56,7 +56,7 @@ impl App {
             EchogramChannel::None => (EchogramChannel::None, false),
             channel => (channel, shown.echogram_alone),
         };
-        let place = all.iter().position(|one| *one == now).unwrap_or(0);
+        let place = all.iter().position(|choice| *choice == now).unwrap_or(0);
         (shown.echogram, shown.echogram_alone) = all[(place + 1) % all.len()];
     }
 

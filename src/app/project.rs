@@ -208,7 +208,8 @@ impl App {
     fn as_project(&self, before: &Project) -> Project {
         let mut project = before.clone();
         project.settings = Settings::clone(&self.document.shared);
-        let is_placed = |log: &OpenLog| log.survey.as_ref().is_some_and(|one| one.has_place());
+        let is_placed =
+            |log: &OpenLog| log.survey.as_ref().is_some_and(|survey| survey.has_place());
         project.origin = (self.logs().any(is_placed)).then(|| self.document.plane.origin());
         let open: Vec<&OpenLog> = self.logs().filter(|log| log.file.is_some()).collect();
         let is_open = |log: &ProjectLog| {

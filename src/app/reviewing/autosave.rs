@@ -195,7 +195,8 @@ impl App {
                 reviewing.autosave.written = Some(reviewing.review.clone());
             }
             Ok(left) => {
-                let decided = left.boxes().filter(|one| Reviewed::is_kept(one)).count();
+                let decided =
+                    left.boxes().filter(|review_box| Reviewed::is_kept(review_box)).count();
                 reviewing.autosave.left = Some(Arc::new(left));
                 let boxes = text::plural(decided, "box", "boxes");
                 let notice =

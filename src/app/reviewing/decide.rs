@@ -72,7 +72,7 @@ impl App {
         let changed = self.log_mut(id)?.reviewing.go_to(step.review);
         // The log may have grown since that step, and the settings may have exchanged its sides.
         self.carry_decisions(id);
-        changed.map(|one| LogBox { log: id, id: one })
+        changed.map(|box_id| LogBox { log: id, id: box_id })
     }
 
     /// Replaces the boxes of a log by `review`, as one undo step that ends with the first change
@@ -119,8 +119,8 @@ impl App {
         let reviewing = &mut self.log_mut(id)?.reviewing;
         match edit {
             Edit::Relabel(_, class) => reviewing.class = *class,
-            Edit::Classify(one, _) => {
-                let class = reviewing.review.get(*one).map(|one| one.class);
+            Edit::Classify(box_id, _) => {
+                let class = reviewing.review.get(*box_id).map(|review_box| review_box.class);
                 reviewing.class = class.unwrap_or(reviewing.class);
             }
             _ => {}
@@ -133,7 +133,8 @@ impl App {
         self.log.reviewing.selected = id;
         self.log.reviewing.edge = BoxEdge::default();
         self.log.reviewing.judging.look_away();
-        let Some((survey, one)) = self.log.survey.as_ref().zip(self.log.reviewing.selected_box())
+        let Some((survey, review_box)) =
+            self.log.survey.as_ref().zip(self.log.reviewing.selected_box())
         else {
             self.log.reviewing.selected = None;
             if self.log.reviewing.tool == Tool::Edit {
@@ -141,7 +142,7 @@ impl App {
             }
             return;
         };
-        let mark = middle(survey, &one.mark);
+        let mark = middle(survey, &review_box.mark);
         self.reveal(mark);
     }
 
@@ -155,8 +156,9 @@ impl App {
 
     /// Removes a box that was drawn by hand; rejects a box that a model proposed.
     pub(in crate::app) fn remove_box(&mut self) {
-        let manual = self.log.reviewing.selected_box().filter(|one| one.model.is_none());
-        match manual.map(|one| one.id) {
+        let manual =
+            self.log.reviewing.selected_box().filter(|review_box| review_box.model.is_none());
+        match manual.map(|review_box| review_box.id) {
             Some(id) => self.edit(&Edit::Remove(id), false),
             None => self.decide(Edit::Reject),
         }
@@ -186,7 +188,7 @@ impl App {
 
     /// Moves the selected box by whole pings along the track and pixels of the raster across it.
     pub(in crate::app) fn nudge_box(&mut self, nudge: Nudge) {
-        let Some(one) = self.log.reviewing.selected_box() else {
+        let Some(review_box) = self.log.reviewing.selected_box() else {
             return;
         };
         let (along, across) = match self.view.options.waterfall.orientation {
@@ -200,10 +202,10 @@ impl App {
         let reviewing = &self.log.reviewing;
         let edit = match reviewing.edge {
             edge if nudge.resize || edge == BoxEdge::Whole => {
-                let resize = nudge.resize && one.extent != ObjectExtent::Point;
-                Edit::Reshape(one.id, nudged(&one.mark, along, across, resize))
+                let resize = nudge.resize && review_box.extent != ObjectExtent::Point;
+                Edit::Reshape(review_box.id, nudged(&review_box.mark, along, across, resize))
             }
-            edge => match edge.moved(one, border_m(reviewing, one), along, across) {
+            edge => match edge.moved(review_box, border_m(reviewing, review_box), along, across) {
                 Some(edit) => edit,
                 None => return,
             },
@@ -241,7 +243,9 @@ fn nudged(mark: &Mark, along: i32, across: i32, resize: bool) -> Mark {
 
 /// Returns the first box of `to` that differs from its version in `from`, or is missing there.
 fn first_difference(from: &Review, to: &Review) -> Option<BoxId> {
-    to.boxes().find(|one| from.get(one.id) != Some(*one)).map(|one| one.id)
+    to.boxes()
+        .find(|review_box| from.get(review_box.id) != Some(*review_box))
+        .map(|review_box| review_box.id)
 }
 
 #[cfg(test)]

@@ -301,7 +301,7 @@ impl App {
     pub(in crate::app) fn leave_search(&mut self, log: LogId) {
         let search = &mut self.findings.search;
         let planned = search.ahead.len();
-        search.ahead.retain(|one| *one != log);
+        search.ahead.retain(|queued| *queued != log);
         let running = search.running.take_if(|running| running.log == log);
         search.logs -= planned - search.ahead.len() + usize::from(running.is_some());
         if running.is_some() {

@@ -54,23 +54,23 @@ impl BoxEdge {
     /// the raster to starboard; `None` for the whole box.
     pub(super) fn moved(
         self,
-        one: &Reviewed,
+        review_box: &Reviewed,
         border_m: f64,
         along: i32,
         across: i32,
     ) -> Option<Edit> {
         let pings = along as isize;
-        let outward = match one.mark.side {
+        let outward = match review_box.mark.side {
             Side::Port => -across,
             Side::Starboard => across,
         };
         let outward_m = f64::from(outward) * PIXEL_M;
-        let mut mark = one.mark.clone();
+        let mut mark = review_box.mark.clone();
         match self {
             BoxEdge::Whole => return None,
             BoxEdge::Border => {
                 let border_m = (border_m + outward_m).clamp(mark.near_m, mark.far_m);
-                let id = one.id;
+                let id = review_box.id;
                 return Some(Edit::SetEdges { id, mark, border_m });
             }
             BoxEdge::Near => mark.near_m = (mark.near_m + outward_m).min(mark.far_m - PIXEL_M),
@@ -84,21 +84,21 @@ impl BoxEdge {
                 mark.pings.end = end.max(mark.pings.start + 1);
             }
         }
-        Some(Edit::Reshape(one.id, mark))
+        Some(Edit::Reshape(review_box.id, mark))
     }
 }
 
 /// Returns the slant range of the border between the echo and the shadow of a box, metres: as set
 /// by hand, else as found. If no shadow is found, the border is a third of the box from its near
 /// edge: boxes contain more shadow than echo, and a border on the far edge could not be dragged.
-pub fn border_m(reviewing: &Reviewing, one: &Reviewed) -> f64 {
-    let (near_m, far_m) = (one.mark.near_m, one.mark.far_m);
+pub fn border_m(reviewing: &Reviewing, review_box: &Reviewed) -> f64 {
+    let (near_m, far_m) = (review_box.mark.near_m, review_box.mark.far_m);
     let found = || {
-        let placed = reviewing.placed(one.id)?;
+        let placed = reviewing.placed(review_box.id)?;
         // The parts of a box that was just moved are those of its earlier place.
         Some(placed.target.parts?.shadow_m?[0])
     };
-    let border_m = one.extent.border_m().or_else(found);
+    let border_m = review_box.extent.border_m().or_else(found);
     let border_m = border_m.unwrap_or(near_m + (far_m - near_m) / 3.0);
     border_m.clamp(near_m, far_m)
 }
@@ -109,7 +109,7 @@ impl App {
         if self.log.reviewing.tool != Tool::Edit {
             self.take_tool(Tool::Edit);
         }
-        let is_box = |one: &Reviewed| one.extent != ObjectExtent::Point;
+        let is_box = |review_box: &Reviewed| review_box.extent != ObjectExtent::Point;
         let reviewing = &mut self.log.reviewing;
         if reviewing.tool == Tool::Edit && reviewing.selected_box().is_some_and(is_box) {
             reviewing.edge = reviewing.edge.next();

@@ -150,7 +150,7 @@ impl App {
                     format!("Opened {boxes} boxes: {}", path.display())
                 };
                 // The sides may have been exchanged while the file was read.
-                let swapped = (log.survey.as_ref()).is_some_and(|one| one.swapped_sides);
+                let swapped = (log.survey.as_ref()).is_some_and(|survey| survey.swapped_sides);
                 let review = Arc::new(review.with_sides(swapped));
                 self.take_review(id, review.clone(), "open review", false);
                 if let Some(log) = self.log_mut(id) {

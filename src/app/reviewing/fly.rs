@@ -47,16 +47,22 @@ impl App {
 
     fn enlarge(&mut self, enlarged: Enlarged) {
         let reviewing = &self.log.reviewing;
-        let one = reviewing.selected_box();
-        let close_up = one.map(|one| close_up(reviewing, one, one.id, enlarged));
+        let selected = reviewing.selected_box();
+        let close_up =
+            selected.map(|review_box| close_up(reviewing, review_box, review_box.id, enlarged));
         if let Some(reveal) = &mut self.view.reveal {
             reveal.close_up = close_up;
         }
     }
 }
 
-fn close_up(reviewing: &Reviewing, one: &Reviewed, id: BoxId, enlarged: Enlarged) -> CloseUp {
-    let mark = &one.mark;
+fn close_up(
+    reviewing: &Reviewing,
+    review_box: &Reviewed,
+    id: BoxId,
+    enlarged: Enlarged,
+) -> CloseUp {
+    let mark = &review_box.mark;
     let middle_m = 0.5 * (mark.near_m + mark.far_m);
     let half_m = (0.5 * (mark.far_m - mark.near_m)).max(0.5 * LEAST_M);
     let ends_m = [(middle_m - half_m).max(0.0), middle_m + half_m];

@@ -143,10 +143,12 @@ impl Reviewing {
         };
         let mut standing = comparison.at(self.queue.threshold);
         let place = |mistake: &Mistake| match mistake {
-            Mistake::FalseAlarm { id, .. } => self.review.get(*id).map(|one| one.mark.pings.start),
+            Mistake::FalseAlarm { id, .. } => {
+                self.review.get(*id).map(|review_box| review_box.mark.pings.start)
+            }
             Mistake::Miss { object, .. } => {
                 let objects = &comparison.truth().objects;
-                objects.get(*object).map(|one| one.whole.pings.start)
+                objects.get(*object).map(|missed| missed.whole.pings.start)
             }
         };
         match self.judging.sort {
@@ -157,9 +159,9 @@ impl Reviewing {
             }
             MistakeSort::Position => standing.mistakes.sort_by_key(place),
         }
-        let is_missed = |requested: usize| {
+        let is_missed = |index: usize| {
             let same =
-                |one: &Mistake| matches!(one, Mistake::Miss { object, .. } if *object == requested);
+                |miss: &Mistake| matches!(miss, Mistake::Miss { object, .. } if *object == index);
             standing.mistakes.iter().any(same)
         };
         self.judging.missed = self.judging.missed.filter(|&object| is_missed(object));
@@ -168,7 +170,7 @@ impl Reviewing {
 
     /// Returns the index of the shown mistake in the list; `None` if none is shown.
     pub fn mistake_at(&self) -> Option<usize> {
-        let is_here = |one: &Mistake| match one {
+        let is_here = |mistake: &Mistake| match mistake {
             Mistake::FalseAlarm { id, .. } => self.selected == Some(*id),
             Mistake::Miss { object, .. } => self.judging.missed == Some(*object),
         };

@@ -74,7 +74,7 @@ impl App {
         let boxes = |log: &OpenLog| {
             let id = log.id;
             let line = log.reviewing.line().to_vec();
-            line.into_iter().map(move |one| LogBox { log: id, id: one })
+            line.into_iter().map(move |box_id| LogBox { log: id, id: box_id })
         };
         self.reviewed_logs().flat_map(boxes).collect()
     }
@@ -90,9 +90,9 @@ impl App {
     pub(in crate::app) fn step_box(&mut self, by: isize) {
         let line = self.line();
         let here = self.selected_log_box();
-        let here = here.and_then(|id| line.iter().position(|one| *one == id));
+        let here = here.and_then(|id| line.iter().position(|queued| *queued == id));
         let last = line.len().saturating_sub(1);
-        let is_shown = |one: &LogBox| one.log == self.log.id;
+        let is_shown = |queued: &LogBox| queued.log == self.log.id;
         let next = match here {
             Some(here) => here.saturating_add_signed(by).min(last),
             None if by < 0 => line.iter().rposition(is_shown).unwrap_or(last),
@@ -136,9 +136,9 @@ impl App {
             None => vec![here],
         };
         let before = self.step_now();
-        for one in boxes {
-            if let Some(log) = self.log_mut(one.log)
-                && let Some(after) = log.reviewing.review.apply(&edit(one.id))
+        for sighting in boxes {
+            if let Some(log) = self.log_mut(sighting.log)
+                && let Some(after) = log.reviewing.review.apply(&edit(sighting.id))
             {
                 log.reviewing.set(Arc::new(after));
             }
@@ -154,7 +154,7 @@ impl App {
         };
         let boxes = self.object_of(here).map(|object| object.boxes.clone());
         let boxes = boxes.unwrap_or_default();
-        if let Some(at) = boxes.iter().position(|one| *one == here) {
+        if let Some(at) = boxes.iter().position(|sighting| *sighting == here) {
             self.come_to(boxes[(at + 1) % boxes.len()]);
         }
     }
@@ -162,15 +162,15 @@ impl App {
     /// Shows the next undecided box after `here` in the queue, around its end.
     fn select_next_open(&mut self, line: &[LogBox], here: Option<LogBox>) {
         let at = match here {
-            Some(here) => line.iter().position(|one| *one == here).map(|at| at + 1),
-            None => line.iter().position(|one| one.log == self.log.id),
+            Some(here) => line.iter().position(|queued| *queued == here).map(|at| at + 1),
+            None => line.iter().position(|queued| queued.log == self.log.id),
         };
         let (before, after) = line.split_at(at.unwrap_or(0));
-        let is_open = |one: &LogBox| {
-            let found = self.log_box(*one);
-            Some(*one) != here && found.is_some_and(|found| found.state == State::Proposed)
+        let is_open = |queued: &LogBox| {
+            let found = self.log_box(*queued);
+            Some(*queued) != here && found.is_some_and(|found| found.state == State::Proposed)
         };
-        let next = after.iter().chain(before).copied().find(|one| is_open(one));
+        let next = after.iter().chain(before).copied().find(|queued| is_open(queued));
         if let Some(next) = next {
             self.come_to(next);
         }

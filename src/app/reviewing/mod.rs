@@ -167,13 +167,14 @@ impl Reviewing {
     /// Returns the boxes of the queue that have pings in a range, in a time that grows with their
     /// number only.
     pub fn between(&self, pings: std::ops::Range<usize>) -> impl Iterator<Item = &Reviewed> {
-        let from =
-            self.along.partition_point(|one| one.mark.pings.start + self.longest <= pings.start);
+        let from = self.along.partition_point(|review_box| {
+            review_box.mark.pings.start + self.longest <= pings.start
+        });
         self.along[from..]
             .iter()
             .map(AsRef::as_ref)
-            .take_while(move |one| one.mark.pings.start < pings.end)
-            .filter(move |one| one.mark.pings.end > pings.start)
+            .take_while(move |review_box| review_box.mark.pings.start < pings.end)
+            .filter(move |review_box| review_box.mark.pings.end > pings.start)
     }
 
     /// Returns the numbers of boxes by decision.
@@ -239,10 +240,11 @@ impl Reviewing {
         };
         self.line = self.queue.sort_and_filter(&self.review, longer_m);
         let in_line = self.review.shared().iter();
-        let in_line = in_line.filter(|one| self.queue.takes(&self.review, one, longer_m));
+        let in_line =
+            in_line.filter(|review_box| self.queue.takes(&self.review, review_box, longer_m));
         self.along = in_line.cloned().collect();
-        self.along.sort_by_key(|one| one.mark.pings.start);
-        let lengths = self.along.iter().map(|one| one.mark.pings.len());
+        self.along.sort_by_key(|review_box| review_box.mark.pings.start);
+        let lengths = self.along.iter().map(|review_box| review_box.mark.pings.len());
         self.longest = lengths.max().unwrap_or(0);
         self.counts = DecisionCounts::of(&self.review, &self.queue);
     }

@@ -72,20 +72,23 @@ impl Reviewing {
     fn not_located(&self, ground: &PlaceInputs) -> Vec<(BoxId, BoxExtent)> {
         let (places, review) = (&self.places, &self.review);
         let is_same = places.ground.as_ref().is_some_and(|known| known.is_same(ground));
-        let top = |one: &Reviewed| TopShape::of_class(review.class_name(one.class));
-        let is_known = |one: &Reviewed| {
-            let known = places.known.get(&one.id);
+        let top = |review_box: &Reviewed| TopShape::of_class(review.class_name(review_box.class));
+        let is_known = |review_box: &Reviewed| {
+            let known = places.known.get(&review_box.id);
             let is_as_placed = |(mark, extent, shadow, placed_top): &BoxExtent| {
-                *mark == one.mark
-                    && *extent == one.extent
-                    && *shadow == one.shadow
-                    && *placed_top == top(one)
+                *mark == review_box.mark
+                    && *extent == review_box.extent
+                    && *shadow == review_box.shadow
+                    && *placed_top == top(review_box)
             };
             is_same && known.is_some_and(|(known, _)| is_as_placed(known))
         };
         (review.boxes())
-            .filter(|one| !is_known(one))
-            .map(|one| (one.id, (one.mark.clone(), one.extent, one.shadow, top(one))))
+            .filter(|review_box| !is_known(review_box))
+            .map(|review_box| {
+                let Reviewed { id, mark, extent, shadow, .. } = review_box;
+                (*id, (mark.clone(), *extent, *shadow, top(review_box)))
+            })
             .collect()
     }
 }
@@ -138,7 +141,9 @@ impl App {
                 (id, ((mark, extent, shadow, top), placed))
             };
             let requested = missing.into_par_iter();
-            requested.filter_map(|one| (!progress.is_cancelled()).then(|| entry(one))).collect()
+            requested
+                .filter_map(|unplaced| (!progress.is_cancelled()).then(|| entry(unplaced)))
+                .collect()
         };
         self.jobs.run(JobKey::PlaceBoxes(id), work, move |app, entries| {
             if let Some(log) = app.log_mut(id) {

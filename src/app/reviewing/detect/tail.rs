@@ -86,8 +86,9 @@ impl App {
             let model = &detector.model;
             let found = find(&stretch, &navigation, model, &settings, progress, |_| ());
             let mut found = found?;
-            for one in &mut found {
-                one.mark.pings = one.mark.pings.start + from..one.mark.pings.end + from;
+            for detection in &mut found {
+                detection.mark.pings =
+                    detection.mark.pings.start + from..detection.mark.pings.end + from;
             }
             Ok(found)
         };
@@ -114,7 +115,8 @@ impl App {
         // A box at the edge of the picture is no object, and objects that begin before it are
         // listed already.
         let from = pings.start;
-        let inside = found.iter().filter(|one| one.mark.pings.start > from || from == 0);
+        let inside =
+            found.iter().filter(|detection| detection.mark.pings.start > from || from == 0);
         let inside: Vec<Detection> = inside.cloned().collect();
         let adopted = self.adopted(log, &inside, pings);
         if let Some((log, review)) = self.log_mut(log).zip(adopted) {
