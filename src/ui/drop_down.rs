@@ -81,8 +81,8 @@ impl DropDown {
         name: impl Fn(T) -> &'static str,
     ) -> Response {
         self.show(ui, |choices| {
-            for one in all {
-                choices.value(value, one, name(one));
+            for choice in all {
+                choices.value(value, choice, name(choice));
             }
         })
     }
@@ -104,11 +104,11 @@ impl Choices<'_> {
     pub(super) fn value<T: PartialEq>(
         &mut self,
         value: &mut T,
-        one: T,
+        choice: T,
         label: impl Into<WidgetText>,
     ) {
-        if self.choice(*value == one, label).clicked() {
-            *value = one;
+        if self.choice(*value == choice, label).clicked() {
+            *value = choice;
         }
     }
 

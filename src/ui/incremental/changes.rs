@@ -254,10 +254,11 @@ mod tests {
                 .collect();
             all.iter().for_each(|area| areas.add(Some(*area)));
             prop_assert!(areas.apart.len() <= MOST_AREAS);
-            let is_held = |area: &PixelArea| areas.apart.iter().any(|one| one.union(area) == *one);
+            let is_held =
+                |area: &PixelArea| areas.apart.iter().any(|kept| kept.union(area) == *kept);
             prop_assert!(all.iter().all(is_held));
             for (index, area) in areas.apart.iter().enumerate() {
-                prop_assert!(!areas.apart[..index].iter().any(|one| one.overlaps(area)));
+                prop_assert!(!areas.apart[..index].iter().any(|earlier| earlier.overlaps(area)));
             }
         }
     }

@@ -136,15 +136,15 @@ fn warnings(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
     }
     let title = text::plural(count, "warning", "warnings");
     egui::CollapsingHeader::new(title).id_salt("warnings of the log").show(ui, |ui| {
-        for one in survey.warnings.iter().take(WARNINGS_SHOWN) {
-            let place = one.place.map_or(String::new(), |(file, offset)| {
+        for log_warning in survey.warnings.iter().take(WARNINGS_SHOWN) {
+            let place = log_warning.place.map_or(String::new(), |(file, offset)| {
                 let name = survey.source.files.get(file);
                 let name = name.and_then(|file| file.file_name()).unwrap_or_default();
                 let name = name.to_string_lossy();
                 let offset = text::count(offset as usize);
                 format!(" ({name} byte {offset})")
             });
-            let said = context.units().sentence(&one.text);
+            let said = context.units().sentence(&log_warning.text);
             warning(ui, context, &format!("{said}{place}"));
         }
         if count > WARNINGS_SHOWN {

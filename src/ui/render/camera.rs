@@ -331,7 +331,7 @@ mod tests {
         camera.look_at_depth_of(HIGH);
         let after = camera.projection(1.5);
         for corner in corners(LOW, HIGH) {
-            let [was, is] = [before, after].map(|one| one.project(corner).unwrap());
+            let [was, is] = [before, after].map(|projection| projection.project(corner).unwrap());
             assert!(was.truncate().distance(is.truncate()) < 1e-4, "{was} {is}");
         }
         let held = camera;

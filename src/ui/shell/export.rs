@@ -123,7 +123,7 @@ fn products(ui: &mut Ui, context: &mut ViewContext<'_>, amounts: &Amounts) {
             let tick = ui.checkbox(&mut requested, product.title());
             if tick.on_hover_text(files(context.app, product)).clicked() {
                 if requested {
-                    options.excluded_products.retain(|one| *one != product)
+                    options.excluded_products.retain(|excluded| *excluded != product)
                 } else {
                     options.excluded_products.push(product)
                 }

@@ -21,8 +21,8 @@ static BOUND: LazyLock<Vec<Bound>> = LazyLock::new(|| {
         action.all_keys().filter_map(bound)
     };
     let mut bound: Vec<_> = Action::ALL.iter().copied().flat_map(of).collect();
-    bound.sort_by_key(|one| {
-        let held = one.shortcut.modifiers;
+    bound.sort_by_key(|binding| {
+        let held = binding.shortcut.modifiers;
         let held = [held.command, held.shift, held.alt];
         std::cmp::Reverse(held.iter().filter(|on| **on).count())
     });
@@ -55,10 +55,10 @@ fn is_of_text(action: Action) -> bool {
 /// Returns true if a held key acts repeatedly: an arrow, or the key of an action that repeats.
 fn may_repeat(key: Key, held: Modifiers) -> bool {
     let arrows = [Key::ArrowLeft, Key::ArrowRight, Key::ArrowUp, Key::ArrowDown];
-    let is_of = |one: &Bound| {
-        one.shortcut.logical_key == key
-            && held.matches_logically(one.shortcut.modifiers)
-            && one.action.repeats()
+    let is_of = |binding: &Bound| {
+        binding.shortcut.logical_key == key
+            && held.matches_logically(binding.shortcut.modifiers)
+            && binding.action.repeats()
     };
     arrows.contains(&key) || BOUND.iter().any(is_of)
 }
@@ -175,8 +175,9 @@ fn leaves_full_screen(ui: &Ui) -> bool {
 fn asks_for_palette(ui: &Ui) -> bool {
     let shortcuts: Vec<_> = Action::Palette.all_keys().filter_map(parse).collect();
     let presses = take_presses(ui, |key, held, _| {
-        let is_it =
-            |one: &KeyboardShortcut| key == one.logical_key && held.matches_exact(one.modifiers);
+        let is_it = |shortcut: &KeyboardShortcut| {
+            key == shortcut.logical_key && held.matches_exact(shortcut.modifiers)
+        };
         shortcuts.iter().any(is_it)
     });
     presses > 0
@@ -307,9 +308,9 @@ mod tests {
     #[test]
     fn no_two_actions_share_a_shortcut() {
         let mut seen = std::collections::HashMap::new();
-        for one in BOUND.iter() {
-            let (label, keys) = (one.action.label(), one.keys);
-            let other = seen.insert(one.shortcut, label);
+        for binding in BOUND.iter() {
+            let (label, keys) = (binding.action.label(), binding.keys);
+            let other = seen.insert(binding.shortcut, label);
             assert_eq!(other, None, "{keys} is {label} too");
         }
     }
@@ -326,7 +327,8 @@ mod tests {
 
     #[test]
     fn more_modifiers_come_first() {
-        let place = |requested: Action| BOUND.iter().position(|one| one.action == requested);
+        let place =
+            |requested: Action| BOUND.iter().position(|binding| binding.action == requested);
         assert!(place(Action::Redo) < place(Action::Undo));
         assert!(place(Action::Forward25) < place(Action::NextPing));
     }

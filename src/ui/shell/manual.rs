@@ -91,7 +91,9 @@ impl Manual {
         area.show(ui, |ui| {
             if words.is_empty() {
                 let chosen = self.pages.iter().filter(|(topic, _)| *topic == self.topic);
-                chosen.for_each(|(_, page)| page.iter().for_each(|one| block(ui, one, &words)));
+                chosen.for_each(|(_, page)| {
+                    page.iter().for_each(|page_block| block(ui, page_block, &words))
+                });
                 return;
             }
             let mut found = 0;
@@ -101,12 +103,12 @@ impl Manual {
                         found += 1;
                         let title = RichText::new(topic.title()).weak().size(theme::SMALL);
                         ui.label(title);
-                        section.iter().for_each(|one| match one {
+                        section.iter().for_each(|page_block| match page_block {
                             // Only the rows of a table that match are shown.
                             PageBlock::Table(rows) => {
                                 table(ui, &matching_rows(rows, &words), &words)
                             }
-                            one => block(ui, one, &words),
+                            other => block(ui, other, &words),
                         });
                         ui.separator();
                     }

@@ -261,7 +261,7 @@ mod tests {
             window.state_mut().carry_out(&ctx, Command::ShowSetting(row.key));
             window.run();
             let notices = &window.state().app.notices;
-            let said = notices.last().map(|one| one.text.clone());
+            let said = notices.last().map(|notice| notice.text.clone());
             if DEPEND.contains(&row.key) {
                 let said = said.expect(row.key);
                 assert!(said.contains("has no control now"), "{}: {said}", row.key);

@@ -178,12 +178,13 @@ impl BoxChip {
     }
 
     /// Shows the picture as large as the available width allows.
-    pub(crate) fn ui(&self, ui: &mut Ui, one: &Reviewed, review: &Review, units: Units) {
+    pub(crate) fn ui(&self, ui: &mut Ui, review_box: &Reviewed, review: &Review, units: Units) {
         let width = ui.available_width();
         let room = vec2(width, width / 1.2);
-        let response = self.draw(ui, one, room, Sense::hover());
+        let response = self.draw(ui, review_box, room, Sense::hover());
         let [width, height] = self.size_m.map(|side_m| units.measure(side_m, 1));
-        let (id, class, turned) = (one.id.0, review.class_name(one.class), self.turned.words());
+        let (id, class, turned) =
+            (review_box.id.0, review.class_name(review_box.class), self.turned.words());
         let name = format!("Picture of box {id}, {class}, {width} wide, {height} high, {turned}");
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));
         let hint = format!("As in the waterfall: {turned}; equal scales.");
@@ -192,7 +193,13 @@ impl BoxChip {
 
     /// Draws the picture as large as fits into `room`, without distortion, and the box in the
     /// outline of its state.
-    pub(crate) fn draw(&self, ui: &mut Ui, one: &Reviewed, room: Vec2, sense: Sense) -> Response {
+    pub(crate) fn draw(
+        &self,
+        ui: &mut Ui,
+        review_box: &Reviewed,
+        room: Vec2,
+        sense: Sense,
+    ) -> Response {
         let scale = (room / self.size).min_elem();
         let size = self.size * scale;
         let (whole, response) = ui.allocate_exact_size(vec2(room.x, size.y), sense);
@@ -204,14 +211,14 @@ impl BoxChip {
         let (min, max) = (self.share.min, self.share.max);
         let frame = Rect::from_two_pos(at(min.x, min.y), at(max.x, max.y));
         // The outline is the same as in the waterfall.
-        let style = outline::Style::of(one.state);
-        match one.extent {
+        let style = outline::Style::of(review_box.state);
+        match review_box.extent {
             ObjectExtent::Point => outline::point(&painter, frame.center(), style, false),
             ObjectExtent::Found => outline::draw(&painter, frame, style, false),
             ObjectExtent::Drawn { border_m } => {
                 outline::draw(&painter, frame, style, false);
-                let range_m = one.mark.far_m - one.mark.near_m;
-                let share = ((border_m - one.mark.near_m) / range_m) as f32;
+                let range_m = review_box.mark.far_m - review_box.mark.near_m;
+                let share = ((border_m - review_box.mark.near_m) / range_m) as f32;
                 let x = min.x + share * (max.x - min.x);
                 let line = [at(x, min.y), at(x, max.y)];
                 outline::border(&painter, line, style.colour, false);

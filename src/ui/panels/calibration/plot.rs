@@ -86,7 +86,7 @@ impl<'a> Points<'a> {
             axes.at(units.in_unit(point.depth_m), units.in_unit(point.range_m))
         };
         let inner = painter.with_clip_rect(axes.area);
-        dots(&inner, self.log.iter().map(|one| at(one)), faint(options));
+        dots(&inner, self.log.iter().map(|point| at(point)), faint(options));
         let line = |range_m: &dyn Fn(f64) -> f64| {
             let of =
                 |depth_m: f64| axes.at(units.in_unit(depth_m), units.in_unit(range_m(depth_m)));
@@ -99,7 +99,7 @@ impl<'a> Points<'a> {
         let stroke = Stroke::new(1.0, theme::plot_ink(options));
         inner.extend(egui::Shape::dashed_line(&used, stroke, 4.0, 3.0));
         let colour = ink(options);
-        dots(&inner, self.stretch.iter().map(|one| at(one)), colour);
+        dots(&inner, self.stretch.iter().map(|point| at(point)), colour);
         let proposed = line(&|depth_m| depth_m / factor);
         inner.line_segment(proposed, Stroke::new(1.5, colour));
     }
@@ -124,8 +124,8 @@ impl<'a> Points<'a> {
         axes.draw(painter, theme::plot_ink(options));
         let at = |point: &RangeAtDepth| axes.at(units.in_unit(point.depth_m), left_m(point));
         let inner = painter.with_clip_rect(axes.area);
-        dots(&inner, self.log.iter().map(|one| at(one)), faint(options));
-        dots(&inner, self.stretch.iter().map(|one| at(one)), ink(options));
+        dots(&inner, self.log.iter().map(|point| at(point)), faint(options));
+        dots(&inner, self.stretch.iter().map(|point| at(point)), ink(options));
         let zero = ends.map(|depth| axes.at(depth, 0.0));
         inner.line_segment(zero, Stroke::new(1.0, ink(options)));
     }

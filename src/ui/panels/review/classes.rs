@@ -19,8 +19,8 @@ pub(super) struct Classes {
 
 impl Classes {
     /// Draws the choice of the class of the selected box, and the list of classes.
-    pub(super) fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>, one: &Reviewed) {
-        choose(ui, context, one);
+    pub(super) fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>, review_box: &Reviewed) {
+        choose(ui, context, review_box);
         CollapsingHeader::new("Edit classes")
             .id_salt("list of classes")
             .show(ui, |ui| self.list(ui, context));
@@ -111,9 +111,9 @@ fn place(ui: &mut Ui, context: &mut ViewContext<'_>, list: &[String], index: usi
 }
 
 /// Draws a button for each class, which gives that class to the selected box.
-fn choose(ui: &mut Ui, context: &mut ViewContext<'_>, one: &Reviewed) {
+fn choose(ui: &mut Ui, context: &mut ViewContext<'_>, review_box: &Reviewed) {
     let app = context.app;
-    let now = app.log.reviewing.review.class_name(one.class);
+    let now = app.log.reviewing.review.class_name(review_box.class);
     let mut chosen = None;
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
@@ -132,6 +132,6 @@ fn choose(ui: &mut Ui, context: &mut ViewContext<'_>, one: &Reviewed) {
         }
     });
     if let Some(name) = chosen {
-        context.push(Command::Edit { edit: Edit::Classify(one.id, name), live: false });
+        context.push(Command::Edit { edit: Edit::Classify(review_box.id, name), live: false });
     }
 }

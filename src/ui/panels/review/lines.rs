@@ -31,14 +31,14 @@ impl Line {
     }
 
     fn of(self, app: &App, id: LogBox) -> Option<String> {
-        let one = app.log_box(id)?;
+        let review_box = app.log_box(id)?;
         Some(match self {
-            Self::Name => one.name.clone(),
+            Self::Name => review_box.name.clone(),
             Self::Class => {
                 let review = &app.open_log(id.log)?.reviewing.review;
-                review.class_name(one.class).to_owned()
+                review.class_name(review_box.class).to_owned()
             }
-            Self::Note => one.note.clone(),
+            Self::Note => review_box.note.clone(),
         })
     }
 
@@ -62,7 +62,7 @@ pub(super) struct BoxTexts {
 
 impl BoxTexts {
     /// Draws the fields of the texts of the selected box.
-    pub(super) fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>, one: &Reviewed) {
+    pub(super) fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>, review_box: &Reviewed) {
         self.keep(context, context.app.selected_log_box());
         let Some((id, texts)) = &mut self.written else {
             return;
@@ -87,7 +87,7 @@ impl BoxTexts {
                 text.clone_from(&now);
             }
         }
-        certainty(ui, context, *id, one);
+        certainty(ui, context, *id, review_box);
     }
 
     /// Starts editing the texts of another box; edited texts of the last box are saved, even if
@@ -114,12 +114,12 @@ impl BoxTexts {
 }
 
 /// Draws the certainty of the analyst; a click on the chosen word removes it.
-fn certainty(ui: &mut Ui, context: &mut ViewContext<'_>, id: LogBox, one: &Reviewed) {
+fn certainty(ui: &mut Ui, context: &mut ViewContext<'_>, id: LogBox, review_box: &Reviewed) {
     let hint = "Your own certainty; the score is that of the detector.";
     ui.horizontal_wrapped(|ui| {
         name_cell(ui, "Certainty", hint);
         for word in Certainty::ALL {
-            let chosen = one.certainty == Some(word);
+            let chosen = review_box.certainty == Some(word);
             let button = controls::chip(ui, chosen, word.name());
             let button = button.accessible_name(format!("Certainty {}", word.name()));
             if button.clicked() {

@@ -90,20 +90,20 @@ impl ObjectPictures {
 
 /// Draws a picture over the name of its log; a click shows the box in its log.
 fn sighting(ui: &mut Ui, app: &App, id: LogBox, chip: &BoxChip) -> Option<Command> {
-    let (log, one) = (app.open_log(id.log)?, app.log_box(id)?);
+    let (log, review_box) = (app.open_log(id.log)?, app.log_box(id)?);
     let is_selected = app.selected_log_box() == Some(id);
     let response = ui
         .vertical(|ui| {
             ui.set_max_width(PICTURE_WIDTH);
             let room = vec2(PICTURE_WIDTH, PICTURE_HEIGHT);
-            let picture = chip.draw(ui, one, room, Sense::click());
+            let picture = chip.draw(ui, review_box, room, Sense::click());
             if is_selected {
                 let frame = egui::Stroke::new(2.0, theme::SELECTION_COLOUR);
                 let kind = egui::StrokeKind::Inside;
                 ui.painter().rect_stroke(picture.rect, 0.0, frame, kind);
             }
             ui.horizontal(|ui| {
-                let ping = one.mark.pings.start;
+                let ping = review_box.mark.pings.start;
                 let name = match app.log_count() {
                     0 | 1 => format!("ping {ping}"),
                     _ => {
@@ -117,9 +117,9 @@ fn sighting(ui: &mut Ui, app: &App, id: LogBox, chip: &BoxChip) -> Option<Comman
             picture
         })
         .inner;
-    let name = format!("Sighting in {}, box {}", log.name(), one.id.0);
+    let name = format!("Sighting in {}, box {}", log.name(), review_box.id.0);
     response.widget_info(|| WidgetInfo::selected(Role::Button, true, is_selected, &name));
-    let hint = format!("{}: shows it in all views", one.state.name());
+    let hint = format!("{}: shows it in all views", review_box.state.name());
     let response = response.on_hover_text(hint);
     response.clicked().then_some(Command::SelectLogBox(id))
 }

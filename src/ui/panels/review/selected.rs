@@ -14,7 +14,7 @@ use egui::{RichText, Ui};
 impl ReviewPanel {
     /// Draws the selected box, or a remark on how to select one.
     pub(super) fn selected(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
-        let Some(one) = context.app.log.reviewing.selected_box().cloned() else {
+        let Some(review_box) = context.app.log.reviewing.selected_box().cloned() else {
             self.lines.keep(context, None);
             let all = context.app.review_counts().boxes.proposed == 0;
             let is_part = context.app.search_note().is_some();
@@ -30,55 +30,55 @@ impl ReviewPanel {
             );
             return;
         };
-        self.picture(ui, context, &one);
-        within(ui, |ui| title(ui, context, &one));
-        decisions(ui, context, &one);
-        self.classes.ui(ui, context, &one);
-        facts(ui, context, &one);
-        self.lines.ui(ui, context, &one);
+        self.picture(ui, context, &review_box);
+        within(ui, |ui| title(ui, context, &review_box));
+        decisions(ui, context, &review_box);
+        self.classes.ui(ui, context, &review_box);
+        facts(ui, context, &review_box);
+        self.lines.ui(ui, context, &review_box);
         ui.add_space(4.0);
     }
 
-    fn picture(&mut self, ui: &mut Ui, context: &ViewContext<'_>, one: &Reviewed) {
+    fn picture(&mut self, ui: &mut Ui, context: &ViewContext<'_>, review_box: &Reviewed) {
         let app = context.app;
         let shown = &app.view.options.waterfall;
-        let Some(key) = chip::ChipKey::of(&app.log, &one.mark, shown) else {
+        let Some(key) = chip::ChipKey::of(&app.log, &review_box.mark, shown) else {
             return;
         };
         let (of, ctx) = (key.clone(), ui.ctx().clone());
         self.chip.ask(key, app.jobs(), move |_| BoxChip::new(&of, &ctx));
         if let Some(picture) = self.chip.result() {
-            picture.ui(ui, one, &app.log.reviewing.review, app.view.options.units);
+            picture.ui(ui, review_box, &app.log.reviewing.review, app.view.options.units);
         }
     }
 }
 
-fn title(ui: &mut Ui, context: &ViewContext<'_>, one: &Reviewed) {
+fn title(ui: &mut Ui, context: &ViewContext<'_>, review_box: &Reviewed) {
     let review = &context.app.log.reviewing.review;
     ui.horizontal_wrapped(|ui| {
-        let class = review.class_name(one.class);
-        let title = if one.name.is_empty() { class } else { &one.name };
+        let class = review.class_name(review_box.class);
+        let title = if review_box.name.is_empty() { class } else { &review_box.name };
         ui.label(RichText::new(title).heading().strong());
-        if !one.name.is_empty() {
+        if !review_box.name.is_empty() {
             ui.label(class);
         }
-        if let Some(score) = one.score {
+        if let Some(score) = review_box.score {
             ui.label(format!("{score:.2}"));
         }
-        let colour = theme::box_colour_on_panel(context.theme(), one.state);
-        let state = RichText::new(one.state.name()).color(colour);
+        let colour = theme::box_colour_on_panel(context.theme(), review_box.state);
+        let state = RichText::new(review_box.state.name()).color(colour);
         ui.label(state);
-        let corrected = if one.edited { ", corrected" } else { "" };
+        let corrected = if review_box.edited { ", corrected" } else { "" };
         let log = match context.app.log_count() {
             0 | 1 => String::new(),
             _ => format!(" of {}", context.app.log.name()),
         };
-        let name = format!("box {}{log}{corrected}", one.id.0);
+        let name = format!("box {}{log}{corrected}", review_box.id.0);
         ui.label(RichText::new(name).weak());
     });
 }
 
-fn decisions(ui: &mut Ui, context: &mut ViewContext<'_>, one: &Reviewed) {
+fn decisions(ui: &mut Ui, context: &mut ViewContext<'_>, review_box: &Reviewed) {
     let tool = context.app.log.reviewing.tool;
     ui.horizontal_wrapped(|ui| {
         for named in [
@@ -94,7 +94,7 @@ fn decisions(ui: &mut Ui, context: &mut ViewContext<'_>, one: &Reviewed) {
         let edits = if tool == Tool::Edit { "Done" } else { "Edit" };
         let draws = if tool == Tool::Draw { "Keep undecided" } else { "New box" };
         // A box that was drawn by hand has no undecided state to return to.
-        let back = match one.model {
+        let back = match review_box.model {
             Some(_) => (Action::UndecideBox, "Undecide"),
             None => (Action::RemoveBox, "Remove"),
         };
@@ -109,9 +109,9 @@ fn decisions(ui: &mut Ui, context: &mut ViewContext<'_>, one: &Reviewed) {
     });
 }
 
-fn facts(ui: &mut Ui, context: &ViewContext<'_>, one: &Reviewed) {
+fn facts(ui: &mut Ui, context: &ViewContext<'_>, review_box: &Reviewed) {
     let app = context.app;
-    let mark = &one.mark;
+    let mark = &review_box.mark;
     let hint = "Along the track and in slant range; echo and shadow together.";
     let value = size(app.log.reviewing.size_m(mark), app.view.options.units);
     fact(ui, "Size", hint, value);
@@ -119,15 +119,15 @@ fn facts(ui: &mut Ui, context: &ViewContext<'_>, one: &Reviewed) {
         let ranges = app.view.options.units.span(place::ranges_m(app, mark), 2);
         format!("{ranges} {}", mark.side.name())
     });
-    if let Some(placed) = app.log.reviewing.placed(one.id) {
-        on_the_ground(ui, context, one, &placed.target);
+    if let Some(placed) = app.log.reviewing.placed(review_box.id) {
+        on_the_ground(ui, context, review_box, &placed.target);
     }
-    let model = one.model.as_deref().unwrap_or("drawn by hand");
+    let model = review_box.model.as_deref().unwrap_or("drawn by hand");
     fact(ui, "From", "The model that proposed it.", model);
 }
 
 /// Draws the position and the size of the object of a box.
-fn on_the_ground(ui: &mut Ui, context: &ViewContext<'_>, one: &Reviewed, target: &Target) {
+fn on_the_ground(ui: &mut Ui, context: &ViewContext<'_>, review_box: &Reviewed, target: &Target) {
     let app = context.app;
     let units = app.view.options.units;
     let hint = "The middle of the object on the bottom, WGS84.";
@@ -138,14 +138,14 @@ fn on_the_ground(ui: &mut Ui, context: &ViewContext<'_>, one: &Reviewed, target:
     let hint = "Length along the track and width across it, of the echo without its shadow.";
     fact(ui, "Object", hint, extent(target, units));
     let hint = "Height above the bottom from the shadows of all boxes, with its standard deviation; a shadow set by hand counts alone.";
-    let height = object_height(app, one.id, target);
+    let height = object_height(app, review_box.id, target);
     fact(ui, "Height", hint, units.with_sigma(height.mean_m, height.sigma_m, 2));
     if height.source.is_some() {
         let key = Action::HeightFromShadow.key();
         let hint = format!(
             "The sighting that the height rests on. Sightings that contradict it are left out; {key} measures a shadow by hand."
         );
-        fact(ui, "Height from", &hint, height_source(app, one.id, height));
+        fact(ui, "Height from", &hint, height_source(app, review_box.id, height));
     }
     let hint =
         "Slant ranges where the shadow starts and ends. Height = altitude x (end - start) / end.";

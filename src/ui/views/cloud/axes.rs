@@ -64,7 +64,7 @@ fn write_atomically_at(
 ) {
     let galley = painter.layout_no_wrap(text, legend::font(), colour);
     let rect = anchor.anchor_size(at, galley.size());
-    if !covered.iter().any(|one| one.intersects(rect)) {
+    if !covered.iter().any(|plate| plate.intersects(rect)) {
         painter.galley(rect.min, galley, colour);
     }
 }

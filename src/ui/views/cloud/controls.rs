@@ -158,7 +158,8 @@ pub(super) fn paint_legend(
             (format!("bottom: {}", source.name()), Color32::from_rgb(r, g, b))
         }));
     }
-    if bottom.is_some_and(|one| one.colour == BottomColour::Hardness && one.ends.is_none()) {
+    if bottom.is_some_and(|bottom| bottom.colour == BottomColour::Hardness && bottom.ends.is_none())
+    {
         let text = "bottom: no hardness without depths from echo levels";
         lines.push((text.to_owned(), theme::OUTLIER_COLOUR));
     }
@@ -174,7 +175,7 @@ pub(super) fn paint_legend(
         at.y = plate.bottom() + 1.0;
         covered.push(plate);
     };
-    if bottom.is_some_and(|one| one.has_flat_extrapolation) {
+    if bottom.is_some_and(|bottom| bottom.has_flat_extrapolation) {
         let text = "mosaic on a level bed where no depth is known";
         note(text, theme::canvas_text_colour(options));
     }
@@ -185,7 +186,7 @@ pub(super) fn paint_legend(
     let of_points = shown.then(|| scale(options, scene, reference)).flatten();
     let of_bottom = bottom.and_then(|bottom| bottom_scale(bottom, reference, options.units));
     let by_depth = options.cloud.colour == CloudColour::Depth;
-    let is_one = by_depth && bottom.is_some_and(|one| one.colour == BottomColour::Depth);
+    let is_one = by_depth && bottom.is_some_and(|bottom| bottom.colour == BottomColour::Depth);
     let mut corner = rect.right_bottom() - vec2(8.0, 8.0);
     let height = (rect.height() * 0.4).clamp(50.0, 160.0);
     for scale in of_bottom.into_iter().chain(of_points.filter(|_| !is_one)) {

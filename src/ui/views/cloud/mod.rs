@@ -282,7 +282,7 @@ impl CloudView {
         };
         let is_fitted = self.fitted.is_some_and(|(fitted, _)| self.camera == Some(fitted));
         let shift = shift(before.0, now.0);
-        let fitted = self.fitted.as_mut().map(|(one, _)| one);
+        let fitted = self.fitted.as_mut().map(|(camera, _)| camera);
         for camera in self.camera.as_mut().into_iter().chain(fitted) {
             camera.target += shift;
         }

@@ -83,12 +83,12 @@ fn boxes(
     scene: &CloudScene,
     axes: &BoxAxes<'_>,
 ) {
-    for one in reviewing.in_line() {
-        let is_selected = Some(one.id) == selected;
-        let Some(placed) = reviewing.placed(one.id) else {
+    for review_box in reviewing.in_line() {
+        let is_selected = Some(review_box.id) == selected;
+        let Some(placed) = reviewing.placed(review_box.id) else {
             continue;
         };
-        if one.state == State::Rejected && !is_selected {
+        if review_box.state == State::Rejected && !is_selected {
             continue;
         }
         let z_m = -placed.target.depth_m;
@@ -105,13 +105,13 @@ fn boxes(
         if !is_drawn {
             continue;
         }
-        let colour = theme::box_colour_on_panel(axes.options.theme, one.state);
+        let colour = theme::box_colour_on_panel(axes.options.theme, review_box.state);
         let stroke = Stroke::new(if is_selected { 2.5 } else { 1.5 }, colour);
         let is_far = corners.iter().all(|at| at.distance(middle) < LEAST);
         if is_far || half_width(&corners) < LEAST_WIDTH {
             painter.circle_stroke(middle, LEAST, stroke);
         } else {
-            if one.state == State::Rejected {
+            if review_box.state == State::Rejected {
                 painter.line_segment([corners[0], corners[2]], stroke);
                 painter.line_segment([corners[1], corners[3]], stroke);
             }

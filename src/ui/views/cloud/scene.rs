@@ -294,7 +294,7 @@ impl CloudScene {
 
     /// Returns the coordinates in the scene of the side-scan points of a log's ping.
     pub(super) fn of_ping(&self, log: LogId, ping: usize) -> impl Iterator<Item = Vec3> {
-        let log = self.logs.iter().find(move |one| one.id == log);
+        let log = self.logs.iter().find(move |shown| shown.id == log);
         let points = log.into_iter().flat_map(move |log| log.cloud.of_ping(ping));
         points.filter(|point| is_placed(point)).map(|point| self.place(point))
     }

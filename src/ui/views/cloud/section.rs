@@ -22,7 +22,7 @@ const NEAREST_M: f32 = 0.01;
 /// the cross-section.
 pub(super) fn part(app: &App, scene: &CloudScene, eye: Vec3) -> ScenePart {
     let options = &app.view.options.cloud;
-    let corners = options.clip.map(|one| clip::limits(scene.origin_m, one));
+    let corners = options.clip.map(|clip_box| clip::limits(scene.origin_m, clip_box));
     let cut = options.cut.then(|| cut(app.map.measuring.stations(), scene, eye));
     ScenePart { corners: corners.unwrap_or(ScenePart::WHOLE.corners), cut: cut.flatten() }
 }
@@ -46,13 +46,13 @@ pub(super) fn paint(painter: &Painter, app: &App, scene: &CloudScene, axes: &Box
         return;
     }
     let colour = theme::MEASURE_COLOUR;
-    let at = |one: &TransectStation, depth_m: f64| {
-        let [east_m, north_m] = one.place;
+    let at = |station: &TransectStation, depth_m: f64| {
+        let [east_m, north_m] = station.place;
         in_box(axes, scene.local(east_m, north_m, -depth_m))
     };
-    let bottom = |one: &TransectStation| at(one, f64::from(one.depth_m?));
+    let bottom = |station: &TransectStation| at(station, f64::from(station.depth_m?));
     let bottom: Vec<Option<Pos2>> = stations.iter().map(bottom).collect();
-    let surface: Vec<Option<Pos2>> = stations.iter().map(|one| at(one, 0.0)).collect();
+    let surface: Vec<Option<Pos2>> = stations.iter().map(|station| at(station, 0.0)).collect();
     let thin = Stroke::new(1.0, colour);
     lines(painter, &bottom, Stroke::new(2.5, colour));
     lines(painter, &surface, thin);

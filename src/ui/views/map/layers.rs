@@ -80,7 +80,7 @@ impl TrackLayer {
         progress: &Progress,
     ) -> Option<Self> {
         let each = || logs.iter().map(|shown| (shown, records(&shown.log)));
-        let place = |one: Record<'_>| [one.place.east_m, one.place.north_m];
+        let place = |record: Record<'_>| [record.place.east_m, record.place.north_m];
         let bounds = around(each().flat_map(|(_, records)| records.into_iter().map(place)));
         if bounds == NOWHERE {
             return None;
@@ -146,7 +146,8 @@ struct PingBoxes {
 impl PingBoxes {
     /// Creates the boxes in one pass over the pings.
     fn new(navigation: Arc<Navigation>) -> Self {
-        let places = |pings: &[PingNav]| around(pings.iter().map(|one| [one.east_m, one.north_m]));
+        let places =
+            |pings: &[PingNav]| around(pings.iter().map(|ping| [ping.east_m, ping.north_m]));
         let boxes = navigation.pings.chunks(PINGS).map(places);
         Self { boxes: boxes.collect(), navigation }
     }

@@ -350,7 +350,7 @@ fn boxes(context: &ViewContext<'_>) -> String {
     let logs = || context.app.visible_logs().map(|log| &log.reviewing);
     let placed = logs().flat_map(|reviewing| {
         let boxes = reviewing.in_line();
-        boxes.filter(|one| reviewing.placed(one.id).is_some())
+        boxes.filter(|review_box| reviewing.placed(review_box.id).is_some())
     });
     if logs().any(Reviewing::has_boxes) {
         format!(", {}", text::plural(placed.count(), "box", "boxes"))

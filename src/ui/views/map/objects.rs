@@ -27,12 +27,12 @@ fn placed<'a>(scene: &MapScene<'_>, app: &'a App) -> impl Iterator<Item = Seen<'
     logs.flat_map(move |log| {
         let reviewing = &log.reviewing;
         let others = reviewing.in_line();
-        let others = others.filter(|one| Some(one.id) != reviewing.selected);
+        let others = others.filter(|review_box| Some(review_box.id) != reviewing.selected);
         let all = others.chain(reviewing.selected_box());
-        all.filter_map(move |one| {
-            let placed = reviewing.placed(one.id)?;
+        all.filter_map(move |review_box| {
+            let placed = reviewing.placed(review_box.id)?;
             let at = transform.to_screen(frame, [placed.target.east_m, placed.target.north_m]);
-            rect.contains(at).then_some(Seen { log, one, placed, at })
+            rect.contains(at).then_some(Seen { log, review_box, placed, at })
         })
     })
 }
@@ -40,7 +40,7 @@ fn placed<'a>(scene: &MapScene<'_>, app: &'a App) -> impl Iterator<Item = Seen<'
 /// A box on the map.
 struct Seen<'a> {
     log: &'a OpenLog,
-    one: &'a Reviewed,
+    review_box: &'a Reviewed,
     placed: &'a Arc<LocatedObject>,
     /// Middle of the box on the screen.
     at: Pos2,
@@ -48,7 +48,7 @@ struct Seen<'a> {
 
 impl Seen<'_> {
     fn id(&self) -> LogBox {
-        LogBox { log: self.log.id, id: self.one.id }
+        LogBox { log: self.log.id, id: self.review_box.id }
     }
 }
 
@@ -56,13 +56,13 @@ impl Seen<'_> {
 pub(super) fn paint(painter: &Painter, scene: &MapScene<'_>, app: &App) {
     sightings(painter, scene, app);
     for seen in placed(scene, app) {
-        let Seen { log, one, placed, at } = seen;
-        let is_selected = log.id == app.log.id && Some(one.id) == log.reviewing.selected;
-        let colour = theme::box_colour_on_panel(scene.options.theme, one.state);
+        let Seen { log, review_box, placed, at } = seen;
+        let is_selected = log.id == app.log.id && Some(review_box.id) == log.reviewing.selected;
+        let colour = theme::box_colour_on_panel(scene.options.theme, review_box.state);
         let footprint = placed.corners.map(|corner| scene.at(corner));
         if Rect::from_points(&footprint).size().max_elem() >= FOOTPRINT {
             let stroke = Stroke::new(1.0, colour);
-            match one.state {
+            match review_box.state {
                 State::Rejected => {
                     let [a, b, c, d] = footprint;
                     painter.extend(Shape::dashed_line(&[a, b, c, d, a], stroke, 4.0, 4.0));
@@ -72,7 +72,7 @@ pub(super) fn paint(painter: &Painter, scene: &MapScene<'_>, app: &App) {
                 }
             }
         }
-        mark(painter, at, one.state, colour);
+        mark(painter, at, review_box.state, colour);
         if is_selected {
             let ring = Stroke::new(2.0, theme::SELECTION_COLOUR);
             painter.circle_stroke(at, HALF + 4.0, ring);
@@ -81,7 +81,7 @@ pub(super) fn paint(painter: &Painter, scene: &MapScene<'_>, app: &App) {
                 let faint = Stroke::new(1.0, theme::SELECTION_COLOUR.gamma_multiply(0.6));
                 painter.circle_stroke(at, sigma, faint);
             }
-            let name = log.reviewing.review.class_name(one.class);
+            let name = log.reviewing.review.class_name(review_box.class);
             let corner = at + vec2(HALF + 8.0, 0.0);
             let (options, beside) = (scene.options, Align2::LEFT_CENTER);
             legend::plate(painter, options, corner, beside, name, colour);

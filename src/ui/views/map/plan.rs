@@ -136,7 +136,7 @@ impl PlanTool {
             line[drag.end] = drag.at;
         }
         let way = planned.plan.way.iter();
-        let way: Vec<Pos2> = way.map(|one| place.at(&planned, one.place)).collect();
+        let way: Vec<Pos2> = way.map(|waypoint| place.at(&planned, waypoint.place)).collect();
         let painter = ui.painter_at(scene.rect);
         let selected = context.app.map.planning.selected;
         paint(&painter, scene, &way, &lines, selected);

@@ -35,13 +35,13 @@ impl ResidualLayer {
         let count = agreement.logs.iter().map(|log| log.differences.len()).sum();
         let mut dots = Vec::with_capacity(count);
         let mut differences_m = Vec::with_capacity(count);
-        for (index, (cloud, one)) in agreement.differences().enumerate() {
+        for (index, (cloud, matched)) in agreement.differences().enumerate() {
             if index % CHECK == 0 {
                 progress.check().ok()?;
             }
-            let point = &cloud.points[one.measured];
-            differences_m.push(one.difference_m as f32);
-            let share = 0.5 + 0.5 * (one.difference_m / reach_m).clamp(-1.0, 1.0);
+            let point = &cloud.points[matched.measured];
+            differences_m.push(matched.difference_m as f32);
+            let share = 0.5 + 0.5 * (matched.difference_m / reach_m).clamp(-1.0, 1.0);
             dots.push(Dot {
                 east_m: point.east_m,
                 north_m: point.north_m,

@@ -92,7 +92,7 @@ impl Layers {
         let stack = &context.options().map.layers;
         self.deriving = context.app.deriving().collect();
         self.take_depths(context.app.depth_map().flatten());
-        let settings = logs.first().map(|one| &one.log.products.settings.mosaic);
+        let settings = logs.first().map(|shown| &shown.log.products.settings.mosaic);
         self.take_mosaic(context.app.mosaic().flatten().zip(settings));
         if stack.is_visible(MapLayer::Isobaths) {
             self.ask_for_isobaths(context);

@@ -27,7 +27,7 @@ impl ColumnWidths {
         let shares: f32 = shown.iter().map(|column| share(column)).sum();
         let left = (room - PICTURE_WIDTH - least).max(0.0);
         let width = |column| least_width(column) + left * share(column) / shares;
-        Self { widths: shown.into_iter().map(|one| (one, width(one))).collect() }
+        Self { widths: shown.into_iter().map(|column| (column, width(column))).collect() }
     }
 
     /// Returns the width of a row, points.

@@ -87,7 +87,7 @@ impl ObjectsView {
         let listed: Vec<&Object> =
             (app.listed_objects().iter()).filter_map(|number| app.object(*number)).collect();
         let selected = app.selected_object().map(|object| object.number);
-        let selected = listed.iter().position(|one| Some(one.number) == selected);
+        let selected = listed.iter().position(|object| Some(object.number) == selected);
         let body = self.body(ui, listed.len(), selected);
         context.commands.extend(self.keys(ui, context, &listed, selected, &body));
         let is_new = selected != std::mem::replace(&mut self.last_selected, selected);

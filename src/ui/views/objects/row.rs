@@ -96,9 +96,9 @@ impl ObjectTableRow<'_> {
         let Some(id) = app.best_box(self.object) else {
             return;
         };
-        if let (Some(one), Some(chip)) = (app.log_box(id), thumbnails.of(id)) {
+        if let (Some(review_box), Some(chip)) = (app.log_box(id), thumbnails.of(id)) {
             let mut inside = ui.new_child(UiBuilder::new().max_rect(area));
-            chip.draw(&mut inside, one, area.size(), Sense::hover());
+            chip.draw(&mut inside, review_box, area.size(), Sense::hover());
         }
     }
 

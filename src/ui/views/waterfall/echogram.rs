@@ -56,11 +56,11 @@ impl EchogramPart {
         if options.echogram_alone || !place::has_side_scan(context.app) {
             return [Rect::NOTHING, whole];
         }
-        let (one, other) = match options.orientation {
+        let (side_scan, channel) = match options.orientation {
             Orientation::Horizontal => whole.split_top_bottom_at_fraction(1.0 - SHARE),
             Orientation::Vertical => whole.split_left_right_at_fraction(1.0 - SHARE),
         };
-        [one, other]
+        [side_scan, channel]
     }
 
     /// Starts again for another log or channel.

@@ -118,7 +118,8 @@ fn said(context: &ViewContext<'_>, comparison: &TruthComparison, mistake: &Mista
     match mistake {
         Mistake::FalseAlarm { id, score, cause, .. } => {
             let review = &context.app.log.reviewing.review;
-            let class = review.get(*id).map_or("", |one| review.class_name(one.class));
+            let class =
+                review.get(*id).map_or("", |review_box| review.class_name(review_box.class));
             let cause = match cause {
                 Cause::Background => "nothing there",
                 Cause::Duplicate => "found twice",
@@ -140,8 +141,9 @@ fn colour(context: &ViewContext<'_>, mistake: &Mistake) -> egui::Color32 {
     let look = context.theme();
     match mistake {
         Mistake::FalseAlarm { id, .. } => {
-            let one = context.app.log.reviewing.review.get(*id);
-            let state = one.map_or(bathyscope_objects::review::State::Proposed, |one| one.state);
+            let found = context.app.log.reviewing.review.get(*id);
+            let state = found
+                .map_or(bathyscope_objects::review::State::Proposed, |review_box| review_box.state);
             theme::box_colour_on_panel(look, state)
         }
         Mistake::Miss { .. } => theme::missed_colour_on_panel(look),

@@ -237,11 +237,13 @@ mod tests {
                     .map(|point| (point[0] - label.place[0]).hypot(point[1] - label.place[1]));
                 let off_m = near.fold(f32::MAX, f32::min);
                 assert!(off_m < 0.6 + 4.0 * metres_per_point, "{off_m}");
-                let one = spans(label, metres_per_point);
+                let span = spans(label, metres_per_point);
                 for other in &labels[..index] {
-                    let two = spans(other, metres_per_point);
-                    let apart =
-                        one[2] < two[0] || two[2] < one[0] || one[3] < two[1] || two[3] < one[1];
+                    let other_span = spans(other, metres_per_point);
+                    let apart = span[2] < other_span[0]
+                        || other_span[2] < span[0]
+                        || span[3] < other_span[1]
+                        || other_span[3] < span[1];
                     assert!(apart, "{label:?} and {other:?}");
                 }
             }

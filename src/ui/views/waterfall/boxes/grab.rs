@@ -123,7 +123,7 @@ impl BoxGrab {
                 .log
                 .reviewing
                 .selected_box()
-                .and_then(|one| cursor(app, lens, one, lens.place_at(at))),
+                .and_then(|review_box| cursor(app, lens, review_box, lens.place_at(at))),
             _ => None,
         };
         if let Some(icon) = icon {
@@ -143,26 +143,26 @@ impl BoxGrab {
 
 /// Returns the edges of a box under the pointer, if there are any; a point has no edges and moves
 /// as a whole.
-fn edges_under(lens: &Lens, one: &Reviewed, at: LensPlace) -> Option<Edges> {
-    let edges = Edges::under(lens, &one.mark, at)?;
-    Some(match one.extent {
+fn edges_under(lens: &Lens, review_box: &Reviewed, at: LensPlace) -> Option<Edges> {
+    let edges = Edges::under(lens, &review_box.mark, at)?;
+    Some(match review_box.extent {
         ObjectExtent::Point => Edges::ALL,
         ObjectExtent::Found | ObjectExtent::Drawn { .. } => edges,
     })
 }
 
 /// Returns the border between echo and shadow, metres of slant range, if it is under the pointer.
-fn border_under(app: &App, lens: &Lens, one: &Reviewed, at: LensPlace) -> Option<f64> {
-    let border_m = border_m(&app.log.reviewing, one);
-    let is_under =
-        one.extent != ObjectExtent::Point && Edges::is_border(lens, &one.mark, border_m, at);
+fn border_under(app: &App, lens: &Lens, review_box: &Reviewed, at: LensPlace) -> Option<f64> {
+    let border_m = border_m(&app.log.reviewing, review_box);
+    let is_under = review_box.extent != ObjectExtent::Point
+        && Edges::is_border(lens, &review_box.mark, border_m, at);
     is_under.then_some(border_m)
 }
 
-fn cursor(app: &App, lens: &Lens, one: &Reviewed, at: LensPlace) -> Option<CursorIcon> {
-    match border_under(app, lens, one, at) {
+fn cursor(app: &App, lens: &Lens, review_box: &Reviewed, at: LensPlace) -> Option<CursorIcon> {
+    match border_under(app, lens, review_box, at) {
         Some(_) => Some(CursorIcon::Crosshair),
-        None => edges_under(lens, one, at).map(|edges| edges.cursor()),
+        None => edges_under(lens, review_box, at).map(|edges| edges.cursor()),
     }
 }
 
@@ -170,25 +170,25 @@ fn take(app: &App, lens: &Lens, at: Pos2) -> Option<Held> {
     if app.log.reviewing.tool == Tool::Draw {
         return Some(Held::Corner(at));
     }
-    let one = app.log.reviewing.selected_box()?;
+    let review_box = app.log.reviewing.selected_box()?;
     let from = lens.place_at(at);
-    if let Some(border_m) = border_under(app, lens, one, from) {
+    if let Some(border_m) = border_under(app, lens, review_box, from) {
         return Some(Held::Border {
-            id: one.id,
-            mark: one.mark.clone(),
-            extent: one.extent,
+            id: review_box.id,
+            mark: review_box.mark.clone(),
+            extent: review_box.extent,
             border_m,
             from,
         });
     }
-    let edges = edges_under(lens, one, from)?;
-    Some(Held::Box { id: one.id, edges, origin: one.mark.clone(), from })
+    let edges = edges_under(lens, review_box, from)?;
+    Some(Held::Box { id: review_box.id, edges, origin: review_box.mark.clone(), from })
 }
 
 /// Returns the area of a box for clicks: its outline with a margin, or the ring of a point.
-fn reach(lens: &Lens, one: &Reviewed) -> Rect {
-    let rect = on_screen(lens, &one.mark);
-    match one.extent {
+fn reach(lens: &Lens, review_box: &Reviewed) -> Rect {
+    let rect = on_screen(lens, &review_box.mark);
+    match review_box.extent {
         ObjectExtent::Point => Rect::from_center_size(rect.center(), Vec2::splat(POINT)),
         ObjectExtent::Found | ObjectExtent::Drawn { .. } => rect.expand(NEAR),
     }
@@ -203,7 +203,7 @@ pub(in crate::ui::views::waterfall) fn under(lens: &Lens, app: &App, at: Pos2) -
     let count = app.log.survey.as_ref()?.side_scan.len();
     let boxes = app.log.reviewing.between(lens.visible(count));
     boxes
-        .map(|one| (one.id, reach(lens, one)))
+        .map(|review_box| (review_box.id, reach(lens, review_box)))
         .filter(|(_, rect)| rect.contains(at))
         .min_by(|(_, a), (_, b)| a.area().total_cmp(&b.area()))
         .map(|(id, _)| id)

@@ -31,7 +31,7 @@ const SHAPE_DASH: f32 = 4.0;
 
 /// A visible box.
 pub(super) struct ShownBox<'a> {
-    one: &'a Reviewed,
+    review_box: &'a Reviewed,
     rect: Rect,
     is_selected: bool,
 }
@@ -44,10 +44,10 @@ pub(super) fn in_view<'a>(lens: &Lens, app: &'a App) -> Vec<ShownBox<'a>> {
         Some(survey) if app.view.options.waterfall.boxes => lens.visible(survey.side_scan.len()),
         _ => return Vec::new(),
     };
-    let shown = |one: &'a Reviewed| ShownBox {
-        one,
-        rect: on_screen(lens, &one.mark),
-        is_selected: Some(one.id) == reviewing.selected,
+    let shown = |review_box: &'a Reviewed| ShownBox {
+        review_box,
+        rect: on_screen(lens, &review_box.mark),
+        is_selected: Some(review_box.id) == reviewing.selected,
     };
     let others = reviewing.between(pings).map(shown);
     let mut seen: Vec<ShownBox<'_>> =
@@ -76,13 +76,13 @@ impl ShownBox<'_> {
 
     /// Draws the outline of the box, and the handles of the box that is edited.
     pub(super) fn draw(&self, painter: &Painter, lens: &Lens, reviewing: &Reviewing) {
-        let style = Style::of(self.one.state);
-        if self.one.extent == ObjectExtent::Point {
+        let style = Style::of(self.review_box.state);
+        if self.review_box.extent == ObjectExtent::Point {
             return outline::point(painter, self.rect.center(), style, self.is_selected);
         }
         outline::draw(painter, self.rect, style, self.is_selected);
         let is_edited = self.is_selected && reviewing.tool == Tool::Edit;
-        if is_edited || self.one.extent.border_m().is_some() {
+        if is_edited || self.review_box.extent.border_m().is_some() {
             let border = self.border(lens, reviewing);
             let is_small = self.rect.size().min_elem() < LABELLED;
             if is_edited || !is_small {
@@ -99,18 +99,18 @@ impl ShownBox<'_> {
 
     /// Returns the line between the echo and the shadow of the box.
     fn border(&self, lens: &Lens, reviewing: &Reviewing) -> [Pos2; 2] {
-        self.line_at(lens, border_m(reviewing, self.one))
+        self.line_at(lens, border_m(reviewing, self.review_box))
     }
 
     fn line_at(&self, lens: &Lens, range_m: f64) -> [Pos2; 2] {
-        let Mark { side, pings, .. } = &self.one.mark;
+        let Mark { side, pings, .. } = &self.review_box.mark;
         [pings.start, pings.end]
             .map(|ping| lens.screen_at(LensPlace::of(ping as f64, *side, range_m)))
     }
 
     /// Returns the edge that the arrow keys move; `None` where they move the whole box.
     fn edge(&self, lens: &Lens, reviewing: &Reviewing) -> Option<[Pos2; 2]> {
-        let Mark { side, pings, near_m, far_m } = &self.one.mark;
+        let Mark { side, pings, near_m, far_m } = &self.review_box.mark;
         let at_ping = |ping: usize| {
             [*near_m, *far_m]
                 .map(|range_m| lens.screen_at(LensPlace::of(ping as f64, *side, range_m)))
@@ -129,7 +129,8 @@ impl ShownBox<'_> {
     pub(super) fn label(&self, labels: &mut WaterfallLabels<'_>, review: &Review) {
         if self.rect.size().min_elem() >= LABELLED || self.is_selected {
             let at = self.rect.left_top() - vec2(0.0, 2.0);
-            let (caption, style) = (caption(self.one, review), Style::of(self.one.state));
+            let (caption, style) =
+                (caption(self.review_box, review), Style::of(self.review_box.state));
             labels.write(at, Align2::LEFT_BOTTOM, &caption, style.colour);
         }
     }
@@ -189,11 +190,13 @@ pub(super) fn draw_shape(painter: &Painter, lens: &Lens, app: &App) {
     };
     let boxes = object.boxes.iter().zip(&fitted.on_pings);
     for (id, on_pings) in boxes.filter(|(id, _)| id.log == app.log.id) {
-        let Some(one) = app.log_box(*id) else {
+        let Some(review_box) = app.log_box(*id) else {
             continue;
         };
-        let echo = around(lens, &one.mark, on_pings, |one| one.echo_m);
-        let shadow = around(lens, &one.mark, on_pings, |one| [one.echo_m[1], one.shadow_end_m]);
+        let echo = around(lens, &review_box.mark, on_pings, |on_ping| on_ping.echo_m);
+        let shadow = around(lens, &review_box.mark, on_pings, |on_ping| {
+            [on_ping.echo_m[1], on_ping.shadow_end_m]
+        });
         let rim = Stroke::new(SHAPE_RIM, outline::RIM);
         let stroke = Stroke::new(SHAPE_WIDTH, theme::INFERRED_COLOUR);
         if echo.len() < 3 || !painter.clip_rect().intersects(egui::Rect::from_points(&shadow)) {
@@ -212,12 +215,12 @@ fn around(
     on_pings: &[ShapeOnPing],
     between_m: impl Fn(&ShapeOnPing) -> [f64; 2],
 ) -> Vec<Pos2> {
-    let at = |one: &ShapeOnPing, edge: usize| {
-        let range_m = between_m(one)[edge];
-        lens.screen_at(LensPlace::of(one.ping as f64 + 0.5, mark.side, range_m))
+    let at = |on_ping: &ShapeOnPing, edge: usize| {
+        let range_m = between_m(on_ping)[edge];
+        lens.screen_at(LensPlace::of(on_ping.ping as f64 + 0.5, mark.side, range_m))
     };
-    let there = on_pings.iter().map(|one| at(one, 0));
-    let back = on_pings.iter().rev().map(|one| at(one, 1));
+    let there = on_pings.iter().map(|on_ping| at(on_ping, 0));
+    let back = on_pings.iter().rev().map(|on_ping| at(on_ping, 1));
     there.chain(back).collect()
 }
 
@@ -228,11 +231,14 @@ fn closed(mut line: Vec<Pos2>) -> Vec<Pos2> {
 
 /// Returns `rock 0.87`, or `Anna (wreck) 0.87` for a box with a name; the outline already shows the
 /// decision.
-fn caption(one: &Reviewed, review: &Review) -> String {
-    let class = review.class_name(one.class);
-    let class =
-        if one.name.is_empty() { class.to_owned() } else { format!("{} ({class})", one.name) };
-    match one.score {
+fn caption(review_box: &Reviewed, review: &Review) -> String {
+    let class = review.class_name(review_box.class);
+    let class = if review_box.name.is_empty() {
+        class.to_owned()
+    } else {
+        format!("{} ({class})", review_box.name)
+    };
+    match review_box.score {
         Some(score) => format!("{class} {score:.2}"),
         None => class,
     }
@@ -244,10 +250,10 @@ pub(super) fn words(seen: &[ShownBox<'_>], missed: &[Missed<'_>], app: &App) -> 
         return tool_in_hand(app).to_owned();
     }
     let selected = app.log.reviewing.selected_box();
-    let selected = selected.map_or_else(String::new, |one| {
-        let caption = caption(one, &app.log.reviewing.review);
-        let id = one.id.0;
-        let state = one.state.name();
+    let selected = selected.map_or_else(String::new, |review_box| {
+        let caption = caption(review_box, &app.log.reviewing.review);
+        let id = review_box.id.0;
+        let state = review_box.state.name();
         format!(", box {id} selected: {caption}, {state}")
     });
     let missed = match missed.len() {
