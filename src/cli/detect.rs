@@ -123,7 +123,7 @@ fn detect_into(
 
 fn is_picture(path: &Path) -> bool {
     let ending = path.extension().map(|ending| ending.to_ascii_lowercase());
-    ending.is_some_and(|ending| ["png", "jpg", "jpeg"].iter().any(|one| ending == *one))
+    ending.is_some_and(|ending| ["png", "jpg", "jpeg"].iter().any(|known| ending == *known))
 }
 
 /// Searches a log; returns the findings as text, and what was replaced in the folder.
@@ -160,7 +160,7 @@ fn search_picture(
     let (found, replaced) =
         outputs::write_detected_in_picture(&name, &picture, model, settings, run, &progress)
             .map_err(|error| format!("{error}: {}", input.display()))?;
-    let names = found.iter().map(|one| model.names()[one.class].as_str());
+    let names = found.iter().map(|detection| model.names()[detection.class].as_str());
     Ok((boxes_in_words(names), replaced))
 }
 
@@ -211,7 +211,7 @@ fn boxes_in_words<'a>(names: impl Iterator<Item = &'a str>) -> String {
 /// object found in several passes has several boxes.
 pub(super) fn proposed_in_words(found: &Proposed, names: &[String]) -> String {
     let name = |class: usize| names.get(class).map_or("object", String::as_str);
-    let boxes = boxes_in_words(found.boxes.iter().map(|one| name(one.class)));
+    let boxes = boxes_in_words(found.boxes.iter().map(|detection| name(detection.class)));
     let objects = match found.objects {
         0 => String::new(),
         1 => " on 1 object".to_owned(),
@@ -231,12 +231,12 @@ mod tests {
     use bathyscope_objects::{Detection, Mark};
 
     fn summary_of(classes: &[usize], objects: usize, unplaced: usize) -> String {
-        let one = |&class: &usize| Detection {
+        let detection = |&class: &usize| Detection {
             class,
             score: 0.5,
             mark: Mark { side: Side::Port, pings: 0..4, near_m: 3.0, far_m: 4.0 },
         };
-        let boxes = classes.iter().map(one).collect();
+        let boxes = classes.iter().map(detection).collect();
         let found = Proposed { boxes, objects, unplaced };
         proposed_in_words(&found, &["rock".to_owned(), "tyre".to_owned()])
     }

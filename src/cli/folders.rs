@@ -132,8 +132,8 @@ fn common(names: &[String]) -> String {
     }
     let alike = |other: &String| {
         let pairs = first.char_indices().zip(other.chars());
-        let same = pairs.take_while(|((_, one), other)| one == other);
-        same.last().map_or(0, |((at, one), _)| at + one.len_utf8())
+        let same = pairs.take_while(|((_, letter), other)| letter == other);
+        same.last().map_or(0, |((at, letter), _)| at + letter.len_utf8())
     };
     let length = others.iter().map(alike).min().unwrap_or(0);
     let goes_on = |name: &String| {

@@ -310,7 +310,7 @@ fn format_to_json(format: &FormatEntry) -> Value {
     let ending =
         |(ending, role): &(&str, FileRole)| json!({ "ending": ending, "role": role.name() });
     let endings: Vec<Value> = format.endings.iter().map(ending).collect();
-    let carries: Vec<&str> = format.carries.iter().map(|one| one.name()).collect();
+    let carries: Vec<&str> = format.carries.iter().map(|kind| kind.name()).collect();
     json!({
         "name": format.name,
         "recorders": format.recorders,

@@ -141,7 +141,7 @@ pub(super) fn run(args: ProcessArgs) -> Result<(), Failure> {
 impl ProcessArgs {
     /// Returns the groups of files that are asked for; empty for tiles.
     fn products(&self) -> Result<Vec<Product>, Failure> {
-        let files = self.products.iter().filter_map(|one| match one {
+        let files = self.products.iter().filter_map(|requested| match requested {
             Requested::Files(product) => Some(*product),
             Requested::Tiles => None,
         });

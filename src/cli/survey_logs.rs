@@ -191,7 +191,7 @@ pub(super) fn all_or(failed: usize, all: usize) -> Result<(), Failure> {
 }
 
 fn add(opened: &mut Vec<OpenedLog>, log: OpenedLog, path: &Path) {
-    if let Some(same) = opened.iter().find(|one| is_same(&one.survey, &log.survey)) {
+    if let Some(same) = opened.iter().find(|known| is_same(&known.survey, &log.survey)) {
         return output::notify(format_args!(
             "warning: the log holds the same bytes as {} and is taken once: {}",
             same.survey.name(),

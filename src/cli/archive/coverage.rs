@@ -104,19 +104,19 @@ struct Printed<'a> {
 }
 
 impl<'a> Printed<'a> {
-    fn new(one: &'a PingCoverage) -> Self {
+    fn new(coverage: &'a PingCoverage) -> Self {
         Self {
-            log: &one.log,
-            name: &one.name,
-            ping: one.ping,
-            side: one.side.name(),
-            sample: one.seen.samples[0],
-            last_sample: one.seen.samples[1],
-            range_m: one.seen.range_m,
-            distance_m: one.seen.distance_m,
-            time: one.unix_us.map(utc),
-            time_s: one.time_s,
-            excluded: one.is_excluded,
+            log: &coverage.log,
+            name: &coverage.name,
+            ping: coverage.ping,
+            side: coverage.side.name(),
+            sample: coverage.seen.samples[0],
+            last_sample: coverage.seen.samples[1],
+            range_m: coverage.seen.range_m,
+            distance_m: coverage.seen.distance_m,
+            time: coverage.unix_us.map(utc),
+            time_s: coverage.time_s,
+            excluded: coverage.is_excluded,
         }
     }
 }
@@ -131,11 +131,11 @@ fn in_words(found: &[PingCoverage]) -> String {
         return "no ping of this archive covers ground there".to_owned();
     }
     let mut by_side: Vec<&PingCoverage> = found.iter().collect();
-    by_side.sort_by_key(|one| (&one.name, &one.log, one.side, one.ping));
+    by_side.sort_by_key(|coverage| (&coverage.name, &coverage.log, coverage.side, coverage.ping));
     let same_pass = |a: &&PingCoverage, b: &&PingCoverage| {
         (&a.log, a.side) == (&b.log, b.side) && b.ping - a.ping <= 1
     };
-    let mut logs: Vec<&str> = by_side.iter().map(|one| one.log.as_str()).collect();
+    let mut logs: Vec<&str> = by_side.iter().map(|coverage| coverage.log.as_str()).collect();
     logs.dedup();
     let mut lines: Vec<String> = by_side.chunk_by(same_pass).map(of_pass).collect();
     lines.push(format!(
@@ -150,13 +150,13 @@ fn of_pass(pass: &[&PingCoverage]) -> String {
     let (Some(first), Some(last)) = (pass.first(), pass.last()) else {
         return String::new();
     };
-    let samples = pass.iter().map(|one| one.seen.samples);
+    let samples = pass.iter().map(|coverage| coverage.seen.samples);
     let (least, most) = samples
         .fold((i32::MAX, i32::MIN), |(least, most), [from, to]| (least.min(from), most.max(to)));
     let range =
         |from: i32, to: i32| if from == to { from.to_string() } else { format!("{from} to {to}") };
     let time = first.unix_us.map_or_else(|| format!("{:.1} s", first.time_s), utc);
-    let excluded = if pass.iter().all(|one| one.is_excluded) { ", excluded" } else { "" };
+    let excluded = if pass.iter().all(|coverage| coverage.is_excluded) { ", excluded" } else { "" };
     format!(
         "{}: ping {}, {}, sample {}, slant range {:.1} m, {time}{excluded}",
         first.name,

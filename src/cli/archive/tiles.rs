@@ -62,15 +62,15 @@ pub(crate) fn run_tiles(args: &TilesArgs) -> Result<(), Failure> {
     if args.json {
         return output::json(&printed);
     }
-    let line = |one: &Printed| {
+    let line = |row: &Printed| {
         format!(
             "{}  {}, {} of {} in it, {}: map {}",
-            one.tile,
-            text::plural(one.logs, "log", "logs"),
-            text::count(one.core_points),
-            text::plural(one.points, "point", "points"),
-            text::plural(one.pings, "ping", "pings"),
-            one.map
+            row.tile,
+            text::plural(row.logs, "log", "logs"),
+            text::count(row.core_points),
+            text::plural(row.points, "point", "points"),
+            text::plural(row.pings, "ping", "pings"),
+            row.map
         )
     };
     let mut lines: Vec<String> = printed.iter().map(line).collect();

@@ -257,9 +257,9 @@ fn write_matches(path: &Path, measured: &Elevations, matches: &[Match]) -> Resul
     write_atomically(path, |file| {
         let mut out = BufWriter::new(file);
         writeln!(out, "x_m,y_m,z_m,reference_z_m,difference_m")?;
-        for one in matches {
-            let [x, y, z] = measured.points[one.measured];
-            let Match { reference_z_m, difference_m, .. } = one;
+        for matched in matches {
+            let [x, y, z] = measured.points[matched.measured];
+            let Match { reference_z_m, difference_m, .. } = matched;
             writeln!(out, "{x},{y},{z},{reference_z_m},{difference_m}")?;
         }
         out.flush()

@@ -103,10 +103,10 @@ fn types() -> String {
 fn manual_pages(command: clap::Command) -> Vec<ShareFile> {
     let mut command = command.disable_help_subcommand(true);
     command.build();
-    let commands = command.get_subcommands().filter(|one| !one.is_hide_set());
+    let commands = command.get_subcommands().filter(|subcommand| !subcommand.is_hide_set());
     let all = commands.cloned().chain([command.clone()]);
-    let page = |one: clap::Command| {
-        let page = Man::new(one).manual("Bathyscope");
+    let page = |command: clap::Command| {
+        let page = Man::new(command).manual("Bathyscope");
         let mut text = Vec::new();
         // Writing into memory cannot fail.
         page.render(&mut text).ok();
@@ -184,8 +184,8 @@ mod tests {
         let process = text("man/man1/bathyscope-process.1");
         assert!(process.contains("outliers.radius_m"), "its settings");
         let completions = COMPLETIONS.map(|(_, path)| text(path));
-        for one in command.get_subcommands() {
-            let name = one.get_name();
+        for subcommand in command.get_subcommands() {
+            let name = subcommand.get_name();
             text(&format!("man/man1/bathyscope-{name}.1"));
             assert!(completions.iter().all(|text| text.contains(name)), "{name}");
         }

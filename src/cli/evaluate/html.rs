@@ -102,21 +102,21 @@ struct MistakeLine<'a> {
 /// Lists false alarms by falling score, then misses by falling size.
 fn list<'a>(outcome: &'a Outcome) -> Vec<MistakeLine<'a>> {
     let (paired, evaluation) = (&outcome.paired, &outcome.darknet);
-    let alarms = evaluation.false_alarms.iter().map(|one| {
-        let predicted = &paired.images[one.image].predicted[one.predicted];
+    let alarms = evaluation.false_alarms.iter().map(|alarm| {
+        let predicted = &paired.images[alarm.image].predicted[alarm.predicted];
         MistakeLine {
-            what: one.cause.name(),
-            picture: one.image,
+            what: alarm.cause.name(),
+            picture: alarm.image,
             class: predicted.class,
             score: Some(predicted.score),
             rect: &predicted.rect,
         }
     });
-    let misses = evaluation.misses.iter().map(|one| {
-        let truth = &paired.images[one.image].truth[one.truth];
+    let misses = evaluation.misses.iter().map(|miss| {
+        let truth = &paired.images[miss.image].truth[miss.truth];
         MistakeLine {
             what: "missed",
-            picture: one.image,
+            picture: miss.image,
             class: truth.class,
             score: None,
             rect: &truth.rect,
@@ -129,13 +129,13 @@ fn list<'a>(outcome: &'a Outcome) -> Vec<MistakeLine<'a>> {
 
 fn mistakes(outcome: &Outcome) -> Value {
     let (all, paired) = (list(outcome), &outcome.paired);
-    let lines = all.iter().take(MOST_ROWS).map(|one| {
-        let Rect { x0, y0, x1, y1 } = one.rect;
+    let lines = all.iter().take(MOST_ROWS).map(|mistake| {
+        let Rect { x0, y0, x1, y1 } = mistake.rect;
         context! {
-            picture => &paired.names[one.picture],
-            class => &paired.classes[one.class],
-            what => one.what,
-            score => one.score.map(|score| format!("{score:.3}")),
+            picture => &paired.names[mistake.picture],
+            class => &paired.classes[mistake.class],
+            what => mistake.what,
+            score => mistake.score.map(|score| format!("{score:.3}")),
             edges => format!("{x0:.0}, {y0:.0}, {x1:.0}, {y1:.0}"),
         }
     });

@@ -99,13 +99,13 @@ fn edges(rect: &Rect) -> [f32; 4] {
 
 fn false_alarms(outcome: &Outcome) -> Vec<Value> {
     let paired = &outcome.paired;
-    let list = outcome.darknet.false_alarms.iter().map(|one| {
-        let predicted = &paired.images[one.image].predicted[one.predicted];
+    let list = outcome.darknet.false_alarms.iter().map(|alarm| {
+        let predicted = &paired.images[alarm.image].predicted[alarm.predicted];
         json!({
-            "picture": paired.names[one.image],
+            "picture": paired.names[alarm.image],
             "class": paired.classes[predicted.class],
             "score": predicted.score,
-            "cause": one.cause.name(),
+            "cause": alarm.cause.name(),
             "box_px": edges(&predicted.rect),
         })
     });
@@ -114,10 +114,10 @@ fn false_alarms(outcome: &Outcome) -> Vec<Value> {
 
 fn misses(outcome: &Outcome) -> Vec<Value> {
     let paired = &outcome.paired;
-    let list = outcome.darknet.misses.iter().map(|one| {
-        let truth = &paired.images[one.image].truth[one.truth];
+    let list = outcome.darknet.misses.iter().map(|miss| {
+        let truth = &paired.images[miss.image].truth[miss.truth];
         json!({
-            "picture": paired.names[one.image],
+            "picture": paired.names[miss.image],
             "class": paired.classes[truth.class],
             "box_px": edges(&truth.rect),
         })

@@ -89,11 +89,11 @@ impl Known {
         let progress = Progress::new();
         let found = find(&self.survey, &self.navigation, model, &settings, &progress, |_| ())?;
         Ok(Side::BOTH.map(|side| {
-            let of_side = found.iter().filter(|one| one.mark.side == side);
-            let scored = of_side.map(|one| Scored {
-                class: one.class,
-                score: one.score,
-                rect: self.raster.rect_of(&one.mark),
+            let of_side = found.iter().filter(|detection| detection.mark.side == side);
+            let scored = of_side.map(|detection| Scored {
+                class: detection.class,
+                score: detection.score,
+                rect: self.raster.rect_of(&detection.mark),
             });
             scored.collect()
         }))
@@ -147,8 +147,8 @@ impl Found {
             boxes,
             path: path.clone(),
         };
-        let counted = |image: &Image| image.truth.iter().filter(|one| !one.ignored).count();
-        let unseen = |image: &Image| image.truth.iter().filter(|one| one.ignored).count();
+        let counted = |image: &Image| image.truth.iter().filter(|object| !object.ignored).count();
+        let unseen = |image: &Image| image.truth.iter().filter(|object| object.ignored).count();
         let unseen: usize = self.shown.iter().map(unseen).sum();
         let note = format!(
             "{unseen} more objects lie there that nobody could see in the echoes; they count neither as found nor as missed"

@@ -133,7 +133,7 @@ fn mistakes(outcome: &Outcome) -> String {
     let mut text = format!("False alarms: {}", false_alarms.len());
     let causes = [Cause::Background, Cause::Duplicate, Cause::OtherClass, Cause::Loose];
     for (index, cause) in causes.into_iter().enumerate() {
-        let count = false_alarms.iter().filter(|one| one.cause == cause).count();
+        let count = false_alarms.iter().filter(|alarm| alarm.cause == cause).count();
         let separator = if index == 0 { " (" } else { ", " };
         text += &format!("{separator}{} {count}", cause.name());
     }

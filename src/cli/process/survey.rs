@@ -112,7 +112,7 @@ pub(crate) fn all_processed(
     status: &StatusLine,
     progress: &Progress,
 ) -> Result<Vec<ProcessedLog>, Failure> {
-    let one = |(number, log): (usize, &OpenedLog)| -> Result<ProcessedLog, Failure> {
+    let process = |(number, log): (usize, &OpenedLog)| -> Result<ProcessedLog, Failure> {
         let name = match opened.len() {
             1 => String::new(),
             count => format!("log {number} of {count}"),
@@ -122,7 +122,7 @@ pub(crate) fn all_processed(
         log.survey.check_files()?;
         Ok(log)
     };
-    let logs = (1..).zip(opened).map(one).collect();
+    let logs = (1..).zip(opened).map(process).collect();
     let all = opened.iter().map(|log| log.survey.side_scan.len());
     status.work_on("", all.sum());
     logs
@@ -239,9 +239,9 @@ fn adjusted(
         if offset.log_overlaps == 0 || offset.is_determined() {
             settings.height_offset_m = offset.applied_m();
         }
-        for one in found.contradicted.iter().filter(|one| one.log == index) {
-            settings.excluded = settings.excluded.excluding(&log.survey, one.part());
-            corrections.push(RequestedCorrection::of_false_soundings(&names[index], one));
+        for stretch in found.contradicted.iter().filter(|stretch| stretch.log == index) {
+            settings.excluded = settings.excluded.excluding(&log.survey, stretch.part());
+            corrections.push(RequestedCorrection::of_false_soundings(&names[index], stretch));
         }
         processed(&log.survey, &settings, Some(log), status, progress)
     };
