@@ -77,7 +77,7 @@ fn once(path: &Path) -> Times {
 
     let start = Instant::now();
     let read = survey.source.files.iter().map(|file| plain_read(file));
-    let (bytes, all) = read.fold((0, sum), |sum, one| (sum.0 + one.0, sum.1 + one.1));
+    let (bytes, all) = read.fold((0, sum), |sum, file| (sum.0 + file.0, sum.1 + file.1));
     let read_s = start.elapsed().as_secs_f64();
     assert!(all > 0);
     Times { read_s, open_s, decode_s, bytes, pings: survey.side_scan.len() }

@@ -95,15 +95,16 @@ fn changed(kind: &str, (name, change): Change, seeds: u64) -> String {
             }
             let map = map_with(echoes, &pond.products, &settings, |_| true).expect("a map");
             let mut errors = errors_of(&pond, &map);
-            errors.retain(|one| one.away_m >= BETWEEN_M);
+            errors.retain(|error| error.away_m >= BETWEEN_M);
             errors
         });
-        for one in &maps[1] {
+        for error in &maps[1] {
             for (sigmas, inside) in [1.0, 2.0].into_iter().zip(&mut inside) {
-                *inside += usize::from(one.error_m.abs() < sigmas * one.spread_m);
+                *inside += usize::from(error.error_m.abs() < sigmas * error.spread_m);
             }
         }
-        let errors = maps.map(|errors| errors.iter().map(|one| one.error_m).collect::<Vec<f64>>());
+        let errors =
+            maps.map(|errors| errors.iter().map(|error| error.error_m).collect::<Vec<f64>>());
         let [before, after] = errors.each_ref().map(|errors| rms_m(errors.clone()));
         harmed += u64::from(after > HARM * before);
         for (all, errors) in all.iter_mut().zip(errors) {
@@ -140,8 +141,8 @@ fn left_out(path: &Path) {
     let mut travelled_m = vec![0.0; survey.side_scan.len()];
     let pings = &products.navigation.pings;
     for ping in 1..travelled_m.len().min(pings.len()) {
-        let [one, other] = [&pings[ping - 1], &pings[ping]];
-        let step_m = (other.east_m - one.east_m).hypot(other.north_m - one.north_m);
+        let [before, after] = [&pings[ping - 1], &pings[ping]];
+        let step_m = (after.east_m - before.east_m).hypot(after.north_m - before.north_m);
         travelled_m[ping] = travelled_m[ping - 1] + if step_m.is_finite() { step_m } else { 0.0 };
     }
     let is_left_out = |point: &CloudPoint, half: usize| {

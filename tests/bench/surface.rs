@@ -160,15 +160,15 @@ fn print_bands(kind: &str, (first, second): (&str, &str), maps: [&[MapError]; 2]
     for edges in BANDS_M.windows(2) {
         let [before, after] = maps.map(|errors| {
             let band = edges[0]..edges[1];
-            let here = errors.iter().filter(|one| band.contains(&one.away_m));
+            let here = errors.iter().filter(|error| band.contains(&error.away_m));
             here.copied().collect::<Vec<MapError>>()
         });
         let rms_cm = |errors: &[MapError]| {
-            let mut errors: Vec<f64> = errors.iter().map(|one| one.error_m).collect();
+            let mut errors: Vec<f64> = errors.iter().map(|error| error.error_m).collect();
             Residuals::of(&mut errors).map_or(f64::NAN, |r| 100.0 * r.rms_m)
         };
         let within = |sigmas: f64| {
-            let inside = |one: &&MapError| one.error_m.abs() < sigmas * one.spread_m;
+            let inside = |error: &&MapError| error.error_m.abs() < sigmas * error.spread_m;
             100.0 * after.iter().filter(inside).count() as f64 / after.len() as f64
         };
         let [before_cm, after_cm] = [&before, &after].map(|errors| rms_cm(errors));
@@ -187,8 +187,8 @@ fn print_bands(kind: &str, (first, second): (&str, &str), maps: [&[MapError]; 2]
 fn row(ponds: &[Mission], settings: &SurfaceSettings) -> String {
     let errors = errors(ponds, settings);
     let cell = |least_m: f64| {
-        let some = errors.iter().filter(|one| one.away_m >= least_m);
-        let mut some: Vec<f64> = some.map(|one| one.error_m).collect();
+        let some = errors.iter().filter(|error| error.away_m >= least_m);
+        let mut some: Vec<f64> = some.map(|error| error.error_m).collect();
         Residuals::of(&mut some).map_or_else(
             || "none".to_owned(),
             |r| {

@@ -142,19 +142,19 @@ fn walk(survey: &Survey) {
             ping.side(side).into_iter().for_each(&mut read);
         }
     }
-    let down = survey.echograms.iter().flat_map(|one| one.pings.iter());
+    let down = survey.echograms.iter().flat_map(|echogram| echogram.pings.iter());
     down.for_each(|ping| read(&ping.span));
     for ping in survey.swath.iter() {
         let depths = survey.swath_soundings(ping);
-        check_finite(depths.flat_map(|one| [one.out_m, one.depth_m]));
+        check_finite(depths.flat_map(|sounding| [sounding.out_m, sounding.depth_m]));
     }
     check_times(survey.swath.iter().map(|ping| ping.time_s));
     check_times(survey.side_scan.iter().map(|ping| ping.time_s));
     for echogram in &survey.echograms {
         check_times(echogram.pings.iter().map(|ping| ping.time_s));
     }
-    check_times(survey.soundings.iter().map(|one| one.time_s));
-    check_finite(survey.soundings.iter().map(|one| f64::from(one.depth_m)));
+    check_times(survey.soundings.iter().map(|sounding| sounding.time_s));
+    check_finite(survey.soundings.iter().map(|sounding| f64::from(sounding.depth_m)));
     check_times(survey.track.fixes.iter().map(|fix| fix.time_s));
     for fix in survey.track.fixes.iter() {
         check_finite([fix.position.lon_deg, fix.position.lat_deg]);
@@ -253,7 +253,7 @@ pub(super) fn rsd_seeds() -> Vec<Vec<u8>> {
         bytes.truncate(end);
         for ping in 0..4 {
             for (channel, beam, tilt_deg) in channels {
-                let one = Ping {
+                let garmin_ping = Ping {
                     channel: Some(channel),
                     beam: Some(beam),
                     tilt_deg,
@@ -266,7 +266,7 @@ pub(super) fn rsd_seeds() -> Vec<Vec<u8>> {
                     has_trailer,
                     ..Ping::default()
                 };
-                bytes.extend(one.record());
+                bytes.extend(garmin_ping.record());
             }
         }
         bytes

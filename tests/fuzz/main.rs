@@ -80,7 +80,7 @@ unsafe extern "C" {
     fn LLVMFuzzerRunDriver(
         count: *mut c_int,
         arguments: *mut *mut *mut c_char,
-        one: extern "C" fn(*const u8, usize) -> c_int,
+        test_input: extern "C" fn(*const u8, usize) -> c_int,
     ) -> c_int;
     fn LLVMFuzzerMutate(bytes: *mut u8, count: usize, most: usize) -> usize;
 }

@@ -28,7 +28,8 @@ pub(super) fn is_small(bytes: &[u8]) -> bool {
         for _ in 0..MOST_IMAGES {
             let (columns, rows) = decoder.dimensions().ok()?;
             let (across, down) = decoder.chunk_dimensions();
-            let largest = |one: u32, other: u32| u64::from(one.max(1)) * u64::from(other.max(1));
+            let largest =
+                |width: u32, height: u32| u64::from(width.max(1)) * u64::from(height.max(1));
             if largest(columns, rows).max(largest(across, down.min(rows))) > MOST_CELLS {
                 return Some(false);
             }

@@ -249,9 +249,9 @@ fn no_files_import_each_other() {
     }
     assert!(found > 2000, "only {found} imports were found");
     // The check itself: it sees a way back through a third file.
-    let one = |name: &str| [(name.to_owned(), ["Item".to_owned()].into())].into();
+    let import_of = |name: &str| [(name.to_owned(), ["Item".to_owned()].into())].into();
     let three = [("a", "b"), ("b", "c"), ("c", "a"), ("d", "a")];
-    let three = three.map(|(from, to)| (from.to_owned(), one(to)));
+    let three = three.map(|(from, to)| (from.to_owned(), import_of(to)));
     assert_eq!(imports::circles(&three.into()).len(), 3);
 }
 

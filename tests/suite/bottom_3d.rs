@@ -366,7 +366,7 @@ fn the_bottom_is_shown_coloured_lit_and_hidden_by_keys() {
 fn the_mosaic_goes_on_beside_the_depths_on_a_level_bed() {
     let window = demo_window();
     let shown = app(&window).shown_logs();
-    let logs: Vec<ProcessedLog> = shown.into_iter().map(|one| one.log).collect();
+    let logs: Vec<ProcessedLog> = shown.into_iter().map(|shown_log| shown_log.log).collect();
     let of = |colour: BottomColour, most_corners: usize| {
         let made = Derived::default().bottom(&logs, colour, most_corners, &Progress::new());
         made.expect("not cancelled").expect("depths")
@@ -443,8 +443,8 @@ fn a_click_on_the_mosaic_in_3d_shows_the_place_in_the_waterfall() {
     let [a, b, c] = [0.0, 1.0, 2.0].map(|steps| place(&mut window, from + steps * step));
     let step_m = 0.5 * (c[0] - a[0]);
     assert!(step_m > 1.0, "{a:?} {c:?}");
-    for (one, steps) in [(a, 0.0), (b, 1.0), (c, 2.0)] {
-        let off_m = (one[0] - a[0] - steps * step_m).hypot(one[1] - a[1]);
+    for (found, steps) in [(a, 0.0), (b, 1.0), (c, 2.0)] {
+        let off_m = (found[0] - a[0] - steps * step_m).hypot(found[1] - a[1]);
         assert!(off_m < 0.6, "{a:?} {b:?} {c:?}");
     }
     // The wheel comes nearer to that place, although no point is there.
@@ -481,9 +481,9 @@ fn a_picture_is_drawn_of_the_bottom_in_each_of_its_colours() {
             run(folder, &[&snapshot[..], &options].concat());
             image::open(folder.join(&name)).expect("a picture").to_rgb8()
         });
-    for (index, one) in pictures.iter().enumerate() {
+    for (index, picture) in pictures.iter().enumerate() {
         for other in &pictures[index + 1..] {
-            let pairs = one.pixels().zip(other.pixels());
+            let pairs = picture.pixels().zip(other.pixels());
             let differing = pairs.filter(|(a, b)| a != b).count();
             assert!(differing > 5000, "picture {index}: {differing}");
         }

@@ -276,12 +276,14 @@ fn pictures_of_the_step() {
         save(&mut window, "calibration_4_lost");
     }
     act(&mut window, Action::DropProposal);
-    let stretches = app(&window).log.figures.as_ref().map(|one| one.above_bottom.stretches.len());
+    let stretches =
+        app(&window).log.figures.as_ref().map(|figures| figures.above_bottom.stretches.len());
     let title = format!("{} such stretches", stretches.unwrap_or(0));
     window.get_by_label(&title).click();
     window.run();
     save(&mut window, "above_bottom_1_list");
-    let stretch = app(&window).log.figures.as_ref().map(|one| one.above_bottom.stretches[0]);
+    let stretch =
+        app(&window).log.figures.as_ref().map(|figures| figures.above_bottom.stretches[0]);
     let stretch = stretch.expect("figures");
     apply(
         &mut window,

@@ -194,7 +194,9 @@ fn assert_same_boxes(folder: &Path, part: &str, coco: &Value) {
         let annotations = coco["annotations"].as_array().expect("annotations");
         let boxes: Vec<&Value> = annotations
             .iter()
-            .filter(|one| one["image_id"] == image["id"] && one["iscrowd"] == 0)
+            .filter(|annotation| {
+                annotation["image_id"] == image["id"] && annotation["iscrowd"] == 0
+            })
             .collect();
         assert_eq!(text.lines().count(), boxes.len());
         for (line, annotation) in text.lines().zip(boxes) {

@@ -21,7 +21,7 @@ fn exclusions(window: &Window) -> Vec<ExcludedStretch> {
 /// First and last pings of what is excluded from the log that is shown.
 fn pings(window: &Window) -> Vec<[usize; 2]> {
     let stretches = exclusions(window).into_iter();
-    stretches.filter_map(|one| one.pings).collect()
+    stretches.filter_map(|stretch| stretch.pings).collect()
 }
 
 fn near(found: [usize; 2], expected: [usize; 2]) -> bool {
@@ -72,14 +72,14 @@ pub(super) fn places_on_map(window: &mut Window) -> impl Fn([f64; 2]) -> Pos2 + 
     let log = &app(window).log;
     let survey = log.survey.as_ref().expect("a log");
     let navigation = &log.products.as_ref().expect("results").navigation;
-    let [one, other] = [0, 1].map(|index| {
+    let [start, end] = [0, 1].map(|index| {
         let corner = figure.measurement.corners[index];
         navigation.to_plane(&survey.track, corner)
     });
-    let per_point = (other[0] - one[0]) / 40.0;
+    let per_point = (end[0] - start[0]) / 40.0;
     move |[east_m, north_m]| {
-        let right = (east_m - one[0]) / per_point;
-        let down = (one[1] - north_m) / per_point;
+        let right = (east_m - start[0]) / per_point;
+        let down = (start[1] - north_m) / per_point;
         pos2(probes[0].x + right as f32, probes[0].y + down as f32)
     }
 }
@@ -163,7 +163,7 @@ fn turns_are_found_listed_and_taken_back_in() {
     change(&mut window, "excluded.max_turn_deg_s=4");
     let found = exclusions(&window);
     assert!(!found.is_empty(), "the demo turns");
-    assert!(found.iter().all(|one| one.reason == ExclusionReason::Turn));
+    assert!(found.iter().all(|stretch| stretch.reason == ExclusionReason::Turn));
     let pings_out: usize = pings(&window).iter().map(|[a, b]| b + 1 - a).sum();
     let extent = app(&window).log.exclusions().expect("found").extent(None);
     assert_eq!(extent.pings, pings_out);

@@ -72,7 +72,7 @@ fn the_main_job_is_done_without_a_pointer() {
     write(&mut window, "anchor");
     press(&mut window, Modifiers::NONE, Key::Enter);
     let named = app(&window).log.reviewing.selected_box();
-    assert_eq!(named.map(|one| one.name.as_str()), Some("anchor"));
+    assert_eq!(named.map(|review_box| review_box.name.as_str()), Some("anchor"));
 
     // A distance between two corners of the cross.
     press(&mut window, Modifiers::NONE, Key::D);

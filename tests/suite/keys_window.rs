@@ -213,8 +213,8 @@ fn no_key_changes_anything(keys: &[(Modifiers, Key)], every: usize) {
 
 /// The notice that undo can be pressed in.
 fn undo_notices(window: &Window) -> Vec<String> {
-    let offered = app(window).notices.iter().filter(|one| one.offer == Some(Action::Undo));
-    offered.map(|one| one.text.clone()).collect()
+    let offered = app(window).notices.iter().filter(|notice| notice.offer == Some(Action::Undo));
+    offered.map(|notice| notice.text.clone()).collect()
 }
 
 #[test]
@@ -255,12 +255,12 @@ fn a_decision_by_key_is_said_and_taken_back_by_its_button() {
     let counts = app(&window).review_counts().boxes;
     assert_eq!([counts.accepted, counts.rejected], [1, 1]);
     let said = undo_notices(&window);
-    assert!(matches!(&said[..], [one] if one.starts_with("key R: reject box")), "{said:?}");
+    assert!(matches!(&said[..], [text] if text.starts_with("key R: reject box")), "{said:?}");
     window.get_by_label("Undo").click();
     window.run();
     let counts = app(&window).review_counts().boxes;
     assert_eq!([counts.accepted, counts.rejected], [1, 0]);
-    let state = app(&window).log.reviewing.review.get(first).map(|one| one.state);
+    let state = app(&window).log.reviewing.review.get(first).map(|review_box| review_box.state);
     assert_eq!(state, Some(State::Accepted));
     // Another step than the key's takes the offer back.
     press(&mut window, Modifiers::NONE, Key::R);
@@ -293,7 +293,7 @@ fn a_box_that_was_scrolled_away_is_not_decided_unseen() {
     press(&mut window, Modifiers::SHIFT, Key::B);
     press(&mut window, Modifiers::NONE, Key::A);
     assert_eq!(app(&window).review_counts().boxes.accepted, 1);
-    let said = app(&window).notices.last().map(|one| one.text.clone());
+    let said = app(&window).notices.last().map(|notice| notice.text.clone());
     assert_eq!(said.as_deref(), Some("boxes are hidden here; Shift+B shows them"));
 }
 
@@ -304,7 +304,7 @@ fn keys_that_change_every_depth_ask_first() {
     window.run();
     let before = setting_values(&app(&window).log.settings);
     let offered = |window: &Window, action: Action| {
-        app(window).notices.iter().any(|one| one.offer == Some(action))
+        app(window).notices.iter().any(|notice| notice.offer == Some(action))
     };
     for (held, key) in [(Modifiers::NONE, Key::C), (Modifiers::SHIFT, Key::S)] {
         press(&mut window, held, key);

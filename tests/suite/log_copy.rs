@@ -49,12 +49,12 @@ fn assert_same(log: &Survey, copy: &Survey, place_m: f64) {
     assert_eq!(log.side_scan.len(), copy.side_scan.len());
     assert_eq!(log.range_source, copy.range_source);
     let started = |survey: &Survey| survey.start_unix_s.unwrap_or_default();
-    for (index, (one, other)) in log.side_scan.iter().zip(copy.side_scan.iter()).enumerate() {
-        let [a, b] = [started(log) + one.time_s, started(copy) + other.time_s];
+    for (index, (ping, copied)) in log.side_scan.iter().zip(copy.side_scan.iter()).enumerate() {
+        let [a, b] = [started(log) + ping.time_s, started(copy) + copied.time_s];
         let is_dated = log.start_unix_s.is_some() && copy.start_unix_s.is_some();
         assert!(!is_dated || (a - b).abs() < 0.000_6, "ping {index}: {a} {b}");
-        let both_none = one.depth_m.is_nan() && other.depth_m.is_nan();
-        assert!(both_none || (one.depth_m - other.depth_m).abs() < 1e-5, "ping {index}");
+        let both_none = ping.depth_m.is_nan() && copied.depth_m.is_nan();
+        assert!(both_none || (ping.depth_m - copied.depth_m).abs() < 1e-5, "ping {index}");
         for side in Side::BOTH {
             assert_eq!(samples(log, index, side), samples(copy, index, side), "ping {index}");
             let range = |survey: &Survey| survey.span(index, side).map(|span| span.far_m);
@@ -69,10 +69,10 @@ fn assert_same(log: &Survey, copy: &Survey, place_m: f64) {
     };
     for ping in log.side_scan.iter().step_by(7) {
         let unix_s = started(log) + ping.time_s;
-        let (Some(one), Some(other)) = (fix_at(log, unix_s), fix_at(copy, unix_s)) else {
+        let (Some(fix), Some(copied)) = (fix_at(log, unix_s), fix_at(copy, unix_s)) else {
             continue;
         };
-        let apart_m = bathyscope_log::support::geo::distance_m(one.position, other.position);
+        let apart_m = bathyscope_log::support::geo::distance_m(fix.position, copied.position);
         assert!(apart_m <= place_m, "{unix_s}: {apart_m} m");
     }
 }
@@ -171,7 +171,7 @@ fn a_part_holds_its_pings_and_what_was_recorded_meanwhile() {
     assert_eq!(samples(&part, 0, Side::Port), samples(&log, 100, Side::Port));
     assert_eq!(samples(&part, 79, Side::Starboard), samples(&log, 179, Side::Starboard));
     let [from, to] = [100, 180].map(|ping| log.side_scan[ping].time_s);
-    let meanwhile = log.soundings.iter().filter(|one| (from..to).contains(&one.time_s));
+    let meanwhile = log.soundings.iter().filter(|sounding| (from..to).contains(&sounding.time_s));
     assert_eq!(part.soundings.len(), meanwhile.count());
     let time = Some([TimeBound::Log(from), TimeBound::Log(to - 1e-3)]);
     let by_time = LogPartChoice { time, ..LogPartChoice::default() };
@@ -193,7 +193,7 @@ fn tables_have_a_row_for_each_trace() {
     let count = 2 * log.side_scan.len() + down + log.soundings.len();
     let mut rows = csv::Reader::from_path(&csv).expect("a table");
     let header = rows.headers().expect("a header").clone();
-    let column = |name: &str| header.iter().position(|one| one == name).expect("a column");
+    let column = |name: &str| header.iter().position(|heading| heading == name).expect("a column");
     let rows: Vec<csv::StringRecord> = rows.records().map(|row| row.expect("a row")).collect();
     assert_eq!(rows.len(), count);
     let starboard =

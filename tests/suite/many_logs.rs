@@ -357,11 +357,11 @@ fn an_object_that_several_logs_saw_is_one() {
     // Every log, its object, and where it was placed; the receivers of other days are some
     // decimetres off.
     let mut placed: Vec<(usize, usize, Target)> = Vec::new();
-    for (log, (one, truth)) in lake.logs.iter().zip(&lake.truths).enumerate() {
-        let locator = ObjectLocator::new(&one.survey, &one.products);
+    for (log, (processed, truth)) in lake.logs.iter().zip(&lake.truths).enumerate() {
+        let locator = ObjectLocator::new(&processed.survey, &processed.products);
         let day_m = [0.5 * (log as f64 * 2.1).sin(), 0.5 * (log as f64 * 1.3).cos()];
         for (object, known) in truth.objects.iter().enumerate() {
-            let marks = known.sightings.iter().filter_map(|seen| true_box(&one.survey, seen));
+            let marks = known.sightings.iter().filter_map(|seen| true_box(&processed.survey, seen));
             placed.extend(marks.filter_map(|mark| {
                 let target = locator.place(&mark)?;
                 let moved = Target {
@@ -393,8 +393,8 @@ fn an_object_that_several_logs_saw_is_one() {
         logs.dedup();
         assert!(logs.len() >= 4, "object {object}: {logs:?}");
         let of_object = |member: &usize| placed[*member].1 == object;
-        let split = groups.iter().filter(|one| one.members.iter().any(of_object));
-        let split: Vec<usize> = split.map(|one| one.members.len()).collect();
+        let split = groups.iter().filter(|group| group.members.iter().any(of_object));
+        let split: Vec<usize> = split.map(|group| group.members.len()).collect();
         eprintln!(
             "object {object}: {} sightings of {} logs in groups of {split:?}",
             seen().count(),
@@ -403,7 +403,7 @@ fn an_object_that_several_logs_saw_is_one() {
         // A glimpse in a sharp turn may stand alone; nine in ten sightings are one object.
         let largest = split.iter().max().copied().unwrap_or(0);
         assert!(10 * largest >= 9 * seen().count(), "object {object}: {split:?}");
-        let joined = groups.iter().find(|one| one.members.len() == largest);
+        let joined = groups.iter().find(|group| group.members.len() == largest);
         let joined = joined.expect("an object");
         assert_eq!(joined.class, "block", "object {object}");
         // No sighting without a pass of the boat.
@@ -414,9 +414,9 @@ fn an_object_that_several_logs_saw_is_one() {
         assert!((passes.seen..=40).contains(&passes.covered));
     }
     // No two objects are taken for one.
-    for one in groups {
-        let first = placed[one.members[0]].1;
-        assert!(one.members.iter().all(|member| placed[*member].1 == first));
+    for group in groups {
+        let first = placed[group.members[0]].1;
+        assert!(group.members.iter().all(|member| placed[*member].1 == first));
     }
 }
 
@@ -481,7 +481,7 @@ fn what_is_excluded_is_in_no_result() {
     let made = pipeline::run(&log.survey, &settings, Some(&log.products), &progress, |_| ())
         .expect("nobody cancels");
     let out = &made.exclusions;
-    let turns = out.stretches.iter().filter(|one| one.reason == ExclusionReason::Turn);
+    let turns = out.stretches.iter().filter(|stretch| stretch.reason == ExclusionReason::Turn);
     // Two lines and two cross lines have three turns, of which one is two.
     assert!((2..=5).contains(&turns.count()), "{:?}", out.stretches);
     assert_eq!(out.ping(100), Some(ExclusionReason::Bad));

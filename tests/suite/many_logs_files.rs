@@ -116,13 +116,13 @@ fn residuals_are_those_of_all_logs_with_each_log_beside_them() {
     eprintln!("between logs: sd {:.3} m, with offsets {:.3} m", spread(&raw), spread(&adjusted));
     assert!(spread(&raw) > 0.2 && spread(&adjusted) < 0.1);
     let listed = raw["crossline_analysis"]["list"].as_array().expect("crossings");
-    let is_between = |one: &&Value| one["logs"][0] != one["logs"][1];
+    let is_between = |crossing: &&Value| crossing["logs"][0] != crossing["logs"][1];
     let between = &raw["crossline_analysis"]["between_logs"];
     let count = listed.iter().filter(is_between).count();
     assert_eq!(count as f64, number(&between["n"]));
-    let of_two = |one: &&Value| one["logs"] == serde_json::json!(["lake-0", "lake-1"]);
+    let of_two = |crossing: &&Value| crossing["logs"] == serde_json::json!(["lake-0", "lake-1"]);
     let of_two: Vec<f64> =
-        (listed.iter().filter(of_two)).map(|one| number(&one["difference_m"])).collect();
+        (listed.iter().filter(of_two)).map(|crossing| number(&crossing["difference_m"])).collect();
     // The second hangs higher over the bed, so that its elevations are lower.
     let mean_m = of_two.iter().sum::<f64>() / of_two.len() as f64;
     assert!((mean_m - (HIGHER_M[0] - HIGHER_M[1])).abs() < 0.05, "{of_two:?}");
@@ -140,11 +140,11 @@ fn residuals_are_those_of_all_logs_with_each_log_beside_them() {
     assert!((p95(of_log) - p95(&alone)).abs() < 1e-3);
     assert_eq!(of_log["crossline_analysis"]["n"], alone["crossline_analysis"]["n"]);
     let report = |out: &str| json(&folder.join(out).join("report.json"));
-    let [all, one] = [report("raw"), report("one")].map(|report| report["residuals"].clone());
+    let [all, single] = [report("raw"), report("one")].map(|report| report["residuals"].clone());
     let of_logs = report("raw")["logs"]["logs"].clone();
     let counted: f64 = (0..3).map(|log| number(&of_logs[log]["residuals"]["n"])).sum();
     assert_eq!(number(&all["n"]), counted);
-    assert_eq!(of_logs[1]["residuals"]["n"], one["n"]);
+    assert_eq!(of_logs[1]["residuals"]["n"], single["n"]);
     assert!(of_logs[1]["own_settings"].as_object().is_some_and(|own| own.is_empty()));
     let adjusted = report("adjusted")["logs"]["logs"].clone();
     let own = adjusted[1]["own_settings"]["height_offset_m"].clone();

@@ -71,12 +71,12 @@ pub(super) fn proposed_of(logs: usize) -> (tempfile::TempDir, Window) {
 /// plane of the first.
 pub(super) fn object_of(window: &Window, index: usize) -> Object {
     let truth = &sailed(0).objects[index];
-    let off_m = |one: &&Object| {
-        let [east_m, north_m] = one.place_m;
+    let off_m = |object: &&Object| {
+        let [east_m, north_m] = object.place_m;
         f64::hypot(east_m - truth.east_m, north_m - truth.north_m)
     };
-    let near = app(window).objects().iter().filter(|one| off_m(one) < 1.0);
-    let most = near.max_by_key(|one| one.boxes.len());
+    let near = app(window).objects().iter().filter(|object| off_m(object) < 1.0);
+    let most = near.max_by_key(|object| object.boxes.len());
     most.expect("an object").clone()
 }
 
@@ -89,7 +89,7 @@ fn all_boxes(window: &Window) -> Vec<LogBox> {
     let logs = app(window).logs();
     logs.flat_map(|log| {
         let boxes = log.reviewing.review.boxes();
-        boxes.map(|one| LogBox { log: log.id, id: one.id })
+        boxes.map(|review_box| LogBox { log: log.id, id: review_box.id })
     })
     .collect()
 }
@@ -167,9 +167,9 @@ fn an_object_is_decided_in_all_its_logs_as_one_step() {
         press(&mut window, Modifiers::SHIFT, key);
         settle(&mut window);
         let decided = states(&window, &object.boxes);
-        assert!(decided.iter().all(|one| *one == state), "{decided:?}");
+        assert!(decided.iter().all(|decision| *decision == state), "{decided:?}");
         let mut others = rest(&window).into_iter();
-        assert!(others.all(|one| one == State::Proposed));
+        assert!(others.all(|decision| decision == State::Proposed));
         let undo = app(&window).undo_label().expect("a step");
         assert!(undo.starts_with(label), "{undo}");
         // On to a box that is undecided; the object keeps its number.
@@ -181,7 +181,7 @@ fn an_object_is_decided_in_all_its_logs_as_one_step() {
         press(&mut window, Modifiers::COMMAND, Key::Z);
         settle(&mut window);
         let undone = states(&window, &all_boxes(&window));
-        assert!(undone.iter().all(|one| *one == State::Proposed));
+        assert!(undone.iter().all(|decision| *decision == State::Proposed));
         assert_eq!(app(&window).undo_label(), before.as_deref());
         assert!(object.boxes.contains(&selected(&window)), "undo leads back");
     }
@@ -192,7 +192,7 @@ fn an_object_is_decided_in_all_its_logs_as_one_step() {
     press(&mut window, Modifiers::SHIFT, Key::U);
     settle(&mut window);
     let open = states(&window, &object.boxes);
-    assert!(open.iter().all(|one| *one == State::Proposed), "{open:?}");
+    assert!(open.iter().all(|decision| *decision == State::Proposed), "{open:?}");
     assert_eq!(selected(&window), object.boxes[0]);
 
     // Every log's decisions go into the file of that log.
@@ -383,7 +383,7 @@ fn the_queue_goes_on_into_the_next_log() {
     settle(&mut window);
     window.get_by_label(&format!("1 of {} decided", of(first)));
     let objects = app(&window).objects();
-    assert!(objects.iter().all(|one| one.logs() == [first]));
+    assert!(objects.iter().all(|object| object.logs() == [first]));
 }
 
 #[test]
@@ -404,13 +404,13 @@ fn a_search_goes_through_all_logs_as_one_step() {
         logs.map(|log| log.reviewing.review.boxes().len()).collect()
     };
     find(&mut window);
-    let [one, 0] = found(&window)[..] else { panic!("{:?}", found(&window)) };
-    assert!(one > 10, "{one}");
+    let [count, 0] = found(&window)[..] else { panic!("{:?}", found(&window)) };
+    assert!(count > 10, "{count}");
     (window.state_mut().app).apply(Command::SetLogVisible(second, true));
     settle(&mut window);
     find(&mut window);
     let [again, other] = found(&window)[..] else { panic!("two logs") };
-    assert_eq!(again, one, "each once");
+    assert_eq!(again, count, "each once");
     assert!(other > 10, "{other}");
     assert_eq!(names(&window).len(), 2);
     assert_eq!(app(&window).log.name(), "lake-0", "the log that is shown stays");
@@ -421,7 +421,7 @@ fn a_search_goes_through_all_logs_as_one_step() {
     assert!(logs().all(|reviewing| reviewing.queue.threshold == threshold));
     press(&mut window, Modifiers::COMMAND, Key::Z);
     settle(&mut window);
-    assert_eq!(found(&window), [one, 0], "one step for all logs");
+    assert_eq!(found(&window), [count, 0], "one step for all logs");
 }
 
 #[test]

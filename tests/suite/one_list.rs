@@ -123,8 +123,10 @@ fn of_places(path: &Path) -> Objects {
     };
     by_number(text.split(place).skip(1).map(|part| {
         let columns = part.split(column).skip(1).map(|element| {
-            let name: String =
-                element.chars().take_while(|one| one.is_alphanumeric() || *one == '_').collect();
+            let name: String = element
+                .chars()
+                .take_while(|letter| letter.is_alphanumeric() || *letter == '_')
+                .collect();
             let value = element.replace("<value>", "");
             let value = value.split('>').nth(1).and_then(|rest| rest.split('<').next());
             (name, value.expect("a value").to_owned())
@@ -171,8 +173,8 @@ fn decide(window: &mut Window) {
     for key in &nothing.boxes {
         edit(window, *key, Edit::Reject(key.id));
     }
-    let one = half.boxes[0];
-    edit(window, one, Edit::Accept(one.id));
+    let accepted = half.boxes[0];
+    edit(window, accepted, Edit::Accept(accepted.id));
     assert!(half.boxes.len() > 1, "its other boxes stay undecided");
 }
 
@@ -190,7 +192,8 @@ fn check_run(folder: &Path, window: &Window, titles: &BTreeSet<String>) {
     assert_eq!(of_geopackage(&folder.join("survey.gpkg")), targets);
     let page = std::fs::read_to_string(folder.join("report.html")).expect("a page");
     assert_eq!(listed(&page), targets.keys().copied().collect());
-    for object in app(window).objects().iter().filter(|one| targets.contains_key(&one.number)) {
+    for object in app(window).objects().iter().filter(|object| targets.contains_key(&object.number))
+    {
         let row = page.split(&format!("<tr><td>{}</td>", object.number)).nth(1);
         let row = row.and_then(|row| row.split("</tr>").next()).expect("a row");
         let height = object.height;

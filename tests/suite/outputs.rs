@@ -23,7 +23,7 @@ fn names(folder: &Path) -> Vec<String> {
         let name = entry.file_name().to_string_lossy().into_owned();
         if entry.path().is_dir() {
             let inner = self::names(&entry.path());
-            names.extend(inner.iter().map(|one| format!("{name}/{one}")));
+            names.extend(inner.iter().map(|file| format!("{name}/{file}")));
         } else {
             names.push(name)
         }
@@ -61,7 +61,8 @@ fn a_run_with_everything_writes_a_file_for_every_row_and_no_other() {
     // Targets are those of a review, which this run has not.
     let is_of_run = |row: &&OutputFile| row.when != When::Chosen(Product::Targets);
     for row in OUTPUT_FILES.iter().filter(is_of_run) {
-        let mut missing: Vec<String> = row.companions.iter().map(|one| (*one).into()).collect();
+        let mut missing: Vec<String> =
+            row.companions.iter().map(|companion| (*companion).into()).collect();
         if row.file_name().contains('.') {
             missing.push(row.name.to_owned());
         }

@@ -183,9 +183,9 @@ fn colours_of_points_go_round_by_key_and_a_picture_is_drawn_in_each() {
         run(folder, &[&snapshot[..], &["--colours", colours]].concat());
         pictures.push(image::open(folder.join(&name)).expect("a picture").to_rgb8());
     }
-    for (index, one) in pictures.iter().enumerate() {
+    for (index, picture) in pictures.iter().enumerate() {
         for other in &pictures[index + 1..] {
-            let pairs = one.pixels().zip(other.pixels());
+            let pairs = picture.pixels().zip(other.pixels());
             let differing = pairs.filter(|(a, b)| a != b).count();
             assert!(differing > 300, "picture {index}: {differing}");
         }

@@ -158,7 +158,7 @@ fn a_log_keeps_its_water_levels_when_a_setting_of_all_logs_changes() {
     save_as(&mut window, &path);
     let gauged = |window: &Window| -> Vec<bool> {
         let products = app(window).logs().filter_map(|log| log.products.as_ref());
-        products.map(|one| one.correction.gauge().is_some()).collect()
+        products.map(|results| results.correction.gauge().is_some()).collect()
     };
     let which = gauged(&window);
     assert_eq!(which.iter().filter(|has| **has).count(), 1, "{which:?}");

@@ -37,10 +37,10 @@ fn the_map_shows_how_each_point_differs_from_the_soundings() {
     // Every difference is that of a kept side-scan point from soundings within reach.
     let [log] = &agreement.logs[..] else { panic!("one log") };
     assert!(log.differences.len() > 1000);
-    for one in &log.differences {
-        let point = &products.cloud.points[one.measured];
-        assert!(products.classes[one.measured].is_kept() && point.sounding().is_none());
-        assert!((point.z_m - one.reference_z_m - one.difference_m).abs() < 1e-12);
+    for matched in &log.differences {
+        let point = &products.cloud.points[matched.measured];
+        assert!(products.classes[matched.measured].is_kept() && point.sounding().is_none());
+        assert!((point.z_m - matched.reference_z_m - matched.difference_m).abs() < 1e-12);
     }
     assert!(window.query_by_label_contains(", residuals").is_some());
     window.snapshot("map_residuals");
@@ -181,7 +181,8 @@ fn a_setting_acts_on_both_missions_and_on_no_file() {
         window.run();
     }
     let after = app(&window).agreement().cloned().expect("an agreement");
-    let [before_m, after_m] = [before, after].map(|one| one.logs[0].differences[0].reference_z_m);
+    let [before_m, after_m] =
+        [before, after].map(|agreement| agreement.logs[0].differences[0].reference_z_m);
     let deeper_m = before_m - after_m;
     assert!((deeper_m - 0.5).abs() < 1e-3, "{before_m} {after_m}");
     assert!((mean_m(&window) - 0.20).abs() < 0.01);
@@ -221,10 +222,10 @@ fn the_true_bed_in_a_file_gives_the_errors_that_the_simulation_knows() {
     let agreement = app(&window).agreement().cloned().expect("an agreement");
     assert_eq!(agreement.comparison.unmatched, 0);
     // Between the points of the file objects have edges.
-    let is_right = |one: &&Match| {
-        let point = &agreement.logs[0].cloud.points[one.measured];
+    let is_right = |matched: &&Match| {
+        let point = &agreement.logs[0].cloud.points[matched.measured];
         let bed_m = known.truth.bed_depth_m(point.east_m, point.north_m);
-        (one.reference_z_m + bed_m).abs() < 0.02
+        (matched.reference_z_m + bed_m).abs() < 0.02
     };
     let differences = &agreement.logs[0].differences;
     let right = differences.iter().filter(is_right).count();

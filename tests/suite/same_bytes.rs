@@ -37,7 +37,7 @@ fn names(folder: &Path) -> Vec<String> {
         let name = entry.file_name().to_string_lossy().into_owned();
         if entry.path().is_dir() {
             let inner = self::names(&entry.path());
-            names.extend(inner.iter().map(|one| format!("{name}/{one}")));
+            names.extend(inner.iter().map(|file| format!("{name}/{file}")));
         } else {
             names.push(name)
         }
@@ -85,7 +85,7 @@ fn decided_boxes(app: &App, path: &Path) {
     });
     let empty = Review::new(Identity::of(survey), classes.to_vec());
     let proposed = empty.adopt("a model", &classes, &boxes, &raster);
-    let ids: Vec<BoxId> = proposed.boxes().map(|one| one.id).collect();
+    let ids: Vec<BoxId> = proposed.boxes().map(|review_box| review_box.id).collect();
     let accepted = proposed.apply(&Edit::Accept(ids[0]));
     let review = accepted.and_then(|review| review.apply(&Edit::Reject(ids[1])));
     let text = review.expect("decisions").to_json() + "\n";

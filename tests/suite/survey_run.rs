@@ -82,7 +82,7 @@ fn kept_points(log: &OpenLog, [first, last]: [usize; 2]) -> usize {
 }
 
 fn states(log: &OpenLog) -> Vec<State> {
-    log.reviewing.review.boxes().map(|one| one.state).collect()
+    log.reviewing.review.boxes().map(|review_box| review_box.state).collect()
 }
 
 /// Returns the decisions about all logs, as far as they can be compared.
@@ -103,11 +103,11 @@ fn rows(table: &str, log: &str, columns: [&str; 2]) -> Vec<[String; 2]> {
         let place = header.iter().position(|column| *column == name);
         place.unwrap_or_else(|| panic!("{name} in {header:?}"))
     };
-    let [one, other] = columns.map(place);
+    let [first, second] = columns.map(place);
     let own = place("log");
     let fields = table.lines().skip(1).map(|line| line.split(',').collect::<Vec<_>>());
     let of_log = fields.filter(|fields| fields[own] == log);
-    of_log.map(|fields| [fields[one].to_owned(), fields[other].to_owned()]).collect()
+    of_log.map(|fields| [fields[first].to_owned(), fields[second].to_owned()]).collect()
 }
 
 #[test]
@@ -267,7 +267,7 @@ fn review_two_logs(window: &mut Window) {
         settle(window);
     }
     let decided = REVIEWED.map(|name| states(log(window, name))).concat();
-    let count = |state| decided.iter().filter(|one| **one == state).count();
+    let count = |state| decided.iter().filter(|decision| **decision == state).count();
     assert_eq!([State::Accepted, State::Rejected].map(count), [2, 2], "{decided:?}");
     for name in REVIEWED {
         show(window, name);

@@ -21,7 +21,7 @@ fn sightings(object: &str) -> Vec<Sighting> {
     let path = support::demo_log().with_file_name("demo.objects.csv");
     let mut table = csv::Reader::from_path(path).expect("the table");
     let headers = table.headers().expect("a header").clone();
-    let column = |name: &str| headers.iter().position(|one| one == name).expect("a column");
+    let column = |name: &str| headers.iter().position(|heading| heading == name).expect("a column");
     let names = ["first_ping", "last_ping", "height_m", "near_m", "shadow_start_m", "shadow_end_m"];
     let numbers = names.map(column);
     let (of, side) = (column("object"), column("side"));
@@ -94,8 +94,8 @@ fn a_block_on_two_passes_is_no_farther_apart_than_it_is_large() {
     press(&mut window, Modifiers::NONE, Key::F);
     let seen = sightings("0");
     press(&mut window, Modifiers::NONE, Key::D);
-    for one in &seen[..2] {
-        click(&mut window, one.ping, one.echo_m);
+    for sighting in &seen[..2] {
+        click(&mut window, sighting.ping, sighting.echo_m);
     }
     press(&mut window, Modifiers::NONE, Key::Enter);
     let figure = app(&window).map.measuring.figure.clone().expect("a figure");

@@ -41,10 +41,10 @@ impl Frame {
     pub fn of_swath(time_ms: i32, [port, starboard, unreliable]: [Pairs<'_>; 3]) -> Self {
         let bytes = |pairs: Pairs<'_>| 8 * pairs.len() as i32;
         let numbers = [76, bytes(port), bytes(starboard), bytes(unreliable), 0, bytes(unreliable)];
-        let mut data: Vec<u8> = numbers.iter().flat_map(|one| one.to_le_bytes()).collect();
+        let mut data: Vec<u8> = numbers.iter().flat_map(|number| number.to_le_bytes()).collect();
         data.resize(76, 0);
         let pairs = port.iter().chain(starboard).chain(unreliable);
-        data.extend(pairs.flatten().flat_map(|one| one.to_le_bytes()));
+        data.extend(pairs.flatten().flat_map(|value| value.to_le_bytes()));
         Self { data, ..Self::new(9, time_ms) }
     }
 }

@@ -19,10 +19,10 @@ struct Module {
 /// Names that each module takes from each other module.
 pub(super) type Imports = BTreeMap<String, BTreeMap<String, BTreeSet<String>>>;
 
-fn joined(one: &str, other: &str) -> String {
-    match (one, other) {
+fn joined(outer: &str, inner: &str) -> String {
+    match (outer, inner) {
         ("", path) | (path, "") => path.to_owned(),
-        _ => format!("{one}::{other}"),
+        _ => format!("{outer}::{inner}"),
     }
 }
 

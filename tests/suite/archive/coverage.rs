@@ -82,8 +82,10 @@ fn a_thousand_places_are_answered_as_all_pings_answer_them() {
             ZONE.to_lon_lat([0, 1].map(|axis| CORNER_M[axis] + 90.0 * (moments.share() - 0.5)));
         let found = coverage_at(&archive, CoverageQuery::Around(at, radius_m), &Progress::new())
             .expect("an answer");
-        let found: BTreeMap<(String, i32, Side), _> =
-            found.into_iter().map(|one| ((one.name.clone(), one.ping, one.side), one)).collect();
+        let found: BTreeMap<(String, i32, Side), _> = found
+            .into_iter()
+            .map(|coverage| ((coverage.name.clone(), coverage.ping, coverage.side), coverage))
+            .collect();
         sightings += found.len();
         for (name, log) in &logs {
             let place = log.survey.track.frame.to_enu(at);
@@ -92,22 +94,28 @@ fn a_thousand_places_are_answered_as_all_pings_answer_them() {
                     let Some((off_m, range_m)) = log.distance_m(ping, side, place) else {
                         continue;
                     };
-                    let one = found.get(&(name.clone(), ping as i32, side));
+                    let covered = found.get(&(name.clone(), ping as i32, side));
                     if (off_m - radius_m).abs() < ROUNDING_M && off_m > 0.0 {
                         on_the_edge += 1;
                         continue;
                     }
-                    if radius_m == 0.0 && off_m == 0.0 && one.is_none() {
+                    if radius_m == 0.0 && off_m == 0.0 && covered.is_none() {
                         // Within, but for less than the rounding.
                         on_the_edge += 1;
                         continue;
                     }
-                    assert_eq!(one.is_some(), off_m <= radius_m, "{name} {ping} {side:?} {off_m}");
-                    if let Some(one) = one {
-                        assert!((one.seen.range_m - range_m).abs() < ROUNDING_M);
+                    assert_eq!(
+                        covered.is_some(),
+                        off_m <= radius_m,
+                        "{name} {ping} {side:?} {off_m}"
+                    );
+                    if let Some(covered) = covered {
+                        assert!((covered.seen.range_m - range_m).abs() < ROUNDING_M);
                         let span = log.survey.span(ping, side).expect("a side");
                         let sample = log.products.reduction().sample_at(span, range_m);
-                        assert!((sample - 0.5 - f64::from(one.seen.samples[0])).abs() < 0.5 + 1.0);
+                        assert!(
+                            (sample - 0.5 - f64::from(covered.seen.samples[0])).abs() < 0.5 + 1.0
+                        );
                     }
                 }
             }
@@ -128,7 +136,7 @@ fn places_are_those_that_corrected_positions_show() {
     let seen = |place: [f64; 2]| {
         let asked = CoverageQuery::Around(ZONE.to_lon_lat(place), 0.0);
         let mut found = coverage_at(&archive, asked, &Progress::new()).expect("an answer");
-        found.retain(|one| one.name == "log-0");
+        found.retain(|coverage| coverage.name == "log-0");
         found
     };
     let recorded = seen(middle);
@@ -201,9 +209,9 @@ fn an_area_is_seen_by_those_that_see_a_circle_in_it_and_by_no_others_than_see_on
         let found: serde_json::Value = serde_json::from_str(&run(folder, &all)).expect("JSON");
         let found = found.as_array().expect("a list").iter();
         found
-            .map(|one| {
-                let number = |key: &str| one[key].as_i64().expect("a number");
-                let text = |key: &str| one[key].as_str().expect("a text").to_owned();
+            .map(|row| {
+                let number = |key: &str| row[key].as_i64().expect("a number");
+                let text = |key: &str| row[key].as_str().expect("a text").to_owned();
                 let samples = [number("sample"), number("last_sample")];
                 ((text("name"), number("ping"), text("side")), samples)
             })
@@ -218,11 +226,11 @@ fn an_area_is_seen_by_those_that_see_a_circle_in_it_and_by_no_others_than_see_on
     let (inner, outer) = (around(2.99), around(3.0 * 2.0_f64.sqrt() + 0.01));
     assert!(within.len() > 50, "{}", within.len());
     assert!(inner.len() < within.len() && within.len() < outer.len());
-    for (one, [nearest, _]) in &inner {
-        let [from, to] = within[one];
-        assert!(from <= *nearest && nearest <= &to, "{one:?} {from} {to} {nearest}");
+    for (sighting, [nearest, _]) in &inner {
+        let [from, to] = within[sighting];
+        assert!(from <= *nearest && nearest <= &to, "{sighting:?} {from} {to} {nearest}");
     }
-    assert!(within.keys().all(|one| outer.contains_key(one)));
+    assert!(within.keys().all(|sighting| outer.contains_key(sighting)));
     let both = refusal(folder, &["coverage", "archive", "9,9", "--area", "cove.geojson"], 2);
     assert!(both.contains("cannot be used with"), "{both}");
     let none = refusal(folder, &["coverage", "archive", "--area", "nowhere.geojson"], 1);

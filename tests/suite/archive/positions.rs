@@ -112,8 +112,8 @@ fn depths_m(folder: &Path) -> BTreeMap<[i64; 2], f32> {
 
 /// Root mean square of the differences between two maps, without their mean, metres.
 fn rms_m(first: &BTreeMap<[i64; 2], f32>, second: &BTreeMap<[i64; 2], f32>) -> f64 {
-    let both = first.iter().filter_map(|(place, one)| {
-        let difference = f64::from(one - second.get(place)?);
+    let both = first.iter().filter_map(|(place, depth_m)| {
+        let difference = f64::from(depth_m - second.get(place)?);
         difference.is_finite().then_some(difference)
     });
     let both: Vec<f64> = both.collect();

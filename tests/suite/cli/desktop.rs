@@ -76,7 +76,7 @@ fn a_package_gets_the_same_files_with_the_program_from_the_path() {
         fs::read_to_string(share.join("applications/bathyscope.desktop")).expect("an entry");
     assert!(entry.contains("\nExec=bathyscope %F\n") && entry.contains("\nIcon=bathyscope\n"));
     for name in ["bathyscope.1", "bathyscope-process.1", "_bathyscope", "bathyscope.fish"] {
-        assert!(of_user.iter().any(|one| one == name), "{name}");
+        assert!(of_user.iter().any(|file| file == name), "{name}");
     }
     // Where `man` is there, it finds no mistake in the pages.
     let page = share.join("man/man1/bathyscope-process.1");

@@ -141,7 +141,7 @@ fn objects_lie_where_the_settings_put_them_and_process_agrees() {
     let model = model();
     let [which, deeper] = [format!("detector.model={model}"), "draft_m=0.5".to_owned()];
     let with = |command: &[&str], settings: &[&str]| {
-        let settings = settings.iter().flat_map(|one| ["--set", one]);
+        let settings = settings.iter().flat_map(|setting| ["--set", setting]);
         run(folder, &command.iter().copied().chain(settings).collect::<Vec<_>>());
     };
     let score = "detector.score=0.5";

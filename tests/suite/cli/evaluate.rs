@@ -126,7 +126,7 @@ fn evaluate_searches_logs_whose_objects_are_known() {
     assert_eq!(both["all"]["truths"], both["truth"]["boxes"]);
     let each = logs.map(|log| json(&[log]));
     for what in ["truths", "found", "false_alarms"] {
-        let of = |one: &serde_json::Value| one["all"][what].as_u64().expect("a count");
+        let of = |record: &serde_json::Value| record["all"][what].as_u64().expect("a count");
         assert_eq!(of(&both), each.iter().map(of).sum::<u64>(), "{what}");
     }
     let found = both["all"]["found"].as_u64().expect("a count");

@@ -43,7 +43,7 @@ fn names(folder: &Path) -> BTreeSet<String> {
         let name = entry.file_name().to_string_lossy().into_owned();
         if entry.path().is_dir() && name != SIDE {
             let inner = self::names(&entry.path());
-            names.extend(inner.iter().map(|one| format!("{name}/{one}")));
+            names.extend(inner.iter().map(|file| format!("{name}/{file}")));
         } else {
             _ = names.insert(name);
         }

@@ -109,7 +109,7 @@ fn isobaths_areas_storage_and_residuals_agree() {
     let report = json(&out.join("report.json"));
     let by_surface = &record["comparisons"][0];
     assert_eq!(by_surface["source"], "side-scan");
-    let median = |one: &Value| one["median_m"].as_f64().expect("a number");
+    let median = |figures: &Value| figures["median_m"].as_f64().expect("a number");
     assert!((median(by_surface) + median(&report["residuals"])).abs() < 0.1, "{by_surface}");
     assert_eq!(record["settings"]["water_level_m"], 0.5);
 }
@@ -265,7 +265,8 @@ fn residuals_show_the_choices_the_crosslines_and_what_they_depend_on() {
     // comparison itself.
     let choices = record["choices"].as_array().unwrap();
     assert_eq!(choices.len(), 16);
-    let in_force: Vec<&Value> = choices.iter().filter(|one| one["in_force"] == true).collect();
+    let in_force: Vec<&Value> =
+        choices.iter().filter(|choice| choice["in_force"] == true).collect();
     assert_eq!(in_force.len(), 1);
     assert_eq!(in_force[0]["geometry"], "slope");
     let of_all = &record["comparisons"][0];
@@ -275,8 +276,9 @@ fn residuals_show_the_choices_the_crosslines_and_what_they_depend_on() {
     }
     // The published geometry is too shallow by 1 - cos 16 degrees of its own depth.
     let median = |geometry: &str| {
-        let is =
-            |one: &&Value| one["geometry"] == geometry && one["calibration"] == "flat_spot, factor";
+        let is = |choice: &&Value| {
+            choice["geometry"] == geometry && choice["calibration"] == "flat_spot, factor"
+        };
         number(&choices.iter().find(is).unwrap()["median_m"])
     };
     let shallow_m = median("published") - median("nadir");
@@ -388,8 +390,8 @@ fn several_logs_are_one_survey() {
             "each",
         ],
     );
-    for (one, half_m) in [("each/a/depth/depth.tif", 0.15), ("each/b/depth/depth.tif", -0.15)] {
-        let args = ["compare", "out/depth/depth.tif", one, "--json", "--radius", "0.4"];
+    for (map, half_m) in [("each/a/depth/depth.tif", 0.15), ("each/b/depth/depth.tif", -0.15)] {
+        let args = ["compare", "out/depth/depth.tif", map, "--json", "--radius", "0.4"];
         let found: Value = serde_json::from_str(&run(folder, &args)).expect("JSON");
         // Measured minus reference elevation: the first log's map is the shallower one.
         assert!((found["median_m"].as_f64().unwrap() + half_m).abs() < 0.04, "{found}");
@@ -418,8 +420,9 @@ fn the_same_bytes_under_another_name_are_taken_once() {
         "depth/depth.tif",
         "report.json",
     ] {
-        let [both, one] = ["both", "one"].map(|out| fs::read(folder.join(out).join(file)).unwrap());
-        assert!(both == one, "{file}");
+        let [both, single] =
+            ["both", "one"].map(|out| fs::read(folder.join(out).join(file)).unwrap());
+        assert!(both == single, "{file}");
     }
 }
 

@@ -39,7 +39,8 @@ fn review_writes_what_the_window_writes_into_the_part_that_is_asked_for() {
     run(folder, &args);
     let depth_m = |name: &str| -> f64 {
         let mut table = csv::Reader::from_path(folder.join(name)).expect("a table");
-        let column = |header: &csv::StringRecord| header.iter().position(|one| one == "depth_m");
+        let column =
+            |header: &csv::StringRecord| header.iter().position(|heading| heading == "depth_m");
         let column = column(table.headers().expect("a header")).expect("the column");
         let row = table.records().next().expect("an object").expect("a row");
         row[column].parse().expect("a depth")

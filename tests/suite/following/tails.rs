@@ -116,7 +116,7 @@ fn split_everywhere(files: &Files, places: usize, name: &str) -> [usize; 2] {
     counts
 }
 
-fn one(name: &str, bytes: Vec<u8>) -> Files {
+fn single_file(name: &str, bytes: Vec<u8>) -> Files {
     vec![(PathBuf::from(name), bytes)]
 }
 
@@ -144,30 +144,30 @@ fn frames(pings: i32, halves: bool) -> Vec<Frame> {
 #[test]
 fn a_lowrance_log_grows_to_what_the_whole_file_is() {
     let composite = sl2(&frames(500, false));
-    let counts = split_everywhere(&one("a.sl2", composite), 61, "sl2");
+    let counts = split_everywhere(&single_file("a.sl2", composite), 61, "sl2");
     assert!(counts[0] > 3 * counts[1], "{counts:?}");
     let halves = sl3(&frames(400, true), 168);
-    split_everywhere(&one("b.sl3", halves), 37, "sl3");
+    split_everywhere(&single_file("b.sl3", halves), 37, "sl3");
     let with_swath = (0..400).flat_map(|ping| {
         let pairs = [[1.0 + 0.01 * ping as f32, 12.0]; 3];
         let swath = Frame::of_swath(60 * ping + 12, [&pairs, &pairs[..1], &[]]);
         [Frame::new(0, 60 * ping), swath]
     });
     let with_swath = sl3(&with_swath.collect::<Vec<_>>(), 168);
-    let counts = split_everywhere(&one("d.sl3", with_swath), 37, "swath");
+    let counts = split_everywhere(&single_file("d.sl3", with_swath), 37, "swath");
     assert!(counts[0] > 3 * counts[1], "{counts:?}");
-    split_everywhere(&one("c.sl2", sl2(&survey_frames(300))), 23, "plain sl2");
+    split_everywhere(&single_file("c.sl2", sl2(&survey_frames(300))), 23, "plain sl2");
 }
 
 #[test]
 fn an_xtf_file_grows_to_what_the_whole_file_is() {
     let degrees = xtf(400, 1, 3, (-71.0, 42.0), 5.0);
-    let counts = split_everywhere(&one("a.xtf", degrees), 43, "xtf");
+    let counts = split_everywhere(&single_file("a.xtf", degrees), 43, "xtf");
     assert!(counts[0] > counts[1], "{counts:?}");
     // Metres of an unknown zone count from the first ping; 16-bit samples have a scale of their
     // own.
     let metres = xtf(400, 2, 0, (480_000.0, 4_600_000.0), 5.0);
-    split_everywhere(&one("b.xtf", metres), 43, "xtf in metres");
+    split_everywhere(&single_file("b.xtf", metres), 43, "xtf in metres");
 }
 
 #[test]
@@ -183,7 +183,7 @@ fn a_clock_that_is_set_back_goes_on_in_the_tail() {
     after.iter_mut().for_each(|frame| frame.time_ms += 500);
     all.iter_mut().for_each(|frame| frame.time_ms += 100_000);
     all.extend(after);
-    let files = one("set back.sl2", sl2(&all));
+    let files = single_file("set back.sl2", sl2(&all));
     let finished = whole(&files).expect("a log");
     for share in [0.7, 0.83, 0.95] {
         let known = whole(&cut(&files, share)).expect("a log");
@@ -197,12 +197,12 @@ fn a_clock_that_is_set_back_goes_on_in_the_tail() {
 
 #[test]
 fn what_another_log_adds_is_not_taken() {
-    let known = whole(&one("a.sl2", sl2(&frames(300, false)))).expect("a log");
+    let known = whole(&single_file("a.sl2", sl2(&frames(300, false)))).expect("a log");
     let seam = known.seam().expect("a seam");
     // As long as it may be, the pings of the seam do not lie in it.
     let mut other = frames(400, false);
     other.iter_mut().for_each(|frame| frame.data = vec![9; 333]);
-    let files = one("a.sl2", sl2(&other));
+    let files = single_file("a.sl2", sl2(&other));
     let tail = open_tail(&known, &seam, held(&files), &Progress::new()).expect("a log");
     assert!(known.extended(tail, &seam, &mut SurveyVersions::default()).is_none());
 }

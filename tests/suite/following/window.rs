@@ -232,7 +232,7 @@ fn what_the_analyst_decides_while_a_log_grows_stays_and_can_be_undone() {
     let drawn = |app: &App| {
         let products = app.log.products.as_ref().expect("results");
         let boxes = app.log.reviewing.review.boxes();
-        let boxes = boxes.filter(|one| one.state == State::Added).count();
+        let boxes = boxes.filter(|review_box| review_box.state == State::Added).count();
         (products.returns.is_drawn(Side::Port, 40), boxes, products.exclusions.ping(110).is_some())
     };
     assert_eq!(drawn(&app), (true, 1, true));
@@ -247,7 +247,7 @@ fn what_the_analyst_decides_while_a_log_grows_stays_and_can_be_undone() {
     };
     let edit = Edit::Add { mark: mark.clone(), class: 0 };
     app.apply(Command::Edit { edit, live: false });
-    assert!(app.log.reviewing.review.boxes().any(|one| one.mark == mark));
+    assert!(app.log.reviewing.review.boxes().any(|review_box| review_box.mark == mark));
     for _ in 0..2 {
         app.apply(Command::Do(Action::Undo));
     }
@@ -272,7 +272,7 @@ fn objects_are_found_as_they_come_and_decisions_stay() {
     let (_folder, mut app) = follow(&demo, "pond.sl2", 0.4, |app| {
         app.apply(Command::Do(Action::FindObjects));
         watch(app, |app| app.search_status().is_none());
-        let first = app.log.reviewing.review.boxes().next().map(|one| one.id);
+        let first = app.log.reviewing.review.boxes().next().map(|review_box| review_box.id);
         rejected = first;
         if let Some(id) = first {
             let edit = Edit::Reject(id);
@@ -289,7 +289,7 @@ fn objects_are_found_as_they_come_and_decisions_stay() {
     eprintln!("{boxes} boxes, searched to ping {} of {count}", searched(&app));
     assert!(boxes > 0);
     if let Some(id) = rejected {
-        let kept = app.log.reviewing.review.get(id).map(|one| one.state);
+        let kept = app.log.reviewing.review.get(id).map(|review_box| review_box.state);
         assert_eq!(kept, Some(State::Rejected));
     }
     let steps = app.history().count();
@@ -418,7 +418,8 @@ fn a_project_of_a_log_that_grew_is_opened_again() {
     let mut again = threads();
     again.apply(Command::Open(project));
     wait(&mut again);
-    let boxes: Vec<_> = again.log.reviewing.review.boxes().map(|one| one.mark.clone()).collect();
+    let boxes: Vec<_> =
+        again.log.reviewing.review.boxes().map(|review_box| review_box.mark.clone()).collect();
     assert_eq!(boxes, [mark], "{:?}", again.notices);
     let whole = opened(&path);
     assert_eq!(pings(&again), pings(&whole));

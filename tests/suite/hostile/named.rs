@@ -285,7 +285,7 @@ fn what_files_hold_reaches_the_terminal_as_text() {
         .as_array()
         .expect("channels")
         .iter()
-        .filter_map(|one| one["recorder_name"].as_str())
+        .filter_map(|channel| channel["recorder_name"].as_str())
         .collect();
     assert!(names.iter().any(|name| name.starts_with("\u{1b}[31mPORT\u{7}")), "{names:?}");
 

@@ -37,7 +37,7 @@ fn metres_lie_where_pyproj_has_them() {
         if number("epsg") != 3857.0 {
             assert!((length_m - 9.5).abs() < 0.02, "{case}: {length_m} m");
         }
-        let said = survey.warnings.iter().any(|one| one.text.contains("source.crs"));
+        let said = survey.warnings.iter().any(|warning| warning.text.contains("source.crs"));
         assert!(!said, "it is known now");
     }
     println!("first fixes: {worst_m:.1e} m from pyproj's at most");
@@ -46,7 +46,7 @@ fn metres_lie_where_pyproj_has_them() {
 #[test]
 fn what_is_missing_or_wrong_is_said_in_a_sentence_that_names_the_setting() {
     let line = log((606_900.0, 4_732_000.0));
-    let warnings: Vec<_> = line.warnings.iter().map(|one| one.text.as_str()).collect();
+    let warnings: Vec<_> = line.warnings.iter().map(|warning| warning.text.as_str()).collect();
     assert!(
         warnings.iter().any(|text| text.contains("set source.crs to its EPSG number")),
         "{warnings:?}"

@@ -73,7 +73,7 @@ fn lines_and_turns_stay_in_the_polygon_and_off_the_island_and_turn_no_sharper_th
         let made = made.expect("a plan");
         assert!(made.lines.len() > 4 && made.minutes() <= 12.0 && made.minutes() > 10.5);
         assert_eq!(made.turns_outside, 0);
-        let way: Vec<[f64; 2]> = made.way.iter().map(|one| one.place).collect();
+        let way: Vec<[f64; 2]> = made.way.iter().map(|waypoint| waypoint.place).collect();
         for place in along(&way) {
             assert!(is_inside(&shore, place) && !is_inside(&island, place), "{place:?}");
         }
@@ -92,7 +92,8 @@ fn lines_and_turns_stay_in_the_polygon_and_off_the_island_and_turn_no_sharper_th
             .map(|pair| (pair[0][0] - pair[1][0]).hypot(pair[0][1] - pair[1][1]))
             .sum();
         assert!((length_m / made.length_m - 1.0).abs() < 0.01, "{length_m} {}", made.length_m);
-        let starts = made.way.iter().filter(|one| matches!(one.station, WaypointKind::Start(_)));
+        let starts =
+            made.way.iter().filter(|waypoint| matches!(waypoint.station, WaypointKind::Start(_)));
         assert_eq!(starts.count(), made.lines.len());
         assert!(made.after.mean_sigma_m < 0.75 * made.before.mean_sigma_m);
     }

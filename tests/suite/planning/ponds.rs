@@ -224,7 +224,8 @@ fn sail(index: u64) -> Outcome {
         LocalFrame::new(LonLat { lon_deg: scene.longitude_deg, lat_deg: scene.latitude_deg })
     };
     let way = made.way.iter();
-    let way = way.map(|one| scene_frame.to_enu(frame.to_lon_lat(one.place[0], one.place[1])));
+    let way = way
+        .map(|waypoint| scene_frame.to_enu(frame.to_lon_lat(waypoint.place[0], waypoint.place[1])));
     let sailed = |corners: Vec<[f64; 2]>| {
         let scene = pond.scene(corners, Some(MINUTES));
         let (second, _) = processed(&scene, 10 * index + 1, Some(&frame));
@@ -263,9 +264,9 @@ fn sail(index: u64) -> Outcome {
 fn mends_more(ponds: std::ops::Range<u64>) -> [[f64; 4]; 2] {
     let outcomes: Vec<Outcome> = ponds.map(sail).collect();
     let means = [0, 1].map(|which| {
-        let of = |one: &Outcome| {
-            let [along, across] = one.parallel;
-            [one.before, one.planned, along, across].map(|values| values[which])
+        let of = |outcome: &Outcome| {
+            let [along, across] = outcome.parallel;
+            [outcome.before, outcome.planned, along, across].map(|values| values[which])
         };
         let all: Vec<[f64; 4]> = outcomes.iter().map(of).collect();
         let count = all.len() as f64;

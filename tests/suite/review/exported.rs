@@ -18,16 +18,16 @@ pub(super) fn export_by_keys(window: &mut Window, folder: &Path) {
 }
 
 pub(super) fn check_tables(folder: &Path, review: &Review) {
-    let objects = review.boxes().filter(|one| one.state.is_object()).count();
+    let objects = review.boxes().filter(|review_box| review_box.state.is_object()).count();
     let read = |name: &str| fs::read_to_string(folder.join(name)).expect("a file");
     let table = read("detections.csv");
     let mut table = csv::Reader::from_reader(table.as_bytes());
     let lines: Vec<csv::StringRecord> = table.records().map(|line| line.expect("a line")).collect();
     assert_eq!(lines.len(), 50);
-    for (line, one) in lines.iter().zip(review.boxes()) {
-        assert_eq!(line[0], one.id.0.to_string());
-        assert_eq!(&line[2], review.class_name(one.class));
-        assert_eq!(&line[4], one.state.name());
+    for (line, review_box) in lines.iter().zip(review.boxes()) {
+        assert_eq!(line[0], review_box.id.0.to_string());
+        assert_eq!(&line[2], review.class_name(review_box.class));
+        assert_eq!(&line[4], review_box.state.name());
         // The pond of the demo lies at 29.41 N 82.11 W.
         let [lon, lat]: [f64; 2] =
             [&line[10], &line[11]].map(|degrees| degrees.parse().expect("degrees"));
@@ -55,7 +55,7 @@ pub(super) fn check_dataset(folder: &Path, review: &Review) {
     let list = bathyscope_objects::ReviewSettings::default().classes;
     let names: Vec<&str> = classes.lines().collect();
     assert_eq!(names[..list.len()], list, "the analyst's list comes first");
-    let used = review.boxes().map(|one| review.class_name(one.class));
+    let used = review.boxes().map(|review_box| review.class_name(review_box.class));
     assert!(used.into_iter().all(|name| names.contains(&name)));
     let manifest = fs::read_to_string(folder.join("manifest.json")).expect("a manifest");
     let manifest: serde_json::Value = serde_json::from_str(&manifest).expect("JSON");
@@ -80,22 +80,25 @@ pub(super) fn check_dataset(folder: &Path, review: &Review) {
         let yolo = yolo.expect("labels");
         let voc = fs::read_to_string(folder.join("voc/train").join(format!("{stem}.xml")));
         let voc = voc.expect("labels");
-        let sure = |one: &&serde_json::Value| one["image_id"] == image["id"] && one["iscrowd"] == 0;
+        let sure = |annotation: &&serde_json::Value| {
+            annotation["image_id"] == image["id"] && annotation["iscrowd"] == 0
+        };
         let sure: Vec<_> = annotations.iter().filter(sure).collect();
         assert_eq!(yolo.lines().count(), sure.len());
         assert_eq!(voc.matches("<difficult>0<").count(), sure.len());
-        for (line, one) in yolo.lines().zip(&sure) {
+        for (line, annotation) in yolo.lines().zip(&sure) {
             let numbers: Vec<f64> =
                 line.split(' ').map(|number| number.parse().expect("a number")).collect();
-            assert_eq!(numbers[0] as u64 + 1, one["category_id"].as_u64().expect("a class"));
-            let [left, width] = [0, 2].map(|index| one["bbox"][index].as_f64().expect("pixels"));
+            assert_eq!(numbers[0] as u64 + 1, annotation["category_id"].as_u64().expect("a class"));
+            let [left, width] =
+                [0, 2].map(|index| annotation["bbox"][index].as_f64().expect("pixels"));
             assert!((numbers[1] * 416.0 - (left + 0.5 * width)).abs() < 0.01);
         }
         labelled += sure.len();
         negatives += usize::from(yolo.is_empty());
     }
     assert_eq!(manifest["hard_negatives"], negatives);
-    let objects = review.boxes().filter(|one| one.state.is_object()).count();
+    let objects = review.boxes().filter(|review_box| review_box.state.is_object()).count();
     assert!(labelled >= objects, "{labelled} labels of {objects} objects");
 }
 

@@ -76,8 +76,9 @@ fn the_slider_runs_along_the_curve_and_every_figure_follows() {
     let precision = fewer as f64 / (fewer + 1) as f64;
     window.get_by_label_contains(&format!("at score 0.50 precision {precision:.2}"));
     // A decision about a box is none about the model; another class is.
-    let right = review_of(&window).boxes().find(|one| one.score > Some(0.9));
-    let (id, class) = right.map(|one| (one.id, one.class)).expect("a sure box");
+    let right = review_of(&window).boxes().find(|review_box| review_box.score > Some(0.9));
+    let (id, class) =
+        right.map(|review_box| (review_box.id, review_box.class)).expect("a sure box");
     let edit = |edit: Edit| Command::Edit { edit, live: false };
     app_mut(&mut window).apply(edit(Edit::Accept(id)));
     window.run();
@@ -99,7 +100,7 @@ fn a_click_on_the_curve_sets_the_confidence() {
     window.drag_at(at);
     window.drop_at(at);
     window.run();
-    let least = review_of(&window).boxes().filter_map(|one| one.score);
+    let least = review_of(&window).boxes().filter_map(|review_box| review_box.score);
     let least = least.fold(1.0, f32::min);
     assert_eq!(app(&window).log.reviewing.queue.threshold, least);
     assert_eq!(counts(&window)[2], 2, "what has no box stays missed");

@@ -33,7 +33,7 @@ fn kept(folder: &Path) -> Option<Review> {
 }
 
 fn decided(review: &Review) -> usize {
-    review.boxes().filter(|one| one.is_kept()).count()
+    review.boxes().filter(|review_box| review_box.is_kept()).count()
 }
 
 #[test]

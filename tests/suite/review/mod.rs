@@ -36,7 +36,7 @@ fn classes() -> Vec<String> {
 pub(crate) fn detections(window: &Window, count: usize) -> Vec<Detection> {
     let pings = identity(window).pings;
     let step = (pings - 40) / count;
-    let one = |index: usize| Detection {
+    let detection = |index: usize| Detection {
         class: index % 2,
         score: 0.3 + 0.6 * ((index * 7 % count) as f32 / count as f32),
         mark: Mark {
@@ -46,7 +46,7 @@ pub(crate) fn detections(window: &Window, count: usize) -> Vec<Detection> {
             far_m: 6.0,
         },
     };
-    (0..count).map(one).collect()
+    (0..count).map(detection).collect()
 }
 
 fn identity(window: &Window) -> Identity {
@@ -90,7 +90,7 @@ fn selected(window: &Window) -> BoxId {
 }
 
 fn states(window: &Window) -> Vec<State> {
-    review_of(window).boxes().map(|one| one.state).collect()
+    review_of(window).boxes().map(|review_box| review_box.state).collect()
 }
 
 #[test]
@@ -121,15 +121,15 @@ fn fifty_boxes_are_reviewed_by_keys_alone_and_come_back() {
     }
     assert!(presses <= 2 * 50, "{presses} key presses for 50 boxes");
     for (id, state) in &expected {
-        assert_eq!(review_of(&window).get(*id).map(|one| one.state), Some(*state));
+        assert_eq!(review_of(&window).get(*id).map(|review_box| review_box.state), Some(*state));
     }
     let named = review_of(&window);
-    let trees = (named.boxes()).filter(|one| named.class_name(one.class) == TREE.1);
+    let trees = (named.boxes()).filter(|review_box| named.class_name(review_box.class) == TREE.1);
     assert_eq!(trees.count(), 6, "those that were named a tree");
     assert_eq!(app(&window).log.reviewing.counts().decided(), 50);
     let scores: Vec<_> = expected
         .iter()
-        .map(|(id, _)| review_of(&window).get(*id).and_then(|one| one.score))
+        .map(|(id, _)| review_of(&window).get(*id).and_then(|review_box| review_box.score))
         .collect();
     assert!(scores.is_sorted_by(|a, b| a >= b), "the surest first");
 
@@ -282,8 +282,8 @@ fn digits_name_the_selected_box_and_otherwise_focus_a_view() {
 
 fn class_of(window: &Window, id: BoxId) -> String {
     let review = review_of(window);
-    let one = review.get(id).expect("the box");
-    review.class_name(one.class).to_owned()
+    let review_box = review.get(id).expect("the box");
+    review.class_name(review_box.class).to_owned()
 }
 
 #[test]
@@ -324,8 +324,9 @@ fn arrows_move_the_box_only_while_it_is_edited() {
     let (_folder, mut window) = proposed(4);
     press(&mut window, Modifiers::NONE, Key::Tab);
     let id = selected(&window);
-    let mark =
-        |window: &Window| review_of(window).get(id).map(|one| one.mark.clone()).expect("the box");
+    let mark = |window: &Window| {
+        review_of(window).get(id).map(|review_box| review_box.mark.clone()).expect("the box")
+    };
     let before = mark(&window);
     press(&mut window, Modifiers::NONE, Key::ArrowRight);
     assert_eq!(mark(&window), before);
@@ -420,7 +421,7 @@ fn what_is_written_about_a_box_is_kept_when_the_next_one_is_selected() {
     assert_eq!(states(&window), [State::Proposed; 4], "letters are text here");
     press(&mut window, Modifiers::NONE, Key::Enter);
     assert_eq!(
-        review_of(&window).get(id).map(|one| one.note.as_str()),
+        review_of(&window).get(id).map(|review_box| review_box.note.as_str()),
         Some("two tyres, see dive 3")
     );
 }

@@ -48,14 +48,14 @@ fn a_missed_object_is_drawn_with_the_mouse_and_moved() {
     press(&mut window, Modifiers::NONE, Key::N);
     let (from, to) = (at(&window, 300.0, -8.0), at(&window, 400.0, -5.0));
     drag(&mut window, from, to);
-    let one = review_of(&window).boxes().next().cloned().expect("a box");
-    assert_eq!((one.state, one.mark.side), (State::Added, Side::Port));
+    let review_box = review_of(&window).boxes().next().cloned().expect("a box");
+    assert_eq!((review_box.state, review_box.mark.side), (State::Added, Side::Port));
     let near = |value: f64, expected: f64, by: f64| (value - expected).abs() < by;
-    let mark = &one.mark;
+    let mark = &review_box.mark;
     assert!(near(mark.pings.start as f64, 300.0, 4.0), "{mark:?}");
     assert!(near(mark.pings.end as f64, 400.0, 4.0), "{mark:?}");
     assert!(near(mark.near_m, 5.0, 0.1) && near(mark.far_m, 8.0, 0.1), "{mark:?}");
-    assert_eq!(selected(&window), one.id);
+    assert_eq!(selected(&window), review_box.id);
     assert_eq!(app(&window).log.reviewing.tool, Tool::Look);
     assert!(window.query_by_label_contains("box 1 selected: object, added").is_some());
 
@@ -63,16 +63,16 @@ fn a_missed_object_is_drawn_with_the_mouse_and_moved() {
     press(&mut window, Modifiers::NONE, Key::E);
     let (from, to) = (at(&window, 350.0, -6.5), at(&window, 450.0, -7.5));
     drag(&mut window, from, to);
-    let moved = review_of(&window).get(one.id).expect("the box").mark.clone();
+    let moved = review_of(&window).get(review_box.id).expect("the box").mark.clone();
     assert!(near(moved.pings.start as f64, 400.0, 8.0), "{moved:?}");
     assert!(near(moved.near_m, 6.0, 0.2) && near(moved.far_m, 9.0, 0.2), "{moved:?}");
     let (from, to) = (at(&window, 450.0, -moved.far_m), at(&window, 470.0, -10.0));
     drag(&mut window, from, to);
-    let sized = review_of(&window).get(one.id).expect("the box").mark.clone();
+    let sized = review_of(&window).get(review_box.id).expect("the box").mark.clone();
     assert_eq!((sized.pings.clone(), sized.near_m), (moved.pings.clone(), moved.near_m));
     assert!(near(sized.far_m, 10.0, 0.2), "{sized:?}");
     press(&mut window, Modifiers::COMMAND, Key::Z);
-    let back = review_of(&window).get(one.id).expect("the box").mark.clone();
+    let back = review_of(&window).get(review_box.id).expect("the box").mark.clone();
     assert_eq!(back, moved, "a drag is one step");
     press(&mut window, Modifiers::COMMAND, Key::Z);
     press(&mut window, Modifiers::COMMAND, Key::Z);
@@ -92,12 +92,15 @@ fn a_click_selects_the_box_under_it_and_beside_it_a_ping() {
     window.drag_at(place);
     window.drop_at(place);
     window.run();
-    let one = app(&window).log.reviewing.selected_box().cloned().expect("a box");
-    assert_eq!(one.mark, *mark);
+    let review_box = app(&window).log.reviewing.selected_box().cloned().expect("a box");
+    assert_eq!(review_box.mark, *mark);
     assert!(window.query_by_label_contains("Picture of box").is_some());
     window.get_by_label("Accept box").click();
     window.run();
-    assert_eq!(review_of(&window).get(one.id).map(|one| one.state), Some(State::Accepted));
+    assert_eq!(
+        review_of(&window).get(review_box.id).map(|review_box| review_box.state),
+        Some(State::Accepted)
+    );
     // The next box has come one to one.
     press(&mut window, Modifiers::NONE, Key::F);
     let beside = at(&window, middle, -5.0);
@@ -116,8 +119,8 @@ fn the_border_of_echo_and_shadow_has_a_handle_of_its_own() {
     let (from, to) = (at(&window, 300.0, -9.0), at(&window, 400.0, -4.0));
     drag(&mut window, from, to);
     let id = selected(&window);
-    let one = |window: &Window| review_of(window).get(id).expect("the box").clone();
-    let drawn = one(&window);
+    let box_now = |window: &Window| review_of(window).get(id).expect("the box").clone();
+    let drawn = box_now(&window);
     assert_eq!(drawn.extent, ObjectExtent::Found);
     let border_m = border_m(&app(&window).log.reviewing, &drawn);
     assert!((drawn.mark.near_m..=drawn.mark.far_m).contains(&border_m));
@@ -126,7 +129,7 @@ fn the_border_of_echo_and_shadow_has_a_handle_of_its_own() {
     // Off the middle of the box along the track, so that nothing else is near.
     let (from, to) = (at(&window, 350.0, -border_m), at(&window, 350.0, -7.6));
     drag(&mut window, from, to);
-    let set = one(&window);
+    let set = box_now(&window);
     assert_eq!(set.mark, drawn.mark, "the outer edges stay");
     let moved_m = set.extent.border_m().expect("a border that was drawn");
     assert!((moved_m - 7.6).abs() < 0.2, "{moved_m}");
@@ -139,11 +142,11 @@ fn the_border_of_echo_and_shadow_has_a_handle_of_its_own() {
     assert_eq!(app(&window).log.reviewing.edge, BoxEdge::Border);
     window.get_by_label_contains("editing its border of echo and shadow");
     press(&mut window, Modifiers::NONE, Key::ArrowUp);
-    let nudged_m = one(&window).extent.border_m().expect("a border");
+    let nudged_m = box_now(&window).extent.border_m().expect("a border");
     assert!((nudged_m - moved_m - 0.04).abs() < 1e-9, "{nudged_m}");
     press(&mut window, Modifiers::SHIFT, Key::E);
     press(&mut window, Modifiers::SHIFT, Key::ArrowUp);
-    let longer = one(&window);
+    let longer = box_now(&window);
     assert!((longer.mark.far_m - drawn.mark.far_m - 0.4).abs() < 1e-9);
     assert_eq!(longer.extent.border_m(), Some(nudged_m), "the border stays");
 
@@ -151,13 +154,13 @@ fn the_border_of_echo_and_shadow_has_a_handle_of_its_own() {
     for _ in 0..2 {
         press(&mut window, Modifiers::COMMAND, Key::Z);
     }
-    assert_eq!(one(&window).extent.border_m(), Some(moved_m));
+    assert_eq!(box_now(&window).extent.border_m(), Some(moved_m));
     press(&mut window, Modifiers::COMMAND, Key::Z);
-    assert_eq!(one(&window).extent, ObjectExtent::Found);
+    assert_eq!(box_now(&window).extent, ObjectExtent::Found);
     press(&mut window, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
     app_mut(&mut window).apply(Command::Do(Action::FindEdges));
     window.run();
-    assert_eq!(one(&window).extent, ObjectExtent::Found);
+    assert_eq!(box_now(&window).extent, ObjectExtent::Found);
 }
 
 #[test]
@@ -171,10 +174,10 @@ fn a_target_is_marked_by_a_click_or_at_the_pointer() {
     window.drop_at(place);
     window.run();
     let points = |window: &Window| -> Vec<Mark> {
-        let is_point = |one: &Reviewed| one.extent == ObjectExtent::Point;
+        let is_point = |review_box: &Reviewed| review_box.extent == ObjectExtent::Point;
         assert!(review_of(window).boxes().all(is_point));
         let boxes = review_of(window).boxes();
-        boxes.map(|one| one.mark.clone()).collect()
+        boxes.map(|review_box| review_box.mark.clone()).collect()
     };
     let [point] = &points(&window)[..] else { panic!("{:?}", points(&window)) };
     let range_m = 0.5 * (point.near_m + point.far_m);

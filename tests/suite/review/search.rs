@@ -25,7 +25,10 @@ fn objects_are_found_by_a_button_and_found_again_without_losing_a_decision() {
     press(&mut window, Modifiers::NONE, Key::R);
     window.get_by_label("Find objects").click_accesskit();
     window.run();
-    assert_eq!(review_of(&window).get(id).map(|one| one.state), Some(State::Rejected));
+    assert_eq!(
+        review_of(&window).get(id).map(|review_box| review_box.state),
+        Some(State::Rejected)
+    );
     assert_eq!(review_of(&window).boxes().len(), found, "each once");
     press(&mut window, Modifiers::COMMAND, Key::Z);
     press(&mut window, Modifiers::COMMAND, Key::Z);
@@ -71,7 +74,7 @@ fn boxes_come_while_the_search_runs_and_stay_when_it_is_stopped() {
         panic!("{:?}", review.searched());
     };
     assert!(gap.start > 0 && gap.end == review.identity().pings);
-    assert!(review.boxes().all(|one| one.mark.pings.end <= gap.start));
+    assert!(review.boxes().all(|review_box| review_box.mark.pings.end <= gap.start));
     let note = app.search_note().expect("a search that was stopped");
     let covered = format!("covers pings 0 to {} of {}", gap.start - 1, gap.end);
     assert!(note.contains("was stopped") && note.contains(&covered), "{note}");
@@ -101,7 +104,7 @@ fn a_search_that_was_stopped_does_not_look_finished() {
     let (names, found) = (review.classes().to_vec(), detections(&window, 6));
     let half = review.identity().pings / 2;
     let first: Vec<Detection> =
-        (found.into_iter()).filter(|one| one.mark.pings.end <= half).collect();
+        (found.into_iter()).filter(|detection| detection.mark.pings.end <= half).collect();
     let empty = Review::new(identity(&window), names.clone());
     let part = empty.adopt_part("a model", &names, &first, &raster(&window), 0..half);
     let path = folder.path().join("part.review.json");
@@ -172,7 +175,7 @@ fn the_window_in_review_looks_as_it_did() {
     app_mut(&mut window).apply(Command::OpenFile(FileToOpen::Review(path)));
     window.run();
     app_mut(&mut window).apply(Command::Dismiss(0));
-    let by_place = review.boxes().map(|one| (one.mark.pings.start, one.id));
+    let by_place = review.boxes().map(|review_box| (review_box.mark.pings.start, review_box.id));
     let mut by_place: Vec<_> = by_place.collect();
     by_place.sort();
     for (index, (_, id)) in by_place.iter().enumerate().take(6) {

@@ -58,9 +58,10 @@ fn hulls_of_thirty_metres_are_measured_by_hand_drawn_edges_and_a_measured_shadow
         let (mark, border_m, shadow) = edges(seen);
         let id = app.log.reviewing.review.next_id();
         let added = Edit::Add { mark: mark.clone(), class: 0 };
-        for one in [added, Edit::SetEdges { id, mark, border_m }, Edit::SetShadow(id, Some(shadow))]
+        for change in
+            [added, Edit::SetEdges { id, mark, border_m }, Edit::SetShadow(id, Some(shadow))]
         {
-            edit(&mut app, one);
+            edit(&mut app, change);
         }
         let found = target(&app, id);
         let off_m = f64::hypot(found.east_m - object.east_m, found.north_m - object.north_m);
@@ -121,8 +122,8 @@ fn a_measured_shadow_tells_the_height_of_its_box_until_that_is_taken_back() {
     measure(&mut app, &mark, shadow);
     let height_m = app.measured_height().expect("measured").expect("a height").height_m();
     press(&mut app, Action::UseShadow);
-    let one = only_box(&app);
-    assert_eq!(one.shadow, Some(shadow));
+    let review_box = only_box(&app);
+    assert_eq!(review_box.shadow, Some(shadow));
     let measured = target(&app, id);
     // The altitude is that over the box there, and that over a few pings here.
     assert!((measured.height_m / height_m - 1.0).abs() < 0.02, "{} {height_m}", measured.height_m);

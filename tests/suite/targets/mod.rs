@@ -94,9 +94,9 @@ fn edit(app: &mut App, edit: Edit) {
 
 fn only_box(app: &App) -> Reviewed {
     let mut boxes = app.log.reviewing.review.boxes();
-    let one = boxes.next().expect("a box").clone();
+    let review_box = boxes.next().expect("a box").clone();
     assert_eq!(boxes.next(), None);
-    one
+    review_box
 }
 
 fn target(app: &App, id: BoxId) -> Target {

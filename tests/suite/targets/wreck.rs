@@ -75,9 +75,9 @@ fn a_hull_of_thirty_metres_is_measured_by_hand_drawn_edges() {
     let (log, truth) = written(folder.path(), "wreck.sl2", &scene(), 4);
     let mut app = opened(&log);
     let mark = draw(&mut app, &truth);
-    let one = only_box(&app);
-    assert_eq!((&one.mark, one.state), (&mark, State::Added));
-    let found = target(&app, one.id);
+    let review_box = only_box(&app);
+    assert_eq!((&review_box.mark, review_box.state), (&mark, State::Added));
+    let found = target(&app, review_box.id);
     let object = &truth.objects[0];
     let off_m = f64::hypot(found.east_m - object.east_m, found.north_m - object.north_m);
     println!(
@@ -107,8 +107,8 @@ fn a_hull_of_thirty_metres_is_measured_by_hand_drawn_edges() {
     assert_eq!(only_box(&app).extent, ObjectExtent::Found);
     app.apply(Command::Do(Action::Redo));
     settle(&mut app);
-    assert_eq!(target(&app, one.id), found);
-    edit(&mut app, Edit::FindEdges(one.id));
+    assert_eq!(target(&app, review_box.id), found);
+    edit(&mut app, Edit::FindEdges(review_box.id));
     assert_eq!(only_box(&app).extent, ObjectExtent::Found);
 }
 
@@ -116,13 +116,13 @@ fn a_hull_of_thirty_metres_is_measured_by_hand_drawn_edges() {
 fn described(app: &mut App, truth: &Simulated) {
     draw(app, truth);
     let id = only_box(app).id;
-    for one in [
+    for change in [
         Edit::Rename(id, "Anna <Maria>".to_owned()),
         Edit::Classify(id, "steam tug".to_owned()),
         Edit::Rate(id, Some(Certainty::Probable)),
         Edit::Note(id, "boiler amidships".to_owned()),
     ] {
-        edit(app, one);
+        edit(app, change);
     }
 }
 
@@ -133,10 +133,10 @@ fn a_wreck_is_named_kept_exported_and_has_its_page_in_the_report() {
     let mut app = opened(&log);
     described(&mut app, &truth);
     let review = app.log.reviewing.review.clone();
-    let one = only_box(&app);
-    assert_eq!(review.class_name(one.class), "steam tug");
+    let review_box = only_box(&app);
+    assert_eq!(review.class_name(review_box.class), "steam tug");
     assert_eq!(
-        (one.name.as_str(), one.certainty, one.note.as_str()),
+        (review_box.name.as_str(), review_box.certainty, review_box.note.as_str()),
         ("Anna <Maria>", Some(Certainty::Probable), "boiler amidships")
     );
     // The file of the review keeps all of it.
@@ -170,13 +170,13 @@ fn a_wreck_is_named_kept_exported_and_has_its_page_in_the_report() {
     assert!(section.contains("<img "), "no picture");
 
     // All views enlarge it: about a third of each is hull.
-    let id = log_box(&app, one.id);
+    let id = log_box(&app, review_box.id);
     app.apply(Command::FlyTo(id));
     let close_up = app.view.reveal.and_then(|reveal| reveal.close_up);
     let close_up = close_up.expect("a close-up");
     assert!((close_up.size_m / LENGTH_M - 1.0).abs() < 0.05);
-    assert_eq!(close_up.pings, [one.mark.pings.start, one.mark.pings.end]);
-    let edges_m = [one.mark.near_m, one.mark.far_m];
+    assert_eq!(close_up.pings, [review_box.mark.pings.start, review_box.mark.pings.end]);
+    let edges_m = [review_box.mark.near_m, review_box.mark.far_m];
     for (shown_m, edge_m) in close_up.across_m.iter().zip(edges_m) {
         assert!((shown_m - edge_m).abs() < 1e-9);
     }
@@ -189,7 +189,7 @@ fn check_tables(folder: &Path) {
     let header = table.headers().expect("a header").clone();
     let line = table.records().next().expect("a line").expect("fields");
     let field = |name: &str| {
-        let column = header.iter().position(|one| one == name).expect(name);
+        let column = header.iter().position(|heading| heading == name).expect(name);
         line[column].to_owned()
     };
     assert_eq!(field("name"), "Anna <Maria>");

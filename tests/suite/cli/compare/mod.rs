@@ -24,7 +24,7 @@ fn compared(folder: &Path, reference: &str, options: &[&str]) -> Value {
 
 fn assert_same(found: &Value, expected: &Value) {
     for key in ["n", "unmatched", "mean_m", "median_m", "sd_m", "rms_m", "mae_m", "p95_m"] {
-        let [found, expected] = [found, expected].map(|one| one[key].as_f64().unwrap());
+        let [found, expected] = [found, expected].map(|record| record[key].as_f64().unwrap());
         assert!((found - expected).abs() < 1e-9, "{key}: {found} instead of {expected}");
     }
     let orders = found["orders"].as_array().unwrap();
