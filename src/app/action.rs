@@ -291,10 +291,10 @@ mod tests {
 
     #[test]
     fn no_two_actions_share_a_key() {
-        let mut taken = HashMap::new();
+        let mut seen = HashMap::new();
         for action in Action::ALL {
             for keys in action.all_keys() {
-                let other = taken.insert(keys, action.label());
+                let other = seen.insert(keys, action.label());
                 assert_eq!(other, None, "{keys} is {} and {other:?}", action.label());
             }
         }

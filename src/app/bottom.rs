@@ -180,8 +180,8 @@ impl App {
 
     /// Restores the bottom edits of a log that is being opened, `read` in a background thread.
     pub(super) fn take_bottom(&mut self, id: LogId, read: Option<ReadBottom>, is_file: bool) {
-        let taken = self.log_mut(id).map(|log| log.take_bottom(read, is_file));
-        match taken {
+        let restored = self.log_mut(id).map(|log| log.take_bottom(read, is_file));
+        match restored {
             Some(Ok(Some(text))) => self.notify(text),
             Some(Err(error)) => self.warn(error.to_string()),
             Some(Ok(None)) | None => {}

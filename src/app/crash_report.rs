@@ -106,9 +106,9 @@ fn tell(folder: &Path) -> Option<PathBuf> {
     for new in names(folder) {
         let name = new.file_name().unwrap_or_default().to_string_lossy();
         if let Some(stem) = name.strip_suffix(NEW) {
-            let told = folder.join(format!("{stem}txt"));
-            if fs::rename(&new, &told).is_ok() {
-                newest = Some(told);
+            let reported = folder.join(format!("{stem}txt"));
+            if fs::rename(&new, &reported).is_ok() {
+                newest = Some(reported);
             }
         }
     }
@@ -133,8 +133,8 @@ mod tests {
             open: vec!["Lowrance SL2, 12 bytes, 3 pings".to_owned()],
         };
         write(&keeper, "no more ink at pen.rs:7:1", "0: pen").expect("a report");
-        let told = tell(&folder).expect("a report that was not told of");
-        let text = fs::read_to_string(&told).expect("a report");
+        let report = tell(&folder).expect("a report that was not told of");
+        let text = fs::read_to_string(&report).expect("a report");
         for part in [
             env!("CARGO_PKG_VERSION"),
             "no more ink at pen.rs:7:1",

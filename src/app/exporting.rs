@@ -26,10 +26,10 @@ impl App {
         let Some(first) = logs.first() else {
             return Vec::new();
         };
-        let said = first.products.correction.sentences();
+        let of_first = first.products.correction.sentences();
         let of_logs: Vec<_> = logs.iter().map(|log| log.products.correction.sentences()).collect();
         let mut sentences = Vec::new();
-        for (index, sentence) in said.into_iter().enumerate() {
+        for (index, sentence) in of_first.into_iter().enumerate() {
             sentences.push(match of_logs.iter().all(|of_log| of_log[index] == sentence) {
                 true => sentence,
                 false if index == 0 => {

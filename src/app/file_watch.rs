@@ -27,7 +27,7 @@ pub(super) struct FileWatch {
     /// Weak references to the checked surveys, so that the check does not keep them open.
     logs: Vec<(LogId, Weak<Survey>)>,
     /// Logs whose fault was reported.
-    said: Vec<LogId>,
+    reported: Vec<LogId>,
 }
 
 /// The files of a log that are checked.
@@ -49,8 +49,8 @@ impl App {
 
     /// Starts checking the files of the open logs, unless these logs are being checked already.
     pub(super) fn check_files(&mut self) {
-        let said = &self.file_watch.said;
-        let open = self.logs().filter(|log| !said.contains(&log.id));
+        let reported = &self.file_watch.reported;
+        let open = self.logs().filter(|log| !reported.contains(&log.id));
         let open = open.filter_map(|log| Some((log.id, log.survey.as_ref()?)));
         // A followed log, which changes all the time, is read from a copy.
         let is_shared = |survey: &Survey| survey.bytes.iter().any(Bytes::is_shared);
@@ -76,7 +76,7 @@ impl App {
             move |progress| look(&watched, repeats, progress),
             |app, found| {
                 for (id, text) in found {
-                    app.file_watch.said.push(id);
+                    app.file_watch.reported.push(id);
                     app.warn(text);
                 }
             },
@@ -170,8 +170,8 @@ mod tests {
         panic!("it does not come");
     }
 
-    fn said(app: &App, what: &str) -> usize {
-        app.said().filter(|notice| notice.text.contains(what)).count()
+    fn notice_count(app: &App, what: &str) -> usize {
+        app.notice_history().filter(|notice| notice.text.contains(what)).count()
     }
 
     #[test]
@@ -182,7 +182,7 @@ mod tests {
         let file = File::options().write(true).open(&path).expect("the log");
         file.set_len(10_000).expect("a cut");
         let sentence = format!("from {} to 10000 bytes", DEMO.len());
-        wait(&mut app, |app| said(app, &sentence) == 1);
+        wait(&mut app, |app| notice_count(app, &sentence) == 1);
         let out = folder.path().join("out");
         app.export(out.clone());
         wait(&mut app, App::is_idle);
@@ -192,7 +192,7 @@ mod tests {
             std::thread::sleep(Duration::from_millis(50));
         }
         // The check of the files reports the fault once, and the attempt to write may repeat it.
-        assert!((1..=2).contains(&said(&app, &sentence)));
+        assert!((1..=2).contains(&notice_count(&app, &sentence)));
         let survey = app.log.survey.clone().expect("the log is still open");
         assert!(survey.bytes[0][20_000..].iter().all(|byte| *byte == 0));
     }
@@ -208,7 +208,7 @@ mod tests {
         fs::remove_file(&path).expect("no log");
         std::thread::sleep(2 * NAP * NAPS);
         app.poll();
-        assert_eq!(said(&app, "while it was open"), 0);
+        assert_eq!(notice_count(&app, "while it was open"), 0);
         // The check of the files still runs after one of them was removed.
         assert!(app.is_running(&JobKey::CheckFiles));
     }

@@ -53,8 +53,8 @@ pub(super) struct Heights {
     /// stays.
     held: Option<LogId>,
     /// The last sentence in a notice that logs differ.
-    said: Option<String>,
-    said_false: Option<String>,
+    last_notice: Option<String>,
+    last_false_notice: Option<String>,
 }
 
 impl App {
@@ -162,23 +162,23 @@ impl App {
     /// that leave the soundings out and level the logs.
     fn say_heights(&mut self) {
         let found = self.contradicted_soundings();
-        let is_said = self.findings.heights.said_false.as_ref() == found.first();
+        let is_said = self.findings.heights.last_false_notice.as_ref() == found.first();
         if !is_said {
             self.withdraw(Action::LeaveOutContradicted);
             if let Some(text) = found.first() {
                 self.offer(text.clone(), Action::LeaveOutContradicted);
             }
-            self.findings.heights.said_false = found.into_iter().next();
+            self.findings.heights.last_false_notice = found.into_iter().next();
         }
         let unlevelled = self.unlevelled();
-        if self.findings.heights.said == unlevelled {
+        if self.findings.heights.last_notice == unlevelled {
             return;
         }
         self.withdraw(Action::ApplyHeights);
         if let Some(text) = &unlevelled {
             self.offer(text.clone(), Action::ApplyHeights);
         }
-        self.findings.heights.said = unlevelled;
+        self.findings.heights.last_notice = unlevelled;
     }
 
     /// Excludes the soundings that other logs show to be false, as one undo step.

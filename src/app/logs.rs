@@ -65,7 +65,7 @@ impl OpenLogs {
 
     /// Closes a log, and keeps it for undo.
     fn close(&mut self, mut log: OpenLog) {
-        self.park(&mut log);
+        self.keep_review(&mut log);
         self.order.retain(|id| *id != log.id);
         self.closed.push(log.at_rest());
         let surplus = self.closed.len().saturating_sub(CLOSED);
@@ -73,8 +73,8 @@ impl OpenLogs {
     }
 
     /// Keeps the decisions about the boxes of a log that is being closed.
-    fn park(&mut self, log: &mut OpenLog) {
-        self.parked.extend(log.reviewing.park());
+    fn keep_review(&mut self, log: &mut OpenLog) {
+        self.parked.extend(log.reviewing.review_to_keep());
         let surplus = self.parked.len().saturating_sub(PARKED);
         self.parked.drain(..surplus);
     }
@@ -191,9 +191,9 @@ impl App {
             self.jobs.stop_log(id);
         }
         let mut last = std::mem::take(&mut self.log);
-        self.logs.park(&mut last);
+        self.logs.keep_review(&mut last);
         for mut other in std::mem::take(&mut self.logs.others) {
-            self.logs.park(&mut other);
+            self.logs.keep_review(&mut other);
         }
         for id in std::mem::take(&mut self.logs.order) {
             self.leave_search(id);

@@ -34,8 +34,8 @@ pub(super) struct NoticeHistory {
 impl App {
     /// Returns all notices since the program was started, beginning with the newest; the oldest of
     /// very many are dropped.
-    pub fn said(&self) -> impl ExactSizeIterator<Item = &Notice> {
-        self.said.all.iter().rev()
+    pub fn notice_history(&self) -> impl ExactSizeIterator<Item = &Notice> {
+        self.notice_history.all.iter().rev()
     }
 
     /// Notifies the analyst in a sentence.
@@ -66,21 +66,21 @@ impl App {
     /// kind, so that a row of keys leaves one notice.
     pub(super) fn offer_undo(&mut self, text: String) {
         self.withdraw(Action::Undo);
-        if self.said.ends_with_undo {
-            self.said.all.pop_back();
+        if self.notice_history.ends_with_undo {
+            self.notice_history.all.pop_back();
         }
         self.offer(text, Action::Undo);
-        self.said.ends_with_undo = true;
+        self.notice_history.ends_with_undo = true;
     }
 
     fn say(&mut self, text: &str, is_error: bool, offer: Option<Action>) {
         let notice = Notice { text: one_line(text), is_error, offer, at: SystemTime::now() };
-        self.said.ends_with_undo = false;
+        self.notice_history.ends_with_undo = false;
         // A repeated notice replaces its earlier copy on the screen.
         self.notices.retain(|shown| shown.text != notice.text || shown.offer != notice.offer);
-        self.said.all.push_back(notice.clone());
-        if self.said.all.len() > KEPT {
-            self.said.all.pop_front();
+        self.notice_history.all.push_back(notice.clone());
+        if self.notice_history.all.len() > KEPT {
+            self.notice_history.all.pop_front();
         }
         self.notices.push(notice);
     }
@@ -88,7 +88,7 @@ impl App {
     /// Withdraws an offer that was accepted or makes no sense any more.
     pub(super) fn withdraw(&mut self, action: Action) {
         self.notices.retain(|notice| notice.offer != Some(action));
-        for notice in &mut self.said.all {
+        for notice in &mut self.notice_history.all {
             notice.offer = notice.offer.filter(|offer| *offer != action);
         }
     }
@@ -112,16 +112,17 @@ mod tests {
         app.notify("one".to_owned());
         app.offer_undo("two".to_owned());
         app.offer_undo("three".to_owned());
-        let said =
-            |app: &App| -> Vec<String> { app.said().map(|notice| notice.text.clone()).collect() };
-        assert_eq!(said(&app), ["three", "one"]);
+        let texts = |app: &App| -> Vec<String> {
+            app.notice_history().map(|notice| notice.text.clone()).collect()
+        };
+        assert_eq!(texts(&app), ["three", "one"]);
         assert_eq!(app.notices.len(), 2);
         assert_eq!(app.notices[1].offer, Some(Action::Undo));
         // The next step makes the offer void, but the notice is still listed.
         app.withdraw(Action::Undo);
         app.notify("four".to_owned());
         app.offer_undo("five".to_owned());
-        assert_eq!(said(&app), ["five", "four", "three", "one"]);
+        assert_eq!(texts(&app), ["five", "four", "three", "one"]);
         assert_eq!(app.notices.len(), 3);
     }
 
@@ -133,16 +134,16 @@ mod tests {
         app.apply(Command::Dismiss(0));
         app.apply(Command::Dismiss(7));
         assert_eq!(app.notices.len(), 1);
-        let said: Vec<&str> = app.said().map(|notice| notice.text.as_str()).collect();
-        assert_eq!(said, ["two", "one"]);
+        let texts: Vec<&str> = app.notice_history().map(|notice| notice.text.as_str()).collect();
+        assert_eq!(texts, ["two", "one"]);
         app.withdraw(Action::TakeUpUnsaved);
         assert!(app.notices.is_empty());
-        assert!(app.said().all(|notice| notice.offer.is_none()));
+        assert!(app.notice_history().all(|notice| notice.offer.is_none()));
         for number in 0..2 * KEPT {
             app.notify(number.to_string());
         }
-        assert_eq!(app.said().len(), KEPT);
-        let newest = app.said().next().map(|notice| notice.text.clone());
+        assert_eq!(app.notice_history().len(), KEPT);
+        let newest = app.notice_history().next().map(|notice| notice.text.clone());
         assert_eq!(newest.as_deref(), Some("999"));
     }
 }

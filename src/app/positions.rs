@@ -83,13 +83,14 @@ impl App {
             let shift = found.told_shift();
             let shift = shift.map(|shift| [(EAST, shift.east_m), (NORTH, shift.north_m)]);
             let latency = found.told_latency_s().map(|latency_s| (LATENCY, latency_s));
-            let told: Vec<(&str, f64)> = shift.into_iter().flatten().chain(latency).collect();
-            if told.is_empty() {
+            let corrections: Vec<(&str, f64)> =
+                shift.into_iter().flatten().chain(latency).collect();
+            if corrections.is_empty() {
                 continue;
             }
             if let Some(log) = self.open_log(*id) {
                 let mut own = LogSettings::clone(&log.own);
-                for (key, value) in told {
+                for (key, value) in corrections {
                     own.set(key, Value::Float(value));
                 }
                 self.set_own(*id, Arc::new(own), false);

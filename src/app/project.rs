@@ -297,7 +297,7 @@ impl App {
 
     fn take_project(&mut self, read: OpenedLogs) {
         let OpenedLogs { opened, logs, notes } = read;
-        let OpenedProject { store, project, notes: told, past } = opened;
+        let OpenedProject { store, project, notes: project_notes, past } = opened;
         self.files.missing = (project.logs().iter())
             .filter(|log| logs.iter().all(|(found, ..)| found.key != log.key))
             .map(|log| log.key.clone())
@@ -333,7 +333,7 @@ impl App {
         if let Some(path) = self.files.project_saving.project.files.get(BASE_MAP).cloned() {
             self.reopen_base_map(path);
         }
-        for text in told.into_iter().chain(notes) {
+        for text in project_notes.into_iter().chain(notes) {
             self.notify(text);
         }
         self.schedule();

@@ -159,7 +159,7 @@ pub struct App {
     pub recent: Vec<PathBuf>,
     /// Notices on the screen.
     pub notices: Vec<Notice>,
-    pub(super) said: NoticeHistory,
+    pub(super) notice_history: NoticeHistory,
     pub(super) following: Following,
     pub(super) file_watch: FileWatch,
     pub(super) card_search: CardSearch,
@@ -182,7 +182,7 @@ impl App {
             map: MapWork::default(),
             recent: Vec::new(),
             notices: Vec::new(),
-            said: NoticeHistory::default(),
+            notice_history: NoticeHistory::default(),
             following: Following::default(),
             file_watch: FileWatch::default(),
             card_search: CardSearch::default(),

@@ -29,9 +29,9 @@ const TYPES: [(&str, &str); 9] = [
 /// so that a message is changed where it is shown.
 pub(crate) fn in_plain_words(message: &str) -> Cow<'_, str> {
     let mut plain = Cow::Borrowed(message);
-    for (said, words) in TYPES {
-        if plain.contains(said) {
-            plain = Cow::Owned(plain.replace(said, words));
+    for (type_name, words) in TYPES {
+        if plain.contains(type_name) {
+            plain = Cow::Owned(plain.replace(type_name, words));
         }
     }
     // A message contains one or two system errors.

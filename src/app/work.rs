@@ -217,12 +217,12 @@ impl App {
         let Some(log) = self.log_mut(id) else {
             return;
         };
-        let said = log.take_products(products);
+        let sentence = log.take_products(products);
         let counted = log.settled();
         if let Some(log) = counted {
             self.count_figures(id, log);
         }
-        if let Some(text) = said {
+        if let Some(text) = sentence {
             self.withdraw(Action::Undo);
             self.offer(text, Action::Undo);
         }
@@ -345,12 +345,12 @@ impl OpenLog {
     /// scale.
     fn take_products(&mut self, products: Products) -> Option<String> {
         self.preview = None;
-        let said = self.calibrating.said_of_change(&products);
+        let sentence = self.calibrating.said_of_change(&products);
         if let Some(survey) = self.survey.clone() {
             self.reviewing.follow(&survey, &products.navigation);
         }
         self.products = Some(products);
-        said
+        sentence
     }
 }
 

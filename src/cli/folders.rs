@@ -26,13 +26,13 @@ pub(super) struct DefaultFolders {
     parent: PathBuf,
     /// Names of the chosen folders, in lower case: on some file systems `REC` and `Rec` are one
     /// folder.
-    taken: HashSet<String>,
+    chosen: HashSet<String>,
 }
 
 impl DefaultFolders {
     /// Chooses folders in `parent`.
     pub(super) fn in_folder(parent: &Path) -> Self {
-        Self { parent: parent.to_owned(), taken: HashSet::new() }
+        Self { parent: parent.to_owned(), chosen: HashSet::new() }
     }
 
     /// Returns the folder of a survey: its name, else `NAME-products`, `NAME-products-2` and so on,
@@ -51,8 +51,8 @@ impl DefaultFolders {
                 count => format!("{name}{PRODUCTS}-{count}"),
             };
             let path = self.parent.join(&folder);
-            if !self.taken.contains(&folder.to_lowercase()) && is_free(&path, &surveys) {
-                self.taken.insert(folder.to_lowercase());
+            if !self.chosen.contains(&folder.to_lowercase()) && is_free(&path, &surveys) {
+                self.chosen.insert(folder.to_lowercase());
                 return path;
             }
             count += 1;
@@ -66,13 +66,13 @@ pub(super) struct Folders {
     parent: PathBuf,
     /// Names of the chosen folders, in lower case: on some file systems `REC` and `Rec` are one
     /// folder.
-    taken: HashSet<String>,
+    chosen: HashSet<String>,
 }
 
 impl Folders {
     /// Chooses folders in `parent`.
     pub(super) fn in_folder(parent: &Path) -> Self {
-        Self { parent: parent.to_owned(), taken: HashSet::new() }
+        Self { parent: parent.to_owned(), chosen: HashSet::new() }
     }
 
     /// Returns the folder of the next survey: its name, with `-2`, `-3` ... after it if an earlier
@@ -81,7 +81,7 @@ impl Folders {
         let name = file_name(name);
         let mut folder = name.clone();
         let mut count = 1;
-        while !self.taken.insert(folder.to_lowercase()) {
+        while !self.chosen.insert(folder.to_lowercase()) {
             count += 1;
             folder = format!("{name}-{count}");
         }

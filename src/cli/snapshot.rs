@@ -1,7 +1,7 @@
 //! `bathyscope snapshot`: draws the pictures of the window without opening a window.
 
 use super::settings::SettingsArgs;
-use super::waterfall_options::{GeometryArgs, open, parse_size, take_over, wait, within};
+use super::waterfall_options::{GeometryArgs, open, parse_size, requested_pings, take_over, wait};
 use super::{Failure, output};
 use crate::app::{
     Action, App, CloudColour, Command, FileToOpen, Jobs, LogOrigin, LogPlace, MapLayer,
@@ -263,7 +263,7 @@ fn alone(picture: Picture) -> Option<Alone> {
 /// and the selection are not empty.
 fn select(app: &mut App, pings: Option<PingRange>) -> Result<(), Failure> {
     let survey = app.log.survey.clone().unwrap_or_default();
-    let pings = within(&survey, pings)?;
+    let pings = requested_pings(&survey, pings)?;
     if !survey.side_scan.is_empty() {
         let middle = (pings.start + pings.end) / 2;
         app.apply(Command::Select(Some(LogPlace::ping(middle))));

@@ -147,11 +147,11 @@ impl Lines {
     fn next(&mut self, step: &Step, fraction: f32, now: Instant) -> Option<String> {
         let part_began = self.part_of(step, fraction, now);
         // The line at the start of the step counts as the first.
-        let (said, share) = match self.last {
-            Some((began, said, share)) if began == step.began => (said, share),
+        let (written_at, share) = match self.last {
+            Some((began, written_at, share)) if began == step.began => (written_at, share),
             _ => (step.began, 0.0),
         };
-        let since = now.saturating_duration_since(said);
+        let since = now.saturating_duration_since(written_at);
         let due = since >= LONGEST || (since >= LEAST && fraction - share >= WORTH_A_LINE);
         // A share that falls belongs to the next part of the same step.
         let due = due || (since >= LEAST && fraction < share);

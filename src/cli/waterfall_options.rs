@@ -79,7 +79,12 @@ impl WaterfallArgs {
         let survey = app.log.survey.clone().unwrap_or_default();
         let axis = RangeAxis::of(&survey).filter(|_| survey.has_side_scan());
         let axis = axis.ok_or("the log holds no side-scan that could be shown")?;
-        Ok(WaterfallLog { pings: within(&survey, self.pings)?, axis, name: survey.name(), app })
+        Ok(WaterfallLog {
+            pings: requested_pings(&survey, self.pings)?,
+            axis,
+            name: survey.name(),
+            app,
+        })
     }
 }
 
@@ -87,7 +92,10 @@ impl WaterfallArgs {
 ///
 /// # Errors
 /// When the log has fewer pings than requested.
-pub(super) fn within(survey: &Survey, pings: Option<PingRange>) -> Result<PingRange, Failure> {
+pub(super) fn requested_pings(
+    survey: &Survey,
+    pings: Option<PingRange>,
+) -> Result<PingRange, Failure> {
     let count = survey.side_scan.len();
     let pings = pings.unwrap_or(PingRange { start: 0, end: count });
     if pings.end > count {

@@ -258,7 +258,7 @@ impl App {
         let mut last = None;
         while let Ok(message) = running.messages.try_recv() {
             match message {
-                SearchMessage::Ready(detector) => self.meet(detector),
+                SearchMessage::Ready(detector) => self.keep_detector(detector),
                 SearchMessage::SoFar(so_far) => last = Some(so_far),
             }
         }
@@ -330,7 +330,7 @@ impl App {
 
     /// Keeps a detector; with a new model the threshold of the queue becomes the score that the
     /// model recommends.
-    fn meet(&mut self, detector: Detector) {
+    fn keep_detector(&mut self, detector: Detector) {
         let known = self.findings.search.detector.as_ref();
         if known.is_none_or(|known| !Arc::ptr_eq(&known.model, &detector.model)) {
             self.set_queue(&Queue {

@@ -332,7 +332,7 @@ impl Reviewing {
 
     /// Returns the review to keep when the log is closed; `None` without boxes, or if a project
     /// saves them.
-    pub(super) fn park(&mut self) -> Option<Parked> {
+    pub(super) fn review_to_keep(&mut self) -> Option<Parked> {
         (self.has_boxes() && !self.is_in_project).then(|| Parked {
             is_kept: self.autosave.holds(&self.review),
             review: self.review.clone(),

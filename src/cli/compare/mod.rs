@@ -245,10 +245,10 @@ fn table(comparison: &Comparison, by: &str) -> String {
             [("sd", found.sd_m), ("RMS", found.rms_m), ("MAE", found.mae_m), ("95 %", found.p95_m)];
         lines.extend(sizes.map(|(name, value)| format!("{name:<9}  {value:.4} m")));
     }
-    lines.extend(comparison.orders.iter().map(|within| {
-        let order = within.order;
-        let verdict = if within.share >= 0.95 { "" } else { " (95 % required)" };
-        format!("S-44 {:<9} {:6.2} % within{verdict}", order.order, 100.0 * within.share)
+    lines.extend(comparison.orders.iter().map(|order_share| {
+        let order = order_share.order;
+        let verdict = if order_share.share >= 0.95 { "" } else { " (95 % required)" };
+        format!("S-44 {:<9} {:6.2} % within{verdict}", order.order, 100.0 * order_share.share)
     }));
     lines.join("\n")
 }

@@ -142,10 +142,10 @@ impl Kept {
         for area in areas {
             let rect = area.rect(pixels_per_point).intersect(self.ground.rect());
             shapes.push(fill(rect));
-            let within = |shape: &&ClippedShape| {
+            let overlaps = |shape: &&ClippedShape| {
                 covered(shape, pixels_per_point).is_some_and(|covered| covered.overlaps(&area))
             };
-            shapes.extend(now.iter().filter(within).map(|shape| ClippedShape {
+            shapes.extend(now.iter().filter(overlaps).map(|shape| ClippedShape {
                 clip_rect: shape.clip_rect.intersect(rect),
                 ..shape.clone()
             }));

@@ -56,8 +56,8 @@ fn by_crossings(ui: &mut Ui, context: &ViewContext<'_>) {
     let Some(products) = &context.app.log.products else {
         return;
     };
-    let said = [products.latency_warning(), products.repeatability_warning()];
-    for text in said.into_iter().flatten() {
+    let warnings = [products.latency_warning(), products.repeatability_warning()];
+    for text in warnings.into_iter().flatten() {
         warning(ui, context, &context.units().sentence(&text));
     }
 }

@@ -38,11 +38,11 @@ impl NoticeList {
 
 fn list(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let app = context.app;
-    if app.said().len() == 0 {
+    if app.notice_history().len() == 0 {
         parts::remark(ui, "There are no messages yet.");
     }
     ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
-        for notice in app.said() {
+        for notice in app.notice_history() {
             line(ui, context, notice);
         }
     });

@@ -68,8 +68,8 @@ impl Banner {
         let has_room = room.height() >= ROOM_FOR_KEYS;
         let whole = has_room.then(|| self.lay_out(ui, room, &self.keys));
         let whole = whole.filter(|galley| galley.rows.len() <= 2);
-        let leave = self.keys.rsplit(" · ").next().unwrap_or_default();
-        let galley = whole.unwrap_or_else(|| self.lay_out(ui, room, leave));
+        let leave_key = self.keys.rsplit(" · ").next().unwrap_or_default();
+        let galley = whole.unwrap_or_else(|| self.lay_out(ui, room, leave_key));
         PlacedBanner {
             plate: Rect::from_min_size(room.min, galley.size() + 2.0 * MARGIN),
             galley,

@@ -108,10 +108,10 @@ fn statistics(ui: &mut Ui, comparison: &Comparison, same_ping: Option<&Residuals
 
 /// Draws the share of the points within the limits of each order of IHO S-44.
 fn orders(ui: &mut Ui, comparison: &Comparison) {
-    for within in &comparison.orders {
-        let name = format!("S-44 {}", within.order.order);
-        let verdict = if within.share >= 0.95 { "" } else { ", 95 % required" };
-        let share = format!("{:.1} % within{verdict}", 100.0 * within.share);
+    for order_share in &comparison.orders {
+        let name = format!("S-44 {}", order_share.order.order);
+        let verdict = if order_share.share >= 0.95 { "" } else { ", 95 % required" };
+        let share = format!("{:.1} % within{verdict}", 100.0 * order_share.share);
         let hint = "Share of the points within what this order of IHO S-44 allows at their depth.";
         fact(ui, &name, hint, share);
     }

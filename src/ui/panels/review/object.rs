@@ -146,8 +146,8 @@ fn facts(ui: &mut Ui, context: &ViewContext<'_>, object: &Object) {
         let at = RichText::new(place::written(app, object.position)).monospace();
         fact(ui, "Position", hint, at);
         let hint = "Standard deviation of the position, without the error of the receiver.";
-        let within = app.view.options.units.measure(object.sigma_m, 2);
-        fact(ui, "Uncertainty", hint, within);
+        let sigma = app.view.options.units.measure(object.sigma_m, 2);
+        fact(ui, "Uncertainty", hint, sigma);
     }
 }
 

@@ -31,14 +31,14 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         // A followed log is read four times a second: the line must not change each time.
         let follows = context.app.follow_status().is_some();
         let is_busy = follows || !context.app.is_idle() || context.app.is_stopped();
-        let taken = if is_busy { JOB_ROOM } else { REST_ROOM };
-        said(ui, context);
+        let reserved = if is_busy { JOB_ROOM } else { REST_ROOM };
+        notices(ui, context);
         jobs(ui, context);
         following(ui, context);
         if ui.available_width() > PLACE_ROOM {
             rest(ui, context);
         }
-        let room = ui.available_width().min(width - taken);
+        let room = ui.available_width().min(width - reserved);
         ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
             ui.spacing_mut().item_spacing.x = 14.0;
             match context.app.view.hover.or(context.app.view.selection) {
@@ -52,9 +52,9 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 }
 
 /// Draws the button that opens the list of notices.
-fn said(ui: &mut Ui, context: &mut ViewContext<'_>) {
+fn notices(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let action = Action::Notices;
-    let count = context.app.said().len();
+    let count = context.app.notice_history().len();
     let title = RichText::new(format!("Notices {count}")).small();
     context.keyed_button(ui.button(title).accessible_name(action.label()), action);
 }

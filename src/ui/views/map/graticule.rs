@@ -96,8 +96,8 @@ fn name_at(scene: &MapScene<'_>, family: LineFamily, line: &[Pos2]) -> Option<Po
         }
         LineFamily::Level => {
             let start = crossing(line, |at| at.x - rect.left())?;
-            let stands = rect.bottom() - start.y > 16.0;
-            stands.then(|| pos2(rect.left() + 3.0, start.y - 1.0))
+            let has_room = rect.bottom() - start.y > 16.0;
+            has_room.then(|| pos2(rect.left() + 3.0, start.y - 1.0))
         }
     }
 }

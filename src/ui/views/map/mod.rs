@@ -92,11 +92,11 @@ impl MapView {
     /// clicked.
     fn make_room(&mut self, plot_height: f32) {
         let before = std::mem::replace(&mut self.plot_height, plot_height);
-        let taken = plot_height - before;
+        let growth = plot_height - before;
         let toggles = (before > 0.0) != (plot_height > 0.0);
         if let Some(transform) = self.transform.as_mut().filter(|_| toggles) {
             // A view whose lower edge moves up has its middle higher by half of that distance.
-            transform.centre_m[1] += 0.5 * f64::from(taken) * transform.metres_per_point;
+            transform.centre_m[1] += 0.5 * f64::from(growth) * transform.metres_per_point;
             // A fitted view would move in spite of this.
             self.fitted = None;
         }
@@ -185,11 +185,11 @@ impl MapView {
             let view = (rect, transform);
             self.stretch.follow(ui, response, view, &track, context)
         });
-        let taken = self.transform.map_or_else(PointerUse::default, |transform| {
+        let pointer_use = self.transform.map_or_else(PointerUse::default, |transform| {
             let place = plan::MapPlace { rect, transform, survey: &survey, products: &products };
             self.plan.follow(ui, response, &place, context)
         });
-        let transform = self.navigate(ui, context, response, &track, !draws && !taken.drag);
+        let transform = self.navigate(ui, context, response, &track, !draws && !pointer_use.drag);
         let scene = scene::MapScene {
             rect,
             transform,
@@ -210,7 +210,7 @@ impl MapView {
         paint(ui, context, &scene, &mut self.layers);
         let painter = ui.painter_at(rect);
         self.stretch.draw(&painter, &scene, context.app);
-        if !taken.click {
+        if !pointer_use.click {
             self.pointer.handle(ui, context, &scene, response);
         }
         self.plan.ui(ui, context, &scene);

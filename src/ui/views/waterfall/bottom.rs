@@ -124,8 +124,8 @@ pub(super) fn drawn(painter: &Painter, lens: &Lens, app: &App) {
             continue;
         }
         let corners = line.corners.iter().map(|[ping, _]| *ping);
-        let within = corners.filter(|ping| (first..=last).contains(ping));
-        let mut pings: Vec<f64> = [first].into_iter().chain(within).chain([last]).collect();
+        let between = corners.filter(|ping| (first..=last).contains(ping));
+        let mut pings: Vec<f64> = [first].into_iter().chain(between).chain([last]).collect();
         pings.dedup();
         let points = pings.iter().filter_map(|&ping| {
             let range_m = line.range_m(ping as usize)?;

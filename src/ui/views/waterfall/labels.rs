@@ -15,18 +15,18 @@ pub(super) const INK: Color32 = Color32::from_gray(235);
 /// an earlier one or reach beyond the view is not written.
 pub(super) struct WaterfallLabels<'a> {
     painter: &'a Painter,
-    taken: Vec<Rect>,
+    occupied: Vec<Rect>,
 }
 
 impl<'a> WaterfallLabels<'a> {
     /// Creates an empty set of labels.
     pub(super) fn new(painter: &'a Painter) -> Self {
-        Self { painter, taken: Vec::new() }
+        Self { painter, occupied: Vec::new() }
     }
 
     /// Reserves an area, in which no words are written.
     pub(super) fn keep_clear(&mut self, area: Rect) {
-        self.taken.push(area);
+        self.occupied.push(area);
     }
 
     /// Writes a word if there is room.
@@ -35,9 +35,9 @@ impl<'a> WaterfallLabels<'a> {
         let ground = ground(rect);
         let apart = ground.expand(APART);
         let is_inside = self.painter.clip_rect().contains_rect(ground);
-        if is_inside && self.taken.iter().all(|taken| !taken.intersects(apart)) {
+        if is_inside && self.occupied.iter().all(|other| !other.intersects(apart)) {
             paint(self.painter, galley, rect, ink);
-            self.taken.push(ground);
+            self.occupied.push(ground);
         }
     }
 }
@@ -81,7 +81,7 @@ mod tests {
             let mut labels = WaterfallLabels::new(&painter);
             let mut written = |x: f32, y: f32| {
                 labels.write(pos2(x, y), Align2::LEFT_TOP, "10 m", INK);
-                labels.taken.len()
+                labels.occupied.len()
             };
             assert_eq!(written(20.0, 20.0), 1);
             assert_eq!(written(25.0, 28.0), 1, "it would cover the first");
@@ -89,7 +89,7 @@ mod tests {
             assert_eq!(written(195.0, 50.0), 2, "it would stick out");
             labels.keep_clear(Rect::from_min_size(pos2(0.0, 80.0), vec2(200.0, 20.0)));
             labels.write(pos2(20.0, 75.0), Align2::LEFT_TOP, "10 m", INK);
-            assert_eq!(labels.taken.len(), 3, "it would cover the banner");
+            assert_eq!(labels.occupied.len(), 3, "it would cover the banner");
         });
         frame.drop_without_applying_deltas();
     }

@@ -214,7 +214,7 @@ fn read_out_place(
     let is_free = |(at, anchor): &(Pos2, Align2)| {
         let area = covered(*at, *anchor);
         let hides_pointer = area.expand(4.0).contains(pointer);
-        let is_clear = |taken: &Rect| !taken.expand(APART).intersects(area);
+        let is_clear = |plate: &Rect| !plate.expand(APART).intersects(area);
         view.contains_rect(area) && !hides_pointer && clear.iter().all(is_clear)
     };
     corners.into_iter().find(is_free).unwrap_or(corners[0])

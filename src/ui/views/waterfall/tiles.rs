@@ -257,16 +257,16 @@ impl<'a> LensScale<'a> {
         keys
     }
 
-    /// Returns the part of `within` that a tile covers; `None` if it covers none.
-    fn area(&self, key: &WaterfallTileKey, within: &QuadArea) -> Option<QuadArea> {
-        let clip = |first: usize, step: usize, within: &Range<f64>| {
+    /// Returns the part of `limits` that a tile covers; `None` if it covers none.
+    fn area(&self, key: &WaterfallTileKey, limits: &QuadArea) -> Option<QuadArea> {
+        let clip = |first: usize, step: usize, limits: &Range<f64>| {
             let (first, last) = (first as f64, (first + TILE * step) as f64);
-            let clipped = first.max(within.start)..last.min(within.end);
+            let clipped = first.max(limits.start)..last.min(limits.end);
             (clipped.start < clipped.end).then_some(clipped)
         };
         Some(QuadArea {
-            pings: clip(key.first_ping(), key.level.pings(), &within.pings)?,
-            bins: clip(key.first_bin(), key.level.bins(), &within.bins)?,
+            pings: clip(key.first_ping(), key.level.pings(), &limits.pings)?,
+            bins: clip(key.first_bin(), key.level.bins(), &limits.bins)?,
         })
     }
 

@@ -33,8 +33,8 @@ pub(super) fn ui(
         let painter = ui.painter_at(rect);
         let plot = shares(&painter, rect);
         draw(&painter, &plot, comparison, standing, context.options());
-        let said = said(standing);
-        response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &said));
+        let description = describe(standing);
+        response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &description));
         let picked = response
             .interact_pointer_pos()
             .filter(|_| response.clicked())
@@ -54,7 +54,7 @@ pub(super) fn ui(
 }
 
 /// Describes the point of the slider, for screen readers and tests.
-fn said(standing: &Standing) -> String {
+fn describe(standing: &Standing) -> String {
     let counts = &standing.counts;
     format!(
         "Precision-recall curve: at score {:.2} precision {}, recall {}, F1 {}; {} found, {}, {} missed",

@@ -48,30 +48,32 @@ impl<'a> MatrixGrid<'a> {
     }
 
     /// Describes a cell in words.
-    fn said(&self, truth: usize, predicted: usize) -> String {
+    fn describe_cell(&self, truth: usize, predicted: usize) -> String {
         let count = self.confusion.at(truth, predicted);
         let background = self.confusion.classes();
-        let (is, taken) = (self.name(truth), self.name(predicted));
+        let (is, proposed) = (self.name(truth), self.name(predicted));
         match (truth == background, predicted == background) {
-            (true, _) => format!("{}: {taken}", text::plural(count, "false alarm", "false alarms")),
+            (true, _) => {
+                format!("{}: {proposed}", text::plural(count, "false alarm", "false alarms"))
+            }
             (_, true) => format!("{count} missed: {is}"),
             _ if truth == predicted => format!("{count} found: {is}"),
-            _ => format!("{count} {is} taken for {taken}"),
+            _ => format!("{count} {is} taken for {proposed}"),
         }
     }
 
     /// Describes all cells that are not empty, for screen readers and tests.
-    fn all_said(&self) -> String {
+    fn describe(&self) -> String {
         let cells = self
             .shown
             .iter()
             .flat_map(|&truth| self.shown.iter().map(move |&predicted| (truth, predicted)));
-        let said: Vec<String> = cells
+        let cells_text: Vec<String> = cells
             .filter(|&(truth, predicted)| self.confusion.at(truth, predicted) > 0)
-            .map(|(truth, predicted)| self.said(truth, predicted))
+            .map(|(truth, predicted)| self.describe_cell(truth, predicted))
             .collect();
-        let said = said.join("; ");
-        format!("Confusion matrix, rows truth, columns proposed: {said}")
+        let cells_text = cells_text.join("; ");
+        format!("Confusion matrix, rows truth, columns proposed: {cells_text}")
     }
 }
 
@@ -90,8 +92,8 @@ pub(super) fn ui(
     let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
     let origin = rect.min + vec2(AXIS + NAMES, AXIS + ABOVE);
     draw(&ui.painter_at(rect), &grid, origin, cell, context);
-    let said = grid.all_said();
-    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &said));
+    let description = grid.describe();
+    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &description));
     let under = response.hover_pos().and_then(|at| {
         let [column, row] = [at.x - origin.x, at.y - origin.y].map(|along| (along / cell).floor());
         let class = |index: f32| (index >= 0.0).then(|| grid.shown.get(index as usize).copied())?;
@@ -99,7 +101,7 @@ pub(super) fn ui(
     });
     let text = under.map_or_else(
         || "Rows: what is there. Columns: what was proposed from this score on.".to_owned(),
-        |(truth, predicted)| grid.said(truth, predicted),
+        |(truth, predicted)| grid.describe_cell(truth, predicted),
     );
     response.on_hover_text(text);
 }

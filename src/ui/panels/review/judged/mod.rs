@@ -99,9 +99,9 @@ fn list(
     let here = context.app.log.reviewing.mistake_at();
     list_rows(ui, "mistakes", mistakes.len(), here, |ui, index| {
         let mistake = mistakes.get(index)?;
-        let said = said(context, comparison, mistake);
+        let label = mistake_text(context, comparison, mistake);
         let colour = colour(context, mistake);
-        let shown = RichText::new(&said).color(colour);
+        let shown = RichText::new(&label).color(colour);
         let size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
         let button = Button::selectable(here == Some(index), shown).min_size(size);
         let row = ui.add(button);
@@ -113,7 +113,11 @@ fn list(
 }
 
 /// Returns the text of a mistake: `rock 0.87, background, 1.2 m` or `missed tyre, 0.8 m`.
-fn said(context: &ViewContext<'_>, comparison: &TruthComparison, mistake: &Mistake) -> String {
+fn mistake_text(
+    context: &ViewContext<'_>,
+    comparison: &TruthComparison,
+    mistake: &Mistake,
+) -> String {
     let size = context.units().measure(mistake.size_m(), 1);
     match mistake {
         Mistake::FalseAlarm { id, score, cause, .. } => {

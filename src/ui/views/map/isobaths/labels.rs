@@ -75,7 +75,7 @@ fn place(
         thick(*b).cmp(&thick(*a)).then(longer)
     });
     let widest = lines.iter().map(width).fold(HEIGHT, f32::max);
-    let mut taken = TakenGround::new(ROOM * widest * metres_per_point);
+    let mut ground = TakenGround::new(ROOM * widest * metres_per_point);
     let mut labels = Vec::new();
     for (line, way) in ways {
         progress.check().ok()?;
@@ -87,11 +87,11 @@ fn place(
         for index in 0..count as usize {
             let best_m = (index as f32 + 0.5) / count * way.length_m();
             let tries = (0..=2 * TRIES).map(|n| if n % 2 == 0 { n / 2 } else { -(n + 1) / 2 });
-            let stands = tries
+            let free = tries
                 .map(|step| best_m + step as f32 * TRY_STEP * size_m[0])
                 .filter_map(|at_m| way.straight(at_m, size_m[0]))
-                .find(|(place, along)| taken.take(*place, *along, size_m));
-            if let Some((place, along)) = stands {
+                .find(|(place, along)| ground.take(*place, *along, size_m));
+            if let Some((place, along)) = free {
                 labels.push(IsobathLabel { place, angle_rad: upright(along), line });
             }
             if labels.len() >= MOST {
@@ -186,8 +186,8 @@ impl TakenGround {
         let hits = |other: &[f32; 4]| {
             west < other[2] && other[0] < east && south < other[3] && other[1] < north
         };
-        let mut taken = squares.iter().filter_map(|square| self.squares.get(square));
-        let is_free = taken.all(|others| !others.iter().any(hits));
+        let mut neighbours = squares.iter().filter_map(|square| self.squares.get(square));
+        let is_free = neighbours.all(|others| !others.iter().any(hits));
         if is_free {
             for square in squares {
                 let others = self.squares.entry(square).or_default();

@@ -53,8 +53,8 @@ impl IsobathLayer {
         let levels_m = &isobaths.levels_m;
         let note = match &drawn.isobaths {
             Ok(made) => {
-                let within = made.clip.as_ref().map_or("", |_| "\nwithin their area");
-                note(settings, levels_m, drawn.depth_map.extent(), units) + within
+                let clip_note = made.clip.as_ref().map_or("", |_| "\nwithin their area");
+                note(settings, levels_m, drawn.depth_map.extent(), units) + clip_note
             }
             Err(NoIsobaths::TooMany { .. }) => "no isobaths:\ninterval too small".to_owned(),
             Err(NoIsobaths::AreaNotRead { .. }) => "no isobaths:\narea not read".to_owned(),

@@ -254,7 +254,7 @@ impl TileLayer {
             Pos2::new(lerp(whole.x_range(), across), lerp(whole.y_range(), down))
         };
         let mut mesh = Mesh::with_texture(texture.id());
-        for [left, top, right, bottom] in occupied.within([left, top, right, bottom]) {
+        for [left, top, right, bottom] in occupied.parts_in([left, top, right, bottom]) {
             mesh.add_rect_with_uv(
                 Rect::from_min_max(on_screen(left, top), on_screen(right, bottom)),
                 Rect::from_min_max(Pos2::new(left, top), Pos2::new(right, bottom)),
@@ -297,7 +297,7 @@ impl Occupied {
 
     /// Returns the rectangles to draw in a part of the picture: one for each run of blocks in a
     /// row.
-    fn within(self, [left, top, right, bottom]: PicturePart) -> Vec<PicturePart> {
+    fn parts_in(self, [left, top, right, bottom]: PicturePart) -> Vec<PicturePart> {
         let mut parts = Vec::new();
         if self.0 == u64::MAX {
             parts.push([left, top, right, bottom]);
@@ -418,24 +418,24 @@ mod tests {
     #[test]
     fn nothing_is_drawn_of_an_empty_picture_and_all_of_a_full_one_at_once() {
         let whole = [0.0, 0.0, 1.0, 1.0];
-        assert_eq!(with(&[]).within(whole), Vec::<PicturePart>::new());
+        assert_eq!(with(&[]).parts_in(whole), Vec::<PicturePart>::new());
         let full = Occupied::of(&ColorImage::filled([80, 80], Color32::WHITE));
-        assert_eq!(full.within(whole), [whole]);
+        assert_eq!(full.parts_in(whole), [whole]);
     }
 
     #[test]
     fn blocks_in_a_row_are_one_part_and_a_part_is_cut_to_what_is_asked_for() {
         // Texels in blocks 2 and 3 of row 1, and on the lower edge of block 7 of row 7.
         let some = with(&[[25, 15], [35, 15], [75, 79]]);
-        let whole = some.within([0.0, 0.0, 1.0, 1.0]);
+        let whole = some.parts_in([0.0, 0.0, 1.0, 1.0]);
         assert_eq!(whole, [[0.25, 0.125, 0.5, 0.25], [0.875, 0.875, 1.0, 1.0]]);
-        let quarter = some.within([0.3, 0.0, 0.4, 0.2]);
+        let quarter = some.parts_in([0.3, 0.0, 0.4, 0.2]);
         assert_eq!(quarter, [[0.3, 0.125, 0.4, 0.2]]);
     }
 
     #[test]
     fn a_texel_at_the_edge_of_a_block_occupies_its_neighbour_too() {
         let whole = [0.0, 0.0, 1.0, 1.0];
-        assert_eq!(with(&[[9, 15]]).within(whole), [[0.0, 0.125, 0.25, 0.25]]);
+        assert_eq!(with(&[[9, 15]]).parts_in(whole), [[0.0, 0.125, 0.25, 0.25]]);
     }
 }
