@@ -135,11 +135,11 @@ fn frames(state: &RenderState, shell: &mut Shell) -> Vec<Duration> {
         let started = Instant::now();
         let output = context.run_ui(input, |ui| shell.frame(ui, Some(state)));
         let shapes = context.tessellate(output.shapes, output.pixels_per_point);
-        let taken = started.elapsed();
+        let elapsed = started.elapsed();
         std::hint::black_box(shapes);
         state.device.poll(wgpu::PollType::wait_indefinitely()).ok();
         if settled {
-            times.push(taken)
+            times.push(elapsed)
         } else {
             // What is drawn first is made behind the window.
             std::thread::sleep(LOOK)

@@ -167,7 +167,7 @@ fn print_bands(kind: &str, (first, second): (&str, &str), maps: [&[MapError]; 2]
             let mut errors: Vec<f64> = errors.iter().map(|error| error.error_m).collect();
             Residuals::of(&mut errors).map_or(f64::NAN, |r| 100.0 * r.rms_m)
         };
-        let within = |sigmas: f64| {
+        let share_within = |sigmas: f64| {
             let inside = |error: &&MapError| error.error_m.abs() < sigmas * error.spread_m;
             100.0 * after.iter().filter(inside).count() as f64 / after.len() as f64
         };
@@ -177,8 +177,8 @@ fn print_bands(kind: &str, (first, second): (&str, &str), maps: [&[MapError]; 2]
             edges[0],
             edges[1],
             100.0 * (after_cm / before_cm - 1.0),
-            within(1.0),
-            within(2.0),
+            share_within(1.0),
+            share_within(2.0),
             after.len()
         );
     }

@@ -191,7 +191,7 @@ const MAKERS: [&str; 6] =
 
 /// Names that the code takes out of a module: `{a, b::C}` after `module::` gives `a` and `C`.
 fn names_of(code: &str, module: &str) -> Vec<String> {
-    let within = |text: &str| -> Vec<String> {
+    let names_in = |text: &str| -> Vec<String> {
         let in_path = |c: char| c.is_alphanumeric() || c == '_' || c == ':';
         let (path, rest) = text.split_at(text.find(|c| !in_path(c)).unwrap_or(text.len()));
         let listed = rest.strip_prefix('{').filter(|_| path.is_empty() || path.ends_with("::"));
@@ -200,11 +200,11 @@ fn names_of(code: &str, module: &str) -> Vec<String> {
         names.split(',').filter_map(last).filter(|name| !name.is_empty()).collect()
     };
     let path = format!("{module}::");
-    let mut found: Vec<String> = (code.split(&path).skip(1)).flat_map(within).collect();
+    let mut found: Vec<String> = (code.split(&path).skip(1)).flat_map(names_in).collect();
     let whole = format!("use {module};");
     if code.contains(&whole) {
         let inline = format!("{}::", module.rsplit("::").next().unwrap_or(module));
-        found.extend(code.split(&inline).skip(1).flat_map(within));
+        found.extend(code.split(&inline).skip(1).flat_map(names_in));
     }
     found
 }
@@ -243,7 +243,7 @@ fn no_files_import_each_other() {
     let mut found = 0;
     for name in CRATES.into_iter().chain([""]) {
         let imports = imports::imports(name);
-        found += imports.values().map(|taken| taken.len()).sum::<usize>();
+        found += imports.values().map(|names| names.len()).sum::<usize>();
         let circles = imports::circles(&imports);
         assert!(circles.is_empty(), "{name}: {circles:#?}");
     }

@@ -92,9 +92,9 @@ fn it_lies_at_the_recorded_depth_and_moves_neither_points_nor_scales() {
             without,
             recorded.bottom_line.warnings,
         );
-        let said = recorded.bottom_line.warnings.iter();
-        let said = said.filter(|text| text.contains("the bottom line is the first return"));
-        assert_eq!(said.count(), usize::from(without > 0));
+        let warnings = recorded.bottom_line.warnings.iter();
+        let warnings = warnings.filter(|text| text.contains("the bottom line is the first return"));
+        assert_eq!(warnings.count(), usize::from(without > 0));
         // A bank or a boulder beside the boat comes first; over level ground both are of one
         // bottom: an offset of a keel or a draft would show here. The XTF has no depth at all.
         match deepest_m {

@@ -78,8 +78,10 @@ fn the_window_offers_to_leave_false_soundings_out_as_one_step() {
     let mut window = empty_window();
     drop_files(&mut window, write_three(folder.path()));
     settle(&mut window);
-    let is_said = app(&window).said().any(|notice| notice.text.contains("false by other logs"));
-    let said: Vec<String> = app(&window).said().map(|notice| notice.text.clone()).collect();
+    let is_said =
+        app(&window).notice_history().any(|notice| notice.text.contains("false by other logs"));
+    let said: Vec<String> =
+        app(&window).notice_history().map(|notice| notice.text.clone()).collect();
     assert!(is_said, "nobody was told of the false soundings: {said:?}");
     let label = "Leave out contradicted soundings";
     window.get_all_by_label(label).next().expect("a button").click_accesskit();

@@ -132,9 +132,9 @@ fn page(window: &mut Window, pages: usize) {
 }
 
 /// Returns the notices of the file.
-fn said(app: &App) -> Vec<String> {
-    let said = app.said().map(|notice| notice.text.clone());
-    said.filter(|text| text.contains("river.sl2")).collect()
+fn notices(app: &App) -> Vec<String> {
+    let notices = app.notice_history().map(|notice| notice.text.clone());
+    notices.filter(|text| text.contains("river.sl2")).collect()
 }
 
 /// Returns true if the window still has every byte of the log.
@@ -150,7 +150,7 @@ fn round(disk: &Disk, harm: Harm, round: usize) {
     window.state_mut().app.apply(Command::Open(disk.seen.clone()));
     let is_open = |app: &App| app.log.survey.is_some();
     assert!(wait(&mut window, PATIENCE, is_open), "it does not open");
-    let before = said(app(&window)).len();
+    let before = notices(app(&window)).len();
     page(&mut window, round % MOST_PAGES);
     disk.harm(harm, round);
     page(&mut window, MOST_PAGES);
@@ -162,17 +162,17 @@ fn round(disk: &Disk, harm: Harm, round: usize) {
         Harm::Unreadable | Harm::Gone => !is_whole(app(&window), &disk.kept),
         _ => !is_kept,
     };
-    let is_said = |app: &App| said(app).len() > before;
+    let is_said = |app: &App| notices(app).len() > before;
     let patience = if is_lost { PATIENCE } else { SILENCE };
     let found = wait(&mut window, patience, is_said);
-    assert_eq!(found, is_lost, "{harm:?}, round {round}: {:?}", said(app(&window)));
+    assert_eq!(found, is_lost, "{harm:?}, round {round}: {:?}", notices(app(&window)));
     // It goes on as a window that says it once.
     page(&mut window, 2);
     wait(&mut window, SILENCE, |_| false);
-    let said = said(app(&window));
-    assert_eq!(said.len() - before, usize::from(is_lost), "{harm:?}: {said:?}");
+    let notices = notices(app(&window));
+    assert_eq!(notices.len() - before, usize::from(is_lost), "{harm:?}: {notices:?}");
     settle(&mut window);
-    if let Some(text) = said.last().filter(|_| is_lost) {
+    if let Some(text) = notices.last().filter(|_| is_lost) {
         assert!(text.contains("open"), "it does not say what to do: {text}");
         println!(
             "{harm:?}, round {round}: {}",

@@ -155,15 +155,15 @@ fn killed(folder: &Path, begins: &str, moment: Duration) -> Option<usize> {
     let mut lines =
         BufReader::new(child.stdout.take().expect("a pipe")).lines().map_while(Result::ok);
     // From its first word on: starting takes longer than editing.
-    let first = lines.find_map(|line| told(&line));
+    let first = lines.find_map(|line| edits_done(&line));
     std::thread::sleep(moment);
     child.kill().expect("a program that edits");
     child.wait().expect("a program that was killed");
     // The last line may be cut; `did 12` of `did 123` would be taken for less than was told.
-    lines.filter_map(|line| told(&line)).last().or(first)
+    lines.filter_map(|line| edits_done(&line)).last().or(first)
 }
 
-fn told(line: &str) -> Option<usize> {
+fn edits_done(line: &str) -> Option<usize> {
     // The harness of the tests writes before it on the same line.
     line.rsplit_once("did ")?.1.parse().ok()
 }

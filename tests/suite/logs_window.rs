@@ -162,8 +162,8 @@ fn a_recording_is_opened_once_and_closed_again() {
     drop_file(&mut window, copy);
     settle(&mut window);
     assert_eq!(names(&window), ["lake-0", "lake-1"]);
-    let said = window.query_by_label_contains("open already, as lake-1");
-    assert!(said.is_some());
+    let found = window.query_by_label_contains("open already, as lake-1");
+    assert!(found.is_some());
 
     window.get_by_label("Close lake-0").click_accesskit();
     settle(&mut window);
@@ -245,7 +245,8 @@ fn heights_are_compared_and_applied_as_one_step() {
     let mut window = opened(folder.path(), higher_m.len());
     settle(&mut window);
     assert!(app(&window).height_offsets().is_some());
-    let warned = app(&window).said().any(|notice| notice.text.contains("deeper than those of"));
+    let warned =
+        app(&window).notice_history().any(|notice| notice.text.contains("deeper than those of"));
     assert!(warned, "the logs differ, and nobody was told");
     // In the list of logs and in the notice.
     window.get_all_by_label("Apply heights").next().expect("a button").click_accesskit();

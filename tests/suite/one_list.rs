@@ -81,13 +81,13 @@ fn of_geojson(path: &Path) -> Objects {
     let read: Value = serde_json::from_str(&text).expect("JSON");
     let features = read["features"].as_array().expect("features").iter();
     by_number(features.map(|feature| {
-        let said = feature["properties"].as_object().expect("properties").iter();
+        let properties = feature["properties"].as_object().expect("properties").iter();
         let text = |value: &Value| match value {
             Value::Null => String::new(),
             Value::String(words) => words.clone(),
             number => number.to_string(),
         };
-        said.map(|(name, value)| (name.clone(), text(value))).collect()
+        properties.map(|(name, value)| (name.clone(), text(value))).collect()
     }))
 }
 

@@ -120,8 +120,8 @@ fn planned_lines_are_written_where_the_name_says_and_nothing_is_planned_of_nothi
     let path = folder.path().join("lines.txt");
     let save = Command::Write(FileToWrite::Plan(path.clone()));
     window.state_mut().app.apply(save);
-    let said = app(&window).notices.last().expect("a notice");
-    assert!(said.text.contains(".waypoints") && !path.exists(), "{}", said.text);
+    let notice = app(&window).notices.last().expect("a notice");
+    assert!(notice.text.contains(".waypoints") && !path.exists(), "{}", notice.text);
 }
 
 #[test]

@@ -224,8 +224,8 @@ fn a_log_that_was_moved_is_found_and_one_that_is_gone_is_named_and_kept() {
 
     let mut window = open(&path);
     assert_eq!(names(&window), ["lake-0", "renamed"]);
-    let said = window.query_by_label_contains("the log lake-2 is missing");
-    assert!(said.is_some());
+    let found = window.query_by_label_contains("the log lake-2 is missing");
+    assert!(found.is_some());
     press(&mut window, Modifiers::COMMAND, Key::S);
     drop(window);
     std::fs::copy(&gone, folder.path().join("lake-2.sl2")).expect("back again");

@@ -119,8 +119,9 @@ fn everything_at_once(app: &mut App, folder: &Path) -> Vec<String> {
         ("--review", review),
         ("--settings", log.with_extension("bottom.toml")),
     ];
-    let said = files.map(|(word, path)| [word.to_owned(), path.to_string_lossy().into_owned()]);
-    said.concat()
+    let arguments =
+        files.map(|(word, path)| [word.to_owned(), path.to_string_lossy().into_owned()]);
+    arguments.concat()
 }
 
 #[test]
@@ -131,11 +132,11 @@ fn window_and_process_write_the_same_bytes() {
     let mut app = App::new(Jobs::Threads(Arc::new(|| ())));
     app.apply(Command::Open(folder.join("first.sl2")));
     wait(&mut app);
-    let said = everything_at_once(&mut app, folder);
+    let arguments = everything_at_once(&mut app, folder);
     let [by_window, by_process] = ["window", "process"].map(|name| folder.join(name));
     app.apply(Command::Write(FileToWrite::Products(by_window.clone())));
     wait(&mut app);
-    let mut args: Vec<&str> = said.iter().map(String::as_str).collect();
+    let mut args: Vec<&str> = arguments.iter().map(String::as_str).collect();
     args.extend(["--no-objects", "-o", "process"]);
     run(folder, &args);
 

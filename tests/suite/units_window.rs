@@ -27,7 +27,7 @@ fn is_metric(text: &str) -> bool {
 }
 
 /// Returns the texts of the accessibility tree: names, values and descriptions.
-fn said(window: &Window) -> Vec<String> {
+fn accessible_texts(window: &Window) -> Vec<String> {
     let nodes = window.query_all_by(|_| true);
     let words = nodes.flat_map(|node| {
         let node = node.accesskit_node();
@@ -58,7 +58,7 @@ struct Seen(BTreeSet<String>);
 
 impl Seen {
     fn look(&mut self, window: &Window) {
-        self.0.extend(said(window));
+        self.0.extend(accessible_texts(window));
         self.0.extend(painted(window).into_iter().map(|(text, _)| text));
     }
 
@@ -271,13 +271,13 @@ fn is_round(value: f64) -> bool {
 fn range_lines_scale_bar_and_isobaths_are_round_in_feet() {
     let window = feet_window();
     let alone = |text: &str| text.strip_suffix(" ft")?.parse::<f64>().ok();
-    let within = |name: &str| -> Vec<f64> {
+    let figures_in = |name: &str| -> Vec<f64> {
         let rect = view(&window, name);
         let texts = painted(&window).into_iter();
         let inside = texts.filter(|(_, at)| rect.contains(*at));
         inside.filter_map(|(text, _)| alone(&text)).collect()
     };
-    let mut ranges = within("Waterfall, pings");
+    let mut ranges = figures_in("Waterfall, pings");
     ranges.sort_by(f64::total_cmp);
     ranges.dedup();
     println!("range lines {ranges:?} ft");
@@ -285,7 +285,7 @@ fn range_lines_scale_bar_and_isobaths_are_round_in_feet() {
     for (index, range) in ranges.iter().enumerate() {
         assert!((range - (index + 1) as f64 * ranges[0]).abs() < 1e-9);
     }
-    let bar = within("Map, track");
+    let bar = figures_in("Map, track");
     println!("scale bar {bar:?} ft");
     assert!(bar.len() == 1 && is_round(bar[0]), "{bar:?}");
     let levels_m = &app(&window).isobaths().expect("isobaths").isobaths;

@@ -11,7 +11,7 @@ struct Module {
     /// Names that `use` brings into it, with their paths.
     scope: BTreeMap<String, String>,
     /// The paths that its code takes.
-    taken: Vec<String>,
+    paths: Vec<String>,
     /// Types of other files that it has an `impl` block of: it is a part of them.
     extended: BTreeSet<String>,
 }
@@ -109,7 +109,7 @@ impl Module {
                 if is_handed_on {
                     handed_on.push((path.clone(), name.clone()))
                 } else {
-                    module.taken.push(path.clone())
+                    module.paths.push(path.clone())
                 }
                 module.scope.insert(name, path);
             }
@@ -119,9 +119,9 @@ impl Module {
             (rest.split(|letter| !in_path(letter))).map(|word| word.trim_matches(':')).collect();
         let names: BTreeSet<&str> = words.iter().flat_map(|word| word.split("::")).collect();
         let used = handed_on.into_iter().filter(|(_, name)| names.contains(name.as_str()));
-        module.taken.extend(used.map(|(path, _)| path));
+        module.paths.extend(used.map(|(path, _)| path));
         let paths = words.iter().filter(|word| word.contains("::"));
-        module.taken.extend(paths.map(|path| (*path).to_owned()));
+        module.paths.extend(paths.map(|path| (*path).to_owned()));
         let blocks = rest.split("\nimpl ").skip(1);
         let types = blocks.filter_map(|block| block.split_once(" {"));
         module.extended = types.map(|(name, _)| name.to_owned()).collect();
@@ -129,26 +129,26 @@ impl Module {
     }
 }
 
-/// The module that defines the item at the end of a path, and the item. `within`: the path starts
-/// in the module.
+/// The module that defines the item at the end of a path, and the item.
+/// `starts_inside`: the path starts in the module.
 fn resolve(
     modules: &BTreeMap<String, Module>,
     (module, path): (&str, &str),
-    within: bool,
+    starts_inside: bool,
     steps: usize,
 ) -> Option<(String, String)> {
     let (first, rest) = path.split_once("::").unwrap_or((path, ""));
     let below = joined(module, first);
     let here = match first {
         "super" => parent(module).to_owned(),
-        "crate" if !within => String::new(),
-        "self" if !within => module.to_owned(),
+        "crate" if !starts_inside => String::new(),
+        "self" if !starts_inside => module.to_owned(),
         _ if modules.contains_key(&below) => below,
         _ => {
             let known = modules.get(module)?.scope.get(first).filter(|_| steps < 20);
             return match known {
                 Some(known) => resolve(modules, (module, &joined(known, rest)), false, steps + 1),
-                None => within.then(|| (module.to_owned(), first.to_owned())),
+                None => starts_inside.then(|| (module.to_owned(), first.to_owned())),
             };
         }
     };
@@ -167,16 +167,16 @@ pub(super) fn imports(name: &str) -> Imports {
         files.insert(module, code);
     }
     let is_test = |module: &str| {
-        let within = |test: &String| module.strip_prefix(test.as_str());
-        tests.iter().filter_map(within).any(|rest| rest.is_empty() || rest.starts_with("::"))
+        let below_test = |test: &String| module.strip_prefix(test.as_str());
+        tests.iter().filter_map(below_test).any(|rest| rest.is_empty() || rest.starts_with("::"))
     };
     files.retain(|module, _| !is_test(module));
     let read = |(module, code): (&String, &String)| (module.clone(), Module::read(code));
     let modules: BTreeMap<String, Module> = files.iter().map(read).collect();
     let mut imports = Imports::new();
-    for (module, Module { taken, extended, .. }) in &modules {
+    for (module, Module { paths, extended, .. }) in &modules {
         let own = imports.entry(module.clone()).or_default();
-        let items = taken.iter().filter_map(|path| resolve(&modules, (module, path), false, 0));
+        let items = paths.iter().filter_map(|path| resolve(&modules, (module, path), false, 0));
         for (other, name) in items {
             let contains =
                 other.is_empty() || format!("{module}::").starts_with(&format!("{other}::"));
@@ -202,9 +202,9 @@ fn reached<'a>(imports: &'a Imports, start: &'a str) -> BTreeSet<&'a str> {
 /// through others: a sentence for each pair.
 pub(super) fn circles(imports: &Imports) -> Vec<String> {
     let mut ties = Vec::new();
-    for (module, taken) in imports {
+    for (module, imported) in imports {
         let others =
-            taken.iter().filter(|(other, _)| reached(imports, other).contains(module.as_str()));
+            imported.iter().filter(|(other, _)| reached(imports, other).contains(module.as_str()));
         ties.extend(others.map(|(other, names)| format!("{module} takes {names:?} from {other}")));
     }
     ties

@@ -222,15 +222,15 @@ fn an_area_is_seen_by_those_that_see_a_circle_in_it_and_by_no_others_than_see_on
         let place = format!("{},{},{radius_m}", at.lon_deg, at.lat_deg);
         sightings(&[&place])
     };
-    let within = sightings(&["--area", "cove.geojson"]);
+    let in_area = sightings(&["--area", "cove.geojson"]);
     let (inner, outer) = (around(2.99), around(3.0 * 2.0_f64.sqrt() + 0.01));
-    assert!(within.len() > 50, "{}", within.len());
-    assert!(inner.len() < within.len() && within.len() < outer.len());
+    assert!(in_area.len() > 50, "{}", in_area.len());
+    assert!(inner.len() < in_area.len() && in_area.len() < outer.len());
     for (sighting, [nearest, _]) in &inner {
-        let [from, to] = within[sighting];
+        let [from, to] = in_area[sighting];
         assert!(from <= *nearest && nearest <= &to, "{sighting:?} {from} {to} {nearest}");
     }
-    assert!(within.keys().all(|sighting| outer.contains_key(sighting)));
+    assert!(in_area.keys().all(|sighting| outer.contains_key(sighting)));
     let both = refusal(folder, &["coverage", "archive", "9,9", "--area", "cove.geojson"], 2);
     assert!(both.contains("cannot be used with"), "{both}");
     let none = refusal(folder, &["coverage", "archive", "--area", "nowhere.geojson"], 1);

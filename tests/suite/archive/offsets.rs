@@ -57,14 +57,14 @@ fn offsets_of_thirty_logs_are_found_where_tied_and_the_others_named() {
         tied.iter().map(|log| (offset_m(&rows, *log) - (higher_m[*log as usize] - mean_m)).abs());
     let mut off_m: Vec<f64> = off_m.collect();
     off_m.sort_by(f64::total_cmp);
-    let within = off_m.iter().filter(|metres| **metres < 0.02).count();
+    let close = off_m.iter().filter(|metres| **metres < 0.02).count();
     eprintln!(
-        "{within} of {} within 2 cm, median {:.4} m, worst {:.4} m",
+        "{close} of {} within 2 cm, median {:.4} m, worst {:.4} m",
         off_m.len(),
         off_m[off_m.len() / 2],
         off_m[off_m.len() - 1]
     );
-    assert!(within * 100 >= off_m.len() * 95, "{off_m:?}");
+    assert!(close * 100 >= off_m.len() * 95, "{off_m:?}");
     for apart in APART {
         assert_eq!(offset_m(&rows, apart), 0.0);
         assert_eq!(rows[&format!("log-{apart}")]["ties"], 0);

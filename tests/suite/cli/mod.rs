@@ -76,13 +76,13 @@ fn a_file_of_a_folder_that_only_has_the_name_of_a_log_is_named() {
     fs::write(folder.join("card/empty.xtf"), []).expect("a file");
     fs::write(folder.join("card/notes.txt"), "no log").expect("a file");
     let process = "process card -o out --products track --no-objects";
-    let told = stderr_of(folder, &process.split(' ').collect::<Vec<_>>());
+    let printed = stderr_of(folder, &process.split(' ').collect::<Vec<_>>());
     let named = |name: &str| {
-        let lines = told.lines().filter(|line| line.contains("passed over"));
+        let lines = printed.lines().filter(|line| line.contains("passed over"));
         lines.filter(|line| line.ends_with(name)).count()
     };
     let counts = ["broken.SL3", "empty.xtf", "notes.txt", "pond.sl2"].map(named);
-    assert_eq!(counts, [1, 1, 0, 0], "{told}");
+    assert_eq!(counts, [1, 1, 0, 0], "{printed}");
 }
 
 #[test]

@@ -101,8 +101,8 @@ fn split_everywhere(files: &Files, places: usize, name: &str) -> [usize; 2] {
         let Some(known) = whole(&cut(files, share)) else {
             continue;
         };
-        let (survey, anew) = grown(&known, files);
-        counts[usize::from(anew)] += 1;
+        let (survey, is_reopened) = grown(&known, files);
+        counts[usize::from(is_reopened)] += 1;
         assert_same(&survey, &finished, &format!("{name} split at {share:.4}"));
         // In steps of a few records, each torn.
         let mut survey = known;
@@ -232,10 +232,10 @@ fn real_recordings_grow_to_what_the_whole_files_are() {
             let Some(known) = whole(&cut(&files, share)) else {
                 continue;
             };
-            let (survey, anew) = grown(&known, &files);
+            let (survey, is_reopened) = grown(&known, &files);
             let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
             eprintln!(
-                "{name} split at {share}: {} pings, read anew: {anew}",
+                "{name} split at {share}: {} pings, read anew: {is_reopened}",
                 survey.side_scan.len()
             );
             assert_eq!(survey.side_scan.len(), finished.side_scan.len(), "{name}");

@@ -37,8 +37,8 @@ fn metres_lie_where_pyproj_has_them() {
         if number("epsg") != 3857.0 {
             assert!((length_m - 9.5).abs() < 0.02, "{case}: {length_m} m");
         }
-        let said = survey.warnings.iter().any(|warning| warning.text.contains("source.crs"));
-        assert!(!said, "it is known now");
+        let is_warned = survey.warnings.iter().any(|warning| warning.text.contains("source.crs"));
+        assert!(!is_warned, "it is known now");
     }
     println!("first fixes: {worst_m:.1e} m from pyproj's at most");
 }

@@ -249,8 +249,8 @@ fn a_recorder_has_a_default_that_its_logs_are_opened_with() {
         std::fs::read_to_string(folder.join("out/report.json")).expect("a report")
     };
     assert!(!process(&[]).contains("of the antenna"));
-    let told = process(&["--set", "mounting.forward_m=2.5"]);
-    assert!(told.contains("2.5 m forward of the antenna"), "{told}");
+    let printed = process(&["--set", "mounting.forward_m=2.5"]);
+    assert!(printed.contains("2.5 m forward of the antenna"), "{printed}");
 
     let mut again = empty_window();
     again.state_mut().app.use_mountings(kept);
