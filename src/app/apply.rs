@@ -1,11 +1,11 @@
 //! Applies each command to the state.
 
-mod run;
+mod effects;
 
 use super::error::AppError;
 use super::external::Instrument;
-use super::loader::OpenMode;
 use super::mounting::with_sides;
+use super::opening::OpenMode;
 use super::project::is_project;
 use super::{Action, App, Command, FileToOpen, FileToWrite, LogId, LogOrigin, LogPlace, Reveal};
 use bathyscope_products::pipeline::{LogSettings, Preset, Settings};

@@ -2,7 +2,7 @@
 //! undone, and saves them in the sidecar file `LOG.bottom.toml` as they are made.
 
 use super::error::AppError;
-use super::loader::ReadBottom;
+use super::opening::ReadBottom;
 use super::{Action, App, LogId, LogPlace, OpenLog};
 use bathyscope_bottom::first_return::{BottomEdit, BottomSettings};
 use bathyscope_log::survey::{Side, Survey};

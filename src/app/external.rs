@@ -6,7 +6,7 @@
 
 use super::error::AppError;
 use super::jobs::JobKey;
-use super::outdated::LogsChange;
+use super::logs_change::LogsChange;
 use super::{App, LogId, OpenLog};
 use bathyscope_bottom::cloud::Correction;
 use bathyscope_bottom::cloud::correction::WaterLevelSettings;

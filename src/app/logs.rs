@@ -4,8 +4,8 @@
 //! results beside it, and maps, clouds and products are made from all visible logs.
 
 use super::jobs::JobKey;
+use super::logs_change::LogsChange;
 use super::open_log::log_colour;
-use super::outdated::LogsChange;
 use super::reviewing::Parked;
 use super::{App, LogId, LogPlace, OpenLog};
 use bathyscope_log::support::geo::LocalFrame;

@@ -9,22 +9,22 @@ use super::file_watch::FileWatch;
 use super::following::Following;
 use super::heights::Heights;
 use super::jobs::{JobKey, JobQueue};
-use super::loader::OpenRequest;
 use super::logs::OpenLogs;
 use super::measuring::Measuring;
 use super::mounting::Mountings;
 use super::notices::{Notice, NoticeHistory};
 use super::objects::Objects;
+use super::opening::OpenRequest;
 use super::passes::Passes;
 use super::planning::Planning;
 use super::positions::FoundPositions;
 use super::preview::Previewer;
+use super::processing::ProcessRequest;
 use super::project::ProjectSaving;
 use super::reference_comparison::ReferenceComparison;
 use super::reviewing::ObjectSearch;
 use super::step::UndoStep;
-use super::work::ProcessRequest;
-use super::{GivenSettings, Jobs, LogPlace, OpenLog, Reveal, ViewOptions};
+use super::{Jobs, LogPlace, OpenLog, RememberedSettings, Reveal, ViewOptions};
 use bathyscope_bottom::first_return::FirstReturns;
 use bathyscope_log::formats::base_map::BaseMap;
 use bathyscope_log::support::geo::LocalFrame;
@@ -42,7 +42,7 @@ pub(super) struct Document {
     /// was started with.
     pub start: Arc<Settings>,
     /// The last settings of each log.
-    pub given: GivenSettings,
+    pub remembered: RememberedSettings,
     /// The settings that all logs share.
     pub shared: Arc<Settings>,
     /// The local coordinate frame of the plane that all logs share.
@@ -60,7 +60,7 @@ impl Default for Document {
     fn default() -> Self {
         Self {
             start: Arc::default(),
-            given: GivenSettings::default(),
+            remembered: RememberedSettings::default(),
             shared: Arc::default(),
             plane: Track::default().frame,
             is_plane_moved: false,

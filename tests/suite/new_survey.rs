@@ -97,9 +97,9 @@ fn a_log_has_its_last_settings_again_until_they_are_undone() {
     change(&mut app, given.clone());
     open(&mut app, &two);
     // Another run of the program.
-    let kept = serde_json::to_string(&app.given_settings()).expect("it can be kept");
+    let kept = serde_json::to_string(&app.remembered_settings()).expect("it can be kept");
     let mut app = App::new(Jobs::Inline);
-    app.use_given_settings(serde_json::from_str(&kept).expect("it can be read"));
+    app.use_remembered_settings(serde_json::from_str(&kept).expect("it can be read"));
     open(&mut app, &one);
     assert_eq!(*app.log.settings, given);
     let notice = app.notices.last().expect("a notice");

@@ -1,7 +1,7 @@
 //! Replaces a shown log by a longer state of the same log, and keeps the decisions about it.
 
 use super::step::FollowedLog;
-use crate::app::outdated::LogsChange;
+use crate::app::logs_change::LogsChange;
 use crate::app::{App, LogId, OpenLog};
 use bathyscope_log::survey::{Identity, Survey};
 use bathyscope_products::pipeline::{LogSettings, Products, Settings};

@@ -4,7 +4,7 @@
 
 use super::Shell;
 use super::layout::Layout;
-use crate::app::{GivenSettings, Mountings, ViewOptions};
+use crate::app::{Mountings, RememberedSettings, ViewOptions};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -35,7 +35,7 @@ struct SavedWindow<'a> {
     recent: &'a [PathBuf],
     base_map: Option<&'a Path>,
     mountings: &'a Mountings,
-    given: GivenSettings,
+    given: RememberedSettings,
 }
 
 /// Writes the preferences into the store.
@@ -47,7 +47,7 @@ pub(super) fn save(shell: &Shell, storage: &mut dyn eframe::Storage) {
         recent: &shell.app.recent,
         base_map: base_map.map(|map| map.path.as_path()),
         mountings: shell.app.mountings(),
-        given: shell.app.given_settings(),
+        given: shell.app.remembered_settings(),
     };
     if let Ok(text) = serde_json::to_string(&saving) {
         storage.set_string(KEY, text);
@@ -62,7 +62,7 @@ impl Shell {
         };
         if let Ok(saved) = serde_json::from_str::<Saved>(&text) {
             let given = serde_json::from_value(saved.given);
-            self.app.use_given_settings(given.unwrap_or_default());
+            self.app.use_remembered_settings(given.unwrap_or_default());
             self.app.use_mountings(saved.mountings);
             self.app.view.options = saved.options.for_new_survey();
             self.app.recent = saved.recent;

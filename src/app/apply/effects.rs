@@ -14,30 +14,30 @@ use bathyscope_objects::review::Edit;
 use bathyscope_products::pipeline::Preset;
 use bathyscope_products::project::MeasurementKind;
 
-/// Function that carries out a command.
-enum Run {
+/// Effect of a command.
+enum Effect {
     /// A function that changes the state.
     State(fn(&mut App)),
     /// A function that changes the display options.
     Options(fn(&mut ViewOptions)),
     /// A display option that the command turns on or off.
     Toggle(fn(&mut ViewOptions) -> &mut bool),
-    /// An effect that the window carries out.
+    /// Something that the window carries out.
     Window(WindowAction),
 }
 
-macro_rules! run {
+macro_rules! effects {
     ($(
         $(#[$of_group:meta])*
         $group:ident {$(
             $action:ident, $label:literal, $($with:ident($($arg:tt)*),)* $hint:literal
-                => $run:ident($($do:tt)*) $(, when($($when:tt)*))?;
+                => $effect:ident($($do:tt)*) $(, when($($when:tt)*))?;
         )*}
     )*) => {
         impl Action {
-            fn run(self) -> Run {
+            fn effect(self) -> Effect {
                 match self {
-                    $($(Action::$action => Run::$run($($do)*),)*)*
+                    $($(Action::$action => Effect::$effect($($do)*),)*)*
                 }
             }
 
@@ -53,14 +53,14 @@ macro_rules! run {
     };
 }
 
-action_rows!(run);
+action_rows!(effects);
 
 impl Action {
     /// Returns the effect of a command on the window; `None` for a command that changes the state.
     pub(crate) fn in_window(self) -> Option<WindowAction> {
-        match self.run() {
-            Run::Window(action) => Some(action),
-            Run::State(_) | Run::Options(_) | Run::Toggle(_) => None,
+        match self.effect() {
+            Effect::Window(action) => Some(action),
+            Effect::State(_) | Effect::Options(_) | Effect::Toggle(_) => None,
         }
     }
 }
@@ -94,14 +94,14 @@ impl App {
 
     /// Carries out a command; commands of the window have no effect here.
     pub(super) fn act(&mut self, action: Action) {
-        match action.run() {
-            Run::State(run) => run(self),
-            Run::Options(change) => change(&mut self.view.options),
-            Run::Toggle(option) => {
+        match action.effect() {
+            Effect::State(change) => change(self),
+            Effect::Options(change) => change(&mut self.view.options),
+            Effect::Toggle(option) => {
                 let option = option(&mut self.view.options);
                 *option = !*option;
             }
-            Run::Window(_) => {}
+            Effect::Window(_) => {}
         }
     }
 }

@@ -1,22 +1,14 @@
-//! Opens logs and processes them in background threads, and follows what their results change.
+//! Processes the open logs in background threads, and follows what their results change.
 
-use super::error::AppError;
 use super::figures::Figures;
 use super::jobs::JobKey;
-use super::loader::{self, OpenMode, OpenRequest, OpenedPath, ReadBottom};
 use super::preview::PreviewRequest;
-use super::{Action, App, LogId, LogOrigin, OpenLog};
-use bathyscope_log::support::printable::quoted;
+use super::{Action, App, LogId, OpenLog};
 use bathyscope_log::survey::Survey;
 use bathyscope_products::export::is_same_file;
 use bathyscope_products::pipeline::{ProcessedLog, Products, Settings, Stage, run};
-use bathyscope_products::project::LogFile;
-use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
-
-/// Number of remembered logs.
-const RECENT: usize = 10;
 
 /// Notice when the pipeline ended in a panic.
 const PROCESSING_FAILED: &str = "a processing step failed unexpectedly; the last result stays";
@@ -132,86 +124,6 @@ impl App {
         );
     }
 
-    /// Applies the result of opening a path, and opens the next one.
-    fn take_opened(&mut self, request: OpenRequest, opened: Result<OpenedPath, AppError>) {
-        let OpenRequest { origin, place } = request;
-        match opened {
-            Ok(OpenedPath::Log(survey, drawn, file)) => {
-                self.take_survey(*survey, origin, place, (drawn, file));
-            }
-            Ok(OpenedPath::Folder(logs)) => {
-                let logs = logs.into_iter().map(LogOrigin::Path);
-                for request in requests(logs, place).into_iter().rev() {
-                    self.files.to_load.push_front(request);
-                }
-            }
-            Ok(OpenedPath::Known(name)) => {
-                let (name, origin) = (quoted(&name), quoted(&origin.name()));
-                let text = format!("This recording is open already, as {name}: {origin}");
-                self.notify(text);
-            }
-            Err(error) => self.warn(with_name_quoted(error.to_string(), &origin)),
-        }
-        self.load_next();
-    }
-
-    fn take_survey(
-        &mut self,
-        survey: Survey,
-        origin: LogOrigin,
-        place: OpenMode,
-        (drawn, file): (Option<ReadBottom>, Option<LogFile>),
-    ) {
-        let is_file = matches!(origin, LogOrigin::Path(_));
-        if let LogOrigin::Path(path) = origin {
-            self.remember(path);
-        }
-        self.withdraw(Action::TakeUpUnsaved);
-        let id = match place {
-            OpenMode::Instead => {
-                if self.log.survey.is_some() {
-                    self.view.options = self.view.options.for_new_survey();
-                }
-                self.replace_logs(Arc::new(survey));
-                self.logs.arrived.clear();
-                self.log.id
-            }
-            OpenMode::Added { shown } => {
-                let id = self.add_log(survey);
-                if shown {
-                    self.show_log(id);
-                }
-                id
-            }
-        };
-        self.logs.arrived.push(id);
-        self.mount_as_usual(id);
-        self.take_bottom(id, drawn, is_file);
-        if is_file {
-            self.look_for_review(id);
-            self.look_for_unsaved(id);
-        }
-        self.look_for_truth(id, is_file);
-        if let Some(log) = self.log_mut(id) {
-            log.file = file;
-        }
-        if is_file {
-            self.take_up_settings(id);
-        }
-        self.keep_project("add log");
-        self.pipeline.is_waiting = false;
-        self.schedule();
-    }
-
-    /// Puts a log at the top of the recent ones, by a path that is valid in whatever folder the
-    /// next run starts.
-    pub(super) fn remember(&mut self, path: PathBuf) {
-        let path = std::path::absolute(&path).unwrap_or(path);
-        self.recent.retain(|recent| *recent != path);
-        self.recent.insert(0, path);
-        self.recent.truncate(RECENT);
-    }
-
     /// Sets new results of a log.
     pub(super) fn take_products(&mut self, id: LogId, products: Products) {
         let Some(log) = self.log_mut(id) else {
@@ -302,42 +214,6 @@ impl App {
         }
         is_log
     }
-
-    /// Opens a log, which replaces the open ones; the opening of earlier requests is dropped.
-    pub(super) fn start_loading(&mut self, origin: LogOrigin) {
-        self.load([origin].into_iter(), OpenMode::Instead);
-    }
-
-    /// Opens logs one after the other; the opening of earlier requests is dropped.
-    pub(super) fn load(&mut self, origins: impl Iterator<Item = LogOrigin>, place: OpenMode) {
-        self.jobs.stop(&JobKey::OpenLog);
-        self.files.to_load = requests(origins, place);
-        self.load_next();
-    }
-
-    fn load_next(&mut self) {
-        let Some(request) = self.files.to_load.pop_front() else {
-            return self.set_apart();
-        };
-        let open = match request.place {
-            // A log that replaces the open ones is read again, even if it is open.
-            OpenMode::Instead => Vec::new(),
-            OpenMode::Added { .. } => self.logs().filter_map(|log| log.survey.clone()).collect(),
-        };
-        let in_project = self.project_path().is_some();
-        let origin = request.origin.clone();
-        let name = origin.name();
-        self.files.loading.clone_from(&name);
-        self.jobs.run_or(
-            JobKey::OpenLog,
-            move |progress| loader::open(&origin, &open, in_project, progress),
-            move |app, opened| app.take_opened(request, opened),
-            move |app| {
-                app.warn(AppError::OpeningFailed(name).to_string());
-                app.load_next();
-            },
-        );
-    }
 }
 
 impl OpenLog {
@@ -352,28 +228,4 @@ impl OpenLog {
         self.products = Some(products);
         sentence
     }
-}
-
-/// Returns a sentence in which a relative path is quoted, so that it is recognised as a path.
-fn with_name_quoted(text: String, origin: &LogOrigin) -> String {
-    match origin {
-        LogOrigin::Path(path) if path.is_relative() => {
-            let path = path.display().to_string();
-            text.replace(&path, &quoted(&path))
-        }
-        _ => text,
-    }
-}
-
-/// Creates the requests to open several logs: the first one has the mode `place`, and the others
-/// join it.
-fn requests(origins: impl Iterator<Item = LogOrigin>, place: OpenMode) -> VecDeque<OpenRequest> {
-    let each = origins.enumerate().map(|(index, origin)| OpenRequest {
-        origin,
-        place: match index {
-            0 => place,
-            _ => OpenMode::Added { shown: false },
-        },
-    });
-    each.collect()
 }

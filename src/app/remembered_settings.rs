@@ -23,7 +23,7 @@ const TRACK_FILE: &str = "track.file";
 
 /// A log, and those of its settings that differ from the preset.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-struct Given {
+struct RememberedLog {
     log: Identity,
     #[serde(deserialize_with = "deserialize_values")]
     values: SettingValues,
@@ -31,51 +31,51 @@ struct Given {
 
 /// The last settings of each log, beginning with the log that was used last.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct GivenSettings(Vec<Given>);
+pub struct RememberedSettings(Vec<RememberedLog>);
 
-impl GivenSettings {
+impl RememberedSettings {
     /// Remembers the settings of a log; a log with the settings of the preset is removed from the
     /// list.
     fn remember(&mut self, survey: &Survey, settings: &Settings) {
-        self.0.retain(|given| !is_of(given, survey));
+        self.0.retain(|remembered| !is_of(remembered, survey));
         let usual = setting_values(&Settings::default());
         let mut values = setting_values(settings);
         values.retain(|key, value| usual.get(key) != Some(value));
         if !values.is_empty() {
             let log = Identity::of(survey);
-            self.0.insert(0, Given { log, values });
+            self.0.insert(0, RememberedLog { log, values });
             self.0.truncate(KEPT);
         }
     }
 
     /// Returns the remembered settings of a log.
     fn of(&self, survey: &Survey) -> Option<&SettingValues> {
-        let given = self.0.iter().find(|given| is_of(given, survey))?;
-        Some(&given.values)
+        let remembered = self.0.iter().find(|remembered| is_of(remembered, survey))?;
+        Some(&remembered.values)
     }
 }
 
-fn is_of(given: &Given, survey: &Survey) -> bool {
-    given.log.file == Identity::of(survey).file && survey.is_or_was(&given.log)
+fn is_of(remembered: &RememberedLog, survey: &Survey) -> bool {
+    remembered.log.file == Identity::of(survey).file && survey.is_or_was(&remembered.log)
 }
 
 impl App {
     /// Returns the last settings of each log, including the open logs, to be kept between runs.
-    pub fn given_settings(&self) -> GivenSettings {
-        let mut given = self.document.given.clone();
+    pub fn remembered_settings(&self) -> RememberedSettings {
+        let mut remembered = self.document.remembered.clone();
         if self.project_path().is_none() {
             // The shown log is the newest.
             let logs = self.logs.others.iter().chain([&self.log]);
             for (survey, settings) in logs.filter_map(to_remember) {
-                given.remember(&survey, &settings);
+                remembered.remember(&survey, &settings);
             }
         }
-        given
+        remembered
     }
 
     /// Sets the remembered settings of logs at the start of the program.
-    pub fn use_given_settings(&mut self, given: GivenSettings) {
-        self.document.given = given;
+    pub fn use_remembered_settings(&mut self, remembered: RememberedSettings) {
+        self.document.remembered = remembered;
     }
 
     /// Remembers the settings of a log that is being closed.
@@ -83,7 +83,7 @@ impl App {
         if self.project_path().is_none()
             && let Some((survey, settings)) = self.open_log(id).and_then(to_remember)
         {
-            self.document.given.remember(&survey, &settings);
+            self.document.remembered.remember(&survey, &settings);
         }
     }
 
@@ -94,7 +94,7 @@ impl App {
             return;
         };
         let survey = log.survey.as_ref();
-        let Some(values) = survey.and_then(|survey| self.document.given.of(survey)) else {
+        let Some(values) = survey.and_then(|survey| self.document.remembered.of(survey)) else {
             return;
         };
         let (usual, start) =
@@ -163,28 +163,28 @@ mod tests {
 
     #[test]
     fn only_the_log_itself_has_its_settings_again() {
-        let mut given = GivenSettings::default();
+        let mut remembered = RememberedSettings::default();
         let settings = Settings { draft_m: 0.4, ..Settings::default() };
-        given.remember(&log("a.sl2"), &settings);
-        assert!(given.of(&log("b.sl2")).is_none());
-        let values = given.of(&log("a.sl2")).cloned().unwrap_or_default();
+        remembered.remember(&log("a.sl2"), &settings);
+        assert!(remembered.of(&log("b.sl2")).is_none());
+        let values = remembered.of(&log("a.sl2")).cloned().unwrap_or_default();
         assert_eq!(values.len(), 1);
         assert_eq!(named(&values), "draft");
-        given.remember(&log("a.sl2"), &Settings::default());
-        assert!(given.of(&log("a.sl2")).is_none());
+        remembered.remember(&log("a.sl2"), &Settings::default());
+        assert!(remembered.of(&log("a.sl2")).is_none());
     }
 
     #[test]
     fn what_is_remembered_is_bounded_and_is_read_again() {
-        let mut given = GivenSettings::default();
+        let mut remembered = RememberedSettings::default();
         let mut settings = Settings::default();
         settings.first_return.threshold = 0.41;
         for number in 0..2 * KEPT {
-            given.remember(&log(&format!("{number}.sl2")), &settings);
+            remembered.remember(&log(&format!("{number}.sl2")), &settings);
         }
-        assert_eq!(given.0.len(), KEPT);
-        let text = serde_json::to_string(&given).expect("it can be written");
-        let read: GivenSettings = serde_json::from_str(&text).expect("it can be read");
-        assert_eq!(read, given);
+        assert_eq!(remembered.0.len(), KEPT);
+        let text = serde_json::to_string(&remembered).expect("it can be written");
+        let read: RememberedSettings = serde_json::from_str(&text).expect("it can be read");
+        assert_eq!(read, remembered);
     }
 }
