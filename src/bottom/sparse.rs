@@ -341,11 +341,11 @@ impl Factor {
         let block = |start: &usize| {
             let ones = *start..(start + COLUMNS_AT_ONCE).min(unknowns);
             let mut columns = vec![vec![0.0; unknowns]; ones.len()];
-            for (one, column) in ones.clone().zip(&mut columns) {
-                column[one] = 1.0;
+            for (unknown, column) in ones.clone().zip(&mut columns) {
+                column[unknown] = 1.0;
             }
             self.solve_for(&mut columns);
-            let own = ones.zip(columns).map(|(one, column)| column[one]);
+            let own = ones.zip(columns).map(|(unknown, column)| column[unknown]);
             own.collect::<Vec<f64>>()
         };
         starts.par_iter().flat_map_iter(block).collect()

@@ -45,11 +45,12 @@ impl Comparison {
     /// Creates the comparison of `measured` points, of which those in `matches` have a reference;
     /// the water's surface is at `water_level_m` in their elevations.
     pub fn new(measured: usize, matches: &[Match], water_level_m: f64) -> Self {
-        let mut differences: Vec<f64> = matches.iter().map(|one| one.difference_m).collect();
+        let mut differences: Vec<f64> =
+            matches.iter().map(|matched| matched.difference_m).collect();
         let within = |order: SurveyOrder| {
-            let holds = |one: &&Match| {
-                let depth_m = (water_level_m - one.reference_z_m).max(0.0);
-                one.difference_m.abs() <= order.limit_m(depth_m)
+            let holds = |matched: &&Match| {
+                let depth_m = (water_level_m - matched.reference_z_m).max(0.0);
+                matched.difference_m.abs() <= order.limit_m(depth_m)
             };
             OrderShare {
                 order,

@@ -79,8 +79,8 @@ pub fn contradicted(
     let approaches = approaches(tracks, &stretches, progress)?;
     let is_false = false_stretches(&stretches, &approaches);
     let all: Vec<usize> = (0..stretches.len()).filter(|&index| is_false[index]).collect();
-    let follows = |one: &usize, next: &usize| {
-        *next == one + 1 && stretches[*one].track == stretches[*next].track
+    let follows = |stretch: &usize, next: &usize| {
+        *next == stretch + 1 && stretches[*stretch].track == stretches[*next].track
     };
     let joined = all.chunk_by(follows).map(|joined| {
         let (first, last) = (joined[0], joined[joined.len() - 1]);
@@ -216,11 +216,11 @@ fn false_stretches(stretches: &[Stretch], approaches: &[Approach]) -> Vec<bool> 
     let confirmed = confirmations(stretches, approaches);
     loop {
         let open = || {
-            let open = approaches.iter().filter(|one| one.is_contradiction());
-            open.filter(|one| !one.stretches.iter().any(|&stretch| is_false[stretch]))
+            let open = approaches.iter().filter(|approach| approach.is_contradiction());
+            open.filter(|approach| !approach.stretches.iter().any(|&stretch| is_false[stretch]))
         };
         let mut against: BTreeMap<usize, BTreeSet<usize>> = BTreeMap::new();
-        for [one, other] in open().map(|one| one.stretches) {
+        for [one, other] in open().map(|approach| approach.stretches) {
             against.entry(track(one)).or_default().insert(track(other));
             against.entry(track(other)).or_default().insert(track(one));
         }
@@ -229,15 +229,16 @@ fn false_stretches(stretches: &[Stretch], approaches: &[Approach]) -> Vec<bool> 
             count(of) >= LEAST_AGAINST && against[of].iter().all(|other| count(other) < count(of))
         };
         let unconfirmed = |of: usize| {
-            let both = open().flat_map(|one| one.stretches).collect::<BTreeSet<usize>>();
-            let own = both.into_iter().filter(|&one| track(one) == of);
-            let contradicted = |one: usize| {
-                let with = open().filter(|open| open.stretches.contains(&one));
-                let others = with.flat_map(|open| open.stretches).filter(|&at| at != one);
+            let both = open().flat_map(|approach| approach.stretches).collect::<BTreeSet<usize>>();
+            let own = both.into_iter().filter(|&stretch| track(stretch) == of);
+            let contradicted = |stretch: usize| {
+                let with = open().filter(|open| open.stretches.contains(&stretch));
+                let others = with.flat_map(|open| open.stretches).filter(|&at| at != stretch);
                 others.map(track).collect::<BTreeSet<usize>>().len()
             };
-            let own = own.filter(|&one| stretches[one].may_be_false);
-            own.filter(|&one| confirmed[one].len() < contradicted(one)).collect::<Vec<usize>>()
+            let own = own.filter(|&stretch| stretches[stretch].may_be_false);
+            own.filter(|&stretch| confirmed[stretch].len() < contradicted(stretch))
+                .collect::<Vec<usize>>()
         };
         let mut clear: Vec<usize> = against.keys().copied().filter(is_clear).collect();
         clear.sort_by_key(|of| std::cmp::Reverse(count(of)));
@@ -253,7 +254,7 @@ fn false_stretches(stretches: &[Stretch], approaches: &[Approach]) -> Vec<bool> 
 /// Returns, for each stretch, the tracks that measured the same depth there.
 fn confirmations(stretches: &[Stretch], approaches: &[Approach]) -> Vec<BTreeSet<usize>> {
     let mut confirmed = vec![BTreeSet::new(); stretches.len()];
-    for approach in approaches.iter().filter(|one| one.agrees()) {
+    for approach in approaches.iter().filter(|approach| approach.agrees()) {
         let [one, other] = approach.stretches;
         confirmed[one].insert(stretches[other].track);
         confirmed[other].insert(stretches[one].track);
@@ -270,8 +271,8 @@ fn against(
     is_false: &[bool],
 ) -> Vec<Contradiction> {
     let mut nearest: BTreeMap<usize, Contradiction> = BTreeMap::new();
-    for approach in approaches.iter().filter(|one| one.is_contradiction()) {
-        let Some(own) = approach.stretches.iter().position(|one| of.contains(one)) else {
+    for approach in approaches.iter().filter(|approach| approach.is_contradiction()) {
+        let Some(own) = approach.stretches.iter().position(|stretch| of.contains(stretch)) else {
             continue;
         };
         let other = approach.stretches[1 - own];
@@ -306,7 +307,7 @@ mod tests {
 
     fn found(tracks: &[Vec<TrackDepth>]) -> Vec<(usize, Range<usize>)> {
         let found = contradicted(tracks, &|_, _| true, &Progress::new()).unwrap();
-        found.into_iter().map(|one| (one.track, one.depths)).collect()
+        found.into_iter().map(|stretch| (stretch.track, stretch.depths)).collect()
     }
 
     #[test]
@@ -319,10 +320,11 @@ mod tests {
             line(80.2, true, |_| 22.1),
         ];
         assert_eq!(found(&tracks), [(0, 20..60)]);
-        let one = &contradicted(&tracks, &|_, _| true, &Progress::new()).unwrap()[0];
-        let against: Vec<usize> = one.against.iter().map(|one| one.track).collect();
+        let stretch = &contradicted(&tracks, &|_, _| true, &Progress::new()).unwrap()[0];
+        let against: Vec<usize> =
+            stretch.against.iter().map(|contradiction| contradiction.track).collect();
         assert_eq!(against, [1, 2]);
-        assert!(one.against[0].depths_m == [9.2, 22.3] && one.against[0].apart_m < 1.0);
+        assert!(stretch.against[0].depths_m == [9.2, 22.3] && stretch.against[0].apart_m < 1.0);
         // Nothing may be left out that first returns judge.
         let none = contradicted(&tracks, &|track, _| track != 0, &Progress::new()).unwrap();
         assert!(none.is_empty());

@@ -24,10 +24,11 @@ impl CrossingError {
     /// Returns the error that some crossings of these tracks show; `None` without any. Each of the
     /// two passes has half of the variance of their difference.
     pub fn of(crossings: &[Crossing], tracks: &[Vec<TrackDepth>]) -> Option<Self> {
-        let slope = |one: &Crossing| if one.slope().is_nan() { 0.0 } else { one.slope() };
-        let size_m = |one: &Crossing| one.difference_m().abs() / 2f64.sqrt();
+        let slope =
+            |crossing: &Crossing| if crossing.slope().is_nan() { 0.0 } else { crossing.slope() };
+        let size_m = |crossing: &Crossing| crossing.difference_m().abs() / 2f64.sqrt();
         let mut both: Vec<[f64; 2]> =
-            crossings.iter().map(|one| [slope(one), size_m(one)]).collect();
+            crossings.iter().map(|crossing| [slope(crossing), size_m(crossing)]).collect();
         both.retain(|[slope, size_m]| slope.is_finite() && size_m.is_finite());
         if both.is_empty() {
             return None;

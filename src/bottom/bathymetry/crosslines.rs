@@ -130,7 +130,7 @@ pub fn crossings(
         }
         progress.advance(1);
     }
-    let order = |one: &Crossing| one.passes.map(|pass| (pass.track, pass.time_s));
+    let order = |crossing: &Crossing| crossing.passes.map(|pass| (pass.track, pass.time_s));
     found.sort_by(|a, b| order(a).partial_cmp(&order(b)).unwrap_or(std::cmp::Ordering::Equal));
     Ok(found)
 }
@@ -140,8 +140,8 @@ pub fn crossings(
 /// ten seconds, the depth's own place replaces it.
 pub fn velocity_mps(track: &[TrackDepth], index: usize) -> [f64; 2] {
     let here = &track[index];
-    let is_far = |one: &&TrackDepth| (one.time_s - here.time_s).abs() >= VELOCITY_S[0];
-    let is_near = |one: &&TrackDepth| (one.time_s - here.time_s).abs() <= VELOCITY_S[1];
+    let is_far = |depth: &&TrackDepth| (depth.time_s - here.time_s).abs() >= VELOCITY_S[0];
+    let is_near = |depth: &&TrackDepth| (depth.time_s - here.time_s).abs() <= VELOCITY_S[1];
     let behind = track[..index].iter().rev().find(is_far).filter(is_near);
     let ahead = track[index..].iter().find(is_far).filter(is_near);
     let (from, to) = (behind.unwrap_or(here), ahead.unwrap_or(here));
@@ -428,15 +428,15 @@ mod tests {
         }
         assert!(brute >= 6, "{brute}");
         assert_eq!(found.len(), brute);
-        for one in &found {
-            let [first, second] = one.passes;
+        for crossing in &found {
+            let [first, second] = crossing.passes;
             // The second pass is deeper by the time between, so its elevation is lower.
             let expected_m = -0.001 * (second.time_s - first.time_s);
             assert!(second.time_s > first.time_s);
             // The depths around a crossing are not quite even about it.
-            assert!((one.difference_m() - expected_m).abs() < 0.006, "{one:?}");
+            assert!((crossing.difference_m() - expected_m).abs() < 0.006, "{crossing:?}");
             // The bed falls 5 in the hundred to the east and rises 2 to the north.
-            assert!((one.slope() - 0.0539).abs() < 0.004, "{one:?}");
+            assert!((crossing.slope() - 0.0539).abs() < 0.004, "{crossing:?}");
         }
     }
 

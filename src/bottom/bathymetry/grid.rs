@@ -317,9 +317,9 @@ mod tests {
             assert_eq!(grid.index_at(grid.west_m - 0.1, 1.0), None);
         }
         assert_eq!(Grid::over(&[], 1.0, 10), None);
-        let one = &points[..1];
-        assert_eq!(Grid::over(one, 0.5, 10).map(|grid| grid.len()), Some(1));
-        assert_eq!(Grid::over(one, 0.0, 10), None);
+        let single = &points[..1];
+        assert_eq!(Grid::over(single, 0.5, 10).map(|grid| grid.len()), Some(1));
+        assert_eq!(Grid::over(single, 0.0, 10), None);
     }
 
     #[test]

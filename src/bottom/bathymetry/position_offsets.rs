@@ -189,7 +189,8 @@ fn position_offsets(
     let errors = adjustment.errors(&factor);
     let found: Vec<FoundShift> =
         (0..logs.len()).map(|log| adjustment.found(log, &values, &errors)).collect();
-    let is_number = |one: &FoundShift| one.shift.values().iter().all(|value| value.is_finite());
+    let is_number =
+        |found_shift: &FoundShift| found_shift.shift.values().iter().all(|value| value.is_finite());
     found.iter().all(is_number).then_some(found)
 }
 
@@ -205,14 +206,17 @@ struct Adjustment<'a> {
 
 impl<'a> Adjustment<'a> {
     fn new(logs: &'a [CorrectedLog], crossings: &'a [Crossing], wanted: Wanted) -> Self {
-        let used = |one: &&Crossing| {
-            let numbers =
-                one.gradient.iter().chain([&one.passes[0].depth_m, &one.passes[1].depth_m]);
-            let is_known = |pass: usize| one.passes[pass].track < logs.len();
+        let used = |crossing: &&Crossing| {
+            let numbers = crossing
+                .gradient
+                .iter()
+                .chain([&crossing.passes[0].depth_m, &crossing.passes[1].depth_m]);
+            let is_known = |pass: usize| crossing.passes[pass].track < logs.len();
             is_known(0) && is_known(1) && numbers.into_iter().all(|number| number.is_finite())
         };
         let crossings: Vec<&Crossing> = crossings.iter().filter(used).collect();
-        let sigmas_m = crossings.iter().map(|one| difference_sigma_m(one.slope())).collect();
+        let sigmas_m =
+            crossings.iter().map(|crossing| difference_sigma_m(crossing.slope())).collect();
         Self { logs, crossings, sigmas_m, wanted }
     }
 
@@ -220,9 +224,9 @@ impl<'a> Adjustment<'a> {
     /// it near zero.
     fn equations(&self) -> Equations {
         let mut equations = Equations::default();
-        for (one, sigma_m) in self.crossings.iter().zip(&self.sigmas_m) {
-            let (terms, known_m) = self.sides(one);
-            equations.add(terms, one.difference_m() - known_m, *sigma_m);
+        for (crossing, sigma_m) in self.crossings.iter().zip(&self.sigmas_m) {
+            let (terms, known_m) = self.sides(crossing);
+            equations.add(terms, crossing.difference_m() - known_m, *sigma_m);
         }
         for (log, placed) in self.logs.iter().enumerate() {
             let sds = [SD_SHIFT_M, SD_SHIFT_M, SD_LATENCY_S];
@@ -261,7 +265,7 @@ impl<'a> Adjustment<'a> {
     /// Weighs the crossings by how well some values explain them.
     fn weigh(&self, equations: &mut Equations, values: &[f64]) {
         let residuals: Vec<f64> = (self.crossings.iter().zip(&self.sigmas_m))
-            .map(|(one, sigma_m)| self.left_m(one, values) / sigma_m)
+            .map(|(crossing, sigma_m)| self.left_m(crossing, values) / sigma_m)
             .collect();
         let (shares, scale) = robust_shares(&residuals);
         let scale = scale.max(LEAST_SCALE);
@@ -302,7 +306,7 @@ impl<'a> Adjustment<'a> {
         let logs = self.logs;
         let count = UNKNOWNS * logs.len();
         let mut variances = factor.variances(count);
-        let ties = self.crossings.iter().map(|one| one.passes.map(|pass| pass.track));
+        let ties = self.crossings.iter().map(|crossing| crossing.passes.map(|pass| pass.track));
         let group_of = groups(logs.len(), ties);
         let mut members: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
         for (log, group) in group_of.into_iter().enumerate() {
@@ -332,12 +336,12 @@ impl<'a> Adjustment<'a> {
 
     /// Returns the terms that the unknowns add to the difference of a crossing, and its known part,
     /// metres.
-    fn sides(&self, one: &Crossing) -> (Vec<(usize, f64)>, f64) {
+    fn sides(&self, crossing: &Crossing) -> (Vec<(usize, f64)>, f64) {
         let mut terms = Vec::with_capacity(2 * UNKNOWNS);
         let mut known_m = 0.0;
-        let [east, north] = one.gradient;
-        let is_sloping = one.slope() >= LEAST_SLOPE;
-        for (pass, sign) in one.passes.iter().zip([1.0, -1.0]) {
+        let [east, north] = crossing.gradient;
+        let is_sloping = crossing.slope() >= LEAST_SLOPE;
+        for (pass, sign) in crossing.passes.iter().zip([1.0, -1.0]) {
             if let Some(pinned_m) = self.logs[pass.track].pinned_m {
                 known_m += sign * pinned_m;
                 continue;
@@ -357,10 +361,10 @@ impl<'a> Adjustment<'a> {
 
     /// Returns the part of the difference of a crossing that some values of the unknowns do not
     /// explain, metres.
-    fn left_m(&self, one: &Crossing, values: &[f64]) -> f64 {
-        let (terms, known_m) = self.sides(one);
+    fn left_m(&self, crossing: &Crossing, values: &[f64]) -> f64 {
+        let (terms, known_m) = self.sides(crossing);
         let explained: f64 = terms.iter().map(|(unknown, factor)| factor * values[*unknown]).sum();
-        one.difference_m() - known_m - explained
+        crossing.difference_m() - known_m - explained
     }
 }
 
@@ -475,10 +479,13 @@ mod tests {
                 .collect()
         };
         let found = found(&[level(0), level(1)], &[None; 2], BOTH);
-        for one in found {
-            let shift = one.shift;
+        for found_shift in found {
+            let shift = found_shift.shift;
             let is_small = shift.east_m.hypot(shift.north_m) < 0.5 && shift.latency_s.abs() < 0.2;
-            assert!(is_small && one.shift_error_m > 1.0 && one.latency_error_s > 0.5, "{one:?}");
+            assert!(
+                is_small && found_shift.shift_error_m > 1.0 && found_shift.latency_error_s > 0.5,
+                "{found_shift:?}"
+            );
         }
         assert_eq!(position_offsets(&[], &[], BOTH), Some(Vec::new()));
     }

@@ -74,9 +74,10 @@ mod tests {
         }
         // Each that was left out has a shallower one, or one as shallow, nearby.
         for point in &points {
-            let covers =
-                |one: &&DepthPoint| apart_m(one, point) < 20.0 && one.depth_m <= point.depth_m;
-            assert!(chosen.iter().any(|one| covers(&one)), "{point:?}");
+            let covers = |sounding: &&DepthPoint| {
+                apart_m(sounding, point) < 20.0 && sounding.depth_m <= point.depth_m
+            };
+            assert!(chosen.iter().any(|sounding| covers(&sounding)), "{point:?}");
         }
         assert!((10..22).contains(&chosen.len()), "{}", chosen.len());
     }

@@ -290,7 +290,7 @@ impl Surface {
         });
         let [top, bottom, left, right] = rows
             .map(|[row, first, last]| [row, row, first, last])
-            .reduce(|all, one| [all[0], one[1], all[2].min(one[2]), all[3].max(one[3])])?;
+            .reduce(|all, row| [all[0], row[1], all[2].min(row[2]), all[3].max(row[3])])?;
         let east = |column: usize| grid.west_m + column as f64 * grid.cell_m;
         let north = |row: usize| grid.north_m - row as f64 * grid.cell_m;
         Some([east(left), north(bottom + 1), east(right + 1), north(top)])
@@ -322,7 +322,9 @@ impl Surface {
 
     /// Returns the shares of the known cells of each source, in the order of [`CellSource::KNOWN`].
     pub fn source_shares(&self) -> [f64; 4] {
-        let of = |source| self.source.iter().filter(|one| **one == source).count() as f64;
+        let of = |source| {
+            self.source.iter().filter(|cell_source| **cell_source == source).count() as f64
+        };
         let counts = CellSource::KNOWN.map(of);
         let all: f64 = counts.iter().sum();
         counts.map(|count| count / all.max(1.0))

@@ -143,11 +143,11 @@ impl Window {
     fn of(ranges: Vec<[f64; 2]>) -> Option<Self> {
         let count = ranges.len() as f64;
         let mean = |of: &dyn Fn(&[f64; 2]) -> f64| ranges.iter().map(of).sum::<f64>() / count;
-        let (time_s, range_m) = (mean(&|one| one[0]), mean(&|one| one[1]));
-        let growth_mps = mean(&|one| (one[0] - time_s) * (one[1] - range_m))
-            / mean(&|one| (one[0] - time_s).powi(2));
-        let left_m = |one: &[f64; 2]| one[1] - range_m - growth_mps * (one[0] - time_s);
-        let scatter_m = mean(&|one| left_m(one).powi(2)).sqrt();
+        let (time_s, range_m) = (mean(&|point| point[0]), mean(&|point| point[1]));
+        let growth_mps = mean(&|point| (point[0] - time_s) * (point[1] - range_m))
+            / mean(&|point| (point[0] - time_s).powi(2));
+        let left_m = |point: &[f64; 2]| point[1] - range_m - growth_mps * (point[0] - time_s);
+        let scatter_m = mean(&|point| left_m(point).powi(2)).sqrt();
         let is_even = scatter_m <= EVEN.0 * growth_mps.abs() + EVEN.1;
         is_even.then_some(Self { ranges, growth_mps })
     }

@@ -319,7 +319,7 @@ fn confirmed(
 ) -> Vec<bool> {
     let is_confirmed = |sounding: &Sounding| {
         let depth_m = altitude_m(f64::from(sounding.depth_m));
-        let ping = nearest_in_time(&survey.side_scan, sounding.time_s, |one| one.time_s);
+        let ping = nearest_in_time(&survey.side_scan, sounding.time_s, |ping| ping.time_s);
         let near = ping.map_or(0..0, |ping| ping.saturating_sub(1)..ping + 2);
         let ranges = ranges_m.iter().flat_map(|side| side.get(near.clone()));
         let mut ranges = ranges.flatten();

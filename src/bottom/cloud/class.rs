@@ -139,7 +139,7 @@ impl ClassCounts {
     pub fn of(cloud: &PointCloud, classes: &[PointClass]) -> Self {
         let mut all = Self::default();
         for (index, class) in PointClass::ALL.into_iter().enumerate() {
-            all.counts[index] = classes.iter().filter(|one| **one == class).count();
+            all.counts[index] = classes.iter().filter(|point_class| **point_class == class).count();
         }
         let count = |source| cloud.points.of(source).len();
         all.side_scan = count(PointSource::Port) + count(PointSource::Starboard);
@@ -150,7 +150,7 @@ impl ClassCounts {
     /// Returns the number of points of a class.
     pub fn count(&self, class: PointClass) -> usize {
         let all = PointClass::ALL.into_iter().zip(self.counts);
-        all.filter(|(one, _)| *one == class).map(|(_, count)| count).sum()
+        all.filter(|(other, _)| *other == class).map(|(_, count)| count).sum()
     }
 
     /// Returns the number of all points.

@@ -169,11 +169,11 @@ pub(super) fn clutter(
     let mut ranges_m = Vec::new();
     let mut of = 0;
     let flags = heights.map(|side| {
-        let of_ping = |(ping, one): (usize, (Height, f64))| {
-            let is_clutter = is_clutter(ping, one);
-            of += usize::from(one.0 != Height::Nothing);
+        let of_ping = |(ping, first_return): (usize, (Height, f64))| {
+            let is_clutter = is_clutter(ping, first_return);
+            of += usize::from(first_return.0 != Height::Nothing);
             if is_clutter {
-                ranges_m.push(one.1);
+                ranges_m.push(first_return.1);
             }
             is_clutter
         };

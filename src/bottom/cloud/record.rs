@@ -52,7 +52,7 @@ impl CloudPoint {
             PointSource::DownScan => None,
             PointSource::Port => Some(Side::Port),
             PointSource::Starboard => Some(Side::Starboard),
-            PointSource::Swath => self.swath_sounding(survey).map(|one| one.side),
+            PointSource::Swath => self.swath_sounding(survey).map(|sounding| sounding.side),
         }
     }
 
@@ -79,7 +79,7 @@ impl PointRecord {
     pub fn time_s(self, survey: &Survey) -> Option<f64> {
         match self {
             Self::Ping(index) => survey.side_scan.get(index).map(|ping| ping.time_s),
-            Self::Sounding(index) => survey.soundings.get(index).map(|one| one.time_s),
+            Self::Sounding(index) => survey.soundings.get(index).map(|sounding| sounding.time_s),
             Self::Swath(index) => survey.swath.get(index).map(|ping| ping.time_s),
         }
     }

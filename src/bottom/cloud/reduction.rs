@@ -50,11 +50,11 @@ impl<'a> Reduction<'a> {
             (PointRecord::Ping(_), None) => None,
             (PointRecord::Sounding(index), _) => {
                 let sounding = survey.soundings.get(index);
-                sounding.map(|one| f64::from(one.depth_m))
+                sounding.map(|sounding| f64::from(sounding.depth_m))
             }
             (PointRecord::Swath(_), _) => {
                 let sounding = point.swath_sounding(survey);
-                sounding.map(|one| one.out_m.hypot(one.depth_m))
+                sounding.map(|sounding| sounding.out_m.hypot(sounding.depth_m))
             }
         };
         recorded_m.map_or(f64::NAN, |recorded_m| self.altitude_m(recorded_m))

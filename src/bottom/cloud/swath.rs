@@ -50,17 +50,18 @@ fn add_points(
     correction: &Correction,
     points: &mut Vec<CloudPoint>,
 ) {
-    let nearest = nearest_in_time(&survey.side_scan, ping.time_s, |one| one.time_s);
-    let point = |one: SwathSounding| {
+    let nearest = nearest_in_time(&survey.side_scan, ping.time_s, |ping| ping.time_s);
+    let point = |sounding: SwathSounding| {
         // The speed of sound scales the distance out and the depth.
-        let [east_m, north_m] = place.abeam(one.side, correction.range_factor() * one.out_m)?;
+        let [east_m, north_m] =
+            place.abeam(sounding.side, correction.range_factor() * sounding.out_m)?;
         Some(CloudPoint {
             record: RecordIndex::new(index),
-            sample: one.number as f32,
+            sample: sounding.number as f32,
             ..CloudPoint::new(
                 PointSource::Swath,
                 nearest.unwrap_or(0) as u32,
-                [east_m, north_m, -correction.depth_m(ping.time_s, one.depth_m)],
+                [east_m, north_m, -correction.depth_m(ping.time_s, sounding.depth_m)],
             )
         })
     };
@@ -72,12 +73,12 @@ fn add_points(
 /// Keeps the sounding of median depth of each stretch across the track: a place that was measured,
 /// and no spike.
 fn thinned(mut soundings: Vec<SwathSounding>) -> Vec<SwathSounding> {
-    let mut depths_m: Vec<f64> = soundings.iter().map(|one| one.depth_m).collect();
+    let mut depths_m: Vec<f64> = soundings.iter().map(|sounding| sounding.depth_m).collect();
     let Some(depth_m) = upper_median(&mut depths_m, f64::total_cmp) else {
         return Vec::new();
     };
     let stretch_m = (STRETCH_SHARE * depth_m).max(LEAST_STRETCH_M);
-    let stretch = |one: &SwathSounding| (one.side, (one.out_m / stretch_m) as u32);
+    let stretch = |sounding: &SwathSounding| (sounding.side, (sounding.out_m / stretch_m) as u32);
     soundings.sort_by(|a, b| {
         let by_depth = a.depth_m.total_cmp(&b.depth_m);
         stretch(a).cmp(&stretch(b)).then(by_depth)
@@ -102,8 +103,8 @@ mod tests {
         let kept = thinned((0..600).map(sounding).collect());
         // 15 m on each side in stretches of 0.43 m.
         assert_eq!(kept.len(), 2 * 36);
-        assert!(kept.iter().all(|one| one.depth_m > 3.9), "{kept:?}");
-        assert!(kept.iter().any(|one| one.number > 300));
+        assert!(kept.iter().all(|sounding| sounding.depth_m > 3.9), "{kept:?}");
+        assert!(kept.iter().any(|sounding| sounding.number > 300));
         assert!(thinned(Vec::new()).is_empty());
     }
 }

@@ -58,7 +58,8 @@ pub struct FalseSoundings {
 impl FalseSoundings {
     /// Returns a sentence about the stretch, for a warning.
     fn summary(&self, survey: &Survey) -> String {
-        let time_s = |index: usize| survey.soundings.get(index).map_or(f64::NAN, |one| one.time_s);
+        let time_s =
+            |index: usize| survey.soundings.get(index).map_or(f64::NAN, |sounding| sounding.time_s);
         let [from_s, to_s] = [self.soundings.start, self.soundings.end - 1].map(time_s);
         format!(
             "{} soundings between {from_s:.0} s and {to_s:.0} s {}; they do not count",
@@ -76,7 +77,7 @@ pub(super) fn judge(survey: &Survey, returns: &mut FirstReturns) {
     if found.is_empty() {
         return;
     }
-    returns.warnings.extend(found.iter().map(|one| one.summary(survey)));
+    returns.warnings.extend(found.iter().map(|stretch| stretch.summary(survey)));
     for ping in pings_of(survey, &found) {
         for side in Side::BOTH {
             if let Some(pick) = returns.side_mut(side).get_mut(ping) {
@@ -89,8 +90,9 @@ pub(super) fn judge(survey: &Survey, returns: &mut FirstReturns) {
 
 /// Returns the pings whose depth comes from false soundings.
 fn pings_of(survey: &Survey, false_soundings: &[FalseSoundings]) -> Vec<usize> {
-    let is_false =
-        |sounding: usize| false_soundings.iter().any(|one| one.soundings.contains(&sounding));
+    let is_false = |sounding: usize| {
+        false_soundings.iter().any(|stretch| stretch.soundings.contains(&sounding))
+    };
     let pings = 0..survey.side_scan.len();
     pings.filter(|&ping| sounding_of(survey, ping).is_some_and(is_false)).collect()
 }
@@ -126,8 +128,8 @@ pub(super) fn pick_range_m(survey: &Survey, ping: usize, side: Side, pick: &Pick
 /// Returns the survey with the false soundings and the depths of their pings marked with the fault;
 /// `None` where all these soundings have a fault already.
 pub(super) fn judged(survey: &Survey, false_soundings: &[FalseSoundings]) -> Option<Survey> {
-    let is_marked = |one: &FalseSoundings| {
-        let soundings = survey.soundings.get(one.soundings.clone()).unwrap_or_default();
+    let is_marked = |stretch: &FalseSoundings| {
+        let soundings = survey.soundings.get(stretch.soundings.clone()).unwrap_or_default();
         soundings.iter().all(|sounding| !sounding.is_good())
     };
     if false_soundings.iter().all(is_marked) {
@@ -135,9 +137,9 @@ pub(super) fn judged(survey: &Survey, false_soundings: &[FalseSoundings]) -> Opt
     }
     let mut judged = survey.clone();
     let soundings = Arc::make_mut(&mut judged.soundings);
-    for one in false_soundings {
-        for sounding in soundings.get_mut(one.soundings.clone()).unwrap_or_default() {
-            sounding.fault.get_or_insert(one.fault);
+    for stretch in false_soundings {
+        for sounding in soundings.get_mut(stretch.soundings.clone()).unwrap_or_default() {
+            sounding.fault.get_or_insert(stretch.fault);
         }
     }
     let soundings = &judged.soundings;
@@ -155,14 +157,14 @@ pub(super) fn judged(survey: &Survey, false_soundings: &[FalseSoundings]) -> Opt
 pub(super) fn explained(survey: &Survey, found: &[FalseSoundings]) -> (Survey, Vec<usize>) {
     let mut explained = survey.clone();
     let pings: &mut Vec<SidePing> = Arc::make_mut(&mut explained.side_scan);
-    for one in found {
-        let ends = (one.soundings.start.checked_sub(1)).zip(Some(one.soundings.end));
+    for stretch in found {
+        let ends = (stretch.soundings.start.checked_sub(1)).zip(Some(stretch.soundings.end));
         let ends = ends.and_then(|(before, after)| {
             Some((survey.soundings.get(before)?, survey.soundings.get(after)?))
         });
-        for ping in pings_of(survey, std::slice::from_ref(one)) {
+        for ping in pings_of(survey, std::slice::from_ref(stretch)) {
             let ping = &mut pings[ping];
-            match (one.fault, ends) {
+            match (stretch.fault, ends) {
                 (SoundingFault::SecondEcho, _) => ping.depth_m *= 0.5,
                 (SoundingFault::Held, Some((before, after))) => {
                     let share = (ping.time_s - before.time_s) / (after.time_s - before.time_s);
@@ -177,13 +179,13 @@ pub(super) fn explained(survey: &Survey, found: &[FalseSoundings]) -> (Survey, V
 
 /// Returns the pings whose depth was held.
 pub(super) fn held_pings(survey: &Survey, found: &[FalseSoundings]) -> Vec<usize> {
-    let held = found.iter().filter(|one| one.fault == SoundingFault::Held);
+    let held = found.iter().filter(|stretch| stretch.fault == SoundingFault::Held);
     pings_of(survey, &held.cloned().collect::<Vec<_>>())
 }
 
 /// Returns the index of the sounding nearest in time to a ping, from which the ping has its depth.
 fn sounding_of(survey: &Survey, ping: usize) -> Option<usize> {
-    nearest_in_time(&survey.soundings, survey.side_scan[ping].time_s, |one| one.time_s)
+    nearest_in_time(&survey.soundings, survey.side_scan[ping].time_s, |sounding| sounding.time_s)
 }
 
 /// Median slant range of the first returns of each side around each sounding, metres; NaN where
@@ -199,7 +201,7 @@ impl Witnesses {
             let ranges_m: Vec<f64> =
                 pings.map(|ping| range_m(survey, returns, ping, side)).collect();
             let around = |sounding: &Sounding| {
-                let ping = nearest_in_time(&survey.side_scan, sounding.time_s, |one| one.time_s)?;
+                let ping = nearest_in_time(&survey.side_scan, sounding.time_s, |ping| ping.time_s)?;
                 let near =
                     &ranges_m[ping.saturating_sub(REACH)..(ping + REACH + 1).min(ranges_m.len())];
                 let near = near.iter().copied().filter(|range_m| range_m.is_finite());
@@ -207,7 +209,7 @@ impl Witnesses {
                 (near.len() >= LEAST).then(|| median(&mut near))
             };
             let soundings = survey.soundings.par_iter();
-            soundings.map(|one| around(one).unwrap_or(f64::NAN)).collect()
+            soundings.map(|sounding| around(sounding).unwrap_or(f64::NAN)).collect()
         };
         Self { sides_m: Side::BOTH.map(of_side) }
     }
@@ -244,14 +246,16 @@ impl Witnesses {
 fn find(soundings: &[Sounding], witnesses: &Witnesses) -> Vec<FalseSoundings> {
     let mut found = second_echoes(soundings, witnesses);
     let is_known = |held: &Range<usize>, found: &[FalseSoundings]| {
-        found.iter().any(|one| one.soundings.start < held.end && held.start < one.soundings.end)
+        found
+            .iter()
+            .any(|stretch| stretch.soundings.start < held.end && held.start < stretch.soundings.end)
     };
     for held in held_depths(soundings, witnesses) {
         if !is_known(&held, &found) {
             found.push(FalseSoundings { soundings: held, fault: SoundingFault::Held });
         }
     }
-    found.sort_by_key(|one| one.soundings.start);
+    found.sort_by_key(|stretch| stretch.soundings.start);
     found
 }
 
@@ -270,8 +274,9 @@ fn second_echoes(soundings: &[Sounding], witnesses: &Witnesses) -> Vec<FalseSoun
     };
     let alone = Side::BOTH.map(|side| second_echoes_by(soundings, alone_m(side))).concat();
     for alone in alone.into_iter().chain(unseen_second_echoes(soundings, witnesses)) {
-        let is_known = |one: &FalseSoundings| {
-            one.soundings.start < alone.soundings.end && alone.soundings.start < one.soundings.end
+        let is_known = |stretch: &FalseSoundings| {
+            stretch.soundings.start < alone.soundings.end
+                && alone.soundings.start < stretch.soundings.end
         };
         if !found.iter().any(is_known) {
             found.push(alone);
@@ -402,9 +407,9 @@ mod tests {
     use super::*;
 
     fn soundings(depths_m: impl Iterator<Item = f64>) -> Vec<Sounding> {
-        let one =
+        let sounding =
             |(index, depth_m): (usize, f64)| Sounding::new(0.125 * index as f64, depth_m as f32);
-        depths_m.enumerate().map(one).collect()
+        depths_m.enumerate().map(sounding).collect()
     }
 
     /// Depth of a sloping bed, metres.
@@ -477,7 +482,9 @@ mod tests {
         assert_eq!(found.len(), 1, "{found:?}");
         assert_eq!(found[0].soundings, 95..160);
         // Without a leap back, the end of the second echo is unknown.
-        assert!(find(&depth_m(95..400), &ranges_m).iter().all(|one| one.soundings.end <= 120));
+        assert!(
+            find(&depth_m(95..400), &ranges_m).iter().all(|stretch| stretch.soundings.end <= 120)
+        );
     }
 
     #[test]

@@ -60,7 +60,7 @@ impl Normalisation {
     #[must_use]
     pub fn widened(&self, other: &Self) -> Self {
         // A picture without a single value is black and does not determine a scale.
-        let is_black = |one: &Self| one.lowest == 0 && one.highest == 0;
+        let is_black = |scale: &Self| scale.lowest == 0 && scale.highest == 0;
         match (is_black(self), is_black(other)) {
             (true, _) => other.clone(),
             (_, true) => self.clone(),

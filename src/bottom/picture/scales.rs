@@ -94,16 +94,16 @@ impl Extremes {
     /// Returns the smallest and the largest distance across the track, at any ping, of recorded
     /// ranges from `near_m` to `far_m`.
     pub fn across_m(&self, geometry: PictureGeometry, [near_m, far_m]: [f64; 2]) -> [f64; 2] {
-        let nearest = self.corners().map(|one| one.across_m(geometry, near_m));
-        let farthest = self.corners().map(|one| one.across_m(geometry, far_m));
+        let nearest = self.corners().map(|corner| corner.across_m(geometry, near_m));
+        let farthest = self.corners().map(|corner| corner.across_m(geometry, far_m));
         [nearest.fold(f64::MAX, f64::min), farthest.fold(0.0, f64::max)]
     }
 
     /// Returns the smallest and the largest recorded range, at any ping, that is shown between two
     /// distances from the middle.
     pub fn recorded_m(&self, geometry: PictureGeometry, [near_m, far_m]: [f64; 2]) -> [f64; 2] {
-        let nearest = self.corners().map(|one| one.recorded_at_m(geometry, near_m));
-        let farthest = self.corners().map(|one| one.recorded_at_m(geometry, far_m));
+        let nearest = self.corners().map(|corner| corner.recorded_at_m(geometry, near_m));
+        let farthest = self.corners().map(|corner| corner.recorded_at_m(geometry, far_m));
         [nearest.fold(f64::MAX, f64::min), farthest.fold(f64::MIN, f64::max)]
     }
 }
@@ -178,15 +178,15 @@ impl PingScales {
     pub fn extremes(&self) -> Extremes {
         let all = self.sides.iter().flatten();
         let mut found: Option<Extremes> = None;
-        for one in all {
+        for ping in all {
             let Extremes { least, most } =
-                found.get_or_insert(Extremes { least: *one, most: *one });
-            least.altitude_m = least.altitude_m.min(one.altitude_m);
-            least.scale = least.scale.min(one.scale);
-            least.offset_m = least.offset_m.min(one.offset_m);
-            most.altitude_m = most.altitude_m.max(one.altitude_m);
-            most.scale = most.scale.max(one.scale);
-            most.offset_m = most.offset_m.max(one.offset_m);
+                found.get_or_insert(Extremes { least: *ping, most: *ping });
+            least.altitude_m = least.altitude_m.min(ping.altitude_m);
+            least.scale = least.scale.min(ping.scale);
+            least.offset_m = least.offset_m.min(ping.offset_m);
+            most.altitude_m = most.altitude_m.max(ping.altitude_m);
+            most.scale = most.scale.max(ping.scale);
+            most.offset_m = most.offset_m.max(ping.offset_m);
         }
         found.unwrap_or(Extremes { least: PingScale::default(), most: PingScale::default() })
     }
@@ -233,11 +233,11 @@ mod tests {
             for geometry in [PictureGeometry::Slant, PictureGeometry::SlantBeyondWater, PictureGeometry::Ground] {
                 let [nearest, farthest] = extremes.across_m(geometry, [near_m, far_m]);
                 let [least, most] = extremes.recorded_m(geometry, [near_m, far_m]);
-                for one in &scales {
-                    prop_assert!(one.across_m(geometry, near_m) >= nearest - 1e-4);
-                    prop_assert!(one.across_m(geometry, far_m) <= farthest + 1e-4);
-                    prop_assert!(one.recorded_at_m(geometry, near_m) >= least - 1e-4);
-                    prop_assert!(one.recorded_at_m(geometry, far_m) <= most + 1e-4);
+                for ping in &scales {
+                    prop_assert!(ping.across_m(geometry, near_m) >= nearest - 1e-4);
+                    prop_assert!(ping.across_m(geometry, far_m) <= farthest + 1e-4);
+                    prop_assert!(ping.recorded_at_m(geometry, near_m) >= least - 1e-4);
+                    prop_assert!(ping.recorded_at_m(geometry, far_m) <= most + 1e-4);
                 }
             }
         }

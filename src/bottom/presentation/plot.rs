@@ -253,8 +253,8 @@ mod tests {
         let drawn = plot([0.0, 1.0], two).svg([360.0, 360.0]);
         assert!(drawn.contains("&lt;script&gt;") && !drawn.contains("<script>"));
         assert!(drawn.contains("M48.00 10.00L408.00 370.00"), "{drawn}");
-        let one = plot([0.0, 1.0], vec![curve("<script>", &falling)]);
-        assert!(!one.svg([360.0, 360.0]).contains("script"));
+        let single = plot([0.0, 1.0], vec![curve("<script>", &falling)]);
+        assert!(!single.svg([360.0, 360.0]).contains("script"));
     }
 
     #[test]

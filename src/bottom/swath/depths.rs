@@ -87,7 +87,7 @@ impl<'a> SwathInput<'a> {
             let table = law.table();
             let of_chunk = |chunk: &PingChunk| {
                 let set = (*recorder, chunk.range_setting);
-                let curves = sets.partition_point(|one| *one < set);
+                let curves = sets.partition_point(|other| *other < set);
                 Side::BOTH.map(|side| {
                     SideChunk::new(log, number, chunk, curves, side, &table, resolution.range_m)
                 })

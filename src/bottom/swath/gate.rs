@@ -153,7 +153,7 @@ pub(super) fn choose(
     if asked.len() < LEAST_SOUNDINGS {
         return Ok(None);
     }
-    let without_m = rms(asked.iter().map(|one| one.triangles_m - one.depth_m));
+    let without_m = rms(asked.iter().map(|sounding| sounding.triangles_m - sounding.depth_m));
     let relief_m = (RELIEF_SHARE * without_m).clamp(RELIEF_M[0], RELIEF_M[1]);
     let [first, further] = LEARNING_ROUNDS;
     let rounds = first + (TRIED.len() - 1) * further;
@@ -164,12 +164,13 @@ pub(super) fn choose(
         if !sample.learn(input, prior, progress)? {
             break;
         }
-        let at = |one: &Asked, values: fn(&Bed) -> &[f64]| {
-            let bed = &sample.states[one.state].bed;
-            bed.nodes.value_at(values(bed), one.place)
+        let at = |sounding: &Asked, values: fn(&Bed) -> &[f64]| {
+            let bed = &sample.states[sounding.state].bed;
+            bed.nodes.value_at(values(bed), sounding.place)
         };
-        let with_m = rms(asked.iter().map(|one| at(one, |bed| &bed.depth_m) - one.depth_m));
-        let sd_m = rms(asked.iter().map(|one| at(one, |bed| &bed.sd_m)));
+        let with_m =
+            rms(asked.iter().map(|sounding| at(sounding, |bed| &bed.depth_m) - sounding.depth_m));
+        let sd_m = rms(asked.iter().map(|sounding| at(sounding, |bed| &bed.sd_m)));
         let left_out = LeftOut { without_m, with_m, error_sds: (with_m * without_m).sqrt() / sd_m };
         let before = best.as_ref().map(|best| best.left_out.with_m);
         if before.is_none_or(|before| with_m < before) {

@@ -281,9 +281,10 @@ impl LevelSpread {
 /// converts a power, which is exponentially distributed, into a level.
 fn drawn(smoothed: usize, level: impl Fn(f64) -> f64) -> [f64; 3] {
     let mut normal = Normal::new(3);
-    let mut one = || level(0.5 * (normal.draw().powi(2) + normal.draw().powi(2)));
-    let mut means: Vec<f64> =
-        (0..DRAWN).map(|_| (0..smoothed).map(|_| one()).sum::<f64>() / smoothed as f64).collect();
+    let mut draw_level = || level(0.5 * (normal.draw().powi(2) + normal.draw().powi(2)));
+    let mut means: Vec<f64> = (0..DRAWN)
+        .map(|_| (0..smoothed).map(|_| draw_level()).sum::<f64>() / smoothed as f64)
+        .collect();
     means.sort_by(f64::total_cmp);
     [0.1, 0.5, 0.9].map(|share| quantile(&means, share))
 }
@@ -293,7 +294,7 @@ fn slope_of_logs(points: impl Iterator<Item = (f64, f64)>) -> Option<f64> {
     let logs: Vec<(f64, f64)> = points.map(|(x, y)| (x.ln(), y.ln())).collect();
     let count = logs.len() as f64;
     let (x_mean, y_mean) =
-        logs.iter().fold((0.0, 0.0), |(x, y), one| (x + one.0 / count, y + one.1 / count));
+        logs.iter().fold((0.0, 0.0), |(x, y), point| (x + point.0 / count, y + point.1 / count));
     let (xx, xy) = logs.iter().fold((0.0, 0.0), |(xx, xy), (x, y)| {
         (xx + (x - x_mean).powi(2), xy + (x - x_mean) * (y - y_mean))
     });
@@ -341,7 +342,8 @@ impl Lags {
     fn alike_samples(&self) -> f64 {
         let covariance = |lag: usize| self.products[lag] / self.counts[lag];
         let correlations = (1..=LAGS).map(|lag| covariance(lag) / covariance(0));
-        let sum: f64 = correlations.take_while(|one| *one > LEAST_CORRELATION).sum();
+        let sum: f64 =
+            correlations.take_while(|correlation| *correlation > LEAST_CORRELATION).sum();
         1.0 + 2.0 * sum
     }
 }
@@ -356,10 +358,10 @@ mod tests {
         let mut normal = Normal::new(5);
         let window = |index: usize| {
             let brightness = (index as f64 / 200.0).exp();
-            let mut one =
+            let mut draw_level =
                 || level(0.5 * brightness * (normal.draw().powi(2) + normal.draw().powi(2)));
             let mut row = || -> Vec<f64> {
-                let sharp: Vec<f64> = (0..SAMPLES + smoothed).map(|_| one()).collect();
+                let sharp: Vec<f64> = (0..SAMPLES + smoothed).map(|_| draw_level()).collect();
                 let sums = sharp.windows(smoothed).take(SAMPLES);
                 sums.map(|some| some.iter().sum::<f64>() / smoothed as f64).collect()
             };

@@ -90,13 +90,15 @@ pub fn correct(
         .collect::<Result<Vec<_>, _>>()?;
     surface.levels = match found(surface, &laid_out, measured, progress, mode)? {
         Ok((found, left_out)) => {
-            let stated = left_out.map_or(StatedByLevels::untested(UNTESTED_SDS), |one| {
-                let error_sds = STATED * one.error_sds;
-                StatedByLevels { error_sds, least_share: one.with_m / one.without_m }
+            let stated = left_out.map_or(StatedByLevels::untested(UNTESTED_SDS), |left_out| {
+                let error_sds = STATED * left_out.error_sds;
+                StatedByLevels { error_sds, least_share: left_out.with_m / left_out.without_m }
             });
             add(&found, stated, surface);
             surface.hardness_db = hardness_db(&found, surface);
-            FromLevels::Used { left_out_m: left_out.map(|one| [one.without_m, one.with_m]) }
+            FromLevels::Used {
+                left_out_m: left_out.map(|left_out| [left_out.without_m, left_out.with_m]),
+            }
         }
         Err(why) => FromLevels::Refused(why),
     };
@@ -145,10 +147,10 @@ fn found(
     if mode == SwathDepth::Auto {
         match left_out {
             None => return Ok(Err(LevelsRefused::NoTest)),
-            Some(one) if one.with_m > MOST_RATIO * one.without_m => {
+            Some(left_out) if left_out.with_m > MOST_RATIO * left_out.without_m => {
                 return Ok(Err(LevelsRefused::NoBetter {
-                    without_m: one.without_m,
-                    with_m: one.with_m,
+                    without_m: left_out.without_m,
+                    with_m: left_out.with_m,
                 }));
             }
             Some(_) => {}

@@ -227,7 +227,10 @@ impl SideChunk {
         let [flattest, steepest] = [FLATTEST_DEG, STEEPEST_DEG].map(f64::to_radians);
         let mut finish = |sums: &mut Sums| {
             let observation = self.observation(&std::mem::take(sums));
-            observation.filter(|one| within.holds(one.place_m)).into_iter().for_each(&mut found);
+            observation
+                .filter(|observation| within.holds(observation.place_m))
+                .into_iter()
+                .for_each(&mut found);
         };
         for (index, ln_power) in self.ln_power.iter().enumerate() {
             let range_m = self.first_m + index as f64 * self.step_m;

@@ -120,7 +120,9 @@ mod tests {
         assert_eq!(one.tiles.len(), 10 * 10);
         let place = |tile: &NodeTile| (tile.nodes.first, tile.nodes.counts, tile.core);
         assert_eq!(place(&one.tiles[0]), ([-72, 952], [80, 80], [[8, 72], [8, 72]]));
-        let is_shared = |tile: &&NodeTile| other.tiles.iter().any(|one| place(one) == place(tile));
+        let is_shared = |tile: &&NodeTile| {
+            other.tiles.iter().any(|other_tile| place(other_tile) == place(tile))
+        };
         // There is a column of tiles on both sides of the edge.
         assert_eq!(one.tiles.iter().filter(is_shared).count(), 20);
     }

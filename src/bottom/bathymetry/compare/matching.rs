@@ -220,8 +220,8 @@ mod tests {
         let measured = GOLDEN.map(|golden| [golden.place[0], golden.place[1], -3.0]);
         let matching = Matching::Surface { max_gap_m: 20.0 };
         let found = match_points(&measured, &reference(), matching, &Progress::new()).unwrap();
-        for (one, golden) in found.iter().zip(&GOLDEN) {
-            assert!((one.difference_m - (golden.linear - 3.0)).abs() < 1e-9, "{one:?}");
+        for (matched, golden) in found.iter().zip(&GOLDEN) {
+            assert!((matched.difference_m - (golden.linear - 3.0)).abs() < 1e-9, "{matched:?}");
         }
         assert_eq!(found.len(), GOLDEN.len());
     }

@@ -71,7 +71,7 @@ fn depth_scale(logs: [usize; 2], overlaps: &[&LogOverlap]) -> Option<DepthScale>
         .into_iter()
         .map(|pass| jackknife_error(overlaps, pass, share))
         .try_fold(0.0, |most: f64, error| Some(most.max(error?)))?;
-    let depth_m = ends(overlaps.iter().map(|one| one.depth_m));
+    let depth_m = ends(overlaps.iter().map(|overlap| overlap.depth_m));
     let is_told = share.abs() > (SIGMAS * standard_error).max(LEAST_SHARE)
         && share.abs() * (depth_m[1] - depth_m[0]) > LEAST_DIFFERENCE_M;
     let logs = if share > 0.0 { [logs[1], logs[0]] } else { logs };
@@ -87,18 +87,21 @@ fn depth_scale(logs: [usize; 2], overlaps: &[&LogOverlap]) -> Option<DepthScale>
 /// Returns the share by which the depths of the second log are greater; `None` where the overlaps
 /// do not separate it from the other unknowns.
 fn fitted_share(overlaps: &[&LogOverlap]) -> Option<f64> {
-    let mean_m = overlaps.iter().map(|one| one.depth_m).sum::<f64>() / overlaps.len() as f64;
-    let row = |one: &LogOverlap| [1.0, one.depth_m - mean_m, one.gradient[0], one.gradient[1]];
+    let mean_m =
+        overlaps.iter().map(|overlap| overlap.depth_m).sum::<f64>() / overlaps.len() as f64;
+    let row = |overlap: &LogOverlap| {
+        [1.0, overlap.depth_m - mean_m, overlap.gradient[0], overlap.gradient[1]]
+    };
     let mut weights = vec![1.0; overlaps.len()];
     let mut solution = Vec::new();
     for _ in 0..ROUNDS {
         let mut normal = Mat::<f64>::zeros(UNKNOWNS, UNKNOWNS);
         let mut right = [0.0; UNKNOWNS];
-        for (one, weight) in overlaps.iter().zip(&weights) {
-            let row = row(one);
+        for (overlap, weight) in overlaps.iter().zip(&weights) {
+            let row = row(overlap);
             for (at, a) in row.iter().enumerate() {
                 // Elevations differ the other way round than depths.
-                right[at] -= weight * a * one.difference_m;
+                right[at] -= weight * a * overlap.difference_m;
                 for (other, b) in row.iter().enumerate() {
                     normal[(at, other)] += weight * a * b;
                 }
@@ -110,9 +113,9 @@ fn fitted_share(overlaps: &[&LogOverlap]) -> Option<f64> {
             normal[(at, at)] += 1e-6;
         }
         solution = solve_dense(&normal, &right)?;
-        let left_m = overlaps.iter().map(|one| {
-            let fitted_m: f64 = row(one).iter().zip(&solution).map(|(a, x)| a * x).sum();
-            -one.difference_m - fitted_m
+        let left_m = overlaps.iter().map(|overlap| {
+            let fitted_m: f64 = row(overlap).iter().zip(&solution).map(|(a, x)| a * x).sum();
+            -overlap.difference_m - fitted_m
         });
         weights = robust_shares(&left_m.collect::<Vec<_>>()).0;
     }

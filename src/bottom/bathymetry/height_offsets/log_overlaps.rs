@@ -48,20 +48,21 @@ pub fn crossing_overlaps(
     progress: &Progress,
 ) -> Result<Vec<LogOverlap>, Cancelled> {
     let found = crossings(tracks, progress)?;
-    let between = found.iter().filter(|one| one.passes[0].track != one.passes[1].track);
+    let between =
+        found.iter().filter(|crossing| crossing.passes[0].track != crossing.passes[1].track);
     let lines: Vec<Vec<f64>> = tracks.iter().map(|track| line_starts_s(track)).collect();
     let line = |pass: CrosslinePass| {
         let before = tracks[pass.track].partition_point(|depth| depth.time_s <= pass.time_s);
         lines[pass.track][before.saturating_sub(1)].floor() as i64
     };
-    let log_overlaps = between.map(|one| {
-        let logs = one.passes.map(|pass| pass.track);
-        let (place, difference_m) = (one.place, one.difference_m());
+    let log_overlaps = between.map(|crossing| {
+        let logs = crossing.passes.map(|pass| pass.track);
+        let (place, difference_m) = (crossing.place, crossing.difference_m());
         LogOverlap {
-            depth_m: 0.5 * (one.passes[0].depth_m + one.passes[1].depth_m),
-            gradient: one.gradient,
-            lines: Some(one.passes.map(line)),
-            ..LogOverlap::new(logs, OverlapKind::Crossing, place, difference_m, one.slope())
+            depth_m: 0.5 * (crossing.passes[0].depth_m + crossing.passes[1].depth_m),
+            gradient: crossing.gradient,
+            lines: Some(crossing.passes.map(line)),
+            ..LogOverlap::new(logs, OverlapKind::Crossing, place, difference_m, crossing.slope())
         }
     });
     Ok(log_overlaps.collect())
@@ -139,8 +140,8 @@ fn by_square(depths: &[TrackDepth]) -> BTreeMap<[i64; 2], f64> {
 
 fn log_overlap(logs: [usize; 2], block: [i64; 2], shared: &[Shared]) -> LogOverlap {
     let side_m = BLOCK_SQUARES as f64 * SQUARE_M;
-    let mut differences: Vec<f64> = shared.iter().map(|one| one.difference_m).collect();
-    let [least, most] = ends(shared.iter().map(|one| one.depth_m));
+    let mut differences: Vec<f64> = shared.iter().map(|square| square.difference_m).collect();
+    let [least, most] = ends(shared.iter().map(|square| square.depth_m));
     LogOverlap::new(
         logs,
         OverlapKind::Overlap,

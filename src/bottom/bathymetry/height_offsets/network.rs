@@ -49,12 +49,14 @@ const MEDIAN_SHARE: f64 = 1.2533;
 pub fn adjust(count: usize, log_overlaps: &[LogOverlap], datum: Datum) -> HeightOffsets {
     let known: Vec<LogOverlap> = log_overlaps
         .iter()
-        .filter(|one| {
-            one.difference_m.is_finite() && one.logs[0] != one.logs[1] && one.logs[1] < count
+        .filter(|overlap| {
+            overlap.difference_m.is_finite()
+                && overlap.logs[0] != overlap.logs[1]
+                && overlap.logs[1] < count
         })
         .copied()
         .collect();
-    let groups = groups(count, known.iter().map(|one| one.logs));
+    let groups = groups(count, known.iter().map(|overlap| overlap.logs));
     let mut logs: Vec<LogOffset> = (groups.iter())
         .map(|group| LogOffset {
             offset_m: 0.0,
@@ -68,9 +70,9 @@ pub fn adjust(count: usize, log_overlaps: &[LogOverlap], datum: Datum) -> Height
     for (log, group) in groups.iter().enumerate() {
         members[*group].push(log);
     }
-    for one in &known {
-        inside[groups[one.logs[0]]].push(*one);
-        for log in one.logs {
+    for overlap in &known {
+        inside[groups[overlap.logs[0]]].push(*overlap);
+        for log in overlap.logs {
             logs[log].log_overlaps += 1;
         }
     }
@@ -177,8 +179,11 @@ impl<'a> LogNetwork<'a> {
             Datum::Log(log) => members.contains(&log).then(|| place(log)),
         };
         Self {
-            ends: log_overlaps.iter().map(|one| one.logs.map(place)).collect(),
-            sigmas_m: log_overlaps.iter().map(|one| difference_sigma_m(one.slope)).collect(),
+            ends: log_overlaps.iter().map(|overlap| overlap.logs.map(place)).collect(),
+            sigmas_m: log_overlaps
+                .iter()
+                .map(|overlap| difference_sigma_m(overlap.slope))
+                .collect(),
             has_shifts: log_overlaps.iter().any(LogOverlap::has_gradient),
             log_overlaps,
             size: members.len(),
@@ -253,12 +258,12 @@ impl<'a> LogNetwork<'a> {
     /// Returns what the heights and the shifts leave of each difference, in standard deviations.
     fn residuals(&self, at: &Weighted) -> Vec<f64> {
         let all = self.log_overlaps.iter().zip(&self.ends).zip(&self.sigmas_m);
-        all.map(|((one, [a, b]), sigma_m)| {
-            let mut left_m = one.difference_m - (at.heights_m[*a] - at.heights_m[*b]);
-            if one.has_gradient() {
+        all.map(|((overlap, [a, b]), sigma_m)| {
+            let mut left_m = overlap.difference_m - (at.heights_m[*a] - at.heights_m[*b]);
+            if overlap.has_gradient() {
                 let apart_m =
                     [0, 1].map(|axis| at.shifts_m[2 * a + axis] - at.shifts_m[2 * b + axis]);
-                left_m -= one.gradient[0] * apart_m[0] + one.gradient[1] * apart_m[1];
+                left_m -= overlap.gradient[0] * apart_m[0] + overlap.gradient[1] * apart_m[1];
             }
             left_m / sigma_m
         })
@@ -278,9 +283,9 @@ impl<'a> LogNetwork<'a> {
     ) -> f64 {
         let mut lines: BTreeMap<(usize, i64), [f64; 2]> = BTreeMap::new();
         let all = self.log_overlaps.iter().zip(&self.ends).zip(&self.sigmas_m);
-        for (((one, ends), sigma_m), (u, share)) in all.zip(residuals.iter().zip(shares)) {
+        for (((overlap, ends), sigma_m), (u, share)) in all.zip(residuals.iter().zip(shares)) {
             let weight = share / (sigma_m * sigma_m);
-            for (end, line) in one.lines.into_iter().flatten().enumerate() {
+            for (end, line) in overlap.lines.into_iter().flatten().enumerate() {
                 // The residual is that of the first log less that of the second log.
                 let sign = if end == 0 { 1.0 } else { -1.0 };
                 let [sum, weights] = lines.entry((ends[end], line)).or_default();
@@ -322,16 +327,16 @@ impl<'a> LogNetwork<'a> {
     fn equations(&self) -> Equations {
         let mut equations = Equations::default();
         let all = self.log_overlaps.iter().zip(&self.ends).zip(&self.sigmas_m);
-        for ((one, ends), sigma_m) in all {
+        for ((overlap, ends), sigma_m) in all {
             let mut terms = Vec::with_capacity(6);
             for (log, sign) in ends.iter().zip([1.0, -1.0]) {
                 terms.extend(log.checked_sub(1).map(|height| (height, sign)));
-                if one.has_gradient() {
-                    let of_axis = |axis| (self.shift(*log) + axis, sign * one.gradient[axis]);
+                if overlap.has_gradient() {
+                    let of_axis = |axis| (self.shift(*log) + axis, sign * overlap.gradient[axis]);
                     terms.extend([0, 1].map(of_axis));
                 }
             }
-            equations.add(terms, one.difference_m, *sigma_m);
+            equations.add(terms, overlap.difference_m, *sigma_m);
         }
         for shift in self.size - 1..self.unknowns() {
             equations.add([(shift, 1.0)], 0.0, POSITION_SIGMA_M);
@@ -409,14 +414,15 @@ fn pair_differences(log_overlaps: &[LogOverlap], logs: &[LogOffset]) -> Vec<Pair
     by_pair
         .into_iter()
         .map(|([a, b], found)| {
-            let mut differences: Vec<f64> = found.iter().map(|one| one.difference_m).collect();
+            let mut differences: Vec<f64> =
+                found.iter().map(|overlap| overlap.difference_m).collect();
             let difference_m = median(&mut differences);
             let spread_m = match differences.len() {
                 1 => f64::NAN,
                 _ => spread_about(&mut differences, difference_m),
             };
             let n = found.len();
-            let sigmas_m = found.iter().map(|one| difference_sigma_m(one.slope));
+            let sigmas_m = found.iter().map(|overlap| difference_sigma_m(overlap.slope));
             let sigma_m = median(&mut sigmas_m.collect::<Vec<f64>>());
             // Few differences may agree by chance, so that the expected error counts, too.
             let sigma_m = spread_m.max(sigma_m / (n as f64).sqrt());

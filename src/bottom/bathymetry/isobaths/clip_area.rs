@@ -96,7 +96,7 @@ impl ClipArea {
             let shares = self.shares(from, to);
             let inner = shares.iter().filter(|share| (SLACK..=1.0 - SLACK).contains(*share));
             let mut stops: Vec<f64> = inner.copied().collect();
-            stops.dedup_by(|one, before| *one - *before < SLACK);
+            stops.dedup_by(|stop, before| *stop - *before < SLACK);
             stops.insert(0, 0.0);
             stops.push(1.0);
             let at = |share: f64| {
@@ -134,7 +134,7 @@ impl ClipArea {
     pub fn part_of(&self, area: &DepthArea) -> DepthArea {
         let open = |ring: &Vec<[f64; 2]>| ring[..ring.len().saturating_sub(1)].to_vec();
         let rings: Vec<Vec<[f64; 2]>> = (area.polygons.iter())
-            .flat_map(|one| std::iter::once(&one.outline).chain(&one.holes))
+            .flat_map(|polygon| std::iter::once(&polygon.outline).chain(&polygon.holes))
             .map(open)
             .collect();
         let polygons = if rings.is_empty() || self.is_empty() {
@@ -348,10 +348,10 @@ mod tests {
         // The bay without its notch, its island and the hole.
         assert!((part.area_m2() - (100.0 - 30.0 - 1.0 - 1.0)).abs() < 1e-9);
         assert_eq!(part.polygons.len(), 1);
-        let one = &part.polygons[0];
-        assert_eq!(one.holes.len(), 2);
-        assert_eq!(one.outline.first(), one.outline.last());
-        assert!(part.polygons.iter().all(|one| one.area_m2() > 0.0));
+        let polygon = &part.polygons[0];
+        assert_eq!(polygon.holes.len(), 2);
+        assert_eq!(polygon.outline.first(), polygon.outline.last());
+        assert!(part.polygons.iter().all(|polygon| polygon.area_m2() > 0.0));
         let spiked =
             [[0.0, 0.0], [4.0, 0.0], [4.0, 1e-4], [9.0, 0.0], [4.0, 5e-4], [4.0, 4.0], [0.0, 1e-3]];
         let triangle = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 0.0]];

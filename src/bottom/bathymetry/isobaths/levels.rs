@@ -219,8 +219,8 @@ impl IsobathSettings {
 
 /// Returns a number rounded to two digits.
 fn two_digits(value: f64) -> f64 {
-    let one = 10f64.powf(value.abs().log10().floor() - 1.0);
-    if one.is_normal() { (value / one).round() * one } else { value }
+    let unit = 10f64.powf(value.abs().log10().floor() - 1.0);
+    if unit.is_normal() { (value / unit).round() * unit } else { value }
 }
 
 /// Returns a round interval, at least this long; NaN for a level bottom.

@@ -108,7 +108,8 @@ mod tests {
         for level_m in [1.2, 1.5, 2.0, 2.7] {
             let areas = depth_areas(&safe, &[level_m, 100.0], &Progress::new()).unwrap();
             let polygons = || areas[0].polygons.iter();
-            let rings = || polygons().flat_map(|one| one.holes.iter().chain([&one.outline]));
+            let rings =
+                || polygons().flat_map(|polygon| polygon.holes.iter().chain([&polygon.outline]));
             for passes in 0..4 {
                 let smoothing = Smoothing { passes, toward_deep: true };
                 let rings: Vec<Vec<[f64; 2]>> =

@@ -34,17 +34,17 @@ impl SigmaByDistance {
         let both = [self, other];
         let mut distances_m: Vec<f64> = both
             .iter()
-            .flat_map(|one| one.steps.iter().map(|[distance_m, _]| *distance_m))
+            .flat_map(|sigma| sigma.steps.iter().map(|[distance_m, _]| *distance_m))
             .collect();
         distances_m.sort_by(f64::total_cmp);
         distances_m.dedup();
         // Neither grows beyond the last distance that it was measured at.
-        let measured = |one: &Self, distance_m: f64| {
-            let last_m = one.steps.last().map_or(0.0, |[last_m, _]| *last_m);
-            one.at(distance_m.min(last_m))
+        let measured = |sigma: &Self, distance_m: f64| {
+            let last_m = sigma.steps.last().map_or(0.0, |[last_m, _]| *last_m);
+            sigma.at(distance_m.min(last_m))
         };
         let at = |distance_m: f64| {
-            let sigmas = both.map(|one| measured(one, distance_m));
+            let sigmas = both.map(|sigma| measured(sigma, distance_m));
             [distance_m, sigmas[0].max(sigmas[1])]
         };
         Self { steps: distances_m.into_iter().map(at).collect() }

@@ -41,7 +41,7 @@ fn a_cell_says_what_its_depth_rests_on() {
     assert_eq!(at(20.0, 0.61), CellSource::FirstReturn);
     assert_eq!(at(20.0, 5.0), CellSource::Interpolated);
     let known = map.depth_m.iter().map(|depth_m| !depth_m.is_nan());
-    assert!(known.eq(map.source.iter().map(|one| *one != CellSource::None)));
+    assert!(known.eq(map.source.iter().map(|source| *source != CellSource::None)));
     let [sounding, first_return, from_levels, interpolated] = map.source_shares();
     assert_eq!(from_levels, 0.0);
     assert!((sounding + first_return + interpolated - 1.0).abs() < 1e-12);
