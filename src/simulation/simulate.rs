@@ -317,8 +317,8 @@ impl<'a> SimulationRun<'a> {
                 }
             })
             .collect();
-        for (ping, one) in received.iter().enumerate() {
-            for (side, seen) in &one.seen {
+        for (ping, received_ping) in received.iter().enumerate() {
+            for (side, seen) in &received_ping.seen {
                 truth::note(&mut objects[seen.object].sightings, ping, *side, seen);
             }
         }

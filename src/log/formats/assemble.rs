@@ -125,8 +125,8 @@ fn join_sides(log: &mut Collected, known: Option<&Survey>) -> Vec<SidePing> {
     let is_composite = match known {
         Some(known) => {
             let counts = |kind| {
-                let of_kind = known.channels.iter().filter(move |one| one.kind == kind);
-                of_kind.map(|one| one.ping_count).sum::<usize>()
+                let of_kind = known.channels.iter().filter(move |channel| channel.kind == kind);
+                of_kind.map(|channel| channel.ping_count).sum::<usize>()
             };
             let halves = counts(ChannelKind::Port).max(counts(ChannelKind::Starboard));
             counts(ChannelKind::Composite) >= halves
@@ -286,7 +286,7 @@ fn warn_of_lost_fixes(
     report: &WarningReport,
 ) {
     let known = KnownTimes::of(track);
-    let soundings = known.unknown(soundings.iter().map(|one| one.time_s));
+    let soundings = known.unknown(soundings.iter().map(|sounding| sounding.time_s));
     let pings = known.unknown(side_scan.iter().map(|ping| ping.time_s));
     let parts = [(soundings, "soundings"), (pings, "side-scan pings")];
     let parts = parts.into_iter().filter_map(|(lost, of)| Some((lost?, of)));

@@ -190,7 +190,7 @@ impl Collected {
             return;
         }
         let ping = EchogramPing { time_s, span };
-        match self.echograms.iter_mut().find(|one| one.kind == kind) {
+        match self.echograms.iter_mut().find(|echogram| echogram.kind == kind) {
             Some(echogram) => Arc::make_mut(&mut echogram.pings).push(ping),
             None => self.echograms.push(Echogram { kind, pings: Arc::new(vec![ping]) }),
         }

@@ -72,7 +72,8 @@ impl<'a> LogToWrite<'a> {
     pub fn records(&self) -> Vec<Recorded<'a>> {
         let survey = self.survey;
         let soundings = survey.soundings.iter().enumerate();
-        let soundings = soundings.map(|(index, one)| Recorded::Sounding(index, one.time_s));
+        let soundings =
+            soundings.map(|(index, sounding)| Recorded::Sounding(index, sounding.time_s));
         let down = survey.echograms.iter().flat_map(|echogram| {
             let pings = echogram.pings.iter().enumerate();
             pings.map(|(index, ping)| Recorded::Down {
@@ -106,7 +107,7 @@ impl<'a> LogToWrite<'a> {
             nearest_in_time(sides, time_s, |ping| ping.time_s)
                 .and_then(|index| navigation.pings.get(index))
         } else {
-            nearest_in_time(&survey.soundings, time_s, |one| one.time_s)
+            nearest_in_time(&survey.soundings, time_s, |sounding| sounding.time_s)
                 .and_then(|index| navigation.soundings.get(index))
         }
     }
@@ -116,9 +117,9 @@ impl<'a> LogToWrite<'a> {
     pub fn depth_m(&self, time_s: f64) -> f32 {
         const LONGEST_APART_S: f64 = 2.0;
         let soundings = &self.survey.soundings;
-        let near =
-            nearest_in_time(soundings, time_s, |one| one.time_s).map(|index| soundings[index]);
-        let near = near.filter(|one| (one.time_s - time_s).abs() <= LONGEST_APART_S);
-        near.map_or(f32::NAN, |one| one.depth_m)
+        let near = nearest_in_time(soundings, time_s, |sounding| sounding.time_s)
+            .map(|index| soundings[index]);
+        let near = near.filter(|sounding| (sounding.time_s - time_s).abs() <= LONGEST_APART_S);
+        near.map_or(f32::NAN, |sounding| sounding.depth_m)
     }
 }

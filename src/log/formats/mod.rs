@@ -204,7 +204,7 @@ pub fn open_as_format(
 ) -> Option<Result<Survey, OpenError>> {
     let path = first_path(&files);
     let files = FileSource::held(files);
-    let is_of = |format: &&FormatEntry| format.endings.iter().any(|(one, _)| *one == ending);
+    let is_of = |format: &&FormatEntry| format.endings.iter().any(|(known, _)| *known == ending);
     let format = FORMATS.iter().find(is_of)?;
     let bytes = files.read(&path).ok()?;
     let read = format.reader.recognise(&files, &Opened { path, bytes })?;

@@ -321,7 +321,7 @@ impl FormatEntry {
 
     /// Returns the kinds of data that are read: `side-scan, positions`.
     pub fn carried(&self) -> String {
-        let names: Vec<&str> = self.carries.iter().map(|one| one.name()).collect();
+        let names: Vec<&str> = self.carries.iter().map(|kind| kind.name()).collect();
         names.join(", ")
     }
 
@@ -451,7 +451,7 @@ mod tests {
         assert!(
             ["sl2", "SL2", "dat", "DAT", "son", "XTF"]
                 .iter()
-                .all(|one| shown.iter().any(|shown| shown == one))
+                .all(|ending| shown.iter().any(|shown| shown == ending))
         );
     }
 }

@@ -105,8 +105,8 @@ mod tests {
             for (kept, added, changed, is_read) in steps {
                 let change = |all: &mut [u8]| {
                     let first = changed.min(all.len());
-                    for one in &mut all[first..] {
-                        *one += 10;
+                    for value in &mut all[first..] {
+                        *value += 10;
                     }
                     first
                 };

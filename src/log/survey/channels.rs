@@ -112,8 +112,8 @@ impl Survey {
             }
             let older = |pings: &[SidePing]| pings.partition_point(|ping| ping.time_s < from_s);
             let mut pings = pair.side_scan[..older(&pair.side_scan)].to_vec();
-            let same = tail.pairs.iter().find(|one| one.name == pair.name);
-            let added = same.map_or(&[][..], |one| &one.side_scan[..]);
+            let same = tail.pairs.iter().find(|tail_pair| tail_pair.name == pair.name);
+            let added = same.map_or(&[][..], |tail_pair| &tail_pair.side_scan[..]);
             pings.extend_from_slice(&added[older(added)..]);
             give_depths(&mut pings, &longer.soundings);
             SidePair { side_scan: Arc::new(pings), ..pair.clone() }
@@ -151,7 +151,7 @@ impl Survey {
     /// channel nearest in time; in a log without side-scan the pings are those of the channel.
     /// `None` where the log does not have the channel.
     pub fn looking_down(&self, kind: ChannelKind) -> Option<Self> {
-        let echogram = self.echograms.iter().find(|one| one.kind == kind)?;
+        let echogram = self.echograms.iter().find(|echogram| echogram.kind == kind)?;
         let recorded = &echogram.pings;
         let side_scan = if self.side_scan.is_empty() {
             recorded.iter().map(|ping| self.below(ping)).collect()
@@ -178,11 +178,12 @@ impl Survey {
         let soundings = &self.soundings;
         let nearest = nearest_in_time(soundings, ping.time_s, |other| other.time_s);
         let nearest = nearest.map(|index| soundings[index]);
-        let nearest = nearest.filter(|one| (one.time_s - ping.time_s).abs() <= LONGEST_APART_S);
+        let nearest =
+            nearest.filter(|sounding| (sounding.time_s - ping.time_s).abs() <= LONGEST_APART_S);
         SidePing {
             time_s: ping.time_s,
-            depth_m: nearest.map_or(f32::NAN, |one| one.depth_m),
-            depth_fault: nearest.and_then(|one| one.fault),
+            depth_m: nearest.map_or(f32::NAN, |sounding| sounding.depth_m),
+            depth_fault: nearest.and_then(|sounding| sounding.fault),
             port: None,
             starboard: Some(ping.span),
         }

@@ -140,7 +140,7 @@ impl ExclusionSettings {
         let spans = self.trusted_spans_s(survey);
         let inside =
             |time_s: f64| spans.iter().any(|[from_s, to_s]| (*from_s..=*to_s).contains(&time_s));
-        let is_false = |one: &Sounding| !one.is_good() && inside(one.time_s);
+        let is_false = |sounding: &Sounding| !sounding.is_good() && inside(sounding.time_s);
         if spans.is_empty() || !survey.soundings.iter().any(is_false) {
             return None;
         }
@@ -168,7 +168,7 @@ impl ExclusionSettings {
         let ping_times: Vec<f64> = survey.side_scan.iter().map(|ping| ping.time_s).collect();
         let spans = self.stretches_of(survey);
         let spans = spans.iter().filter(|stretch| stretch.trusted);
-        spans.filter_map(|one| one.span_s(&ping_times)).collect()
+        spans.filter_map(|stretch| stretch.span_s(&ping_times)).collect()
     }
 
     /// Returns true if nothing can be excluded.
@@ -223,7 +223,8 @@ impl Exclusions {
             return Self::default();
         }
         let ping_times: Vec<f64> = survey.side_scan.iter().map(|ping| ping.time_s).collect();
-        let sounding_times: Vec<f64> = survey.soundings.iter().map(|one| one.time_s).collect();
+        let sounding_times: Vec<f64> =
+            survey.soundings.iter().map(|sounding| sounding.time_s).collect();
         // Turns and stops are found at the pings, or at the soundings where the log has no pings.
         let (times_s, places) = if !ping_times.is_empty() {
             (&ping_times, &navigation.pings)
@@ -485,12 +486,13 @@ mod tests {
         ];
         assert_eq!(settings.check(), Ok(()));
         let out = Exclusions::new(&survey, &navigation, &settings);
-        let reasons: Vec<ExclusionReason> = out.stretches.iter().map(|one| one.reason).collect();
+        let reasons: Vec<ExclusionReason> =
+            out.stretches.iter().map(|stretch| stretch.reason).collect();
         use ExclusionReason::{Bad, Drawn, Stop, Turn};
         assert_eq!(reasons, [Drawn, Turn, Bad, Turn, Stop]);
         assert_eq!(out.stretches[0].pings, Some([50, 59]));
         assert_eq!(out.stretches[2].pings, Some([250, 299]));
-        let counted = out.stretches.iter().filter_map(|one| one.pings);
+        let counted = out.stretches.iter().filter_map(|stretch| stretch.pings);
         let counted: usize = counted.map(|[first, last]| last + 1 - first).sum();
         assert_eq!(out.ping_count(), counted);
         settings.log = Some(Identity {

@@ -159,15 +159,15 @@ impl Survey {
         let new = &tail.track.fixes[added..];
         let fixes = versions.fixes.next(&self.track.fixes, kept, new);
         let mut from_s = seam.time_s;
-        let [kept, added] = join.of(&self.soundings, &tail.soundings, |one| one.time_s);
+        let [kept, added] = join.of(&self.soundings, &tail.soundings, |sounding| sounding.time_s);
         let new = &tail.soundings[added..];
         let has_side_scan = !(self.side_scan.is_empty() && tail.side_scan.is_empty());
         let soundings = (versions.soundings).next_changed(&self.soundings, kept, new, |all| {
             let marked = mark_faults_from(all, &fixes, has_side_scan, kept);
-            from_s = all.get(marked).map_or(from_s, |one| from_s.min(one.time_s));
+            from_s = all.get(marked).map_or(from_s, |sounding| from_s.min(sounding.time_s));
             marked
         });
-        let [kept, added] = join.of(&self.side_scan, &tail.side_scan, |one| one.time_s);
+        let [kept, added] = join.of(&self.side_scan, &tail.side_scan, |ping| ping.time_s);
         let new = &tail.side_scan[added..];
         let side_scan = (versions.side_scan).next_changed(&self.side_scan, kept, new, |all| {
             let from = all.partition_point(|ping| ping.time_s < from_s - NEAREST_SOUNDING_S);
@@ -182,8 +182,8 @@ impl Survey {
             Some((file, offset)) => seam.from.get(*file).is_none_or(|from| offset < from),
             None => true,
         };
-        let warnings = self.warnings.iter().filter(|one| before(&one.place));
-        let added = tail.warnings.iter().filter(|one| one.place.is_some());
+        let warnings = self.warnings.iter().filter(|warning| before(&warning.place));
+        let added = tail.warnings.iter().filter(|warning| warning.place.is_some());
         let mut longer = Survey {
             source: tail.source.clone(),
             channels: joined_channels(&self.channels, &tail.channels, later_s),
@@ -279,7 +279,8 @@ impl Survey {
         let swath = tail.swath.iter().map(RecordPlace::of_swath).map(Some);
         let all: Vec<RecordPlace> = sides.chain(down).chain(swath).flatten().collect();
         let shift_s = self.lasts_before(seam.time_s).find_map(|known| {
-            let is_it = |one: &&RecordPlace| (one.file, one.offset) == (known.file, known.offset);
+            let is_it =
+                |place: &&RecordPlace| (place.file, place.offset) == (known.file, known.offset);
             let same = all.iter().find(is_it);
             same.map(|same| known.time_s - same.time_s)
         });
@@ -301,7 +302,9 @@ impl Survey {
             let pings = Arc::make_mut(&mut echogram.pings);
             pings.iter_mut().for_each(|ping| later(&mut ping.time_s));
         }
-        Arc::make_mut(&mut self.soundings).iter_mut().for_each(|one| later(&mut one.time_s));
+        Arc::make_mut(&mut self.soundings)
+            .iter_mut()
+            .for_each(|sounding| later(&mut sounding.time_s));
         Arc::make_mut(&mut self.swath).iter_mut().for_each(|ping| later(&mut ping.time_s));
         Arc::make_mut(&mut self.track.fixes).iter_mut().for_each(|fix| later(&mut fix.time_s));
     }
@@ -348,7 +351,7 @@ impl Survey {
     pub fn stretch_start(&self, first: usize) -> StretchStart {
         let from_s = self.stretch_from_s(first);
         StretchStart {
-            sounding: self.soundings.partition_point(|one| one.time_s < from_s),
+            sounding: self.soundings.partition_point(|sounding| sounding.time_s < from_s),
             swath: self.swath.partition_point(|ping| ping.time_s < from_s),
         }
     }
@@ -370,7 +373,7 @@ impl Join {
     /// Returns the number of records of the log before the time, and the index of the first record
     /// of the tail that is not before it.
     fn of<T>(&self, log: &[T], tail: &[T], time_s: impl Fn(&T) -> f64) -> [usize; 2] {
-        [log, tail].map(|records| records.partition_point(|one| time_s(one) < self.0))
+        [log, tail].map(|records| records.partition_point(|record| time_s(record) < self.0))
     }
 }
 
@@ -400,8 +403,9 @@ fn joined_echograms(
 fn joined_channels(log: &[Channel], tail: &[Channel], later_s: f64) -> Vec<Channel> {
     let mut channels = log.to_vec();
     for added in tail.iter().filter(|channel| channel.ping_count > 0) {
-        let is_it =
-            |one: &&mut Channel| one.kind == added.kind && one.recorder_name == added.recorder_name;
+        let is_it = |channel: &&mut Channel| {
+            channel.kind == added.kind && channel.recorder_name == added.recorder_name
+        };
         let time_span_s = added.time_span_s.map(|(from, to)| (from + later_s, to + later_s));
         let Some(known) = channels.iter_mut().find(is_it) else {
             channels.push(Channel { time_span_s, ..added.clone() });

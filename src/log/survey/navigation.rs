@@ -265,8 +265,8 @@ pub fn navigate_with(
     if let Some(arm_m) = mounting.lever_arm_m() {
         antenna = pings.iter().map(PingNav::place).collect();
         navigator.move_by(arm_m, &mut pings, &survey.side_scan, |ping| ping.time_s);
-        navigator.move_by(arm_m, &mut soundings, &survey.soundings, |one| one.time_s);
-        navigator.move_by(arm_m, &mut swath, &survey.swath, |one| one.time_s);
+        navigator.move_by(arm_m, &mut soundings, &survey.soundings, |sounding| sounding.time_s);
+        navigator.move_by(arm_m, &mut swath, &survey.swath, |ping| ping.time_s);
     }
     Ok(Navigation {
         rounding_m: navigator.fitted.rounding_m(settings.source != HeadingSource::Steps),

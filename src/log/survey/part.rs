@@ -11,7 +11,7 @@ impl Survey {
         if !self.side_scan.is_empty() {
             self.side_scan.iter().map(|ping| ping.time_s).collect()
         } else {
-            self.soundings.iter().map(|one| one.time_s).collect()
+            self.soundings.iter().map(|sounding| sounding.time_s).collect()
         }
     }
 
@@ -41,7 +41,7 @@ impl Survey {
             fixes.push(start..count(&|time_s| time_s < span.end).max(start));
         }
         let chosen_soundings = if by_sides {
-            indices(&self.soundings, &spans, |one| one.time_s)
+            indices(&self.soundings, &spans, |sounding| sounding.time_s)
         } else {
             records.to_vec()
         };
@@ -147,7 +147,7 @@ mod tests {
         assert_eq!(times, [2.0, 3.0, 8.0, 9.0]);
         let norths: Vec<f64> = places.pings.iter().map(|place| place.north_m).collect();
         assert_eq!(norths, times);
-        let soundings: Vec<f64> = part.soundings.iter().map(|one| one.time_s).collect();
+        let soundings: Vec<f64> = part.soundings.iter().map(|sounding| sounding.time_s).collect();
         assert_eq!(soundings, [2.5, 3.5, 8.5, 9.5]);
         assert_eq!(part.echograms[0].pings.len(), 4);
         let fixes: Vec<f64> = part.track.fixes.iter().map(|fix| fix.time_s).collect();
@@ -164,7 +164,7 @@ mod tests {
     fn a_log_without_side_scan_is_cut_by_its_soundings() {
         let (survey, navigation) = log(false);
         let (part, places) = survey.part(&navigation, std::slice::from_ref(&(3..5)));
-        let soundings: Vec<f64> = part.soundings.iter().map(|one| one.time_s).collect();
+        let soundings: Vec<f64> = part.soundings.iter().map(|sounding| sounding.time_s).collect();
         assert_eq!(soundings, [3.5, 4.5]);
         assert_eq!(places.soundings.len(), 2);
         assert!(part.side_scan.is_empty() && places.pings.is_empty());

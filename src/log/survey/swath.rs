@@ -116,7 +116,7 @@ mod tests {
         let mut survey = Survey { bytes: vec![Bytes::Held(Arc::new(bytes))], ..Survey::default() };
         let read = |survey: &Survey| -> Vec<(usize, Side, f64)> {
             let all = survey.swath_soundings(&ping);
-            all.map(|one| (one.number, one.side, one.out_m)).collect()
+            all.map(|sounding| (sounding.number, sounding.side, sounding.out_m)).collect()
         };
         // The second pair has a NaN, the last is unreliable.
         let [near_m, far_m] = [10.0, 30.0].map(|feet| feet * METRES_PER_FOOT);

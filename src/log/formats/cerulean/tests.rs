@@ -183,8 +183,8 @@ fn damage_costs_the_packet_that_it_touched() {
         assert_eq!(survey.side_scan.len(), 40);
         let halves = survey.side_scan.iter().filter(|ping| ping.starboard.is_some());
         assert_eq!(halves.count(), 39);
-        let warning = survey.warnings.iter().find(|one| one.place.is_some());
-        let (_, offset) = warning.and_then(|one| one.place).expect("a place");
+        let warning = survey.warnings.iter().find(|warning| warning.place.is_some());
+        let (_, offset) = warning.and_then(|warning| warning.place).expect("a place");
         assert_eq!(offset, starboard as u64);
     }
 }

@@ -84,7 +84,7 @@ impl Pairs {
         let Some(shown) = shown.or_else(|| choose(&self.subsystems)) else {
             return;
         };
-        let others = self.subsystems.keys().copied().filter(|one| *one != shown);
+        let others = self.subsystems.keys().copied().filter(|number| *number != shown);
         for subsystem in std::iter::once(shown).chain(others) {
             let halves = self.halves.iter().copied();
             let halves: Vec<Half> = halves.filter(|half| half.subsystem == subsystem).collect();
@@ -127,9 +127,9 @@ pub(super) fn name(subsystem: u8) -> String {
 
 /// Returns the subsystem of the highest frequency among those that have nearly the most pings.
 fn choose(subsystems: &BTreeMap<u8, Subsystem>) -> Option<u8> {
-    let most = subsystems.values().map(|one| one.pings).max()?;
-    let enough = |one: &Subsystem| one.pings as f64 >= ENOUGH_PINGS * most as f64;
-    let candidates = subsystems.iter().filter(|(_, one)| enough(one));
+    let most = subsystems.values().map(|subsystem| subsystem.pings).max()?;
+    let enough = |subsystem: &Subsystem| subsystem.pings as f64 >= ENOUGH_PINGS * most as f64;
+    let candidates = subsystems.iter().filter(|(_, subsystem)| enough(subsystem));
     let (chosen, _) =
         candidates.max_by(|(_, a), (_, b)| a.frequency_khz.total_cmp(&b.frequency_khz))?;
     Some(*chosen)
@@ -212,11 +212,11 @@ mod tests {
     use super::*;
 
     fn of(subsystems: &[(u8, usize, f32)]) -> Option<u8> {
-        let one = |&(number, pings, frequency_khz): &(u8, usize, f32)| {
+        let entry = |&(number, pings, frequency_khz): &(u8, usize, f32)| {
             let subsystem = Subsystem { pings, frequency_khz };
             (number, subsystem)
         };
-        choose(&subsystems.iter().map(one).collect())
+        choose(&subsystems.iter().map(entry).collect())
     }
 
     #[test]

@@ -97,7 +97,7 @@ fn one_pair_of_several_subsystems_is_shown_and_the_others_are_named() {
         &survey,
         "high frequency (subsystem 21) is shown; set source.frequency_khz to show"
     ));
-    let khz: Vec<_> = survey.channels.iter().map(|one| one.frequency_khz).collect();
+    let khz: Vec<_> = survey.channels.iter().map(|channel| channel.frequency_khz).collect();
     assert_eq!(khz.iter().filter(|khz| **khz == Some(410.0)).count(), 2);
     assert_eq!(survey.channels.len(), 4);
     // The two frequencies ping together: depths and fixes are not duplicated.
@@ -177,8 +177,8 @@ fn damage_costs_the_message_that_it_touched() {
         assert_eq!(survey.side_scan.len(), 40);
         let halves = survey.side_scan.iter().filter(|ping| ping.starboard.is_some());
         assert_eq!(halves.count(), 39);
-        let warning = survey.warnings.iter().find(|one| one.place.is_some());
-        let (_, offset) = warning.and_then(|one| one.place).expect("a place");
+        let warning = survey.warnings.iter().find(|warning| warning.place.is_some());
+        let (_, offset) = warning.and_then(|warning| warning.place).expect("a place");
         assert_eq!(offset, starboard as u64);
     }
 }

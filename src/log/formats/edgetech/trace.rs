@@ -328,7 +328,7 @@ fn frequency_khz(ends: [u32; 2], mixer_hz: f32) -> Option<f32> {
     let ends_khz = ends.map(|ten_hz| ten_hz as f32 / 100.0);
     let khz = match ends_khz {
         [0.0, 0.0] => mixer_hz / 1000.0,
-        [0.0, one] | [one, 0.0] => one,
+        [0.0, end] | [end, 0.0] => end,
         [from, to] => (from + to) / 2.0,
     };
     (1.0..10_000.0).contains(&khz).then_some(khz)

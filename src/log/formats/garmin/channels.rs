@@ -133,7 +133,7 @@ impl SeenChannel {
     fn overlaps(&self, other: &SeenChannel) -> bool {
         let from_s = self.span_s.0.max(other.span_s.0);
         let until_s = self.span_s.1.min(other.span_s.1);
-        let length_s = |one: &SeenChannel| one.span_s.1 - one.span_s.0;
+        let length_s = |channel: &SeenChannel| channel.span_s.1 - channel.span_s.0;
         let shorter_s = length_s(self).min(length_s(other));
         until_s - from_s > SLACK_S.min(shorter_s / 2.0)
     }
@@ -150,7 +150,7 @@ pub(super) fn kinds(
     let known_kind = |channel: &SeenChannel| {
         let name = SeenChannel::name(channel.number);
         let mut listed = known?.channels.iter();
-        let found = listed.find(|one| one.recorder_name == name)?;
+        let found = listed.find(|channel| channel.recorder_name == name)?;
         Some((channel.number, found.kind))
     };
     let mut kinds: BTreeMap<u16, ChannelKind> = seen.iter().filter_map(known_kind).collect();
@@ -216,8 +216,8 @@ fn guess(
 ) -> Role {
     let khz = header.frequency_khz(channel.number);
     let is_scan = khz.is_some_and(|khz| khz >= LOWEST_SCAN_KHZ);
-    let alike = || unstated.iter().filter(|one| header.frequency_khz(one.number) == khz);
-    let lower = alike().filter(|one| one.number < channel.number).count();
+    let alike = || unstated.iter().filter(|other| header.frequency_khz(other.number) == khz);
+    let lower = alike().filter(|other| other.number < channel.number).count();
     let role = match (is_scan, alike().count(), lower) {
         (true, 2, 0) => Role::Port,
         (true, 2, _) => Role::Starboard,

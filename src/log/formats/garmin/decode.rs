@@ -129,7 +129,7 @@ impl<'a> Reader<'a> {
 
     fn keep(&mut self, log: &mut Collected, ping: Ping, time_s: f64) {
         let mut known = self.channels.iter();
-        let place = known.position(|one| one.number == ping.channel);
+        let place = known.position(|channel| channel.number == ping.channel);
         let place = place.unwrap_or(self.channels.len());
         if place == MOST_CHANNELS {
             let text = format!(
@@ -270,8 +270,8 @@ fn choose_levels(bytes: &[u8], log: &mut Collected, known: Option<&Survey>) {
     for echogram in &mut log.echograms {
         let kind = echogram.kind;
         let mut before = known.into_iter().flat_map(|known| &known.echograms);
-        let before = before.find(|one| one.kind == kind);
-        let mut before = before.into_iter().flat_map(|one| one.pings.iter().rev());
+        let before = before.find(|echogram| echogram.kind == kind);
+        let mut before = before.into_iter().flat_map(|echogram| echogram.pings.iter().rev());
         let chosen = before.find_map(|ping| shift(&ping.span));
         let pings = Arc::make_mut(&mut echogram.pings);
         show_alike(bytes, pings.iter_mut().map(|ping| &mut ping.span), chosen);

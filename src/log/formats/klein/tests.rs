@@ -125,7 +125,7 @@ fn damage_costs_the_page_that_it_touched() {
         spoil(&mut bytes, at);
         let survey = open(bytes).expect("a log");
         assert_eq!(survey.side_scan.len(), 39);
-        let warning = survey.warnings.iter().find_map(|one| one.place);
+        let warning = survey.warnings.iter().find_map(|warning| warning.place);
         assert_eq!(warning, Some((0, at as u64)));
     }
     let cut = open(whole[..whole.len() - 100].to_vec()).expect("a log");

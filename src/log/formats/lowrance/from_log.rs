@@ -188,7 +188,7 @@ impl Frames<'_> {
         let or_fitted = |recorded: Option<f32>, fitted: Option<f64>| {
             let known = [recorded.map(f64::from), fitted];
             let mut known = known.into_iter().flatten();
-            known.find(|one| one.is_finite()).unwrap_or_default()
+            known.find(|value| value.is_finite()).unwrap_or_default()
         };
         let course_rad =
             or_fitted(fix.map(|fix| fix.cog_rad), place.map(|place| place.heading_rad));

@@ -356,7 +356,7 @@ mod tests {
         }
         // Units write two additional bytes at the end.
         let padded = read([slg(30), vec![0; 2]].concat()).expect("a log");
-        assert!(!padded.warnings.iter().any(|one| one.place.is_some()));
+        assert!(!padded.warnings.iter().any(|warning| warning.place.is_some()));
     }
 
     #[test]
@@ -374,7 +374,7 @@ mod tests {
             let survey = read(bytes).expect("a log");
             assert_eq!(survey.soundings.len(), kept);
             let placed: Vec<u64> =
-                survey.warnings.iter().filter_map(|one| Some(one.place?.1)).collect();
+                survey.warnings.iter().filter_map(|warning| Some(warning.place?.1)).collect();
             assert_eq!(placed.len(), 1, "{:?}", survey.warnings);
         }
         let broken = read(whole[..HEADER].to_vec());
@@ -392,7 +392,7 @@ mod tests {
             let held = Bytes::Held(Arc::new(whole[..length].to_vec()));
             let files = vec![(PathBuf::from("pond.slg"), held)];
             if let Ok(survey) = open_growing(files, &Progress::new()) {
-                assert!(!survey.warnings.iter().any(|one| one.place.is_some()), "{length}");
+                assert!(!survey.warnings.iter().any(|warning| warning.place.is_some()), "{length}");
                 assert_eq!(survey.soundings.len(), (length - HEADER) / SIZE);
             }
         }
@@ -407,7 +407,10 @@ mod tests {
             if let Ok(survey) = read(bytes) {
                 assert!(survey.soundings.len() <= 10 && survey.track.fixes.len() <= 10);
                 assert!(
-                    survey.soundings.iter().all(|one| one.depth_m > 0.0 && one.time_s.is_finite())
+                    survey
+                        .soundings
+                        .iter()
+                        .all(|sounding| sounding.depth_m > 0.0 && sounding.time_s.is_finite())
                 );
             }
         }

@@ -202,7 +202,7 @@ mod tests {
         let text = b"12:00:00 $GPGLL,1\r\n!AIVDM,1\n\n$GPGLL,2$GPGLL,3\n$";
         let found: Vec<Found<'_>> = Lines::new(text, false).collect();
         let starts: Vec<(usize, Option<f64>)> =
-            found.iter().map(|one| (one.at, one.stamp_s())).collect();
+            found.iter().map(|sentence| (sentence.at, sentence.stamp_s())).collect();
         assert_eq!(starts, [(9, Some(43_200.0)), (29, None), (37, None), (46, None)]);
         assert_eq!(found[1].end, 45);
         assert_eq!(Lines::new(text, true).count(), 3);

@@ -141,7 +141,8 @@ impl<'a> Framed<'a> {
     /// Decodes GGA and GNS; quality 0, and mode N of all systems, mean "no fix".
     fn fix(&self) -> Sentence {
         let quality = self.text(6);
-        let has_fix = quality.is_empty() || !quality.bytes().all(|one| matches!(one, b'0' | b'N'));
+        let has_fix =
+            quality.is_empty() || !quality.bytes().all(|byte| matches!(byte, b'0' | b'N'));
         Sentence { utc_s: self.utc_s(1), position: self.place(2).filter(|_| has_fix), ..EMPTY }
     }
 

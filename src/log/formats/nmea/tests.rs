@@ -103,7 +103,12 @@ fn a_log_of_two_days_keeps_the_pause_and_a_restart_goes_on() {
     let last_s = survey.track.fixes.last().expect("a fix").time_s;
     assert!((last_s - 2.0 * 86_400.0 - 19.0).abs() < 1e-6, "{last_s}");
     // Depths that were written before the pause have times before it.
-    assert!(survey.soundings.iter().all(|one| one.time_s < 25.0 || one.time_s > 172_790.0));
+    assert!(
+        survey
+            .soundings
+            .iter()
+            .all(|sounding| sounding.time_s < 25.0 || sounding.time_s > 172_790.0)
+    );
     let survey = open([first.clone(), first].concat()).expect("a log");
     assert!(says(&survey, "the recorder's clock was set back by 19.0 s"));
     assert_eq!(survey.soundings.len(), 80);
@@ -147,7 +152,7 @@ fn of_several_talkers_one_is_taken_and_the_others_are_named() {
         }
     }
     let survey = open(text.into_bytes()).expect("a log");
-    assert!(survey.soundings.iter().all(|one| one.depth_m == 5.0));
+    assert!(survey.soundings.iter().all(|sounding| sounding.depth_m == 5.0));
     assert_eq!(survey.track.fixes.len(), 10);
     assert!(says(&survey, "10 of IIDBT"));
     assert!(says(&survey, "5 of IIRMC"));
@@ -171,7 +176,7 @@ fn damage_costs_the_sentence_that_it_touched_and_is_said_with_its_place() {
         spoil(&mut bytes, at);
         let survey = open(bytes).expect("a log");
         assert_eq!(survey.soundings.len(), 39);
-        let placed: Vec<_> = survey.warnings.iter().filter_map(|one| one.place).collect();
+        let placed: Vec<_> = survey.warnings.iter().filter_map(|warning| warning.place).collect();
         assert_eq!(placed, [(0, at as u64)]);
     }
     // Old instruments write no checksums.
@@ -192,7 +197,7 @@ fn a_damaged_time_costs_its_position_only() {
     let survey = open(text.into_bytes()).expect("a log");
     assert_eq!((survey.track.fixes.len(), survey.soundings.len()), (9, 10));
     assert!(says(&survey, "fits neither neighbour"));
-    assert!(survey.soundings.iter().all(|one| (0.0..11.0).contains(&one.time_s)));
+    assert!(survey.soundings.iter().all(|sounding| (0.0..11.0).contains(&sounding.time_s)));
 }
 
 #[test]
@@ -225,10 +230,10 @@ fn a_log_without_depths_is_no_survey_and_other_texts_are_no_log() {
 fn assert_bounded(bytes: Vec<u8>, most: usize) {
     if let Ok(survey) = open(bytes) {
         assert!(survey.soundings.len() <= most && survey.track.fixes.len() <= most);
-        let times = survey.soundings.iter().map(|one| one.time_s);
+        let times = survey.soundings.iter().map(|sounding| sounding.time_s);
         let times = times.chain(survey.track.fixes.iter().map(|fix| fix.time_s));
         assert!(times.into_iter().all(f64::is_finite));
-        assert!(survey.soundings.iter().all(|one| one.depth_m > 0.0));
+        assert!(survey.soundings.iter().all(|sounding| sounding.depth_m > 0.0));
     }
 }
 
@@ -294,7 +299,7 @@ fn a_growing_log_is_read_to_its_last_whole_line() {
         let held = Bytes::Held(Arc::new(bytes[..length].to_vec()));
         let files = vec![(PathBuf::from("pond.nmea"), held)];
         let survey = open_growing(files, &Progress::new()).expect("a log");
-        assert!(!survey.warnings.iter().any(|one| one.place.is_some()), "{length}");
+        assert!(!survey.warnings.iter().any(|warning| warning.place.is_some()), "{length}");
         // A longer log is read again as a whole: it has no pings at which a tail could begin.
         assert!(survey.seam().is_none());
     }

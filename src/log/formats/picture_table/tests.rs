@@ -99,7 +99,7 @@ fn samples_places_ranges_and_depths_are_those_of_the_picture_and_the_table() {
     assert_eq!((last.position.lon_deg, last.position.lat_deg), (11.7, 48.3));
     assert!((last.compass_rad.to_degrees() - 180.0).abs() < 1e-4);
     let channels = survey.channels.iter();
-    let counts: Vec<_> = channels.map(|one| (one.kind, one.ping_count)).collect();
+    let counts: Vec<_> = channels.map(|channel| (channel.kind, channel.ping_count)).collect();
     let expected = [(ChannelKind::Primary, 3), (ChannelKind::Composite, 3)];
     assert_eq!(counts, expected);
     assert_eq!(survey.side_scan_state, SideScanState::Usable);

@@ -57,7 +57,7 @@ fn columns_are_found_by_their_names_whatever_separates_them() {
 fn feet_headings_and_depths_below_zero_are_read() {
     let survey =
         read("time_s,lon,lat,depth_ft,heading_deg\n0,11.5,48.1,-10,90\n1,11.5,48.1,-20,180\n");
-    let depths: Vec<f32> = survey.soundings.iter().map(|one| one.depth_m).collect();
+    let depths: Vec<f32> = survey.soundings.iter().map(|sounding| sounding.depth_m).collect();
     assert_eq!(depths, [3.048, 6.096]);
     assert!(says(&survey, "negative in most rows"));
     assert_eq!(survey.start_unix_s, None);
@@ -106,10 +106,11 @@ fn metres_wait_for_their_system() {
 fn damage_costs_its_row_and_is_said_with_its_place() {
     let text = "time_s,lon,lat,depth_m\n0,11.5,48.1,2.5\n1,x,y,z\n2,11.5,48.1,nan\n3,,,4\nnoon,11.5,48.1,5\n900000,11.5,48.1,6\n4,11.5,48.1,0\n5,11.5,191,7\n";
     let survey = read(text);
-    let depths: Vec<f32> = survey.soundings.iter().map(|one| one.depth_m).collect();
+    let depths: Vec<f32> = survey.soundings.iter().map(|sounding| sounding.depth_m).collect();
     assert_eq!(depths, [2.5, 4.0, 7.0]);
     assert_eq!(survey.track.fixes.len(), 3);
-    let places: Vec<u64> = survey.warnings.iter().filter_map(|one| Some(one.place?.1)).collect();
+    let places: Vec<u64> =
+        survey.warnings.iter().filter_map(|warning| Some(warning.place?.1)).collect();
     let at = |row: &str| text.find(row).expect("a row") as u64;
     assert_eq!(places, [at("1,x"), at("noon"), at("900000")]);
 }
@@ -155,7 +156,12 @@ fn assert_bounded(bytes: Vec<u8>) {
         assert!(survey.soundings.len() <= 8 && survey.track.fixes.len() <= 8);
         let fixes = survey.track.fixes.iter();
         assert!(fixes.clone().all(|fix| fix.time_s.is_finite() && fix.position.is_on_earth()));
-        assert!(survey.soundings.iter().all(|one| one.time_s.is_finite() && one.depth_m > 0.0));
+        assert!(
+            survey
+                .soundings
+                .iter()
+                .all(|sounding| sounding.time_s.is_finite() && sounding.depth_m > 0.0)
+        );
     }
 }
 
@@ -197,7 +203,10 @@ fn a_growing_table_is_read_to_its_last_whole_row() {
         let held = Bytes::Held(Arc::new(text.as_bytes()[..length].to_vec()));
         let survey = open_growing(vec![(PathBuf::from("pond.csv"), held)], &Progress::new());
         let survey = survey.expect("a table");
-        assert!(survey.soundings.iter().all(|one| one.depth_m.fract() == 0.25), "{length}");
-        assert!(!survey.warnings.iter().any(|one| one.place.is_some()));
+        assert!(
+            survey.soundings.iter().all(|sounding| sounding.depth_m.fract() == 0.25),
+            "{length}"
+        );
+        assert!(!survey.warnings.iter().any(|warning| warning.place.is_some()));
     }
 }

@@ -124,9 +124,9 @@ impl<'a> XtfWriter<'a> {
     fn new(log: &'a LogToWrite<'a>) -> Self {
         let survey = log.survey;
         let spans = survey.side_scan.iter().flat_map(|ping| [ping.port, ping.starboard]);
-        let depths_m = survey.soundings.iter().filter_map(|one| {
-            let ping = nearest_in_time(&survey.side_scan, one.time_s, |ping| ping.time_s)?;
-            Some((ping, one.depth_m))
+        let depths_m = survey.soundings.iter().filter_map(|sounding| {
+            let ping = nearest_in_time(&survey.side_scan, sounding.time_s, |ping| ping.time_s)?;
+            Some((ping, sounding.depth_m))
         });
         let is_wide = spans.flatten().any(|span| span.encoding != Encoding::U8);
         Self {
@@ -191,7 +191,7 @@ impl<'a> XtfWriter<'a> {
     fn frequency_khz(&self, side: Side) -> Option<f32> {
         let channels = self.log.survey.channels.iter();
         let mut shown =
-            channels.filter(|one| [kind(side), ChannelKind::Composite].contains(&one.kind));
+            channels.filter(|channel| [kind(side), ChannelKind::Composite].contains(&channel.kind));
         shown.find_map(|channel| channel.frequency_khz)
     }
 
@@ -229,8 +229,8 @@ impl<'a> XtfWriter<'a> {
         let [x, y] = fix.map_or([0.0; 2], |fix| self.position(fix));
         let fitted = self.log.place(time_s);
         let known = |recorded: Option<f32>, fitted: Option<f64>| {
-            let mut known = [recorded, fitted.map(|one| one as f32)].into_iter().flatten();
-            known.find(|one| one.is_finite()).unwrap_or_default()
+            let mut known = [recorded, fitted.map(|value| value as f32)].into_iter().flatten();
+            known.find(|value| value.is_finite()).unwrap_or_default()
         };
         let speed_kn = known(fix.map(|fix| fix.speed_mps), fitted.map(|place| place.speed_mps))
             / MPS_PER_KNOT as f32;

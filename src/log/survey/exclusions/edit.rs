@@ -33,8 +33,8 @@ impl LogPart {
             Self::Pings([first, last]) => navigation.pings.get(first..=last),
             Self::Time([from_s, to_s]) => {
                 let soundings = &survey.soundings;
-                let first = soundings.partition_point(|one| one.time_s < from_s);
-                let after = soundings.partition_point(|one| one.time_s <= to_s);
+                let first = soundings.partition_point(|sounding| sounding.time_s < from_s);
+                let after = soundings.partition_point(|sounding| sounding.time_s <= to_s);
                 navigation.soundings.get(first..after)
             }
         };
@@ -58,13 +58,16 @@ impl LogPart {
     /// time; `None` where the sounding nearest in time has no fault, or is too far away in time.
     pub fn of_false_soundings(survey: &Survey, time_s: f64) -> Option<Self> {
         let soundings = &survey.soundings;
-        let at = nearest_in_time(soundings, time_s, |one| one.time_s)?;
+        let at = nearest_in_time(soundings, time_s, |sounding| sounding.time_s)?;
         let is_near = (soundings[at].time_s - time_s).abs() <= NEAREST_SOUNDING_S;
         if soundings[at].is_good() || !is_near {
             return None;
         }
-        let first = soundings[..at].iter().rposition(|one| one.is_good()).map_or(0, |one| one + 1);
-        let after = soundings[at..].iter().position(|one| one.is_good());
+        let first = soundings[..at]
+            .iter()
+            .rposition(|sounding| sounding.is_good())
+            .map_or(0, |good| good + 1);
+        let after = soundings[at..].iter().position(|sounding| sounding.is_good());
         let last = after.map_or(soundings.len(), |after| at + after) - 1;
         Some(Self::Time([soundings[first].time_s, soundings[last].time_s]))
     }
@@ -84,7 +87,7 @@ impl ExclusionSettings {
                 None => others.push(stretch),
             }
         }
-        let rest = others.iter().flat_map(|one| without(one, whole, survey));
+        let rest = others.iter().flat_map(|stretch| without(stretch, whole, survey));
         let drawn = stretch(whole, Some(ExclusionReason::Drawn));
         self.with_stretches(survey, rest.chain([drawn]).collect())
     }
@@ -93,7 +96,7 @@ impl ExclusionSettings {
     /// stops are excluded there.
     pub fn reset(&self, survey: &Survey, part: LogPart) -> Self {
         let stretches = self.stretches_of(survey);
-        let rest = stretches.iter().flat_map(|one| without(one, part, survey));
+        let rest = stretches.iter().flat_map(|stretch| without(stretch, part, survey));
         self.with_stretches(survey, rest.collect())
     }
 
@@ -105,7 +108,7 @@ impl ExclusionSettings {
             LogPart::Pings([first, last]) => (first..=last).any(|ping| found.ping(ping).is_some()),
             LogPart::Time([from_s, to_s]) => {
                 let meets = |[first_s, last_s]: [f64; 2]| first_s <= to_s && from_s <= last_s;
-                found.stretches.iter().any(|one| meets(one.time_s))
+                found.stretches.iter().any(|stretch| meets(stretch.time_s))
             }
         };
         if is_out {
@@ -244,7 +247,7 @@ mod tests {
 
     fn named(settings: &ExclusionSettings) -> Vec<([usize; 2], Option<ExclusionReason>)> {
         let stretches = settings.stretches.iter();
-        stretches.filter_map(|one| Some((one.pings?, one.reason))).collect()
+        stretches.filter_map(|stretch| Some((stretch.pings?, stretch.reason))).collect()
     }
 
     #[test]
@@ -280,7 +283,9 @@ mod tests {
         assert_eq!(LogPart::of_false_soundings(&survey, 10.0), None);
         let soundings = std::sync::Arc::make_mut(&mut survey.soundings);
         let ends_s = [soundings[20].time_s, soundings[29].time_s];
-        soundings[20..30].iter_mut().for_each(|one| one.fault = Some(SoundingFault::LostBottom));
+        soundings[20..30]
+            .iter_mut()
+            .for_each(|sounding| sounding.fault = Some(SoundingFault::LostBottom));
         let pings = std::sync::Arc::make_mut(&mut survey.side_scan);
         for ping in pings.iter_mut() {
             let is_lost = (ends_s[0]..=ends_s[1]).contains(&ping.time_s);
@@ -295,7 +300,7 @@ mod tests {
         let text = toml::to_string(&settings).expect("settings are text");
         assert_eq!(toml::from_str::<ExclusionSettings>(&text), Ok(settings.clone()));
         let trusted = settings.trusted(&survey).expect("a change");
-        assert!(trusted.soundings.iter().all(|one| one.is_good()));
+        assert!(trusted.soundings.iter().all(|sounding| sounding.is_good()));
         assert!(trusted.side_scan.iter().all(|ping| ping.depth_fault.is_none()));
         assert_eq!(settings.reset(&survey, part.unwrap()), none);
     }

@@ -88,9 +88,9 @@ fn same_seed_gives_same_log_on_any_number_of_threads() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build();
         pool.expect("a thread pool").install(|| run(&scene, 5).sl2_bytes())
     };
-    let one = threads(1);
-    assert!(one == threads(3));
-    assert!(one != run(&scene, 6).sl2_bytes());
+    let bytes = threads(1);
+    assert!(bytes == threads(3));
+    assert!(bytes != run(&scene, 6).sl2_bytes());
 }
 
 #[test]

@@ -59,7 +59,7 @@ fn split(bytes: &[u8], places: usize) -> usize {
             continue;
         }
         assert!(
-            known.warnings.iter().all(|one| one.place.is_none()),
+            known.warnings.iter().all(|warning| warning.place.is_none()),
             "a record that is cut is no damage"
         );
         let Some(seam) = known.seam() else { continue };
@@ -99,7 +99,8 @@ fn the_levels_of_a_log_stay_when_louder_pings_come() {
     let tail = open_tail(&known, &seam, held(&bytes), &Progress::new()).expect("a tail");
     let grown = known.extended(tail, &seam, &mut SurveyVersions::default()).expect("a log");
     let sides = grown.side_scan.iter().flat_map(|ping| [ping.port, ping.starboard]).flatten();
-    let down = grown.echograms.iter().flat_map(|one| one.pings.iter().map(|ping| ping.span));
+    let down =
+        grown.echograms.iter().flat_map(|echogram| echogram.pings.iter().map(|ping| ping.span));
     let spans: Vec<_> = sides.chain(down).collect();
     assert_eq!(spans.len(), 4 * 300);
     assert!(spans.iter().all(|span| span.encoding == Encoding::U16 { shift: 0 }));

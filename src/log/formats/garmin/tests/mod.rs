@@ -99,7 +99,7 @@ fn all_channels_are_read_with_depths_ranges_positions_and_times() {
     ];
     let expected = expected.map(|(name, kind)| (name.to_owned(), kind, 40));
     assert_eq!(kinds(&survey), expected);
-    let khz: Vec<_> = survey.channels.iter().map(|one| one.frequency_khz).collect();
+    let khz: Vec<_> = survey.channels.iter().map(|channel| channel.frequency_khz).collect();
     assert_eq!(khz, [Some(195.0), Some(800.0), Some(455.0), Some(455.0)]);
     assert_eq!(survey.side_scan.len(), 40);
     let ping = &survey.side_scan[7];
@@ -115,7 +115,8 @@ fn all_channels_are_read_with_depths_ranges_positions_and_times() {
     let fix = survey.track.fixes.iter().find(|fix| fix.time_s == 1.2).expect("a fix");
     assert!((fix.position.lat_deg - 43.125_028).abs() < 1e-7);
     assert!((fix.position.lon_deg + 83.433_986).abs() < 1e-7);
-    let downward: Vec<_> = survey.echograms.iter().map(|one| (one.kind, one.pings.len())).collect();
+    let downward: Vec<_> =
+        survey.echograms.iter().map(|echogram| (echogram.kind, echogram.pings.len())).collect();
     assert_eq!(downward, [(ChannelKind::DownScan, 40), (ChannelKind::Primary, 40)]);
     let span = survey.echograms[1].pings[3].span;
     assert_eq!((span.near_m, span.far_m, span.count), (0.25, 15.0, 122));
@@ -171,7 +172,8 @@ fn a_channel_without_a_beam_is_known_by_its_tilt_or_its_band() {
     // used.
     let unnumbered = without(|ping| ping.channel = None);
     let named = ["beam 1", "beam 4", "beam 2", "beam 3"];
-    let names: Vec<_> = unnumbered.channels.iter().map(|one| one.recorder_name.as_str()).collect();
+    let names: Vec<_> =
+        unnumbered.channels.iter().map(|channel| channel.recorder_name.as_str()).collect();
     assert_eq!(names, named);
     assert_eq!(unnumbered.side_scan.len(), 20);
     // A file without the header's list of channels, frequencies and beams: the channels are
@@ -184,7 +186,8 @@ fn a_channel_without_a_beam_is_known_by_its_tilt_or_its_band() {
     plain.iter_mut().for_each(|ping| ping.beam = None);
     bytes.extend(plain.iter().flat_map(Ping::record));
     let survey = read(bytes);
-    let shown: Vec<_> = survey.echograms.iter().map(|one| (one.kind, one.pings.len())).collect();
+    let shown: Vec<_> =
+        survey.echograms.iter().map(|echogram| (echogram.kind, echogram.pings.len())).collect();
     assert_eq!(shown, [(ChannelKind::Secondary, 20), (ChannelKind::Primary, 20)]);
 }
 
@@ -265,7 +268,7 @@ fn damage_is_named_with_its_place_and_the_rest_is_read() {
     let start = whole.len() - records.iter().map(Vec::len).sum::<usize>();
     let at = |record: usize| start + records[..record].iter().map(Vec::len).sum::<usize>();
     let places = |survey: &Survey| -> Vec<_> {
-        survey.warnings.iter().filter_map(|one| one.place).collect()
+        survey.warnings.iter().filter_map(|warning| warning.place).collect()
     };
 
     let mut torn = whole.clone();

@@ -80,8 +80,8 @@ pub fn write_copc(file: File, header: Header, points: &PointData) -> io::Result<
     let first = out.stream_position()?;
     let hierarchy = record(HIERARCHY, "EPT Hierarchy", hierarchy(&header, &nodes, &table)?);
     let evlrs = std::iter::once(&hierarchy).chain(header.evlrs());
-    for one in evlrs {
-        let raw = one.clone().into_raw(true).map_err(io::Error::other)?;
+    for evlr in evlrs {
+        let raw = evlr.clone().into_raw(true).map_err(io::Error::other)?;
         raw.write_to(&mut out).map_err(io::Error::other)?;
     }
     // The data follow the header of the record.
@@ -132,8 +132,8 @@ fn write_header(out: &mut impl Write, header: &Header, evlrs: Option<u64>) -> io
         number_of_evlrs: header.evlrs().len() as u32 + 1,
     });
     raw.write_to(&mut *out).map_err(io::Error::other)?;
-    for one in header.vlrs() {
-        let raw = one.clone().into_raw(false).map_err(io::Error::other)?;
+    for vlr in header.vlrs() {
+        let raw = vlr.clone().into_raw(false).map_err(io::Error::other)?;
         raw.write_to(&mut *out).map_err(io::Error::other)?;
     }
     out.write_all(header.vlr_padding())

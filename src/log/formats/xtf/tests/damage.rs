@@ -62,7 +62,7 @@ fn a_growing_log_is_what_the_whole_one_is() {
                 let sides = pings.flat_map(|pings| pings.iter());
                 sides
                     .map(|ping| {
-                        (ping.time_s, ping.depth_m.to_bits(), ping.port.map(|one| one.offset))
+                        (ping.time_s, ping.depth_m.to_bits(), ping.port.map(|span| span.offset))
                     })
                     .collect()
             };

@@ -29,7 +29,7 @@ fn one_of_two_frequencies_is_shown_and_the_other_can_be_chosen() {
     assert!(says(&high, "400 kHz, 2 is shown; set source.frequency_khz to show 100 kHz, 0"));
     assert_eq!(survey.clone().with_frequency(120.0).side_scan, survey.side_scan);
     // A file with one pair has nothing to choose from.
-    let one = read(&Xtf::default());
-    assert!(one.pairs.is_empty() && !says(&one, "source.frequency_khz"));
-    assert_eq!(far_m(&one.with_frequency(400.0)), Some(25.0));
+    let single = read(&Xtf::default());
+    assert!(single.pairs.is_empty() && !says(&single, "source.frequency_khz"));
+    assert_eq!(far_m(&single.with_frequency(400.0)), Some(25.0));
 }

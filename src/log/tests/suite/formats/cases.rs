@@ -47,10 +47,16 @@ fn the_bottom_is_lost_in_the_same_stretch_at_one_and_at_five_soundings_a_second(
     let mut stretches = Vec::new();
     for file in ["bottom_lost_1hz.nmea", "bottom_lost_5hz.nmea"] {
         let Some(survey) = case(file) else { return };
-        let lost = || survey.soundings.iter().filter(|one| !one.is_good()).map(|one| one.time_s);
+        let lost = || {
+            survey
+                .soundings
+                .iter()
+                .filter(|sounding| !sounding.is_good())
+                .map(|sounding| sounding.time_s)
+        };
         stretches.push([lost().next().expect("lost"), lost().next_back().expect("lost")]);
-        let counted = survey.soundings.iter().filter(|one| one.is_good());
-        assert!(counted.clone().all(|one| (19.0..21.0).contains(&one.depth_m)), "{file}");
+        let counted = survey.soundings.iter().filter(|sounding| sounding.is_good());
+        assert!(counted.clone().all(|sounding| (19.0..21.0).contains(&sounding.depth_m)), "{file}");
         assert!(counted.count() > survey.soundings.len() / 2);
     }
     let [slow, fast] = stretches[..] else { panic!("two files") };
@@ -114,8 +120,8 @@ fn tables_of_other_programs_are_read() {
 
 #[test]
 fn the_heading_of_a_transducer_tells_its_side() {
-    let Some(one) = case("omniscan_starboard_only_channel0.svlog") else { return };
-    assert!(one.side_scan.iter().all(|ping| ping.port.is_none() && ping.starboard.is_some()));
+    let Some(single) = case("omniscan_starboard_only_channel0.svlog") else { return };
+    assert!(single.side_scan.iter().all(|ping| ping.port.is_none() && ping.starboard.is_some()));
     let Some(both) = case("omniscan_both_on_channel0.svlog") else { return };
     let sides = |side: Side| both.side_scan.iter().filter(|ping| ping.side(side).is_some()).count();
     assert_eq!((sides(Side::Port), sides(Side::Starboard)), (120, 120));

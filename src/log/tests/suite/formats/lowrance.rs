@@ -86,7 +86,8 @@ fn depth_comes_from_the_nearest_sounding_less_the_keel_offset() {
 /// Distance to starboard and depth of all depths of a swath ping, feet.
 fn swath_ft(survey: &Survey, ping: usize) -> Vec<[f64; 2]> {
     let soundings = survey.swath_soundings(&survey.swath[ping]);
-    let feet = soundings.map(|one| [one.side.to_starboard(one.out_m), one.depth_m]);
+    let feet =
+        soundings.map(|sounding| [sounding.side.to_starboard(sounding.out_m), sounding.depth_m]);
     feet.map(|pair| pair.map(|metres| (metres / 0.3048 * 1e3).round() / 1e3)).collect()
 }
 
@@ -148,8 +149,8 @@ fn damaged_depths_across_the_track_are_left_out_and_named() {
         (third, "not hold as many depths"),
     ] {
         let place = Some((0, starts[frame]));
-        let is_it = |one: &&Warning| one.place == place && one.text.contains(words);
-        assert!(survey.warnings.iter().any(|one| is_it(&one)), "{words}");
+        let is_it = |warning: &&Warning| warning.place == place && warning.text.contains(words);
+        assert!(survey.warnings.iter().any(|warning| is_it(&warning)), "{words}");
     }
     // Cut anywhere in its last frames: whole ones are kept.
     for end in (starts[first] as usize..bytes.len()).step_by(7) {

@@ -110,7 +110,7 @@ fn stray_bytes_and_noise() {
     let kinds = [ChannelKind::Primary, ChannelKind::DownScan, ChannelKind::Composite];
     assert_eq!(counts(&survey), kinds.into_iter().zip([1, 3, 3]).collect::<Vec<_>>());
     // Two bytes are no frame that was lost: there is nothing to be done about them.
-    assert!(survey.warnings.iter().all(|one| one.place.is_none()));
+    assert!(survey.warnings.iter().all(|warning| warning.place.is_none()));
     assert!(
         matches!(survey.side_scan_state, SideScanState::Noise { range_m } if (range_m - 1.524).abs() < 1e-3)
     );
@@ -185,7 +185,7 @@ fn what_looks_down_has_its_bottom_at_the_recorded_depth() {
         let Some(survey) = open(name) else { continue };
         for echogram in &survey.echograms {
             let down = survey.looking_down(echogram.kind).expect("a channel");
-            let counted = survey.channels.iter().find(|one| one.kind == echogram.kind);
+            let counted = survey.channels.iter().find(|channel| channel.kind == echogram.kind);
             let counted = counted.expect("a counted channel").ping_count;
             assert!(echogram.pings.len() <= counted);
             let pings: Vec<usize> = (0..down.side_scan.len()).collect();
