@@ -161,9 +161,9 @@ fn search(
     // their class.
     let name_score = settings.name_score.unwrap_or(model.name_score());
     let named = |mut found: Vec<Vec<Scored>>| {
-        for one in found.iter_mut().flatten() {
-            if one.score < name_score {
-                one.class = model.nameless();
+        for found_box in found.iter_mut().flatten() {
+            if found_box.score < name_score {
+                found_box.class = model.nameless();
             }
         }
         found
@@ -235,7 +235,7 @@ impl<'a> Gathered<'a> {
         (self.seen.iter())
             .map(|picture| {
                 let tiles = &picture[..rows * self.grid.counts[0]];
-                let seen = tiles.iter().flatten().filter(|one| is_whole(one));
+                let seen = tiles.iter().flatten().filter(|detection| is_whole(detection));
                 merge(seen.copied().collect(), nms, iou)
             })
             .collect()
@@ -323,7 +323,8 @@ mod tests {
     #[test]
     fn what_lies_beyond_the_picture_is_no_object() {
         let found = |x0, x1| Scored::new(0, 0.5, Rect::new([x0, 0.0], [x1, 10.0]));
-        let edges = |x0, x1| inside(found(x0, x1), [375.0, 416.0]).map(|one| one.rect.x1);
+        let edges =
+            |x0, x1| inside(found(x0, x1), [375.0, 416.0]).map(|found_box| found_box.rect.x1);
         assert_eq!(edges(300.0, 320.0), Some(320.0));
         assert_eq!(edges(360.0, 380.0), Some(375.0));
         assert_eq!(edges(370.0, 390.0), None);
@@ -342,7 +343,8 @@ mod tests {
             vec![TileDetection::new(found, tile, 500.0, 1000.0)]
         };
         let places: Vec<InPicture> = (0..12).map(|index| grid.of_picture(index, 2)).collect();
-        let order: Vec<[usize; 2]> = places.iter().map(|one| [one.picture, one.tile]).collect();
+        let order: Vec<[usize; 2]> =
+            places.iter().map(|place| [place.picture, place.tile]).collect();
         assert_eq!(order[..5], [[0, 0], [0, 1], [1, 0], [1, 1], [0, 2]]);
         let add = |gathered: &mut Gathered<'_>, index: usize, rows: [f32; 2]| {
             gathered.add(places[index], seen(places[index], rows))
@@ -356,7 +358,8 @@ mod tests {
         assert_eq!(add(&mut gathered, 2, [100.0, 120.0]), None);
         assert_eq!(add(&mut gathered, 3, [390.0, 416.0]), Some(2));
         let first = gathered.merged(1, Nms::PLAIN, 0.45);
-        let starts = |found: &[Scored]| found.iter().map(|one| one.rect.y0).collect::<Vec<_>>();
+        let starts =
+            |found: &[Scored]| found.iter().map(|found_box| found_box.rect.y0).collect::<Vec<_>>();
         // An object that the first row of tiles cuts off at its end is not reported yet; two rows
         // show it whole.
         assert_eq!([starts(&first[0]), starts(&first[1])], [[30.0], [100.0]]);

@@ -177,7 +177,7 @@ mod tests {
     fn merged(seen: Vec<TileDetection>) -> Vec<(f32, f32, f32)> {
         merge(seen, Nms::PLAIN, 0.45)
             .iter()
-            .map(|one| (one.score, one.rect.y0, one.rect.y1))
+            .map(|merged_box| (merged_box.score, merged_box.rect.y0, merged_box.rect.y1))
             .collect()
     }
 
@@ -211,7 +211,7 @@ mod tests {
     #[test]
     fn a_long_object_is_put_together_from_its_pieces() {
         let boxes = seen(0, [200.0, 900.0], [Some(0.5), Some(0.8), Some(0.7)]);
-        assert!(boxes.iter().all(|one| one.cut || one.found.rect.y1 == 900.0));
+        assert!(boxes.iter().all(|detection| detection.cut || detection.found.rect.y1 == 900.0));
         assert_eq!(merged(boxes), [(0.8, 200.0, 900.0)]);
     }
 

@@ -76,7 +76,7 @@ fn overlapped(boxes: &[Scored], how: Nms, threshold: f32) -> Vec<bool> {
     let start = |index: &usize| boxes[*index].rect.y0;
     let mut by_start: Vec<usize> = (0..boxes.len()).collect();
     by_start.sort_by(|a, b| start(a).total_cmp(&start(b)));
-    let heights = boxes.iter().map(|one| one.rect.y1 - one.rect.y0);
+    let heights = boxes.iter().map(|found_box| found_box.rect.y1 - found_box.rect.y0);
     let tallest = heights.fold(0.0, f32::max);
 
     let mut dropped = vec![false; boxes.len()];
@@ -106,12 +106,12 @@ fn overlapped(boxes: &[Scored], how: Nms, threshold: f32) -> Vec<bool> {
 /// a multi-region and semantic segmentation-aware CNN model, ICCV 2015, section 5) computes the
 /// mean of all of them.
 pub(crate) fn vote(kept: &mut [Scored], candidates: &[Scored], iou: f32) {
-    for one in kept {
+    for kept_box in kept {
         let voters = candidates
             .iter()
-            .filter(|other| other.class == one.class && other.rect.iou(&one.rect) > iou);
+            .filter(|other| other.class == kept_box.class && other.rect.iou(&kept_box.rect) > iou);
         if let Some(rect) = mean(voters) {
-            one.rect = rect;
+            kept_box.rect = rect;
         }
     }
 }
@@ -203,13 +203,13 @@ mod tests {
         let mut left: Vec<Scored> = boxes.to_vec();
         left.sort_by(|a, b| b.score.partial_cmp(&a.score).expect("finite scores"));
         let mut kept: Vec<Scored> = Vec::new();
-        for one in left {
+        for candidate in left {
             let hidden = kept.iter().any(|surer| {
-                (how.across_classes || surer.class == one.class)
-                    && how.overlap.of(&surer.rect, &one.rect) > iou
+                (how.across_classes || surer.class == candidate.class)
+                    && how.overlap.of(&surer.rect, &candidate.rect) > iou
             });
             if !hidden {
-                kept.push(one);
+                kept.push(candidate);
             }
         }
         kept
@@ -283,7 +283,7 @@ mod tests {
         let chain = [[0.0, 10.0], [2.0, 12.0], [4.0, 14.0]].map(|edges| flat(0, 0.5, edges));
         let mut boxes = chain;
         vote(&mut boxes, &chain, 0.65);
-        let left = boxes.map(|one| one.rect.x0);
+        let left = boxes.map(|found_box| found_box.rect.x0);
         assert_eq!(left, [1.0, 2.0, 3.0]);
     }
 }

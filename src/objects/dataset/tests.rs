@@ -103,12 +103,13 @@ fn yolo_and_coco_tell_the_same_boxes() {
             assert!((numbers[3 + axis] * side - bbox[2 + axis]).abs() < 1e-3);
         }
     }
-    let crowds: Vec<&serde_json::Value> = annotations.iter().map(|one| &one["iscrowd"]).collect();
+    let crowds: Vec<&serde_json::Value> =
+        annotations.iter().map(|annotation| &annotation["iscrowd"]).collect();
     assert_eq!(crowds, [0, 0, 1]);
     assert_eq!(annotations[2]["area"], 6.0);
     let outline = serde_json::json!([[104.0, 0.0, 104.0, 208.0, 312.0, 99.5]]);
     assert_eq!(annotations[0]["segmentation"], outline);
-    assert!(annotations[1..].iter().all(|one| one.get("segmentation").is_none()));
+    assert!(annotations[1..].iter().all(|annotation| annotation.get("segmentation").is_none()));
     assert_eq!(json["categories"][2]["name"], "tyre");
 }
 

@@ -60,7 +60,7 @@ fn image(
 ) -> Image {
     let size_px = size_px.unwrap_or([TILE_PX as u32; 2]);
     let [true_ones, proposed] =
-        pictures.map(|picture| picture.into_iter().flat_map(|one| &one.labels));
+        pictures.map(|picture| picture.into_iter().flat_map(|picture| &picture.labels));
     Image {
         truth: true_ones
             .map(|label| TrueBox {

@@ -69,11 +69,11 @@ pub(super) fn shown_images<'a>(
         false_alarms: Vec::new(),
     };
     let mut sorted: Vec<ShownImage> = images.iter().map(none).collect();
-    for one in shown {
-        let image = &mut sorted[one.image];
-        match one.outcome {
+    for ranked in shown {
+        let image = &mut sorted[ranked.image];
+        match ranked.outcome {
             MatchOutcome::Hit { truth, .. } => image.found[truth] = true,
-            _ => image.false_alarms.push(one.predicted),
+            _ => image.false_alarms.push(ranked.predicted),
         }
     }
     for (image, boxes) in sorted.iter_mut().zip(images) {
@@ -97,7 +97,7 @@ pub(super) fn false_alarms(
             cause: cause(boxes, predicted, settings),
         }));
     }
-    let score = |one: &FalseAlarm| images[one.image].predicted[one.predicted].score;
+    let score = |alarm: &FalseAlarm| images[alarm.image].predicted[alarm.predicted].score;
     all.sort_by(|a, b| score(b).total_cmp(&score(a)));
     all
 }
@@ -117,13 +117,13 @@ pub(super) fn misses(images: &[Image], shown: &[ShownImage]) -> Vec<Miss> {
 const NEAR_IOU: f64 = 0.1;
 
 fn cause(boxes: &Image, predicted: usize, settings: &MetricSettings) -> Cause {
-    let one = &boxes.predicted[predicted];
+    let predicted_box = &boxes.predicted[predicted];
     let best = |same_class: bool| {
         let of_interest = boxes
             .truth
             .iter()
-            .filter(|truth| !truth.ignored && (truth.class == one.class) == same_class);
-        let overlap = |rect: &Rect| iou(&one.rect, rect, false);
+            .filter(|truth| !truth.ignored && (truth.class == predicted_box.class) == same_class);
+        let overlap = |rect: &Rect| iou(&predicted_box.rect, rect, false);
         of_interest.fold(0.0, |best, truth| f64::max(best, overlap(&truth.rect)))
     };
     let (own, other) = (best(true), best(false));

@@ -54,12 +54,12 @@ impl Image {
     /// overlaps most: a prediction that names no class cannot name a wrong one. A prediction that
     /// overlaps no true box is not changed.
     pub(crate) fn name_by_truth(&mut self, nameless: usize) {
-        let without = |one: &&mut Scored| one.class == nameless;
-        for one in self.predicted.iter_mut().filter(without) {
-            let overlap = |truth: &TrueBox| one.rect.iou(&truth.rect);
+        let without = |predicted: &&mut Scored| predicted.class == nameless;
+        for predicted in self.predicted.iter_mut().filter(without) {
+            let overlap = |truth: &TrueBox| predicted.rect.iou(&truth.rect);
             let met = self.truth.iter().filter(|truth| overlap(truth) > 0.0);
             if let Some(truth) = met.max_by(|a, b| overlap(a).total_cmp(&overlap(b))) {
-                one.class = truth.class;
+                predicted.class = truth.class;
             }
         }
     }

@@ -33,8 +33,8 @@ impl MatchCounts {
     /// Counts hits and false alarms among predictions, given the number of truths.
     pub fn of(shown: &[Ranked], truths: usize) -> Self {
         let mut counts = MatchCounts { truths, ..Self::default() };
-        for one in shown {
-            match one.outcome {
+        for ranked in shown {
+            match ranked.outcome {
                 MatchOutcome::Hit { iou, .. } => {
                     counts.found += 1;
                     counts.iou_sum += iou;
@@ -166,8 +166,8 @@ fn envelope(ranked: &[Ranked], truths: usize) -> (Vec<f64>, Vec<f64>) {
     let mut counts = MatchCounts { truths, ..MatchCounts::default() };
     let (recall, mut precision): (Vec<f64>, Vec<f64>) = ranked
         .iter()
-        .map(|one| {
-            counts = counts.plus(MatchCounts::of(std::slice::from_ref(one), 0));
+        .map(|detection| {
+            counts = counts.plus(MatchCounts::of(std::slice::from_ref(detection), 0));
             (counts.recall(), counts.precision())
         })
         .unzip();

@@ -45,19 +45,24 @@ impl Ranking {
         let mut ranking = Ranking { ranked: Vec::new(), truths: 0 };
         for (image, boxes) in images.iter().enumerate() {
             let candidates = candidates(boxes, class, sizes);
-            ranking.truths += candidates.iter().filter(|one| !one.ignored).count();
+            ranking.truths += candidates.iter().filter(|candidate| !candidate.ignored).count();
             let order = by_score(boxes, class, settings.max_detections);
             let rects: Vec<Rect> = order.iter().map(|&index| boxes.predicted[index].rect).collect();
             let outcomes = pair(&rects, &candidates, settings.matching, threshold);
             for (predicted, outcome) in order.into_iter().zip(outcomes) {
-                let one = &boxes.predicted[predicted];
+                let predicted_box = &boxes.predicted[predicted];
                 let counts = match outcome {
                     MatchOutcome::Hit { .. } => true,
-                    MatchOutcome::FalseAlarm => sizes.contains(&area(&one.rect)),
+                    MatchOutcome::FalseAlarm => sizes.contains(&area(&predicted_box.rect)),
                     MatchOutcome::Ignored => false,
                 };
                 if counts {
-                    ranking.ranked.push(Ranked { image, predicted, score: one.score, outcome });
+                    ranking.ranked.push(Ranked {
+                        image,
+                        predicted,
+                        score: predicted_box.score,
+                        outcome,
+                    });
                 }
             }
         }
@@ -67,7 +72,7 @@ impl Ranking {
 
     /// Returns the predictions of at least a score.
     pub(super) fn shown(&self, score: f32) -> &[Ranked] {
-        let end = self.ranked.partition_point(|one| one.score >= score);
+        let end = self.ranked.partition_point(|ranked| ranked.score >= score);
         &self.ranked[..end]
     }
 }

@@ -106,7 +106,7 @@ pub(super) fn bind(
 ) -> Result<DetectorFamily, Unusable> {
     let misfit = |why: String| Unusable::Misfit { family: name.words().to_owned(), why };
     let unfit = || misfit(listed(outputs));
-    let one = || match outputs {
+    let single_shape = || match outputs {
         [(_, shape)] => flat(shape).ok_or_else(unfit),
         _ => Err(unfit()),
     };
@@ -124,10 +124,10 @@ pub(super) fn bind(
             let (classes, heads) = bind_heads(outputs, input, sidecar, misfit)?;
             (classes, Kind::RawHeads(heads))
         }
-        FamilyName::Yolov5 => (more(one()?[1], 5)?, Kind::Rows),
-        FamilyName::Yolov8 => (more(one()?[0], 4)?, Kind::Columns),
+        FamilyName::Yolov5 => (more(single_shape()?[1], 5)?, Kind::Rows),
+        FamilyName::Yolov8 => (more(single_shape()?[0], 4)?, Kind::Columns),
         FamilyName::EndToEnd => {
-            let [_, width] = one()?;
+            let [_, width] = single_shape()?;
             if width != 6 {
                 return Err(unfit());
             }
@@ -135,7 +135,7 @@ pub(super) fn bind(
             (known_names.unwrap_or(80), Kind::EndToEnd)
         }
         FamilyName::Yolox => {
-            let [count, width] = one()?;
+            let [count, width] = single_shape()?;
             let strides = STRIDES.into_iter().find(|strides| cells_of(input, strides) == count);
             let strides = strides.ok_or_else(|| {
                 misfit(format!(

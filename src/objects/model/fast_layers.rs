@@ -61,7 +61,7 @@ fn convolution(
     }
     let bias = bias.try_as_plain_ram()?.as_slice::<f32>()?;
     let bias = match bias {
-        [one] => vec![*one; channels[1]],
+        [single] => vec![*single; channels[1]],
         each => each.to_vec(),
     };
     let weights = weights.try_as_plain_ram()?.as_slice::<f32>()?;

@@ -220,7 +220,7 @@ impl Model {
         boxes.retain(|found| found.score >= score);
         suppress(&mut boxes, self.nms, iou);
         if let Some(overlap) = self.vote {
-            let voters = candidates.into_iter().filter(|one| one.score >= LEAST_VOTER);
+            let voters = candidates.into_iter().filter(|candidate| candidate.score >= LEAST_VOTER);
             vote(&mut boxes, &voters.collect::<Vec<_>>(), overlap);
         }
         for found in &mut boxes {
@@ -249,7 +249,10 @@ fn keep_surest(boxes: &mut Vec<Scored>) {
 fn agree(first: &[Scored], second: &[Scored]) -> Vec<Scored> {
     let weighed = |own: &[Scored], other: &[Scored]| -> Vec<Scored> {
         own.iter()
-            .map(|one| Scored { score: (one.score + surest_there(one, other)) / 2.0, ..*one })
+            .map(|candidate| Scored {
+                score: (candidate.score + surest_there(candidate, other)) / 2.0,
+                ..*candidate
+            })
             .collect()
     };
     let mut both = weighed(first, second);
@@ -283,7 +286,7 @@ mod tests {
     }
 
     fn scores(first: &[Scored], second: &[Scored]) -> Vec<f32> {
-        agree(first, second).iter().map(|one| one.score).collect()
+        agree(first, second).iter().map(|found_box| found_box.score).collect()
     }
 
     #[test]

@@ -164,8 +164,8 @@ fn screen_reshaping(node: &NodeProto, lists: &HashMap<&str, usize>) -> Result<()
     };
     let given = node.input.get(shape);
     let given = given.and_then(|name| lists.get(name.as_str()).copied());
-    let written = node.attribute.iter().map(|one| match one.name.as_str() {
-        "axes" | "perm" | "shape" => one.ints.len(),
+    let written = node.attribute.iter().map(|attribute| match attribute.name.as_str() {
+        "axes" | "perm" | "shape" => attribute.ints.len(),
         _ => 0,
     });
     let axes = written.chain(given).max().unwrap_or(0);
@@ -177,9 +177,9 @@ fn list_lengths(graph: &GraphProto) -> HashMap<&str, usize> {
     let weights = graph.initializer.iter();
     let weights = weights.map(|held| (held.name.as_str(), list_length(held)));
     let constants = graph.node.iter().filter_map(|node| {
-        let lengths = node.attribute.iter().map(|one| match &one.t {
+        let lengths = node.attribute.iter().map(|attribute| match &attribute.t {
             Some(tensor) => list_length(tensor),
-            None => one.ints.len(),
+            None => attribute.ints.len(),
         });
         Some((node.output.first()?.as_str(), lengths.max()?))
     });
@@ -219,7 +219,7 @@ fn screen_growth(node: &NodeProto, sizes: &HashMap<&str, Vec<i64>>) -> Result<()
 fn written_sizes(graph: &GraphProto) -> HashMap<&str, Vec<i64>> {
     let weights = graph.initializer.iter().map(|held| (held.name.as_str(), held));
     let constants = graph.node.iter().filter_map(|node| {
-        let tensor = node.attribute.iter().find_map(|one| one.t.as_ref())?;
+        let tensor = node.attribute.iter().find_map(|attribute| attribute.t.as_ref())?;
         Some((node.output.first()?.as_str(), tensor))
     });
     weights
@@ -248,7 +248,8 @@ fn whole_numbers(tensor: &TensorProto) -> Vec<i64> {
 /// # Errors
 /// When there is no such input or several, or it is not a tensor of four axes.
 fn declared_input(graph: &GraphProto) -> Result<Declared, Unusable> {
-    let weights: HashSet<&str> = graph.initializer.iter().map(|one| one.name.as_str()).collect();
+    let weights: HashSet<&str> =
+        graph.initializer.iter().map(|tensor| tensor.name.as_str()).collect();
     let open = |input: &&ValueInfoProto| !weights.contains(input.name.as_str());
     let inputs: Vec<&ValueInfoProto> = graph.input.iter().filter(open).collect();
     let [input] = inputs[..] else {

@@ -295,9 +295,13 @@ fn four_values([m0, m1, m2, m3, m4, m5]: [&Lane; INPUT]) -> [Lane; OUTPUT] {
     let difference_2 = each([m3, m4], |[m3, m4]| m3 - m4);
     [
         each([m0, &sum, &sum_2], |[m0, sum, sum_2]| m0 + sum + sum_2),
-        each([&difference, &difference_2], |[one, two]| one + 2.0 * two),
-        each([&sum, &sum_2], |[one, two]| one + 4.0 * two),
-        each([&difference, &difference_2, m5], |[one, two, m5]| one + 8.0 * two + m5),
+        each([&difference, &difference_2], |[difference, difference_2]| {
+            difference + 2.0 * difference_2
+        }),
+        each([&sum, &sum_2], |[sum, sum_2]| sum + 4.0 * sum_2),
+        each([&difference, &difference_2, m5], |[difference, difference_2, m5]| {
+            difference + 8.0 * difference_2 + m5
+        }),
     ]
 }
 

@@ -29,7 +29,8 @@ impl ObjectList {
         let mut objects = joined(&boxes, logs, false);
         objects.extend(joined(&boxes, logs, true));
         // Shown objects are numbered first, so that their numbers begin with one.
-        let is_hidden = |object: &Object| object.members.iter().all(|one| boxes[*one].is_hidden);
+        let is_hidden =
+            |object: &Object| object.members.iter().all(|member| boxes[*member].is_hidden);
         objects.sort_by_key(is_hidden);
         let keys: Vec<Vec<LogBox>> = objects.iter().map(|object| object.boxes.clone()).collect();
         let mut numbers = before.clone();
@@ -43,7 +44,7 @@ impl ObjectList {
             of.extend(object.boxes.iter().map(|key| (*key, index)));
         }
         Self {
-            is_reviewed: boxes.iter().any(|one| one.one.state != State::Proposed),
+            is_reviewed: boxes.iter().any(|object_box| object_box.one.state != State::Proposed),
             boxes,
             objects,
             of,
@@ -87,8 +88,8 @@ impl ObjectList {
     /// Returns true if a box belongs to a target. While there is no decision about any box, every
     /// box does; after that, only boxes that were accepted or drawn by hand: a proposal beside them
     /// could be mistaken for an object that somebody has confirmed.
-    pub fn is_target(&self, one: &ObjectBox) -> bool {
-        !self.is_reviewed || one.one.state.is_object()
+    pub fn is_target(&self, object_box: &ObjectBox) -> bool {
+        !self.is_reviewed || object_box.one.state.is_object()
     }
 
     /// Returns the objects that products show: those with a box for which [`ObjectList::is_target`]
@@ -118,9 +119,9 @@ fn hide(mut boxes: Vec<ObjectBox>, objects: &mut Vec<Object>) -> Vec<ObjectBox> 
     }
     let mut left = 0;
     let place_of: Vec<usize> = (boxes.iter())
-        .map(|one| {
+        .map(|object_box| {
             let place = left;
-            left += usize::from(is_left(one));
+            left += usize::from(is_left(object_box));
             place
         })
         .collect();
@@ -131,24 +132,24 @@ fn hide(mut boxes: Vec<ObjectBox>, objects: &mut Vec<Object>) -> Vec<ObjectBox> 
     boxes
 }
 
-fn is_left(one: &ObjectBox) -> bool {
-    one.object.is_some() || !one.is_hidden
+fn is_left(object_box: &ObjectBox) -> bool {
+    object_box.object.is_some() || !object_box.is_hidden
 }
 
 /// Joins the rejected boxes, or all other boxes, into objects without numbers.
 fn joined(boxes: &[ObjectBox], logs: &[PassLog<'_>], is_rejected: bool) -> Vec<Object> {
     let mut names = Vec::new();
     let (members, sightings): (Vec<usize>, Vec<Sighting<'_>>) = (boxes.iter().enumerate())
-        .filter(|(_, one)| (one.one.state == State::Rejected) == is_rejected)
-        .filter_map(|(index, one)| {
-            let has_name = one.class != NAMELESS_CLASS;
+        .filter(|(_, object_box)| (object_box.one.state == State::Rejected) == is_rejected)
+        .filter_map(|(index, object_box)| {
+            let has_name = object_box.class != NAMELESS_CLASS;
             let sighting = Sighting {
-                log: one.log,
-                target: one.target.as_ref()?,
+                log: object_box.log,
+                target: object_box.target.as_ref()?,
                 // Every log may have its own list of classes, so they are compared by name.
-                class: has_name.then(|| class_index(&mut names, &one.class)),
+                class: has_name.then(|| class_index(&mut names, &object_box.class)),
                 // A box without a score was drawn by hand, which counts as sure.
-                score: one.one.score.map_or(1.0, f64::from),
+                score: object_box.one.score.map_or(1.0, f64::from),
             };
             Some((index, sighting))
         })
@@ -177,12 +178,12 @@ mod tests {
     /// Creates a box of line `line`; each line is 50 m of sailed distance further on.
     fn seen(id: u32, line: u32, east_m: f64, score: f32) -> ObjectBox {
         let placed = Target { east_m, sailed_m: 50.0 * f64::from(line), ..target() };
-        let mut one = Reviewed::drawn(BoxId(id), placed.mark.clone(), 0);
-        (one.score, one.state) = (Some(score), State::Proposed);
+        let mut reviewed = Reviewed::drawn(BoxId(id), placed.mark.clone(), 0);
+        (reviewed.score, reviewed.state) = (Some(score), State::Proposed);
         ObjectBox {
             log: 0,
             key: LogBox { log: LogId(0), id: BoxId(id) },
-            one: Arc::new(one),
+            one: Arc::new(reviewed),
             class: "rock".to_owned(),
             target: Some(placed),
             object: None,
@@ -198,18 +199,18 @@ mod tests {
     /// updated.
     fn objects_from(threshold: f32, numbers: &mut ObjectNumbers) -> (Objects, Boxes) {
         let boxes = [seen(1, 0, 40.0, 0.1), seen(2, 0, 0.0, 0.3), seen(3, 1, 0.4, 0.8)];
-        let boxes = boxes.map(|one| {
-            let is_hidden = one.one.score < Some(threshold);
-            ObjectBox { is_hidden, ..one }
+        let boxes = boxes.map(|object_box| {
+            let is_hidden = object_box.one.score < Some(threshold);
+            ObjectBox { is_hidden, ..object_box }
         });
         let (survey, navigation) = (Survey::default(), Navigation::of_pings([]));
         let log: PassLog<'_> = (&survey, &navigation);
         let list = ObjectList::join(boxes.to_vec(), &[log], numbers);
         *numbers = list.numbers().clone();
-        let objects = list.objects().iter().map(|one| (one.number, one.place_m[0]));
-        let left = list.boxes().iter().map(|one| (one.key.id.0, one.object));
+        let objects = list.objects().iter().map(|object| (object.number, object.place_m[0]));
+        let left = list.boxes().iter().map(|object_box| (object_box.key.id.0, object_box.object));
         let members = list.objects().iter().flat_map(|object| list.members(object));
-        assert!(members.into_iter().all(|one| one.object.is_some()));
+        assert!(members.into_iter().all(|member| member.object.is_some()));
         (objects.collect(), left.collect())
     }
 

@@ -108,22 +108,24 @@ impl Object {
     ) -> Option<Self> {
         let (survey, navigation) = logs.first()?;
         let shown = || group.members.iter().filter_map(|member| boxes.get(*member));
-        let said = || shown().map(|one| &*one.one);
+        let said = || shown().map(|object_box| &*object_box.one);
         let best = best(shown());
-        let target = shown().nth(best).and_then(|one| one.target.as_ref());
+        let target = shown().nth(best).and_then(|object_box| object_box.target.as_ref());
         let seen_on: Vec<LogPings> =
-            shown().map(|one| (one.log, one.one.mark.pings.clone())).collect();
-        let remarks: Vec<&str> =
-            said().map(|one| one.note.as_str()).filter(|note| !note.is_empty()).collect();
-        let name = said().map(|one| &one.name).find(|name| !name.is_empty());
+            shown().map(|object_box| (object_box.log, object_box.one.mark.pings.clone())).collect();
+        let remarks: Vec<&str> = said()
+            .map(|review_box| review_box.note.as_str())
+            .filter(|note| !note.is_empty())
+            .collect();
+        let name = said().map(|review_box| &review_box.name).find(|name| !name.is_empty());
         Some(Self {
             number: 0,
-            boxes: shown().map(|one| one.key).collect(),
+            boxes: shown().map(|object_box| object_box.key).collect(),
             name: name.cloned().unwrap_or_default(),
             class: group.class.map_or(crate::NAMELESS_CLASS, |class| names[class]).to_owned(),
-            state: state(said().map(|one| one.state)),
-            score: said().filter_map(|one| one.score).max_by(f32::total_cmp),
-            certainty: said().filter_map(|one| one.certainty).max(),
+            state: state(said().map(|review_box| review_box.state)),
+            score: said().filter_map(|review_box| review_box.score).max_by(f32::total_cmp),
+            certainty: said().filter_map(|review_box| review_box.certainty).max(),
             place_m: [group.east_m, group.north_m],
             position: navigation.to_lon_lat(&survey.track, group.east_m, group.north_m),
             sigma_m: group.sigma_m,
@@ -142,7 +144,7 @@ impl Object {
 
     /// Returns the logs that saw the object, in the order of the survey.
     pub fn logs(&self) -> Vec<LogId> {
-        let mut logs: Vec<LogId> = self.boxes.iter().map(|one| one.log).collect();
+        let mut logs: Vec<LogId> = self.boxes.iter().map(|log_box| log_box.log).collect();
         logs.dedup();
         logs
     }
@@ -169,7 +171,8 @@ impl Object {
 }
 
 fn state(boxes: impl Iterator<Item = State> + Clone) -> ObjectState {
-    match (boxes.clone().any(State::is_object), boxes.clone().any(|one| one == State::Proposed)) {
+    match (boxes.clone().any(State::is_object), boxes.clone().any(|state| state == State::Proposed))
+    {
         (true, _) => ObjectState::Accepted,
         (false, true) => ObjectState::Undecided,
         (false, false) => ObjectState::Rejected,
@@ -180,9 +183,9 @@ fn state(boxes: impl Iterator<Item = State> + Clone) -> ObjectState {
 /// undecided one, then a box whose edges were drawn to another, then the higher score, where a box
 /// drawn by hand counts as 1. Among equals the first is returned.
 fn best<'a>(boxes: impl Iterator<Item = &'a ObjectBox>) -> usize {
-    let rank = |one: &ObjectBox| {
-        let is_drawn = matches!(one.one.extent, ObjectExtent::Drawn { .. });
-        (one.one.state.is_object(), is_drawn, one.one.score.unwrap_or(1.0))
+    let rank = |object_box: &ObjectBox| {
+        let is_drawn = matches!(object_box.one.extent, ObjectExtent::Drawn { .. });
+        (object_box.one.state.is_object(), is_drawn, object_box.one.score.unwrap_or(1.0))
     };
     let ranked = boxes.map(rank).enumerate();
     let better = |best: (usize, (bool, bool, f32)), other: (usize, (bool, bool, f32))| {

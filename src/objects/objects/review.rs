@@ -24,21 +24,27 @@ impl LogReview {
         &'a self,
         exclusions: &'a Exclusions,
     ) -> impl Iterator<Item = &'a Arc<Reviewed>> {
-        let counts = |one: &&Arc<Reviewed>| !exclusions.is_middle_excluded(&one.mark.pings);
+        let counts =
+            |review_box: &&Arc<Reviewed>| !exclusions.is_middle_excluded(&review_box.mark.pings);
         self.review.shared().iter().filter(counts)
     }
 
     /// Creates the entry of a box for the list of objects; `log` is the index of the log in the
     /// survey, `target` the position and size of the box.
-    pub fn object_box(&self, log: usize, one: &Arc<Reviewed>, target: Option<Target>) -> ObjectBox {
+    pub fn object_box(
+        &self,
+        log: usize,
+        review_box: &Arc<Reviewed>,
+        target: Option<Target>,
+    ) -> ObjectBox {
         ObjectBox {
             log,
-            key: LogBox { log: self.log, id: one.id },
-            class: self.review.class_name(one.class).to_owned(),
-            one: one.clone(),
+            key: LogBox { log: self.log, id: review_box.id },
+            class: self.review.class_name(review_box.class).to_owned(),
+            one: review_box.clone(),
             target,
             object: None,
-            is_hidden: !one.is_shown_from(self.threshold),
+            is_hidden: !review_box.is_shown_from(self.threshold),
         }
     }
 }
@@ -95,6 +101,6 @@ impl SurveyReview {
     /// Returns true if there is a box that was accepted or drawn by hand.
     pub fn has_targets(&self) -> bool {
         let mut boxes = self.logs.iter().flatten();
-        boxes.any(|of_log| of_log.review.boxes().any(|one| one.state.is_object()))
+        boxes.any(|of_log| of_log.review.boxes().any(|review_box| review_box.state.is_object()))
     }
 }

@@ -18,11 +18,11 @@ impl Review {
         first: u32,
         found: &[Detection],
     ) -> Review {
-        let boxes = (first..).zip(found).map(|(id, one)| {
+        let boxes = (first..).zip(found).map(|(id, detection)| {
             Arc::new(Reviewed {
-                score: Some(one.score),
+                score: Some(detection.score),
                 state: State::Proposed,
-                ..Reviewed::drawn(BoxId(id), one.mark.clone(), one.class)
+                ..Reviewed::drawn(BoxId(id), detection.mark.clone(), detection.class)
             })
         });
         Review {
@@ -58,10 +58,11 @@ impl Review {
         raster: &Raster,
         pings: Range<usize>,
     ) -> Review {
-        let is_elsewhere =
-            |one: &Reviewed| one.mark.pings.start < pings.start || one.mark.pings.end > pings.end;
+        let is_elsewhere = |review_box: &Reviewed| {
+            review_box.mark.pings.start < pings.start || review_box.mark.pings.end > pings.end
+        };
         let mut after = self.clone();
-        let stays = |one: &Arc<Reviewed>| one.is_kept() || is_elsewhere(one);
+        let stays = |review_box: &Arc<Reviewed>| review_box.is_kept() || is_elsewhere(review_box);
         let (kept, open): (Vec<_>, Vec<_>) = after.boxes.into_iter().partition(stays);
         after.boxes = kept;
         let class_of: Vec<usize> =
@@ -94,12 +95,12 @@ impl Review {
                 ..Reviewed::drawn(id, mark, class)
             }));
         }
-        for (one, score) in after.boxes.iter_mut().zip(lent) {
-            if score.is_some() && one.score != score {
-                Arc::make_mut(one).score = score;
+        for (review_box, score) in after.boxes.iter_mut().zip(lent) {
+            if score.is_some() && review_box.score != score {
+                Arc::make_mut(review_box).score = score;
             }
         }
-        after.boxes.sort_unstable_by_key(|one| one.id);
+        after.boxes.sort_unstable_by_key(|review_box| review_box.id);
         after
     }
 }
@@ -113,10 +114,10 @@ struct Places {
 impl Places {
     fn of(boxes: &[Arc<Reviewed>], raster: &Raster) -> Self {
         let mut places = Self { sides: [Vec::new(), Vec::new()], tallest: 0.0 };
-        for (index, one) in boxes.iter().enumerate() {
-            let rect = raster.rect_of(&one.mark);
+        for (index, review_box) in boxes.iter().enumerate() {
+            let rect = raster.rect_of(&review_box.mark);
             places.tallest = places.tallest.max(rect.y1 - rect.y0);
-            places.sides[one.mark.side as usize].push((rect, index));
+            places.sides[review_box.mark.side as usize].push((rect, index));
         }
         for side in &mut places.sides {
             side.sort_by(|(a, _), (b, _)| a.y0.total_cmp(&b.y0));

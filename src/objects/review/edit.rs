@@ -106,25 +106,25 @@ impl Review {
     /// or class, the box has no extent, or the decision is already made.
     pub fn apply(&self, edit: &Edit) -> Option<Review> {
         match edit {
-            Edit::Accept(id) => self.change(*id, |one| one.state = affirmed(one, State::Accepted)),
-            Edit::Reject(id) => self.change(*id, |one| one.state = State::Rejected),
-            Edit::Undecide(id) => {
-                self.change(*id, |one| one.state = affirmed(one, State::Proposed))
-            }
+            Edit::Accept(id) => self
+                .change(*id, |review_box| review_box.state = affirmed(review_box, State::Accepted)),
+            Edit::Reject(id) => self.change(*id, |review_box| review_box.state = State::Rejected),
+            Edit::Undecide(id) => self
+                .change(*id, |review_box| review_box.state = affirmed(review_box, State::Proposed)),
             Edit::Relabel(id, class) => {
                 let class = (*class < self.classes.len()).then_some(*class)?;
-                self.correct(*id, |one| one.class = class)
+                self.correct(*id, |review_box| review_box.class = class)
             }
             Edit::Reshape(id, mark) => {
                 let mark = held(mark, self.identity.pings)?;
-                self.correct(*id, |one| {
-                    one.extent = one.extent.moved(&one.mark, &mark);
-                    one.set_mark(mark);
+                self.correct(*id, |review_box| {
+                    review_box.extent = review_box.extent.moved(&review_box.mark, &mark);
+                    review_box.set_mark(mark);
                 })
             }
-            Edit::SwapSide(id) => self.correct(*id, |one| {
-                one.shadow = None;
-                one.mark.side = one.mark.side.other();
+            Edit::SwapSide(id) => self.correct(*id, |review_box| {
+                review_box.shadow = None;
+                review_box.mark.side = review_box.mark.side.other();
             }),
             Edit::Add { mark, class } => self.add(mark, *class, ObjectExtent::Found),
             Edit::AddPoint { side, ping, range_m, class } => {
@@ -135,50 +135,54 @@ impl Review {
                 let mark = held(mark, self.identity.pings)?;
                 let border_m = border_m.clamp(mark.near_m, mark.far_m);
                 border_m.is_finite().then_some(())?;
-                self.correct(*id, |one| {
-                    one.set_mark(mark);
-                    one.extent = ObjectExtent::Drawn { border_m };
+                self.correct(*id, |review_box| {
+                    review_box.set_mark(mark);
+                    review_box.extent = ObjectExtent::Drawn { border_m };
                 })
             }
-            Edit::FindEdges(id) => self.correct(*id, |one| {
-                if one.extent != ObjectExtent::Point {
-                    one.extent = ObjectExtent::Found;
+            Edit::FindEdges(id) => self.correct(*id, |review_box| {
+                if review_box.extent != ObjectExtent::Point {
+                    review_box.extent = ObjectExtent::Found;
                 }
             }),
             Edit::SetShadow(id, shadow) => {
                 let mark = &self.get(*id)?.mark;
                 shadow.is_none_or(|shadow| shadow.fits(mark)).then_some(())?;
-                self.correct(*id, |one| one.shadow = *shadow)
+                self.correct(*id, |review_box| review_box.shadow = *shadow)
             }
             Edit::Classify(id, name) => self.classify(*id, name.trim()),
             Edit::Rename(id, name) => {
                 let name = name.trim();
                 (name.is_empty() || is_name(name)).then_some(())?;
-                self.correct(*id, |one| name.clone_into(&mut one.name))
+                self.correct(*id, |review_box| name.clone_into(&mut review_box.name))
             }
-            Edit::Rate(id, certainty) => self.correct(*id, |one| one.certainty = *certainty),
+            Edit::Rate(id, certainty) => {
+                self.correct(*id, |review_box| review_box.certainty = *certainty)
+            }
             Edit::Remove(id) => self.remove(*id),
-            Edit::Note(id, text) => self.correct(*id, |one| one.note.clone_from(text)),
+            Edit::Note(id, text) => {
+                self.correct(*id, |review_box| review_box.note.clone_from(text))
+            }
         }
     }
 
     fn change(&self, id: BoxId, change: impl FnOnce(&mut Reviewed)) -> Option<Review> {
         let index = self.position(id)?;
-        let mut one = Reviewed::clone(&self.boxes[index]);
-        change(&mut one);
-        if one == *self.boxes[index] {
+        let mut review_box = Reviewed::clone(&self.boxes[index]);
+        change(&mut review_box);
+        if review_box == *self.boxes[index] {
             return None;
         }
         let mut after = self.clone();
-        after.boxes[index] = Arc::new(one);
+        after.boxes[index] = Arc::new(review_box);
         Some(after)
     }
 
     fn correct(&self, id: BoxId, change: impl FnOnce(&mut Reviewed)) -> Option<Review> {
-        self.change(id, |one| {
-            let before = one.clone();
-            change(one);
-            one.edited |= *one != before;
+        self.change(id, |review_box| {
+            let before = review_box.clone();
+            change(review_box);
+            review_box.edited |= *review_box != before;
         })
     }
 
@@ -187,7 +191,7 @@ impl Review {
         is_name(name).then_some(())?;
         let mut named = self.clone();
         let class = class_index(&mut named.classes, name);
-        named.correct(id, |one| one.class = class)
+        named.correct(id, |review_box| review_box.class = class)
     }
 
     fn add(&self, mark: &Mark, class: usize, extent: ObjectExtent) -> Option<Review> {
@@ -212,6 +216,6 @@ impl Review {
 
 /// Returns the state for a box that is accepted or undecided. A box drawn by hand was not proposed,
 /// so it is [`State::Added`] in both cases.
-fn affirmed(one: &Reviewed, state: State) -> State {
-    if one.model.is_none() { State::Added } else { state }
+fn affirmed(review_box: &Reviewed, state: State) -> State {
+    if review_box.model.is_none() { State::Added } else { state }
 }

@@ -155,36 +155,36 @@ impl Review {
 
     /// Returns the review row by row.
     pub(crate) fn to_rows(&self) -> ReviewRows {
-        let searched = self.searched.iter().map(|one| SearchRow {
-            model: one.model.to_string(),
-            pings: [one.pings.start, one.pings.end],
+        let searched = self.searched.iter().map(|search| SearchRow {
+            model: search.model.to_string(),
+            pings: [search.pings.start, search.pings.end],
         });
         ReviewRows {
             classes: self.classes.clone(),
             searched: searched.collect(),
-            boxes: self.boxes().map(|one| self.row(one)).collect(),
+            boxes: self.boxes().map(|review_box| self.row(review_box)).collect(),
         }
     }
 
     /// Returns the row of a box of this review.
-    pub fn row(&self, one: &Reviewed) -> BoxRow {
+    pub fn row(&self, review_box: &Reviewed) -> BoxRow {
         BoxRow {
-            id: one.id,
-            side: one.mark.side,
-            pings: [one.mark.pings.start, one.mark.pings.end],
-            near_m: one.mark.near_m,
-            far_m: one.mark.far_m,
-            class: self.class_name(one.class).to_owned(),
-            score: one.score,
-            state: one.state,
-            edited: one.edited,
-            note: one.note.clone(),
-            name: one.name.clone(),
-            certainty: one.certainty,
-            border_m: one.extent.border_m(),
-            shadow: one.shadow,
-            point: one.extent == ObjectExtent::Point,
-            model: one.model.as_deref().map(str::to_owned),
+            id: review_box.id,
+            side: review_box.mark.side,
+            pings: [review_box.mark.pings.start, review_box.mark.pings.end],
+            near_m: review_box.mark.near_m,
+            far_m: review_box.mark.far_m,
+            class: self.class_name(review_box.class).to_owned(),
+            score: review_box.score,
+            state: review_box.state,
+            edited: review_box.edited,
+            note: review_box.note.clone(),
+            name: review_box.name.clone(),
+            certainty: review_box.certainty,
+            border_m: review_box.extent.border_m(),
+            shadow: review_box.shadow,
+            point: review_box.extent == ObjectExtent::Point,
+            model: review_box.model.as_deref().map(str::to_owned),
         }
     }
 
@@ -281,8 +281,8 @@ impl Review {
             }
             review.note_search(&shared(&mut models, model), start..end);
         }
-        for one in rows.boxes {
-            let id = one.id;
+        for row in rows.boxes {
+            let id = row.id;
             let wrong = |what: &str| ReviewError {
                 what: format!("this review is damaged: box {}: {what}", id.0),
                 id: Some(id),
@@ -290,29 +290,29 @@ impl Review {
             if !seen.insert(id) || id.0 == u32::MAX {
                 return Err(wrong("its number is there twice or out of range"));
             }
-            let model = one.model.clone().map(|name| shared(&mut models, name));
-            let read = review.read_box(one, model).map_err(wrong)?;
+            let model = row.model.clone().map(|name| shared(&mut models, name));
+            let read = review.read_box(row, model).map_err(wrong)?;
             review.next_id = review.next_id.max(id.0 + 1);
             review.boxes.push(Arc::new(read));
         }
-        review.boxes.sort_unstable_by_key(|one| one.id);
+        review.boxes.sort_unstable_by_key(|review_box| review_box.id);
         Ok(review)
     }
 
-    fn read_box(&self, one: BoxRow, model: Option<Arc<str>>) -> Result<Reviewed, &'static str> {
-        let [start, end] = one.pings;
-        let mark = Mark::new(one.side, start..end, [one.near_m, one.far_m]);
+    fn read_box(&self, row: BoxRow, model: Option<Arc<str>>) -> Result<Reviewed, &'static str> {
+        let [start, end] = row.pings;
+        let mark = Mark::new(row.side, start..end, [row.near_m, row.far_m]);
         let is_held = held(&mark, self.identity.pings).as_ref() == Some(&mark);
-        let class = self.classes.iter().position(|class| *class == one.class);
-        let extent = match one.border_m {
+        let class = self.classes.iter().position(|class| *class == row.class);
+        let extent = match row.border_m {
             Some(border_m) => ObjectExtent::Drawn { border_m },
-            None if one.point => ObjectExtent::Point,
+            None if row.point => ObjectExtent::Point,
             None => ObjectExtent::Found,
         };
-        let is_inside = |border_m: f64| !one.point && (one.near_m..=one.far_m).contains(&border_m);
-        let has_score = one.score.is_none_or(|score| (0.0..=1.0).contains(&score));
-        let has_short_note = one.note.chars().count() <= LONGEST_NOTE;
-        let has_origin = match one.state {
+        let is_inside = |border_m: f64| !row.point && (row.near_m..=row.far_m).contains(&border_m);
+        let has_score = row.score.is_none_or(|score| (0.0..=1.0).contains(&score));
+        let has_short_note = row.note.chars().count() <= LONGEST_NOTE;
+        let has_origin = match row.state {
             State::Added => model.is_none(),
             State::Proposed | State::Accepted => model.is_some(),
             State::Rejected => true,
@@ -325,27 +325,27 @@ impl Review {
             "its note or the name of its model is too long",
         )?;
         check(
-            one.name.is_empty() || is_name(&one.name),
+            row.name.is_empty() || is_name(&row.name),
             "its name is too long or not of one line",
         )?;
-        check(one.border_m.is_none_or(is_inside), "the border of its shadow lies outside of it")?;
+        check(row.border_m.is_none_or(is_inside), "the border of its shadow lies outside of it")?;
         check(
-            one.shadow.is_none_or(|shadow| shadow.fits(&mark)),
+            row.shadow.is_none_or(|shadow| shadow.fits(&mark)),
             "the shadow that its height was measured by lies on no ping of it, or has no length",
         )?;
         check(has_origin, "its state does not fit where it came from")?;
         Ok(Reviewed {
-            id: one.id,
+            id: row.id,
             mark,
             class,
-            score: one.score,
-            state: one.state,
-            edited: one.edited,
-            note: one.note,
-            name: one.name,
-            certainty: one.certainty,
+            score: row.score,
+            state: row.state,
+            edited: row.edited,
+            note: row.note,
+            name: row.name,
+            certainty: row.certainty,
             extent,
-            shadow: one.shadow,
+            shadow: row.shadow,
             model,
         })
     }

@@ -196,9 +196,9 @@ impl Review {
     #[must_use]
     pub fn with_sides(mut self, swapped_sides: bool) -> Self {
         if self.identity.swapped_sides != swapped_sides {
-            for one in &mut self.boxes {
-                let one = Arc::make_mut(one);
-                one.mark.side = one.mark.side.other();
+            for review_box in &mut self.boxes {
+                let review_box = Arc::make_mut(review_box);
+                review_box.mark.side = review_box.mark.side.other();
             }
             self.identity.swapped_sides = swapped_sides;
         }
@@ -225,8 +225,9 @@ impl Review {
         match place(to) {
             None => to.clone_into(&mut after.classes[of]),
             Some(known) => {
-                for one in after.boxes.iter_mut().filter(|one| one.class == of) {
-                    Arc::make_mut(one).class = known;
+                for review_box in after.boxes.iter_mut().filter(|review_box| review_box.class == of)
+                {
+                    Arc::make_mut(review_box).class = known;
                 }
             }
         }
@@ -254,7 +255,7 @@ impl Review {
     }
 
     fn position(&self, id: BoxId) -> Option<usize> {
-        self.boxes.binary_search_by_key(&id, |one| one.id).ok()
+        self.boxes.binary_search_by_key(&id, |review_box| review_box.id).ok()
     }
 
     fn take_id(&mut self) -> BoxId {

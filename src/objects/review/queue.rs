@@ -67,44 +67,50 @@ impl Default for Queue {
 
 impl Queue {
     /// Returns true if the least score does not hide a box.
-    pub fn shows(&self, one: &Reviewed) -> bool {
-        one.is_shown_from(self.threshold)
+    pub fn shows(&self, review_box: &Reviewed) -> bool {
+        review_box.is_shown_from(self.threshold)
     }
 
     /// Returns true if a box of a review is in the queue. `size_m` returns the longer side of a
     /// mark, metres.
-    pub fn takes(&self, review: &Review, one: &Reviewed, size_m: impl Fn(&Mark) -> f64) -> bool {
+    pub fn takes(
+        &self,
+        review: &Review,
+        review_box: &Reviewed,
+        size_m: impl Fn(&Mark) -> f64,
+    ) -> bool {
         let filter = &self.filter;
-        let of_class = |class: &String| class == review.class_name(one.class);
-        self.shows(one)
+        let of_class = |class: &String| class == review.class_name(review_box.class);
+        self.shows(review_box)
             && filter.class.as_ref().is_none_or(of_class)
-            && filter.state.is_none_or(|state| state == one.state)
-            && one.score.is_none_or(|score| filter.score.contains(&score))
+            && filter.state.is_none_or(|state| state == review_box.state)
+            && review_box.score.is_none_or(|score| filter.score.contains(&score))
             && (filter.size_m == Filter::default().size_m
-                || filter.size_m.contains(&size_m(&one.mark)))
+                || filter.size_m.contains(&size_m(&review_box.mark)))
     }
 
     /// Returns the numbers of the boxes in the queue, in its order.
     pub fn sort_and_filter(&self, review: &Review, size_m: impl Fn(&Mark) -> f64) -> Vec<BoxId> {
         let mut line: Vec<&Reviewed> =
-            review.boxes().filter(|one| self.takes(review, one, &size_m)).collect();
+            review.boxes().filter(|review_box| self.takes(review, review_box, &size_m)).collect();
         line.sort_by(|a, b| match self.sort {
             Sort::Score => by_score(a, b),
             Sort::Position => by_position(a, b),
             Sort::Class => a.class.cmp(&b.class).then_with(|| by_score(a, b)),
         });
-        line.into_iter().map(|one| one.id).collect()
+        line.into_iter().map(|review_box| review_box.id).collect()
     }
 }
 
 /// Compares two boxes: the higher score comes first, boxes without a score last.
 fn by_score(a: &Reviewed, b: &Reviewed) -> Ordering {
-    let score = |one: &Reviewed| one.score.unwrap_or(-1.0);
+    let score = |review_box: &Reviewed| review_box.score.unwrap_or(-1.0);
     score(b).total_cmp(&score(a)).then_with(|| by_position(a, b))
 }
 
 fn by_position(a: &Reviewed, b: &Reviewed) -> Ordering {
-    let place = |one: &Reviewed| (one.mark.pings.start, one.mark.side, one.id);
+    let place =
+        |review_box: &Reviewed| (review_box.mark.pings.start, review_box.mark.side, review_box.id);
     place(a).cmp(&place(b))
 }
 
@@ -127,9 +133,9 @@ impl DecisionCounts {
     /// Counts the decisions about the boxes of a review.
     pub fn of(review: &Review, queue: &Queue) -> Self {
         let mut counts = Self::default();
-        for one in review.boxes() {
-            let count = match one.state {
-                _ if !queue.shows(one) => &mut counts.hidden,
+        for review_box in review.boxes() {
+            let count = match review_box.state {
+                _ if !queue.shows(review_box) => &mut counts.hidden,
                 State::Proposed => &mut counts.proposed,
                 State::Accepted => &mut counts.accepted,
                 State::Rejected => &mut counts.rejected,

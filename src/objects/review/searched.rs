@@ -27,8 +27,8 @@ impl Review {
         if self.searched.is_empty() {
             return Vec::new();
         }
-        let starts = self.searched.iter().map(|one| one.pings.start);
-        let ends = self.searched.iter().map(|one| one.pings.end);
+        let starts = self.searched.iter().map(|search| search.pings.start);
+        let ends = self.searched.iter().map(|search| search.pings.end);
         let from = std::iter::once(0).chain(ends);
         let to = starts.chain(std::iter::once(self.identity.pings));
         let between = from.zip(to).map(|(from, to)| from..to);
@@ -77,13 +77,15 @@ impl Review {
             }
         }
         noted.push(Searched { model: model.clone(), pings });
-        noted.sort_by_key(|one| one.pings.start);
-        for one in noted {
+        noted.sort_by_key(|search| search.pings.start);
+        for search in noted {
             match self.searched.last_mut() {
-                Some(last) if last.model == one.model && last.pings.end == one.pings.start => {
-                    last.pings.end = one.pings.end;
+                Some(last)
+                    if last.model == search.model && last.pings.end == search.pings.start =>
+                {
+                    last.pings.end = search.pings.end;
                 }
-                _ => self.searched.push(one),
+                _ => self.searched.push(search),
             }
         }
     }

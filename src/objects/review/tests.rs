@@ -61,7 +61,7 @@ fn edited(review: &Review, edits: &[Edit]) -> Review {
 }
 
 fn states(review: &Review) -> Vec<(u32, State)> {
-    review.boxes().map(|one| (one.id.0, one.state)).collect()
+    review.boxes().map(|review_box| (review_box.id.0, review_box.state)).collect()
 }
 
 #[test]
@@ -94,12 +94,12 @@ fn corrections_are_checked() {
             Edit::Note(id, "two of them".into()),
         ],
     );
-    let one = after.get(id).unwrap();
-    assert_eq!((one.class, one.mark.side), (1, Side::Starboard));
-    assert_eq!(one.mark.pings, PINGS - 4..PINGS);
-    assert_eq!((one.mark.near_m, one.mark.far_m), (0.0, 1.0));
-    assert_eq!((one.note.as_str(), one.state), ("two of them", State::Proposed));
-    assert!(one.is_kept());
+    let review_box = after.get(id).unwrap();
+    assert_eq!((review_box.class, review_box.mark.side), (1, Side::Starboard));
+    assert_eq!(review_box.mark.pings, PINGS - 4..PINGS);
+    assert_eq!((review_box.mark.near_m, review_box.mark.far_m), (0.0, 1.0));
+    assert_eq!((review_box.note.as_str(), review_box.state), ("two of them", State::Proposed));
+    assert!(review_box.is_kept());
 }
 
 #[test]
@@ -150,10 +150,10 @@ fn decisions_survive_a_change_of_model() {
             (5, State::Proposed),
         ]
     );
-    let one = after.get(BoxId(1)).unwrap();
-    assert_eq!((one.class, one.score), (0, Some(0.8)));
-    assert_eq!(one.mark, mark(Side::Port, 100, 5.0));
-    assert_eq!(one.model.as_deref(), Some("first"));
+    let review_box = after.get(BoxId(1)).unwrap();
+    assert_eq!((review_box.class, review_box.score), (0, Some(0.8)));
+    assert_eq!(review_box.mark, mark(Side::Port, 100, 5.0));
+    assert_eq!(review_box.model.as_deref(), Some("first"));
     let tyre = after.get(BoxId(2)).unwrap();
     assert_eq!((tyre.class, tyre.score), (1, Some(0.5)));
     assert_eq!(tyre.model.as_deref(), Some("second"));
@@ -198,7 +198,7 @@ fn adoption_is_as_comparing_all_with_all() {
     });
     let fresh: Vec<&Mark> = fresh.map(|found| &found.mark).collect();
     assert!((50..150).contains(&fresh.len()), "{}", fresh.len());
-    let came: Vec<&Mark> = after.boxes().skip(150).map(|one| &one.mark).collect();
+    let came: Vec<&Mark> = after.boxes().skip(150).map(|review_box| &review_box.mark).collect();
     assert_eq!(came, fresh);
 }
 
@@ -329,11 +329,11 @@ fn a_search_that_was_stopped_leaves_what_it_has_not_come_to() {
     );
     assert!(whole.unsearched().is_empty() && whole.coverage().is_none());
     let part = whole.adopt_part("second", &names, &[at(60)], &raster, 0..100);
-    let starts: Vec<usize> = part.boxes().map(|one| one.mark.pings.start).collect();
+    let starts: Vec<usize> = part.boxes().map(|review_box| review_box.mark.pings.start).collect();
     assert_eq!(starts, [95, 150, 60], "the second saw nothing at 20");
     let searched = |review: &Review| {
         let all = review.searched().iter();
-        all.map(|one| (one.model.to_string(), one.pings.clone())).collect::<Vec<_>>()
+        all.map(|search| (search.model.to_string(), search.pings.clone())).collect::<Vec<_>>()
     };
     let both = [("second".to_owned(), 0..100), ("first".to_owned(), 100..PINGS)];
     assert_eq!(searched(&part), both);
@@ -376,9 +376,9 @@ fn a_point_is_a_place_without_size() {
     let id = review.next_id();
     let add = Edit::AddPoint { side: Side::Starboard, ping: 321, range_m: 7.5, class: 1 };
     let after = edited(&review, &[add]);
-    let one = after.get(id).unwrap();
-    assert_eq!((one.state, one.extent), (State::Added, ObjectExtent::Point));
-    assert_eq!(one.mark, Mark::point(Side::Starboard, 321, 7.5));
+    let review_box = after.get(id).unwrap();
+    assert_eq!((review_box.state, review_box.extent), (State::Added, ObjectExtent::Point));
+    assert_eq!(review_box.mark, Mark::point(Side::Starboard, 321, 7.5));
     // The point has no edges to be found, and moves as a whole.
     assert_eq!(after.apply(&Edit::FindEdges(id)), None);
     let moved = edited(&after, &[Edit::Reshape(id, Mark::point(Side::Starboard, 322, 7.4))]);
@@ -417,10 +417,10 @@ fn a_target_has_a_name_a_class_of_its_own_and_a_word_of_certainty() {
             Edit::Rate(id, Some(Certainty::Certain)),
         ],
     );
-    let one = after.get(id).unwrap();
-    assert_eq!((one.name.as_str(), one.class), ("Anna", 2));
+    let review_box = after.get(id).unwrap();
+    assert_eq!((review_box.name.as_str(), review_box.class), ("Anna", 2));
     assert_eq!(after.classes(), names(&["rock", "tyre", "steam tug"]));
-    assert_eq!(one.certainty, Some(Certainty::Certain));
+    assert_eq!(review_box.certainty, Some(Certainty::Certain));
     assert_eq!(after.apply(&Edit::Classify(id, "steam tug".into())), None);
     let known = edited(&after, &[Edit::Classify(id, "rock".into())]);
     assert_eq!(known.classes(), after.classes());

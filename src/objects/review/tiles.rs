@@ -37,7 +37,7 @@ impl Review {
     /// unknown objects last. So the classes of the list have the same numbers in the data of all
     /// logs of a survey.
     pub fn training_classes(&self, list: &[String]) -> (Vec<String>, Vec<Option<usize>>) {
-        let is_used = |class: usize| self.boxes().any(|one| one.class == class);
+        let is_used = |class: usize| self.boxes().any(|review_box| review_box.class == class);
         let others = self.classes.iter().enumerate();
         let others = others.filter(|(class, name)| !list.contains(name) && is_used(*class));
         let (nameless, named): (Vec<_>, Vec<_>) =
@@ -56,19 +56,20 @@ impl Review {
         for side in Side::BOTH {
             let mut boxes: Vec<(Rect, &Reviewed)> = self
                 .boxes()
-                .filter(|one| one.mark.side == side)
-                .map(|one| (rect_of(raster, one), one))
+                .filter(|review_box| review_box.mark.side == side)
+                .map(|review_box| (rect_of(raster, review_box), review_box))
                 .collect();
             boxes.sort_by(|(a, _), (b, _)| a.y0.total_cmp(&b.y0));
             let first = tiles.len();
-            for (rect, one) in &boxes {
+            for (rect, review_box) in &boxes {
                 let is_held = |tile: &ReviewedTile| {
                     let inside = rect.intersection(&frame(tile));
                     inside.area() >= 0.999 * rect.area()
                 };
                 // Tiles follow the track, so only the last few can hold the box.
                 let is_seen = tiles[first..].iter().rev().take(8).any(is_held);
-                let is_picture = one.state != State::Proposed && one.extent != ObjectExtent::Point;
+                let is_picture =
+                    review_box.state != State::Proposed && review_box.extent != ObjectExtent::Point;
                 if is_picture && !is_seen {
                     tiles.push(around(rect, side, raster, &boxes));
                 }
@@ -80,9 +81,9 @@ impl Review {
 
 /// Returns a box in the pixels of the raster; for a point, the square that an object there may
 /// cover.
-fn rect_of(raster: &Raster, one: &Reviewed) -> Rect {
-    let rect = raster.rect_of(&one.mark);
-    if one.extent != ObjectExtent::Point {
+fn rect_of(raster: &Raster, review_box: &Reviewed) -> Rect {
+    let rect = raster.rect_of(&review_box.mark);
+    if review_box.extent != ObjectExtent::Point {
         return rect;
     }
     let half = 0.5 * POINT_M / raster.pixel_m() as f32;
@@ -100,17 +101,18 @@ fn around(rect: &Rect, side: Side, raster: &Raster, boxes: &[(Rect, &Reviewed)])
     let [row, column] = raster.start_about(rect);
     let mut tile = ReviewedTile { side, row, column, boxes: PictureBoxes::default(), rejected: 0 };
     let frame = frame(&tile);
-    for (rect, one) in boxes {
+    for (rect, review_box) in boxes {
         let inside = rect.intersection(&frame);
         if inside.area() <= 0.0 {
             continue;
         }
-        let label = Labelled { class: one.class, rect: inside.shifted(-frame.x0, -frame.y0) };
+        let label =
+            Labelled { class: review_box.class, rect: inside.shifted(-frame.x0, -frame.y0) };
         let large = (inside.x1 - inside.x0).min(inside.y1 - inside.y0) >= LEAST_PX;
         let whole_enough = large && inside.area() >= LEAST_SHARE * rect.area();
         // The size of a point is unknown.
-        let is_plain = whole_enough && one.extent != ObjectExtent::Point;
-        match one.state {
+        let is_plain = whole_enough && review_box.extent != ObjectExtent::Point;
+        match review_box.state {
             State::Rejected => tile.rejected += 1,
             State::Accepted | State::Added if is_plain => tile.boxes.labels.push(label),
             State::Accepted | State::Added | State::Proposed => tile.boxes.ignored.push(label),

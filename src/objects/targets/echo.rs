@@ -137,12 +137,12 @@ pub(super) fn drawn_parts(survey: &Survey, mark: &Mark) -> Option<Parts> {
     let all: Vec<Range<usize>> = slices(&mark.pings).collect();
     let shadows: Vec<Shadow> =
         (all.iter()).filter_map(|pings| look.behind_all(pings.clone(), mark.far_m)).collect();
-    let start_m = shadows.iter().map(|one| one.start_m).reduce(f64::max);
+    let start_m = shadows.iter().map(|shadow| shadow.start_m).reduce(f64::max);
     // If most of the box ends in echo, a hollow in the rest of it is no shadow.
     let start_m = start_m.filter(|start_m| *start_m < mark.far_m && 2 * shadows.len() > all.len());
     let shadows = if start_m.is_some() { shadows } else { Vec::new() };
     // NaN counts as the largest: a shadow that continues beyond the range is longer than any other.
-    let end_m = shadows.iter().map(|one| one.end_m).max_by(f64::total_cmp);
+    let end_m = shadows.iter().map(|shadow| shadow.end_m).max_by(f64::total_cmp);
     let (longest, spread) = longest(shadows, LARGE).unzip();
     Some(Parts {
         echo_m: [mark.near_m, start_m.unwrap_or(mark.far_m)],
@@ -411,8 +411,9 @@ fn slices(pings: &Range<usize>) -> impl Iterator<Item = Range<usize>> {
 /// that continues beyond the range is longer than any other. Also returns the standard deviation of
 /// the shadows about it, in the same measure.
 fn longest(mut shadows: Vec<Shadow>, share: f64) -> Option<(Shadow, f64)> {
-    let length =
-        |one: &Shadow| if one.end_m.is_nan() { 1.0 } else { 1.0 - one.start_m / one.end_m };
+    let length = |shadow: &Shadow| {
+        if shadow.end_m.is_nan() { 1.0 } else { 1.0 - shadow.start_m / shadow.end_m }
+    };
     shadows.sort_by(|a, b| length(a).total_cmp(&length(b)));
     let last = shadows.len().checked_sub(1)?;
     let at = |share: f64| shadows.get((share * last as f64).round() as usize);
@@ -444,7 +445,7 @@ mod tests {
         let whole = set_parts(&mark, 5.0, 12.0);
         assert_eq!(whole.echo_m, [4.0, 5.0]);
         assert_eq!(whole.shadow_m, Some([5.0, 7.0]));
-        assert_eq!(whole.longest.map(|one| one.bright_end_m), Some(5.0));
+        assert_eq!(whole.longest.map(|shadow| shadow.bright_end_m), Some(5.0));
         let none = set_parts(&mark, 7.0, 12.0);
         assert_eq!((none.shadow_m, none.longest), (None, None));
         let off = set_parts(&mark, 5.0, 7.0);

@@ -105,20 +105,20 @@ fn common<'a>(
 fn joined(sightings: &[Sighting<'_>], mut members: Vec<usize>, settings: &GroupSettings) -> Group {
     members.sort_unstable();
     let all = || members.iter().map(|&index| &sightings[index]);
-    let ([east_m, north_m], covariance) = common(all().map(|one| one.target), settings);
+    let ([east_m, north_m], covariance) = common(all().map(|sighting| sighting.target), settings);
     let support = |class: usize| -> f64 {
-        let same = all().filter(|one| one.class == Some(class));
-        same.map(|one| one.score.max(0.0)).sum()
+        let same = all().filter(|sighting| sighting.class == Some(class));
+        same.map(|sighting| sighting.score.max(0.0)).sum()
     };
     let best =
         |best: usize, other: usize| if support(other) > support(best) { other } else { best };
-    let class = all().filter_map(|one| one.class).reduce(best);
+    let class = all().filter_map(|sighting| sighting.class).reduce(best);
     Group {
         east_m,
         north_m,
         sigma_m: covariance.widest_m(),
         class,
-        height: ObjectHeight::of(all().map(|one| one.target)),
+        height: ObjectHeight::of(all().map(|sighting| sighting.target)),
         members,
     }
 }
@@ -233,8 +233,8 @@ mod tests {
     fn a_confused_class_does_not_split_an_object_and_the_best_supported_one_counts() {
         let targets = [0.0, 1.3, 0.6].map(|east_m| seen(east_m, 100.0 * east_m, 0.3));
         let claims = [(Some(4), 0.4), (Some(2), 0.9), (Some(4), 0.4)];
-        let [one] = &grouped(&targets, &claims)[..] else { panic!("one object") };
-        assert_eq!((one.members.len(), one.class), (3, Some(2)));
+        let [group] = &grouped(&targets, &claims)[..] else { panic!("one object") };
+        assert_eq!((group.members.len(), group.class), (3, Some(2)));
         // The allowed distance is 3 x 0.61 m; with another class 2.45 x 0.61 m.
         let apart = |east_m, class| {
             let targets = [seen(0.0, 0.0, 0.3), seen(east_m, 50.0, 0.3)];
@@ -278,12 +278,12 @@ mod tests {
         targets[1].along_sigma_m = 0.1;
         targets[1].heading_rad = std::f64::consts::FRAC_PI_2;
         targets[1].north_m = 0.8;
-        let [one] = &grouped(&targets, &[])[..] else { panic!("one object") };
+        let [group] = &grouped(&targets, &[])[..] else { panic!("one object") };
         // With the receiver's 0.3 m, the variances are 0.1 and 0.9 m2.
         let weights = [1.0 / 0.9, 1.0 / 0.1];
         let share = weights[1] / (weights[0] + weights[1]);
-        assert!((one.east_m - share * 0.4).abs() < 1e-9);
-        assert!((one.north_m - (1.0 - share) * 0.8).abs() < 1e-9);
-        assert!((one.sigma_m - (weights[0] + weights[1]).sqrt().recip()).abs() < 1e-9);
+        assert!((group.east_m - share * 0.4).abs() < 1e-9);
+        assert!((group.north_m - (1.0 - share) * 0.8).abs() < 1e-9);
+        assert!((group.sigma_m - (weights[0] + weights[1]).sqrt().recip()).abs() < 1e-9);
     }
 }

@@ -81,18 +81,19 @@ impl ObjectHeight {
     /// count. Sightings that contradict the surest one are left out rather than averaged: a
     /// sighting that shows only part of the shadow has a wrong height with a small deviation.
     pub fn of<'a>(targets: impl Iterator<Item = &'a Target>) -> Self {
-        let is_known = |one: &Target| one.height_m.is_finite() && !one.height_sigma_m.is_nan();
-        let known = targets.enumerate().filter(|(_, one)| is_known(one));
-        let (set, found): (Vec<_>, Vec<_>) = known.partition(|(_, one)| is_by_hand(one));
+        let is_known =
+            |target: &Target| target.height_m.is_finite() && !target.height_sigma_m.is_nan();
+        let known = targets.enumerate().filter(|(_, target)| is_known(target));
+        let (set, found): (Vec<_>, Vec<_>) = known.partition(|(_, target)| is_by_hand(target));
         let told = if set.is_empty() { found } else { set };
         let Some((sighting, surest)) = surest(&told) else {
             return Self::UNKNOWN;
         };
-        let agrees = |one: &&Target| {
-            let apart_m = (one.height_m - surest.height_m).abs();
-            apart_m <= AGREE_SIGMAS * sigma_m(one).hypot(sigma_m(surest))
+        let agrees = |target: &&Target| {
+            let apart_m = (target.height_m - surest.height_m).abs();
+            apart_m <= AGREE_SIGMAS * sigma_m(target).hypot(sigma_m(surest))
         };
-        let counted: Vec<&Target> = told.iter().map(|(_, one)| *one).filter(agrees).collect();
+        let counted: Vec<&Target> = told.iter().map(|(_, target)| *target).filter(agrees).collect();
         let [mean_m, sigma_m] = mean(&counted);
         // The mean is tested, not each height: without the small heights, the mean would be too
         // large.
@@ -126,17 +127,17 @@ fn sigma_m(target: &Target) -> f64 {
 /// smallest deviation alone is no measure: the ends of a short piece of shadow are as sharp as
 /// those of a whole one.
 fn surest<'a>(targets: &[(usize, &'a Target)]) -> Option<(usize, &'a Target)> {
-    let ratio = |one: &Target| one.height_m / sigma_m(one);
+    let ratio = |target: &Target| target.height_m / sigma_m(target);
     targets.iter().copied().max_by(|(_, a), (_, b)| ratio(a).total_cmp(&ratio(b)))
 }
 
 /// Returns the weighted mean of some heights and its standard deviation, metres.
 fn mean(targets: &[&Target]) -> [f64; 2] {
-    let weight = |one: &Target| sigma_m(one).powi(-2);
-    let weights: f64 = targets.iter().map(|one| weight(one)).sum();
-    let sum: f64 = targets.iter().map(|one| weight(one) * one.height_m).sum();
+    let weight = |target: &Target| sigma_m(target).powi(-2);
+    let weights: f64 = targets.iter().map(|target| weight(target)).sum();
+    let sum: f64 = targets.iter().map(|target| weight(target) * target.height_m).sum();
     let mean_m = sum / weights;
-    let squares = |one: &&Target| weight(one) * (one.height_m - mean_m).powi(2);
+    let squares = |target: &&Target| weight(target) * (target.height_m - mean_m).powi(2);
     let excess = match targets.len() {
         0 | 1 => 1.0,
         count => (targets.iter().map(squares).sum::<f64>() / (count - 1) as f64).sqrt().max(1.0),

@@ -170,12 +170,12 @@ pub(super) fn pairs(sightings: &[Sighting<'_>], settings: &GroupSettings) -> Vec
         let [a, b] = [a, b].map(|index| sightings[index].target.east_m);
         a.total_cmp(&b)
     });
-    let of_one_log = sightings.iter().all(|one| one.log == sightings[0].log);
+    let of_one_log = sightings.iter().all(|sighting| sighting.log == sightings[0].log);
     let log_sigma_m = if of_one_log { 0.0 } else { settings.log_sigma_m };
-    let reach_m = |one: &Sighting<'_>| {
+    let reach_m = |sighting: &Sighting<'_>| {
         let receiver_sigma_m = settings.receiver_sigma_m.hypot(log_sigma_m);
-        let sigma_m = one.target.sigma_m.hypot(receiver_sigma_m);
-        settings.sigmas * (sigma_m + size_m(one.target))
+        let sigma_m = sighting.target.sigma_m.hypot(receiver_sigma_m);
+        settings.sigmas * (sigma_m + size_m(sighting.target))
     };
     let widest_m = 2.0 * sightings.iter().map(reach_m).fold(0.0, f64::max);
     let mut pairs = Vec::new();

@@ -77,14 +77,16 @@ impl TruthComparison {
         let mut classes = review.classes().to_vec();
         let mut images = on_raster.images(&mut classes);
         let mut boxes = [Vec::new(), Vec::new()];
-        for one in review.boxes().filter(|one| !Review::reaches_into(&gaps, &one.mark)) {
-            let Some(score) = one.score else {
+        for review_box in
+            review.boxes().filter(|review_box| !Review::reaches_into(&gaps, &review_box.mark))
+        {
+            let Some(score) = review_box.score else {
                 continue;
             };
-            let side = one.mark.side as usize;
-            boxes[side].push(one.id);
-            let rect = raster.rect_of(&one.mark);
-            images[side].predicted.push(Scored::new(one.class, score, rect));
+            let side = review_box.mark.side as usize;
+            boxes[side].push(review_box.id);
+            let rect = raster.rect_of(&review_box.mark);
+            images[side].predicted.push(Scored::new(review_box.class, score, rect));
         }
         if let Some(nameless) = classes.iter().position(|name| name == NAMELESS_CLASS) {
             for image in &mut images {
@@ -126,7 +128,7 @@ impl TruthComparison {
     /// Returns the number of objects that count: the visible ones in searched pings.
     pub fn counted(&self) -> usize {
         let all = self.on_raster.sides.iter().flatten();
-        all.filter(|(one, _)| !one.ignored).count()
+        all.filter(|(truth, _)| !truth.ignored).count()
     }
 
     /// Returns the result of the boxes of at least a score.
@@ -137,20 +139,20 @@ impl TruthComparison {
             |rect: &Rect| f64::from((rect.x1 - rect.x0).max(rect.y1 - rect.y0)) * self.pixel_m;
         let mut mistakes: Vec<Mistake> = false_alarms
             .iter()
-            .map(|one| {
-                let predicted = &images[one.image].predicted[one.predicted];
+            .map(|alarm| {
+                let predicted = &images[alarm.image].predicted[alarm.predicted];
                 Mistake::FalseAlarm {
-                    id: self.boxes[one.image][one.predicted],
+                    id: self.boxes[alarm.image][alarm.predicted],
                     score: predicted.score,
-                    cause: one.cause,
+                    cause: alarm.cause,
                     size_m: size_m(&predicted.rect),
                 }
             })
             .collect();
         let first_miss = mistakes.len();
-        mistakes.extend(misses.iter().map(|one| Mistake::Miss {
-            object: self.on_raster.sides[one.image][one.truth].1,
-            size_m: size_m(&images[one.image].truth[one.truth].rect),
+        mistakes.extend(misses.iter().map(|miss| Mistake::Miss {
+            object: self.on_raster.sides[miss.image][miss.truth].1,
+            size_m: size_m(&images[miss.image].truth[miss.truth].rect),
         }));
         mistakes[first_miss..].sort_by(|a, b| b.size_m().total_cmp(&a.size_m()));
         Standing { score, counts, confusion, mistakes }

@@ -80,14 +80,15 @@ impl SurveyTruth {
     /// Creates the truth from the accepted and added boxes of a review, without its points.
     pub(crate) fn from_review(review: &Review) -> Self {
         // The box around the object at a point is unknown.
-        let objects = (review.boxes())
-            .filter(|one| one.state.is_object() && one.extent != ObjectExtent::Point);
+        let objects = (review.boxes()).filter(|review_box| {
+            review_box.state.is_object() && review_box.extent != ObjectExtent::Point
+        });
         Self {
             classes: review.classes().to_vec(),
             objects: objects
-                .map(|one| KnownObject {
-                    class: one.class,
-                    whole: one.mark.clone(),
+                .map(|review_box| KnownObject {
+                    class: review_box.class,
+                    whole: review_box.mark.clone(),
                     shown: true,
                     slices: Vec::new(),
                 })

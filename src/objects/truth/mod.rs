@@ -60,9 +60,9 @@ impl RasterTruth {
             let of_side = self.sides[side].iter();
             metrics::Image {
                 truth: of_side
-                    .map(|(one, _)| metrics::TrueBox {
-                        class: class_of.get(one.class).copied().unwrap_or(usize::MAX),
-                        ..*one
+                    .map(|(known, _)| metrics::TrueBox {
+                        class: class_of.get(known.class).copied().unwrap_or(usize::MAX),
+                        ..*known
                     })
                     .collect(),
                 predicted: Vec::new(),

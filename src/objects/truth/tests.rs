@@ -86,7 +86,7 @@ fn objects_that_nothing_shows_or_that_are_slivers_count_only_when_somebody_saw_t
     let rasterise = |truth: &SurveyTruth| {
         let [port, starboard] = RasterTruth::new(&raster, Arc::new(truth.clone())).sides;
         assert!(starboard.is_empty());
-        port.iter().map(|(one, _)| one.ignored).collect::<Vec<_>>()
+        port.iter().map(|(truth, _)| truth.ignored).collect::<Vec<_>>()
     };
     assert_eq!(rasterise(&truth), [false, true, true]);
     truth.was_seen = true;

@@ -28,7 +28,7 @@ fn a_class_is_renamed_for_all_its_boxes_and_may_join_another() {
     let empty = Review::new(identity(), names(&[NAMELESS_CLASS]));
     let review = empty.adopt("first", &names(&["rock", "tyre"]), &found, &raster());
     let classes = |review: &Review| -> Vec<String> {
-        let class = |one: &Reviewed| review.class_name(one.class).to_owned();
+        let class = |review_box: &Reviewed| review.class_name(review_box.class).to_owned();
         review.boxes().map(class).collect()
     };
     let renamed = review.with_class_renamed("tyre", "wheel").expect("a class");

@@ -138,7 +138,7 @@ impl CoarseSearch {
                 let problem = Problem::new(kind, &coarse);
                 let states = beginnings.into_iter();
                 let mut states: Vec<FitState> =
-                    states.map(|one| FitState::new(&problem, one)).collect();
+                    states.map(|numbers| FitState::new(&problem, numbers)).collect();
                 for (most, rounds) in self.followed {
                     follow(&problem, &mut states, *most, *rounds);
                 }

@@ -88,7 +88,9 @@ pub(super) fn beginnings(kind: ShapeKind, start: &InitialGuess) -> Vec<Numbers> 
             let length_m = length_m.clamp(usual.length_m[0], usual.length_m[1]);
             let heading_rad = start.heading_rad + off_rad;
             let steepnesses = steepnesses(kind, start.height_m * slenderness / length_m);
-            for (steepness, out) in steepnesses.flat_map(|one| OUTWARD.map(|out| (one, out))) {
+            for (steepness, out) in
+                steepnesses.flat_map(|steepness| OUTWARD.map(|out| (steepness, out)))
+            {
                 let sizes = [length_m.ln(), slenderness.ln(), steepness.ln()];
                 let mut of_look = start.of_look();
                 let out_m = out * start.box_m;

@@ -213,10 +213,10 @@ fn a_worked_example_by_hand() {
     // Rows and columns: stone, tyre, background.
     let rows: Vec<&[usize]> = ours.confusion.rows().collect();
     assert_eq!(rows, [[1, 0, 1], [1, 0, 0], [2, 1, 0]]);
-    let causes: Vec<Cause> = ours.false_alarms.iter().map(|one| one.cause).collect();
+    let causes: Vec<Cause> = ours.false_alarms.iter().map(|alarm| alarm.cause).collect();
     assert_eq!(causes, [Cause::Duplicate, Cause::OtherClass, Cause::Background, Cause::Loose]);
     let missed: Vec<(usize, usize)> =
-        ours.misses.iter().map(|one| (one.image, one.truth)).collect();
+        ours.misses.iter().map(|miss| (miss.image, miss.truth)).collect();
     assert_eq!(missed, [(0, 1), (1, 0)]);
     // The tyre's own box is below the score, but on the curve of its class: 1 of 2 at its end.
     let tyre = &ours.classes[1].curve;
@@ -230,5 +230,5 @@ fn boxes_of_unknown_classes_are_left_out() {
     let ours = evaluate(&worked_example(), 1, &MetricSettings::coco());
     assert_eq!(ours.counts.truths, 2);
     assert_eq!(ours.confusion.classes(), 1);
-    assert!(ours.misses.iter().all(|one| (one.image, one.truth) != (0, 1)));
+    assert!(ours.misses.iter().all(|miss| (miss.image, miss.truth) != (0, 1)));
 }

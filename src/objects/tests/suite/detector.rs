@@ -50,19 +50,19 @@ fn differences(found: &[Scored], expected: &[[f32; 6]]) -> (f32, f32) {
     assert_eq!(found.len(), expected.len());
     let mut left: Vec<&Scored> = found.iter().collect();
     let (mut score, mut edge) = (0.0_f32, 0.0_f32);
-    for one in expected {
+    for row in expected {
         let away = |found: &Scored| {
             let edges = [found.rect.x0, found.rect.y0, found.rect.x1, found.rect.y1];
-            let edges = edges.iter().zip(&one[2..]);
+            let edges = edges.iter().zip(&row[2..]);
             edges.fold(0.0_f32, |away, (a, b)| away.max((a - b).abs()))
         };
         let nearest = (0..left.len())
-            .filter(|&index| left[index].class as f32 == one[0])
+            .filter(|&index| left[index].class as f32 == row[0])
             .min_by(|&a, &b| away(left[a]).total_cmp(&away(left[b])))
             .expect("a box of that class");
         let taken = left.swap_remove(nearest);
         edge = edge.max(away(taken));
-        score = score.max((taken.score - one[1]).abs());
+        score = score.max((taken.score - row[1]).abs());
     }
     (score, edge)
 }
@@ -180,7 +180,7 @@ fn a_box_is_named_from_a_confidence_on_and_is_an_object_below_it() {
             DetectorSettings { score: Some(SCORE), name_score, ..DetectorSettings::default() };
         let found = find_in_picture(&picture(), &model, &settings, &Progress::new());
         let found = found.expect("boxes").into_iter();
-        found.map(|one| (one.score, one.class)).collect::<Vec<_>>()
+        found.map(|found_box| (found_box.score, found_box.class)).collect::<Vec<_>>()
     };
     // Without a least score for names in its sidecar file, a model keeps the classes of all boxes.
     let all = named("{}", None);
@@ -209,7 +209,7 @@ fn boxes_vote_when_the_sidecar_says_so_and_stay_wherever_the_slider_is() {
     let voting = r#"{"thresholds": {"vote": 0.65}}"#;
     let (plain, voted) = (found("{}", SCORE), found(voting, SCORE));
     assert_eq!(plain.len(), voted.len());
-    let class_and_score = |one: &Scored| (one.class, one.score);
+    let class_and_score = |found_box: &Scored| (found_box.class, found_box.score);
     assert!(plain.iter().map(class_and_score).eq(voted.iter().map(class_and_score)));
     assert_ne!(plain, voted);
     let surest = voted.len() / 2;
@@ -252,7 +252,7 @@ fn a_mirrored_pass_sees_the_same_and_is_less_sure_than_the_surer() {
         // No box is suppressed here: of two boxes of one object with equal scores, either could be
         // kept.
         let found = model.detect(picture, SCORE, 1.0).expect("boxes");
-        found.iter().map(|one| one.score).collect()
+        found.iter().map(|found_box| found_box.score).collect()
     };
     let (there, back) = (picture(), picture().mirrored());
     assert_ne!(scores(&once, &there), scores(&once, &back));
@@ -285,8 +285,10 @@ proptest! {
         }
         if let Ok(model) = Model::from_bytes(bytes, None) {
             let found = model.detect(&picture(), SCORE, IOU);
-            let within = |one: &Scored| (0.0..=96.0).contains(&one.rect.x0) && one.score <= 1.0;
-            prop_assert!(found.is_err() || found.unwrap().iter().all(within));
+            let is_inside = |found_box: &Scored| {
+                (0.0..=96.0).contains(&found_box.rect.x0) && found_box.score <= 1.0
+            };
+            prop_assert!(found.is_err() || found.unwrap().iter().all(is_inside));
         }
     }
 }

@@ -53,11 +53,12 @@ fn finds_the_objects_of_the_demo() {
     let (mut clear, mut hit) = (0, 0);
     for object in &truth.objects {
         let marks: Vec<Mark> = object.sightings.iter().filter_map(clear_box).collect();
-        let seen = |mark: &&Mark| found.iter().any(|one| meets(&raster, one, mark, 0.5));
+        let seen =
+            |mark: &&Mark| found.iter().any(|detection| meets(&raster, detection, mark, 0.5));
         let named = |mark: &&Mark| {
-            found
-                .iter()
-                .any(|one| names[one.class] == object.kind.name() && meets(&raster, one, mark, 0.5))
+            found.iter().any(|detection| {
+                names[detection.class] == object.kind.name() && meets(&raster, detection, mark, 0.5)
+            })
         };
         clear += marks.len();
         hit += marks.iter().filter(seen).count();
@@ -76,12 +77,12 @@ fn finds_the_objects_of_the_demo() {
             far_m: f64::INFINITY,
         })
         .collect();
-    let on_something = |one: &&Detection| {
+    let on_something = |detection: &&Detection| {
         known.iter().any(|mark| {
-            one.mark.side == mark.side
-                && one.mark.pings.start < mark.pings.end
-                && mark.pings.start < one.mark.pings.end
-                && one.mark.far_m > mark.near_m
+            detection.mark.side == mark.side
+                && detection.mark.pings.start < mark.pings.end
+                && mark.pings.start < detection.mark.pings.end
+                && detection.mark.far_m > mark.near_m
         })
     };
     let false_alarms = found.len() - found.iter().filter(on_something).count();
