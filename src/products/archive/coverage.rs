@@ -156,12 +156,12 @@ pub fn coverage_at(
     let found: Vec<Vec<PingCoverage>> = found.collect::<Result<_, ArchiveError>>()?;
     // A ping has a row in every tile whose ground it insonified, with the same footprint.
     let mut nearest: BTreeMap<(String, String, i32, Side), PingCoverage> = BTreeMap::new();
-    for one in found.into_iter().flatten() {
-        let key = (one.name.clone(), one.log.clone(), one.ping, one.side);
+    for sighting in found.into_iter().flatten() {
+        let key = (sighting.name.clone(), sighting.log.clone(), sighting.ping, sighting.side);
         match nearest.get(&key) {
-            Some(known) if known.seen.distance_m <= one.seen.distance_m => {}
+            Some(known) if known.seen.distance_m <= sighting.seen.distance_m => {}
             _ => {
-                nearest.insert(key, one);
+                nearest.insert(key, sighting);
             }
         }
     }

@@ -24,8 +24,10 @@ pub(super) fn log_overlaps(
     let shifts = shifts.iter().map(|found| found.shift).collect();
     let search = OverlapSearch::new(archive, logs, shifts, false, progress);
     let relabelled = |found: Vec<LogOverlap>, inside: &[usize]| -> Vec<LogOverlap> {
-        let logs =
-            |one: LogOverlap| LogOverlap { logs: one.logs.map(|track| inside[track]), ..one };
+        let logs = |overlap: LogOverlap| LogOverlap {
+            logs: overlap.logs.map(|track| inside[track]),
+            ..overlap
+        };
         found.into_iter().map(logs).collect()
     };
     let mut all = search.in_tiles(
@@ -34,7 +36,7 @@ pub(super) fn log_overlaps(
             let found = crossing_overlaps(tracks, &Progress::new())?;
             Ok(relabelled(found, inside))
         },
-        |one: &LogOverlap| one.place,
+        |overlap: &LogOverlap| overlap.place,
     )?;
     let mut counts: HashMap<[usize; 2], usize> = HashMap::new();
     for log_overlap in &all {
@@ -55,7 +57,7 @@ pub(super) fn log_overlaps(
             let found = overlaps(tracks, is_wanted, &Progress::new())?;
             Ok(relabelled(found, inside))
         },
-        |one: &LogOverlap| one.place,
+        |overlap: &LogOverlap| overlap.place,
     )?);
     all.sort_by_key(|log_overlap| log_overlap.logs);
     Ok(all)
@@ -115,7 +117,7 @@ impl<'a> OverlapSearch<'a> {
             });
             let tracks: Vec<Vec<TrackDepth>> = tracks.collect::<Result<_, ArchiveError>>()?;
             let mut found = find(&tracks, inside)?;
-            found.retain(|one| tile.holds(place(one), 0.0));
+            found.retain(|item| tile.holds(place(item), 0.0));
             Ok(found)
         };
         let found = self.tiles.par_iter().map(of_tile);

@@ -40,8 +40,8 @@ pub(super) struct LogRows<'a> {
 /// Computes [`LogRows::track`]; its depths are not used.
 pub(super) fn track(survey: &Survey, products: &Products) -> Vec<TrackDepth> {
     let navigation = &products.navigation;
-    let of_soundings = survey.soundings.iter().map(|one| one.time_s);
-    let of_pings = survey.side_scan.iter().map(|one| one.time_s);
+    let of_soundings = survey.soundings.iter().map(|sounding| sounding.time_s);
+    let of_pings = survey.side_scan.iter().map(|ping| ping.time_s);
     let fixes: Vec<(f64, &PingNav)> = if !survey.soundings.is_empty() {
         of_soundings.zip(navigation.soundings.iter()).collect()
     } else {
@@ -54,7 +54,9 @@ pub(super) fn track(survey: &Survey, products: &Products) -> Vec<TrackDepth> {
         depth_m: 0.0,
     };
     let mut track: Vec<TrackDepth> = (fixes.into_iter().map(depth))
-        .filter(|one| (one.time_s + one.east_m + one.north_m).is_finite())
+        .filter(|track_depth| {
+            (track_depth.time_s + track_depth.east_m + track_depth.north_m).is_finite()
+        })
         .collect();
     track.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
     track.dedup_by(|a, b| a.time_s == b.time_s);
@@ -123,7 +125,7 @@ impl LogRows<'_> {
     /// Returns the velocity of the boat at a time of the log, metres a second along the axes of a
     /// zone; zero where it is not known.
     pub(super) fn velocity_mps(&self, time_s: f64, zone: UtmZone) -> [f64; 2] {
-        let after = self.track.partition_point(|one| one.time_s < time_s);
+        let after = self.track.partition_point(|track_depth| track_depth.time_s < time_s);
         let Some(here) = self.track.get(after.min(self.track.len().saturating_sub(1))) else {
             return [0.0; 2];
         };

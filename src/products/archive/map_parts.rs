@@ -104,7 +104,7 @@ impl MapParts {
 
     fn name(&self, tile: WebTile, under: &[TileId]) -> String {
         let maps: BTreeMap<String, Option<&Vec<Fingerprint>>> =
-            (under.iter()).map(|one| (one.to_string(), self.maps.get(one))).collect();
+            (under.iter()).map(|id| (id.to_string(), self.maps.get(id))).collect();
         let from = serde_json::json!({ "with": self.drawn_with, "maps": maps }).to_string();
         let hash = in_hexadecimal(&Sha256::digest(from.as_bytes())[..HASH]);
         format!("{}_{}_{}_{hash}{ENDING}", tile.zoom, tile.x, tile.y)
@@ -256,7 +256,7 @@ mod tests {
             assert_eq!(found.pictures, part.pictures);
             let bytes = |part: &MapPart| {
                 let known = part.known.as_ref();
-                known.map(|one| (one.pixels.to_bytes(), one.lines.clone()))
+                known.map(|tile| (tile.pixels.to_bytes(), tile.lines.clone()))
             };
             assert!(bytes(&found) == bytes(&part));
         }

@@ -236,8 +236,8 @@ impl ArchiveTiles {
     ) -> io::Result<Option<Surface>> {
         let wanted = cells_around(zone, tile, self.cell_m);
         let mut grid = None;
-        for one in under.iter().filter(|one| one.zone == zone) {
-            let content = self.contents.of(*one)?;
+        for id in under.iter().filter(|id| id.zone == zone) {
+            let content = self.contents.of(*id)?;
             let (grid, depth_m) =
                 grid.get_or_insert_with(|| (wanted, vec![f32::NAN; wanted.len()]));
             content.copy_into(grid, depth_m);
@@ -305,7 +305,7 @@ impl PyramidSource for ArchiveTiles {
 
     fn pixels(&self, tile: WebTile) -> io::Result<Option<Pixels>> {
         let under = self.under(tile);
-        let mut zones: Vec<UtmZone> = under.iter().map(|one| one.zone).collect();
+        let mut zones: Vec<UtmZone> = under.iter().map(|id| id.zone).collect();
         zones.dedup();
         let mut windows = Vec::with_capacity(zones.len());
         for zone in zones {
@@ -325,8 +325,8 @@ impl PyramidSource for ArchiveTiles {
 
     fn isobaths(&self, tile: WebTile) -> io::Result<Vec<Isobath>> {
         let mut lines = Vec::new();
-        for one in self.under(tile) {
-            let content = self.contents.of(one)?;
+        for id in self.under(tile) {
+            let content = self.contents.of(id)?;
             lines.extend(tile.isobaths(content.lines.iter(), &self.scales.zooms));
         }
         Ok(lines)

@@ -20,7 +20,8 @@ pub(super) fn columns(log: &LogRows<'_>, rows: &[TileRow]) -> Vec<Column> {
         let is_known = (point.ping as usize) < log.survey.side_scan.len();
         is_known.then(|| i32::try_from(point.ping).ok()).flatten()
     };
-    let sounding = |point: &CloudPoint| point.sounding().and_then(|one| i32::try_from(one).ok());
+    let sounding =
+        |point: &CloudPoint| point.sounding().and_then(|index| i32::try_from(index).ok());
     let each = || points.iter().map(|(point, _)| *point);
     let classes = || points.iter().map(|(_, class)| *class);
     let weights = points.iter().map(|(point, class)| log.weight(point, *class));

@@ -39,11 +39,11 @@ pub(super) fn shifts(
     if !wanted.is_anything() {
         return Ok(before);
     }
-    let relabelled = |mut one: Crossing, inside: &[usize]| {
-        for pass in &mut one.passes {
+    let relabelled = |mut crossing: Crossing, inside: &[usize]| {
+        for pass in &mut crossing.passes {
             pass.track = inside[pass.track];
         }
-        one
+        crossing
     };
     let placed = before
         .iter()
@@ -57,11 +57,11 @@ pub(super) fn shifts(
             |_| true,
             |tracks, inside| {
                 let found = crossings(tracks, &Progress::new())?.into_iter();
-                Ok(found.map(|one| relabelled(one, inside)).collect())
+                Ok(found.map(|crossing| relabelled(crossing, inside)).collect())
             },
-            |one: &Crossing| one.place,
+            |crossing: &Crossing| crossing.place,
         )?;
-        found.sort_by_key(|one| one.passes.map(|pass| pass.track));
+        found.sort_by_key(|crossing| crossing.passes.map(|pass| pass.track));
         Ok::<_, ArchiveError>(found)
     })?;
     let mut found = found

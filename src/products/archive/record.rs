@@ -154,7 +154,8 @@ impl ArchiveRecord {
             format!("{key} is {} there, and {} here", value(self, key), value(other, key))
         });
         let areas = (self.isobath_area != other.isobath_area).then(|| {
-            let [there, here] = [self, other].map(|one| area_in_words(one.isobath_area.as_ref()));
+            let [there, here] =
+                [self, other].map(|record| area_in_words(record.isobath_area.as_ref()));
             format!("{AREA} is {there} there, and {here} here")
         });
         in_settings
@@ -353,7 +354,7 @@ impl Archive {
     /// Returns the name of a file of a log in a tile, of a kind of [`KINDS`], with `/` between
     /// folders.
     pub(super) fn rows_name(kind: &str, tile: TileId, log: &str) -> String {
-        let ending = KINDS.iter().find(|(one, _)| *one == kind);
+        let ending = KINDS.iter().find(|(name, _)| *name == kind);
         format!("{kind}/tile={tile}/{log}.{}", ending.map_or("parquet", |(_, ending)| ending))
     }
 

@@ -51,7 +51,7 @@ impl TileContents {
     /// When a file of the tile cannot be read.
     pub(super) fn of(&self, tile: TileId) -> io::Result<Arc<TileDepths>> {
         let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(at) = kept.iter().position(|(one, _)| *one == tile) {
+        if let Some(at) = kept.iter().position(|(known, _)| *known == tile) {
             let found = kept.remove(at);
             let content = found.1.clone();
             kept.push(found);

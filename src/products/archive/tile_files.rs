@@ -148,10 +148,10 @@ fn hashes_read(swath: SwathDepth, tile: TileId, log: &LogRecord) -> Vec<String> 
         SwathDepth::Always => &[POINTS, ECHOES],
     };
     let tiles = tiles_read(swath, tile);
-    let rows = tiles.iter().filter_map(|one| Some((one, log.rows_in(*one)?)));
-    rows.flat_map(|(one, rows)| {
+    let rows = tiles.iter().filter_map(|id| Some((id, log.rows_in(*id)?)));
+    rows.flat_map(|(id, rows)| {
         let hashes = kinds.iter().map(|kind| rows.sha256_of(kind));
-        hashes.filter(|hash| !hash.is_empty()).map(move |hash| format!("{one} {hash}"))
+        hashes.filter(|hash| !hash.is_empty()).map(move |hash| format!("{id} {hash}"))
     })
     .collect()
 }

@@ -225,10 +225,10 @@ fn surface_from_levels(
     let points_m = beside(tile.bounds_m(), PART_DEPTHS_M + archive.record.halo_m);
     let mut points: Vec<DepthPoint> = Vec::new();
     for log in logs {
-        for one in &tiles {
+        for id in &tiles {
             progress.check()?;
-            let rows = moved_points(archive, *one, log, offsets, |place| {
-                one.holds(place, 0.0) && is_within(points_m, place)
+            let rows = moved_points(archive, *id, log, offsets, |place| {
+                id.holds(place, 0.0) && is_within(points_m, place)
             })?;
             points.extend(rows);
         }

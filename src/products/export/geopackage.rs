@@ -53,7 +53,7 @@ pub(crate) enum FeatureGeometry {
 
 impl FeatureGeometry {
     fn places(&self) -> impl Iterator<Item = [f64; 2]> {
-        let (one, line, rings, polygons) = match self {
+        let (point, line, rings, polygons) = match self {
             FeatureGeometry::Point(place) => (Some(*place), &[][..], &[][..], &[][..]),
             FeatureGeometry::Line(line) => (None, &line[..], &[][..], &[][..]),
             FeatureGeometry::Polygon(rings) => (None, &[][..], &rings[..], &[][..]),
@@ -61,7 +61,7 @@ impl FeatureGeometry {
         };
         let rings = polygons.iter().flatten().chain(rings);
         let corners = rings.flatten().copied();
-        one.into_iter().chain(line.iter().copied()).chain(corners)
+        point.into_iter().chain(line.iter().copied()).chain(corners)
     }
 
     /// Returns the least x and y and the greatest x and y; NaN without any place.

@@ -160,7 +160,7 @@ fn class_names() -> Vlr {
 
 /// Returns the number of bytes that dimensions add to a point.
 fn extra_bytes_length(dimensions: &[Dimension]) -> u16 {
-    dimensions.iter().map(|one| one.kind.bytes()).sum()
+    dimensions.iter().map(|dimension| dimension.kind.bytes()).sum()
 }
 
 /// Returns the record that describes the dimensions.

@@ -208,13 +208,13 @@ pub(crate) fn differences_csv(
         )?;
         for (log, differences) in logs.iter().zip(differences) {
             let name = column.field(log);
-            for one in *differences {
-                let Some(point) = log.cloud.points.get(one.measured) else {
+            for matched in *differences {
+                let Some(point) = log.cloud.points.get(matched.measured) else {
                     continue;
                 };
                 let track = &log.survey.track;
                 let at = (log.navigation).to_lon_lat(track, point.east_m, point.north_m);
-                summary.add([at.lon_deg, at.lat_deg], one.difference_m);
+                summary.add([at.lon_deg, at.lat_deg], matched.difference_m);
                 writeln!(
                     out,
                     "{name}{},{},{:.9},{:.9},{:.4},{:.4},{:.4},{:.4},{:.4}",
@@ -225,8 +225,8 @@ pub(crate) fn differences_csv(
                     point.east_m,
                     point.north_m,
                     point.z_m,
-                    one.reference_z_m,
-                    one.difference_m
+                    matched.reference_z_m,
+                    matched.difference_m
                 )?;
             }
         }

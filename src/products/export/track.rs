@@ -53,10 +53,10 @@ pub fn track(survey: &Survey, navigation: &Navigation) -> Vec<TrackPiece> {
     };
     if survey.side_scan.is_empty() {
         let places = survey.soundings.iter().zip(navigation.soundings.iter());
-        (0..).zip(places).for_each(|(ping, (one, place))| add(ping, one.time_s, place));
+        (0..).zip(places).for_each(|(ping, (sounding, place))| add(ping, sounding.time_s, place));
     } else {
         let places = survey.side_scan.iter().zip(navigation.pings.iter());
-        (0..).zip(places).for_each(|(ping, (one, place))| add(ping, one.time_s, place));
+        (0..).zip(places).for_each(|(ping, (side_ping, place))| add(ping, side_ping.time_s, place));
     }
     pieces.finish()
 }

@@ -96,8 +96,8 @@ fn table(file: File, names: &[&'static str], lines: &[LabelledLine]) -> io::Resu
     let name = |name: &str| FieldName::try_from(name).map_err(io::Error::other);
     let (digits, decimals) = DIGITS;
     let mut fields = TableWriterBuilder::new().add_character_field(name("label")?, LETTERS);
-    for one in names {
-        fields = fields.add_numeric_field(name(one)?, digits, decimals);
+    for field in names {
+        fields = fields.add_numeric_field(name(field)?, digits, decimals);
     }
     let mut writer = fields.build_with_dest(BufWriter::new(file));
     for line in lines.iter().filter(|line| line.points.len() > 1) {

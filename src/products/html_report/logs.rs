@@ -65,9 +65,9 @@ fn recorded(survey: &Survey) -> Option<String> {
 /// Returns the least and the greatest depth with bottom lock, metres.
 fn depths(survey: &Survey) -> Option<[f32; 2]> {
     let locked = survey.soundings.iter().filter(|sounding| sounding.is_good());
-    locked.fold(None, |span: Option<[f32; 2]>, one| {
-        let [least, most] = span.unwrap_or([one.depth_m; 2]);
-        Some([least.min(one.depth_m), most.max(one.depth_m)])
+    locked.fold(None, |span: Option<[f32; 2]>, sounding| {
+        let [least, most] = span.unwrap_or([sounding.depth_m; 2]);
+        Some([least.min(sounding.depth_m), most.max(sounding.depth_m)])
     })
 }
 

@@ -26,7 +26,7 @@ fn boxes<'a>(from: &'a ReportData<'_>) -> &'a [&'a ObjectBox] {
 pub(super) fn undecided<'a>(from: &'a ReportData<'_>) -> impl Iterator<Item = &'a ObjectBox> {
     let reviewed = (from.objects.as_ref()).filter(|objects| objects.list.is_reviewed());
     let boxes = reviewed.into_iter().flat_map(|objects| objects.list.boxes());
-    boxes.filter(|one| one.one.state == State::Proposed)
+    boxes.filter(|object_box| object_box.one.state == State::Proposed)
 }
 
 /// Returns true if a person has decided about boxes; otherwise all boxes are proposals of the
@@ -158,14 +158,14 @@ fn unplaced(from: &ReportData<'_>, progress: &Progress) -> Result<Option<Value>,
     let count = unplaced().count();
     let rows = unplaced().take(MOST_ROWS).map(|of| {
         progress.check()?;
-        let one = &of.one;
+        let review_box = &of.one;
         Ok(context! {
-            number => one.id.0,
+            number => review_box.id.0,
             picture => picture(from, of, LISTED_WIDTH),
             class => &of.class,
-            state => one.state.name(),
-            score => one.score.map(|score| format!("{score:.2}")),
-            remarks => &one.note,
+            state => review_box.state.name(),
+            score => review_box.score.map(|score| format!("{score:.2}")),
+            remarks => &review_box.note,
         })
     });
     let rows = rows.collect::<Result<Vec<Value>, Cancelled>>()?;

@@ -26,15 +26,15 @@ pub(super) fn trust(from: &ReportData<'_>) -> Value {
 }
 
 fn comparisons(from: &ReportData<'_>) -> Option<Value> {
-    let orders = from.comparisons.iter().map(|one| &one.comparison.orders);
+    let orders = from.comparisons.iter().map(|named| &named.comparison.orders);
     let orders = orders.max_by_key(|orders| orders.len())?.iter().map(|share| share.order.order);
-    let rows = from.comparisons.iter().filter_map(|one| {
-        let residuals = one.comparison.residuals.as_ref()?;
-        let shares = one.comparison.orders.iter();
+    let rows = from.comparisons.iter().filter_map(|named| {
+        let residuals = named.comparison.residuals.as_ref()?;
+        let shares = named.comparison.orders.iter();
         Some(context! {
-            source => one.source.to_string(),
-            reference => &one.reference,
-            matching => &one.matching,
+            source => named.source.to_string(),
+            reference => &named.reference,
+            matching => &named.matching,
             n => count(residuals.n),
             mean_m => format!("{:+.3}", residuals.mean_m),
             median_m => format!("{:+.3}", residuals.median_m),

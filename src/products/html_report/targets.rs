@@ -32,9 +32,9 @@ pub(super) fn values(
     if with_proposals {
         found.extend(undecided(from).map(|of| Shown { object: None, sightings: vec![of] }));
     }
-    let shown = found.iter().take(MOST).map(|one| {
+    let shown = found.iter().take(MOST).map(|target| {
         progress.check()?;
-        Ok(one.values(from))
+        Ok(target.values(from))
     });
     let shown = shown.collect::<Result<Vec<Value>, Cancelled>>()?;
     let all = found.len();
@@ -113,11 +113,15 @@ impl<'a> Shown<'a> {
     /// Returns the decisions of the analyst and the score of the detector.
     fn decided(&self) -> Value {
         let boxes = || self.sightings.iter().map(|of| &of.one);
-        let score = boxes().filter_map(|one| one.score).max_by(f32::total_cmp);
-        let notes = boxes().map(|one| one.note.as_str()).filter(|note| !note.is_empty());
+        let score = boxes().filter_map(|review_box| review_box.score).max_by(f32::total_cmp);
+        let notes =
+            boxes().map(|review_box| review_box.note.as_str()).filter(|note| !note.is_empty());
         context! {
             state => self.sightings[0].one.state.name(),
-            certainty => boxes().filter_map(|one| one.certainty).max().map(Certainty::name),
+            certainty => boxes()
+                .filter_map(|review_box| review_box.certainty)
+                .max()
+                .map(Certainty::name),
             score => score.map(|score| format!("{score:.2}")),
             remarks => notes.collect::<Vec<&str>>().join("; "),
         }

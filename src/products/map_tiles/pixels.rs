@@ -56,7 +56,7 @@ impl Pixels {
 
     fn collect(pixels: impl Iterator<Item = Option<Pixel>>) -> Option<Self> {
         let (depth_m, light): (Vec<f32>, Vec<f32>) = pixels
-            .map(|pixel| pixel.map_or((f32::NAN, f32::NAN), |one| (one.depth_m, one.light)))
+            .map(|pixel| pixel.map_or((f32::NAN, f32::NAN), |pixel| (pixel.depth_m, pixel.light)))
             .unzip();
         let is_known = depth_m.iter().any(|depth| !depth.is_nan());
         is_known.then_some(Self { depth_m, light })

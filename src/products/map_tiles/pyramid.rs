@@ -214,12 +214,13 @@ impl<S: PyramidSource> Pyramid<'_, S> {
         let children = tile.children();
         let known = children.par_iter().map(|child| self.tile(*child));
         let known: Vec<Option<KnownTile>> = known.collect::<io::Result<_>>()?;
-        let pixels = [0, 1, 2, 3].map(|child| known[child].as_ref().map(|one| &one.pixels));
+        let pixels =
+            [0, 1, 2, 3].map(|child| known[child].as_ref().map(|known_tile| &known_tile.pixels));
         let Some(pixels) = Pixels::of_children(pixels) else {
             return Ok(None);
         };
         let coarser = self.zooms.finest - tile.zoom;
-        let lines = known.into_iter().flatten().flat_map(|one| one.lines);
+        let lines = known.into_iter().flatten().flat_map(|known_tile| known_tile.lines);
         let lines = joined(lines.filter(|line| self.is_shown(line.depth_m, coarser)).collect());
         let pixel = f64::from(1_u32 << coarser);
         let thinned = lines.into_iter().map(|line| thinned(line, LEAST_STEP * pixel));

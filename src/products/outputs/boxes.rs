@@ -88,33 +88,34 @@ pub fn write_boxes(
     if boxes.is_empty() {
         return Err("there are no boxes to write".into());
     }
-    let work = |one: &LogBoxes<'_>| (one.review.boxes().len() + one.tiles.len()) as u64;
+    let work =
+        |log_boxes: &LogBoxes<'_>| (log_boxes.review.boxes().len() + log_boxes.tiles.len()) as u64;
     progress.start(boxes.iter().map(work).sum());
     make_folder(folder)?;
     let list = list_objects(logs, review, progress)?;
     let names = log_names(logs);
     tables(logs, &names, &list, folder, progress)?;
     let mut written = BoxesWritten { boxes: list.boxes().len(), pictures: 0, negatives: 0 };
-    for one in &boxes {
+    for log_boxes in &boxes {
         let (root, review) = match logs {
             [_] => (folder.join(DATASET), folder.join(REVIEW)),
             _ => {
-                let name = file_name(&names[one.index]);
+                let name = file_name(&names[log_boxes.index]);
                 let review = format!("{name}.review.json");
                 (folder.join(DATASET).join(name), folder.join(review))
             }
         };
         let training_tiles = TrainingTiles {
-            survey: &one.log.survey,
-            review: one.review,
-            classes: &one.log.products.settings.review.classes,
-            raster: &one.raster,
-            tiles: &one.tiles,
+            survey: &log_boxes.log.survey,
+            review: log_boxes.review,
+            classes: &log_boxes.log.products.settings.review.classes,
+            raster: &log_boxes.raster,
+            tiles: &log_boxes.tiles,
             part,
         };
-        written.pictures += one.tiles.len();
+        written.pictures += log_boxes.tiles.len();
         written.negatives += training_tiles.write(&root, progress)?;
-        export::write_bytes(&review, one.review.to_json() + "\n")?;
+        export::write_bytes(&review, log_boxes.review.to_json() + "\n")?;
     }
     check_logs(logs)?;
     Ok(written)

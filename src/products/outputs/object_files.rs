@@ -32,7 +32,7 @@ impl Proposed {
         Ok(Some(Self {
             boxes: found.concat(),
             objects: list.objects().len(),
-            unplaced: list.boxes().iter().filter(|one| one.object.is_none()).count(),
+            unplaced: list.boxes().iter().filter(|object_box| object_box.object.is_none()).count(),
         }))
     }
 }
@@ -101,7 +101,7 @@ fn box_table(
     shapes: &Shapes,
 ) -> FileResult {
     let mut summary = Summary::default();
-    for target in boxes.iter().filter_map(|one| one.target.as_ref()) {
+    for target in boxes.iter().filter_map(|object_box| object_box.target.as_ref()) {
         summary.add([target.position.lon_deg, target.position.lat_deg], f64::NAN);
     }
     export::box_table(path, &results.object_logs(), boxes, shapes)?;

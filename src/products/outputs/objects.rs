@@ -20,7 +20,7 @@ pub(super) fn find_shapes(
     let shape = |object: &&Object| {
         progress.check()?;
         let boxes: Vec<(&ProcessedLog, &Target)> = (list.members(object))
-            .filter_map(|one| Some((logs.get(one.log)?, one.target.as_ref()?)))
+            .filter_map(|object_box| Some((logs.get(object_box.log)?, object_box.target.as_ref()?)))
             .collect();
         let shape = object_shape(&boxes).ok();
         Ok(shape.map(|shape| (object.number, shape)))
@@ -51,7 +51,7 @@ pub(super) fn listed<'a>(
 
 /// Returns the boxes of targets.
 pub(super) fn target_boxes(list: &ObjectList) -> Vec<&ObjectBox> {
-    list.boxes().iter().filter(|one| list.is_target(one)).collect()
+    list.boxes().iter().filter(|object_box| list.is_target(object_box)).collect()
 }
 
 /// Returns the outline of a target in WGS84; `None` where its size is not known.

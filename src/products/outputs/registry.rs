@@ -87,9 +87,12 @@ impl OutputFile {
     pub(super) fn owned_beside(&self, name: &str) -> bool {
         let own = file_part(self.name);
         let in_folder = || name.strip_prefix(own)?.strip_prefix('/');
-        let mut companions = self.companions.iter().map(|one| file_part(one));
+        let mut companions = self.companions.iter().map(|companion| file_part(companion));
         let record = || self.described.and(name.strip_suffix(".json")) == Some(own);
-        name == own || companions.any(|one| one == name) || record() || in_folder().is_some()
+        name == own
+            || companions.any(|companion| companion == name)
+            || record()
+            || in_folder().is_some()
     }
 
     /// Returns true if the file depends on a setting that begins with one of these words.

@@ -134,7 +134,7 @@ impl<'a> Boxes<'a> {
 /// `Boxes of the review: 12 accepted, 1 added, 3 rejected, 4 undecided`.
 fn origin(reviews: &[(&str, &Review)], logs: usize, is_searched: bool) -> String {
     let boxes = || reviews.iter().flat_map(|(_, review)| review.boxes());
-    let count = |state: State| boxes().filter(|one| one.state == state).count();
+    let count = |state: State| boxes().filter(|review_box| review_box.state == state).count();
     let mut parts = String::new();
     for (name, review) in reviews {
         if let Some(part) = review.coverage() {

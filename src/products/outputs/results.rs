@@ -147,7 +147,9 @@ impl<'a> Results<'a> {
             Need::Surface if self.surface()?.is_none() => told(
                 "no depth map: the depths span no surface (a single straight line, or none near another within surface.max_gap_m)",
             ),
-            Need::Hardness if self.surface()?.is_none_or(|one| one.hardness_db.is_none()) => {
+            Need::Hardness
+                if self.surface()?.is_none_or(|surface| surface.hardness_db.is_none()) =>
+            {
                 silent()
             }
             Need::Levels => match self.contours()? {
@@ -413,7 +415,8 @@ impl<'a> Results<'a> {
             }
             let (navigation, settings) = (&products.navigation, &products.settings.detector);
             let mut found = find(survey, navigation, model, settings, self.progress, |_| ())?;
-            found.retain(|one| !products.exclusions.is_middle_excluded(&one.mark.pings));
+            found
+                .retain(|detection| !products.exclusions.is_middle_excluded(&detection.mark.pings));
             Ok(found)
         };
         let made = once(&self.computed.found, || self.logs().map(of_log).collect());

@@ -133,7 +133,7 @@ impl RunFolder {
         progress: &Progress,
     ) -> Result<Vec<Fingerprint>, OutputError> {
         let new = self.path();
-        let read = |file: String| match known.iter().find(|one| one.file == file) {
+        let read = |file: String| match known.iter().find(|fingerprint| fingerprint.file == file) {
             Some(known) => Ok(known.clone()),
             None => Fingerprint::of(&new, &file, progress)
                 .map_err(|error| OutputError::from(format!("{error}: {file}"))),
@@ -208,7 +208,7 @@ impl RunFolder {
         // Files that belong to another file are not reported: the record of a file in versions with
         // such records, and the pictures of a folder.
         let is_record = |name: &str| {
-            name.strip_suffix(".json").is_some_and(|of| all.iter().any(|one| one == of))
+            name.strip_suffix(".json").is_some_and(|of| all.iter().any(|other| other == of))
         };
         removed.retain(|name| !is_record(name) && !name.contains("chips/"));
         Ok(Replaced { removed, kept })

@@ -107,7 +107,7 @@ impl Agreement {
         }
         let is_sounding = |point: &CloudPoint| point.source == PointSource::DownScan;
         let soundings = chosen(logs, |products| kept(products, is_sounding));
-        let soundings = soundings.iter().map(|one| point(logs, *one).place());
+        let soundings = soundings.iter().map(|chosen_point| point(logs, *chosen_point).place());
         let max_gap_m = first.products.settings.surface.max_gap_m;
         let matching = Matching::Surface { max_gap_m };
         Self::of(logs, &asked, soundings, matching, progress)
@@ -129,7 +129,7 @@ impl Agreement {
             return Err(AgreementError::NoLog);
         };
         let counted = chosen(logs, counted);
-        let points = counted.iter().map(|one| point(logs, *one));
+        let points = counted.iter().map(|chosen_point| point(logs, *chosen_point));
         let there = bounds(points.map(|point| [point.east_m, point.north_m]));
         let mut places = reference.places(first, progress)?;
         let all = bounds(places.iter().map(|&[x, y, _]| [x, y]));
@@ -162,15 +162,15 @@ impl Agreement {
     ) -> Result<Option<Self>, Cancelled> {
         let reference = compare::ReferencePoints::new(reference, matching);
         progress.check()?;
-        let at = |one: &Chosen| point(logs, *one).place();
+        let at = |chosen_point: &Chosen| point(logs, *chosen_point).place();
         let differences = reference.matches(chosen, at, progress)?;
         drop(reference);
         if differences.is_empty() {
             return Ok(None);
         }
         progress.check()?;
-        let measured = |one: &Match| {
-            let chosen = chosen[one.measured];
+        let measured = |matched: &Match| {
+            let chosen = chosen[matched.measured];
             let products = &logs[chosen.log as usize].products;
             (products, point(logs, chosen))
         };
@@ -187,7 +187,7 @@ impl Agreement {
     /// index.
     pub fn differences(&self) -> impl Iterator<Item = (&PointCloud, &Match)> {
         let logs = self.logs.iter();
-        logs.flat_map(|log| log.differences.iter().map(|one| (&*log.cloud, one)))
+        logs.flat_map(|log| log.differences.iter().map(|matched| (&*log.cloud, matched)))
     }
 
     /// Returns the statistics of each log alone.
@@ -207,7 +207,7 @@ impl Agreement {
     pub(crate) fn by_source(&self, logs: &[ProcessedLog]) -> Vec<NamedComparison> {
         let counted: Vec<Vec<usize>> = logs.iter().map(|log| counted(&log.products)).collect();
         let reference = self.reference.as_ref();
-        let name = reference.map_or_else(|| "down-scan".to_owned(), |one| one.name());
+        let name = reference.map_or_else(|| "down-scan".to_owned(), |reference| reference.name());
         let part = |(source, sources): (&'static str, &[PointSource])| {
             let is_of = |point: &CloudPoint| sources.contains(&point.source);
             let of_log = |(log, counted): (&ProcessedLog, &Vec<usize>)| {
@@ -216,8 +216,8 @@ impl Agreement {
             };
             let measured = logs.iter().zip(&counted).map(of_log).sum();
             let matches = self.differences();
-            let matches = matches.filter(|(cloud, one)| is_of(&cloud.points[one.measured]));
-            let matches: Vec<Match> = matches.map(|(_, one)| *one).collect();
+            let matches = matches.filter(|(cloud, matched)| is_of(&cloud.points[matched.measured]));
+            let matches: Vec<Match> = matches.map(|(_, matched)| *matched).collect();
             (!matches.is_empty()).then(|| NamedComparison {
                 source,
                 reference: name.clone(),
@@ -239,8 +239,8 @@ fn level_m(logs: &[ProcessedLog]) -> f64 {
 /// Returns points of all logs, in the order of the logs and of their points.
 fn chosen(logs: &[ProcessedLog], of: impl Fn(&Products) -> Vec<usize>) -> Vec<Chosen> {
     let mut all = Vec::new();
-    for (log, one) in (0..).zip(logs) {
-        let points = of(&one.products);
+    for (log, processed) in (0..).zip(logs) {
+        let points = of(&processed.products);
         all.reserve_exact(points.len());
         // A cloud numbers its pings in 32 bits, too.
         all.extend(points.into_iter().map(|point| Chosen { log, point: point as u32 }));
@@ -256,16 +256,19 @@ fn point(logs: &[ProcessedLog], chosen: Chosen) -> &CloudPoint {
 /// points to the index in the log's cloud.
 fn by_log(logs: &[ProcessedLog], chosen: &[Chosen], differences: &[Match]) -> Vec<LogDifferences> {
     let with = |(number, log): (u32, &ProcessedLog)| {
-        let first = chosen.partition_point(|one| one.log < number);
-        let end = chosen.partition_point(|one| one.log <= number);
-        let from = differences.partition_point(|one| one.measured < first);
-        let to = differences.partition_point(|one| one.measured < end);
+        let first = chosen.partition_point(|chosen_point| chosen_point.log < number);
+        let end = chosen.partition_point(|chosen_point| chosen_point.log <= number);
+        let from = differences.partition_point(|matched| matched.measured < first);
+        let to = differences.partition_point(|matched| matched.measured < end);
         let own = differences[from..to].iter();
         LogDifferences {
             cloud: log.products.cloud.clone(),
             measured: end - first,
             differences: own
-                .map(|one| Match { measured: chosen[one.measured].point as usize, ..*one })
+                .map(|matched| Match {
+                    measured: chosen[matched.measured].point as usize,
+                    ..*matched
+                })
                 .collect(),
         }
     };
@@ -312,19 +315,19 @@ fn tables<'a>(
         let mut values: Vec<f64> = differences.iter().map(variable).collect();
         values.retain(|value| value.is_finite());
         let width = width.or_else(|| suited_width(&mut values));
-        let pairs = differences.iter().map(|one| (variable(one), one.difference_m));
+        let pairs = differences.iter().map(|matched| (variable(matched), matched.difference_m));
         binned(pairs, width.unwrap_or(ANY_WIDTH_M))
     };
-    let all: Vec<f64> = differences.iter().map(|one| one.difference_m).collect();
+    let all: Vec<f64> = differences.iter().map(|matched| matched.difference_m).collect();
     let of_point = |of: fn(&Products, &CloudPoint) -> f64| {
         let measured = &measured;
-        move |one: &Match| {
-            let (products, point) = measured(one);
+        move |matched: &Match| {
+            let (products, point) = measured(matched);
             of(products, point)
         }
     };
     ResidualTables {
-        by_depth_m: by(&|one| -one.reference_z_m, None),
+        by_depth_m: by(&|matched| -matched.reference_z_m, None),
         by_across_m: by(&of_point(across_m), None),
         by_heading_deg: by(&of_point(heading_deg), Some(SECTOR_DEG)),
         histogram: DifferenceHistogram::of(&all),

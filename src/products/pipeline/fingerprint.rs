@@ -105,9 +105,9 @@ impl LogFiles {
         let mut inputs = hash_inputs(survey, progress)?;
         let own = inputs.len().saturating_sub(track);
         let sha256 = match &inputs[..own] {
-            [one] => one.sha256.clone(),
+            [input] => input.sha256.clone(),
             several => {
-                let hashes: String = several.iter().map(|one| one.sha256.as_str()).collect();
+                let hashes: String = several.iter().map(|input| input.sha256.as_str()).collect();
                 in_hexadecimal(&Sha256::digest(hashes.as_bytes()))
             }
         };

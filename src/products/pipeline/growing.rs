@@ -223,10 +223,12 @@ impl Part {
     /// contradict.
     fn judged(&self, stretch: Survey, found: &FirstReturns) -> Survey {
         let from = self.context_start.sounding;
-        let here = found.false_soundings.iter().filter(|one| one.soundings.end > from);
-        let here = here.map(|one| FalseSoundings {
-            soundings: one.soundings.start.saturating_sub(from)..one.soundings.end - from,
-            fault: one.fault,
+        let here =
+            found.false_soundings.iter().filter(|false_stretch| false_stretch.soundings.end > from);
+        let here = here.map(|false_stretch| FalseSoundings {
+            soundings: false_stretch.soundings.start.saturating_sub(from)
+                ..false_stretch.soundings.end - from,
+            fault: false_stretch.fault,
         });
         let here =
             FirstReturns { false_soundings: Arc::new(here.collect()), ..FirstReturns::default() };
@@ -240,10 +242,15 @@ impl Part {
         new: &FirstReturns,
     ) -> Vec<FalseSoundings> {
         let (part, from) = (self.first_start.sounding, self.context_start.sounding);
-        let before = known.false_soundings.iter().filter(|one| one.soundings.start < part).cloned();
+        let before = known
+            .false_soundings
+            .iter()
+            .filter(|false_stretch| false_stretch.soundings.start < part)
+            .cloned();
         let mut all: Vec<FalseSoundings> = before.collect();
-        for one in new.false_soundings.iter() {
-            let soundings = one.soundings.start + from..one.soundings.end + from;
+        for false_stretch in new.false_soundings.iter() {
+            let soundings =
+                false_stretch.soundings.start + from..false_stretch.soundings.end + from;
             if soundings.end <= part {
                 continue;
             }
@@ -251,7 +258,7 @@ impl Part {
                 Some(last) if last.soundings.end > soundings.start => {
                     last.soundings.end = last.soundings.end.max(soundings.end);
                 }
-                _ => all.push(FalseSoundings { soundings, fault: one.fault }),
+                _ => all.push(FalseSoundings { soundings, fault: false_stretch.fault }),
             }
         }
         all

@@ -349,11 +349,11 @@ mod tests {
             reason: Some(ExclusionReason::Drawn),
             trusted: false,
         });
-        let (all, one) = own.change(&shared, &after).expect("settings");
-        assert_eq!(one.compose(&all).expect("settings"), after);
+        let (all, changed) = own.change(&shared, &after).expect("settings");
+        assert_eq!(changed.compose(&all).expect("settings"), after);
         assert!(all.excluded.is_empty() && all.excluded.log.is_none());
         assert_eq!(
-            one.own().keys().collect::<Vec<_>>(),
+            changed.own().keys().collect::<Vec<_>>(),
             ["draft_m", "excluded.log", "excluded.stretches", "first_return.threshold"]
         );
         assert_eq!((all.draft_m, all.outliers.min_neighbors), (0.0, 3));
@@ -363,7 +363,7 @@ mod tests {
         // The optional value is removed again.
         let mut back = after.clone();
         back.surface.cell_m = None;
-        let (all, _) = one.change(&all, &back).expect("settings");
+        let (all, _) = changed.change(&all, &back).expect("settings");
         assert_eq!(all.surface.cell_m, None);
     }
 

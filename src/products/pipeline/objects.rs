@@ -69,11 +69,12 @@ pub fn list_objects(
             continue;
         };
         let locator = ObjectLocator::new(&log.survey, &log.products);
-        for one in review.boxes(&log.products.exclusions) {
+        for review_box in review.boxes(&log.products.exclusions) {
             progress.check()?;
-            let top = TopShape::of_class(review.review.class_name(one.class));
-            let target = locator.place_as(&one.mark, one.extent, one.shadow, top);
-            boxes.push(review.object_box(index, one, target));
+            let top = TopShape::of_class(review.review.class_name(review_box.class));
+            let target =
+                locator.place_as(&review_box.mark, review_box.extent, review_box.shadow, top);
+            boxes.push(review.object_box(index, review_box, target));
             progress.advance(1);
         }
     }

@@ -60,7 +60,7 @@ pub fn survey_coverage(
         looks,
         objects: seen_objects(objects, &Log { log: first, frame }),
         doubts: doubts
-            .map(|one| Doubt { place: one.place, difference_m: one.difference_m() })
+            .map(|crossing| Doubt { place: crossing.place, difference_m: crossing.difference_m() })
             .collect(),
         depth_m: finite_or_zero(depth_m),
         range_m: finite_or_zero(median(&mut ranges_m)),
@@ -161,10 +161,10 @@ impl Log<'_> {
 fn seen_objects(list: &ObjectList, first: &Log<'_>) -> Vec<SeenObject> {
     let is_decided = |object: &&Object| {
         let mut members = list.members(object);
-        members.any(|one| one.one.state.is_object())
+        members.any(|object_box| object_box.one.state.is_object())
     };
     let seen = list.objects().iter().filter(is_decided).map(|object| {
-        let targets = list.members(object).filter_map(|one| one.target.as_ref());
+        let targets = list.members(object).filter_map(|object_box| object_box.target.as_ref());
         let headings = targets.map(|target| target.heading_rad);
         let [east_m, north_m] = object.place_m;
         SeenObject {

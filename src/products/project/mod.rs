@@ -232,7 +232,7 @@ impl Project {
     /// Returns the project with a log replaced by another version; `None` if it is equal, or the
     /// project has no log with its key.
     pub fn with_changed(&self, log: ProjectLog) -> Option<Self> {
-        let index = self.logs.iter().position(|one| one.key == log.key)?;
+        let index = self.logs.iter().position(|known| known.key == log.key)?;
         let before = &self.logs[index];
         let is_same = **before == log && before.object_numbers == log.object_numbers;
         (!is_same).then(|| {

@@ -211,41 +211,41 @@ fn ends(span: &Value) -> Option<&[Value; 2]> {
 
 fn put_review(put: &mut impl FnMut(Key, &Value), of: &ProjectLog, same: Option<&ProjectLog>) {
     let (log, review) = (of.key.as_str(), &of.review);
-    for one in review.searched() {
+    for search in review.searched() {
         let row = Table::from_iter([
-            ("end".to_owned(), Value::Integer(one.pings.end as i64)),
-            ("model".to_owned(), Value::String(one.model.to_string())),
+            ("end".to_owned(), Value::Integer(search.pings.end as i64)),
+            ("model".to_owned(), Value::String(search.model.to_string())),
         ]);
-        let parts = ["log", log, "searched", &one.pings.start.to_string()];
+        let parts = ["log", log, "searched", &search.pings.start.to_string()];
         put(Key::new(parts), &Value::Table(row));
     }
     // A class is written by its name, so with other classes every box may be written differently.
     let same = same.filter(|same| same.review.classes() == review.classes());
-    for one in review.shared() {
-        let object = of.object_numbers.get(&one.id);
+    for review_box in review.shared() {
+        let object = of.object_numbers.get(&review_box.id);
         let is_same = same.is_some_and(|same| {
             let boxes = same.review.shared();
-            let found = boxes.binary_search_by_key(&one.id, |one| one.id);
-            found.is_ok_and(|index| Arc::ptr_eq(&boxes[index], one))
-                && same.object_numbers.get(&one.id) == object
+            let found = boxes.binary_search_by_key(&review_box.id, |known| known.id);
+            found.is_ok_and(|index| Arc::ptr_eq(&boxes[index], review_box))
+                && same.object_numbers.get(&review_box.id) == object
         });
         if is_same {
             continue;
         }
-        let mut value = value_of(&review.row(one));
+        let mut value = value_of(&review.row(review_box));
         if let Value::Table(fields) = &mut value {
             fields.remove("id");
             if let Some(number) = object {
                 fields.insert("object".to_owned(), Value::Integer((*number).into()));
             }
-            if let Some(score) = one.score {
+            if let Some(score) = review_box.score {
                 // The shortest number with the same value: converted to 64 bits, 0.91 would be
                 // 0.9100000262260437.
                 let shortest = score.to_string().parse().unwrap_or(f64::from(score));
                 fields.insert("score".to_owned(), Value::Float(shortest));
             }
         }
-        put(Key::new(["log", log, "box", &one.id.0.to_string()]), &value);
+        put(Key::new(["log", log, "box", &review_box.id.0.to_string()]), &value);
     }
 }
 
@@ -254,7 +254,7 @@ fn put_review(put: &mut impl FnMut(Key, &Value), of: &ProjectLog, same: Option<&
 fn add_unknown(rows: &mut Rows, project: &Project, other: Option<&Project>) {
     let Unknown { rows: lines, fields } = &project.unknown;
     let is_there = |key: &Key| match key.parts().as_slice() {
-        ["log", log, ..] => project.logs.iter().any(|one| one.key.as_str() == *log),
+        ["log", log, ..] => project.logs.iter().any(|known| known.key.as_str() == *log),
         _ => true,
     };
     let same = other.is_some_and(|other| {

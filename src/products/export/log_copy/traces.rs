@@ -77,7 +77,7 @@ fn bits(span: &SideSpan) -> u8 {
 /// Returns the largest possible number of rows of a log: a ping may lack a side.
 fn trace_count(log: &LogToWrite<'_>) -> usize {
     let survey = log.survey;
-    let down = survey.echograms.iter().map(|one| one.pings.len());
+    let down = survey.echograms.iter().map(|echogram| echogram.pings.len());
     2 * survey.side_scan.len() + down.sum::<usize>() + survey.soundings.len()
 }
 

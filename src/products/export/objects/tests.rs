@@ -45,23 +45,23 @@ fn target(mark: &Mark) -> Target {
 /// A box with a place and a box without.
 fn boxes() -> [ObjectBox; 2] {
     let note = "=cmd & \"two\", \u{1}see\nbelow".to_owned();
-    let one = Reviewed {
+    let reviewed = Reviewed {
         score: Some(0.875),
         state: State::Accepted,
         note,
         ..Reviewed::drawn(BoxId(7), mark(), 0)
     };
-    let lost = Reviewed { score: None, note: String::new(), ..one.clone() };
-    let boxed = |one: Reviewed, id, target, object| ObjectBox {
+    let lost = Reviewed { score: None, note: String::new(), ..reviewed.clone() };
+    let boxed = |reviewed: Reviewed, id, target, object| ObjectBox {
         log: 0,
         key: LogBox { log: LogId(0), id: BoxId(id) },
-        one: Arc::new(Reviewed { id: BoxId(id), ..one }),
+        one: Arc::new(Reviewed { id: BoxId(id), ..reviewed }),
         class: "tyre <old>".to_owned(),
         target,
         object,
         is_hidden: false,
     };
-    [boxed(one, 7, Some(target(&mark())), Some(1)), boxed(lost, 8, None, None)]
+    [boxed(reviewed, 7, Some(target(&mark())), Some(1)), boxed(lost, 8, None, None)]
 }
 
 /// Returns a changed copy of a box.
@@ -120,11 +120,11 @@ fn listed<'a>(object: &'a Object, shape: Option<&'a FittedShape>) -> ListedObjec
 
 #[test]
 fn an_object_is_one_waypoint_with_name_class_and_remarks_of_all_its_boxes() {
-    let [one, _] = boxes();
-    let first = changed(&one, |one| one.note.clear());
-    let mut second = changed(&one, |one| {
-        one.name = "Anna".to_owned();
-        one.score = Some(0.5);
+    let [object_box, _] = boxes();
+    let first = changed(&object_box, |review_box| review_box.note.clear());
+    let mut second = changed(&object_box, |review_box| {
+        review_box.name = "Anna".to_owned();
+        review_box.score = Some(0.5);
     });
     second.target = Some(Target { height_m: 0.5, height_sigma_m: 0.25, ..target(&mark()) });
     let named = object(&[first, second]);
@@ -142,8 +142,8 @@ fn an_object_is_one_waypoint_with_name_class_and_remarks_of_all_its_boxes() {
 
 #[test]
 fn markup_in_names_and_notes_is_escaped() {
-    let [one, _] = boxes();
-    let object = object(&[one]);
+    let [object_box, _] = boxes();
+    let object = object(&[object_box]);
     let kml = written(|path| objects_kml(path, "a & b", &[listed(&object, None)]).map(|_| ()));
     let gpx = written(|path| objects_gpx(path, &[listed(&object, None)]).map(|_| ()));
     for text in [&kml, &gpx] {
@@ -237,14 +237,14 @@ fn boxes_of_an_object_carry_its_shape_and_it_is_one_body() {
         let at = corners * 31 + square * 17;
         assert_eq!(body[at], 4);
         let places: Vec<[f64; 3]> = (0..4)
-            .map(|one| {
-                let at = at + 1 + 4 * one;
+            .map(|nth| {
+                let at = at + 1 + 4 * nth;
                 let index = i32::from_le_bytes(body[at..at + 4].try_into().expect("four bytes"));
                 corner(index as usize)
             })
             .collect();
         let cross = |a: [f64; 3], b: [f64; 3]| 0.5 * (a[0] * b[1] - a[1] * b[0]);
-        let own: f64 = (0..4).map(|one| cross(places[one], places[(one + 1) % 4])).sum();
+        let own: f64 = (0..4).map(|nth| cross(places[nth], places[(nth + 1) % 4])).sum();
         assert!(own > 0.0, "clockwise");
         area_m2 += own;
     }
@@ -254,8 +254,8 @@ fn boxes_of_an_object_carry_its_shape_and_it_is_one_body() {
 /// Tests that every format of objects has the same value in every column.
 #[test]
 fn all_formats_have_all_columns() {
-    let [one, _] = boxes();
-    let mut first = changed(&one, |one| one.note = "a < b".to_owned());
+    let [object_box, _] = boxes();
+    let mut first = changed(&object_box, |review_box| review_box.note = "a < b".to_owned());
     first.target = Some(Target { height_m: 0.5, height_sigma_m: 0.25, ..target(&mark()) });
     let (object, block) = (object(&[first]), block());
     let listed = listed(&object, Some(&block));

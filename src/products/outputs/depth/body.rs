@@ -142,7 +142,7 @@ mod tests {
             });
             0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]))
         };
-        assert!(mesh.triangles.iter().all(|one| (area(one) - 0.5).abs() < 1e-6));
+        assert!(mesh.triangles.iter().all(|triangle| (area(triangle) - 0.5).abs() < 1e-6));
         let [least, most] = [0, mesh.in_pictures.len() - 1].map(|corner| mesh.in_pictures[corner]);
         assert_eq!((least, most), ([0.125, 0.5 / 3.0], [0.875, 2.5 / 3.0]));
     }

@@ -31,7 +31,7 @@ pub(in crate::outputs) fn is_stem_of_output(stem: &str) -> bool {
     let rows = OUTPUT_FILES.iter().filter(|row| !is_new(row));
     let stems = rows.map(OutputFile::stem);
     let manifests = EARLIER_MANIFESTS.iter().map(|name| name.trim_end_matches(".json"));
-    stems.chain(manifests).any(|one| one.eq_ignore_ascii_case(stem))
+    stems.chain(manifests).any(|known| known.eq_ignore_ascii_case(stem))
 }
 
 /// Returns the files that an earlier run wrote into a folder, if `goes` is true for their names.

@@ -30,9 +30,9 @@ fn written(folder: &Path, files: &[&str], content: &str) -> Replaced {
 fn a_folder_holds_the_files_of_one_run_and_those_of_its_user() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
-    let one =
+    let paths =
         ["mosaic/mosaic.tif", "objects/chips/0001-rock.png", "points/cloud.csv", "track/track.gpx"];
-    written(&out, &one, "one");
+    written(&out, &paths, "one");
     fs::write(out.join("notes.txt"), "mine").unwrap();
     fs::write(out.join("objects/chips/best.png"), "mine").unwrap();
     // The file was changed by hand since the run.
@@ -161,8 +161,8 @@ fn swaps_killed_at_each_step(finish: impl Fn(&Path)) {
             &|| removes("objects/chips/0001-rock.png"),
             &|| moves("manifest.json"),
         ];
-        for one in &steps[..step] {
-            one();
+        for take_step in &steps[..step] {
+            take_step();
         }
         if step < steps.len() {
             assert!(!out.join("manifest.json").exists());
@@ -207,11 +207,11 @@ fn a_manifest_from_elsewhere_removes_nothing_outside_the_folder() {
 
 #[test]
 fn a_group_of_files_leaves_the_run_and_takes_the_place_of_its_own() {
-    let one =
+    let paths =
         ["objects/detections.csv", "objects/detections.gpx", "points/cloud.csv", "report.json"];
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path();
-    written(out, &one, "one");
+    written(out, &paths, "one");
     let run = RunFolder::begin(out).unwrap();
     fs::create_dir(run.path().join("objects")).unwrap();
     fs::write(run.path().join("objects/detections.csv"), "two").unwrap();

@@ -95,8 +95,8 @@ pub fn choices(
             };
             let is_kept = |(index, _): &(usize, &CloudPoint)| classes[*index].is_kept();
             let kept = points.iter().filter(|point| is_kept(point)).count();
-            let matches = matches.iter().filter(|one| is_kept(&points[one.measured]));
-            let mut differences: Vec<f64> = matches.map(|one| one.difference_m).collect();
+            let matches = matches.iter().filter(|matched| is_kept(&points[matched.measured]));
+            let mut differences: Vec<f64> = matches.map(|matched| matched.difference_m).collect();
             let unmatched = kept - differences.len();
             found.extend(Residuals::of(&mut differences).map(|residuals| GeometryChoice {
                 geometry,

@@ -68,9 +68,9 @@ pub fn crosslines(
     let tracks: Vec<Vec<TrackDepth>> = logs.iter().map(track_depths).collect();
     let found = crossings(&tracks, progress)?;
     let is_of_several = logs.len() > 1;
-    let listed = |one: &Crossing| {
-        let [east_m, north_m] = one.place;
-        let tracks = one.passes.map(|pass| pass.track);
+    let listed = |crossing: &Crossing| {
+        let [east_m, north_m] = crossing.place;
+        let tracks = crossing.passes.map(|pass| pass.track);
         let ProcessedLog { survey, products } = logs.get(tracks[0])?;
         let at = products.navigation.to_lon_lat(&survey.track, east_m, north_m);
         let name = |log: usize| names.get(log).cloned().unwrap_or_default();
@@ -78,10 +78,10 @@ pub fn crosslines(
             logs: is_of_several.then(|| tracks.map(name)),
             lon: at.lon_deg,
             lat: at.lat_deg,
-            time_s: one.passes.map(|pass| pass.time_s),
-            depth_m: one.passes.map(|pass| pass.depth_m),
-            difference_m: one.difference_m(),
-            angle_deg: one.angle_deg,
+            time_s: crossing.passes.map(|pass| pass.time_s),
+            depth_m: crossing.passes.map(|pass| pass.depth_m),
+            difference_m: crossing.difference_m(),
+            angle_deg: crossing.angle_deg,
         })
     };
     let of_logs = match logs {
@@ -92,7 +92,7 @@ pub fn crosslines(
         let chosen = found.iter().filter(of);
         Residuals::of(&mut chosen.map(Crossing::difference_m).collect::<Vec<f64>>())
     };
-    let is_between = |one: &&Crossing| one.passes[0].track != one.passes[1].track;
+    let is_between = |crossing: &&Crossing| crossing.passes[0].track != crossing.passes[1].track;
     Ok(residuals(&|_| true).map(|all| Crosslines {
         sign: if is_of_several { SIGN_OF_LOGS } else { SIGN },
         least_angle_deg: LEAST_ANGLE_DEG,

@@ -52,7 +52,7 @@ pub(crate) fn comparisons(
         let all = match_points(&measured, &reference, matching, progress)?;
         for (source, counts) in LISTS {
             let matches: Vec<Match> =
-                all.iter().filter(|one| counts(kinds[one.measured])).copied().collect();
+                all.iter().filter(|matched| counts(kinds[matched.measured])).copied().collect();
             if !matches.is_empty() {
                 let measured = kinds.iter().filter(|kind| counts(**kind)).count();
                 found.push(NamedComparison {

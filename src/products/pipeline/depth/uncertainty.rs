@@ -65,17 +65,17 @@ impl CommonUncertainty {
         let each = logs.iter().map(|log| Self::of_log(&log.products));
         let each: Vec<Self> = each.collect();
         let rms = |of: fn(&Self) -> f64| {
-            let squares: f64 = each.iter().map(|one| of(one).powi(2)).sum();
+            let squares: f64 = each.iter().map(|log| of(log).powi(2)).sum();
             (squares / each.len().max(1) as f64).sqrt()
         };
         let crossings = crossing_error(logs, progress)?.unwrap_or_default();
         Ok(Self {
-            range_offset_m: rms(|one| one.range_offset_m),
-            sound_speed_share: rms(|one| one.sound_speed_share),
-            draft_m: rms(|one| one.draft_m),
-            water_level_m: rms(|one| one.water_level_m),
+            range_offset_m: rms(|log| log.range_offset_m),
+            sound_speed_share: rms(|log| log.sound_speed_share),
+            draft_m: rms(|log| log.draft_m),
+            water_level_m: rms(|log| log.water_level_m),
             crossings,
-            position_m: rms(|one| one.position_m),
+            position_m: rms(|log| log.position_m),
         })
     }
 

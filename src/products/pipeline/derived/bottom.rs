@@ -62,7 +62,7 @@ impl BottomColour {
     /// Returns the next quantity in the menu; the first after the last.
     #[must_use]
     pub fn next(self) -> Self {
-        let here = Self::ALL.iter().position(|one| *one == self);
+        let here = Self::ALL.iter().position(|colour| *colour == self);
         here.map_or(self, |here| Self::ALL[(here + 1) % Self::ALL.len()])
     }
 }
@@ -215,8 +215,9 @@ impl Bottom {
             times += 1;
         }
         let around = around(times);
-        let colours = (mosaic.as_ref()).map_or(Colours::default(), |one| one.settings.colours);
-        let mosaic_cell_m = mosaic.as_ref().map_or(fine.cell_m, |one| one.settings.cell_m);
+        let colours =
+            (mosaic.as_ref()).map_or(Colours::default(), |mosaic| mosaic.settings.colours);
+        let mosaic_cell_m = mosaic.as_ref().map_or(fine.cell_m, |mosaic| mosaic.settings.cell_m);
         let finest = (around.cell_m / mosaic_cell_m).round().max(1.0) as usize;
         let fits = |finer: &usize| around.finer(*finer).len() <= most_corners;
         let finer = (1..=finest).rev().find(fits).unwrap_or(1);
@@ -381,7 +382,7 @@ fn is_flat_extrapolation(surface: &Surface) -> bool {
 }
 
 fn source_colour(source: &CellSource) -> Rgb {
-    let known = CellSource::KNOWN.iter().position(|one| one == source);
+    let known = CellSource::KNOWN.iter().position(|known| known == source);
     known.map_or(UNSEEN, |index| SOURCES[index])
 }
 

@@ -44,7 +44,7 @@ impl<K: PartialEq, T: Clone> DerivedNode<K, T> {
         }
         let made = make()?;
         kept.push((key, made.clone()));
-        let mut all = kept.iter().map(|(_, one)| (self.weight)(one)).sum::<usize>();
+        let mut all = kept.iter().map(|(_, value)| (self.weight)(value)).sum::<usize>();
         while all > self.most && kept.len() > 1 {
             all -= (self.weight)(&kept.remove(0).1);
         }

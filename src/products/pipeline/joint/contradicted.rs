@@ -46,12 +46,12 @@ impl ContradictedSoundings {
     pub fn summary(&self, names: &[String]) -> String {
         let name = |log: usize| names.get(log).map_or("", String::as_str);
         let [least_m, most_m] = self.depth_m;
-        let against = self.against.iter().map(|one| {
-            let [own_m, other_m] = one.depths_m;
+        let against = self.against.iter().map(|contradiction| {
+            let [own_m, other_m] = contradiction.depths_m;
             format!(
                 "{} has {other_m:.2} m, {:.1} m away from a sounding of {own_m:.2} m",
-                name(one.track),
-                one.apart_m
+                name(contradiction.track),
+                contradiction.apart_m
             )
         });
         format!(
@@ -94,9 +94,9 @@ pub fn compare_heights(
     let mut offsets = offsets::height_offsets(&tracks, datum, progress)?;
     let contradicted = contradicted_soundings(logs, &tracks, &offsets, progress)?;
     if !contradicted.is_empty() {
-        for one in &contradicted {
-            let [from_s, to_s] = one.time_s;
-            tracks[one.log].retain(|depth| !(from_s..=to_s).contains(&depth.time_s));
+        for soundings in &contradicted {
+            let [from_s, to_s] = soundings.time_s;
+            tracks[soundings.log].retain(|depth| !(from_s..=to_s).contains(&depth.time_s));
         }
         offsets = offsets::height_offsets(&tracks, datum, progress)?;
     }
@@ -128,14 +128,14 @@ fn contradicted_soundings(
     };
     let levelled: Vec<Vec<TrackDepth>> = tracks.iter().zip(&offsets.logs).map(levelled).collect();
     let found = contradicted(&levelled, &may_be_false, progress)?;
-    let of_log = found.into_iter().map(|one| {
-        let depths = &tracks[one.track][one.depths];
+    let of_log = found.into_iter().map(|stretch| {
+        let depths = &tracks[stretch.track][stretch.depths];
         ContradictedSoundings {
-            log: one.track,
+            log: stretch.track,
             count: depths.len(),
             time_s: ends(depths.iter().map(|depth| depth.time_s)),
             depth_m: ends(depths.iter().map(|depth| depth.depth_m)),
-            against: one.against,
+            against: stretch.against,
         }
     });
     Ok(of_log.collect())

@@ -209,7 +209,7 @@ mod tests {
             ]
         );
         let unknown = said(Some(&positions(1.25, 1.9)));
-        assert!(unknown.iter().all(|one| one.ends_with(NO_SLOPE)), "{unknown:?}");
+        assert!(unknown.iter().all(|line| line.ends_with(NO_SLOPE)), "{unknown:?}");
         assert!(said(None)[0].ends_with(NO_SOLUTION));
         let alone = RequestedCorrection::of_one_log("a", wanted);
         assert_eq!(alone.len(), 2, "height offset and shift");

@@ -73,7 +73,7 @@ pub fn crossline_analysis(
     let tracks: Vec<Vec<TrackDepth>> = logs.iter().map(track_depths).collect();
     let found = crossings(&tracks, progress)?;
     let residuals = |of: &dyn Fn([usize; 2]) -> bool| {
-        let chosen = found.iter().filter(|one| of(one.passes.map(|pass| pass.track)));
+        let chosen = found.iter().filter(|crossing| of(crossing.passes.map(|pass| pass.track)));
         let mut differences: Vec<f64> = chosen.map(Crossing::difference_m).collect();
         Residuals::of(&mut differences)
     };

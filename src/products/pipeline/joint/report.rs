@@ -82,7 +82,7 @@ pub(crate) fn joint_report(
     all.statement = statement(&listed);
     all.warnings.extend(not_one_survey(logs, names));
     all.warnings.extend(not_connected(&listed));
-    let left_in = contradicted.iter().map(|one| one.summary(names));
+    let left_in = contradicted.iter().map(|soundings| soundings.summary(names));
     all.warnings.extend(left_in.map(|said| format!("{said}; --adjust leaves them out")));
     all.warnings.extend(unlevelled);
     all.warnings.extend(found.scales.iter().map(|scale| depths_scale(scale, names)));

@@ -261,9 +261,9 @@ mod tests {
         );
         assert!(RENAMED.iter().all(|(_, now)| row(now).is_some()));
         let settings = Settings::default().with_assignment("left_out.min_duration_s=4");
-        assert_eq!(settings.map(|one| one.excluded.min_duration_s), Ok(4.0));
+        assert_eq!(settings.map(|settings| settings.excluded.min_duration_s), Ok(4.0));
         let file = Settings::default().with_toml("[left_out]\nmin_duration_s = 5.0\n");
-        assert_eq!(file.map(|one| one.excluded.min_duration_s), Ok(5.0));
+        assert_eq!(file.map(|settings| settings.excluded.min_duration_s), Ok(5.0));
         assert!(refused("nothing_alike=3").contains("--help"));
         assert_eq!(
             refused("cloud=3"),

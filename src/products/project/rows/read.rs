@@ -297,8 +297,9 @@ impl RowReading<'_> {
             fields.insert(unit.clone(), Value::Array(vec![first, last]));
             let value = Value::Table(fields);
             // Checked one by one first, so that an error names the line.
-            let one: Stretch = into(value.clone(), row.line)?;
-            let alone = ExclusionSettings { stretches: vec![one], ..ExclusionSettings::default() };
+            let stretch: Stretch = into(value.clone(), row.line)?;
+            let alone =
+                ExclusionSettings { stretches: vec![stretch], ..ExclusionSettings::default() };
             alone.check().map_err(|what| wrong(what.to_owned()))?;
             stretches.push(value);
         }
@@ -331,7 +332,7 @@ impl RowReading<'_> {
             };
             let key = Key::new(["log", log_key, "bottom", side, first]);
             let Stretch { last, corners, accepted } = self.fields(&key, row, &BOTTOM_FIELDS)?;
-            let side = Side::BOTH.into_iter().find(|one| one.name() == side);
+            let side = Side::BOTH.into_iter().find(|known| known.name() == side);
             let line = BottomEdit {
                 side: side.unwrap_or(Side::Port),
                 pings: [first.parse().unwrap_or(usize::MAX), last],
@@ -345,9 +346,9 @@ impl RowReading<'_> {
                     "this stretch of the bottom lies over the one before; change one of them";
                 return Err(ProjectError::line(row.line, what));
             }
-            let one = BottomSettings { lines: vec![line], ..all };
-            one.check().map_err(|what| ProjectError::line(row.line, what))?;
-            all.lines.extend(one.lines);
+            let alone = BottomSettings { lines: vec![line], ..all };
+            alone.check().map_err(|what| ProjectError::line(row.line, what))?;
+            all.lines.extend(alone.lines);
         }
         let line = lines.last().map_or(0, |(_, row)| row.line);
         all.check().map_err(|what| ProjectError::line(line, what))?;
@@ -385,9 +386,9 @@ impl RowReading<'_> {
             if let Some(object) = fields.remove("object") {
                 numbers.insert(BoxId(number), into(object, row.line)?);
             }
-            let one: BoxRow = into(Value::Table(fields), row.line)?;
-            line_of.insert(one.id, row.line);
-            rows.boxes.push(one);
+            let box_row: BoxRow = into(Value::Table(fields), row.line)?;
+            line_of.insert(box_row.id, row.line);
+            rows.boxes.push(box_row);
         }
         let review = Review::from_rows(rows, of).map_err(|error| {
             let line = error.id.and_then(|id| line_of.get(&id));

@@ -117,9 +117,9 @@ proptest! {
         let mut history = History::default();
         let mut states = vec![Project::default()];
         let mut labels = Vec::new();
-        for one in requested {
+        for request in requested {
             let now = &states[states.len() - 1];
-            let Some(change) = change_from(one, now) else { continue };
+            let Some(change) = change_from(request, now) else { continue };
             let Some(after) = now.apply(&change) else { continue };
             let label = format!("change {}", labels.len());
             labels.push(label.clone());
@@ -147,9 +147,9 @@ proptest! {
     #[test]
     fn the_lines_of_a_change_are_all_of_it(requested in prop::collection::vec(any_change(), 1..40), from in any::<prop::sample::Index>()) {
         let mut states = vec![full()];
-        for one in requested {
+        for request in requested {
             let now = &states[states.len() - 1];
-            let after = change_from(one, now).and_then(|change| now.apply(&change));
+            let after = change_from(request, now).and_then(|change| now.apply(&change));
             states.extend(after);
         }
         let (before, after) = (from.get(&states), &states[states.len() - 1]);

@@ -218,7 +218,10 @@ fn every_version_opens() {
         let settings = project.settings_of(log).expect("settings");
         assert_eq!((settings.draft_m, settings.first_return.threshold), (0.3, 0.41));
         assert_eq!(settings.bottom.ping_count(), 12);
-        let decided = log.review.get(BoxId(2)).map(|one| (one.state.name(), one.note.as_str()));
+        let decided = log
+            .review
+            .get(BoxId(2))
+            .map(|review_box| (review_box.state.name(), review_box.note.as_str()));
         assert_eq!(decided, Some(("accepted", "a \"wreck\"\nor so")));
         assert_eq!(project.measurements.len(), 1);
         // The saved project has this version, and the same content.
@@ -253,9 +256,9 @@ fn a_journal_of_nonsense_does_no_harm() {
     let mut spoilt: Vec<Vec<u8>> =
         vec![Vec::new(), vec![0; 5000], vec![b'\n'; 5000], b"{}\n".to_vec()];
     for at in (0..good.len()).step_by(37) {
-        let mut one = good.clone();
-        one[at] = one[at].wrapping_add(1);
-        spoilt.push(one);
+        let mut bytes = good.clone();
+        bytes[at] = bytes[at].wrapping_add(1);
+        spoilt.push(bytes);
     }
     for bytes in spoilt {
         fs::write(&journal, &bytes).expect("a file");

@@ -72,7 +72,7 @@ fn placed(sailed: &Sailed) -> Vec<(usize, Target, f64)> {
 fn objects_lie_by_the_bottom_that_was_drawn_over_them() {
     let sailed = sail(&Scene::default(), 3);
     let survey = &sailed.survey;
-    let seen = sailed.truth.objects.iter().flat_map(|one| &one.sightings);
+    let seen = sailed.truth.objects.iter().flat_map(|object| &object.sightings);
     let marks: Vec<Mark> = seen.filter_map(|seen| true_box(survey, seen)).collect();
     assert!(marks.len() > 3);
     let altitude_m = |returns: &FirstReturns, mark: &Mark| {
@@ -118,7 +118,7 @@ fn what_is_known_of_the_water_moves_objects_as_it_moves_points() {
     let (plain, corrected) = (of(&[]), of(&known));
     let [plain, corrected] =
         [&plain, &corrected].map(|products| ObjectLocator::new(&sailed.survey, products));
-    let seen = sailed.truth.objects.iter().flat_map(|one| &one.sightings);
+    let seen = sailed.truth.objects.iter().flat_map(|object| &object.sightings);
     let marks: Vec<Mark> = seen.filter_map(|seen| true_box(&sailed.survey, seen)).collect();
     assert!(marks.len() > 3);
     let factor = 1455.0 / 1500.0;
@@ -181,7 +181,7 @@ fn objects_on_a_bank_lie_where_they_are_and_not_where_a_level_bottom_has_them() 
                 let mark = true_box(&sailed.survey, seen);
                 let target = mark.and_then(|mark| locator.place(&mark));
                 // A turn smears what it sees.
-                let on_a_line = |one: &Target| one.heading_rad.sin().abs() > 0.99;
+                let on_a_line = |target: &Target| target.heading_rad.sin().abs() > 0.99;
                 if let Some(target) = target.filter(on_a_line) {
                     let (east_m, north_m) = (target.east_m, target.north_m);
                     off_m.push(f64::hypot(east_m - object.east_m, north_m - object.north_m));
@@ -253,13 +253,13 @@ fn objects_lie_within_half_a_metre_of_the_truth_from_either_side_and_in_crossing
     }
     assert!(all.len() > 60, "{} sightings", all.len());
     let of = |keep: fn(&Off) -> bool, share: f64| {
-        let kept = all.iter().filter(|one| keep(one));
-        quantile(kept.map(|one| one.off_m), share)
+        let kept = all.iter().filter(|sighting| keep(sighting));
+        quantile(kept.map(|sighting| sighting.off_m), share)
     };
-    let port = of(|one| one.target.mark.side == Side::Port, 0.5);
-    let starboard = of(|one| one.target.mark.side == Side::Starboard, 0.5);
-    let along = of(|one| !one.crossing, 0.5);
-    let crossing = of(|one| one.crossing, 0.5);
+    let port = of(|sighting| sighting.target.mark.side == Side::Port, 0.5);
+    let starboard = of(|sighting| sighting.target.mark.side == Side::Starboard, 0.5);
+    let along = of(|sighting| !sighting.crossing, 0.5);
+    let crossing = of(|sighting| sighting.crossing, 0.5);
     let [median, p90] = [0.5, 0.9].map(|share| of(|_| true, share));
     println!(
         "{} sightings: off by {median:.2} m (median), {p90:.2} m (90 %); port {port:.2}, starboard {starboard:.2}, \
@@ -271,21 +271,24 @@ fn objects_lie_within_half_a_metre_of_the_truth_from_either_side_and_in_crossing
     }
     assert!(p90 < 0.9, "{p90}");
 
-    let in_sigmas = |share| quantile(all.iter().map(|one| one.off_m / one.target.sigma_m), share);
+    let in_sigmas = |share| {
+        quantile(all.iter().map(|sighting| sighting.off_m / sighting.target.sigma_m), share)
+    };
     let [middle, wide] = [0.5, 0.9].map(in_sigmas);
     println!("in standard deviations: {middle:.2} (median), {wide:.2} (90 %)");
     // Of two axes a median of 1.18 and 2.15; a stated error that is far too small or too large
     // misleads.
     assert!((0.5..1.3).contains(&middle) && wide < 2.4);
 
-    let known = || all.iter().filter(|one| one.target.height_m.is_finite());
+    let known = || all.iter().filter(|sighting| sighting.target.height_m.is_finite());
     let ratio = |share| {
-        let ratios = known().map(|one| one.target.height_m / one.true_height_m);
+        let ratios = known().map(|sighting| sighting.target.height_m / sighting.true_height_m);
         quantile(ratios, share)
     };
     let sigmas = |share| {
-        let sigmas = known()
-            .map(|one| (one.target.height_m - one.true_height_m) / one.target.height_sigma_m);
+        let sigmas = known().map(|sighting| {
+            (sighting.target.height_m - sighting.true_height_m) / sighting.target.height_sigma_m
+        });
         quantile(sigmas, share)
     };
     let [low, height, high] = [0.1, 0.5, 0.9].map(ratio);
@@ -339,7 +342,7 @@ fn an_object_seen_from_several_lines_is_one() {
         let sailed = sail(&scene, seed);
         let placed = placed(&sailed);
         let groups = group(&claims(&sailed, &placed), &GroupSettings::default());
-        let mut objects: Vec<usize> = placed.iter().map(|one| one.0).collect();
+        let mut objects: Vec<usize> = placed.iter().map(|sighting| sighting.0).collect();
         objects.dedup();
         let object_of = |group: &Group| placed[group.members[0]].0;
         let mixed = groups

@@ -54,9 +54,12 @@ pub(super) fn repeatability(first: &Mission, second: &Mission) -> (Spread, Sprea
         -first.known.truth.bed_depth_m(east_m, north_m)
     };
     let [found, of_first, of_second] = [
-        matches.iter().map(|one| one.difference_m).collect(),
-        matches.iter().map(|one| one.reference_z_m - bed_z_m(one.measured)).collect(),
-        matches.iter().map(|one| measured[one.measured][2] - bed_z_m(one.measured)).collect(),
+        matches.iter().map(|matched| matched.difference_m).collect(),
+        matches.iter().map(|matched| matched.reference_z_m - bed_z_m(matched.measured)).collect(),
+        matches
+            .iter()
+            .map(|matched| measured[matched.measured][2] - bed_z_m(matched.measured))
+            .collect(),
     ]
     .map(|mut errors: Vec<f64>| Residuals::of(&mut errors).expect("points over the surface"));
     let expected = [of_second.mean_m - of_first.mean_m, of_second.sd_m.hypot(of_first.sd_m)];

@@ -102,11 +102,11 @@ fn echo_off_m(drawn: &Drawn, [east_m, north_m]: [f64; 2]) -> f64 {
             near.push((drawn.at(east_m + x, north_m + y), x, y));
         }
     }
-    near.sort_by_key(|one| std::cmp::Reverse(one.0));
+    near.sort_by_key(|cell| std::cmp::Reverse(cell.0));
     near.truncate(near.len() / 20);
     let mean =
         |value: fn(&(u8, f64, f64)) -> f64| near.iter().map(value).sum::<f64>() / near.len() as f64;
-    f64::hypot(mean(|one| one.1), mean(|one| one.2))
+    f64::hypot(mean(|cell| cell.1), mean(|cell| cell.2))
 }
 
 /// The survey with the pings around a sighting alone.

@@ -176,13 +176,13 @@ fn the_river_shows_no_step_no_bands_and_no_bars_and_keeps_its_boulders() {
         [Gain::Recorded, Gain::Empirical].map(|gain| Swaths::of(&survey, &products, gain));
     // Boulders on both sides.
     let boulders = 0..1700;
-    for (name, one) in [("recorded", &recorded), ("empirical", &even)] {
+    for (name, swaths) in [("recorded", &recorded), ("empirical", &even)] {
         eprintln!(
             "{name}: step {:+.3}, unevenness {:.3}, bars {:.3}, contrast {:.3}",
-            one.step(),
-            one.unevenness(),
-            one.bars(),
-            one.contrast(boulders.clone())
+            swaths.step(),
+            swaths.unevenness(),
+            swaths.bars(),
+            swaths.contrast(boulders.clone())
         );
     }
     assert!(even.step().abs() <= 0.02, "step {}", even.step());
@@ -236,7 +236,7 @@ fn a_weak_side_leaves_no_step_even_where_the_depth_is_misread() {
     let (survey, products) = weak_to_starboard_and_misread();
     let [recorded, even] =
         [Gain::Recorded, Gain::Empirical].map(|gain| Swaths::of(&survey, &products, gain));
-    let figures = [&recorded, &even].map(|one| [one.step(), one.unevenness()]);
+    let figures = [&recorded, &even].map(|swaths| [swaths.step(), swaths.unevenness()]);
     eprintln!("step, unevenness: {figures:.3?}");
     // There is something to mend.
     assert!(recorded.step() < -0.3 && recorded.unevenness() > 0.15, "{figures:.3?}");

@@ -28,7 +28,7 @@ const PAIRS: usize = 60;
 /// Unit vector to starboard of a boat that goes so many Mercator metres east and north.
 fn starboard([east, north]: [i32; 2]) -> [f64; 2] {
     let (east, north) = (f64::from(east), f64::from(north));
-    [north, -east].map(|one| one / east.hypot(north))
+    [north, -east].map(|metres| metres / east.hypot(north))
 }
 
 /// Depth of a plane that falls to starboard, metres below the transducer.
@@ -70,7 +70,7 @@ fn log(steps: i32, way: [i32; 2]) -> Vec<u8> {
             ..Frame::new(0, STEP_MS * step)
         };
         let [x, y] = mercator_m(step);
-        [sounding, swath].map(|one| Frame { xy_m: (x, y), ..one })
+        [sounding, swath].map(|frame| Frame { xy_m: (x, y), ..frame })
     });
     sl3(&each.collect::<Vec<_>>(), 168)
 }
@@ -90,7 +90,9 @@ fn swath(products: &Products) -> Vec<CloudPoint> {
 }
 
 fn set(assignments: &[&str]) -> Settings {
-    let with = |settings: Settings, one: &&str| settings.with_assignment(one).expect("a setting");
+    let with = |settings: Settings, assignment: &&str| {
+        settings.with_assignment(assignment).expect("a setting")
+    };
     assignments.iter().fold(Settings::default(), with)
 }
 
@@ -243,5 +245,5 @@ fn the_depth_map_the_files_and_the_report_take_the_swath() {
     let residuals = fs::read_to_string(folder.path().join("quality/residuals.json"));
     let residuals: Value = serde_json::from_str(&residuals.expect("a file")).expect("JSON");
     let compared = residuals["comparisons"].as_array().expect("comparisons");
-    assert!(compared.iter().any(|one| one["source"] == "swath"));
+    assert!(compared.iter().any(|comparison| comparison["source"] == "swath"));
 }

@@ -28,7 +28,7 @@ fn side_scan_lowers_the_error_of_the_map_and_missions_repeat_as_the_truth_says()
     let rms_m = |settings: &SurfaceSettings| {
         let map = first.known.map(&first.products, settings);
         let errors = first.known.map_errors(&map, &soundings);
-        let mut errors: Vec<f64> = errors.iter().map(|one| one.error_m).collect();
+        let mut errors: Vec<f64> = errors.iter().map(|error| error.error_m).collect();
         Residuals::of(&mut errors).expect("cells").rms_m
     };
     let [with, without] = [rms_m(&with), rms_m(&without)];
@@ -54,7 +54,7 @@ fn a_map_knows_how_near_it_is_to_the_bed() {
         let settings = SurfaceSettings { cell_m: Some(0.4), ..SurfaceSettings::default() };
         let map = pond.known.map(&pond.products, &settings);
         let stated = pond.known.map_errors(&map, &map).into_iter();
-        let ratios: Vec<f64> = stated.map(|one| one.error_m.abs() / one.spread_m).collect();
+        let ratios: Vec<f64> = stated.map(|error| error.error_m.abs() / error.spread_m).collect();
         let within = |sigmas: f64| {
             ratios.iter().filter(|ratio| **ratio < sigmas).count() as f64 / ratios.len() as f64
         };
@@ -84,16 +84,16 @@ fn levels_find_mounds_that_lie_between_the_lines() {
     let [plain, from_levels] = [SwathDepth::Off, SwathDepth::Always].map(map);
     let errors = |map| {
         let errors = pond.known.map_errors(map, &plain).into_iter();
-        errors.filter(|one| one.away_m > 1.0).collect::<Vec<MapError>>()
+        errors.filter(|error| error.away_m > 1.0).collect::<Vec<MapError>>()
     };
     let rms_m = |map| {
-        let mut errors: Vec<f64> = errors(map).iter().map(|one| one.error_m).collect();
+        let mut errors: Vec<f64> = errors(map).iter().map(|error| error.error_m).collect();
         Residuals::of(&mut errors).expect("cells").rms_m
     };
     let left = rms_m(&from_levels) / rms_m(&plain);
     assert!(left < 0.8, "{left}");
     let stated = errors(&from_levels).into_iter();
-    let ratios: Vec<f64> = stated.map(|one| one.error_m.abs() / one.spread_m).collect();
+    let ratios: Vec<f64> = stated.map(|error| error.error_m.abs() / error.spread_m).collect();
     let within = ratios.iter().filter(|ratio| **ratio < 2.0).count() as f64 / ratios.len() as f64;
     assert!(within > 0.8, "{within}");
     check_sources(&plain, &from_levels);
@@ -104,7 +104,8 @@ fn levels_find_mounds_that_lie_between_the_lines() {
 /// measured.
 fn check_sources(plain: &Surface, from_levels: &Surface) {
     let share = |map: &Surface, source: CellSource| {
-        map.source.iter().filter(|one| **one == source).count() as f64 / map.source.len() as f64
+        map.source.iter().filter(|cell_source| **cell_source == source).count() as f64
+            / map.source.len() as f64
     };
     for source in [CellSource::Sounding, CellSource::FirstReturn] {
         assert_eq!(share(plain, source), share(from_levels, source));
