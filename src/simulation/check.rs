@@ -22,7 +22,7 @@ const DEMO: &str = include_str!("../../assets/demo.toml");
 /// outside of its bounds.
 macro_rules! all_within {
     ($part:literal, $of:expr, { $($field:ident: $bounds:expr,)+ }) => {
-        $(within(concat!($part, ".", stringify!($field)), $of.$field.into(), $bounds)?;)+
+        $(check_within(concat!($part, ".", stringify!($field)), $of.$field.into(), $bounds)?;)+
     };
 }
 
@@ -102,9 +102,9 @@ impl Scene {
 
     fn check_ground(&self) -> Result<(), SceneError> {
         let bed = &self.bed;
-        within("longitude_deg", self.longitude_deg, -180.0..=180.0)?;
-        within("latitude_deg", self.latitude_deg, -80.0..=80.0)?;
-        within("duration_s", self.duration_s.unwrap_or(1.0), 0.1..=1e6)?;
+        check_within("longitude_deg", self.longitude_deg, -180.0..=180.0)?;
+        check_within("latitude_deg", self.latitude_deg, -80.0..=80.0)?;
+        check_within("duration_s", self.duration_s.unwrap_or(1.0), 0.1..=1e6)?;
         all_within!("bed", bed, {
             mean_depth_m: 0.5..=200.0,
         });
@@ -161,7 +161,7 @@ impl Scene {
         let track = &self.track;
         few("corners", track.corners_m.len())?;
         for corner in track.corners_m.iter().flatten() {
-            within("track.corners_m", *corner, -1e5..=1e5)?;
+            check_within("track.corners_m", *corner, -1e5..=1e5)?;
         }
         all_within!("track", track, {
             lines: 0.0..=1000.0,
@@ -237,9 +237,9 @@ impl Scene {
 
     fn check_objects(&self) -> Result<(), SceneError> {
         let scattered = f64::from(self.scattered_objects);
-        within("scattered_objects", scattered, 0.0..=10_000.0)?;
+        check_within("scattered_objects", scattered, 0.0..=10_000.0)?;
         let count = self.objects.len() as f64;
-        within("the number of objects", count, 0.0..=10_000.0)?;
+        check_within("the number of objects", count, 0.0..=10_000.0)?;
         for object in &self.objects {
             all_within!("objects", object, {
                 east_m: -1e5..=1e5,
@@ -251,7 +251,7 @@ impl Scene {
                 buried_m: 0.0..=20.0,
             });
             let strength_db = object.strength_db.unwrap_or(0.0);
-            within("objects.strength_db", strength_db, -60.0..=60.0)?;
+            check_within("objects.strength_db", strength_db, -60.0..=60.0)?;
         }
         Ok(())
     }
@@ -310,11 +310,11 @@ impl Scene {
 
 /// Checks that there are at most 1000 things of a kind.
 fn few(what: &str, count: usize) -> Result<(), SceneError> {
-    within(&format!("the number of {what}"), count as f64, 0.0..=1000.0)
+    check_within(&format!("the number of {what}"), count as f64, 0.0..=1000.0)
 }
 
 /// Checks that a number is within its bounds; NaN is not.
-fn within(name: &str, value: f64, bounds: RangeInclusive<f64>) -> Result<(), SceneError> {
+fn check_within(name: &str, value: f64, bounds: RangeInclusive<f64>) -> Result<(), SceneError> {
     if bounds.contains(&value) {
         return Ok(());
     }

@@ -26,7 +26,7 @@ impl Survey {
         let by_sides = !self.side_scan.is_empty();
         let echogram = |echogram: &Echogram| Echogram {
             kind: echogram.kind,
-            pings: Arc::new(within(&echogram.pings, &spans, |ping| ping.time_s)),
+            pings: Arc::new(select_by_time(&echogram.pings, &spans, |ping| ping.time_s)),
         };
         let mut fixes: Vec<Range<usize>> = Vec::new();
         for span in &spans {
@@ -48,20 +48,20 @@ impl Survey {
         let chosen_swath = indices(&self.swath, &spans, |ping| ping.time_s);
         let survey = Self {
             side_scan: Arc::new(if by_sides {
-                taken(&self.side_scan, records)
+                select(&self.side_scan, records)
             } else {
                 Vec::new()
             }),
             echograms: self.echograms.iter().map(echogram).collect(),
-            soundings: Arc::new(taken(&self.soundings, &chosen_soundings)),
-            swath: Arc::new(taken(&self.swath, &chosen_swath)),
-            track: self.track.with_fixes(taken(&self.track.fixes, &fixes)),
+            soundings: Arc::new(select(&self.soundings, &chosen_soundings)),
+            swath: Arc::new(select(&self.swath, &chosen_swath)),
+            track: self.track.with_fixes(select(&self.track.fixes, &fixes)),
             ..self.clone()
         };
         let navigation = Navigation {
-            pings: Arc::new(if by_sides { taken(&navigation.pings, records) } else { Vec::new() }),
-            soundings: Arc::new(taken(&navigation.soundings, &chosen_soundings)),
-            swath: Arc::new(taken(&navigation.swath, &chosen_swath)),
+            pings: Arc::new(if by_sides { select(&navigation.pings, records) } else { Vec::new() }),
+            soundings: Arc::new(select(&navigation.soundings, &chosen_soundings)),
+            swath: Arc::new(select(&navigation.swath, &chosen_swath)),
             ..navigation.clone()
         };
         (survey, navigation)
@@ -86,12 +86,16 @@ fn indices<T>(items: &[T], spans: &[Range<f64>], time_s: impl Fn(&T) -> f64) -> 
     stretches.collect()
 }
 
-fn within<T: Clone>(items: &[T], spans: &[Range<f64>], time_s: impl Fn(&T) -> f64) -> Vec<T> {
-    taken(items, &indices(items, spans, time_s))
+fn select_by_time<T: Clone>(
+    items: &[T],
+    spans: &[Range<f64>],
+    time_s: impl Fn(&T) -> f64,
+) -> Vec<T> {
+    select(items, &indices(items, spans, time_s))
 }
 
 /// Returns the items of some index ranges; indices beyond the last item are ignored.
-fn taken<T: Clone>(items: &[T], stretches: &[Range<usize>]) -> Vec<T> {
+fn select<T: Clone>(items: &[T], stretches: &[Range<usize>]) -> Vec<T> {
     let parts = stretches.iter().flat_map(|stretch| {
         let end = stretch.end.min(items.len());
         &items[stretch.start.min(end)..end]

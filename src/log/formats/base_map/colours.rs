@@ -139,7 +139,7 @@ pub(super) struct AsGrey {
     file: BufReader<File>,
     at: u64,
     /// Offsets of the bytes with the value for a palette or a mask.
-    said: Vec<u64>,
+    offsets: Vec<u64>,
 }
 
 impl AsGrey {
@@ -148,17 +148,17 @@ impl AsGrey {
     pub(super) fn new(file: File) -> io::Result<Self> {
         let mut file = BufReader::new(file);
         check_claims(&mut file)?;
-        let said = palettes(&mut file);
+        let offsets = palettes(&mut file);
         file.seek(SeekFrom::Start(0))?;
-        Ok(Self { file, at: 0, said })
+        Ok(Self { file, at: 0, offsets })
     }
 }
 
 impl Read for AsGrey {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         let count = self.file.read(buffer)?;
-        for said in &self.said {
-            let index = said.checked_sub(self.at).and_then(|index| usize::try_from(index).ok());
+        for offset in &self.offsets {
+            let index = offset.checked_sub(self.at).and_then(|index| usize::try_from(index).ok());
             if let Some(byte) = index.and_then(|index| buffer[..count].get_mut(index)) {
                 *byte = GREY;
             }

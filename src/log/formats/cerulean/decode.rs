@@ -1,6 +1,6 @@
 //! Decodes packets of a Cerulean svlog to sides and fixes in SI units.
 
-use super::navigation::{Navigation, Told};
+use super::navigation::{Navigation, ReceivedPosition};
 use super::packet::{Packet, Profile};
 use super::scale::Scale;
 use crate::formats::clock::{Clock, ClockVerdict};
@@ -23,7 +23,7 @@ const MOST_APART_S: f64 = 10.0;
 const BYTES_A_POSITION: usize = 128;
 
 /// A profile, its offset in the file, and the positions that were read after the profile before it.
-type Record = (Profile, usize, Vec<Told>);
+type Record = (Profile, usize, Vec<ReceivedPosition>);
 
 /// Decodes packets and collects sides and fixes.
 pub(super) struct Reader<'a> {
@@ -35,7 +35,7 @@ pub(super) struct Reader<'a> {
     scale: Option<Scale>,
     navigation: Navigation,
     /// Positions after the last profile.
-    waiting: Vec<Told>,
+    waiting: Vec<ReceivedPosition>,
     positions_left: usize,
     /// Unix seconds when recording began; `None` again after the first profile was timed with it.
     began_unix_s: Option<f64>,
@@ -110,10 +110,10 @@ impl<'a> Reader<'a> {
             return;
         }
         *self.others.entry(packet.id).or_default() += 1;
-        let told = self.navigation.take(packet.id, packet.payload);
-        let told = told.filter(|_| self.positions_left > 0);
-        self.positions_left -= usize::from(told.is_some());
-        self.waiting.extend(told);
+        let position = self.navigation.take(packet.id, packet.payload);
+        let position = position.filter(|_| self.positions_left > 0);
+        self.positions_left -= usize::from(position.is_some());
+        self.waiting.extend(position);
         if packet.id == SESSION && self.began_unix_s.is_none() && self.start_unix_s.is_none() {
             self.began_unix_s = began_unix_s(packet.payload);
         }
@@ -181,14 +181,14 @@ impl<'a> Reader<'a> {
 
     fn settle(&mut self, log: &mut Collected, verdict: ClockVerdict<Record>) {
         match verdict {
-            ClockVerdict::Sound { record: (profile, at, told), time_s } => {
+            ClockVerdict::Sound { record: (profile, at, positions), time_s } => {
                 let now_ms = (time_s * 1000.0).round();
                 let time_s = (now_ms - *self.zero_ms.get_or_insert(now_ms)) / 1000.0;
                 if let Some(began_unix_s) = self.began_unix_s.take() {
                     self.start_unix_s = Some(began_unix_s - time_s);
                 }
-                for told in told {
-                    self.navigation.place(told, time_s, profile.vehicle_deg);
+                for position in positions {
+                    self.navigation.place(position, time_s, profile.vehicle_deg);
                 }
                 self.keep(log, &profile, at, time_s);
             }

@@ -19,7 +19,7 @@ const NO_HEADING: u16 = u16::MAX;
 
 /// A position whose time on the sonar's clock is not known yet.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Told {
+pub(super) struct ReceivedPosition {
     /// Time on the position's own clock, seconds, and which clock that is; `None` without a time.
     own_s: Option<(Clock, f64)>,
     fix: Fix,
@@ -61,7 +61,7 @@ pub(super) struct Navigation {
     heading_rad: f32,
     /// Positions, each with the time of the profile that follows, seconds after the log's time
     /// zero.
-    placed: Vec<(f64, Told)>,
+    placed: Vec<(f64, ReceivedPosition)>,
 }
 
 impl Default for Navigation {
@@ -72,7 +72,7 @@ impl Default for Navigation {
 
 impl Navigation {
     /// Reads a packet; returns its position, or `None` if it has none.
-    pub(super) fn take(&mut self, id: u16, payload: &[u8]) -> Option<Told> {
+    pub(super) fn take(&mut self, id: u16, payload: &[u8]) -> Option<ReceivedPosition> {
         match id {
             NMEA => self.take_sentence(nmea::sentence(payload)?),
             MAVLINK => take_message(payload),
@@ -80,20 +80,20 @@ impl Navigation {
         }
     }
 
-    fn take_sentence(&mut self, told: nmea::Sentence) -> Option<Told> {
-        let keep = |kept: &mut f32, told: f32| {
-            if !told.is_nan() {
-                *kept = told;
+    fn take_sentence(&mut self, sentence: nmea::Sentence) -> Option<ReceivedPosition> {
+        let keep = |kept: &mut f32, value: f32| {
+            if !value.is_nan() {
+                *kept = value;
             }
         };
-        keep(&mut self.cog_rad, told.cog_rad);
-        keep(&mut self.speed_mps, told.speed_mps);
-        keep(&mut self.heading_rad, told.heading_rad);
-        Some(Told {
-            own_s: told.utc_s.map(|utc_s| (Clock::Receiver, utc_s)),
+        keep(&mut self.cog_rad, sentence.cog_rad);
+        keep(&mut self.speed_mps, sentence.speed_mps);
+        keep(&mut self.heading_rad, sentence.heading_rad);
+        Some(ReceivedPosition {
+            own_s: sentence.utc_s.map(|utc_s| (Clock::Receiver, utc_s)),
             fix: Fix {
                 time_s: f64::NAN,
-                position: told.position?,
+                position: sentence.position?,
                 cog_rad: self.cog_rad,
                 compass_rad: self.heading_rad,
                 speed_mps: self.speed_mps,
@@ -103,11 +103,11 @@ impl Navigation {
 
     /// Stores a position with the time of the profile that follows, seconds; the vehicle's heading
     /// in that profile, degrees (0 is unknown), is used where the position has none.
-    pub(super) fn place(&mut self, mut told: Told, time_s: f64, vehicle_deg: f32) {
-        if told.fix.compass_rad.is_nan() && vehicle_deg != 0.0 && vehicle_deg.abs() <= 360.0 {
-            told.fix.compass_rad = vehicle_deg.to_radians();
+    pub(super) fn place(&mut self, mut position: ReceivedPosition, time_s: f64, vehicle_deg: f32) {
+        if position.fix.compass_rad.is_nan() && vehicle_deg != 0.0 && vehicle_deg.abs() <= 360.0 {
+            position.fix.compass_rad = vehicle_deg.to_radians();
         }
-        self.placed.push((time_s, told));
+        self.placed.push((time_s, position));
     }
 
     /// Returns the fixes. Packets are delayed by tenths of seconds, so that the clocks of receiver
@@ -115,15 +115,15 @@ impl Navigation {
     /// estimated by the median.
     pub(super) fn fixes(self) -> Vec<Fix> {
         let later_s = |clock: Clock| {
-            let own = self.placed.iter().filter_map(|(time_s, told)| {
-                let (its, own_s) = told.own_s?;
+            let own = self.placed.iter().filter_map(|(time_s, position)| {
+                let (its, own_s) = position.own_s?;
                 (its == clock).then_some(time_s - own_s)
             });
             upper_median(&mut own.collect::<Vec<f64>>(), f64::total_cmp)
         };
         let [receiver_s, autopilot_s] = [Clock::Receiver, Clock::Autopilot].map(later_s);
-        let each = self.placed.iter().map(|(beside_s, told)| {
-            let own_s = told.own_s.and_then(|(clock, own_s)| {
+        let each = self.placed.iter().map(|(beside_s, position)| {
+            let own_s = position.own_s.and_then(|(clock, own_s)| {
                 let later_s = match clock {
                     Clock::Receiver => receiver_s,
                     Clock::Autopilot => autopilot_s,
@@ -131,13 +131,13 @@ impl Navigation {
                 Some(own_s + later_s?)
             });
             let is_near = |own_s: &f64| (own_s - beside_s).abs() <= MOST_APART_S;
-            Fix { time_s: own_s.filter(is_near).unwrap_or(*beside_s), ..told.fix }
+            Fix { time_s: own_s.filter(is_near).unwrap_or(*beside_s), ..position.fix }
         });
         each.collect()
     }
 }
 
-fn take_message(payload: &[u8]) -> Option<Told> {
+fn take_message(payload: &[u8]) -> Option<ReceivedPosition> {
     // Most messages are of other types and are not parsed.
     let name = POSITION_MESSAGE.as_bytes();
     payload.windows(name.len()).find(|part| *part == name)?;
@@ -149,7 +149,7 @@ fn take_message(payload: &[u8]) -> Option<Told> {
         [message.vx, message.vy].map(|speed| speed.map_or(f32::NAN, |cm| cm / 100.0));
     let heading = message.hdg.filter(|heading| *heading != NO_HEADING);
     let speed_mps = north.hypot(east);
-    is_fix.then(|| Told {
+    is_fix.then(|| ReceivedPosition {
         own_s: message.time_boot_ms.map(|boot_ms| (Clock::Autopilot, boot_ms / 1000.0)),
         fix: Fix {
             time_s: f64::NAN,

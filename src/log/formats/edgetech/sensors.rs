@@ -62,11 +62,11 @@ impl Sensors {
         match kind {
             NMEA => {
                 let unix_s = f64::from(fields.i32(0)) + f64::from(fields.i32(4)) / 1000.0;
-                let told = body.get(12..).and_then(nmea::sentence);
-                let told = told.filter(|told| {
-                    told.position.is_some() && self.sentences.len() < self.most_sentences
+                let sentence = body.get(12..).and_then(nmea::sentence);
+                let sentence = sentence.filter(|sentence| {
+                    sentence.position.is_some() && self.sentences.len() < self.most_sentences
                 });
-                self.sentences.extend(told.map(|told| (unix_s, told)));
+                self.sentences.extend(sentence.map(|sentence| (unix_s, sentence)));
             }
             SYSTEM if self.device.is_none() => {
                 let [system, vehicle] = [fields.i32(0), fields.i32(20)];
@@ -111,16 +111,16 @@ impl Sensors {
         else {
             return;
         };
-        for (unix_s, told) in &self.sentences {
+        for (unix_s, sentence) in &self.sentences {
             let time_s = unix_s - zero_s;
             let is_beside = (from_s - NMEA_BESIDE_S..=to_s + NMEA_BESIDE_S).contains(&time_s);
-            if let Some(position) = told.position.filter(|_| is_beside) {
+            if let Some(position) = sentence.position.filter(|_| is_beside) {
                 log.add_fix(Fix {
                     time_s,
                     position,
-                    cog_rad: told.cog_rad,
-                    compass_rad: told.heading_rad,
-                    speed_mps: told.speed_mps,
+                    cog_rad: sentence.cog_rad,
+                    compass_rad: sentence.heading_rad,
+                    speed_mps: sentence.speed_mps,
                 });
             }
         }

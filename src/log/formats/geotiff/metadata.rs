@@ -144,13 +144,13 @@ pub(super) fn counts_downwards(text: &str) -> bool {
                 let says_so = attribute(&item, "name").is_some_and(|name| name == POSITIVE);
                 value = (is(&item, "Item") && says_so).then(String::new);
             }
-            (Ok(Event::End(_)), Some(said)) => {
-                if said.trim().eq_ignore_ascii_case(DOWN) {
+            (Ok(Event::End(_)), Some(item_text)) => {
+                if item_text.trim().eq_ignore_ascii_case(DOWN) {
                     return true;
                 }
                 value = None;
             }
-            (Ok(event), Some(said)) => said.extend(text_of(&event)),
+            (Ok(event), Some(item_text)) => item_text.extend(text_of(&event)),
             _ => {}
         }
     }

@@ -45,7 +45,7 @@ struct Epoch {
     at: usize,
     /// Time of the epoch, seconds: Unix seconds, or seconds since the first midnight where the date
     /// is unknown.
-    told_s: f64,
+    time_s: f64,
     stamp_s: Option<f64>,
     fix: Option<Fix>,
     values: Values,
@@ -110,30 +110,30 @@ impl<'a> Reader<'a> {
                 "the sum of a sentence is missing or not that of its letters; it was dropped";
             return log.report.at(WarningKind::Frame, 0, found.at, text);
         };
-        let Some((address, told)) = framed.address().zip(framed.told()) else {
+        let Some((address, sentence)) = framed.address().zip(framed.sentence()) else {
             return;
         };
-        if !told.depth_m.is_nan() {
+        if !sentence.depth_m.is_nan() {
             if address == self.depths_of {
-                self.take_depth(&told, found);
+                self.take_depth(&sentence, found);
             }
             return;
         }
-        self.last_s = told.unix_s.or(self.last_s);
+        self.last_s = sentence.unix_s.or(self.last_s);
         if self.times_of.contains(&address)
-            && let Some(utc_s) = told.utc_s
+            && let Some(utc_s) = sentence.utc_s
         {
             self.close(log);
             let is_taken = self.positions_of.contains(&address);
             let days = self.last_s.map_or(0.0, |last_s| ((last_s - utc_s) / DAY_S).round());
-            let told_s = utc_s + days * DAY_S;
-            self.last_s = Some(told_s);
+            let time_s = utc_s + days * DAY_S;
+            self.last_s = Some(time_s);
             self.open = Some(Epoch {
                 at: found.at,
-                told_s,
+                time_s,
                 stamp_s: found.stamp_s(),
-                fix: told.position.filter(|_| is_taken).map(|position| Fix {
-                    time_s: told_s,
+                fix: sentence.position.filter(|_| is_taken).map(|position| Fix {
+                    time_s,
                     position,
                     cog_rad: f32::NAN,
                     compass_rad: f32::NAN,
@@ -143,15 +143,15 @@ impl<'a> Reader<'a> {
                 depths: std::mem::take(&mut self.waiting),
             });
         }
-        self.take_values(&told);
+        self.take_values(&sentence);
     }
 
-    fn take_depth(&mut self, told: &Sentence, found: &Found<'_>) {
-        if told.offset_m != 0.0 && told.offset_m.abs() < MOST_OFFSET_M {
-            self.offset_m = told.offset_m;
+    fn take_depth(&mut self, sentence: &Sentence, found: &Found<'_>) {
+        if sentence.offset_m != 0.0 && sentence.offset_m.abs() < MOST_OFFSET_M {
+            self.offset_m = sentence.offset_m;
         }
         self.waiting.push(Depth {
-            depth_m: told.depth_m,
+            depth_m: sentence.depth_m,
             stamp_s: found.stamp_s(),
             end: found.end,
         });
@@ -159,17 +159,18 @@ impl<'a> Reader<'a> {
 
     /// Stores course, heading and speed: the open epoch keeps the first value of each, and the last
     /// values are used for epochs without their own.
-    fn take_values(&mut self, told: &Sentence) {
-        if !told.variation_rad.is_nan() {
-            self.variation_rad = told.variation_rad;
+    fn take_values(&mut self, sentence: &Sentence) {
+        if !sentence.variation_rad.is_nan() {
+            self.variation_rad = sentence.variation_rad;
         }
         let heading_rad = if self.tally.has_true_heading {
-            told.heading_rad
+            sentence.heading_rad
         } else {
-            told.magnetic_rad + if self.variation_rad.is_nan() { 0.0 } else { self.variation_rad }
+            sentence.magnetic_rad
+                + if self.variation_rad.is_nan() { 0.0 } else { self.variation_rad }
         };
         self.is_magnetic |= !self.tally.has_true_heading && !heading_rad.is_nan();
-        let values = [told.cog_rad, heading_rad.rem_euclid(TAU), told.speed_mps];
+        let values = [sentence.cog_rad, heading_rad.rem_euclid(TAU), sentence.speed_mps];
         for (index, value) in values.into_iter().enumerate() {
             if value.is_nan() {
                 continue;
@@ -188,12 +189,12 @@ impl<'a> Reader<'a> {
         let Some(mut epoch) = self.open.take() else {
             return;
         };
-        for (value, (latest, told_s)) in epoch.values.iter_mut().zip(self.latest) {
-            if value.is_nan() && (0.0..=FRESH_S).contains(&(epoch.told_s - told_s)) {
+        for (value, (latest, latest_s)) in epoch.values.iter_mut().zip(self.latest) {
+            if value.is_nan() && (0.0..=FRESH_S).contains(&(epoch.time_s - latest_s)) {
                 *value = latest;
             }
         }
-        if let Some(verdict) = self.clock.push(epoch.told_s, epoch) {
+        if let Some(verdict) = self.clock.push(epoch.time_s, epoch) {
             self.settle(log, verdict);
         }
     }

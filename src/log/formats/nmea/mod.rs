@@ -67,7 +67,8 @@ fn is_log(bytes: &[u8]) -> bool {
         return false;
     }
     let found = Lines::new(head, false);
-    let read = found.filter(|found| found.framed().is_some_and(|framed| framed.told().is_some()));
+    let read =
+        found.filter(|found| found.framed().is_some_and(|framed| framed.sentence().is_some()));
     read.take(FEWEST_SENTENCES).count() == FEWEST_SENTENCES
 }
 

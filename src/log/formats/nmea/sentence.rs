@@ -55,7 +55,7 @@ const EMPTY: Sentence = Sentence {
 /// without any of these values.
 pub(in crate::formats) fn sentence(bytes: &[u8]) -> Option<Sentence> {
     let start = bytes.iter().position(|&byte| byte == b'$')?;
-    Framed::of(&bytes[start..])?.told()
+    Framed::of(&bytes[start..])?.sentence()
 }
 
 /// A sentence split into its fields.
@@ -95,9 +95,9 @@ impl<'a> Framed<'a> {
 
     /// Returns the content of the sentence; `None` for a type that is not read, and where no value
     /// is set.
-    pub(super) fn told(&self) -> Option<Sentence> {
+    pub(super) fn sentence(&self) -> Option<Sentence> {
         let kind = self.text(0);
-        let told = match kind.get(kind.len().checked_sub(3)?..)? {
+        let sentence = match kind.get(kind.len().checked_sub(3)?..)? {
             "GGA" | "GNS" => self.fix(),
             "RMC" => self.minimum(),
             "GLL" if self.text(6) != "V" => {
@@ -135,7 +135,7 @@ impl<'a> Framed<'a> {
             },
             _ => return None,
         };
-        told.tells().then_some(told)
+        sentence.tells().then_some(sentence)
     }
 
     /// Decodes GGA and GNS; quality 0, and mode N of all systems, mean "no fix".
@@ -284,20 +284,20 @@ mod tests {
     fn positions_courses_and_headings_are_read() {
         // Example of the public descriptions.
         let gga = b"$GPGGA,123519,4807.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,*47\r\n";
-        let at = sentence(gga).and_then(|told| told.position).expect("a position");
+        let at = sentence(gga).and_then(|sentence| sentence.position).expect("a position");
         assert!((at.lat_deg - 48.1173).abs() < 1e-9 && (at.lon_deg - 11.516_666_7).abs() < 1e-7);
         let rmc = b"$GPRMC,123519,A,4807.038,S,01131.000,W,022.4,084.4,230394,003.1,W*7A";
-        let told = sentence(b"$GPRMC,123519,A,4807.038,S,01131.000,W,022.4,084.4,230394,003.1,W");
-        let told = told.expect("a sentence without a sum");
-        assert_eq!(sentence(rmc).map(|told| told.position), None, "its sum is wrong");
-        let at = told.position.expect("a position");
+        let parsed = sentence(b"$GPRMC,123519,A,4807.038,S,01131.000,W,022.4,084.4,230394,003.1,W");
+        let parsed = parsed.expect("a sentence without a sum");
+        assert_eq!(sentence(rmc).map(|sentence| sentence.position), None, "its sum is wrong");
+        let at = parsed.position.expect("a position");
         assert!(at.lat_deg < -48.0 && at.lon_deg < -11.0);
-        assert_eq!(told.utc_s, Some(45_319.0));
-        assert!((told.speed_mps - 11.52).abs() < 0.01, "{}", told.speed_mps);
-        assert!((told.cog_rad.to_degrees() - 84.4).abs() < 1e-3);
+        assert_eq!(parsed.utc_s, Some(45_319.0));
+        assert!((parsed.speed_mps - 11.52).abs() < 0.01, "{}", parsed.speed_mps);
+        assert!((parsed.cog_rad.to_degrees() - 84.4).abs() < 1e-3);
         // `date -u -d "1994-03-23 12:35:19" +%s`
-        assert_eq!(told.unix_s, Some(764_426_119.0));
-        assert!((told.variation_rad.to_degrees() + 3.1).abs() < 1e-4);
+        assert_eq!(parsed.unix_s, Some(764_426_119.0));
+        assert!((parsed.variation_rad.to_degrees() + 3.1).abs() < 1e-4);
         let hdt = sentence(b"$HEHDT,271.5,T\0\0\xFF").expect("a heading");
         assert!((hdt.heading_rad.to_degrees() - 271.5).abs() < 1e-3);
     }

@@ -51,21 +51,21 @@ impl Tally {
         } else {
             self.without_sum += 1
         }
-        let Some((address, told)) = framed.address().zip(framed.told()) else {
+        let Some((address, sentence)) = framed.address().zip(framed.sentence()) else {
             return;
         };
         let counts = self.sources.entry(address).or_default();
-        counts.depths += usize::from(told.depth_m > 0.0);
-        counts.times += usize::from(told.utc_s.is_some());
-        if told.position.is_some() && told.utc_s.is_some() {
+        counts.depths += usize::from(sentence.depth_m > 0.0);
+        counts.times += usize::from(sentence.utc_s.is_some());
+        if sentence.position.is_some() && sentence.utc_s.is_some() {
             counts.positions += 1;
-            counts.new_times += usize::from(told.utc_s != self.last_utc_s);
-            self.last_utc_s = told.utc_s;
+            counts.new_times += usize::from(sentence.utc_s != self.last_utc_s);
+            self.last_utc_s = sentence.utc_s;
         }
-        self.first_unix_s = self.first_unix_s.or(told.unix_s);
-        let variation_rad = Some(told.variation_rad).filter(|variation| !variation.is_nan());
+        self.first_unix_s = self.first_unix_s.or(sentence.unix_s);
+        let variation_rad = Some(sentence.variation_rad).filter(|variation| !variation.is_nan());
         self.variation_rad = self.variation_rad.or(variation_rad);
-        self.has_true_heading |= !told.heading_rad.is_nan();
+        self.has_true_heading |= !sentence.heading_rad.is_nan();
     }
 
     /// Returns true if sentences without a checksum count as truncated, because most sentences have
@@ -131,20 +131,20 @@ impl Tally {
         self.remark_on("positions", &self.positions_of(), positions, report);
     }
 
-    /// Adds the warning about one kind of content: `count` counts it, and `taken` are the addresses
+    /// Adds the warning about one kind of content: `count` counts it, and `used` are the addresses
     /// in use.
     fn remark_on(
         &self,
         what: &str,
-        taken: &[Address],
+        used: &[Address],
         count: impl Fn(&Counts) -> usize,
         report: &WarningReport,
     ) {
-        let Some(first) = taken.first() else {
+        let Some(first) = used.first() else {
             return;
         };
         let others =
-            self.sources.iter().filter(|(at, counts)| !taken.contains(at) && count(counts) > 0);
+            self.sources.iter().filter(|(at, counts)| !used.contains(at) && count(counts) > 0);
         let others = others.map(|(at, counts)| format!("{} of {}", count(counts), name(at)));
         let others = others.collect::<Vec<_>>().join(", ");
         if !others.is_empty() {

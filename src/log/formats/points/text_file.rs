@@ -235,14 +235,14 @@ pub(in crate::formats) fn is_comment(line: &str) -> bool {
 /// Returns the separator between the fields of a table with this line; `None` for runs of spaces. A
 /// comma in a line with semicolons or tabs is part of a number.
 pub(in crate::formats) fn separator_of(line: &str) -> Option<char> {
-    let stands = |separator: &char| {
+    let occurs = |separator: &char| {
         let mut quoted = false;
         line.chars().any(|letter| {
             quoted ^= letter == '"';
             letter == *separator && !quoted
         })
     };
-    [';', '\t', ','].into_iter().find(stands)
+    [';', '\t', ','].into_iter().find(occurs)
 }
 
 /// Returns the fields of a line, without quotes and outer spaces. A separator within quotes is part

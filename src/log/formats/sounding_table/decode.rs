@@ -119,8 +119,8 @@ impl Reader {
         };
         let depth = self.layout.depth.and_then(value);
         let depth_m = depth.map(|depth| depth * self.layout.unit_m);
-        let told_s = self.told_s(&row);
-        let has_times = *self.has_times.get_or_insert(told_s.is_some());
+        let row_time_s = self.time_s(&row);
+        let has_times = *self.has_times.get_or_insert(row_time_s.is_some());
         let radians = |column: Option<usize>| {
             column.and_then(value).map_or(f32::NAN, |degrees| degrees.to_radians() as f32)
         };
@@ -132,7 +132,7 @@ impl Reader {
         let position = place.and_then(|place| self.position(place));
         self.rows += 1;
         let time_s = match has_times {
-            true => told_s,
+            true => row_time_s,
             // Rows of pings are spread in time after the last row.
             false if self.layout.has_pings() => Some(0.0),
             false => Some((self.rows - 1) as f64 * APART_S),
@@ -182,17 +182,17 @@ impl Reader {
 
     /// Returns the time of a row, in Unix seconds or seconds of the recording; `None` where it
     /// cannot be read.
-    fn told_s(&self, row: &[&str]) -> Option<f64> {
+    fn time_s(&self, row: &[&str]) -> Option<f64> {
         let text = *row.get(self.layout.time?)?;
         let with_date = || {
             let text = format!("{} {text}", row.get(self.layout.date?)?);
             unix_from_iso(&text).or_else(|| unix_from_date(&text, self.layout.date_order))
         };
-        let told_s = unix_from_text(text).or_else(|| number(text, self.layout.separator));
-        let told_s = told_s.or_else(with_date);
-        let told_s = told_s.or_else(|| unix_from_date(text, self.layout.date_order));
-        let told_s = told_s.map(|told_s| if told_s > UNIX_MS { told_s / 1e3 } else { told_s });
-        told_s.filter(|told_s| told_s.abs() < LATEST_UNIX_S)
+        let time_s = unix_from_text(text).or_else(|| number(text, self.layout.separator));
+        let time_s = time_s.or_else(with_date);
+        let time_s = time_s.or_else(|| unix_from_date(text, self.layout.date_order));
+        let time_s = time_s.map(|time_s| if time_s > UNIX_MS { time_s / 1e3 } else { time_s });
+        time_s.filter(|time_s| time_s.abs() < LATEST_UNIX_S)
     }
 
     /// Returns the position of a row; `None` where it is missing or not plausible. Programs write

@@ -104,6 +104,6 @@ fn the_levels_of_a_log_stay_when_louder_pings_come() {
     let spans: Vec<_> = sides.chain(down).collect();
     assert_eq!(spans.len(), 4 * 300);
     assert!(spans.iter().all(|span| span.encoding == Encoding::U16 { shift: 0 }));
-    let anew = whole(&bytes).expect("a log");
-    assert_eq!(anew.echograms[0].pings[0].span.encoding, Encoding::U16 { shift: 4 });
+    let whole_log = whole(&bytes).expect("a log");
+    assert_eq!(whole_log.echograms[0].pings[0].span.encoding, Encoding::U16 { shift: 4 });
 }

@@ -322,8 +322,8 @@ mod tests {
             min: Vector { x: 10.0, y: 20.0, z: -9.0 },
             max: Vector { x: 12.0, y: 21.0, z: 0.0 },
         };
-        let within = reader.query(LodSelection::All, BoundsSelection::Within(bounds)).unwrap();
-        assert_eq!(within.len(), 9 * 5);
+        let found = reader.query(LodSelection::All, BoundsSelection::Within(bounds)).unwrap();
+        assert_eq!(found.len(), 9 * 5);
         let header = Reader::from_path(&path).unwrap().header().clone();
         let info = header.copc_info_vlr().unwrap();
         assert_eq!([info.gpstime_minimum, info.gpstime_maximum], [0.0, (points.len() - 1) as f64]);

@@ -36,7 +36,7 @@ pub(super) fn on_lattice(share: f64) -> u32 {
 /// is in one node, and every node has points, except the root without any.
 pub(super) fn nodes(places: &[[u32; 3]]) -> Vec<OctreeNode> {
     let mut nodes = Vec::new();
-    let mut taken = vec![0_u64; 1 << (3 * GRID_BITS - 6)];
+    let mut occupied = vec![0_u64; 1 << (3 * GRID_BITS - 6)];
     let mut waiting = VecDeque::from([OctreeNode {
         level: 0,
         cell: [0; 3],
@@ -47,7 +47,7 @@ pub(super) fn nodes(places: &[[u32; 3]]) -> Vec<OctreeNode> {
             nodes.push(node);
             continue;
         }
-        let (kept, below) = split(node, places, &mut taken);
+        let (kept, below) = split(node, places, &mut occupied);
         nodes.push(kept);
         waiting.extend(below.into_iter().filter(|child| !child.points.is_empty()));
     }
@@ -59,9 +59,9 @@ pub(super) fn nodes(places: &[[u32; 3]]) -> Vec<OctreeNode> {
 fn split(
     node: OctreeNode,
     places: &[[u32; 3]],
-    taken: &mut [u64],
+    occupied: &mut [u64],
 ) -> (OctreeNode, [OctreeNode; 8]) {
-    taken.fill(0);
+    occupied.fill(0);
     let mut kept = Vec::new();
     let mut below = [0, 1, 2, 3, 4, 5, 6, 7].map(|octant: u32| OctreeNode {
         level: node.level + 1,
@@ -73,8 +73,8 @@ fn split(
         let [x, y, z] = places[point].map(|at| at >> shift & (GRID - 1));
         let cell = ((z << GRID_BITS | y) << GRID_BITS | x) as usize;
         let (word, bit) = (cell / 64, 1 << (cell % 64));
-        if taken[word] & bit == 0 {
-            taken[word] |= bit;
+        if occupied[word] & bit == 0 {
+            occupied[word] |= bit;
             kept.push(point);
         } else {
             let halves = [x, y, z].map(|at| at >> (GRID_BITS - 1));
