@@ -47,7 +47,7 @@ impl Comparison {
     pub fn new(measured: usize, matches: &[Match], water_level_m: f64) -> Self {
         let mut differences: Vec<f64> =
             matches.iter().map(|matched| matched.difference_m).collect();
-        let within = |order: SurveyOrder| {
+        let order_share = |order: SurveyOrder| {
             let holds = |matched: &&Match| {
                 let depth_m = (water_level_m - matched.reference_z_m).max(0.0);
                 matched.difference_m.abs() <= order.limit_m(depth_m)
@@ -62,7 +62,7 @@ impl Comparison {
             unmatched: measured - matches.len(),
             orders: match matches {
                 [] => Vec::new(),
-                _ => ORDERS.into_iter().map(within).collect(),
+                _ => ORDERS.into_iter().map(order_share).collect(),
             },
             residuals: Residuals::of(&mut differences),
         }

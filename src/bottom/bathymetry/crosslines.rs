@@ -341,7 +341,7 @@ impl TrackCrossing<'_> {
         let [along_a, along_b] = [0, 1].map(|index| {
             let (piece, share) = (self.pieces[index], self.shares[index]);
             let middle = piece.ends[usize::from(share >= 0.5)];
-            let near = self.within(piece.slope_reach_m, &tracks[piece.track], middle);
+            let near = self.depths_near(piece.slope_reach_m, &tracks[piece.track], middle);
             slope_along(near, self.place, piece.direction())
         });
         let cross = a[0] * b[1] - a[1] * b[0];
@@ -352,7 +352,7 @@ impl TrackCrossing<'_> {
 
     /// Returns the depths of a pass within a distance of the crossing, outwards from `middle`,
     /// since the other pass may lie in the same track.
-    fn within<'a>(
+    fn depths_near<'a>(
         &self,
         reach_m: f64,
         depths: &'a [TrackDepth],
@@ -373,7 +373,7 @@ impl TrackCrossing<'_> {
             from + share * (to - from)
         };
         let middle = piece.ends[usize::from(share >= 0.5)];
-        let near = self.within(REACH_M, depths, middle);
+        let near = self.depths_near(REACH_M, depths, middle);
         let mut values: Vec<f64> = near.map(|depth| depth.depth_m).collect();
         if values.is_empty() {
             values.push(between(|depth| depth.depth_m));

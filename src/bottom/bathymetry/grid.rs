@@ -116,8 +116,8 @@ impl Grid {
                 .map(|(metres, cell)| cell as f64 + 0.5 - metres / grid.cell_m);
             off_cells[0].hypot(off_cells[1]) * grid.cell_m
         };
-        let within = cells.filter(move |cell| from(*cell) <= reach_m);
-        within.map(move |(row, column)| row * grid.columns + column)
+        let near = cells.filter(move |cell| from(*cell) <= reach_m);
+        near.map(move |(row, column)| row * grid.columns + column)
     }
 
     /// Returns the grid with cells `times` as long; its far edges may lie beyond those of this

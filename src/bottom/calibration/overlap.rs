@@ -145,12 +145,12 @@ fn widths_of(blocks: &[Block]) -> BeamWidths {
     // Ground that slopes by less than the overlap looks level, but its ranges are shorter.
     let level = quantile(&shares, 0.75);
     let most_rad = MOST_DEG.to_radians();
-    let within = |least_rad: f64, angle_rad: f64| (least_rad..=most_rad).contains(&angle_rad);
+    let is_within = |least_rad: f64, angle_rad: f64| (least_rad..=most_rad).contains(&angle_rad);
     let overlap_rad =
-        known_overlap_rad(&telling, level).filter(|angle_rad| within(0.0, *angle_rad));
+        known_overlap_rad(&telling, level).filter(|angle_rad| is_within(0.0, *angle_rad));
     let wider_rad = known_overlap_rad(&steep, level)
         .map(|angle_rad| -angle_rad)
-        .filter(|angle_rad| within(LEAST_WIDER_DEG.to_radians(), *angle_rad));
+        .filter(|angle_rad| is_within(LEAST_WIDER_DEG.to_radians(), *angle_rad));
     BeamWidths { overlap_rad: overlap_rad.unwrap_or(0.0), wider_rad: wider_rad.unwrap_or(0.0) }
 }
 

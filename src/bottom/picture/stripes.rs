@@ -86,8 +86,8 @@ fn middle_mean(echoes: &[u8]) -> f32 {
     let (mut below, mut sum) = (0.0, 0.0);
     for (level, &count) in counts.iter().enumerate() {
         let above = below + f64::from(count);
-        let within = (above.min(to) - below.max(from)).max(0.0);
-        sum += within * level as f64;
+        let count_within = (above.min(to) - below.max(from)).max(0.0);
+        sum += count_within * level as f64;
         below = above;
     }
     (sum / (to - from)) as f32

@@ -108,7 +108,7 @@ pub fn plan(
         return Err(PlanError::NoDepths);
     }
     let water = match area {
-        Some(rings) => within(rings, known)?,
+        Some(rings) => water_of(rings, known)?,
         None => Water::around(&known.soundings, CLOSED_GAPS * known.max_gap_m)
             .ok_or(PlanError::NoDepths)?,
     };
@@ -120,7 +120,7 @@ pub fn plan(
 }
 
 /// Returns the water of an area; an error if the survey is not in or near it.
-fn within(rings: &[Vec<[f64; 2]>], known: &SurveyCoverage) -> Result<Water, PlanError> {
+fn water_of(rings: &[Vec<[f64; 2]>], known: &SurveyCoverage) -> Result<Water, PlanError> {
     let water = Water::within(rings).ok_or(PlanError::NoArea)?;
     let near_m = known.sigma.reach_m().max(known.max_gap_m);
     let [first_m, last_m] = [0, 1].map(|axis| {

@@ -49,7 +49,7 @@ pub(super) fn is_seen_from_two_sides(
         let nodes = tiling.tiles[*tile].core_nodes();
         let mut from = vec![SeenOctants::default(); nodes.len()];
         for look in &input.looks {
-            let Some([near_m, far_m]) = look.within(&nodes) else {
+            let Some([near_m, far_m]) = look.ranges_within(&nodes) else {
                 continue;
             };
             let steps = ((far_m - near_m) / nodes.step_m) as usize;

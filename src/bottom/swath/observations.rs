@@ -189,7 +189,7 @@ impl SideChunk {
 
     /// Returns the ground ranges between which level cells may be within some nodes, metres; `None`
     /// where there are none.
-    pub(super) fn within(&self, nodes: &Nodes) -> Option<[f64; 2]> {
+    pub(super) fn ranges_within(&self, nodes: &Nodes) -> Option<[f64; 2]> {
         let last_m = self.first_m + self.step_m * self.ln_power.len() as f64;
         let [west_m, south_m, east_m, north_m] = nodes.bounds_m();
         let (mut from_m, mut to_m) = (NEAREST_M, last_m.min(FARTHEST_M));
@@ -212,12 +212,12 @@ impl SideChunk {
     pub(super) fn read(
         &self,
         bed: &Bed,
-        within: &Nodes,
+        nodes: &Nodes,
         curves: Option<&LawCurves>,
         level_cell_m: f64,
         mut found: impl FnMut(SlopeObservation),
     ) {
-        let Some(span_m) = self.within(within) else {
+        let Some(span_m) = self.ranges_within(nodes) else {
             return;
         };
         let ray = Ray::new(self, bed, span_m);
@@ -228,7 +228,7 @@ impl SideChunk {
         let mut finish = |sums: &mut Sums| {
             let observation = self.observation(&std::mem::take(sums));
             observation
-                .filter(|observation| within.holds(observation.place_m))
+                .filter(|observation| nodes.holds(observation.place_m))
                 .into_iter()
                 .for_each(&mut found);
         };

@@ -129,7 +129,7 @@ impl TileSolution {
         let measured: Vec<Node> = inside.copied().collect();
         let bed = Bed::new(*nodes, &measured, bends)?;
         let all = looks.iter().enumerate();
-        let touching = all.filter(|(_, look)| look.within(nodes).is_some());
+        let touching = all.filter(|(_, look)| look.ranges_within(nodes).is_some());
         Some(Self { tile, looks: touching.map(|(look, _)| look).collect(), measured, bed })
     }
 

@@ -12,7 +12,7 @@ pub(super) const LEAST_LENGTH_M: f64 = 0.01;
 pub fn clipped(line: &Isobath, bounds: [f64; 4]) -> Vec<Isobath> {
     let mut parts: Vec<Vec<[f64; 2]>> = Vec::new();
     for step in line.points.windows(2) {
-        let Some([from, to]) = within([step[0], step[1]], bounds) else {
+        let Some([from, to]) = clipped_step([step[0], step[1]], bounds) else {
             continue;
         };
         match parts.last_mut() {
@@ -28,7 +28,7 @@ pub fn clipped(line: &Isobath, bounds: [f64; 4]) -> Vec<Isobath> {
 }
 
 /// Returns the part of a step in a box (Liang and Barsky 1984); `None` where they do not meet.
-fn within(
+fn clipped_step(
     [from, to]: [[f64; 2]; 2],
     [west, south, east, north]: [f64; 4],
 ) -> Option<[[f64; 2]; 2]> {

@@ -231,13 +231,14 @@ pub struct Storage {
 }
 
 /// Returns the area and volume below each level. Every cell counts as a column of its own depth;
-/// cells without a depth do not count, nor do cells whose centre lies outside `within`, if given.
+/// cells without a depth do not count, nor do cells whose centre lies outside `clip_area`, if
+/// given.
 ///
 /// The levels with their areas and volumes are a reservoir's table.
-pub fn storage(surface: &Surface, levels_m: &[f64], within: Option<&ClipArea>) -> Vec<Storage> {
+pub fn storage(surface: &Surface, levels_m: &[f64], clip_area: Option<&ClipArea>) -> Vec<Storage> {
     let is_within = |cell: usize| {
         let middle = surface.grid.centre_of(cell);
-        within.is_none_or(|area| area.holds(middle))
+        clip_area.is_none_or(|area| area.holds(middle))
     };
     let known = surface.depth_m.iter().enumerate();
     let known = known.filter(|(cell, depth)| !depth.is_nan() && is_within(*cell));

@@ -58,10 +58,10 @@ fn the_stated_error_grows_away_from_soundings_and_holds_what_it_says() {
                 error_m.abs() / sigma_m
             })
             .collect();
-        let within = |sigmas: f64| {
+        let share_within = |sigmas: f64| {
             ratios.iter().filter(|ratio| **ratio < sigmas).count() as f64 / ratios.len() as f64
         };
-        let [one, two] = [within(1.0), within(2.0)];
+        let [one, two] = [share_within(1.0), share_within(2.0)];
         assert!((0.45..0.85).contains(&one) && two > 0.8, "{band:?}: {one} {two}");
     }
 }
@@ -79,9 +79,10 @@ fn a_bank_along_the_lines_is_worth_as_little_as_its_bends_show() {
         .collect();
     let rms_m =
         (here.iter().map(|(error_m, _)| error_m * error_m).sum::<f64>() / here.len() as f64).sqrt();
-    let within = here.iter().filter(|(error_m, sigma_m)| error_m.abs() < 2.0 * sigma_m).count();
+    let count_within =
+        here.iter().filter(|(error_m, sigma_m)| error_m.abs() < 2.0 * sigma_m).count();
     assert!(rms_m > 0.1, "{rms_m}");
-    assert!(within as f64 > 0.9 * here.len() as f64, "{within} of {}", here.len());
+    assert!(count_within as f64 > 0.9 * here.len() as f64, "{count_within} of {}", here.len());
 }
 
 #[test]

@@ -104,8 +104,8 @@ fn neighbour_rows(cells: &CellPoints, row: usize) -> ([RowSlice; 8], usize) {
     let mut around = [RowSlice::default(); 8];
     let mut count = 0;
     let mut add = |first: usize, keys: Range<u64>| {
-        let within = rows[first..].iter().take_while(|row| row.key < keys.end);
-        for index in first..first + within.count() {
+        let rows_within = rows[first..].iter().take_while(|row| row.key < keys.end);
+        for index in first..first + rows_within.count() {
             if index != row {
                 around[count] = slice_of(cells, index);
                 count += 1;

@@ -60,8 +60,8 @@ pub(super) fn highest(values: &[f32]) -> usize {
             (start, most) = (index * BLOCK, of_block);
         }
     }
-    let within = values[start..].iter().position(|value| *value == most);
-    start + within.unwrap_or(0)
+    let offset = values[start..].iter().position(|value| *value == most);
+    start + offset.unwrap_or(0)
 }
 
 /// Returns the highest value; computed in lanes, so that it is not one long chain of comparisons.

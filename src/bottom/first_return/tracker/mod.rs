@@ -161,16 +161,16 @@ impl Workspace {
         for rows in &leaps {
             depths.forbid_beyond(rows, &mut self.scores);
         }
-        let within = self.paths.line(self.scores.grid(), motion);
+        let bounded_line = self.paths.line(self.scores.grid(), motion);
         let mut is_restored = false;
         for rows in &leaps {
-            let evidence = mean_score(self.scores.grid(), &within, rows);
+            let evidence = mean_score(self.scores.grid(), &bounded_line, rows);
             if evidence < TUNING.within_evidence {
                 depths.allow_beyond(rows, &mut self.scores);
                 is_restored = true;
             }
         }
-        if is_restored { self.paths.line(self.scores.grid(), motion) } else { within }
+        if is_restored { self.paths.line(self.scores.grid(), motion) } else { bounded_line }
     }
 
     fn track(

@@ -79,7 +79,7 @@ pub fn polygons(rings: Vec<Vec<[f64; 2]>>) -> Vec<Polygon> {
         let box_of_hole = bounds(hole.iter().copied());
         let owner = outlines.iter().zip(&edges).position(|((_, bounds, ring), edges)| {
             let edges = || edges.get_or_init(|| EdgesByRow::new(ring, *bounds));
-            within(box_of_hole, *bounds) && edges().surround(&hole)
+            is_inside(box_of_hole, *bounds) && edges().surround(&hole)
         });
         if let Some(owner) = owner {
             owned[owner].push(hole);
@@ -101,7 +101,7 @@ fn signed_area(ring: &[[f64; 2]]) -> f64 {
     0.5 * ring.windows(2).map(cross).sum::<f64>()
 }
 
-fn within(inner: [f64; 4], outer: [f64; 4]) -> bool {
+fn is_inside(inner: [f64; 4], outer: [f64; 4]) -> bool {
     inner[0] >= outer[0] && inner[1] >= outer[1] && inner[2] <= outer[2] && inner[3] <= outer[3]
 }
 
