@@ -284,8 +284,8 @@ impl TileGrid {
     /// pictures, then the next row.
     fn of_picture(&self, index: usize, pictures: usize) -> InPicture {
         let [across, _] = self.counts;
-        let (row, within) = (index / (across * pictures), index % (across * pictures));
-        InPicture { picture: within / across, tile: row * across + within % across }
+        let (row, rest) = (index / (across * pictures), index % (across * pictures));
+        InPicture { picture: rest / across, tile: row * across + rest % across }
     }
 
     /// Returns the row of pixels at which the first `rows` rows of tiles end, excluded.

@@ -36,7 +36,8 @@ impl Matched {
     /// Pairs predictions with truths of `classes` classes at the IoU of the settings; boxes whose
     /// class index is not below `classes` are left out.
     pub fn new(images: &[Image], classes: usize, settings: &MetricSettings) -> Self {
-        let images: Vec<Image> = images.iter().map(|boxes| within(boxes, classes)).collect();
+        let images: Vec<Image> =
+            images.iter().map(|boxes| ignore_classes_from(boxes, classes)).collect();
         Self {
             rankings: rank(&images, classes, settings, settings.iou, &ANY_SIZE),
             images,
@@ -82,7 +83,7 @@ impl Matched {
 
 /// Returns a copy whose truths of classes from `classes` on are ignored. They are not removed,
 /// because the indices of the boxes must stay.
-fn within(boxes: &Image, classes: usize) -> Image {
+fn ignore_classes_from(boxes: &Image, classes: usize) -> Image {
     let mut boxes = boxes.clone();
     for truth in &mut boxes.truth {
         truth.ignored |= truth.class >= classes;

@@ -34,26 +34,26 @@ pub(super) fn pair(
     rule: BoxMatching,
     threshold: f64,
 ) -> Vec<MatchOutcome> {
-    let mut taken = vec![false; candidates.len()];
+    let mut is_taken = vec![false; candidates.len()];
     // COCO tries the ignored candidates last.
     let mut order: Vec<usize> = (0..candidates.len()).collect();
     order.sort_by_key(|&index| candidates[index].ignored);
     let outcome = |predicted: &Rect| {
         let found = match rule {
             BoxMatching::DarknetVoc => most_overlapped(predicted, candidates, threshold),
-            BoxMatching::Coco => best_free(predicted, candidates, &order, &taken, threshold),
+            BoxMatching::Coco => best_free(predicted, candidates, &order, &is_taken, threshold),
         };
         let Some((index, iou)) = found else {
             return MatchOutcome::FalseAlarm;
         };
         let candidate = &candidates[index];
         if candidate.ignored {
-            taken[index] = true;
+            is_taken[index] = true;
             MatchOutcome::Ignored
-        } else if taken[index] {
+        } else if is_taken[index] {
             MatchOutcome::FalseAlarm
         } else {
-            taken[index] = true;
+            is_taken[index] = true;
             MatchOutcome::Hit { truth: candidate.truth, iou }
         }
     };
@@ -80,13 +80,13 @@ fn best_free(
     predicted: &Rect,
     candidates: &[TruthCandidate],
     order: &[usize],
-    taken: &[bool],
+    is_taken: &[bool],
     threshold: f64,
 ) -> Option<(usize, f64)> {
     let mut best: Option<(usize, f64)> = None;
     for &index in order {
         let candidate = &candidates[index];
-        if taken[index] && !candidate.crowd {
+        if is_taken[index] && !candidate.crowd {
             continue;
         }
         if candidate.ignored && best.is_some_and(|(index, _)| !candidates[index].ignored) {

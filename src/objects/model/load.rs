@@ -96,10 +96,10 @@ pub(super) fn from_bytes(
     limits: Limits,
 ) -> Result<Model, Unusable> {
     let sidecar = sidecar.map(Sidecar::parse).transpose()?.unwrap_or_default();
-    let (said, folder) = (sidecar.clone(), folder.map(Path::to_path_buf));
+    let (owned_sidecar, folder) = (sidecar.clone(), folder.map(Path::to_path_buf));
     let (network, mut input, metadata) =
         guarded("its compilation", limits.compilation, move || {
-            open(&onnx, &said, folder.as_deref())
+            open(&onnx, &owned_sidecar, folder.as_deref())
         })?;
 
     let (first, numbers) = (Arc::clone(&network), vec![0.5; input.count()]);

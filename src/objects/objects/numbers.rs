@@ -52,9 +52,9 @@ impl ObjectNumbers {
         }
         claims.sort_by_key(|(votes, number, index)| (std::cmp::Reverse(*votes), *number, *index));
         let mut given: Vec<Option<u32>> = vec![None; groups.len()];
-        let mut taken = HashSet::new();
+        let mut used_numbers = HashSet::new();
         for (_, number, index) in claims {
-            if given[index].is_none() && taken.insert(number) {
+            if given[index].is_none() && used_numbers.insert(number) {
                 given[index] = Some(number);
             }
         }

@@ -108,24 +108,24 @@ impl Object {
     ) -> Option<Self> {
         let (survey, navigation) = logs.first()?;
         let shown = || group.members.iter().filter_map(|member| boxes.get(*member));
-        let said = || shown().map(|object_box| &*object_box.one);
+        let reviewed = || shown().map(|object_box| &*object_box.one);
         let best = best(shown());
         let target = shown().nth(best).and_then(|object_box| object_box.target.as_ref());
         let seen_on: Vec<LogPings> =
             shown().map(|object_box| (object_box.log, object_box.one.mark.pings.clone())).collect();
-        let remarks: Vec<&str> = said()
+        let remarks: Vec<&str> = reviewed()
             .map(|review_box| review_box.note.as_str())
             .filter(|note| !note.is_empty())
             .collect();
-        let name = said().map(|review_box| &review_box.name).find(|name| !name.is_empty());
+        let name = reviewed().map(|review_box| &review_box.name).find(|name| !name.is_empty());
         Some(Self {
             number: 0,
             boxes: shown().map(|object_box| object_box.key).collect(),
             name: name.cloned().unwrap_or_default(),
             class: group.class.map_or(crate::NAMELESS_CLASS, |class| names[class]).to_owned(),
-            state: state(said().map(|review_box| review_box.state)),
-            score: said().filter_map(|review_box| review_box.score).max_by(f32::total_cmp),
-            certainty: said().filter_map(|review_box| review_box.certainty).max(),
+            state: state(reviewed().map(|review_box| review_box.state)),
+            score: reviewed().filter_map(|review_box| review_box.score).max_by(f32::total_cmp),
+            certainty: reviewed().filter_map(|review_box| review_box.certainty).max(),
             place_m: [group.east_m, group.north_m],
             position: navigation.to_lon_lat(&survey.track, group.east_m, group.north_m),
             sigma_m: group.sigma_m,

@@ -273,8 +273,8 @@ fn a_file_that_cannot_be_believed_is_refused_with_the_reason() {
     ] {
         let wrong = text.replacen(from, to, 1);
         assert_ne!(wrong, text, "{from}");
-        let said = Review::from_json(&wrong, &identity()).unwrap_err();
-        assert!(said.to_string().contains(reason), "{to}: {said}");
+        let error = Review::from_json(&wrong, &identity()).unwrap_err();
+        assert!(error.to_string().contains(reason), "{to}: {error}");
     }
     for length in 0..text.len() {
         let half = text.get(..length).unwrap_or_default();

@@ -85,15 +85,16 @@ impl ObjectHeight {
             |target: &Target| target.height_m.is_finite() && !target.height_sigma_m.is_nan();
         let known = targets.enumerate().filter(|(_, target)| is_known(target));
         let (set, found): (Vec<_>, Vec<_>) = known.partition(|(_, target)| is_by_hand(target));
-        let told = if set.is_empty() { found } else { set };
-        let Some((sighting, surest)) = surest(&told) else {
+        let candidates = if set.is_empty() { found } else { set };
+        let Some((sighting, surest)) = surest(&candidates) else {
             return Self::UNKNOWN;
         };
         let agrees = |target: &&Target| {
             let apart_m = (target.height_m - surest.height_m).abs();
             apart_m <= AGREE_SIGMAS * sigma_m(target).hypot(sigma_m(surest))
         };
-        let counted: Vec<&Target> = told.iter().map(|(_, target)| *target).filter(agrees).collect();
+        let counted: Vec<&Target> =
+            candidates.iter().map(|(_, target)| *target).filter(agrees).collect();
         let [mean_m, sigma_m] = mean(&counted);
         // The mean is tested, not each height: without the small heights, the mean would be too
         // large.
@@ -110,7 +111,7 @@ impl ObjectHeight {
                 side: surest.mark.side,
             }),
             counted: counted.len(),
-            contradicting: told.len() - counted.len(),
+            contradicting: candidates.len() - counted.len(),
         }
     }
 }

@@ -168,11 +168,11 @@ fn abeam(
     let side = if across_m < 0.0 { Side::Port } else { Side::Starboard };
     let depth_m = f64::from(survey.good_depth_m(ping));
     let slant_m = across_m.hypot(if depth_m > 0.0 { depth_m } else { 0.0 });
-    let within = slant_m < f64::from(survey.span(ping, side)?.far_m);
+    let is_in_range = slant_m < f64::from(survey.span(ping, side)?.far_m);
     let askew_m = ABEAM_SIGMAS * heading_sigma_rad(navigation, &(ping..ping + 1)) * across_m.abs();
     // With a distance of NaN, the place is not abeam.
     let abeam = along_m < ABEAM_M.hypot(askew_m);
-    (abeam && within).then_some((side, across_m.abs(), along_m))
+    (abeam && is_in_range).then_some((side, across_m.abs(), along_m))
 }
 
 #[cfg(test)]

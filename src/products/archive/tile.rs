@@ -192,13 +192,13 @@ mod tests {
     #[test]
     fn a_place_lies_in_one_tile_and_in_the_halo_of_its_neighbours() {
         let place = [512_500.0, 5_261_000.0];
-        let within = |halo_m: f64| {
+        let tile_count = |halo_m: f64| {
             let [x, y] = place;
             let around = [x - halo_m, y - halo_m, x + halo_m, y + halo_m];
             let touched = TileId::touched(ZONE, around);
             touched.filter(|tile| tile.holds(place, halo_m)).count()
         };
-        assert_eq!([within(0.0), within(64.0), within(250.0)], [1, 2, 4]);
+        assert_eq!([tile_count(0.0), tile_count(64.0), tile_count(250.0)], [1, 2, 4]);
         assert!(TileId::at(ZONE, place).holds(place, 0.0));
         let edge = [512_000.0, 5_260_800.0];
         assert_eq!(TileId::at(ZONE, edge).bounds_m()[..2], edge);

@@ -180,9 +180,9 @@ mod tests {
             let found = Some(depth_m).filter(|depth| !depth.is_nan());
             assert_eq!(found, expected.map(|cell| cell as f32), "{cell}");
         }
-        let within = grid(100.5, 49.5, 2);
+        let inner_grid = grid(100.5, 49.5, 2);
         let mut depth_m = vec![f32::NAN; 4];
-        content.copy_into(&within, &mut depth_m);
+        content.copy_into(&inner_grid, &mut depth_m);
         assert_eq!(depth_m, [5.0, 6.0, 9.0, 10.0]);
         let elsewhere = grid(200.0, 49.5, 2);
         let mut depth_m = vec![-1.0; 4];

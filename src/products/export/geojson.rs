@@ -157,12 +157,12 @@ fn cut_areas(shapes: &[Polygon], place: &impl Fn([f64; 2]) -> LonLat) -> Vec<Pol
         let turns = || outline.iter().map(|corner| turn(corner[0]));
         let (from, to) = (turns().min().unwrap_or(0), turns().max().unwrap_or(0));
         for at in from..=to {
-            let within = |ring: &Vec<Degrees>| {
+            let ring_in_turn = |ring: &Vec<Degrees>| {
                 if from == to { moved(ring.clone(), at) } else { moved(within_turn(ring, at), at) }
             };
             let part = Polygon {
-                outline: within(&outline),
-                holes: holes.iter().map(within).filter(|hole| !hole.is_empty()).collect(),
+                outline: ring_in_turn(&outline),
+                holes: holes.iter().map(ring_in_turn).filter(|hole| !hole.is_empty()).collect(),
             };
             if !part.outline.is_empty() {
                 cut.push(split_at_borders(part));

@@ -126,7 +126,7 @@ impl Mean {
 fn isobath_lines(lines: &[Isobath], frame: &PageTransform) -> Value {
     let paths = lines.iter().map(|line| frame.path(line.points.iter().copied()));
     let mut labels: Vec<(String, String, String)> = Vec::new();
-    let mut taken: Vec<[f64; 2]> = Vec::new();
+    let mut label_places: Vec<[f64; 2]> = Vec::new();
     let mut longest_first: Vec<&Isobath> = lines.iter().collect();
     longest_first.sort_by(|a, b| b.length_m().total_cmp(&a.length_m()));
     for line in longest_first {
@@ -138,8 +138,8 @@ fn isobath_lines(lines: &[Isobath], frame: &PageTransform) -> Value {
         };
         let [x, y] = frame.place(middle);
         let crowded = |other: &[f64; 2]| (other[0] - x).hypot(other[1] - y) < APART_PX;
-        if !taken.iter().any(crowded) {
-            taken.push([x, y]);
+        if !label_places.iter().any(crowded) {
+            label_places.push([x, y]);
             labels.push((pixels(x), pixels(y + 3.5), line.depth_m.to_string()));
         }
     }

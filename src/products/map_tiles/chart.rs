@@ -48,7 +48,7 @@ fn numbers(lines: &[Isobath], settings: &IsobathSettings) -> Vec<Vec<[f64; 2]>> 
     let mut longest: Vec<(f64, &Isobath)> =
         lengths.filter(|(length, _)| *length >= LEAST_LABELLED).collect();
     longest.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let (mut taken, mut strokes): (Vec<[f64; 2]>, _) = (Vec::new(), Vec::new());
+    let (mut label_places, mut strokes): (Vec<[f64; 2]>, _) = (Vec::new(), Vec::new());
     for (length, line) in longest {
         let text = format!("{}", settings.in_unit(line.depth_m));
         let half = 0.5 * label::width(&text) + 2.0;
@@ -56,7 +56,10 @@ fn numbers(lines: &[Isobath], settings: &IsobathSettings) -> Vec<Vec<[f64; 2]>> 
             let inside = at
                 .iter()
                 .all(|place| (half + 2.0..TILE_PIXELS as f64 - half - 2.0).contains(place));
-            inside && taken.iter().all(|other| (other[0] - at[0]).hypot(other[1] - at[1]) > APART)
+            inside
+                && label_places
+                    .iter()
+                    .all(|other| (other[0] - at[0]).hypot(other[1] - at[1]) > APART)
         };
         let place = SHARES.iter().find_map(|share| {
             let [before, middle, behind] =
@@ -66,7 +69,7 @@ fn numbers(lines: &[Isobath], settings: &IsobathSettings) -> Vec<Vec<[f64; 2]>> 
             (is_straight && fits(middle)).then_some((middle, direction))
         });
         if let Some((at, direction)) = place {
-            taken.push(at);
+            label_places.push(at);
             strokes.extend(label::strokes(&text, at, direction));
         }
     }

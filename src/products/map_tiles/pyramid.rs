@@ -436,9 +436,9 @@ mod tests {
         source.parts.lock().unwrap().remove(&part);
         assert!(drawn(&source) == pictures);
         let asked = source.asked.lock().unwrap();
-        let within = |tile: &WebTile| (tile.x >> PART_ZOOMS, tile.y >> PART_ZOOMS);
+        let part_place = |tile: &WebTile| (tile.x >> PART_ZOOMS, tile.y >> PART_ZOOMS);
         assert!(!asked.is_empty());
-        assert!(asked.iter().all(|tile| within(tile) == (part.x, part.y)));
+        assert!(asked.iter().all(|tile| part_place(tile) == (part.x, part.y)));
     }
 
     #[test]

@@ -123,7 +123,7 @@ impl<'a> Results<'a> {
 
     /// Returns the reason if a need is not met; `None` if it is met.
     pub(super) fn missing(&self, need: Need) -> Result<Option<Missing>, OutputError> {
-        let told = |why: &str| Some(Missing(Some(why.to_owned())));
+        let with_reason = |why: &str| Some(Missing(Some(why.to_owned())));
         let silent = || Some(Missing(None));
         Ok(match need {
             Need::KeptPoints
@@ -131,20 +131,22 @@ impl<'a> Results<'a> {
             {
                 None
             }
-            Need::KeptPoints => told(no_cloud(self.products)),
+            Need::KeptPoints => with_reason(no_cloud(self.products)),
             Need::PlainLas if !self.products.settings.points.las => silent(),
             Need::Track if self.track().is_empty() => {
-                told(if self.logs().any(|(survey, _)| survey.has_place()) {
+                with_reason(if self.logs().any(|(survey, _)| survey.has_place()) {
                     "no track: the boat lay still"
                 } else {
                     "no track: the log has no position"
                 })
             }
             Need::Footprint if self.ground()?.shapes.is_empty() && self.has_side_scan() => {
-                told("no footprint: no ping has side-scan, a place, a heading and an altitude")
+                with_reason(
+                    "no footprint: no ping has side-scan, a place, a heading and an altitude",
+                )
             }
             Need::Footprint if self.ground()?.shapes.is_empty() => silent(),
-            Need::Surface if self.surface()?.is_none() => told(
+            Need::Surface if self.surface()?.is_none() => with_reason(
                 "no depth map: the depths span no surface (a single straight line, or none near another within surface.max_gap_m)",
             ),
             Need::Hardness
@@ -153,7 +155,7 @@ impl<'a> Results<'a> {
                 silent()
             }
             Need::Levels => match self.contours()? {
-                Err(why) => told(&why.to_string()),
+                Err(why) => with_reason(&why.to_string()),
                 Ok(_) => None,
             },
             Need::Isobaths => match self.contours()? {
@@ -169,7 +171,7 @@ impl<'a> Results<'a> {
                 // residuals.
                 let has_others = self.has_side_scan() || self.has_swath();
                 if has_others && self.has_soundings() {
-                    told(
+                    with_reason(
                         "no residuals: there are no side-scan points near a sounding, and no track crosses itself or another",
                     )
                 } else {
@@ -180,7 +182,7 @@ impl<'a> Results<'a> {
             Need::Mosaic => {
                 let cell_m = self.products.settings.mosaic.cell_m;
                 match mosaic_grid(self.mosaic()?.as_deref(), cell_m) {
-                    Err(why) => told(&why.to_string()),
+                    Err(why) => with_reason(&why.to_string()),
                     Ok(_) => None,
                 }
             }

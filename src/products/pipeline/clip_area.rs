@@ -33,7 +33,7 @@ pub fn clip_area(
     let [west, south, east, north] = bounds_deg;
     let around = [west - MARGIN_DEG, south - MARGIN_DEG, east + MARGIN_DEG, north + MARGIN_DEG];
     let middle_deg = 0.5 * (west + east);
-    let rings = area.rings.iter().map(|ring| within(ring, middle_deg, around));
+    let rings = area.rings.iter().map(|ring| clip_ring(ring, middle_deg, around));
     let rings: Vec<Vec<[f64; 2]>> = rings.filter(|ring| !ring.is_empty()).collect();
     let place = |[lon_deg, lat_deg]: [f64; 2]| place(LonLat { lon_deg, lat_deg });
     let length_m = |[from, to]: [[f64; 2]; 2]| {
@@ -56,7 +56,7 @@ pub fn clip_area(
 /// Clips a ring to a box (Sutherland and Hodgman 1974): the parts outside follow the edges of the
 /// box. A ring beyond the date line is moved by whole turns, so that its middle is nearest to
 /// `middle_deg`.
-fn within(ring: &[LonLat], middle_deg: f64, around: [f64; 4]) -> Vec<[f64; 2]> {
+fn clip_ring(ring: &[LonLat], middle_deg: f64, around: [f64; 4]) -> Vec<[f64; 2]> {
     let [west, _, east, _] = bounds(ring.iter().map(|at| [at.lon_deg, at.lat_deg]));
     let turns = ((middle_deg - 0.5 * (west + east)) / 360.0).round();
     let near = |at: &LonLat| [at.lon_deg + 360.0 * turns, at.lat_deg];

@@ -57,10 +57,10 @@ fn process_exists(pid: u32) -> bool {
 }
 
 fn host() -> String {
-    let told = fs::read_to_string("/proc/sys/kernel/hostname").ok();
+    let hostname = fs::read_to_string("/proc/sys/kernel/hostname").ok();
     let named =
         || ["COMPUTERNAME", "HOSTNAME"].into_iter().find_map(|name| std::env::var(name).ok());
-    told.or_else(named).unwrap_or_default().trim().to_owned()
+    hostname.or_else(named).unwrap_or_default().trim().to_owned()
 }
 
 /// Result of a request for a lock.

@@ -183,7 +183,7 @@ fn put_log(
 /// Adds the excluded stretches, with keys of their unit and start; stretches with the same start
 /// are numbered.
 fn put_excluded(put: &mut impl FnMut(Key, &Value), log: &str, stretches: &[Value]) {
-    let mut taken: BTreeMap<String, u32> = BTreeMap::new();
+    let mut key_counts: BTreeMap<String, u32> = BTreeMap::new();
     for stretch in stretches.iter().filter_map(Value::as_table) {
         for unit in EXCLUDED_UNITS {
             let Some([first, last]) = stretch.get(unit).and_then(ends) else {
@@ -193,7 +193,7 @@ fn put_excluded(put: &mut impl FnMut(Key, &Value), log: &str, stretches: &[Value
             row.remove(unit);
             row.insert("last".to_owned(), last.clone());
             let first = one_line(first);
-            let count = taken.entry(format!("{unit} {first}")).or_default();
+            let count = key_counts.entry(format!("{unit} {first}")).or_default();
             *count += 1;
             let name = match *count {
                 1 => first,

@@ -276,13 +276,13 @@ fn what_is_wrong_is_said_in_a_sentence_with_its_line() {
         let error = read(&broken).expect_err(to);
         let sentence = error.to_string();
         assert!(sentence.contains(words) || words.starts_with("string"), "{to}: {sentence}");
-        let said = match error {
+        let named_line = match error {
             ProjectError::Line { line, .. } => line,
             ProjectError::Newer { .. } => 0,
         };
         // The error about a colour that occurs twice names the second line.
         assert!(
-            said == line || sentence.contains("stands here"),
+            named_line == line || sentence.contains("stands here"),
             "{to}: {sentence}, expected line {line}"
         );
         assert!(!sentence.contains('\n'));

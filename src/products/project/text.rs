@@ -126,7 +126,8 @@ pub(super) fn read_as_written(text: &str) -> Result<(Rows, u32), ProjectError> {
 /// comment.
 fn version(text: &str) -> Result<u32, ProjectError> {
     let lines = text.lines().zip(1..);
-    let mut said = lines.filter(|(line, _)| !line.trim().is_empty() && !line.starts_with('#'));
+    let mut statements =
+        lines.filter(|(line, _)| !line.trim().is_empty() && !line.starts_with('#'));
     let no_project = |line| {
         ProjectError::line(
             line,
@@ -135,7 +136,7 @@ fn version(text: &str) -> Result<u32, ProjectError> {
             ),
         )
     };
-    let (line, number) = said.next().ok_or_else(|| no_project(1))?;
+    let (line, number) = statements.next().ok_or_else(|| no_project(1))?;
     let value = line.split_once('=').filter(|(key, _)| key.trim() == MARK);
     let value = value.and_then(|(_, value)| parse_value(value.trim()).ok());
     match value {

@@ -311,8 +311,8 @@ impl VectorLoop for Squares<'_> {
             pings.zip(&self.predicted.changed).zip(self.bare)
         {
             let (from, to) = (changed.start, changed.end);
-            let within = [&ping.levels[from..to], &bottom[from..to], &object[from..to]];
-            sum += bare + f64::from(self.more(within, from));
+            let levels = [&ping.levels[from..to], &bottom[from..to], &object[from..to]];
+            sum += bare + f64::from(self.more(levels, from));
         }
         sum
     }

@@ -258,8 +258,8 @@ mod tests {
             assert!(outline.len() > 4);
             for [along, across] in outline {
                 assert!(solid.height_at_m(1.03 * along, 1.03 * across) == 0.0, "{kind:?}");
-                let within = solid.height_at_m(0.96 * along, 0.96 * across);
-                assert!(within > 0.2, "{kind:?} {along} {across}: {within}");
+                let height_m = solid.height_at_m(0.96 * along, 0.96 * across);
+                assert!(height_m > 0.2, "{kind:?} {along} {across}: {height_m}");
             }
         }
     }

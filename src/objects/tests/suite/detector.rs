@@ -60,9 +60,9 @@ fn differences(found: &[Scored], expected: &[[f32; 6]]) -> (f32, f32) {
             .filter(|&index| left[index].class as f32 == row[0])
             .min_by(|&a, &b| away(left[a]).total_cmp(&away(left[b])))
             .expect("a box of that class");
-        let taken = left.swap_remove(nearest);
-        edge = edge.max(away(taken));
-        score = score.max((taken.score - row[1]).abs());
+        let nearest_box = left.swap_remove(nearest);
+        edge = edge.max(away(nearest_box));
+        score = score.max((nearest_box.score - row[1]).abs());
     }
     (score, edge)
 }

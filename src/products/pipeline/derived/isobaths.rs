@@ -148,7 +148,8 @@ impl Contours {
 /// Returns the levels within the range of depths, with the least depth before and a value just
 /// beyond the greatest depth after them, so that the areas cover all depths.
 fn with_ends(levels_m: &[f64], [least_m, most_m]: [f64; 2]) -> Vec<f64> {
-    let within = levels_m.iter().copied().filter(|level| *level > least_m && *level <= most_m);
+    let inner_levels =
+        levels_m.iter().copied().filter(|level| *level > least_m && *level <= most_m);
     let beyond_m = most_m.next_up();
-    std::iter::once(least_m).chain(within).chain([beyond_m]).collect()
+    std::iter::once(least_m).chain(inner_levels).chain([beyond_m]).collect()
 }

@@ -103,9 +103,9 @@ fn two_windows_do_not_have_one_project() {
     let temporary = tempfile::tempdir().expect("a folder");
     let folder = temporary.path();
     let (store, project) = saved(folder);
-    let taken = Store::open(&path(folder)).expect_err("another window");
-    assert!(matches!(taken.what, StoreFault::Taken(_)), "{taken}");
-    let sentence = taken.to_string();
+    let error = Store::open(&path(folder)).expect_err("another window");
+    assert!(matches!(error.what, StoreFault::Taken(_)), "{error}");
+    let sentence = error.to_string();
     assert!(
         sentence.contains("open in another window") && sentence.contains("another name"),
         "{sentence}"
@@ -116,8 +116,8 @@ fn two_windows_do_not_have_one_project() {
     {
         // Through a link it is the same project.
         std::os::unix::fs::symlink(path(folder), folder.join("link.bathyscope")).expect("a link");
-        let taken = Store::open(&folder.join("link.bathyscope")).expect_err("another window");
-        assert!(matches!(taken.what, StoreFault::Taken(_)), "{taken}");
+        let error = Store::open(&folder.join("link.bathyscope")).expect_err("another window");
+        assert!(matches!(error.what, StoreFault::Taken(_)), "{error}");
     }
     // Reading needs no lock.
     assert_eq!(read(&path(folder)).expect("a project"), project);

@@ -25,12 +25,12 @@ fn sailed(duration_s: f64, fixes_hz: f64, path: impl Fn(f64) -> Option<[f64; 2]>
         lowrance_mercator_inverse(x.round(), y.round())
     };
     let mut position = rounded(path(0.0).expect("a first fix"));
-    let (mut fixes, mut side_scan, mut taken) = (Vec::new(), Vec::new(), -1.0);
+    let (mut fixes, mut side_scan, mut last_tick) = (Vec::new(), Vec::new(), -1.0);
     for ping in 0..(duration_s * PING_RATE_HZ) as usize {
         let time_s = ping as f64 / PING_RATE_HZ;
         let tick = (time_s * fixes_hz + 1e-9).floor();
-        if tick > taken {
-            taken = tick;
+        if tick > last_tick {
+            last_tick = tick;
             position = path(tick / fixes_hz).map_or(position, rounded);
         }
         fixes.push(Fix { time_s, position, cog_rad: 1.0, compass_rad: 2.0, speed_mps: f32::NAN });

@@ -55,10 +55,10 @@ fn a_map_knows_how_near_it_is_to_the_bed() {
         let map = pond.known.map(&pond.products, &settings);
         let stated = pond.known.map_errors(&map, &map).into_iter();
         let ratios: Vec<f64> = stated.map(|error| error.error_m.abs() / error.spread_m).collect();
-        let within = |sigmas: f64| {
+        let share_within = |sigmas: f64| {
             ratios.iter().filter(|ratio| **ratio < sigmas).count() as f64 / ratios.len() as f64
         };
-        let [one, two] = [within(1.0), within(2.0)];
+        let [one, two] = [share_within(1.0), share_within(2.0)];
         // What all depths have in common is not in it: rounded positions on slopes.
         assert!((0.5..0.85).contains(&one) && two > 0.8, "{seed}: {one} {two}");
     }
@@ -94,8 +94,9 @@ fn levels_find_mounds_that_lie_between_the_lines() {
     assert!(left < 0.8, "{left}");
     let stated = errors(&from_levels).into_iter();
     let ratios: Vec<f64> = stated.map(|error| error.error_m.abs() / error.spread_m).collect();
-    let within = ratios.iter().filter(|ratio| **ratio < 2.0).count() as f64 / ratios.len() as f64;
-    assert!(within > 0.8, "{within}");
+    let share_within =
+        ratios.iter().filter(|ratio| **ratio < 2.0).count() as f64 / ratios.len() as f64;
+    assert!(share_within > 0.8, "{share_within}");
     check_sources(&plain, &from_levels);
     check_hardness(&pond, &from_levels);
 }
