@@ -4,8 +4,8 @@
 //! killed leaves the files of the earlier run unchanged. When all files are written, a journal with
 //! their names is put beside them. From then on the run is complete except for renames: the old
 //! manifest is removed first, the new one is put in place last, so that a folder with a manifest is
-//! consistent. If a run is killed among these renames, the next run into the same folder or the next
-//! reader of its files finishes them.
+//! consistent. If a run is killed among these renames, the next run into the same folder or the
+//! next reader of its files finishes them.
 //!
 //! Files that an earlier run wrote and the new one did not are removed, unless a person has changed
 //! them since: a folder holds the files of one run. Files that no manifest lists belong to the user

@@ -121,8 +121,8 @@ fn the_next_run_clears_away_what_was_killed_before_it_was_decided() {
     assert_eq!(text(&out.join("cloud.csv")), "one");
 }
 
-/// Tests a kill after each of the renames and removals: the next run or the next reader finishes the
-/// work, and meanwhile a folder with a manifest is consistent.
+/// Tests a kill after each of the renames and removals: the next run or the next reader finishes
+/// the work, and meanwhile a folder with a manifest is consistent.
 #[test]
 fn a_swap_that_was_killed_is_finished_by_the_next_run_or_reader() {
     swaps_killed_at_each_step(|out| drop(RunFolder::begin(out).unwrap()));
