@@ -1,6 +1,6 @@
-//! Opens and saves the survey as a project: one file that holds the logs and all decisions about
-//! them. Each undo step is written to its journal at once, so that a crash loses the last gesture
-//! at most.
+//! Opens and saves the survey as a project: one file that names the logs and contains all decisions
+//! about them. Each undo step is written into the project's journal at once, so that a crash loses
+//! no more than the last action.
 
 use super::drawn_figure::Figure;
 use super::error::AppError;
@@ -36,7 +36,8 @@ pub(super) struct ProjectSaving {
     store: Option<Store>,
     /// Contents of the project, from which parts that this window does not show are preserved.
     project: Project,
-    /// True if the project must be saved again after that.
+    /// True if saving was requested while a save was running, so that the project is saved again
+    /// after it.
     saves_again: bool,
     /// True if the project cannot be written, and the analyst was notified.
     failed: bool,
@@ -86,7 +87,8 @@ impl App {
         );
     }
 
-    /// Waits for running writes of the project: nothing else may use its file before.
+    /// Stops the hashing of logs, and waits until running writes of the project have ended; until
+    /// then nothing else may use its file.
     pub(super) fn finish_writing(&mut self) {
         self.jobs.stop(&JobKey::HashLogs);
         self.files.project_saving.saves_again = false;
@@ -150,7 +152,8 @@ impl App {
         }
     }
 
-    /// Notifies the analyst that the project was saved.
+    /// Ends a save of the project, and notifies the analyst of it; starts the next save if one was
+    /// requested meanwhile.
     fn take_saved(&mut self, written: SavingOutcome) {
         let saving = &mut self.files.project_saving;
         let saves_again = std::mem::take(&mut saving.saves_again);
@@ -257,8 +260,9 @@ impl App {
         project
     }
 
-    /// Writes the project for the first time, with the files of its logs, or saves it if it has
-    /// this path already. Until it is written, changes are saved in their earlier files.
+    /// Writes the project for the first time, with the file of each log, or saves it if it has this
+    /// path already. Until it is written, changes are saved where they were before: in the earlier
+    /// project, or in the sidecar files of the logs.
     fn name_project(&mut self, path: PathBuf, files: Vec<(LogId, LogFile)>) {
         for (id, file) in files {
             if let Some(log) = self.log_mut(id) {
@@ -368,7 +372,8 @@ impl App {
     }
 }
 
-/// Puts the measurement on the map into a project, if it is finished, or removes it.
+/// Stores the measurement on the map in a project if it is finished; otherwise removes the
+/// measurement of the project.
 pub(super) fn keep_figure(project: &mut Project, figure: Option<&Arc<Figure>>) {
     match figure.filter(|figure| figure.done) {
         Some(figure) => {

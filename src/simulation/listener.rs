@@ -1,5 +1,5 @@
-//! Describes one side of the sonar at one place: its beam, and the ground with objects and weed
-//! that it insonifies.
+//! Computes, for simulated recordings, what one side of the sonar hears at one position of the
+//! boat: the gain of its beam, and the ground, objects and weed that echo.
 
 use super::arithmetic::{exp, ln};
 use super::bed::SceneBed;
@@ -26,11 +26,13 @@ pub(super) struct Listener<'a> {
     pub samples: usize,
 }
 
-/// Length of the first step, metres, and its growth per metre of distance.
+/// Spacing of the points at which the ground is sampled: under the track, metres, and its increase
+/// for each metre of distance from the track.
 const STEP_M: (f64, f64) = (0.012, 0.002);
 /// Half-power width of a normal curve, standard deviations.
 const HALF_POWER: f64 = 2.354_82;
-/// Share of the echo of the ground that remains under weed (6 dB lost, both ways).
+/// Share of the power of the ground's echo that remains under weed: 6 dB are lost in total, down
+/// and back.
 const WEED_LOSS: f64 = 0.25;
 
 impl Listener<'_> {
@@ -46,7 +48,8 @@ impl Listener<'_> {
     }
 }
 
-/// The side beam, in the numbers that the rays need.
+/// Shape of the beam of one side. Along the track it is represented by three rays: one in the
+/// middle and an outer one on each side.
 ///
 /// Its one-way gain is `G = 2^-((phi - axis) / half width)^2`, with `phi` the angle from the
 /// vertical.
@@ -65,8 +68,8 @@ pub(super) struct Beam {
 }
 
 impl Beam {
-    /// Weights of the three rays along the track, which are at 0 and +-sqrt(3) standard deviations
-    /// (Gauss-Hermite).
+    /// Weights of the three rays that represent the beam along the track: the middle one, and one
+    /// at sqrt(3) standard deviations of the beam on each side (Gauss-Hermite quadrature).
     pub(super) const RAY_WEIGHTS: [f64; 3] = [1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0];
 
     /// Creates the beam of a recorder, with steps up to `range_m`.

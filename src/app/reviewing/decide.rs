@@ -1,4 +1,5 @@
-//! Applies decisions and corrections to single boxes, and goes back and forward through undo steps.
+//! Applies the analyst's decisions and corrections to single boxes, which mark possible objects in
+//! the sonar picture; undoes and redoes them.
 
 use super::{BoxEdge, Reviewing, Tool, border_m, middle};
 use crate::app::step::{LogStep, UndoStep};
@@ -9,7 +10,8 @@ use bathyscope_objects::{Mark, ObjectExtent};
 use std::borrow::Cow;
 use std::sync::Arc;
 
-/// A step of the arrow keys on the screen.
+/// Movement that the arrow keys ask for, in directions of the screen; a step is a ping along the
+/// track, or a pixel of the raster across it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Nudge {
     /// Number of steps to the right.
@@ -75,8 +77,8 @@ impl App {
         changed.map(|box_id| LogBox { log: id, id: box_id })
     }
 
-    /// Replaces the boxes of a log by `review`, as one undo step that ends with the first change
-    /// that is not `live`.
+    /// Replaces the boxes of a log by `review`. The changes of a drag are `live`: they are one undo
+    /// step, which ends with the first change that is not live.
     pub(in crate::app) fn take_review(
         &mut self,
         id: LogId,
@@ -214,7 +216,9 @@ impl App {
     }
 }
 
-/// Moves a box, or its far and last edges: right and down on the screen are later and to starboard.
+/// Moves a box by `along` pings, later if positive, and by `across` pixels of the raster, to
+/// starboard if positive. If only its size changes, its last ping and its edge nearer to starboard
+/// move: the far edge to starboard, the near edge to port.
 fn nudged(mark: &Mark, along: i32, across: i32, resize: bool) -> Mark {
     let pings = along as isize;
     let across_m = f64::from(across) * super::PIXEL_M;

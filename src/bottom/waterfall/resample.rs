@@ -1,12 +1,14 @@
-//! Resamples a survey into texels: places every ping by its metres, then reduces pings and bins to
-//! mean and maximum.
+//! Computes the pixels (texels) of the waterfall at a level of detail: assigns the samples of each
+//! ping to steps of range (bins), then takes mean and maximum of each block of pings and bins, so
+//! that pings of different ranges line up.
 
 use super::axis::is_usable;
 use super::{Level, RangeAxis};
 use bathyscope_log::survey::{Side, SideSpan, Survey};
 use std::ops::Range;
 
-/// Table of the samples in each bin, for spans of one scale.
+/// Samples that fall into each bin of range, for pings that have the same near range, far range and
+/// number of samples.
 struct Bins {
     /// Scale of the table, `(near_m, far_m, count)`; `None` while it is empty.
     scale: Option<(f32, f32, u32)>,
@@ -51,8 +53,8 @@ impl Bins {
     }
 }
 
-/// Returns first sample and step of bins that follow each other without gaps, all of one size
-/// except the last one with samples; `None` for other bins.
+/// Returns the first sample and the number of samples in each bin, if the bins follow each other
+/// without gaps and all but the last one with samples have the same size; otherwise `None`.
 fn even_steps(bins: &[Range<u32>]) -> Option<(usize, usize)> {
     let first = bins.first()?;
     let (step, mut next) = (first.len(), first.start);
@@ -76,8 +78,8 @@ fn add_even<const STEP: usize>(outward: &[u8], first: usize, row: &mut [Sum]) {
     }
 }
 
-/// Returns the samples whose centres are between two ranges; where bins are shorter than samples,
-/// the sample in the middle of the bin.
+/// Returns the samples whose centres lie between two ranges, metres. If there are none, because a
+/// bin is narrower than a sample, returns the sample at the middle of the bin.
 fn samples_between(span: &SideSpan, near_m: f64, far_m: f64) -> Range<u32> {
     let count = f64::from(span.count);
     let edge = |range_m: f64| (span.sample_at(range_m) + 0.5).floor().clamp(0.0, count) as u32;
@@ -116,9 +118,9 @@ impl Sum {
     }
 }
 
-/// Returns the texels of one side over `pings` and `width` texels of range from `first_bin`
-/// outward, row by row. The last row covers fewer pings when their number is not a multiple of the
-/// level's.
+/// Returns the texels of one side, row by row: one row for each `level.pings()` of `pings`, and
+/// `width` texels outward from `first_bin`, which is counted in bins of the finest level. The last
+/// row covers fewer pings when their number is no multiple of `level.pings()`.
 pub(super) fn resample(
     survey: &Survey,
     axis: &RangeAxis,

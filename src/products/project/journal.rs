@@ -20,9 +20,10 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{self, SyncSender};
 use std::thread::JoinHandle;
 
-/// Bytes of the hash before a line.
+/// Number of bytes of the SHA-256 hash of a line that are written before its text, as hexadecimal
+/// digits.
 const CHECK_BYTES: usize = 4;
-/// Most attempts to open a journal that other programs remove meanwhile.
+/// Largest number of attempts to open a journal, because another program may remove it meanwhile.
 const TRIES: usize = 20;
 
 /// Entry of the journal, one line.
@@ -252,7 +253,8 @@ impl ProjectJournal {
         Ok(())
     }
 
-    /// Empties the journal and starts it again: all changes are in the file with this hash.
+    /// Empties the journal after the project was saved: its first entries say that the file with
+    /// the hash `sha256` contains all changes, and that this program has the project open.
     pub(super) fn restart(&mut self, sha256: &str, version: u32) -> io::Result<()> {
         self.file.set_len(0)?;
         self.file.seek(SeekFrom::Start(0))?;

@@ -21,7 +21,8 @@ struct ScratchBlock {
     length: u32,
 }
 
-/// A tile in the scratch file, and its mask; `None` for cells that have no mask.
+/// Places of a tile and of its mask in the scratch file; the mask is `None` in a raster whose kind
+/// of cells has no mask.
 #[derive(Clone, Copy, Debug)]
 struct ScratchTile {
     image: ScratchBlock,
@@ -173,8 +174,8 @@ impl<'a> RasterWriter<'a> {
         Ok(true)
     }
 
-    /// Returns the compressed finer tiles below a tile: the quarter (row and column, 0 or 1) and
-    /// the bytes of each.
+    /// Returns the compressed tiles of the finer level that cover the area of a tile: for each, the
+    /// quarter that it covers (row and column, 0 or 1) and its bytes.
     fn parts(
         &mut self,
         finer: usize,
