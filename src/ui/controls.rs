@@ -5,6 +5,8 @@
 //! number on Enter, when it loses the keyboard, and while it is dragged, never while digits are
 //! typed: if the change moved the field, the views would take the digits that follow as their keys.
 
+use super::hint_with_key;
+use crate::app::{Action, ViewOptions};
 use egui::emath::Numeric;
 use egui::{
     Button, DragValue, Response, Role, Slider, Stroke, StrokeKind, Ui, WidgetInfo, WidgetText,
@@ -45,6 +47,20 @@ pub(super) fn switch(ui: &mut Ui, on: &mut bool, name: &str) -> Response {
     }
     painter.rect_stroke(slot, reach, Stroke::new(1.0, ink), StrokeKind::Inside);
     button
+}
+
+/// Draws a switch for the display option that a command turns on or off.
+pub(super) fn option_switch(ui: &mut Ui, options: &mut ViewOptions, action: Action) {
+    if let Some((name, option)) = action.display_option(options) {
+        switch(ui, option, name).on_hover_text(hint_with_key(action));
+    }
+}
+
+/// Draws a checkbox for the display option that a command turns on or off.
+pub(super) fn option_checkbox(ui: &mut Ui, options: &mut ViewOptions, action: Action) {
+    if let Some((name, option)) = action.display_option(options) {
+        ui.checkbox(option, name).on_hover_text(hint_with_key(action));
+    }
 }
 
 /// Draws the button of a tool or of one of several choices, underlined if `chosen`.

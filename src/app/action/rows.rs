@@ -4,8 +4,8 @@
 //! beginning with the key that menus show), then the views in which a bare key acts (`acts_in`),
 //! and the marks: `repeats` while the key is held, `about_box` for commands that need a visible
 //! selected box, `asks` for commands that a bare key only offers. The function is `State` on the
-//! state, `Options` on the display options, `Toggle` of a display option, or `Window` for the
-//! window; `when` is false where there is nothing to act on.
+//! state, `Options` on the display options, `Toggle` of a display option, with the name that its
+//! checkboxes have, or `Window` for the window; `when` is false where there is nothing to act on.
 //!
 //! The rows are a macro, so that the table of names (`super::Action`) does not depend on the state:
 //! each macro that reads the rows uses only its part of them.
@@ -160,19 +160,19 @@ macro_rules! action_rows {
                 NextCloudColour, "3D: next colours", key("Shift+C"), acts_in(KeyScope::Cloud), "Colours the points by side, depth, echo level or slant range, or by log where there are several."
                     => State(App::next_cloud_colour);
                 Points3d, "3D: points on or off", key("Shift+P"), acts_in(KeyScope::Cloud), "Shows or hides the points in 3D."
-                    => Toggle(|options| &mut options.cloud.points);
+                    => Toggle("Points", |options| &mut options.cloud.points);
                 ClipBox3d, "3D: clip box on or off", key("Shift+X"), acts_in(KeyScope::Cloud), "Shows only what lies in a box; its faces can be dragged, its ends typed."
                     => Options(|options| options.cloud.toggle_clip());
                 Cut3d, "3D: cross-section on or off", key("Shift+Q"), acts_in(KeyScope::Cloud), "Hides what lies in front of the line of the depth profile."
                     => State(App::toggle_cut);
                 Water3d, "3D: water surface on or off", key("Shift+W"), acts_in(KeyScope::Cloud), "Shows or hides the water surface in 3D, with the boat's track on it."
-                    => Toggle(|options| &mut options.cloud.water);
+                    => Toggle("Water surface and track", |options| &mut options.cloud.water);
                 Bottom3d, "3D: bottom on or off", key("Shift+V"), acts_in(KeyScope::Cloud), "Shows or hides the depth map in 3D as a shaded surface."
-                    => Toggle(|options| &mut options.cloud.bottom);
+                    => Toggle("Bottom", |options| &mut options.cloud.bottom);
                 NextBottomColour, "3D: next colours of the bottom", key("Shift+M"), acts_in(KeyScope::Cloud), "Colours the bottom in 3D by depth, mosaic, uncertainty, distance to the nearest depth, source of the depth, or hardness."
                     => Options(next_bottom_colour);
                 BottomIsobaths, "3D: isobaths on or off", "Shows or hides isobaths on the bottom in 3D."
-                    => Toggle(|options| &mut options.cloud.isobaths);
+                    => Toggle("Isobaths on the bottom", |options| &mut options.cloud.isobaths);
                 TurnLight, "3D: turn the light", key("Shift+L"), acts_in(KeyScope::Cloud), "Turns the light on the bottom clockwise by 45 degrees."
                     => Options(|options| options.cloud.turn_light());
             }
@@ -187,9 +187,9 @@ macro_rules! action_rows {
                 Despeckle, "Despeckle on or off", "Shows each echo of the waterfall as the median of its neighbourhood."
                     => State(App::toggle_despeckle);
                 GroundRange, "Slant or ground range", key("G"), acts_in(KeyScope::Waterfall), "Shows the waterfall by slant range, or by distance on level ground."
-                    => Toggle(|options| &mut options.waterfall.ground_range);
+                    => Toggle("Ground range", |options| &mut options.waterfall.ground_range);
                 WaterColumn, "Water column on or off", key("Shift+G"), acts_in(KeyScope::Waterfall), "Shows or hides echoes before the first return; by distance on the ground there are none."
-                    => Toggle(|options| &mut options.waterfall.water_column);
+                    => Toggle("Water column", |options| &mut options.waterfall.water_column);
                 OneToOne, "Waterfall: equal scales", key("Z"), acts_in(KeyScope::Waterfall), "Shows a metre along the track as long as a metre across, or lets the two scales differ."
                     => Window(WindowAction::OneToOne);
                 NextChannel, "Next channel of the waterfall", key("I"), acts_in(KeyScope::Waterfall), "Shows side-scan, then each down-looking channel of the log, beside the side-scan and alone."
@@ -199,11 +199,11 @@ macro_rules! action_rows {
                 StarboardFirst, "Draw starboard first", "Draws starboard in the place of port, for the picture alone; the data stay as they are."
                     => State(App::toggle_starboard_first);
                 RangeLines, "Range lines on or off", "Shows or hides the range lines of the waterfall."
-                    => Toggle(|options| &mut options.waterfall.range_lines);
+                    => Toggle("Range lines", |options| &mut options.waterfall.range_lines);
                 FirstReturnLine, "First return on or off", key("B"), acts_in(KeyScope::Waterfall), "Shows or hides the first return in the waterfall."
-                    => Toggle(|options| &mut options.waterfall.first_return);
+                    => Toggle("First return", |options| &mut options.waterfall.first_return);
                 DepthLine, "Recorded depth on or off", key("Ctrl+B"), "Shows or hides the recorded depth in the waterfall."
-                    => Toggle(|options| &mut options.waterfall.depth_line);
+                    => Toggle("Recorded depth", |options| &mut options.waterfall.depth_line);
             }
             /// Layers of the map.
             MapLayers {
@@ -228,7 +228,7 @@ macro_rules! action_rows {
                 Swipe, "Swipe between layers", key("W"), acts_in(KeyScope::Map), "Divides the map by a line that can be dragged: mosaic to the left, depths to the right."
                     => Options(|options| options.map.swipe.toggle(&mut options.map.layers));
                 Graticule, "Graticule on or off", "Shows or hides coordinate lines on the map."
-                    => Toggle(|options| &mut options.map.graticule);
+                    => Toggle("Graticule", |options| &mut options.map.graticule);
             }
             /// Colours of port and starboard.
             Colours {
@@ -296,7 +296,7 @@ macro_rules! action_rows {
                 DrawBottom, "Draw the bottom", key("M"), acts_in(KeyScope::Waterfall), "Drag in the waterfall to draw the first return. Ctrl: mark as missing. Alt: restore the automatic pick. Up and Down move it at the selected ping."
                     => State(|app| app.take_tool(Tool::Bottom));
                 BottomBothSides, "Draw the bottom on both sides", "Draws the bottom on both sides at the same ranges."
-                    => Toggle(|options| &mut options.waterfall.bottom_both_sides);
+                    => Toggle("Both sides", |options| &mut options.waterfall.bottom_both_sides);
                 AcceptBottom, "Accept as bottom", "Drag along first returns above the recorded depth to accept them as bottom. Alt: undo the acceptance."
                     => State(|app| app.take_tool(Tool::Accept));
                 ForgetBottom, "Remove the bottom edits", "Removes all bottom edits of this log; the first returns are the automatic ones again."
@@ -318,7 +318,7 @@ macro_rules! action_rows {
                 ApplyPositions, "Apply positions", "Applies shifts (position_shift) and latencies (mounting.latency_s) that exceed twice their standard error."
                     => State(App::apply_positions), when(|app| app.position_offsets().is_some_and(FoundPositions::tells));
                 OutlierPreview, "Outlier preview", key("O"), acts_in(KeyScope::Cloud), "Shows the points that the depth map does not use: outliers, above-bottom returns and others."
-                    => Toggle(|options| &mut options.cloud.outlier_preview);
+                    => Toggle("Outliers", |options| &mut options.cloud.outlier_preview);
                 Update, "Update results", key("Ctrl+R"), "Runs the steps whose results are missing or out of date."
                     => State(App::update);
                 Cancel, "Cancel processing", "Stops the step that is running; the last result stays."

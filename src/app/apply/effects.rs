@@ -20,8 +20,8 @@ enum Effect {
     State(fn(&mut App)),
     /// A function that changes the display options.
     Options(fn(&mut ViewOptions)),
-    /// A display option that the command turns on or off.
-    Toggle(fn(&mut ViewOptions) -> &mut bool),
+    /// A display option that the command turns on or off, with its name.
+    Toggle(&'static str, fn(&mut ViewOptions) -> &mut bool),
     /// Something that the window carries out.
     Window(WindowAction),
 }
@@ -60,7 +60,21 @@ impl Action {
     pub(crate) fn in_window(self) -> Option<WindowAction> {
         match self.effect() {
             Effect::Window(action) => Some(action),
-            Effect::State(_) | Effect::Options(_) | Effect::Toggle(_) => None,
+            Effect::State(_) | Effect::Options(_) | Effect::Toggle(..) => None,
+        }
+    }
+}
+
+impl Action {
+    /// Returns the name of the display option that the command turns on or off, and the option in
+    /// `options`; `None` for other commands.
+    pub(crate) fn display_option(
+        self,
+        options: &mut ViewOptions,
+    ) -> Option<(&'static str, &mut bool)> {
+        match self.effect() {
+            Effect::Toggle(name, option) => Some((name, option(options))),
+            Effect::State(_) | Effect::Options(_) | Effect::Window(_) => None,
         }
     }
 }
@@ -97,7 +111,7 @@ impl App {
         match action.effect() {
             Effect::State(change) => change(self),
             Effect::Options(change) => change(&mut self.view.options),
-            Effect::Toggle(option) => {
+            Effect::Toggle(_, option) => {
                 let option = option(&mut self.view.options);
                 *option = !*option;
             }

@@ -6,6 +6,7 @@ use crate::app::{
     Action, ActionGroup, App, CloudColour, ColourMap, Command, SideColours, ThemeChoice,
 };
 use crate::ui::ViewContext;
+use crate::ui::controls::option_checkbox;
 use bathyscope_bottom::presentation::units::{LengthUnit, SpeedUnit};
 use bathyscope_log::support::geo::CoordinateFormat;
 use bathyscope_products::pipeline::BottomColour;
@@ -136,11 +137,15 @@ fn view(ui: &mut Ui, context: &mut ViewContext<'_>) {
         ui.separator();
         ui.menu_button("Gain and levels", |ui| levels::ui(ui, context));
         ui.separator();
-        ui.checkbox(&mut options.waterfall.ground_range, "Ground range");
-        ui.checkbox(&mut options.waterfall.water_column, "Water column");
-        ui.checkbox(&mut options.waterfall.first_return, "First return");
-        ui.checkbox(&mut options.waterfall.range_lines, "Range lines");
-        ui.checkbox(&mut options.waterfall.depth_line, "Recorded depth");
+        for action in [
+            Action::GroundRange,
+            Action::WaterColumn,
+            Action::FirstReturnLine,
+            Action::RangeLines,
+            Action::DepthLine,
+        ] {
+            option_checkbox(ui, &mut options, action);
+        }
         ui.checkbox(&mut options.waterfall.flat_stretches, "Flat stretches");
         ui.checkbox(&mut options.waterfall.boxes, "Boxes");
     });
@@ -149,7 +154,7 @@ fn view(ui: &mut Ui, context: &mut ViewContext<'_>) {
         swipe::control(ui, &mut options.map);
         ui.separator();
         ui.checkbox(&mut options.map.flat_spots, "Flat stretches");
-        ui.checkbox(&mut options.map.graticule, "Graticule");
+        option_checkbox(ui, &mut options, Action::Graticule);
     });
     ui.menu_button("3D cloud", |ui| {
         for colour in CloudColour::ALL {
@@ -157,17 +162,17 @@ fn view(ui: &mut Ui, context: &mut ViewContext<'_>) {
             ui.radio_value(&mut options.cloud.colour, colour, name);
         }
         ui.separator();
-        ui.checkbox(&mut options.cloud.bottom, "Bottom");
+        option_checkbox(ui, &mut options, Action::Bottom3d);
         for colour in BottomColour::ALL {
             let name = format!("bottom by {}", colour.name());
             ui.radio_value(&mut options.cloud.bottom_colour, colour, name);
         }
-        ui.checkbox(&mut options.cloud.isobaths, "Isobaths on the bottom");
+        option_checkbox(ui, &mut options, Action::BottomIsobaths);
         ui.separator();
-        ui.checkbox(&mut options.cloud.points, "Points");
-        ui.checkbox(&mut options.cloud.outlier_preview, "Outliers");
+        option_checkbox(ui, &mut options, Action::Points3d);
+        option_checkbox(ui, &mut options, Action::OutlierPreview);
         ui.checkbox(&mut options.cloud.boxes, "Boxes");
-        ui.checkbox(&mut options.cloud.water, "Water surface and track");
+        option_checkbox(ui, &mut options, Action::Water3d);
     });
     ui.menu_button("Coordinates", |ui| {
         for format in CoordinateFormat::ALL {

@@ -5,6 +5,7 @@ use crate::app::{
     Action, CloudColour, CloudOptions, ColourMap, EchogramChannel, View, ViewOptions,
     WaterfallOptions,
 };
+use crate::ui::controls::option_switch;
 use crate::ui::drop_down::DropDown;
 use crate::ui::panels::find_setting;
 use crate::ui::{ViewContext, controls, hint_with_key};
@@ -62,14 +63,10 @@ fn switch(ui: &mut Ui, on: &mut bool, label: &str, hint: impl Into<egui::WidgetT
 
 fn waterfall(ui: &mut Ui, context: &mut ViewContext<'_>, options: &mut ViewOptions) {
     button(ui, context, Action::Orientation, "Turn");
-    let shown = &mut options.waterfall;
-    for (option, label, action) in [
-        (&mut shown.range_lines, "Range lines", Action::RangeLines),
-        (&mut shown.first_return, "First return", Action::FirstReturnLine),
-        (&mut shown.ground_range, "Ground", Action::GroundRange),
-    ] {
-        switch(ui, option, label, hint_with_key(action));
-    }
+    option_switch(ui, options, Action::RangeLines);
+    option_switch(ui, options, Action::FirstReturnLine);
+    let ground_range = &mut options.waterfall.ground_range;
+    switch(ui, ground_range, "Ground", hint_with_key(Action::GroundRange));
     button(ui, context, Action::OneToOne, "1:1");
     let title = egui::RichText::new("Levels").small();
     let (button, _) = menu(title).ui(ui, |ui| levels::ui(ui, context));
@@ -155,9 +152,8 @@ fn map(ui: &mut Ui, context: &ViewContext<'_>, options: &mut ViewOptions) {
 fn cloud(ui: &mut Ui, context: &mut ViewContext<'_>, options: &mut ViewOptions) {
     button(ui, context, Action::SideView, "Side");
     button(ui, context, Action::TopView, "Top");
+    option_switch(ui, options, Action::OutlierPreview);
     let shown = &mut options.cloud;
-    let hint = hint_with_key(Action::OutlierPreview);
-    switch(ui, &mut shown.outlier_preview, "Outliers", hint);
     let mut is_clipped = shown.clip.is_some();
     switch(ui, &mut is_clipped, "Clip box", hint_with_key(Action::ClipBox3d));
     if is_clipped != shown.clip.is_some() {

@@ -1,5 +1,7 @@
-//! Draws the track, a line coloured by depth over a casing; the recorder's own track below that of
-//! another receiver; and antenna and transducer at the selected ping.
+//! Draws the boat's track on the map, as a line coloured by depth with an outline that sets it off
+//! from the depth map. Where positions come from another receiver, the recorder's own track is
+//! drawn beneath it for comparison. At the selected ping, antenna and transducer are shown where
+//! they are apart.
 
 use super::layers::TrackLayer;
 use super::lines::{LinePicture, MapPen};
@@ -16,7 +18,8 @@ const MOST_SEGMENTS: u32 = 5_000;
 const WIDTHS: [f32; 2] = [4.6, 3.0];
 /// Opacity of the line under the track.
 const CASING_OPACITY: f32 = 0.75;
-/// Least distance between the strokes that join the recorder's track to another's, points.
+/// Least distance between the strokes that join the recorder's track to the track of another
+/// receiver, points.
 const APART: f32 = 18.0;
 /// Half of the size of the antenna's triangle, points.
 const HALF: f32 = 5.0;
@@ -44,8 +47,8 @@ pub(super) fn show(
     picture.show(painter, state, view, scene.track, lines);
 }
 
-/// Draws the recorder's own track below that of another receiver: thin, with strokes between their
-/// places at the same times.
+/// Draws the recorder's own track as a thin line beneath the track of another receiver, with
+/// strokes that join the positions of both at the same times.
 pub(super) fn paint_recorded(painter: &Painter, scene: &MapScene<'_>, app: &App) {
     if app.log.external.recorded.is_none() || !scene.shows(MapLayer::Track) {
         return;

@@ -2,7 +2,8 @@
 
 use super::lens::{Lens, LensPlace};
 use super::{boxes, flat_spots, labels};
-use crate::app::{AboveStretch, App, Command, ExclusionEdit, LogPlace, Tool};
+use crate::app::{AboveStretch, Action, App, Command, ExclusionEdit, LogPlace, Tool};
+use crate::ui::controls::option_checkbox;
 use crate::ui::{ViewContext, place, stretch_text, text, theme};
 use bathyscope_log::survey::{Side, Survey};
 use egui::{Align2, Painter, Pos2, Rect, Response, Ui, pos2};
@@ -119,12 +120,11 @@ fn menu(response: &Response, context: &mut ViewContext<'_>) -> Option<usize> {
             ui.close();
         }
         let mut options = context.options().clone();
-        let shown = &mut options.waterfall;
-        ui.checkbox(&mut shown.first_return, "First return");
-        ui.checkbox(&mut shown.depth_line, "Recorded depth");
-        ui.checkbox(&mut shown.range_lines, "Range lines");
-        ui.checkbox(&mut shown.flat_stretches, "Flat stretches");
-        ui.checkbox(&mut shown.boxes, "Boxes");
+        for action in [Action::FirstReturnLine, Action::DepthLine, Action::RangeLines] {
+            option_checkbox(ui, &mut options, action);
+        }
+        ui.checkbox(&mut options.waterfall.flat_stretches, "Flat stretches");
+        ui.checkbox(&mut options.waterfall.boxes, "Boxes");
         context.show(options);
     });
     equal_scales_at
