@@ -1,5 +1,5 @@
-//! Returns the values on the logs of a survey of several: when and what each recorded, and how their
-//! heights agree.
+//! Returns the values on the logs of a survey of several: when and what each recorded, and how
+//! their heights agree.
 
 use super::ReportData;
 use super::summary::sailed_m;

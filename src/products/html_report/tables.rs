@@ -1,4 +1,5 @@
-//! Returns the values on the trust in the depths, the method, the input files and the written files.
+//! Returns the values on the trust in the depths, the method, the input files and the written
+//! files.
 
 use super::ReportData;
 use crate::pipeline::{CalibrationReport, CommonUncertainty, Preset, Settings};
