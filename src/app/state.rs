@@ -1,5 +1,5 @@
-//! Holds the state of the window for reading; commands change it in `apply`, finished background
-//! work in `work`.
+//! Holds the state of the window for reading; commands change it in `apply`, the answers of work in
+//! the background through `jobs`.
 
 use super::card_search::CardSearch;
 use super::comparing::Comparing;
