@@ -70,7 +70,7 @@ impl App {
             self.jobs.stop(&JobKey::CheckFiles);
             return;
         }
-        let repeats = matches!(self.jobs(), Jobs::Threads(_));
+        let repeats = matches!(self.workers(), Jobs::Threads(_));
         self.jobs.run(
             JobKey::CheckFiles,
             move |progress| look(&watched, repeats, progress),

@@ -196,8 +196,7 @@ impl JobQueue {
         then: impl FnOnce(&mut App, T) + Send + 'static,
         failed: impl FnOnce(&mut App) + Send + 'static,
     ) {
-        // Running work must be told to end before its successor starts, which may use the same
-        // file.
+        // Running work is cancelled before its successor starts.
         self.stop(&key);
         let task = Task::start(&self.workers, move |progress| {
             let answer = work(progress);

@@ -98,7 +98,7 @@ impl App {
             settings: settings.clone(),
             stage: stage.clone(),
         });
-        let jobs = self.jobs().clone();
+        let jobs = self.workers().clone();
         self.jobs.run_or(
             JobKey::Process,
             move |progress| {

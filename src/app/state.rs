@@ -215,7 +215,7 @@ impl App {
     }
 
     /// Returns the way in which work in the background is run.
-    pub(crate) fn jobs(&self) -> &Jobs {
+    pub(crate) fn workers(&self) -> &Jobs {
         self.jobs.workers()
     }
 

@@ -125,7 +125,7 @@ impl Shell {
 
     /// Asks for a path in a dialog of the system.
     fn ask(&mut self, purpose: PathPurpose) {
-        self.dialogs.ask(purpose, self.app.jobs());
+        self.dialogs.ask(purpose, self.app.workers());
     }
 
     /// Sends a request to a view.
@@ -166,7 +166,7 @@ impl Shell {
             return;
         };
         // Tests must not open a file manager.
-        if matches!(self.app.jobs(), Jobs::Threads(_))
+        if matches!(self.app.workers(), Jobs::Threads(_))
             && let Err(error) = open::that_detached(folder)
         {
             let text = format!("no file manager opens {}: {error}", folder.display());
@@ -209,7 +209,7 @@ impl Shell {
     /// Asks for the path of a file to write, and proposes one beside the log.
     pub(super) fn ask_beside_log(&mut self, purpose: PathPurpose, ending: &str) {
         let proposed = self.sidecar_path(ending);
-        self.dialogs.name(purpose, proposed, self.app.jobs());
+        self.dialogs.name(purpose, proposed, self.app.workers());
     }
 
     /// Moves the keyboard to the steps, then to the details, then back to the views.
@@ -289,7 +289,7 @@ impl Shell {
         }
         let known = self.app.project_path().map(std::path::Path::to_owned);
         let proposed = known.unwrap_or_else(|| self.sidecar_path("bathyscope"));
-        self.dialogs.name(PathPurpose::SaveProject, proposed, self.app.jobs());
+        self.dialogs.name(PathPurpose::SaveProject, proposed, self.app.workers());
     }
 
     /// Saves the review in its file, or asks for one; reviews of several logs are saved without a
@@ -304,7 +304,7 @@ impl Shell {
                 self.app.apply(Command::Write(FileToWrite::Review(path)));
             }
             (Some(path), None) if self.app.log.reviewing.has_boxes() => {
-                self.dialogs.name(PathPurpose::SaveReview, path, self.app.jobs());
+                self.dialogs.name(PathPurpose::SaveReview, path, self.app.workers());
             }
             _ => self.say_no_boxes(),
         }
@@ -358,7 +358,7 @@ impl Shell {
         } else if is_writing {
             self.say(BUSY);
         } else {
-            self.dialogs.ask(PathPurpose::ExportBoxesInto, self.app.jobs());
+            self.dialogs.ask(PathPurpose::ExportBoxesInto, self.app.workers());
         }
     }
 }

@@ -261,7 +261,7 @@ impl Shell {
         let asked = self.draw(ui, render_state, &mut commands);
         match asked {
             Some(PathPurpose::PrintInto) => self.name_print(),
-            Some(purpose) => self.dialogs.ask(purpose, self.app.jobs()),
+            Some(purpose) => self.dialogs.ask(purpose, self.app.workers()),
             None => {}
         }
         let ctx = ui.ctx().clone();

@@ -46,7 +46,7 @@ impl ReviewPanel {
             return;
         };
         let (of, ctx) = (key.clone(), ui.ctx().clone());
-        self.chip.ask(key, app.jobs(), move |_| BoxChip::new(&of, &ctx));
+        self.chip.ask(key, app.workers(), move |_| BoxChip::new(&of, &ctx));
         if let Some(picture) = self.chip.result() {
             picture.ui(ui, review_box, &app.log.reviewing.review, app.view.options.units);
         }

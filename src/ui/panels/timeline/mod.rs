@@ -75,7 +75,7 @@ impl TimeLine {
         let key = StripsKey::of(survey, app.log.products.as_ref());
         let (survey, products) = (survey.clone(), app.log.products.clone());
         let work = move |_: &_| Some(Strips::of(&survey, products.as_ref()));
-        self.strips.ask(key, app.jobs(), work);
+        self.strips.ask(key, app.workers(), work);
     }
 
     /// Draws the panel.

@@ -201,7 +201,7 @@ impl CloudView {
         let ends =
             ColourEnds { depth_m: context.app.depth_range_m(), scales: context.app.point_scales() };
         let key = (logs.clone(), ends, colours);
-        self.scene.ask(key, context.app.jobs(), move |progress| {
+        self.scene.ask(key, context.app.workers(), move |progress| {
             let scene = CloudScene::new(logs, ends, &options, uploader.as_ref(), progress);
             scene.map(Arc::new)
         });

@@ -100,7 +100,7 @@ impl Layers {
         if stack.is_visible(MapLayer::Points) {
             let (logs, options) = (logs.to_vec(), context.options().clone());
             let key = PointKey::of(&logs, &options);
-            self.points.ask(key, context.app.jobs(), move |progress| {
+            self.points.ask(key, context.app.workers(), move |progress| {
                 points::source(&logs, &options, progress)
             });
         }
@@ -116,7 +116,7 @@ impl Layers {
         match agreement {
             Some(agreement) => {
                 let key = Same(agreement.clone());
-                self.residuals.ask(key, context.app.jobs(), move |progress| {
+                self.residuals.ask(key, context.app.workers(), move |progress| {
                     let layer = ResidualLayer::new(agreement, progress)?;
                     Some(layer.map(Arc::new))
                 });
@@ -138,7 +138,7 @@ impl Layers {
         };
         let key = BaseMapKey::new(map, survey, &products.navigation);
         let asked = key.clone();
-        let jobs = context.app.jobs();
+        let jobs = context.app.workers();
         self.base_map.ask(key, jobs, |_| Some(asked.source()));
     }
 
@@ -200,7 +200,7 @@ impl Layers {
         let units = context.units();
         let key = (Same(drawn.clone()), units);
         let uploader = context.uploader();
-        self.isobaths.ask(key, context.app.jobs(), move |progress| {
+        self.isobaths.ask(key, context.app.workers(), move |progress| {
             IsobathLayer::new(&drawn, units, uploader.as_ref(), progress).map(Arc::new)
         });
     }
@@ -268,7 +268,7 @@ impl Layers {
             | MapLayer::Mosaic
             | MapLayer::Points
             | MapLayer::Residuals => {
-                let jobs = context.app.jobs();
+                let jobs = context.app.workers();
                 for (_, tiles) in self.tiles.iter_mut().filter(|(of, _)| *of == layer) {
                     tiles.show(painter, scene.rect, scene.transform, jobs);
                 }
@@ -288,7 +288,7 @@ impl Layers {
         let octave = isobaths::octave(scene.transform.metres_per_point);
         let lines = layer.clone();
         let key = (Same(layer.clone()), octave);
-        self.labels.ask(key, context.app.jobs(), move |progress| {
+        self.labels.ask(key, context.app.workers(), move |progress| {
             IsobathLabels::place(lines, octave, progress)
         });
         let (picture, labels) = (&mut self.isobath_picture, self.labels.result());
