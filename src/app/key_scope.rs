@@ -31,19 +31,13 @@ pub enum KeyScope {
     Cloud,
 }
 
-impl KeyScope {
+#[cfg(test)]
+bathyscope_log::listed! {
     /// All scopes.
-    #[cfg(test)]
-    pub const ALL: [KeyScope; 7] = [
-        KeyScope::Views,
-        KeyScope::Boxes,
-        KeyScope::BoxesInWaterfall,
-        KeyScope::Waterfall,
-        KeyScope::WaterfallAndMap,
-        KeyScope::Map,
-        KeyScope::Cloud,
-    ];
+    pub KeyScope { Views, Boxes, BoxesInWaterfall, Waterfall, WaterfallAndMap, Map, Cloud }
+}
 
+impl KeyScope {
     /// Returns true if a key of this scope acts while `focus` has the keyboard.
     pub fn holds(self, focus: KeyFocus) -> bool {
         use KeyFocus::{Review, View as In};

@@ -26,35 +26,22 @@ pub enum MapLayer {
     Boxes,
 }
 
-impl MapLayer {
+bathyscope_log::named! {
     /// All layers in their initial order, bottom first.
-    pub const ALL: [MapLayer; 9] = [
-        MapLayer::BaseMap,
-        MapLayer::DepthMap,
-        MapLayer::HillShade,
-        MapLayer::Mosaic,
-        MapLayer::Isobaths,
-        MapLayer::Points,
-        MapLayer::Track,
-        MapLayer::Residuals,
-        MapLayer::Boxes,
-    ];
-
-    /// Returns the name in menus.
-    pub fn name(self) -> &'static str {
-        match self {
-            MapLayer::BaseMap => "Base map",
-            MapLayer::DepthMap => "Depth map",
-            MapLayer::HillShade => "Hill-shade",
-            MapLayer::Mosaic => "Mosaic",
-            MapLayer::Isobaths => "Isobaths",
-            MapLayer::Points => "Points",
-            MapLayer::Residuals => "Residuals",
-            MapLayer::Track => "Track",
-            MapLayer::Boxes => "Boxes",
-        }
+    pub MapLayer {
+        BaseMap: "Base map",
+        DepthMap: "Depth map",
+        HillShade: "Hill-shade",
+        Mosaic: "Mosaic",
+        Isobaths: "Isobaths",
+        Points: "Points",
+        Track: "Track",
+        Residuals: "Residuals",
+        Boxes: "Boxes",
     }
+}
 
+impl MapLayer {
     /// Returns a sentence that describes the layer.
     pub fn hint(self) -> &'static str {
         match self {

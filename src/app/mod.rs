@@ -87,8 +87,8 @@ pub use open_log::OpenLog;
 pub(crate) use opening::LogOrigin;
 pub(crate) use options::LayoutPreset;
 pub use options::{
-    CloudColour, CloudOptions, ColourMap, EchogramChannel, MapOptions, Orientation, PanelOptions,
-    PanelShown, SideColours, SwathShown, ThemeChoice, View, ViewOptions, WaterfallOptions,
+    CloudColour, CloudOptions, EchogramChannel, MapOptions, Orientation, PanelOptions, PanelShown,
+    SideColours, SwathShown, ThemeChoice, View, ViewOptions, WaterfallOptions,
 };
 pub use passes::{PassesFound, mark_of};
 pub use planning::{PlanRequest, PlannedLines};

@@ -2,6 +2,7 @@
 
 use super::{ClipBox, LayerStack, MapLayer, ObjectTable, PrintOptions, Swipe};
 use bathyscope_bottom::picture::PictureGeometry;
+use bathyscope_bottom::presentation::colours::ColourMap;
 use bathyscope_bottom::presentation::units::Units;
 use bathyscope_log::support::geo::CoordinateFormat;
 use bathyscope_log::survey::ChannelKind;
@@ -22,9 +23,12 @@ pub enum View {
     Objects,
 }
 
-impl View {
+bathyscope_log::listed! {
     /// All views in the order of their number keys.
-    pub const ALL: [View; 4] = [View::Waterfall, View::Map, View::Cloud, View::Objects];
+    pub View { Waterfall, Map, Cloud, Objects }
+}
+
+impl View {
     /// The views that are pictures, and can be printed.
     pub(crate) const PICTURES: [View; 3] = [View::Waterfall, View::Map, View::Cloud];
 
@@ -58,44 +62,6 @@ pub enum ThemeChoice {
     Dark,
     /// Light.
     Light,
-}
-
-/// Colours of echo strength.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum ColourMap {
-    /// Black to copper, as fish-finders show it.
-    #[default]
-    Copper,
-    /// Black to white.
-    Grey,
-    /// White to black.
-    InverseGrey,
-    /// Black over brown to yellow.
-    Gold,
-    /// Perceptually even (viridis).
-    Viridis,
-}
-
-impl ColourMap {
-    /// All maps in the order of the menu.
-    pub const ALL: [ColourMap; 5] = [
-        ColourMap::Copper,
-        ColourMap::Grey,
-        ColourMap::InverseGrey,
-        ColourMap::Gold,
-        ColourMap::Viridis,
-    ];
-
-    /// Returns the name in the menu.
-    pub fn name(self) -> &'static str {
-        match self {
-            ColourMap::Copper => "copper",
-            ColourMap::Grey => "grey",
-            ColourMap::InverseGrey => "inverse grey",
-            ColourMap::Gold => "gold",
-            ColourMap::Viridis => "viridis",
-        }
-    }
 }
 
 /// Direction of time in the waterfall.
@@ -132,15 +98,17 @@ pub enum EchogramChannel {
     Secondary,
 }
 
-impl EchogramChannel {
+bathyscope_log::named! {
     /// All channels in the order of the menu.
-    pub const ALL: [EchogramChannel; 4] = [
-        EchogramChannel::None,
-        EchogramChannel::DownScan,
-        EchogramChannel::Primary,
-        EchogramChannel::Secondary,
-    ];
+    pub EchogramChannel {
+        None: "side-scan alone",
+        DownScan: "down-scan",
+        Primary: "primary",
+        Secondary: "secondary",
+    }
+}
 
+impl EchogramChannel {
     /// Returns the channel of a log; `None` for no down-looking channel.
     pub fn kind(self) -> Option<ChannelKind> {
         match self {
@@ -148,16 +116,6 @@ impl EchogramChannel {
             EchogramChannel::DownScan => Some(ChannelKind::DownScan),
             EchogramChannel::Primary => Some(ChannelKind::Primary),
             EchogramChannel::Secondary => Some(ChannelKind::Secondary),
-        }
-    }
-
-    /// Returns the name in the menu.
-    pub fn name(self) -> &'static str {
-        match self {
-            EchogramChannel::None => "side-scan alone",
-            EchogramChannel::DownScan => "down-scan",
-            EchogramChannel::Primary => "primary",
-            EchogramChannel::Secondary => "secondary",
         }
     }
 }
@@ -271,27 +229,18 @@ pub enum CloudColour {
     Log,
 }
 
-impl CloudColour {
+bathyscope_log::named! {
     /// All properties in the order of the menu.
-    pub const ALL: [CloudColour; 5] = [
-        CloudColour::Source,
-        CloudColour::Depth,
-        CloudColour::Level,
-        CloudColour::Range,
-        CloudColour::Log,
-    ];
-
-    /// Returns the name in the menu.
-    pub fn name(self) -> &'static str {
-        match self {
-            CloudColour::Source => "side",
-            CloudColour::Depth => "depth",
-            CloudColour::Level => "echo level",
-            CloudColour::Range => "slant range",
-            CloudColour::Log => "log",
-        }
+    pub CloudColour {
+        Source: "side",
+        Depth: "depth",
+        Level: "echo level",
+        Range: "slant range",
+        Log: "log",
     }
+}
 
+impl CloudColour {
     /// Returns the next property in the menu; the log is included only if there are several logs.
     #[must_use]
     pub fn next(self, has_several_logs: bool) -> Self {

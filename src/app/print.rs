@@ -22,19 +22,16 @@ pub enum Paper {
     Pixels,
 }
 
-impl Paper {
+bathyscope_log::named! {
     /// All media in the order of the list.
-    pub const ALL: [Paper; 3] = [Paper::A4, Paper::A3, Paper::Pixels];
-
-    /// Returns the name in the list.
-    pub fn name(self) -> &'static str {
-        match self {
-            Paper::A4 => "A4",
-            Paper::A3 => "A3",
-            Paper::Pixels => "width in pixels",
-        }
+    pub Paper {
+        A4: "A4",
+        A3: "A3",
+        Pixels: "width in pixels",
     }
+}
 
+impl Paper {
     /// Returns the short and the long side, millimetres; `None` for a screen.
     fn sides_mm(self) -> Option<[f64; 2]> {
         match self {

@@ -16,17 +16,12 @@ pub enum SwipeSide {
     Right,
 }
 
-impl SwipeSide {
+bathyscope_log::named! {
     /// All sides in the order of the menu.
-    pub const ALL: [Self; 3] = [Self::Left, Self::Both, Self::Right];
-
-    /// Returns the name in menus.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Both => "both",
-            Self::Left => "left",
-            Self::Right => "right",
-        }
+    pub SwipeSide {
+        Left: "left",
+        Both: "both",
+        Right: "right",
     }
 }
 

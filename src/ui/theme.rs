@@ -1,6 +1,6 @@
 //! Defines all colours and sizes of the window.
 
-use crate::app::{ColourMap, SideColours, ThemeChoice, ViewOptions};
+use crate::app::{SideColours, ThemeChoice, ViewOptions};
 use bathyscope_log::survey::Side;
 use bathyscope_objects::review::State;
 use egui::{Color32, CornerRadius, FontId, Stroke, TextStyle, Visuals};
@@ -271,9 +271,10 @@ fn sizes(style: &mut egui::Style) {
 
 /// Returns the colour of range lines and ticks on the waterfall.
 pub(crate) fn picture_ink(options: &ViewOptions) -> Color32 {
-    match options.waterfall.colour_map {
-        ColourMap::InverseGrey => Color32::from_black_alpha(110),
-        _ => Color32::from_white_alpha(70),
+    if options.waterfall.colour_map.is_light() {
+        Color32::from_black_alpha(110)
+    } else {
+        Color32::from_white_alpha(70)
     }
 }
 

@@ -300,7 +300,8 @@ fn a_bright_sample_survives_in_the_overview() {
     let spans = (0..20_000).map(|ping| if ping == 10_025 { marked } else { even });
     let mut app = app_with(survey_of(bytes, spans));
     app.view.options.waterfall.range_lines = false;
-    app.view.options.waterfall.colour_map = bathyscope::app::ColourMap::Grey;
+    app.view.options.waterfall.colour_map =
+        bathyscope_bottom::presentation::colours::ColourMap::Grey;
     let mut window = window(app, [400.0, 300.0]);
     window.state_mut().waterfall.request(ViewRequest::Fit);
     settle(&mut window);
@@ -359,7 +360,8 @@ fn looks_as_it_did_along_the_screen() {
 fn looks_as_it_did_down_the_screen_and_near() {
     let mut app = pond_app();
     app.view.options.waterfall.orientation = Orientation::Vertical;
-    app.view.options.waterfall.colour_map = bathyscope::app::ColourMap::Viridis;
+    app.view.options.waterfall.colour_map =
+        bathyscope_bottom::presentation::colours::ColourMap::Viridis;
     app.view.options.waterfall.depth_line = true;
     let mut window = window(app, [240.0, 300.0]);
     window.state_mut().waterfall.show_pings(385..415);

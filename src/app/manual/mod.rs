@@ -45,28 +45,30 @@ pub enum Topic {
     Keys,
 }
 
-impl Topic {
+bathyscope_log::listed! {
     /// All pages, in the order of the manual.
-    pub const ALL: [Topic; 17] = [
-        Topic::Window,
-        Topic::Waterfall,
-        Topic::Survey,
-        Topic::Archive,
-        Topic::Project,
-        Topic::Map,
-        Topic::Bottom,
-        Topic::Depth,
-        Topic::Plan,
-        Topic::Mosaic,
-        Topic::Objects,
-        Topic::Commands,
-        Topic::Settings,
-        Topic::Files,
-        Topic::Accuracy,
-        Topic::Limits,
-        Topic::Keys,
-    ];
+    pub Topic {
+        Window,
+        Waterfall,
+        Survey,
+        Archive,
+        Project,
+        Map,
+        Bottom,
+        Depth,
+        Plan,
+        Mosaic,
+        Objects,
+        Commands,
+        Settings,
+        Files,
+        Accuracy,
+        Limits,
+        Keys,
+    }
+}
 
+impl Topic {
     fn source(self) -> &'static str {
         match self {
             Topic::Window => include_str!("../../../assets/manual/window.md"),

@@ -29,18 +29,12 @@ pub enum MistakeSort {
     Position,
 }
 
-impl MistakeSort {
+bathyscope_log::named! {
     /// All sorts in the order of the menu.
-    pub const ALL: [MistakeSort; 3] =
-        [MistakeSort::Score, MistakeSort::Size, MistakeSort::Position];
-
-    /// Returns the name in the menu.
-    pub fn name(self) -> &'static str {
-        match self {
-            MistakeSort::Score => "score",
-            MistakeSort::Size => "size",
-            MistakeSort::Position => "position",
-        }
+    pub MistakeSort {
+        Score: "score",
+        Size: "size",
+        Position: "position",
     }
 }
 

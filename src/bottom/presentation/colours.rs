@@ -4,6 +4,8 @@
 //! In: a value and the ends of its scale. Out: a colour.
 
 use super::ticks;
+use bathyscope_log::named;
+use serde::{Deserialize, Serialize};
 
 /// Colour: red, green and blue, sRGB.
 pub type Rgb = [u8; 3];
@@ -113,17 +115,17 @@ pub fn grey(level: u8) -> Rgb {
 }
 
 /// Returns the colour of a level from white to black.
-pub fn inverse_grey(level: u8) -> Rgb {
+fn inverse_grey(level: u8) -> Rgb {
     [255 - level; 3]
 }
 
 /// Returns the colour of a level from black over brown to yellow.
-pub fn gold(level: u8) -> Rgb {
+fn gold(level: u8) -> Rgb {
     ramp(GOLD, share(level))
 }
 
 /// Returns the colour of a level on Matplotlib's `viridis`, which is perceptually even.
-pub fn viridis(level: u8) -> Rgb {
+fn viridis(level: u8) -> Rgb {
     ramp(VIRIDIS, share(level))
 }
 
@@ -131,9 +133,55 @@ fn share(level: u8) -> f32 {
     f32::from(level) / 255.0
 }
 
-/// Returns the colours of all levels.
-pub fn palette(colour: fn(u8) -> Rgb) -> EchoPalette {
-    std::array::from_fn(|level| colour(level as u8))
+/// Colours of echo strength.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ColourMap {
+    /// Black to copper, as fish-finders show it.
+    #[default]
+    Copper,
+    /// Black to white.
+    Grey,
+    /// White to black.
+    InverseGrey,
+    /// Black over brown to yellow.
+    Gold,
+    /// Perceptually even (viridis).
+    Viridis,
+}
+
+named! {
+    /// All maps in the order of the menu.
+    pub ColourMap {
+        Copper: "copper",
+        Grey: "grey",
+        InverseGrey: "inverse grey",
+        Gold: "gold",
+        Viridis: "viridis",
+    }
+}
+
+impl ColourMap {
+    /// Returns the colours of all levels.
+    pub fn palette(self) -> EchoPalette {
+        let colour = match self {
+            Self::Copper => copper,
+            Self::Grey => grey,
+            Self::InverseGrey => inverse_grey,
+            Self::Gold => gold,
+            Self::Viridis => viridis,
+        };
+        std::array::from_fn(|level| colour(level as u8))
+    }
+
+    /// Returns true if the colour of weak echoes is light, so that lines over the picture must be
+    /// dark.
+    pub fn is_light(self) -> bool {
+        luminance(self.palette()[0]) > 127.0
+    }
+}
+
+fn luminance([r, g, b]: Rgb) -> f32 {
+    0.2126 * f32::from(r) + 0.7152 * f32::from(g) + 0.0722 * f32::from(b)
 }
 
 /// Returns the sRGB colour of a share of a scale that is symmetric about zero, 0 (lowest) to 1
@@ -225,10 +273,6 @@ mod tests {
         116.0 * y.cbrt() - 16.0
     }
 
-    fn luminance([r, g, b]: [u8; 3]) -> f32 {
-        0.2126 * f32::from(r) + 0.7152 * f32::from(g) + 0.0722 * f32::from(b)
-    }
-
     #[test]
     fn a_ramp_passes_its_colours_and_stays_within_its_ends() {
         for (index, colour) in PURPLES.into_iter().enumerate() {
@@ -261,25 +305,23 @@ mod tests {
     }
 
     #[test]
-    fn stronger_echoes_are_brighter_in_every_map_but_the_inverse() {
-        for (name, palette) in [
-            ("copper", palette(copper)),
-            ("grey", palette(grey)),
-            ("gold", palette(gold)),
-            ("viridis", palette(viridis)),
-        ] {
+    fn stronger_echoes_are_brighter_in_every_map_but_a_light_one() {
+        for map in ColourMap::ALL {
+            let mut palette = map.palette();
+            if map.is_light() {
+                palette.reverse();
+            }
             let rises = palette.windows(2).all(|two| luminance(two[1]) + 0.8 >= luminance(two[0]));
-            assert!(rises && luminance(palette[255]) > luminance(palette[0]) + 100.0, "{name}");
+            let range = luminance(palette[255]) - luminance(palette[0]);
+            assert!(rises && range > 100.0, "{}", map.name());
         }
-        let mut inverse = palette(inverse_grey);
-        inverse.reverse();
-        assert_eq!(inverse, palette(grey));
+        assert!(ColourMap::InverseGrey.is_light() && !ColourMap::Copper.is_light());
     }
 
     #[test]
     fn copper_is_that_of_matplotlib() {
         // matplotlib.colormaps["copper"](index, bytes=True), 3.8.
-        let copper = palette(copper);
+        let copper = ColourMap::Copper.palette();
         for (index, colour) in
             [(0, [0, 0, 0]), (64, [79, 50, 32]), (128, [158, 100, 64]), (255, [255, 199, 127])]
         {

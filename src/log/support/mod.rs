@@ -14,15 +14,30 @@ pub mod regular_file;
 pub mod statistics;
 pub mod versions;
 
+/// Adds `ALL`, the variants in the order of the list, to an enum. A variant that is missing in the
+/// list does not compile. The doc comment becomes that of `ALL`.
+#[macro_export]
+macro_rules! listed {
+    ($(#[$doc:meta])* $vis:vis $kind:ident { $($variant:ident),+ $(,)? }) => {
+        impl $kind {
+            $(#[$doc])*
+            $vis const ALL: [Self; [$(stringify!($variant)),+].len()] = [$(Self::$variant),+];
+        }
+
+        const _: fn($kind) = |variant| match variant {
+            $($kind::$variant)|+ => {}
+        };
+    };
+}
+
 /// Adds `ALL`, the variants in the order of the list, and `name` to an enum. The doc comment
 /// becomes that of `ALL`.
 #[macro_export]
 macro_rules! named {
     ($(#[$doc:meta])* $vis:vis $kind:ident { $($variant:ident: $name:literal,)+ }) => {
-        impl $kind {
-            $(#[$doc])*
-            $vis const ALL: [Self; [$($name),+].len()] = [$(Self::$variant),+];
+        $crate::listed! { $(#[$doc])* $vis $kind { $($variant),+ } }
 
+        impl $kind {
             /// Returns the name, as shown to users and written to files.
             $vis fn name(self) -> &'static str {
                 match self {

@@ -19,17 +19,12 @@ pub enum DatasetPart {
     Test,
 }
 
-impl DatasetPart {
+bathyscope_log::named! {
     /// All parts, in the order of a split.
-    pub const ALL: [DatasetPart; 3] = [DatasetPart::Train, DatasetPart::Val, DatasetPart::Test];
-
-    /// Returns `train`, `val` or `test`.
-    pub fn name(self) -> &'static str {
-        match self {
-            DatasetPart::Train => "train",
-            DatasetPart::Val => "val",
-            DatasetPart::Test => "test",
-        }
+    pub DatasetPart {
+        Train: "train",
+        Val: "val",
+        Test: "test",
     }
 }
 

@@ -43,11 +43,12 @@ pub enum PlanFormat {
 )]
 pub struct PlanFormatError(pub PathBuf);
 
-impl PlanFormat {
+bathyscope_log::listed! {
     /// All formats.
-    pub const ALL: [PlanFormat; 4] =
-        [PlanFormat::Gpx, PlanFormat::Kml, PlanFormat::QGroundControl, PlanFormat::MissionPlanner];
+    pub PlanFormat { Gpx, Kml, QGroundControl, MissionPlanner }
+}
 
+impl PlanFormat {
     /// Returns the ending of the files of the format.
     fn ending(self) -> &'static str {
         match self {

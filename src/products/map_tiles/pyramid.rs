@@ -21,9 +21,9 @@ pub enum TileStyle {
     Elevations,
 }
 
-impl TileStyle {
+bathyscope_log::listed! {
     /// All styles, in the order of their declaration.
-    pub const ALL: [Self; 3] = [Self::Colours, Self::Chart, Self::Elevations];
+    pub TileStyle { Colours, Chart, Elevations }
 }
 
 /// Extent of a map and scales of its drawing.

@@ -42,23 +42,25 @@ pub enum Product {
     Report,
 }
 
-impl Product {
+bathyscope_log::listed! {
     /// All products.
-    pub const ALL: [Product; 12] = [
-        Product::Cloud,
-        Product::Track,
-        Product::Depth,
-        Product::Xyz,
-        Product::Bottom,
-        Product::Isobaths,
-        Product::MapTiles,
-        Product::Mosaic,
-        Product::Residuals,
-        Product::Targets,
-        Product::Geopackage,
-        Product::Report,
-    ];
+    pub Product {
+        Cloud,
+        Track,
+        Depth,
+        Xyz,
+        Bottom,
+        Isobaths,
+        MapTiles,
+        Mosaic,
+        Residuals,
+        Targets,
+        Geopackage,
+        Report,
+    }
+}
 
+impl Product {
     /// Returns the name in `--products`.
     pub fn name(self) -> &'static str {
         self.words().0

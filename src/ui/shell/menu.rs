@@ -2,11 +2,10 @@
 
 use super::sides::SidePanel;
 use super::{levels, map_layers, swipe};
-use crate::app::{
-    Action, ActionGroup, App, CloudColour, ColourMap, Command, SideColours, ThemeChoice,
-};
+use crate::app::{Action, ActionGroup, App, CloudColour, Command, SideColours, ThemeChoice};
 use crate::ui::ViewContext;
 use crate::ui::controls::option_checkbox;
+use bathyscope_bottom::presentation::colours::ColourMap;
 use bathyscope_bottom::presentation::units::{LengthUnit, SpeedUnit};
 use bathyscope_log::support::geo::CoordinateFormat;
 use bathyscope_products::pipeline::BottomColour;

@@ -2,13 +2,13 @@
 
 use super::{levels, map_layers, swipe};
 use crate::app::{
-    Action, CloudColour, CloudOptions, ColourMap, EchogramChannel, View, ViewOptions,
-    WaterfallOptions,
+    Action, CloudColour, CloudOptions, EchogramChannel, View, ViewOptions, WaterfallOptions,
 };
 use crate::ui::controls::option_switch;
 use crate::ui::drop_down::DropDown;
 use crate::ui::panels::find_setting;
 use crate::ui::{ViewContext, controls, hint_with_key};
+use bathyscope_bottom::presentation::colours::ColourMap;
 use bathyscope_products::pipeline::BottomColour;
 use egui::containers::menu::{MenuButton, MenuConfig};
 use egui::{Popup, Ui};

@@ -1,8 +1,9 @@
 //! Draws a picture of a box, enlarged: the bottom around it in square pixels, in the orientation of
 //! the waterfall.
 
-use super::waterfall::{outline, palette};
-use crate::app::{ColourMap, OpenLog, Orientation, PIXEL_M, WaterfallOptions};
+use super::waterfall::outline;
+use crate::app::{OpenLog, Orientation, PIXEL_M, WaterfallOptions};
+use bathyscope_bottom::presentation::colours::ColourMap;
 use bathyscope_bottom::presentation::units::Units;
 use bathyscope_log::survey::{Navigation, Side, Survey};
 use bathyscope_objects::review::{Review, Reviewed};
@@ -230,7 +231,7 @@ impl BoxChip {
 
 /// Returns the pixels of a window in colour, in the orientation of the waterfall.
 fn image(pixels: &[u8], window: &ChipWindow, of: &ChipKey) -> ColorImage {
-    let colours = palette(of.map);
+    let colours = of.map.palette();
     let size = Turned::size([window.columns, window.rows], of.orientation);
     let [width, height] = size;
     let turned = of.turned();

@@ -2,7 +2,8 @@
 
 use super::synthetic::{span, survey_of};
 use super::{Window, app_with, settle, window};
-use bathyscope::app::{ColourMap, Command};
+use bathyscope::app::Command;
+use bathyscope_bottom::presentation::colours::ColourMap;
 use egui_kittest::Harness;
 
 /// Grey of the picture at 10 m to starboard in the middle of a window of 400 x 300 points.

@@ -3,9 +3,10 @@
 
 use super::synthetic::{span, survey_of};
 use super::{Window, settle, window};
-use bathyscope::app::{Action, App, ColourMap, Command, Jobs, Tool};
+use bathyscope::app::{Action, App, Command, Jobs, Tool};
 use bathyscope_bottom::mosaic::Gain;
 use bathyscope_bottom::picture::PictureGeometry;
+use bathyscope_bottom::presentation::colours::ColourMap;
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::{Side, Survey};
 use bathyscope_products::pipeline::{self, Settings};

@@ -239,10 +239,11 @@ pub(super) enum OutlineEdge {
     Port,
 }
 
-impl OutlineEdge {
-    pub(super) const ALL: [OutlineEdge; 4] =
-        [OutlineEdge::Bow, OutlineEdge::Stern, OutlineEdge::Starboard, OutlineEdge::Port];
+bathyscope_log::listed! {
+    pub(super) OutlineEdge { Bow, Stern, Starboard, Port }
+}
 
+impl OutlineEdge {
     fn is_end(self) -> bool {
         matches!(self, OutlineEdge::Bow | OutlineEdge::Stern)
     }

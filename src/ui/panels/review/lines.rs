@@ -14,9 +14,11 @@ enum Line {
     Note,
 }
 
-impl Line {
-    const ALL: [Self; 3] = [Self::Name, Self::Class, Self::Note];
+bathyscope_log::listed! {
+    Line { Name, Class, Note }
+}
 
+impl Line {
     /// Returns the heading of the text, its name for screen readers, and its hint.
     fn words(self) -> [&'static str; 3] {
         match self {

@@ -26,11 +26,11 @@ mod tone;
 
 pub(crate) use boxes::outline;
 
-use crate::app::{App, ColourMap, Command, Enlarged, LogPlace, Orientation, Tool};
+use crate::app::{App, Command, Enlarged, LogPlace, Orientation, Tool};
 use crate::ui::render::waterfall::WaterfallPicture;
 use crate::ui::{ViewContext, ViewRequest, flat, theme};
 use bathyscope_bottom::picture::PictureGeometry;
-use bathyscope_bottom::presentation::colours;
+use bathyscope_bottom::presentation::colours::ColourMap;
 use bathyscope_bottom::waterfall::RangeAxis;
 use camera::{Camera, PictureExtent, Size};
 use drawing::{PictureCallback, WaterfallDrawing};
@@ -304,7 +304,7 @@ impl Gpu {
     /// Uploads the colours of a palette if it has changed.
     fn colour(&mut self, render_state: &RenderState, map: ColourMap) {
         if self.palette.replace(map) != Some(map) {
-            self.picture.set_palette(&render_state.queue, &palette(map));
+            self.picture.set_palette(&render_state.queue, &map.palette());
         }
     }
 }
@@ -318,15 +318,4 @@ fn shown_m(lens: &Lens, pings: &[f64; 2], across_m: [f64; 2]) -> [f64; 2] {
         lens.signed_m(side, lens.distance_m(side, ping, across_m.abs()))
     });
     [a.min(b), a.max(b)]
-}
-
-/// Returns the colours of echo strength.
-pub(in crate::ui) fn palette(map: ColourMap) -> colours::EchoPalette {
-    match map {
-        ColourMap::Copper => colours::palette(colours::copper),
-        ColourMap::Grey => colours::palette(colours::grey),
-        ColourMap::InverseGrey => colours::palette(colours::inverse_grey),
-        ColourMap::Gold => colours::palette(colours::gold),
-        ColourMap::Viridis => colours::palette(colours::viridis),
-    }
 }
