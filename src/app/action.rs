@@ -219,6 +219,12 @@ impl Action {
         &ROWS[self as usize]
     }
 
+    /// Returns the group of the command.
+    #[cfg(test)]
+    pub(crate) fn group(self) -> ActionGroup {
+        self.row().group
+    }
+
     /// Returns the name of the command in menus and the palette.
     pub fn label(self) -> &'static str {
         self.row().label
@@ -296,6 +302,17 @@ mod tests {
             for keys in action.all_keys() {
                 let other = seen.insert(keys, action.label());
                 assert_eq!(other, None, "{keys} is {} and {other:?}", action.label());
+            }
+        }
+    }
+
+    /// The window receives these keys as events of the clipboard, also with Shift.
+    #[test]
+    fn no_command_has_a_key_of_the_clipboard() {
+        for action in Action::ALL {
+            for keys in action.all_keys() {
+                let is_taken = keys.contains("Ctrl") && keys.ends_with(['C', 'X', 'V']);
+                assert!(!is_taken, "{keys} is {}", action.label());
             }
         }
     }

@@ -69,8 +69,8 @@ impl ObjectTable {
 /// Returns true for a column that a first click sorts in descending order: objects that are large
 /// or seen often come first.
 fn begins_with_largest(column: &ObjectColumn) -> bool {
-    let is_text = matches!(column.values, ColumnValues::Text(_) | ColumnValues::State(_));
-    !is_text && column.name != NUMBER
+    let is_place = matches!(column.values, ColumnValues::Position(_));
+    (column.values.is_number() || is_place) && column.name != NUMBER
 }
 
 /// The value of an object by which the table is sorted.

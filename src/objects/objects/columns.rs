@@ -52,6 +52,24 @@ pub enum ColumnValues {
     Position(fn(&ListedObject<'_>) -> LonLat),
 }
 
+impl ColumnValues {
+    /// Returns true for numbers, which are aligned at the right.
+    pub fn is_number(&self) -> bool {
+        match self {
+            Count(_) | Number(..) | Length(_) | Measured(_) => true,
+            Text(_) | State(_) | Position(_) => false,
+        }
+    }
+
+    /// Returns true for lengths, whose unit is that of the window.
+    pub fn is_length(&self) -> bool {
+        match self {
+            Length(_) | Measured(_) => true,
+            Text(_) | State(_) | Position(_) | Count(_) | Number(..) => false,
+        }
+    }
+}
+
 /// Name of the column of logs; the window shows this column as the colours of the logs.
 pub const LOGS_COLUMN: &str = "logs";
 /// Decimals of lengths in files: millimetres.

@@ -81,13 +81,13 @@ pub(super) fn values(
     let (boxes, listed) = (objects.boxes.len(), objects.listed.len());
     let columns: Vec<&ObjectColumn> = ObjectColumn::shown(from.logs.len()).collect();
     let heading = |column: &&ObjectColumn| {
-        let is_length =
-            matches!(column.values, ColumnValues::Length(_) | ColumnValues::Measured(_));
-        context!(heading => column.heading, is_length, is_text => is_text(column))
+        let is_length = column.values.is_length();
+        context!(heading => column.heading, is_length, is_text => !column.values.is_number())
     };
     let rows = objects.listed.iter().take(MOST_ROWS).map(|of| {
         progress.check()?;
-        let cells = columns.iter().map(|column| (is_text(column), cell(from, column, of)));
+        let cells =
+            columns.iter().map(|column| (!column.values.is_number(), cell(from, column, of)));
         let best = objects.list.members(of.object).nth(of.object.best);
         Ok(context! {
             cells => cells.collect::<Vec<(bool, String)>>(),
@@ -118,14 +118,6 @@ fn seen_in(boxes: usize, objects: usize) -> String {
 /// Returns the number of rows of a table that is cut; `None` where it is complete.
 fn first_of(count: usize) -> Option<usize> {
     (count > MOST_ROWS).then_some(MOST_ROWS)
-}
-
-/// Returns true for a column of words, which begin at the left.
-fn is_text(column: &ObjectColumn) -> bool {
-    matches!(
-        column.values,
-        ColumnValues::Position(_) | ColumnValues::Text(_) | ColumnValues::State(_)
-    )
 }
 
 /// Returns a cell of an object: lengths to the centimetre, with their standard deviation if it is

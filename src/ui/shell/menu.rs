@@ -284,3 +284,35 @@ fn palette_field(ui: &mut Ui, context: &mut ViewContext<'_>) {
         context.push(Command::Do(action));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Groups whose commands have their place elsewhere: in toolbars, panels and notices, or as
+    /// keys alone.
+    const ELSEWHERE: [&str; 10] = [
+        "OtherLogs",
+        "Exported",
+        "Undo",
+        "Focus",
+        "WaterfallPicture",
+        "MapLayers",
+        "Colours",
+        "Coordinates",
+        "Units",
+        "MeasuringByKey",
+    ];
+
+    #[test]
+    fn each_group_of_commands_is_in_a_menu_or_has_its_place_elsewhere() {
+        let source = include_str!("menu.rs");
+        for action in Action::ALL {
+            let group = format!("{:?}", action.group());
+            let is_in_menu = source.contains(&format!("ActionGroup::{group})"))
+                || source.contains(&format!("ActionGroup::{group},"));
+            let is_elsewhere = ELSEWHERE.contains(&&*group);
+            assert_ne!(is_in_menu, is_elsewhere, "{group} of {}", action.label());
+        }
+    }
+}

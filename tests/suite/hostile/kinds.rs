@@ -7,6 +7,7 @@ use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::{Identity, Side};
 use bathyscope_objects::Mark;
 use bathyscope_objects::review::{Edit, Review};
+use bathyscope_products::pipeline::settings::rows::ROWS;
 use bathyscope_test_support::handmade;
 use std::fs;
 use std::path::Path;
@@ -199,45 +200,11 @@ fn process_jumping(seeds: &Seeds, random: &mut Random, folder: &Path) -> Vec<Str
     processed(random, "pond.sl2", &[])
 }
 
-/// Every setting with a number, and some with words.
-const KEYS: [&str; 30] = [
-    "draft_m",
-    "water_level_m",
-    "sound_speed.m_s",
-    "sound_speed.temperature_c",
-    "sound_speed.salinity_psu",
-    "sound_speed.depth_m",
-    "sound_speed.recorder_m_s",
-    "first_return.threshold",
-    "first_return.dead_zone_m",
-    "first_return.above_bottom_margin_m",
-    "calibration.pings",
-    "calibration.mode",
-    "cloud.alpha2_deg",
-    "heading.window_s",
-    "heading.source",
-    "track.offset_s",
-    "outliers.radius_m",
-    "outliers.min_neighbors",
-    "detector.score",
-    "detector.iou",
-    "mosaic.nadir_gap_deg",
-    "mosaic.most_turn_deg_s",
-    "surface.cell_m",
-    "surface.max_gap_m",
-    "surface.max_side",
-    "surface.down_scan_weight",
-    "isobaths.interval_m",
-    "isobaths.smooth",
-    "crs",
-    "projection",
-];
-
 fn settings(seeds: &Seeds, random: &mut Random, folder: &Path) -> Vec<String> {
     seeds.copy("pond.sl2", folder);
     let mut args = processed(random, "pond.sl2", &[]);
     for _ in 0..1 + random.below(3) {
-        let key = random.pick(&KEYS);
+        let key = random.pick(ROWS).key;
         let value = random.pick(&WILD);
         args.extend(["--set".to_owned(), format!("{key}={value}")]);
     }

@@ -68,31 +68,16 @@ fn least_width(column: &ObjectColumn) -> f32 {
 
 /// Returns the share of a column in the spare room.
 fn share(column: &ObjectColumn) -> f32 {
-    match column.values {
-        ColumnValues::Text(_) if column.name == LOGS_COLUMN => 0.0,
-        ColumnValues::Text(_) => 1.0,
-        _ => 0.0,
-    }
-}
-
-/// Returns true for columns of numbers, which are aligned at the right.
-pub(super) fn is_number(column: &ObjectColumn) -> bool {
-    matches!(
-        column.values,
-        ColumnValues::Count(_)
-            | ColumnValues::Number(..)
-            | ColumnValues::Length(_)
-            | ColumnValues::Measured(_)
-    )
+    let is_words = matches!(column.values, ColumnValues::Text(_)) && column.name != LOGS_COLUMN;
+    if is_words { 1.0 } else { 0.0 }
 }
 
 /// Returns the heading of a column with its unit: `length, m`.
 fn heading(column: &ObjectColumn, units: Units) -> String {
-    match column.values {
-        ColumnValues::Length(_) | ColumnValues::Measured(_) => {
-            format!("{}, {}", column.heading, units.symbol())
-        }
-        _ => column.heading.to_owned(),
+    if column.values.is_length() {
+        format!("{}, {}", column.heading, units.symbol())
+    } else {
+        column.heading.to_owned()
     }
 }
 

@@ -2,7 +2,7 @@
 //! visible rows.
 
 use super::super::chip::{BoxChip, ChipKey};
-use super::columns::{ColumnWidths, ROOM, cell_text, colour_of, is_number};
+use super::columns::{ColumnWidths, ROOM, cell_text, colour_of};
 use super::enlarged;
 use crate::app::{App, Command, LogBox, Object, ObjectColumn};
 use crate::ui::{text, theme};
@@ -120,7 +120,8 @@ impl ObjectTableRow<'_> {
         let said = WidgetText::from(cell_text(app, self.object, column));
         let wrap = Some(TextWrapMode::Truncate);
         let galley = said.into_galley(ui, wrap, inner.width(), TextStyle::Body);
-        let anchor = if is_number(column) { Align2::RIGHT_CENTER } else { Align2::LEFT_CENTER };
+        let anchor =
+            if column.values.is_number() { Align2::RIGHT_CENTER } else { Align2::LEFT_CENTER };
         let at = anchor.align_size_within_rect(galley.size(), inner).min;
         let is_cut = galley.elided;
         ui.painter().galley(at, galley, colour);
