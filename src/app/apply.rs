@@ -220,9 +220,6 @@ impl App {
             log.settings = Arc::new(settings);
         }
         let shows_only = log.take_settings_of_no_result();
-        if !live {
-            self.keep_bottom(id);
-        }
         if shows_only {
             return;
         }

@@ -1,18 +1,13 @@
 //! Turns bottom edits, made by strokes of the pen and steps of the keys, into settings that can be
-//! undone, and saves them in the sidecar file `LOG.bottom.toml` as they are made.
+//! undone.
 
-use super::error::AppError;
 use super::opening::ReadBottom;
 use super::{Action, App, LogId, LogPlace, OpenLog};
 use bathyscope_bottom::first_return::{BottomEdit, BottomSettings};
+use bathyscope_log::support::printable::quoted;
 use bathyscope_log::survey::{Side, Survey};
-use bathyscope_products::export;
 use bathyscope_products::pipeline::Settings;
 use bathyscope_products::project::BottomFileError;
-use serde::Serialize;
-use std::fs;
-use std::io::Write as _;
-use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Name of undo steps that edit the bottom.
@@ -38,24 +33,6 @@ pub struct BottomStroke {
     pub path: Vec<[f64; 2]>,
     /// Effect of the stroke on its pings.
     pub ink: Ink,
-}
-
-/// Contents of the sidecar file: settings, so that `bathyscope process --settings` accepts the file
-/// unchanged.
-#[derive(Serialize)]
-struct Kept {
-    bottom: BottomSettings,
-}
-
-/// Sidecar file of the bottom that is drawn on the open log, and the contents of that file.
-#[derive(Default)]
-pub(super) struct BottomSidecar {
-    /// `None` where nothing may be written, as for the demo.
-    path: Option<PathBuf>,
-    /// True if the existing file cannot be read. The file may be somebody's work, and is renamed
-    /// before anything is written.
-    refused: bool,
-    written: BottomSettings,
 }
 
 impl App {
@@ -178,91 +155,30 @@ impl App {
         self.change(settings, LABEL, false);
     }
 
-    /// Restores the bottom edits of a log that is being opened, `read` in a background thread.
-    pub(super) fn take_bottom(&mut self, id: LogId, read: Option<ReadBottom>, is_file: bool) {
-        let restored = self.log_mut(id).map(|log| log.take_bottom(read, is_file));
-        match restored {
-            Some(Ok(Some(text))) => self.notify(text),
+    /// Takes the bottom edits of a log that is being opened from its sidecar file, which an earlier
+    /// version wrote.
+    pub(super) fn take_bottom(&mut self, id: LogId, read: ReadBottom) {
+        let taken = self.log_mut(id).map(|log| log.take_bottom(read));
+        match taken {
+            Some(Ok(text)) => self.notify(text),
             Some(Err(error)) => self.warn(error.to_string()),
-            Some(Ok(None)) | None => {}
-        }
-    }
-
-    /// Saves the bottom edits of a log if they differ from the sidecar file.
-    pub(super) fn keep_bottom(&mut self, id: LogId) {
-        let Some(log) = self.log_mut(id) else {
-            return;
-        };
-        let (aside, written) = log.bottom_file.keep(&log.settings.bottom);
-        if let Some(aside) = aside {
-            let text = "What could not be used of the bottom edits is kept as";
-            self.notify(format!("{text} {}", aside.display()));
-        }
-        if let Err(error) = written {
-            self.warn(format!("the bottom edits cannot be saved: {error}"));
+            None => {}
         }
     }
 }
 
 impl OpenLog {
-    /// Restores the bottom edits that were made when the log was last open; returns the text of a
-    /// notice about them, or `None` if there are none.
-    fn take_bottom(
-        &mut self,
-        read: Option<ReadBottom>,
-        is_file: bool,
-    ) -> Result<Option<String>, BottomFileError> {
-        let survey = self.survey.as_ref();
-        let swapped = survey.is_some_and(|survey| survey.swapped_sides);
-        let file = survey.and_then(|survey| survey.source.files.first());
-        let file = file.filter(|_| is_file);
-        self.bottom_file = BottomSidecar {
-            path: file.map(|file| file.with_extension(BottomSettings::SIDECAR)),
-            refused: matches!(read, Some(Err(_))),
-            ..BottomSidecar::default()
-        };
-        let Some(kept) = read.transpose()? else {
-            return Ok(None);
-        };
-        let kept = kept.with_sides(swapped);
+    /// Takes bottom edits; returns the text of a notice about them.
+    fn take_bottom(&mut self, read: ReadBottom) -> Result<String, BottomFileError> {
+        let swapped = self.survey.as_ref().is_some_and(|survey| survey.swapped_sides);
+        let kept = read?.with_sides(swapped);
         let pings = kept.edited_count();
-        self.bottom_file.written = kept.clone();
         Arc::make_mut(&mut self.own).bottom = kept.clone();
         Arc::make_mut(&mut self.settings).bottom = kept;
-        let path = self.bottom_file.path.as_deref();
-        let name = path.unwrap_or(Path::new(BottomSettings::SIDECAR));
-        Ok(Some(format!(
-            "The bottom edits of {pings} pings were made when this log was last open: {}",
-            name.display()
-        )))
-    }
-}
-
-impl BottomSidecar {
-    /// Writes the bottom edits if they differ from the file; without edits, the file is removed.
-    /// Returns the path to which an unreadable file was renamed, if there was one, and the error
-    /// after which nothing more is written.
-    fn keep(&mut self, bottom: &BottomSettings) -> (Option<PathBuf>, Result<(), AppError>) {
-        let Some(path) = self.path.clone().filter(|_| *bottom != self.written) else {
-            return (None, Ok(()));
-        };
-        let mut aside = None;
-        let mut written = Ok(());
-        if self.refused {
-            match export::rename_older(&path) {
-                Ok(moved) => {
-                    aside = Some(moved);
-                    self.refused = false;
-                }
-                Err(error) => written = Err(error.into()),
-            }
-        }
-        let written = written.and_then(|()| write(&path, bottom));
-        match written {
-            Ok(()) => self.written = bottom.clone(),
-            Err(_) => self.path = None,
-        }
-        (aside, written)
+        Ok(format!(
+            "The bottom edits of {pings} pings were taken from {} next to the log",
+            quoted(&format!("{}.{}", self.name, BottomSettings::SIDECAR))
+        ))
     }
 }
 
@@ -272,17 +188,4 @@ fn half_a_sample_m(survey: &Survey, side: Side, path: &[[f64; 2]]) -> f64 {
     let ping = path.first().map_or(0, |[ping, _]| ping.max(0.0) as usize);
     let span = survey.span(ping, side);
     0.5 * span.map_or(0.02, |span| span.metres_per_sample())
-}
-
-fn write(path: &Path, bottom: &BottomSettings) -> Result<(), AppError> {
-    if bottom.is_empty() {
-        return match fs::remove_file(path) {
-            Err(source) if path.exists() => Err(AppError::Remove { source, path: path.to_owned() }),
-            _ => Ok(()),
-        };
-    }
-    let kept = Kept { bottom: bottom.clone() };
-    let text = toml::to_string(&kept)?;
-    let written = export::write_atomically(path, |mut file| file.write_all(text.as_bytes()));
-    Ok(written?)
 }

@@ -55,6 +55,15 @@ pub(super) enum AppError {
     /// The search for objects was cancelled or failed.
     #[error(transparent)]
     Search(#[from] DetectError),
+    /// The folder of untitled projects cannot be created.
+    #[error("the folder cannot be created: {source}: {}", path.display())]
+    NoFolder {
+        /// Error of the system.
+        #[source]
+        source: io::Error,
+        /// Path of the folder.
+        path: PathBuf,
+    },
     /// A review cannot be used.
     #[error(transparent)]
     Review(#[from] ReviewError),
@@ -79,15 +88,4 @@ pub(super) enum AppError {
     /// The files of a run that was killed cannot be completed.
     #[error(transparent)]
     Run(#[from] OutputError),
-    /// A file cannot be removed.
-    #[error("{source}: {}", path.display())]
-    Remove {
-        /// The system's error.
-        source: io::Error,
-        /// The file that cannot be removed.
-        path: PathBuf,
-    },
-    /// Bottom edits cannot be written as text.
-    #[error(transparent)]
-    Bottom(#[from] toml::ser::Error),
 }

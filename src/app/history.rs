@@ -47,14 +47,14 @@ impl App {
         if start != *after {
             self.document.history.name_last(title.clone());
         }
-        self.keep_project(&title);
+        self.keep_decision(&title);
     }
 
     /// Records a change with a complete name as an undo step.
     pub(super) fn record_named(&mut self, before: &UndoStep, after: &UndoStep, title: String) {
         self.withdraw(Action::Undo);
         self.document.history.record(before, after, title.clone(), false);
-        self.keep_project(&title);
+        self.keep_decision(&title);
     }
 
     /// Returns the steps in the order in which they were done, followed by those that were undone.

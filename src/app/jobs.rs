@@ -17,6 +17,7 @@ pub(crate) enum JobKey {
     OpenLog,
     OpenProject,
     HashLogs,
+    HashUntitled,
     CreateProject,
     SaveProject,
     OpenBaseMap,
@@ -47,8 +48,6 @@ pub(crate) enum JobKey {
     CountFigures(LogId),
     PlaceBoxes(LogId),
     ReadReview(LogId),
-    ReadUnsaved(LogId),
-    WriteUnsaved(LogId),
     ReadTruth(LogId),
     CompareTruth(LogId),
     ReadTable(LogId),
@@ -80,6 +79,7 @@ impl JobKey {
             Self::OpenLog => ("opening", Requested),
             Self::OpenProject => ("opening the project", Requested),
             Self::HashLogs => ("saving the project", Requested),
+            Self::HashUntitled => ("saving decisions", Automatic),
             Self::CreateProject | Self::SaveProject => ("saving the project", Automatic),
             Self::OpenBaseMap => ("opening the base map", Requested),
             Self::ReadArea => ("reading the area", Requested),
@@ -107,8 +107,6 @@ impl JobKey {
             Self::CountFigures(_) => ("counting", Automatic),
             Self::PlaceBoxes(_) => ("locating boxes", Automatic),
             Self::ReadReview(_) => ("reading the review", Automatic),
-            Self::ReadUnsaved(_) => ("reading unsaved decisions", Automatic),
-            Self::WriteUnsaved(_) => ("saving decisions", Watch),
             Self::ReadTruth(_) => ("reading the known objects", Automatic),
             Self::CompareTruth(_) => ("comparing with the known objects", Automatic),
             Self::ReadTable(_) => ("reading the table", Requested),
@@ -125,8 +123,6 @@ impl JobKey {
             Self::CountFigures(log)
             | Self::PlaceBoxes(log)
             | Self::ReadReview(log)
-            | Self::ReadUnsaved(log)
-            | Self::WriteUnsaved(log)
             | Self::ReadTruth(log)
             | Self::CompareTruth(log)
             | Self::ReadTable(log)

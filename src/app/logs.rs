@@ -6,7 +6,6 @@
 use super::jobs::JobKey;
 use super::logs_change::LogsChange;
 use super::open_log::log_colour;
-use super::reviewing::Parked;
 use super::{App, LogId, LogPlace, OpenLog};
 use bathyscope_log::support::geo::LocalFrame;
 use bathyscope_log::support::printable::quoted;
@@ -15,8 +14,6 @@ use bathyscope_products::pipeline::Products;
 use bathyscope_products::pipeline::{ProcessedLog, Settings};
 use std::sync::Arc;
 
-/// Number of reviews of closed logs that are kept while the window is open.
-const PARKED: usize = 10;
 /// Number of closed logs that undo can open again.
 const CLOSED: usize = 10;
 
@@ -44,8 +41,6 @@ pub(super) struct OpenLogs {
     pub arrived: Vec<LogId>,
     /// Closed logs that undo can open again, the last one at the end.
     pub closed: Vec<OpenLog>,
-    /// Reviews of the boxes of closed logs that no project saves.
-    pub parked: Vec<Parked>,
 }
 
 impl OpenLogs {
@@ -64,19 +59,11 @@ impl OpenLogs {
     }
 
     /// Closes a log, and keeps it for undo.
-    fn close(&mut self, mut log: OpenLog) {
-        self.keep_review(&mut log);
+    fn close(&mut self, log: OpenLog) {
         self.order.retain(|id| *id != log.id);
         self.closed.push(log.at_rest());
         let surplus = self.closed.len().saturating_sub(CLOSED);
         self.closed.drain(..surplus);
-    }
-
-    /// Keeps the decisions about the boxes of a log that is being closed.
-    fn keep_review(&mut self, log: &mut OpenLog) {
-        self.parked.extend(log.reviewing.review_to_keep());
-        let surplus = self.parked.len().saturating_sub(PARKED);
-        self.parked.drain(..surplus);
     }
 }
 
@@ -185,16 +172,11 @@ impl App {
 
     /// Closes all logs.
     pub(super) fn close_all(&mut self) {
-        self.keep_decisions();
         for id in self.log_ids() {
-            self.remember_settings(id);
             self.jobs.stop_log(id);
         }
         let mut last = std::mem::take(&mut self.log);
-        self.logs.keep_review(&mut last);
-        for mut other in std::mem::take(&mut self.logs.others) {
-            self.logs.keep_review(&mut other);
-        }
+        self.logs.others.clear();
         for id in std::mem::take(&mut self.logs.order) {
             self.leave_search(id);
         }
@@ -261,7 +243,7 @@ impl App {
         log.colour = log_colour(self.logs.order.len() - 1);
         // Boxes of all logs are sorted and filtered alike.
         log.reviewing.queue = self.log.reviewing.queue.clone();
-        log.reviewing.start(&survey, &mut self.logs.parked);
+        log.reviewing.start(&survey);
         log
     }
 
@@ -284,14 +266,7 @@ impl App {
         self.schedule();
     }
 
-    /// Saves everything that is not saved yet, because the window closes.
-    pub fn keep_all(&mut self) {
-        self.keep_decisions();
-        self.keep_project("close");
-        self.finish_writing();
-    }
-
-    /// Closes a log, as an undo step; the decisions about it stay in its files.
+    /// Closes a log, as an undo step; the decisions about it are there when it is opened again.
     pub(super) fn close_log(&mut self, id: LogId) {
         if self.open_log(id).is_none() {
             return;
@@ -307,11 +282,10 @@ impl App {
     /// Removes a log from the open ones; if it was shown, a neighbour in the list is shown.
     fn put_away(&mut self, id: LogId) {
         // What is being read for the log belongs to it, even if it is closed.
-        for key in [JobKey::ReadReview(id), JobKey::ReadUnsaved(id), JobKey::ReadTruth(id)] {
+        for key in [JobKey::ReadReview(id), JobKey::ReadTruth(id)] {
             self.wait_for(&key);
         }
-        self.keep_decisions_of(id);
-        self.remember_settings(id);
+        self.keep_closed(id);
         self.jobs.stop_log(id);
         self.leave_search(id);
         let order = &self.logs.order;

@@ -286,7 +286,7 @@ impl App {
             Some(figure) if !figure.done => {
                 self.map.measuring.figure =
                     Some(Arc::new(Figure { done: true, ..(**figure).clone() }));
-                self.keep_project("measurement");
+                self.keep_decision("measurement");
             }
             _ => {}
         }

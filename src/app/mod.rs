@@ -54,13 +54,13 @@ mod processing;
 mod profile_line;
 mod project;
 mod reference_comparison;
-mod remembered_settings;
 mod reviewing;
 mod saving_figure;
 mod state;
 mod step;
 mod swipe;
 pub(crate) mod system_words;
+mod untitled;
 
 pub use above_bottom::{AboveBottom, AboveStretch};
 pub use action::{Action, Keys};
@@ -98,7 +98,6 @@ pub use print::{Paper, PrintOptions};
 pub(crate) use print_text::PrintText;
 pub use profile_line::ProfileLine;
 pub use project::is_project;
-pub use remembered_settings::RememberedSettings;
 pub use reviewing::{
     BoxEdge, LocatedObject, MistakeSort, Nudge, PIXEL_M, Reviewing, SearchStatus, Tool, border_m,
 };

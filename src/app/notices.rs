@@ -130,13 +130,13 @@ mod tests {
     fn what_was_dismissed_is_still_listed_and_an_offer_is_taken_back() {
         let mut app = App::new(Jobs::Inline);
         app.warn("one".to_owned());
-        app.offer("two".to_owned(), Action::TakeUpUnsaved);
+        app.offer("two".to_owned(), Action::ShowTogether);
         app.apply(Command::Dismiss(0));
         app.apply(Command::Dismiss(7));
         assert_eq!(app.notices.len(), 1);
         let texts: Vec<&str> = app.notice_history().map(|notice| notice.text.as_str()).collect();
         assert_eq!(texts, ["two", "one"]);
-        app.withdraw(Action::TakeUpUnsaved);
+        app.withdraw(Action::ShowTogether);
         assert!(app.notices.is_empty());
         assert!(app.notice_history().all(|notice| notice.offer.is_none()));
         for number in 0..2 * KEPT {

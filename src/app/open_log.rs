@@ -2,7 +2,6 @@
 //! share.
 
 use super::Figures;
-use super::bottom::BottomSidecar;
 use super::calibrating::Calibrating;
 use super::exclusions::{ExclusionKey, FoundExclusions};
 use super::external::External;
@@ -56,7 +55,9 @@ pub struct OpenLog {
     pub apart: Option<Apart>,
     /// Shallowest and deepest sounding without a fault, metres; `None` if there is none.
     pub depth_span_m: Option<[f32; 2]>,
-    /// The file of the recording, while the log is part of a project.
+    /// True if the log is the bundled demo survey, which is no file.
+    pub(super) is_demo: bool,
+    /// The file of the recording; `None` until it is described for a project.
     pub(super) file: Option<LogFile>,
     /// Settings of this log only.
     pub own: Arc<LogSettings>,
@@ -77,7 +78,6 @@ pub struct OpenLog {
     pub external: External,
     /// The boxes and the decisions about them.
     pub reviewing: Reviewing,
-    pub(super) bottom_file: BottomSidecar,
     pub(super) found_exclusions: Kept<ExclusionKey, Arc<FoundExclusions>>,
     pub(super) calibrating: Calibrating,
 }
@@ -94,6 +94,7 @@ impl Default for OpenLog {
             is_visible: true,
             apart: None,
             depth_span_m: None,
+            is_demo: false,
             file: None,
             own: Arc::default(),
             settings: Arc::default(),
@@ -103,7 +104,6 @@ impl Default for OpenLog {
             figures: None,
             external: External::default(),
             reviewing: Reviewing::default(),
-            bottom_file: BottomSidecar::default(),
             found_exclusions: Kept::default(),
             calibrating: Calibrating::default(),
         }
@@ -124,6 +124,12 @@ impl OpenLog {
         let depths_m = good.map(|sounding| [sounding.depth_m, sounding.depth_m]);
         self.depth_span_m = depths_m.reduce(|[low, high], [l, h]| [low.min(l), high.max(h)]);
         self.survey = Some(survey);
+    }
+
+    /// Returns true if the log is a file.
+    pub(crate) fn is_file(&self) -> bool {
+        let survey = self.survey.as_ref();
+        !self.is_demo && survey.is_some_and(|survey| !survey.source.files.is_empty())
     }
 
     /// Returns the recording with the results of the whole log: while it is followed, those of the
@@ -213,12 +219,12 @@ impl OpenLog {
             is_visible: self.is_visible,
             apart: self.apart,
             depth_span_m: self.depth_span_m,
+            is_demo: self.is_demo,
             file: self.file,
             own: self.own,
             settings: self.settings,
             external: self.external,
             reviewing: self.reviewing,
-            bottom_file: self.bottom_file,
             ..Self::default()
         }
     }

@@ -1,16 +1,18 @@
 //! Opens logs, one after the other, in background threads.
 
+use super::App;
 use super::error::AppError;
 use super::jobs::JobKey;
-use super::{Action, App};
+use super::project::OpenedLogs;
+use super::untitled::{FoundDecisions, LogDecisions, find_decisions};
 use bathyscope_bottom::first_return::BottomSettings;
 use bathyscope_log::formats;
 use bathyscope_log::support::printable::quoted;
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::{Identity, Survey};
-use bathyscope_products::project::{BottomFileError, LogFile, read_bottom};
+use bathyscope_products::project::{BottomFileError, read_bottom};
 use std::collections::VecDeque;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Number of remembered logs.
@@ -68,26 +70,47 @@ pub(super) struct OpenRequest {
     pub place: OpenMode,
 }
 
+impl OpenRequest {
+    fn path(&self) -> Option<&Path> {
+        match &self.origin {
+            LogOrigin::Path(path) => Some(path),
+            LogOrigin::Demo => None,
+        }
+    }
+}
+
 /// The bottom edits of a sidecar file, or the error if they cannot be used.
 pub(super) type ReadBottom = Result<BottomSettings, BottomFileError>;
 
 /// Contents of a path that was opened.
 enum OpenedPath {
-    /// A log, the bottom edits that were made when it was last open, and its file if it is to be
-    /// kept in a project.
-    Log(Box<Survey>, Option<ReadBottom>, Option<LogFile>),
+    /// A log, with the last decisions about it if there are any.
+    Log(Box<Survey>, ReadDecisions),
+    /// The untitled project of the requested logs.
+    Project(Box<OpenedLogs>),
     /// A folder of several logs.
     Folder(Vec<PathBuf>),
     /// The name of a recording that is already open.
     Known(String),
 }
 
-/// Opens a path; `open` are the logs that are open already. The file of the log is hashed if it
-/// joins a project.
+/// Decisions about a log from when it was last open.
+enum ReadDecisions {
+    /// Those of an untitled project.
+    Untitled(Box<LogDecisions>),
+    /// The bottom edits in the sidecar file of an earlier version.
+    Sidecar(ReadBottom),
+    /// There are none.
+    None,
+}
+
+/// Opens a path; `open` are the logs that are open already, and `others` the logs that are opened
+/// after it, or `None` if it joins the open logs.
 fn read_path(
     origin: &LogOrigin,
     open: &[Arc<Survey>],
-    in_project: bool,
+    untitled: Option<&Path>,
+    others: Option<&[PathBuf]>,
     progress: &Progress,
 ) -> Result<OpenedPath, AppError> {
     if let LogOrigin::Path(path) = origin {
@@ -100,17 +123,23 @@ fn read_path(
     if let Some(known) = open.iter().find(|known| is_same_recording(known, &survey)) {
         return Ok(OpenedPath::Known(known.name()));
     }
-    let log = survey.source.files.first();
-    let drawn = match origin {
-        LogOrigin::Path(_) => log.and_then(|log| read_bottom(log, &survey)),
-        LogOrigin::Demo => None,
-    };
-    let is_file = matches!(origin, LogOrigin::Path(_));
-    let file = (in_project && is_file).then(|| LogFile::of(&survey, progress));
-    let file = file.transpose()?;
-    // The hash belongs to the log only if the whole log could be read.
     survey.check_files().map_err(formats::OpenError::from)?;
-    Ok(OpenedPath::Log(Box::new(survey), drawn, file))
+    let found = match (origin, untitled) {
+        (LogOrigin::Demo, _) | (_, None) => FoundDecisions::None(survey),
+        (LogOrigin::Path(_), Some(folder)) => find_decisions(folder, survey, others, progress)?,
+    };
+    Ok(match found {
+        FoundDecisions::Project(opened) => OpenedPath::Project(opened),
+        FoundDecisions::Log(decisions, survey) => {
+            OpenedPath::Log(Box::new(survey), ReadDecisions::Untitled(decisions))
+        }
+        FoundDecisions::None(survey) => {
+            let log = survey.source.files.first();
+            let bottom = log.and_then(|log| read_bottom(log, &survey));
+            let decisions = bottom.map_or(ReadDecisions::None, ReadDecisions::Sidecar);
+            OpenedPath::Log(Box::new(survey), decisions)
+        }
+    })
 }
 
 impl App {
@@ -135,13 +164,20 @@ impl App {
             OpenMode::Instead => Vec::new(),
             OpenMode::Added { .. } => self.logs().filter_map(|log| log.survey.clone()).collect(),
         };
-        let in_project = self.project_path().is_some();
+        let others = match request.place {
+            OpenMode::Instead => Some(self.files.to_load.iter().filter_map(OpenRequest::path)),
+            OpenMode::Added { .. } => None,
+        };
+        let others = others.map(|paths| paths.map(Path::to_owned).collect::<Vec<_>>());
+        let untitled = self.files.untitled_folder.clone();
         let origin = request.origin.clone();
         let name = origin.name();
         self.files.loading.clone_from(&name);
         self.jobs.run_or(
             JobKey::OpenLog,
-            move |progress| read_path(&origin, &open, in_project, progress),
+            move |progress| {
+                read_path(&origin, &open, untitled.as_deref(), others.as_deref(), progress)
+            },
             move |app, opened| app.take_opened(request, opened),
             move |app| {
                 app.warn(AppError::OpeningFailed(name).to_string());
@@ -154,9 +190,10 @@ impl App {
     fn take_opened(&mut self, request: OpenRequest, opened: Result<OpenedPath, AppError>) {
         let OpenRequest { origin, place } = request;
         match opened {
-            Ok(OpenedPath::Log(survey, drawn, file)) => {
-                self.take_survey(*survey, origin, place, (drawn, file));
+            Ok(OpenedPath::Log(survey, decisions)) => {
+                self.take_survey(*survey, origin, place, decisions);
             }
+            Ok(OpenedPath::Project(opened)) => self.take_untitled(origin, *opened),
             Ok(OpenedPath::Folder(logs)) => {
                 let logs = logs.into_iter().map(LogOrigin::Path);
                 for request in requests(logs, place).into_iter().rev() {
@@ -178,13 +215,12 @@ impl App {
         survey: Survey,
         origin: LogOrigin,
         place: OpenMode,
-        (drawn, file): (Option<ReadBottom>, Option<LogFile>),
+        decisions: ReadDecisions,
     ) {
         let is_file = matches!(origin, LogOrigin::Path(_));
         if let LogOrigin::Path(path) = origin {
             self.remember(path);
         }
-        self.withdraw(Action::TakeUpUnsaved);
         let id = match place {
             OpenMode::Instead => {
                 if self.log.survey.is_some() {
@@ -202,23 +238,48 @@ impl App {
                 id
             }
         };
+        if let Some(log) = self.log_mut(id) {
+            log.is_demo = !is_file;
+        }
         self.logs.arrived.push(id);
         self.mount_as_usual(id);
-        self.take_bottom(id, drawn, is_file);
-        if is_file {
-            self.look_for_review(id);
-            self.look_for_unsaved(id);
+        match decisions {
+            ReadDecisions::Untitled(decisions) => self.take_decisions(id, *decisions),
+            ReadDecisions::Sidecar(read) => {
+                self.take_bottom(id, read);
+                self.look_for_review(id);
+            }
+            ReadDecisions::None if is_file => self.look_for_review(id),
+            ReadDecisions::None => {}
         }
         self.look_for_truth(id, is_file);
-        if let Some(log) = self.log_mut(id) {
-            log.file = file;
-        }
-        if is_file {
-            self.take_up_settings(id);
-        }
         self.keep_project("add log");
         self.pipeline.is_waiting = false;
         self.schedule();
+    }
+
+    /// Opens the untitled project of the requested logs in place of these.
+    fn take_untitled(&mut self, origin: LogOrigin, opened: OpenedLogs) {
+        let requests = std::mem::take(&mut self.files.to_load);
+        let rest: Vec<PathBuf> =
+            requests.iter().rev().filter_map(OpenRequest::path).map(Path::to_owned).collect();
+        for path in rest {
+            self.remember(path);
+        }
+        if let LogOrigin::Path(path) = origin {
+            self.remember(path);
+        }
+        self.take_project(opened);
+        self.logs.arrived.clear();
+        for id in self.log_ids() {
+            self.look_for_truth(id, true);
+        }
+        let name = quoted(&self.log.name());
+        let more = match self.log_count() {
+            0 | 1 => String::new(),
+            count => format!(" and {} more", count - 1),
+        };
+        self.notify(format!("Opened {name}{more} with the last decisions"));
     }
 
     /// Puts a log at the top of the recent ones, by a path that is valid in whatever folder the

@@ -54,7 +54,6 @@ impl App {
         self.search_cards();
         self.search_on();
         for id in self.log_ids() {
-            self.autosave(id);
             self.locate_boxes(id);
             self.compare_with_truth(id);
             self.find_exclusions(id);

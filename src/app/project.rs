@@ -16,10 +16,11 @@ use bathyscope_objects::review::{Queue, Sort};
 use bathyscope_products::export::is_same_file;
 use bathyscope_products::pipeline::Settings;
 use bathyscope_products::project::{
-    ENDING, LogFile, LogLocation, OpenedProject, Project, ProjectLog, REVIEW_VIEW, SavingOutcome,
-    Store, find,
+    ENDING, LogFile, LogKey, LogLocation, OpenedProject, Project, ProjectLog, REVIEW_VIEW,
+    SavingOutcome, Store, find,
 };
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -33,22 +34,27 @@ const BASE_MAP: &str = "base_map";
 /// State of the open project and its file.
 #[derive(Default)]
 pub(super) struct ProjectSaving {
-    store: Option<Store>,
+    /// The file; `None` before the first decision.
+    pub store: Option<Store>,
+    /// True if the file is in the folder of untitled projects: the analyst gave it no name yet.
+    pub is_untitled: bool,
     /// Contents of the project, from which parts that this window does not show are preserved.
-    project: Project,
+    pub project: Project,
     /// True if saving was requested while a save was running, so that the project is saved again
     /// after it.
     saves_again: bool,
     /// True if the project cannot be written, and the analyst was notified.
-    failed: bool,
+    pub failed: bool,
 }
 
 /// A project that was read, with the logs of it that were found.
-struct OpenedLogs {
-    opened: OpenedProject,
+pub(super) struct OpenedLogs {
+    pub opened: OpenedProject,
+    /// True if the project is an untitled one.
+    is_untitled: bool,
     logs: Vec<(Arc<ProjectLog>, Survey, Settings)>,
     /// Notices about logs that are missing or were found elsewhere.
-    notes: Vec<String>,
+    pub notes: Vec<String>,
 }
 
 /// Returns true if a path has the ending of a project.
@@ -57,31 +63,34 @@ pub fn is_project(path: &Path) -> bool {
 }
 
 impl App {
-    /// Returns the file of the open project; `None` if no project is open.
+    /// Returns the file of the open project; `None` if it is untitled.
     pub fn project_path(&self) -> Option<&Path> {
-        self.files.project_saving.store.as_ref().map(Store::path)
+        let saving = &self.files.project_saving;
+        saving.store.as_ref().filter(|_| !saving.is_untitled).map(Store::path)
     }
 
-    /// Returns true if the project has changes that its file does not contain; they are in the
-    /// journal beside it.
+    /// Returns true if there are changes that the file which the analyst named does not contain;
+    /// they are in the journal beside it, or in an untitled project.
     pub fn is_project_unsaved(&self) -> bool {
-        let store = self.files.project_saving.store.as_ref();
-        store.is_some_and(|store| store.is_unsaved(&self.files.project_saving.project))
+        let saving = &self.files.project_saving;
+        let store = saving.store.as_ref();
+        store.is_some_and(|store| saving.is_untitled || store.is_unsaved(&saving.project))
     }
 
     /// Starts to open a project, which replaces what is open.
     pub(super) fn open_project(&mut self, path: PathBuf) {
         self.jobs.stop(&JobKey::OpenLog);
         self.files.to_load.clear();
-        self.keep_project("close");
-        self.finish_writing();
         // This window may have the project open itself.
-        self.files.project_saving.store = None;
+        self.leave_project();
         self.jobs.run(
             JobKey::OpenProject,
-            move |progress| read(&path, progress),
+            move |progress| read(&path, None, progress),
             |app, read| match read {
-                Ok(read) => app.take_project(read),
+                Ok(read) => {
+                    app.remember(read.opened.store.path().to_owned());
+                    app.take_project(read);
+                }
                 Err(error) => app.warn(error.to_string()),
             },
         );
@@ -103,32 +112,49 @@ impl App {
         } else {
             PathBuf::from(format!("{}.{ENDING}", path.display()))
         };
-        let logs: Vec<(LogId, Arc<Survey>, Option<LogFile>)> = self
-            .logs()
-            .filter_map(|log| Some((log.id, log.survey.clone()?, log.file.clone())))
-            .collect();
-        if logs.iter().any(|(_, survey, _)| survey.source.files.is_empty()) || logs.is_empty() {
-            let text = "a project needs at least one log; open one first";
+        if self.log_count() == 0 || !self.logs().all(OpenLog::is_file) {
+            let text = "a project holds logs that are files, at least one; the demo survey is none";
             return self.warn(text.to_owned());
         }
+        self.hash_logs(JobKey::HashLogs, move |app, hashed| match hashed {
+            Ok(()) => app.name_project(path),
+            Err(error) => app.warn(error.to_string()),
+        });
+    }
+
+    /// Starts to describe the files of the open logs by their hashes, as far as these are not known
+    /// yet, for a project that contains them.
+    pub(super) fn hash_logs(
+        &mut self,
+        key: JobKey,
+        then: impl FnOnce(&mut Self, Result<(), AppError>) + Send + 'static,
+    ) {
+        let logs: Vec<(LogId, Arc<Survey>)> = self.logs_to_hash().collect();
         let hash = move |progress: &Progress| -> Result<Vec<(LogId, LogFile)>, AppError> {
-            let file = |(id, survey, known): (LogId, Arc<Survey>, Option<LogFile>)| {
-                let file = match known {
-                    Some(file) => file,
-                    None => {
-                        let file = LogFile::of(&survey, progress)?;
-                        survey.check_files().map_err(OpenError::from)?;
-                        file
-                    }
-                };
+            let file = |(id, survey): (LogId, Arc<Survey>)| {
+                let file = LogFile::of(&survey, progress)?;
+                // The hash belongs to the log only if the whole log could be read.
+                survey.check_files().map_err(OpenError::from)?;
                 Ok((id, file))
             };
             logs.into_iter().map(file).collect()
         };
-        self.jobs.run(JobKey::HashLogs, hash, move |app, hashed| match hashed {
-            Ok(files) => app.name_project(path, files),
-            Err(error) => app.warn(error.to_string()),
+        self.jobs.run(key, hash, move |app, hashed| {
+            let hashed = hashed.map(|files| {
+                for (id, file) in files {
+                    if let Some(log) = app.log_mut(id) {
+                        log.file = Some(file);
+                    }
+                }
+            });
+            then(app, hashed);
         });
+    }
+
+    /// Returns the open logs whose files are not described yet.
+    pub(super) fn logs_to_hash(&self) -> impl Iterator<Item = (LogId, Arc<Survey>)> {
+        let unknown = self.logs().filter(|log| log.file.is_none() && log.is_file());
+        unknown.filter_map(|log| Some((log.id, log.survey.clone()?)))
     }
 
     /// Starts to write the project into its file.
@@ -136,7 +162,7 @@ impl App {
         self.keep_project("save");
         let saves = self.is_running(&JobKey::SaveProject);
         let saving = &mut self.files.project_saving;
-        let Some(store) = &mut saving.store else {
+        let Some(store) = saving.store.as_mut().filter(|_| !saving.is_untitled) else {
             let text = "there is no project file yet; use Save project as";
             return self.warn(text.to_owned());
         };
@@ -175,16 +201,17 @@ impl App {
 
     /// Returns true if the project is being written into its file.
     pub fn is_keeping(&self) -> bool {
-        [JobKey::HashLogs, JobKey::CreateProject, JobKey::SaveProject]
+        [JobKey::HashLogs, JobKey::HashUntitled, JobKey::CreateProject, JobKey::SaveProject]
             .iter()
             .any(|key| self.is_running(key))
     }
 
-    /// Writes the changes into the journal of the open project.
+    /// Writes the changes into the journal of the project, if it has a file already.
     pub(super) fn keep_project(&mut self, label: &str) {
         if self.files.project_saving.store.is_none() {
             return;
         }
+        self.hash_new_logs();
         self.files.project_saving.project = self.as_project(&self.files.project_saving.project);
         let Some(store) = &mut self.files.project_saving.store else {
             return;
@@ -199,16 +226,27 @@ impl App {
         }
     }
 
-    /// Closes the project, before logs that do not belong to it are opened.
-    pub(super) fn leave_project(&mut self) {
+    /// Saves everything that is not saved yet, because the window closes.
+    pub fn keep_all(&mut self) {
+        // A project that is created must exist before the last changes are written into it.
+        self.hash_new_logs();
+        self.wait_for(&JobKey::HashUntitled);
+        self.wait_for(&JobKey::CreateProject);
         self.keep_project("close");
         self.finish_writing();
+        self.save_untitled();
+    }
+
+    /// Closes the project, before logs that do not belong to it are opened.
+    pub(super) fn leave_project(&mut self) {
+        self.keep_all();
+        self.say_kept();
         self.files.project_saving = ProjectSaving::default();
     }
 
     /// Returns the open survey as a project; parts that the window does not show stay as they are
     /// in `before`.
-    fn as_project(&self, before: &Project) -> Project {
+    pub(super) fn as_project(&self, before: &Project) -> Project {
         let mut project = before.clone();
         project.settings = Settings::clone(&self.document.shared);
         let is_placed =
@@ -260,58 +298,72 @@ impl App {
         project
     }
 
-    /// Writes the project for the first time, with the file of each log, or saves it if it has this
-    /// path already. Until it is written, changes are saved where they were before: in the earlier
-    /// project, or in the sidecar files of the logs.
-    fn name_project(&mut self, path: PathBuf, files: Vec<(LogId, LogFile)>) {
-        for (id, file) in files {
-            if let Some(log) = self.log_mut(id) {
-                log.file = Some(file);
-            }
-        }
+    /// Writes the project for the first time, or saves it if it has this path already. Until it is
+    /// written, changes are saved where they were before: in the earlier project, or in an untitled
+    /// one.
+    fn name_project(&mut self, path: PathBuf) {
         if self.project_path().is_some_and(|kept| is_same_file(kept, &path)) {
             return self.save_project();
         }
-        let project = self.as_project(&self.files.project_saving.project);
-        let kept = project.clone();
-        let past = self.past_of(&project);
-        self.jobs.run(
-            JobKey::CreateProject,
-            move |_| Store::create_with_past(&path, &kept, past),
+        self.create_project(
+            move |_| Ok(path),
             |app, created| match created {
-                Ok(store) => app.take_created(store, project),
+                Ok((store, project)) => app.take_named(store, project),
                 Err(error) => app.warn(error.to_string()),
             },
         );
     }
 
-    /// Sets the project that was written for the first time as the open one.
-    fn take_created(&mut self, store: Store, project: Project) {
+    /// Starts to write the open survey, with the changes that led to it, as a new project at the
+    /// path that `path` returns.
+    pub(super) fn create_project(
+        &mut self,
+        path: impl FnOnce(&Project) -> Result<PathBuf, AppError> + Send + 'static,
+        then: impl FnOnce(&mut Self, Result<(Store, Project), AppError>) + Send + 'static,
+    ) {
+        // The file of an untitled project that is being written would stay behind.
+        self.wait_for(&JobKey::CreateProject);
+        let project = self.as_project(&self.files.project_saving.project);
+        let past = self.past_of(&project);
+        self.jobs.run(
+            JobKey::CreateProject,
+            move |_| {
+                let store = Store::create_with_past(&path(&project)?, &project, past)?;
+                Ok((store, project))
+            },
+            then,
+        );
+    }
+
+    /// Sets the project that was written under a name as the open one. An untitled project is
+    /// removed, because the named one contains it.
+    fn take_named(&mut self, store: Store, project: Project) {
         let text = format!("Saved the project: {}", store.path().display());
         self.remember(store.path().to_owned());
         self.finish_writing();
-        let saving = &mut self.files.project_saving;
-        (saving.store, saving.project, saving.failed) = (Some(store), project, false);
+        let saving = ProjectSaving { store: Some(store), project, ..ProjectSaving::default() };
+        let before = std::mem::replace(&mut self.files.project_saving, saving);
+        if let Some(untitled) = before.store.filter(|_| before.is_untitled) {
+            untitled.remove();
+        }
         self.notify(text);
         self.keep_project("save under another name");
-        for id in self.log_ids() {
-            self.leave_sidecars(id);
-        }
     }
 
-    fn take_project(&mut self, read: OpenedLogs) {
-        let OpenedLogs { opened, logs, notes } = read;
+    /// Replaces the open logs by those of a project that was read.
+    pub(super) fn take_project(&mut self, read: OpenedLogs) {
+        let OpenedLogs { opened, is_untitled, logs, notes } = read;
         let OpenedProject { store, project, notes: project_notes, past } = opened;
+        self.leave_project();
         self.files.missing = (project.logs().iter())
             .filter(|log| logs.iter().all(|(found, ..)| found.key != log.key))
             .map(|log| log.key.clone())
             .collect();
-        self.remember(store.path().to_owned());
         self.close_all();
         self.document.shared = Arc::new(project.settings.clone());
-        if let Some(options) = project.view::<ViewOptions>(VIEW) {
-            self.view.options = options;
-        }
+        // The display of a survey without a name is that of the window.
+        let options = project.view::<ViewOptions>(VIEW).filter(|_| !is_untitled);
+        self.view.options = options.unwrap_or_else(|| self.view.options.for_new_survey());
         let queue = project.view::<KeptQueue>(REVIEW_VIEW);
         let frame = project.origin.map(LocalFrame::new);
         let mut numbers = ObjectNumbers::default();
@@ -330,8 +382,8 @@ impl App {
             self.set_queue(&queue.into_queue());
         }
         self.map.measuring.figure = kept_figure(&project, None);
-        self.files.project_saving.project = project;
-        self.files.project_saving.store = Some(store);
+        let saving = ProjectSaving { store: Some(store), project, ..ProjectSaving::default() };
+        self.files.project_saving = ProjectSaving { is_untitled, ..saving };
         self.take_past(past);
         self.pipeline.is_waiting = false;
         if let Some(path) = self.files.project_saving.project.files.get(BASE_MAP).cloned() {
@@ -344,7 +396,7 @@ impl App {
     }
 
     /// Applies the settings and decisions that a project holds for a log.
-    fn take_project_log(&mut self, id: LogId, log: &ProjectLog, settings: Settings) {
+    pub(super) fn take_project_log(&mut self, id: LogId, log: &ProjectLog, settings: Settings) {
         if let Err(error) = self.follow_source(id, &settings) {
             self.warn(error.to_string());
         }
@@ -358,17 +410,7 @@ impl App {
             // The log may have grown since.
             open.carry_own(&shared);
         }
-        self.leave_sidecars(id);
         self.carry_decisions(id);
-    }
-
-    /// Saves decisions about a log in the project from now on, instead of in its sidecar files.
-    fn leave_sidecars(&mut self, id: LogId) {
-        self.wait_for(&JobKey::WriteUnsaved(id));
-        if let Some(log) = self.log_mut(id) {
-            log.bottom_file = super::bottom::BottomSidecar::default();
-            log.reviewing.keep_elsewhere();
-        }
     }
 }
 
@@ -413,28 +455,47 @@ impl KeptQueue {
     }
 }
 
-/// Reads a project and opens its logs.
-fn read(path: &Path, progress: &Progress) -> Result<OpenedLogs, AppError> {
+/// A log of an untitled project that is read already.
+pub(super) struct KnownLog {
+    pub key: LogKey,
+    pub survey: Survey,
+    /// Present paths of the logs that were requested.
+    pub paths: Vec<PathBuf>,
+}
+
+/// Reads a project and opens its logs. The project is an untitled one if a log of it is `known`.
+pub(super) fn read(
+    path: &Path,
+    mut known: Option<KnownLog>,
+    progress: &Progress,
+) -> Result<OpenedLogs, AppError> {
+    let is_untitled = known.is_some();
     let mut opened = Store::open(path)?;
     let folder = opened.store.folder();
-    let places = find(&opened.project, &folder, progress)?;
+    let mut to_find = opened.project.clone();
+    if let Some(known) = &known {
+        opened.project = opened.project.with_logs_at(&known.paths);
+        to_find = opened.project.without_log(&known.key).unwrap_or(to_find);
+    }
+    let places: BTreeMap<LogKey, LogLocation> =
+        find(&to_find, &folder, progress)?.into_iter().collect();
     let (mut logs, mut notes) = (Vec::new(), Vec::new());
     // The files of the shared settings are read once for all logs.
     if let Err(error) = opened.project.settings.load_files() {
         notes.push(error.to_string());
     }
-    for (log, (_, found)) in opened.project.logs().iter().zip(places) {
-        let log = match found {
-            LogLocation::Here => log.clone(),
-            LogLocation::Changed => {
+    for log in opened.project.logs() {
+        let log = match places.get(&log.key) {
+            None | Some(LogLocation::Here) => log.clone(),
+            Some(LogLocation::Changed) => {
                 notes.push(log.is_changed());
                 log.clone()
             }
-            LogLocation::Moved(path) => {
+            Some(LogLocation::Moved(path)) => {
                 notes.push(format!("Found {} at {}", quoted(&log.name), path.display()));
-                Arc::new(log.at(&path))
+                Arc::new(log.at(path))
             }
-            LogLocation::Missing | LogLocation::Replaced => {
+            Some(LogLocation::Missing | LogLocation::Replaced) => {
                 notes.push(format!(
                     "the log {} is missing; put it back, or below the folder of the project, and open the project again: {}",
                     quoted(&log.name),
@@ -451,10 +512,14 @@ fn read(path: &Path, progress: &Progress) -> Result<OpenedLogs, AppError> {
                 notes.push(text);
             }
         }
-        match formats::open(&log.file.path, progress) {
+        let survey = match known.take_if(|known| known.key == log.key) {
+            Some(known) => Ok(known.survey),
+            None => formats::open(&log.file.path, progress),
+        };
+        match survey {
             Ok(survey) => logs.push((log, survey, settings)),
             Err(error) => notes.push(error.to_string()),
         }
     }
-    Ok(OpenedLogs { opened, logs, notes })
+    Ok(OpenedLogs { opened, is_untitled, logs, notes })
 }

@@ -24,7 +24,7 @@ use super::project::ProjectSaving;
 use super::reference_comparison::ReferenceComparison;
 use super::reviewing::ObjectSearch;
 use super::step::UndoStep;
-use super::{Jobs, LogPlace, OpenLog, RememberedSettings, Reveal, ViewOptions};
+use super::{Jobs, LogPlace, OpenLog, Reveal, ViewOptions};
 use bathyscope_bottom::first_return::FirstReturns;
 use bathyscope_log::formats::base_map::BaseMap;
 use bathyscope_log::support::geo::LocalFrame;
@@ -41,8 +41,6 @@ pub(super) struct Document {
     /// The settings from which a new survey starts: the preset, or the settings that the program
     /// was started with.
     pub start: Arc<Settings>,
-    /// The last settings of each log.
-    pub remembered: RememberedSettings,
     /// The settings that all logs share.
     pub shared: Arc<Settings>,
     /// The local coordinate frame of the plane that all logs share.
@@ -60,7 +58,6 @@ impl Default for Document {
     fn default() -> Self {
         Self {
             start: Arc::default(),
-            remembered: RememberedSettings::default(),
             shared: Arc::default(),
             plane: Track::default().frame,
             is_plane_moved: false,
@@ -91,6 +88,8 @@ pub(super) struct FileWork {
     pub to_load: VecDeque<OpenRequest>,
     pub exported: Option<Exported>,
     pub project_saving: ProjectSaving,
+    /// Folder of untitled projects; `None` where nothing is saved that was not requested.
+    pub untitled_folder: Option<PathBuf>,
     /// Logs of the project that were not found.
     pub missing: Vec<LogKey>,
 }

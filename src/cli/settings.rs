@@ -17,8 +17,7 @@ pub(super) struct SettingsArgs {
     /// The settings to start from
     #[arg(long, value_enum, default_value_t)]
     preset: Preset,
-    /// TOML file of settings applied to the preset; may be given again, LOG.bottom.toml of
-    /// Bathyscope among them
+    /// TOML file of settings applied to the preset, or of bottom edits; may be given again
     #[arg(long, value_name = "FILE.toml")]
     settings: Vec<PathBuf>,
     /// One setting, for example first_return.threshold=0.35

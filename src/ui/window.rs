@@ -13,6 +13,8 @@ use std::sync::Arc;
 
 /// Name of the program on the desktop; the folder of its options has the same name.
 const APP_ID: &str = "bathyscope";
+/// Folder of untitled projects in the folder of the program's options.
+const UNTITLED: &str = "untitled";
 /// Folders where Linux mounts cards, sticks and drives.
 const LINUX: [&str; 3] = ["/media", "/run/media", "/mnt"];
 
@@ -78,6 +80,9 @@ pub(crate) fn open_window(
         }
         shell.app.look_for_cards(drives);
         let folder = eframe::storage_dir(APP_ID);
+        if let Some(folder) = &folder {
+            shell.app.keep_untitled_in(folder.join(UNTITLED));
+        }
         if let Some(report) = folder.and_then(crash_report::keep_in) {
             shell.app.tell_of_crash(&report);
         }

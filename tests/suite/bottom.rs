@@ -5,7 +5,7 @@ use crate::cli::{refusal, run, stderr_of};
 use crate::review::mouse::{at, drag, pull};
 use crate::support;
 use crate::window::{Window, app, demo_window, drawn_window, empty_window, press, settle};
-use bathyscope::app::{Action, App, BottomStroke, Command, FileToOpen, FileToWrite, Ink};
+use bathyscope::app::{App, BottomStroke, Command, FileToOpen, FileToWrite, Ink};
 use bathyscope_bottom::first_return::Pick;
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::Side;
@@ -118,7 +118,7 @@ fn both_sides_are_drawn_at_once_and_keys_move_the_selected_ping() {
     }
 }
 
-/// The drawing that the window keeps, headless.
+/// The drawing of a sidecar file, headless.
 const PROCESS: [&str; 7] =
     ["process", "pond.sl2", "-o", "out", "--no-objects", "--settings", "pond.bottom.toml"];
 
@@ -136,23 +136,31 @@ fn opened(log: &Path) -> Window {
     window
 }
 
+/// Writes the bottom edits of a log into its sidecar file, as earlier versions did, and as
+/// `--settings` takes them.
+fn write_sidecar(log: &Path, window: &Window) {
+    let bottom = toml::Table::try_from(&app(window).log.settings.bottom).expect("edits");
+    let text = toml::to_string(&toml::Table::from_iter([("bottom".to_owned(), bottom.into())]));
+    fs::write(log.with_extension("bottom.toml"), text.expect("text")).expect("a file");
+}
+
 #[test]
-fn bottom_edits_are_kept_next_to_the_log_and_taken_headless() {
+fn bottom_edits_next_to_the_log_are_taken_by_the_window_and_headless() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let log = copied(folder.path());
-    let kept = folder.path().join("pond.bottom.toml");
     let mut window = opened(&log);
     press(&mut window, Modifiers::NONE, Key::F);
     press(&mut window, Modifiers::NONE, Key::M);
     draw(&mut window, Modifiers::NONE, (300.0, -6.0), (400.0, -4.0));
     let drawn = app(&window).log.settings.bottom.clone();
-    assert!(kept.is_file());
+    assert!(!log.with_extension("bottom.toml").exists(), "the window writes none");
+    write_sidecar(&log, &window);
     drop(window);
 
-    let mut window = opened(&log);
+    let window = opened(&log);
     assert_eq!(app(&window).log.settings.bottom, drawn);
     assert!(near(range_m(app(&window), Side::Port, 350), 5.0));
-    window.get_by_label_contains("were made when this log was last open");
+    window.get_by_label_contains("were taken from pond.bottom.toml");
 
     run(folder.path(), &PROCESS);
     let table =
@@ -170,11 +178,6 @@ fn bottom_edits_are_kept_next_to_the_log_and_taken_headless() {
     // Nothing is taken up unasked; that it lies there is said.
     let said = stderr_of(folder.path(), &["process", "pond.sl2", "-o", "plain", "--no-objects"]);
     assert!(said.contains("bottom edits lie next to the log and are not used"), "{said}");
-
-    // Taken back, nothing is left to be taken up.
-    window.state_mut().app.apply(Command::Do(Action::ForgetBottom));
-    window.run();
-    assert!(!kept.exists());
 }
 
 /// A track of another receiver over the whole of the demo pond.
@@ -213,6 +216,7 @@ fn a_drawing_stays_under_another_receivers_track() {
     // The next stroke joins it.
     window.state_mut().app.apply(stroke(Side::Starboard));
     window.run();
+    write_sidecar(&log, &window);
     let text = fs::read_to_string(&kept).expect("the file");
     assert_eq!(text.matches("[[bottom.lines]]").count(), 2, "{text}");
     drop(window);
@@ -254,7 +258,7 @@ fn a_review_that_cannot_be_used_is_kept_when_another_is_saved() {
 }
 
 #[test]
-fn a_drawing_of_another_log_is_kept_aside_and_said() {
+fn a_drawing_of_another_log_is_left_alone_and_said() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let log = copied(folder.path());
     let kept = folder.path().join("pond.bottom.toml");
@@ -265,19 +269,10 @@ fn a_drawing_of_another_log_is_kept_aside_and_said() {
         ("bottom = 3".to_owned(), "cannot use the bottom edits"),
     ] {
         fs::write(&kept, &text).expect("a file");
-        let mut window = opened(&log);
+        let window = opened(&log);
         assert!(app(&window).log.settings.bottom.is_empty());
         window.get_by_label_contains(words);
-        press(&mut window, Modifiers::NONE, Key::F);
-        press(&mut window, Modifiers::NONE, Key::M);
-        draw(&mut window, Modifiers::NONE, (300.0, -6.0), (400.0, -4.0));
-        assert!(!app(&window).log.settings.bottom.is_empty());
-        // Kept under another name; the place next to the log is for what was drawn now.
-        let aside = folder.path().join("pond.bottom-older.toml");
-        assert_eq!(fs::read_to_string(&aside).expect("kept aside"), text);
-        window.get_by_label_contains("is kept as");
-        assert_eq!(app(&opened(&log)).log.settings.bottom, app(&window).log.settings.bottom);
-        fs::remove_file(aside).expect("the file");
+        assert_eq!(fs::read_to_string(&kept).expect("the file"), text);
     }
     fs::write(&kept, format!("[bottom]\npings = 50\n{lines}")).expect("a file");
     run(folder.path(), &PROCESS);

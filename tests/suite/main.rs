@@ -50,6 +50,7 @@ mod failing_log;
 mod fuzz;
 mod hostile;
 mod killed_project;
+mod untitled_project;
 
 // The window as a whole: start, layout, keys, units, undo, printing.
 mod calm_window;

@@ -89,26 +89,28 @@ fn no_setting_of_a_survey_is_in_the_next_one() {
 fn a_log_has_its_last_settings_again_until_they_are_undone() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let [one, two] = logs(folder.path());
-    let mut app = App::new(Jobs::Inline);
+    let start = || {
+        let mut app = App::new(Jobs::Inline);
+        app.keep_untitled_in(folder.path().join("kept"));
+        app
+    };
+    let mut app = start();
     open(&mut app, &one);
     let settings = Settings::clone(&app.log.settings);
     let settings = settings.with_assignment("draft_m=0.4").expect("a setting");
     let given = settings.with_assignment("first_return.threshold=0.41").expect("a setting");
     change(&mut app, given.clone());
     open(&mut app, &two);
+    assert_eq!(*app.log.settings, Settings::default());
     // Another run of the program.
-    let kept = serde_json::to_string(&app.remembered_settings()).expect("it can be kept");
-    let mut app = App::new(Jobs::Inline);
-    app.use_remembered_settings(serde_json::from_str(&kept).expect("it can be read"));
+    app.keep_all();
+    let mut app = start();
     open(&mut app, &one);
     assert_eq!(*app.log.settings, given);
-    let notice = app.notices.last().expect("a notice");
-    assert!(notice.text.contains("draft"), "{}", notice.text);
-    assert_eq!(notice.offer, Some(Action::Undo));
     app.apply(Command::Do(Action::Undo));
     settle(&mut app);
     assert_eq!(*app.log.settings, Settings::default());
-    // What was taken back is not there the next time.
+    // A change that was undone is not there the next time.
     open(&mut app, &two);
     open(&mut app, &one);
     assert_eq!(*app.log.settings, Settings::default());

@@ -6,7 +6,9 @@ use crate::many_logs::{sailed, true_box, write_logs};
 use crate::review::search::{model, until};
 use crate::support::real_data;
 use crate::window::{Window, app, drawn_window, press, settle as drawn};
-use bathyscope::app::{Action, App, Command, FileToOpen, Jobs, LogBox, LogId, Object, ObjectState};
+use bathyscope::app::{
+    Action, App, Command, FileToOpen, FileToWrite, Jobs, LogBox, LogId, Object, ObjectState,
+};
 use bathyscope_log::survey::{Identity, Side};
 use bathyscope_objects::Detection;
 use bathyscope_objects::review::{Edit, Review, State};
@@ -197,7 +199,7 @@ fn an_object_is_decided_in_all_its_logs_as_one_step() {
 
     // Every log's decisions go into the file of that log.
     press(&mut window, Modifiers::SHIFT, Key::A);
-    press(&mut window, Modifiers::COMMAND, Key::S);
+    window.state_mut().app.apply(Command::Write(FileToWrite::Reviews));
     settle(&mut window);
     let accepted = |name: &str| {
         let text = std::fs::read_to_string(folder.path().join(name)).expect("a review");

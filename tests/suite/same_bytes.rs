@@ -113,11 +113,15 @@ fn everything_at_once(app: &mut App, folder: &Path) -> Vec<String> {
         wait(app);
     }
     let log = folder.join("first.sl2");
+    let sidecar = log.with_extension("bottom.toml");
+    let bottom = toml::Value::try_from(&app.log.settings.bottom).expect("edits");
+    let bottom = toml::Table::from_iter([("bottom".to_owned(), bottom)]);
+    std::fs::write(&sidecar, toml::to_string(&bottom).expect("text")).expect("a file");
     let files = [
         ("process", log.clone()),
         ("--reference", reference),
         ("--review", review),
-        ("--settings", log.with_extension("bottom.toml")),
+        ("--settings", sidecar),
     ];
     let arguments =
         files.map(|(word, path)| [word.to_owned(), path.to_string_lossy().into_owned()]);

@@ -453,8 +453,6 @@ macro_rules! action_rows {
             }
             /// Files of a review.
             ReviewFiles {
-                TakeUpUnsaved, "Restore unsaved decisions", "Restores decisions that were not saved when this log was last open."
-                    => State(App::take_up_unsaved);
                 OpenReview, "Open review…", "Opens decisions about the boxes of this log."
                     => Window(WindowAction::OpenReview);
                 SaveReview, "Save review", "Saves the decisions about boxes in a sidecar file of each log."

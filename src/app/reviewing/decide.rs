@@ -55,7 +55,7 @@ impl App {
             self.bring_in(changed);
         }
         self.settle_plane();
-        self.keep_project(label);
+        self.keep_decision(label);
         self.process();
     }
 

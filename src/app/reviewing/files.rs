@@ -12,7 +12,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Ending of the name of a review's file.
-const SUFFIX: &str = "review.json";
+pub(in crate::app) const SUFFIX: &str = "review.json";
 
 impl App {
     /// Returns the path of the review of the shown log: its file, or else the sidecar file of the
@@ -21,24 +21,13 @@ impl App {
         self.log.review_path()
     }
 
-    /// Returns true if decisions about a reviewed log are in no file yet.
-    pub(crate) fn has_unsaved_review(&self) -> bool {
-        self.reviewed_logs().any(|log| log.reviewing.is_unsaved())
-    }
-
-    /// Writes the reviews of all logs that differ from their files, each into its own file or else
-    /// the sidecar file of its log.
+    /// Writes the reviews of all logs with boxes, each into its own file or else the sidecar file
+    /// of its log.
     pub(in crate::app) fn save_reviews(&mut self) {
-        let changed = self.reviewed_logs().filter(|log| {
-            let reviewing = &log.reviewing;
-            reviewing.has_boxes() && !Arc::ptr_eq(&reviewing.review, &reviewing.saved)
-        });
-        let changed = changed.map(|log| (log.id, log.name(), log.review_path()));
-        let changed: Vec<(LogId, String, Option<PathBuf>)> = changed.collect();
-        if changed.is_empty() {
-            self.notify("the reviews are saved already".to_owned());
-        }
-        for (id, name, path) in changed {
+        let reviewed = self.reviewed_logs().filter(|log| log.reviewing.has_boxes());
+        let reviewed = reviewed.map(|log| (log.id, log.name(), log.review_path()));
+        let reviewed: Vec<(LogId, String, Option<PathBuf>)> = reviewed.collect();
+        for (id, name, path) in reviewed {
             match path {
                 Some(path) => self.save_review(id, path),
                 None => {
@@ -56,8 +45,6 @@ impl App {
         if self.refuses_log(id, &path) {
             return;
         }
-        // A running write of the unsaved decisions would leave a file of them.
-        self.wait_for(&JobKey::WriteUnsaved(id));
         let Some(log) = self.log_mut(id) else {
             return;
         };
@@ -154,7 +141,7 @@ impl App {
                 let review = Arc::new(review.with_sides(swapped));
                 self.take_review(id, review.clone(), "open review", false);
                 if let Some(log) = self.log_mut(id) {
-                    log.reviewing.saved = review;
+                    log.reviewing.saved = Some(review);
                     log.reviewing.path = Some(path);
                 }
                 self.notify(text);
@@ -187,8 +174,7 @@ impl Reviewing {
             file.write_all(text.as_bytes())?;
             file.write_all(b"\n")
         })?;
-        self.autosave.clear();
-        self.saved = self.review.clone();
+        self.saved = Some(self.review.clone());
         self.path = Some(path);
         Ok(())
     }

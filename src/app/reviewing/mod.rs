@@ -1,12 +1,11 @@
 //! Holds the boxes of a log with their decisions, selection, order and tool.
 //!
-//! `autosave` saves decisions as they are made, `classes` changes the list of classes, `decide`
-//! applies edits and goes through undo steps, `edges` moves single edges and marks points, `detect`
-//! searches with a detector, `line` is the queue over all logs, `places` locates boxes on the
-//! ground, `judging` compares them with the truth if it is known, `fly` enlarges a box in all
-//! views, `files` reads and writes the review and exports boxes.
+//! `classes` changes the list of classes, `decide` applies edits and goes through undo steps,
+//! `edges` moves single edges and marks points, `detect` searches with a detector, `line` is the
+//! queue over all logs, `places` locates boxes on the ground, `judging` compares them with the
+//! truth if it is known, `fly` enlarges a box in all views, `files` reads and writes the review and
+//! exports boxes.
 
-mod autosave;
 mod classes;
 mod decide;
 mod detect;
@@ -26,10 +25,10 @@ pub use judging::MistakeSort;
 pub use places::LocatedObject;
 
 pub(super) use detect::ObjectSearch;
+pub(super) use files::SUFFIX as REVIEW_SUFFIX;
 pub(super) use places::Entries;
 
 use super::LogPlace;
-use autosave::Autosave;
 use bathyscope_log::survey::{Identity, Navigation, Survey};
 use bathyscope_objects::NAMELESS_CLASS;
 use bathyscope_objects::review::{BoxId, DecisionCounts, Queue, Review, Reviewed};
@@ -61,15 +60,6 @@ pub enum Tool {
     Accept,
 }
 
-/// The review of a closed log, kept until that log is opened again.
-pub(super) struct Parked {
-    review: Arc<Review>,
-    saved: Arc<Review>,
-    path: Option<PathBuf>,
-    /// True if the decisions are in the file of unsaved ones.
-    is_kept: bool,
-}
-
 /// The boxes of a log, and the state of their review.
 pub struct Reviewing {
     /// The boxes with the decisions about them.
@@ -91,17 +81,14 @@ pub struct Reviewing {
     counts: DecisionCounts,
     /// True if a box was decided or corrected.
     is_touched: bool,
-    /// True if the project saves the decisions.
-    is_in_project: bool,
     /// Class of the next box that is drawn, which is the class that was given last.
     class: usize,
     raster: Option<(Arc<Navigation>, Arc<Raster>)>,
-    /// The version in the file, or the empty version.
-    saved: Arc<Review>,
+    /// The version in the file of the review; `None` if it has no file.
+    saved: Option<Arc<Review>>,
     /// A sidecar file that cannot be used, and is not overwritten, because it may be somebody's
     /// work.
     refused: Option<PathBuf>,
-    autosave: Autosave,
     places: BoxPlaces,
     /// Comparison of the boxes with the truth.
     pub judging: Judging,
@@ -109,10 +96,8 @@ pub struct Reviewing {
 
 impl Default for Reviewing {
     fn default() -> Self {
-        let review = Arc::new(empty(&Survey::default()));
         Self {
-            saved: review.clone(),
-            review,
+            review: Arc::new(empty(&Survey::default())),
             selected: None,
             queue: Queue::default(),
             tool: Tool::default(),
@@ -123,11 +108,10 @@ impl Default for Reviewing {
             longest: 0,
             counts: DecisionCounts::default(),
             is_touched: false,
-            is_in_project: false,
             class: 0,
             raster: None,
+            saved: None,
             refused: None,
-            autosave: Autosave::default(),
             places: BoxPlaces::default(),
             judging: Judging::default(),
         }
@@ -192,12 +176,11 @@ impl Reviewing {
         self.raster.as_ref().map(|(_, raster)| raster)
     }
 
-    /// Returns true if decisions are in no file yet. Boxes that are only proposed do not count: the
-    /// model finds them again.
+    /// Returns true if decisions are not in the file of the review. Boxes that are only proposed
+    /// do not count: the model finds them again.
     pub fn is_unsaved(&self) -> bool {
-        !self.is_in_project
-            && !Arc::ptr_eq(&self.review, &self.saved)
-            && (self.is_touched || is_touched(&self.saved))
+        let saved = self.saved.as_ref();
+        self.is_touched && !saved.is_some_and(|saved| Arc::ptr_eq(saved, &self.review))
     }
 
     /// Returns the extent of a mark along the track and in slant range, metres; the first is NaN
@@ -206,15 +189,10 @@ impl Reviewing {
         size_m(self.raster().map(AsRef::as_ref), mark)
     }
 
-    /// Returns a copy that holds only the drawn parts: the boxes of the queue, with nothing to
-    /// save.
+    /// Returns a copy that holds only the drawn parts: the boxes of the queue.
     pub(super) fn for_picture(&self) -> Self {
-        let mut copy = Self {
-            saved: self.review.clone(),
-            queue: self.queue.clone(),
-            raster: self.raster.clone(),
-            ..Self::default()
-        };
+        let mut copy =
+            Self { queue: self.queue.clone(), raster: self.raster.clone(), ..Self::default() };
         copy.set(self.review.clone());
         copy
     }
@@ -224,7 +202,7 @@ impl Reviewing {
         self.review = review;
         self.places.outdate();
         self.judging.outdate();
-        self.is_touched = is_touched(&self.review);
+        self.is_touched = self.review.boxes().any(Reviewed::is_kept);
         if self.selected_box().is_none() {
             self.selected = None;
         }
@@ -268,77 +246,31 @@ impl Reviewing {
         self.raster = Some((navigation.clone(), Arc::new(raster)));
     }
 
-    /// Assigns the boxes to a longer state of their log. A saved version stays saved.
+    /// Assigns the boxes to a longer state of their log.
     pub(super) fn carry(&mut self, identity: Identity) {
         if *self.review.identity() == identity {
             return;
         }
-        let carried = Arc::new(self.review.carried_to(identity));
-        if Arc::ptr_eq(&self.saved, &self.review) {
-            self.saved = carried.clone();
-        }
-        self.autosave.carry(&self.review, &carried);
-        self.review = carried;
+        self.review = Arc::new(self.review.carried_to(identity));
     }
 
-    /// Starts the review of a log that was opened, and restores its boxes from before it was
-    /// closed.
-    pub(super) fn start(&mut self, survey: &Survey, parked: &mut Vec<Parked>) {
-        let identity = Identity::of(survey);
-        let is_same = |parked: &Parked| {
-            let of = parked.review.identity();
-            of.file == identity.file && of.is_same_log(&identity)
-        };
-        if let Some(index) = parked.iter().rposition(is_same) {
-            let parked = parked.remove(index);
-            self.saved = parked.saved;
-            self.path = parked.path;
-            self.set(parked.review);
-            self.exchange(identity.swapped_sides);
-        } else {
-            self.saved = Arc::new(empty(survey));
-            self.set(self.saved.clone());
-        }
+    /// Starts the review of a log that was opened.
+    pub(super) fn start(&mut self, survey: &Survey) {
+        self.set(Arc::new(empty(survey)));
     }
 
     /// Moves the boxes with their echoes to the other side when the sides of the log are exchanged
-    /// or restored. A saved version stays saved: the file of a review states the sides that it
-    /// refers to.
+    /// or restored.
     pub(super) fn exchange(&mut self, swapped_sides: bool) {
         if self.review.identity().swapped_sides == swapped_sides {
             return;
         }
-        let exchanged = Arc::new(Review::clone(&self.review).with_sides(swapped_sides));
-        if Arc::ptr_eq(&self.review, &self.saved) {
-            self.saved = exchanged.clone();
-        }
-        self.set(exchanged);
+        self.set(Arc::new(Review::clone(&self.review).with_sides(swapped_sides)));
     }
 
     /// Sets the boxes that a project holds for the log.
     pub(super) fn take_kept(&mut self, review: Arc<Review>) {
-        self.saved = review.clone();
         self.set(review);
-    }
-
-    /// Saves decisions in the project from now on: the sidecar files of the log are not read or
-    /// written any more.
-    pub(super) fn keep_elsewhere(&mut self) {
-        self.is_in_project = true;
-        // A file with the decisions of this run would be offered when the log is opened next.
-        self.autosave.clear();
-        self.autosave = Autosave::default();
-    }
-
-    /// Returns the review to keep when the log is closed; `None` without boxes, or if a project
-    /// saves them.
-    pub(super) fn review_to_keep(&mut self) -> Option<Parked> {
-        (self.has_boxes() && !self.is_in_project).then(|| Parked {
-            is_kept: self.autosave.holds(&self.review),
-            review: self.review.clone(),
-            saved: self.saved.clone(),
-            path: self.path.clone(),
-        })
     }
 
     /// Copies the order and filter of the boxes, and the order of the mistakes, from the log that
@@ -352,10 +284,6 @@ impl Reviewing {
         self.sort_and_filter();
         self.count_mistakes();
     }
-}
-
-fn is_touched(review: &Review) -> bool {
-    review.boxes().any(Reviewed::is_kept)
 }
 
 fn size_m(raster: Option<&Raster>, mark: &Mark) -> [f64; 2] {

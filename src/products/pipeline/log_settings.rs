@@ -25,7 +25,9 @@ const EXCLUDED_LOG: &str = "excluded.log";
 ///
 /// # Errors
 /// When the input is not a table of values.
-pub fn deserialize_values<'de, D: Deserializer<'de>>(from: D) -> Result<SettingValues, D::Error> {
+pub(crate) fn deserialize_values<'de, D: Deserializer<'de>>(
+    from: D,
+) -> Result<SettingValues, D::Error> {
     let values = SettingValues::deserialize(from)?.into_iter();
     let current = |(key, value): (String, Value)| match renamed(&key) {
         Some(now) => (now.to_owned(), value),
@@ -41,7 +43,7 @@ pub(crate) fn is_setting(key: &str) -> bool {
 
 /// Returns true if a change of this key is stored with a single log, not with the settings that all
 /// logs share; see [`SettingScope`].
-pub fn is_of_one_log(key: &str) -> bool {
+pub(crate) fn is_of_one_log(key: &str) -> bool {
     row(key).is_some_and(|row| row.scope != SettingScope::Survey)
 }
 
@@ -105,7 +107,10 @@ fn shortest(value: Value) -> Value {
 ///
 /// # Errors
 /// A sentence that names the key, when the key does not exist or cannot have that value.
-pub fn with_values(settings: &Settings, values: &SettingValues) -> Result<Settings, SettingsError> {
+pub(crate) fn with_values(
+    settings: &Settings,
+    values: &SettingValues,
+) -> Result<Settings, SettingsError> {
     if values.is_empty() {
         return Ok(settings.clone());
     }

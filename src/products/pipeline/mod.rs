@@ -58,10 +58,10 @@ pub use fingerprint::{Fingerprint, Input, InputError, in_hexadecimal};
 pub(crate) use fingerprint::{LogFiles, sha256_of};
 pub use growing::{GrowingResults, extend};
 pub use log_report::CalibrationReport;
-pub use log_settings::{
-    LogSettings, SettingValues, deserialize_values, is_of_one_log, setting_values, with_values,
+pub use log_settings::{LogSettings, SettingValues, setting_values};
+pub(crate) use log_settings::{
+    deserialize_values, from_values, is_of_one_log, is_setting, with_values,
 };
-pub(crate) use log_settings::{from_values, is_setting};
 pub use objects::{ObjectLocator, list_objects, object_shape};
 pub use passes::{Pass, passes_over, place_of};
 pub use products::colour_range_m;

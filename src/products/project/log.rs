@@ -27,15 +27,20 @@ pub struct LogKey(String);
 impl LogKey {
     /// Creates the key of a log that is added to a project.
     pub fn of(file: &LogFile) -> Self {
-        let stem = file.path.file_stem().unwrap_or_default();
+        let hash = file.sha256.get(..HASH_DIGITS).unwrap_or(&file.sha256);
+        Self(format!("{}{hash}", Self::start_of(&file.path)))
+    }
+
+    /// Returns the start of the keys of all logs with this file name, up to the hash.
+    pub(super) fn start_of(path: &Path) -> String {
+        let stem = path.file_stem().unwrap_or_default();
         let stem = stem.to_string_lossy().to_lowercase();
         let plain = stem.chars().map(|letter| match letter {
             'a'..='z' | '0'..='9' | '_' | '-' => letter,
             _ => '_',
         });
         let plain: String = plain.take(LONGEST_STEM).collect();
-        let hash = file.sha256.get(..HASH_DIGITS).unwrap_or(&file.sha256);
-        Self(format!("{plain}-{hash}"))
+        format!("{plain}-")
     }
 
     /// Creates a key from its text in a file.
@@ -98,17 +103,41 @@ impl LogFile {
         let may_be = self.identity().is_same_log(&Identity::of(survey));
         Ok(may_be && sha256(survey, progress)? == self.sha256)
     }
+
+    /// Returns true if an open log is this one under the same name, or the same recording after
+    /// more was written to it.
+    pub(super) fn is_or_was_of(
+        &self,
+        survey: &Survey,
+        progress: &Progress,
+    ) -> Result<bool, Cancelled> {
+        let (own, identity) = (self.identity(), Identity::of(survey));
+        if own.file != identity.file || !survey.is_or_was(&own) {
+            return Ok(false);
+        }
+        // The files of a recording in several files grow side by side.
+        let is_longer = identity.byte_count > self.byte_count;
+        if is_longer && survey.source.files.len() > 1 {
+            return Ok(true);
+        }
+        Ok(sha256_of_first(survey, self.byte_count, progress)? == self.sha256)
+    }
 }
 
 /// Returns the SHA-256 of the log's own files; the track of another receiver, the last of the
 /// survey's files, is not included.
 fn sha256(survey: &Survey, progress: &Progress) -> Result<String, Cancelled> {
+    sha256_of_first(survey, u64::MAX, progress)
+}
+
+/// Returns the SHA-256 of the first `count` bytes of the log's own files.
+fn sha256_of_first(survey: &Survey, count: u64, progress: &Progress) -> Result<String, Cancelled> {
     let track = usize::from(survey.track.external.is_some());
     let own = survey.bytes.len().saturating_sub(track);
     let none: Box<dyn Read> = Box::new(io::empty());
     let all = (survey.bytes[..own].iter()).fold(none, |all, bytes| Box::new(all.chain(&bytes[..])));
     // Reading memory cannot fail; the only error is a cancellation.
-    let hashed = sha256_of(all, progress).map_err(|_| Cancelled)?;
+    let hashed = sha256_of(all.take(count), progress).map_err(|_| Cancelled)?;
     Ok(hashed.1)
 }
 

@@ -8,8 +8,8 @@
 //! converts those of older versions, `paths` converts the paths of files. `store` writes the file
 //! under a temporary name and renames it, with every change in a `journal` beside it, guarded by a
 //! `lock`. `find` searches for logs that were moved, `inputs` makes the inputs for work without a
-//! window, `sidecar` imports the files that earlier versions stored beside a log. Logs are never
-//! written.
+//! window, `sidecar` imports the files that earlier versions stored beside a log, `untitled` finds
+//! the decisions about logs that are in no named project. Logs are never written.
 //!
 //! # The file
 //!
@@ -92,6 +92,7 @@ mod rows;
 mod sidecar;
 mod store;
 mod text;
+mod untitled;
 
 pub use find::{LogLocation, find};
 pub use history::{History, HistoryStep};
@@ -102,6 +103,7 @@ pub use past::{PastStep, UNDONE};
 pub use row::Key;
 pub use sidecar::{BottomFileError, read_bottom};
 pub use store::{ENDING, OpenedProject, SavingOutcome, Store, StoreError, read, with_journal};
+pub use untitled::{UntitledProject, find_untitled, unused_path};
 
 use crate::pipeline::{Settings, SettingsError};
 use bathyscope_log::support::geo::LonLat;
@@ -291,6 +293,28 @@ impl Project {
 }
 
 impl Project {
+    /// Returns the project with each log at the path that has the name of its file, if there is
+    /// one among `paths`.
+    pub fn with_logs_at(&self, paths: &[PathBuf]) -> Self {
+        let mut after = self.clone();
+        for log in &mut after.logs {
+            if let Some(path) =
+                paths.iter().find(|path| path.file_name() == log.file.path.file_name())
+            {
+                *log = Arc::new(log.at(path));
+            }
+        }
+        after
+    }
+
+    /// Returns the project with a single log of it.
+    pub fn with_only(&self, key: &LogKey) -> Self {
+        let mut after = self.clone();
+        after.logs.retain(|log| log.key == *key);
+        after.measurements.clear();
+        after
+    }
+
     /// Returns the project without a log; the log's file is not removed. `None` if the project has
     /// no such log.
     pub fn without_log(&self, key: &LogKey) -> Option<Self> {

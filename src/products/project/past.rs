@@ -161,7 +161,8 @@ fn sharing(mut project: Project, with: &Project) -> Project {
     project
 }
 
-fn history_of(path: &Path) -> PathBuf {
+/// Returns the path of the file with the past of a project.
+pub(super) fn history_of(path: &Path) -> PathBuf {
     let mut name = OsString::from(path.file_name().unwrap_or_default());
     name.push(HISTORY);
     path.with_file_name(name)

@@ -8,7 +8,7 @@
 //!   program changed meanwhile is not replaced.
 
 use super::journal::{Entry, NoJournal, ProjectJournal, Read, Syncing};
-use super::past::{Past, PastStep};
+use super::past::{Past, PastStep, history_of};
 use super::row::Rows;
 use super::text::{VERSION, migrate};
 use super::{Project, ProjectError, paths, rows, text};
@@ -18,7 +18,7 @@ use bathyscope_log::support::file_error::FileError;
 use bathyscope_log::support::regular_file;
 use sha2::{Digest as _, Sha256};
 use std::ffi::OsString;
-use std::fs::File;
+use std::fs::{self, File};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
@@ -98,6 +98,19 @@ pub struct Store {
 pub fn read(path: &Path) -> Result<Project, StoreError> {
     let (text, _) = text_of(path)?;
     let read = Project::from_text(&text, &folder_of(path));
+    read.map_err(|error| StoreError::new(StoreFault::Text(error), path))
+}
+
+/// Reads a project as [`read`] does, with the changes in the journal beside it.
+///
+/// # Errors
+/// As [`read`], and when the changes are not valid.
+pub(super) fn read_with_changes(path: &Path) -> Result<Project, StoreError> {
+    let (text, sha256) = text_of(path)?;
+    let journal = regular_file::read(&journal_of(path), text::LONGEST).unwrap_or_default();
+    let read = text::read_as_written(&text).and_then(|(written, version)| {
+        project_with_changes(written, version, &sha256, &Read::of(&journal), &folder_of(path))
+    });
     read.map_err(|error| StoreError::new(StoreFault::Text(error), path))
 }
 
@@ -318,6 +331,17 @@ impl Store {
         })
     }
 
+    /// Removes the project from the disk: its file, its journal and its past. Errors are ignored: a
+    /// file that stays is an earlier version of decisions that are in another project.
+    pub fn remove(mut self) {
+        if let Some(journal) = self.journal.take() {
+            journal.remove();
+        }
+        for path in [&self.path, &history_of(&self.path)] {
+            fs::remove_file(path).ok();
+        }
+    }
+
     /// Closes the project. Changes since the last save stay in the journal for the next time if
     /// `keep`, or are lost.
     pub fn close(mut self, keep: bool) {
@@ -422,16 +446,31 @@ pub fn with_journal(
     folder: &Path,
 ) -> Result<Project, ProjectError> {
     let (written, version) = text::read_as_written(text)?;
-    let rows = migrate(written.clone(), version, VERSION);
-    let saved = rows::read(rows.clone(), folder)?;
     let read = Read::of(journal);
-    let Some((entries, entry_version)) = unsaved(&read, sha256) else {
-        return Ok(saved);
-    };
-    let project = replayed(written, version, entries, entry_version, folder)?;
-    Past::default().replay(&saved, (rows, entry_version), entries, folder);
-    taken_in(entries, read.damaged);
-    Ok(project)
+    if let Some((entries, entry_version)) = unsaved(&read, sha256) {
+        let rows = migrate(written.clone(), version, VERSION);
+        let saved = rows::read(rows.clone(), folder)?;
+        Past::default().replay(&saved, (rows, entry_version), entries, folder);
+        taken_in(entries, read.damaged);
+    }
+    project_with_changes(written, version, sha256, &read, folder)
+}
+
+/// Returns the project with these rows, and with the changes of its journal if the file has this
+/// hash.
+fn project_with_changes(
+    written: Rows,
+    version: u32,
+    sha256: &str,
+    journal: &Read,
+    folder: &Path,
+) -> Result<Project, ProjectError> {
+    match unsaved(journal, sha256) {
+        Some((entries, entry_version)) if !entries.is_empty() => {
+            replayed(written, version, entries, entry_version, folder)
+        }
+        _ => rows::read(migrate(written, version, VERSION), folder),
+    }
 }
 
 /// Returns the project with the changes applied again. The rows are converted to the layout of the
@@ -491,7 +530,7 @@ fn lock(path: &Path) -> Result<(ProjectJournal, Read), StoreError> {
     opened.map_err(|error| StoreError::new(what(error), path))
 }
 
-fn journal_of(path: &Path) -> PathBuf {
+pub(super) fn journal_of(path: &Path) -> PathBuf {
     let mut name = OsString::from(path.file_name().unwrap_or_default());
     name.push(JOURNAL);
     path.with_file_name(name)

@@ -3,7 +3,7 @@
 use super::printing::BUSY;
 use super::sides::SidePanel;
 use super::{Shell, ViewRequest};
-use crate::app::{Action, Command, FileToWrite, Jobs, KeyFocus, Keys, View, WindowAction};
+use crate::app::{Action, Command, FileToWrite, Jobs, KeyFocus, Keys, OpenLog, View, WindowAction};
 use crate::ui::dialogs::PathPurpose;
 use crate::ui::panels::{self, find_setting, find_setting::ControlPlace};
 use bathyscope_products::pipeline::settings;
@@ -148,15 +148,15 @@ impl Shell {
         }
     }
 
-    /// Saves the project; without a project, the open review file; without either, asks for the
-    /// name of a project.
+    /// Saves the project; asks for its name if it has none. Of a survey that is no file, such as
+    /// the demo, saves the review.
     fn save_project(&mut self) {
         if self.app.project_path().is_some() {
             self.app.apply(Command::SaveProject);
-        } else if self.app.log.reviewing.path.is_some() {
-            self.save_review();
-        } else {
+        } else if self.app.logs().any(OpenLog::is_file) || !self.app.log.reviewing.has_boxes() {
             self.name_project();
+        } else {
+            self.save_review();
         }
     }
 

@@ -275,8 +275,7 @@ impl Shell {
             self.carry_out(&ctx, command);
         }
         let busy = (!self.app.is_idle()).then_some(std::time::Duration::ZERO);
-        let due = [self.app.autosave_due(), self.app.follow_due()];
-        if let Some(due) = busy.or(due.into_iter().flatten().min()) {
+        if let Some(due) = busy.or(self.app.follow_due()) {
             ctx.request_repaint_after(due.max(std::time::Duration::from_millis(100)));
         }
     }
@@ -294,19 +293,19 @@ impl Shell {
         }
     }
 
-    /// Returns the title: the name of the project, with a mark if its file does not contain all
-    /// changes, or that of the log.
+    /// Returns the title: the name of the project or else that of the log, with a mark if there are
+    /// changes that no file with a name contains.
     fn title(&self) -> String {
         let project = self.app.project_path().and_then(|path| path.file_stem());
         let mark = if self.app.is_project_unsaved() { "*" } else { "" };
         match (project, &self.app.log.survey) {
             (Some(project), _) => format!("{}{mark} - Bathyscope", project.to_string_lossy()),
-            (None, Some(survey)) => format!("{} - Bathyscope", survey.name()),
+            (None, Some(survey)) => format!("{}{mark} - Bathyscope", survey.name()),
             (None, None) => "Bathyscope".to_owned(),
         }
     }
 
-    /// Protects unsaved decisions about boxes from closing by mistake: the first request to close
+    /// Protects decisions that are in no file from closing by mistake: the first request to close
     /// only warns the analyst.
     fn guard_decisions(&mut self, ctx: &egui::Context) {
         let closes = ctx.input(|input| input.viewport().close_requested());
@@ -321,7 +320,7 @@ impl Shell {
             self.warned_of_loss = true;
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
             self.say(&format!(
-                "decisions about boxes are not saved; save the project with {} or the review in the Review menu, or close again to discard them",
+                "decisions are in no file; save the project with {} or the review in the Review menu, or close again to discard them",
                 Action::SaveProject.key()
             ));
         }

@@ -1,10 +1,10 @@
 //! Saves the analyst's preferences between runs (display options, arrangement, mountings), with
-//! recent logs, the last settings of each log, and the path of the base map. Data of surveys are
+//! recent logs and the path of the base map. Data of surveys are
 //! never saved, and no setting of one survey is used for the next.
 
 use super::Shell;
 use super::layout::Layout;
-use crate::app::{Mountings, RememberedSettings, ViewOptions};
+use crate::app::{Mountings, ViewOptions};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -22,10 +22,6 @@ struct Saved {
     /// Default mountings of the recorders.
     #[serde(default)]
     mountings: Mountings,
-    /// Settings of logs; those of another version may not be readable, which must not prevent
-    /// reading the rest.
-    #[serde(default)]
-    given: serde_json::Value,
 }
 
 #[derive(Serialize)]
@@ -35,7 +31,6 @@ struct SavedWindow<'a> {
     recent: &'a [PathBuf],
     base_map: Option<&'a Path>,
     mountings: &'a Mountings,
-    given: RememberedSettings,
 }
 
 /// Writes the preferences into the store.
@@ -47,7 +42,6 @@ pub(super) fn save(shell: &Shell, storage: &mut dyn eframe::Storage) {
         recent: &shell.app.recent,
         base_map: base_map.map(|map| map.path.as_path()),
         mountings: shell.app.mountings(),
-        given: shell.app.remembered_settings(),
     };
     if let Ok(text) = serde_json::to_string(&saving) {
         storage.set_string(KEY, text);
@@ -61,8 +55,6 @@ impl Shell {
             return;
         };
         if let Ok(saved) = serde_json::from_str::<Saved>(&text) {
-            let given = serde_json::from_value(saved.given);
-            self.app.use_remembered_settings(given.unwrap_or_default());
             self.app.use_mountings(saved.mountings);
             self.app.view.options = saved.options.for_new_survey();
             self.app.recent = saved.recent;

@@ -2,7 +2,6 @@
 
 mod exported;
 mod judged;
-mod kept;
 pub(crate) mod mouse;
 mod on_map;
 pub(crate) mod search;
@@ -349,7 +348,12 @@ fn arrows_move_the_box_only_while_it_is_edited() {
 #[test]
 fn boxes_of_a_log_come_back_when_it_is_opened_again() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let mut window = demo_window();
+    let pond = folder.path().join("pond.sl2");
+    fs::copy(crate::support::demo_log(), &pond).expect("a log");
+    let mut window = crate::window::empty_window();
+    window.state_mut().app.keep_untitled_in(folder.path().join("kept"));
+    window.state_mut().app.apply(Command::Open(pond.clone()));
+    window.run();
     let found = detections(&window, 4);
     propose(&mut window, &found, folder.path());
     press(&mut window, Modifiers::NONE, Key::Tab);
@@ -371,7 +375,7 @@ fn boxes_of_a_log_come_back_when_it_is_opened_again() {
     app_now.apply(Command::Write(FileToWrite::Review(folder.path().join(".").join("other.sl2"))));
     assert_eq!(fs::read(&log).expect("the log").len(), bytes.len() / 2, "the log stays");
     window.state_mut().app.apply(Command::Write(FileToWrite::Review(beside)));
-    window.state_mut().app.apply(Command::OpenDemo);
+    window.state_mut().app.apply(Command::Open(pond));
     window.run();
     assert_eq!(states(&window), decided);
     let mut fresh = demo_window();

@@ -100,12 +100,9 @@ fn progress(ui: &mut Ui, context: &ViewContext<'_>) {
     }
     let app = context.app;
     // The remark always takes one line, so that the controls below it do not move.
-    let kept = match (app.has_unsaved_review(), app.is_at_risk()) {
-        (false, _) => "All decisions are saved.",
-        (true, true) => "Decisions are not saved.",
-        (true, false) => "Not saved; a copy lies next to the log.",
-    };
-    remark(ui, kept);
+    let saved =
+        if app.is_at_risk() { "Decisions are not saved." } else { "All decisions are saved." };
+    remark(ui, saved);
 }
 
 /// Draws the number of objects, and a button that shows their table.

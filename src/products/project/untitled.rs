@@ -1,0 +1,119 @@
+//! Finds the decisions about a log among untitled projects: those that the window writes into a
+//! folder of its own until the analyst saves the survey under a name.
+//!
+//! A log may be in several untitled projects, because it was open with other logs at other times.
+//! The project that was changed last has the valid decisions about it.
+
+use super::log::{LogFile, LogKey, ProjectLog};
+use super::store::{ENDING, journal_of, read_with_changes};
+use super::{Project, text::LONGEST};
+use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::support::regular_file;
+use bathyscope_log::survey::Survey;
+use std::collections::BTreeSet;
+use std::ffi::OsString;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::SystemTime;
+
+/// Untitled project that has the last decisions about a log.
+#[derive(Debug)]
+pub struct UntitledProject {
+    /// Path of the project's file.
+    pub path: PathBuf,
+    /// The project, with the changes that are in its journal.
+    pub project: Project,
+    /// The log in it, with its present path.
+    pub log: Arc<ProjectLog>,
+    /// Time of its last change.
+    pub changed_at: SystemTime,
+    /// True if the project has the last decisions about all requested logs and has no other log.
+    pub is_whole: bool,
+}
+
+/// Finds the untitled project in `folder` that has the last decisions about a log which is opened
+/// together with the logs at the paths `others`; `None` if there is none. A project that cannot be
+/// read is passed over.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn find_untitled(
+    folder: &Path,
+    survey: &Survey,
+    others: &[PathBuf],
+    progress: &Progress,
+) -> Result<Option<UntitledProject>, Cancelled> {
+    let Some(file) = survey.source.files.first() else {
+        return Ok(None);
+    };
+    let requested: BTreeSet<OsString> =
+        [file].into_iter().chain(others).map(|path| name_of(path)).collect();
+    let starts: Vec<String> =
+        requested.iter().map(|name| LogKey::start_of(name.as_ref())).collect();
+    let mut in_newer = BTreeSet::new();
+    for path in newest_first(folder) {
+        progress.check()?;
+        if !has_log_like(&path, &starts) {
+            continue;
+        }
+        let Ok(project) = read_with_changes(&path) else {
+            continue;
+        };
+        let names: BTreeSet<OsString> =
+            project.logs().iter().map(|log| name_of(&log.file.path)).collect();
+        for log in project.logs() {
+            if log.file.is_or_was_of(survey, progress)? {
+                let is_whole = names == requested && in_newer.is_disjoint(&requested);
+                let (log, changed_at) = (Arc::new(log.at(file)), changed_at(&path));
+                let found = UntitledProject { path, project, log, changed_at, is_whole };
+                return Ok(Some(found));
+            }
+        }
+        in_newer.extend(names);
+    }
+    Ok(None)
+}
+
+/// Returns a path in `folder` that no file has yet, for the untitled project of a log.
+pub fn unused_path(folder: &Path, log: &LogFile) -> PathBuf {
+    let key = LogKey::of(log);
+    let path = |number: u32| match number {
+        1 => folder.join(format!("{key}.{ENDING}")),
+        number => folder.join(format!("{key}-{number}.{ENDING}")),
+    };
+    let is_unused = |path: &PathBuf| !path.exists() && !journal_of(path).exists();
+    (1..).map(path).find(is_unused).unwrap_or_else(|| path(1))
+}
+
+/// Returns true if the text of a project or of its journal has a log whose key starts so: most
+/// projects of a full folder need not be parsed then.
+fn has_log_like(path: &Path, starts: &[String]) -> bool {
+    [path.to_owned(), journal_of(path)].iter().any(|path| {
+        let text = regular_file::read(path, LONGEST).unwrap_or_default();
+        let text = String::from_utf8_lossy(&text);
+        starts.iter().any(|start| text.contains(&format!("log.{start}")))
+    })
+}
+
+fn name_of(path: &Path) -> OsString {
+    path.file_name().unwrap_or_default().to_owned()
+}
+
+/// Returns the projects in a folder, beginning with the one that was changed last.
+fn newest_first(folder: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut found: Vec<(SystemTime, PathBuf)> = entries
+        .map(|entry| entry.path())
+        .filter(|path| path.extension().is_some_and(|ending| ending == ENDING))
+        .map(|path| (changed_at(&path), path))
+        .collect();
+    found.sort_by(|one, other| other.cmp(one));
+    found.into_iter().map(|(_, path)| path).collect()
+}
+
+/// Returns the time at which a project was changed last: that of its file, or of its journal.
+fn changed_at(path: &Path) -> SystemTime {
+    let at = |path: &Path| fs::metadata(path).and_then(|found| found.modified()).ok();
+    at(path).max(at(&journal_of(path))).unwrap_or(SystemTime::UNIX_EPOCH)
+}
