@@ -258,13 +258,18 @@ impl Shell {
             self.palette.open();
         }
         self.play.advance(ui, &self.app, &mut commands);
+        let ctx = ui.ctx().clone();
+        // Views send all options or settings when one changes: those that they read must contain
+        // the changes by keys of the same frame.
+        for command in std::mem::take(&mut commands) {
+            self.carry_out(&ctx, command);
+        }
         let asked = self.draw(ui, render_state, &mut commands);
         match asked {
             Some(PathPurpose::PrintInto) => self.name_print(),
             Some(purpose) => self.dialogs.ask(purpose, self.app.workers()),
             None => {}
         }
-        let ctx = ui.ctx().clone();
         self.give_up_seeking(&ctx);
         if !self.started {
             // The first frame was laid out in sizes other than those of the theme.
