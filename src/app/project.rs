@@ -45,6 +45,9 @@ pub(super) struct ProjectSaving {
     saves_again: bool,
     /// True if the project cannot be written, and the analyst was notified.
     pub failed: bool,
+    /// True if the project of the open logs was closed with all decisions in it, because another
+    /// one is being opened.
+    pub is_closed: bool,
 }
 
 /// A project that was read, with the logs of it that were found.
@@ -241,7 +244,9 @@ impl App {
     pub(super) fn leave_project(&mut self) {
         self.keep_all();
         self.say_kept();
-        self.files.project_saving = ProjectSaving::default();
+        let saving = &self.files.project_saving;
+        let is_closed = saving.is_closed || saving.store.is_some();
+        self.files.project_saving = ProjectSaving { is_closed, ..ProjectSaving::default() };
     }
 
     /// Returns the open survey as a project; parts that the window does not show stay as they are

@@ -108,6 +108,7 @@ impl App {
         if self.files.project_saving.store.is_some() {
             self.keep_project(label);
         } else {
+            self.files.project_saving.is_closed = false;
             self.begin_untitled();
         }
     }
@@ -174,10 +175,11 @@ impl App {
     /// Returns true if closing the window now would lose decisions, because they are in no file.
     pub fn is_at_risk(&self) -> bool {
         let saving = &self.files.project_saving;
-        match &saving.store {
-            Some(_) => saving.failed,
-            None => !self.is_keeping() && self.logs().any(|log| log.reviewing.is_unsaved()),
+        if saving.store.is_some() {
+            return saving.failed;
         }
+        let is_saved = saving.is_closed || self.is_keeping();
+        !is_saved && self.logs().any(|log| log.reviewing.is_unsaved())
     }
 
     /// Writes the changes of an untitled project into its file. A project without logs is removed:

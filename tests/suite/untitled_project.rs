@@ -214,6 +214,15 @@ fn a_survey_with_a_name_needs_no_untitled_project_any_more() {
     settle(&mut window);
     assert!(decisions(&window).1.is_empty());
     assert!(app(&window).is_project_unsaved());
+    // Another survey in between, and the project again: no decision is said to be lost.
+    press(&mut window, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    settle(&mut window);
+    act(&mut window, Command::Open(path.clone()));
+    open(&mut window, folder.path(), &[A]);
+    act(&mut window, Command::Open(path));
+    assert_eq!(decisions(&window).1, [State::Added]);
+    let lost = app(&window).notice_history().find(|notice| notice.text.contains("are gone"));
+    assert_eq!(lost, None);
 }
 
 #[test]
