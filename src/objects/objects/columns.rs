@@ -251,9 +251,9 @@ pub const OBJECT_COLUMNS: &[ObjectColumn] = &[
     ),
     shown("depth_m", "depth", Length(|of| of.object.depth_m), "Depth of the bottom at the object."),
     filed(
-        "course_deg",
-        Number(0, |of| of.object.course_rad.to_degrees().round().rem_euclid(360.0)),
-        "Course of the boat over ground at the sighting that tells the size best, degrees clockwise from north.",
+        "heading_deg",
+        Number(0, |of| of.object.heading_rad.to_degrees().round().rem_euclid(360.0)),
+        "Heading of the boat by `heading.source` at the sighting that tells the size best, degrees clockwise from north.",
     ),
     shown(
         "sightings",

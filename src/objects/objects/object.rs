@@ -86,8 +86,8 @@ pub struct Object {
     pub height: ObjectHeight,
     /// Depth of the bottom at the object, from the box that measures the size best.
     pub depth_m: f64,
-    /// Course of the boat over ground at this box, radians clockwise from north.
-    pub course_rad: f64,
+    /// Heading of the boat at this box, radians clockwise from the north of the plane.
+    pub heading_rad: f64,
     /// Number of passes of the boat that saw the object: at most the number of boxes, since both
     /// sides, or two recorders, may see it in one pass.
     pub sightings: usize,
@@ -134,7 +134,7 @@ impl Object {
             width_m: target.map_or(f64::NAN, |target| target.width_m),
             height: group.height,
             depth_m: target.map_or(f64::NAN, |target| target.depth_m),
-            course_rad: target.map_or(f64::NAN, |target| target.heading_rad),
+            heading_rad: target.map_or(f64::NAN, |target| target.heading_rad),
             sightings: count_seen(seen_on.iter().cloned(), logs),
             remarks: remarks.join("; "),
             seen_on,
