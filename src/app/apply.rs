@@ -8,7 +8,8 @@ use super::mounting::with_sides;
 use super::opening::OpenMode;
 use super::project::is_project;
 use super::{Action, App, Command, FileToOpen, FileToWrite, LogId, LogOrigin, LogPlace, Reveal};
-use bathyscope_products::pipeline::{LogSettings, Preset, Settings};
+use bathyscope_products::pipeline::settings::{self, ControlValue};
+use bathyscope_products::pipeline::{LogSettings, Preset, Settings, SettingsError};
 use std::borrow::Cow;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -39,6 +40,7 @@ impl App {
             Command::GoToStep(count) => self.go_to_step(count),
             Command::OpenDemo => self.start_loading(LogOrigin::Demo),
             Command::Change { settings, label, live } => self.change(*settings, label, live),
+            Command::Set { key, value, live } => self.set_by_control(key, value, live),
             Command::UsePreset(preset) => self.use_preset(preset),
             Command::ProposeStretch(pings) => self.propose_stretch(pings),
             Command::Show(options) => self.view.options = *options,
@@ -142,6 +144,24 @@ impl App {
         self.change_of(self.log.id, settings, label, live);
     }
 
+    /// Gives a setting of the shown log the value of its control.
+    fn set_by_control(&mut self, key: &'static str, value: ControlValue, live: bool) {
+        let Some(row) = settings::row(key) else {
+            return;
+        };
+        let mut settings = Settings::clone(&self.log.settings);
+        row.set(&mut settings, value);
+        // The end of a drag changes nothing, and ends the undo step.
+        let is_same = settings == *self.log.settings;
+        self.change_by(self.log.id, settings, row.name, live, |own, shared, after| {
+            Ok(if is_same {
+                (shared.clone(), own.clone())
+            } else {
+                own.set_by_control(shared, after, (row, value))
+            })
+        });
+    }
+
     /// Changes the settings of a log, and the shared settings of all other logs with them.
     pub(super) fn change_of(
         &mut self,
@@ -149,6 +169,23 @@ impl App {
         settings: Settings,
         label: impl Into<Cow<'static, str>>,
         live: bool,
+    ) {
+        self.change_by(id, settings, label, live, LogSettings::change);
+    }
+
+    /// Changes the settings of a log to `settings`; `parts` returns the shared settings and the
+    /// log's own after the change.
+    fn change_by(
+        &mut self,
+        id: LogId,
+        settings: Settings,
+        label: impl Into<Cow<'static, str>>,
+        live: bool,
+        parts: impl FnOnce(
+            &LogSettings,
+            &Settings,
+            &Settings,
+        ) -> Result<(Settings, LogSettings), SettingsError>,
     ) {
         let Some(log) = self.log_mut(id) else {
             return;
@@ -158,7 +195,8 @@ impl App {
         let own_before = log.own.clone();
         let before = self.step_now();
         let allowed = allowed.and_then(|()| self.follow_source(id, &settings));
-        let parts = allowed.and_then(|()| Ok(own_before.change(&self.document.shared, &settings)?));
+        let parts =
+            allowed.and_then(|()| Ok(parts(&own_before, &self.document.shared, &settings)?));
         let (shared, own) = match parts {
             Ok(parts) => parts,
             Err(error) => {

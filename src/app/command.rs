@@ -10,6 +10,7 @@ use bathyscope_log::support::geo::LonLat;
 use bathyscope_log::survey::{LogPart, Side};
 use bathyscope_objects::review::{BoxId, Edit, Queue};
 use bathyscope_objects::truth::Mistake;
+use bathyscope_products::pipeline::settings::ControlValue;
 use bathyscope_products::pipeline::{Preset, Settings};
 use std::ops::Range;
 use std::path::PathBuf;
@@ -54,12 +55,23 @@ pub enum Command {
     GoToStep(usize),
     /// Open the bundled demo survey.
     OpenDemo,
-    /// Change processing settings. One undo step ends with the first change that is not `live`.
+    /// Change several processing settings at once. One undo step ends with the first change that is
+    /// not `live`.
     Change {
         /// The new settings.
         settings: Box<Settings>,
         /// Name of the change in the undo menu: `threshold`, `preset`.
         label: &'static str,
+        /// True while the analyst is still dragging.
+        live: bool,
+    },
+    /// Give a setting of the shown log a value of its control. One undo step ends with the first
+    /// change that is not `live`.
+    Set {
+        /// Key of the setting.
+        key: &'static str,
+        /// The new value.
+        value: ControlValue,
         /// True while the analyst is still dragging.
         live: bool,
     },

@@ -26,6 +26,7 @@ use crate::app::{Action, App, Command, LogPlace, ThemeChoice, View, ViewOptions}
 use bathyscope_bottom::presentation::text;
 use bathyscope_bottom::presentation::units::Units;
 use bathyscope_products::pipeline::Settings;
+use bathyscope_products::pipeline::settings::{ControlValue, SettingRow};
 use egui::{Event, Response, Ui, WidgetText};
 use render::Uploader;
 
@@ -76,13 +77,13 @@ impl<'a> ViewContext<'a> {
         }
     }
 
-    /// Changes the settings; undo shows the label as the name of the change.
+    /// Changes several settings at once; undo shows the label as the name of the change.
     pub fn change(&mut self, label: &'static str, change: impl FnOnce(&mut Settings)) {
         self.change_live(label, false, change);
     }
 
-    /// Changes the settings. A `live` change is still going on, and is one undo step with the
-    /// changes that follow.
+    /// Changes several settings at once. A `live` change is still going on, and is one undo step
+    /// with the changes that follow.
     pub(crate) fn change_live(
         &mut self,
         label: &'static str,
@@ -92,6 +93,12 @@ impl<'a> ViewContext<'a> {
         let mut settings = Box::new(Settings::clone(&self.app.log.settings));
         change(&mut settings);
         self.push(Command::Change { settings, label, live });
+    }
+
+    /// Gives a setting the value of its control. A `live` change is still going on, and is one undo
+    /// step with the changes that follow.
+    pub(crate) fn set(&mut self, row: &'static SettingRow, value: ControlValue, live: bool) {
+        self.push(Command::Set { key: row.key, value, live });
     }
 
     /// Makes a button do an action; the hint of the action is shown under the pointer.

@@ -4,7 +4,7 @@
 //! ([`LogSettings::compose`]); the pipeline uses the result like the settings of a single log. Keys
 //! are those of `--set`: `draft_m`, `first_return.threshold`.
 
-use super::settings::{SettingScope, in_one_line, renamed, row};
+use super::settings::{ControlValue, SettingRow, SettingScope, in_one_line, renamed, row};
 use super::{Settings, SettingsError};
 use bathyscope_bottom::first_return::BottomSettings;
 use bathyscope_log::survey::{Gauge, Identity, Survey, WaterArea};
@@ -252,6 +252,28 @@ impl LogSettings {
         Ok((changed, own))
     }
 
+    /// Returns the shared settings and this log's own after a control gave a setting a value, and
+    /// the log's composed settings became `after`: as [`LogSettings::change`], but only this
+    /// setting is looked at, so that a drag takes no longer the more settings there are.
+    pub fn set_by_control(
+        &self,
+        shared: &Settings,
+        after: &Settings,
+        (row, value): (&SettingRow, ControlValue),
+    ) -> (Settings, LogSettings) {
+        let (mut own, mut shared) = (self.clone(), shared.clone());
+        if row.scope != SettingScope::Survey || self.is_own(row.key) {
+            match setting_values(after).remove(row.key) {
+                Some(value) => own.set(row.key, value),
+                None => own.unset(row.key),
+            }
+        } else {
+            row.set(&mut shared, value);
+        }
+        own.bottom = after.bottom.clone();
+        (shared, own)
+    }
+
     /// Returns these settings for the same log after more of it was written: bottom edits and
     /// excluded stretches still apply to the log. `None` if nothing has to be changed.
     pub fn carried_to(&self, survey: &Survey) -> Option<LogSettings> {
@@ -303,6 +325,8 @@ pub(crate) fn from_values(values: &SettingValues) -> Result<Settings, SettingsEr
 mod tests {
     use super::*;
     use crate::pipeline::Preset;
+    use crate::pipeline::settings::SettingKind;
+    use crate::pipeline::settings::rows::ROWS;
     use bathyscope_bottom::first_return::BottomEdit;
     use bathyscope_log::survey::{ExclusionReason, Side, Stretch};
 
@@ -370,6 +394,50 @@ mod tests {
         back.surface.cell_m = None;
         let (all, _) = changed.change(&all, &back).expect("settings");
         assert_eq!(all.surface.cell_m, None);
+    }
+
+    /// Another value of a setting's control; `None` if it has no control.
+    fn other(row: &SettingRow, settings: &Settings) -> Option<ControlValue> {
+        match &row.kind {
+            SettingKind::Number(number) => {
+                let [least, most] = number.range;
+                let now = (number.get)(settings).unwrap_or(least);
+                let next = [now + number.step, now - number.step];
+                let next = next.into_iter().find(|value| (least..=most).contains(value));
+                next.map(|next| ControlValue::Number(Some(next)))
+            }
+            SettingKind::Choice(choice) => {
+                let now = (choice.get)(settings);
+                let name = choice.names.iter().find(|name| name.value != now);
+                name.map(|name| ControlValue::Name(name.value))
+            }
+            SettingKind::Numbers { .. } | SettingKind::Text(_) => None,
+        }
+    }
+
+    #[test]
+    fn a_control_changes_what_a_comparison_of_all_settings_finds() {
+        let mut compared = 0;
+        for row in ROWS {
+            let mut shared = Settings::default();
+            let mut owning = LogSettings::default();
+            if let Some(value) = setting_values(&shared).remove(row.key) {
+                owning.set(row.key, value);
+            }
+            for own in [LogSettings::default(), owning] {
+                let before = own.compose(&shared).expect("settings");
+                let Some(value) = other(row, &before) else {
+                    continue;
+                };
+                let mut after = before.clone();
+                row.set(&mut after, value);
+                let expected = own.change(&shared, &after).expect("settings");
+                let changed = own.set_by_control(&shared, &after, (row, value));
+                assert_eq!(changed, expected, "{}", row.key);
+                (shared, compared) = (changed.0, compared + 1);
+            }
+        }
+        assert!(compared > ROWS.len(), "{compared}");
     }
 
     #[test]

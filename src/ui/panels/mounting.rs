@@ -8,7 +8,7 @@ use crate::app::{Action, Command};
 use crate::ui::ViewContext;
 use bathyscope_log::survey::{HeadingSource, MountingSettings, SidePair, Survey, arm_in_words};
 use bathyscope_products::pipeline::Stage;
-use bathyscope_products::pipeline::settings::rows;
+use bathyscope_products::pipeline::settings::{ControlValue, rows};
 use egui::{TextEdit, Ui};
 
 /// Draws the section.
@@ -160,7 +160,7 @@ fn frequency(ui: &mut Ui, context: &mut ViewContext<'_>, survey: &Survey) {
                 ui.selectable_label(is_shown, pair.summary()).on_hover_text(row.hint)
             });
             if button.inner.clicked() && !is_shown {
-                context.change(row.name, |settings| settings.source.frequency_khz = khz);
+                context.set(row, ControlValue::Number(khz), false);
             }
         }
     });

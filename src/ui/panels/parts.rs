@@ -7,7 +7,7 @@ use crate::ui::drop_down::DropDown;
 use crate::ui::list_keys::ListKeys;
 use crate::ui::{ViewContext, theme};
 use bathyscope_products::pipeline::settings::{
-    Control, Number, SettingChoice, SettingKind, SettingRow, ShownNumber,
+    Control, ControlValue, Number, SettingChoice, SettingKind, SettingRow, ShownNumber,
 };
 use egui::{Align, Button, Layout, ProgressBar, Response, RichText, Ui, WidgetText};
 
@@ -308,11 +308,12 @@ fn number(
     });
     if response.changed() || response.drag_stopped() {
         let live = response.dragged() && !response.drag_stopped();
-        context.change_live(setting.name, live, |settings| {
-            if response.changed() {
-                shown.take(settings, requested);
-            }
-        });
+        let value = if response.changed() {
+            shown.in_setting(requested)
+        } else {
+            (number.get)(&context.app.log.settings)
+        };
+        context.set(setting, ControlValue::Number(value), live);
     }
     response
 }
@@ -338,7 +339,7 @@ fn choice(
         })
     });
     if let Some(value) = picked {
-        context.change(setting.name, |settings| (choice.set)(settings, value));
+        context.set(setting, ControlValue::Name(value), false);
     }
     response
 }

@@ -5,7 +5,7 @@ use crate::app::Action;
 use crate::ui::panels::{find_setting, parts};
 use crate::ui::{ViewContext, controls, theme};
 use bathyscope_bottom::picture::LevelHistogram;
-use bathyscope_products::pipeline::settings::{SettingKind, SettingRow, rows};
+use bathyscope_products::pipeline::settings::{ControlValue, SettingKind, SettingRow, rows};
 use egui::{Color32, CursorIcon, Painter, Pos2, Rect, Response, Sense, Stroke, Ui, pos2, vec2};
 
 /// Width of the panel, points.
@@ -56,7 +56,7 @@ fn names(ui: &mut Ui, context: &mut ViewContext<'_>, setting: &'static SettingRo
                 }
                 let hint = format!("{} {}", setting.hint, name.meaning);
                 if item.on_hover_text(hint).clicked() && name.value != current {
-                    context.change(setting.name, |settings| (choice.set)(settings, name.value));
+                    context.set(setting, ControlValue::Name(name.value), false);
                 }
             }
         });

@@ -8,6 +8,7 @@ use bathyscope_bottom::first_return::{
 };
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::Side;
+use bathyscope_products::pipeline::settings::ControlValue;
 use egui::pos2;
 use std::time::Duration;
 
@@ -78,19 +79,18 @@ fn the_threshold_line_can_be_dragged() {
     window.run_steps(1);
     window.drop_at(pos2(60.0, level_y(0.60)));
     window.run_steps(2);
-    let changes: Vec<(f32, bool)> = window
+    let changes: Vec<(ControlValue, bool)> = window
         .state()
         .pushed
         .iter()
         .filter_map(|command| match command {
-            Command::Change { settings, live, .. } => {
-                Some((settings.first_return.threshold, *live))
-            }
+            Command::Set { key: "first_return.threshold", value, live } => Some((*value, *live)),
             _ => None,
         })
         .collect();
-    assert!(changes.contains(&(0.45, true)), "{changes:?}");
-    assert_eq!(changes.last(), Some(&(0.60, false)), "{changes:?}");
+    let value = |threshold: f32| ControlValue::Number(Some(f64::from(threshold)));
+    assert!(changes.contains(&(value(0.45), true)), "{changes:?}");
+    assert_eq!(changes.last(), Some(&(value(0.60), false)), "{changes:?}");
     assert_eq!(window.state().app.undo_label(), Some("threshold 0.60"));
 }
 

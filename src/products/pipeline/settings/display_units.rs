@@ -65,15 +65,15 @@ impl ShownNumber<'_> {
         (self.number.get)(settings).unwrap_or(0.0) / self.per
     }
 
-    /// Sets the setting to the value of the control, rounded in the shown unit. A value below the
-    /// least becomes no value if the setting may have none.
-    pub fn take(&self, settings: &mut Settings, value: f64) {
+    /// Returns the value of the setting for a value of the control, rounded in the shown unit. A
+    /// value below the least becomes no value if the setting may have none.
+    pub fn in_setting(&self, value: f64) -> Option<f64> {
         let [least, most] = self.number.range;
         let per_unit = 10f64.powi(self.decimals as i32);
         let rounded = (value * per_unit).round() / per_unit * self.per;
         let is_none = self.number.zero_is_none() && rounded < least && value * self.per < least;
         // Rounding must not move an allowed value beyond its limit.
-        (self.number.set)(settings, (!is_none).then_some(rounded.clamp(least, most)));
+        (!is_none).then_some(rounded.clamp(least, most))
     }
 
     /// Returns a value of the setting as its control shows it: `5.00 ft`.
@@ -115,23 +115,28 @@ mod tests {
         }
     }
 
+    /// Sets a setting as its control does.
+    fn take(shown: &ShownNumber<'_>, settings: &mut Settings, value: f64) {
+        (shown.number.set)(settings, shown.in_setting(value));
+    }
+
     #[test]
     fn feet_set_metres_and_show_as_they_were_typed() {
         let feet = Units { length: LengthUnit::Feet, speed: SpeedUnit::Knots };
         let mut settings = Settings::default();
         let draft = number(&rows::DRAFT).shown_in(feet);
-        draft.take(&mut settings, 5.0);
+        take(&draft, &mut settings, 5.0);
         assert!((settings.draft_m - 1.524).abs() < 1e-12);
         assert_eq!(draft.said(settings.draft_m), "5.00 ft");
         assert_eq!([draft.step, draft.ends[0]], [0.01, 0.0]);
         let stops = number(&rows::MIN_SPEED).shown_in(feet);
-        stops.take(&mut settings, 1.0);
+        take(&stops, &mut settings, 1.0);
         let mps = settings.excluded.min_speed_mps.unwrap();
         assert!((mps - 1852.0 / 3600.0).abs() < 1e-12);
-        stops.take(&mut settings, 0.0);
+        take(&stops, &mut settings, 0.0);
         assert_eq!(settings.excluded.min_speed_mps, None);
         let recorder = number(&rows::RECORDER_SPEED).shown_in(feet);
-        recorder.take(&mut settings, 4800.0);
+        take(&recorder, &mut settings, 4800.0);
         assert!((settings.sound_speed.recorder_m_s - 1463.04).abs() < 1e-9);
         assert_eq!(recorder.suffix, " ft/s");
     }
@@ -158,7 +163,7 @@ mod tests {
                     let shown = number.shown_in(Units { length, speed });
                     for end in shown.ends {
                         let mut settings = Settings::default();
-                        shown.take(&mut settings, end);
+                        take(&shown, &mut settings, end);
                         assert!(row.check(&settings).is_ok(), "{} at {end}", row.key);
                         let none = end == 0.0 && number.zero_is_none();
                         assert_eq!((number.get)(&settings).is_none(), none, "{}", row.key);

@@ -19,7 +19,9 @@ pub use help::{help, markdown, row};
 pub(crate) use keys::in_one_line;
 pub use keys::renamed;
 pub use keys::slips;
-pub use table::{Control, Number, SettingChoice, SettingKind, SettingRow, SettingScope};
+pub use table::{
+    Control, ControlValue, Number, SettingChoice, SettingKind, SettingRow, SettingScope,
+};
 
 use bathyscope_bottom::bathymetry::SurfaceSettings;
 use bathyscope_bottom::bathymetry::isobaths::IsobathSettings;

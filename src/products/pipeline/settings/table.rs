@@ -52,6 +52,28 @@ pub enum SettingKind {
     Text(&'static str),
 }
 
+/// Value that a control gives to a setting.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ControlValue {
+    /// Number in the unit of the setting; `None` for no value.
+    Number(Option<f64>),
+    /// One of several names.
+    Name(&'static str),
+}
+
+impl SettingRow {
+    /// Gives the setting the value of its control; a value of another kind changes nothing.
+    pub fn set(&self, settings: &mut Settings, value: ControlValue) {
+        match (&self.kind, value) {
+            (SettingKind::Number(number), ControlValue::Number(value)) => {
+                (number.set)(settings, value);
+            }
+            (SettingKind::Choice(choice), ControlValue::Name(name)) => (choice.set)(settings, name),
+            _ => {}
+        }
+    }
+}
+
 /// Setting that is a number.
 #[derive(Debug)]
 pub struct Number {

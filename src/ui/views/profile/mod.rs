@@ -14,6 +14,7 @@ use bathyscope_bottom::cloud::Reduction;
 use bathyscope_bottom::first_return::Pick;
 use bathyscope_bottom::presentation::units::Units;
 use bathyscope_log::survey::{Side, SidePing, Survey};
+use bathyscope_products::pipeline::settings::{ControlValue, rows};
 use curve::ScaleJob;
 use egui::{Rect, Response, Sense, vec2};
 use plot::ProfilePlot;
@@ -144,9 +145,8 @@ impl ProfileView {
         if let Some(at) = response.interact_pointer_pos() {
             // Steps of a hundredth, like those of the slider and the keys.
             let threshold = (plot.level(at.y) * 100.0).round() / 100.0;
-            context.change_live("threshold", live, |settings| {
-                settings.first_return.threshold = threshold;
-            });
+            let value = ControlValue::Number(Some(f64::from(threshold)));
+            context.set(&rows::THRESHOLD, value, live);
         }
         self.drags_threshold = live;
     }
