@@ -151,7 +151,7 @@ impl App {
         };
         let mut settings = Settings::clone(&self.log.settings);
         row.set(&mut settings, value);
-        // The end of a drag changes nothing, and ends the undo step.
+        // A value that is set again changes nothing, but may end the undo step of a drag.
         let is_same = settings == *self.log.settings;
         self.change_by(self.log.id, settings, row.name, live, |own, shared, after| {
             Ok(if is_same {

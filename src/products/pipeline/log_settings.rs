@@ -252,9 +252,9 @@ impl LogSettings {
         Ok((changed, own))
     }
 
-    /// Returns the shared settings and this log's own after a control gave a setting a value, and
-    /// the log's composed settings became `after`: as [`LogSettings::change`], but only this
-    /// setting is looked at, so that a drag takes no longer the more settings there are.
+    /// Returns the shared settings and this log's own after a control gave a setting another value,
+    /// and the log's composed settings became `after`: as [`LogSettings::change`], but without a
+    /// comparison of all settings, which a drag would make at each step.
     pub fn set_by_control(
         &self,
         shared: &Settings,

@@ -308,12 +308,12 @@ fn number(
     });
     if response.changed() || response.drag_stopped() {
         let live = response.dragged() && !response.drag_stopped();
-        let value = if response.changed() {
-            shown.in_setting(requested)
+        if response.changed() {
+            context.set(setting, ControlValue::Number(shown.in_setting(requested)), live);
         } else {
-            (number.get)(&context.app.log.settings)
-        };
-        context.set(setting, ControlValue::Number(value), live);
+            // The end of the drag changes nothing, and ends the undo step.
+            context.change_live(setting.name, live, |_| {});
+        }
     }
     response
 }
