@@ -55,6 +55,9 @@ pub(super) enum AppError {
     /// The search for objects was cancelled or failed.
     #[error(transparent)]
     Search(#[from] DetectError),
+    /// A log of an untitled project is not at its place.
+    #[error("another recording is at the place of a log")]
+    OtherLog,
     /// The folder of untitled projects cannot be created.
     #[error("the folder cannot be created: {source}: {}", path.display())]
     NoFolder {

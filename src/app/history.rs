@@ -43,11 +43,11 @@ impl App {
         if live {
             return;
         }
-        let title = self.title(&label, &start, after);
         if start != *after {
+            let title = self.title(&label, &start, after);
             self.document.history.name_last(title.clone());
+            self.keep_decision(&title);
         }
-        self.keep_decision(&title);
     }
 
     /// Records a change with a complete name as an undo step.

@@ -355,6 +355,7 @@ impl App {
         } else {
             self.logs.others.push(log)
         }
+        self.forget_closed(id);
         self.name_logs();
     }
 

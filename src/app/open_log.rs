@@ -14,6 +14,7 @@ use bathyscope_products::pipeline::{
     LogSettings, ProcessedLog, Products, Settings, SourceKey, Stage,
 };
 use bathyscope_products::project::LogFile;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Colours that distinguish logs: the eight of Okabe and Ito, which colour-blind people can
@@ -59,6 +60,8 @@ pub struct OpenLog {
     pub(super) is_demo: bool,
     /// The file of the recording; `None` until it is described for a project.
     pub(super) file: Option<LogFile>,
+    /// The untitled project of this log alone, which was written when it was closed.
+    pub(super) kept_alone: Option<PathBuf>,
     /// Settings of this log only.
     pub own: Arc<LogSettings>,
     /// The settings in force: the shared ones, replaced by the log's own where it has any.
@@ -96,6 +99,7 @@ impl Default for OpenLog {
             depth_span_m: None,
             is_demo: false,
             file: None,
+            kept_alone: None,
             own: Arc::default(),
             settings: Arc::default(),
             products: None,
@@ -221,6 +225,7 @@ impl OpenLog {
             depth_span_m: self.depth_span_m,
             is_demo: self.is_demo,
             file: self.file,
+            kept_alone: self.kept_alone,
             own: self.own,
             settings: self.settings,
             external: self.external,

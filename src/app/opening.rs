@@ -84,8 +84,9 @@ pub(super) type ReadBottom = Result<BottomSettings, BottomFileError>;
 
 /// Contents of a path that was opened.
 enum OpenedPath {
-    /// A log, with the last decisions about it if there are any.
-    Log(Box<Survey>, ReadDecisions),
+    /// A log, with the last decisions about it if there are any, or the path of the named project
+    /// that has them.
+    Log(Box<Survey>, ReadDecisions, Option<PathBuf>),
     /// The untitled project of the requested logs.
     Project(Box<OpenedLogs>),
     /// A folder of several logs.
@@ -125,19 +126,19 @@ fn read_path(
     }
     survey.check_files().map_err(formats::OpenError::from)?;
     let found = match (origin, untitled) {
-        (LogOrigin::Demo, _) | (_, None) => FoundDecisions::None(survey),
+        (LogOrigin::Demo, _) | (_, None) => FoundDecisions::None(survey, None),
         (LogOrigin::Path(_), Some(folder)) => find_decisions(folder, survey, others, progress)?,
     };
     Ok(match found {
         FoundDecisions::Project(opened) => OpenedPath::Project(opened),
         FoundDecisions::Log(decisions, survey) => {
-            OpenedPath::Log(Box::new(survey), ReadDecisions::Untitled(decisions))
+            OpenedPath::Log(Box::new(survey), ReadDecisions::Untitled(decisions), None)
         }
-        FoundDecisions::None(survey) => {
+        FoundDecisions::None(survey, named) => {
             let log = survey.source.files.first();
             let bottom = log.and_then(|log| read_bottom(log, &survey));
             let decisions = bottom.map_or(ReadDecisions::None, ReadDecisions::Sidecar);
-            OpenedPath::Log(Box::new(survey), decisions)
+            OpenedPath::Log(Box::new(survey), decisions, named)
         }
     })
 }
@@ -151,6 +152,10 @@ impl App {
     /// Opens logs one after the other; the opening of earlier requests is dropped.
     pub(super) fn load(&mut self, origins: impl Iterator<Item = LogOrigin>, place: OpenMode) {
         self.jobs.stop(&JobKey::OpenLog);
+        if place == OpenMode::Instead && self.files.project_saving.is_untitled {
+            // The logs may be those that are open, whose project is opened again.
+            self.leave_project();
+        }
         self.files.to_load = requests(origins, place);
         self.load_next();
     }
@@ -190,8 +195,13 @@ impl App {
     fn take_opened(&mut self, request: OpenRequest, opened: Result<OpenedPath, AppError>) {
         let OpenRequest { origin, place } = request;
         match opened {
-            Ok(OpenedPath::Log(survey, decisions)) => {
+            Ok(OpenedPath::Log(survey, decisions, named)) => {
+                let name = quoted(&survey.name());
                 self.take_survey(*survey, origin, place, decisions);
+                if let Some(named) = named.filter(|named| self.project_path() != Some(named)) {
+                    let named = named.display();
+                    self.notify(format!("The decisions about {name} are in the project {named}"));
+                }
             }
             Ok(OpenedPath::Project(opened)) => self.take_untitled(origin, *opened),
             Ok(OpenedPath::Folder(logs)) => {

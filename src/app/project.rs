@@ -45,8 +45,11 @@ pub(super) struct ProjectSaving {
     saves_again: bool,
     /// True if the project cannot be written, and the analyst was notified.
     pub failed: bool,
-    /// True if the project of the open logs was closed with all decisions in it, because another
-    /// one is being opened.
+    /// True if a log cannot be described, or an untitled project cannot be created, and the analyst
+    /// was notified.
+    pub is_refused: bool,
+    /// True if the project of the open logs was closed, with all decisions in it, because other
+    /// logs are being opened.
     pub is_closed: bool,
 }
 
@@ -247,6 +250,7 @@ impl App {
         let saving = &self.files.project_saving;
         let is_closed = saving.is_closed || saving.store.is_some();
         self.files.project_saving = ProjectSaving { is_closed, ..ProjectSaving::default() };
+        self.files.missing.clear();
     }
 
     /// Returns the open survey as a project; parts that the window does not show stay as they are
@@ -340,16 +344,17 @@ impl App {
         );
     }
 
-    /// Sets the project that was written under a name as the open one. An untitled project is
-    /// removed, because the named one contains it.
+    /// Sets the project that was written under a name as the open one.
     fn take_named(&mut self, store: Store, project: Project) {
         let text = format!("Saved the project: {}", store.path().display());
         self.remember(store.path().to_owned());
         self.finish_writing();
         let saving = ProjectSaving { store: Some(store), project, ..ProjectSaving::default() };
         let before = std::mem::replace(&mut self.files.project_saving, saving);
-        if let Some(untitled) = before.store.filter(|_| before.is_untitled) {
-            untitled.remove();
+        if let Some(untitled) = before.store.filter(|_| before.is_untitled)
+            && let Some(named) = self.project_path()
+        {
+            self.point_to_named(untitled, before.project, named);
         }
         self.notify(text);
         self.keep_project("save under another name");
@@ -484,6 +489,9 @@ pub(super) fn read(
     }
     let places: BTreeMap<LogKey, LogLocation> =
         find(&to_find, &folder, progress)?.into_iter().collect();
+    if is_untitled && places.values().any(|place| *place != LogLocation::Here) {
+        return Err(AppError::OtherLog);
+    }
     let (mut logs, mut notes) = (Vec::new(), Vec::new());
     // The files of the shared settings are read once for all logs.
     if let Err(error) = opened.project.settings.load_files() {

@@ -2,8 +2,9 @@
 //!
 //! The first decision creates an untitled project in a folder of the program, with an ordinary
 //! journal, so that from then on each decision is saved as it is made. When the same logs are
-//! opened again, their untitled project is opened; when a log is opened in other company, the last
-//! decisions about it are taken into the open survey.
+//! opened again, their untitled project is opened; when a log is opened alone or with other logs,
+//! the last decisions about it are taken into the open survey. An untitled project whose survey was
+//! saved under a name points to the named one.
 
 use super::error::AppError;
 use super::jobs::JobKey;
@@ -15,7 +16,7 @@ use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::Survey;
 use bathyscope_objects::objects::ObjectNumbers;
 use bathyscope_objects::review::Review;
-use bathyscope_products::pipeline::{LogSettings, Settings};
+use bathyscope_products::pipeline::{LogSettings, Settings, SettingsError};
 use bathyscope_products::project::{
     Project, ProjectLog, Store, UntitledProject, find_untitled, unused_path,
 };
@@ -27,14 +28,17 @@ use std::time::SystemTime;
 /// Name of the undo step that takes decisions from an untitled project.
 const TAKEN: &str = "last decisions about the log";
 
+/// Key of the named project in the files of an untitled one.
+const NAMED: &str = "project";
+
 /// A log with the decisions about it when it was last open.
 pub(super) enum FoundDecisions {
-    /// The project of the requested logs, which are opened with it.
+    /// The untitled project of exactly the requested logs, which are opened with it.
     Project(Box<OpenedLogs>),
-    /// The decisions about one log of a project.
+    /// The decisions about this log, from an untitled project of other logs as well.
     Log(Box<LogDecisions>, Survey),
-    /// There are no decisions.
-    None(Survey),
+    /// There are no decisions, or they are in the named project of the path.
+    None(Survey, Option<PathBuf>),
 }
 
 /// Decisions about a log in an untitled project of other logs as well.
@@ -44,8 +48,8 @@ pub(super) struct LogDecisions {
     shared: Settings,
     /// Settings of the log with the files that they name; the error if these cannot be used.
     settings: Result<Settings, AppError>,
-    /// Notice about a newer review.
-    note: Option<String>,
+    /// Notices about files that cannot be read, and about a newer review.
+    notes: Vec<String>,
 }
 
 /// Finds the decisions about a log that was read, among the untitled projects in `folder`;
@@ -57,28 +61,41 @@ pub(super) fn find_decisions(
     progress: &Progress,
 ) -> Result<FoundDecisions, AppError> {
     let found = find_untitled(folder, &survey, others.unwrap_or_default(), progress)?;
-    let Some(UntitledProject { path, project, log, changed_at, is_whole }) = found else {
-        return Ok(FoundDecisions::None(survey));
+    let Some(UntitledProject { path, mut project, log, changed_at, is_whole }) = found else {
+        return Ok(FoundDecisions::None(survey, None));
     };
+    if let Some(named) = project.files.get(NAMED).filter(|named| named.is_file()) {
+        return Ok(FoundDecisions::None(survey, Some(named.clone())));
+    }
     let note = newer_review(&log, &survey, changed_at);
     if is_whole && let Some(others) = others {
         let mut paths = others.to_vec();
         paths.extend(survey.source.files.first().cloned());
         let known = KnownLog { key: log.key.clone(), survey: survey.clone(), paths };
-        // A project that another window has open is read, but not opened.
+        // A project that another window has open, or one of whose logs is another recording now, is
+        // read, but not opened.
         if let Ok(mut opened) = read(&path, Some(known), progress) {
             opened.notes.extend(note);
+            // The named project does not exist any more.
+            opened.opened.project.files.remove(NAMED);
             return Ok(FoundDecisions::Project(Box::new(opened)));
         }
         progress.check()?;
     }
-    let settings = project.settings_of(&log).and_then(|mut settings| {
-        settings.load_files()?;
-        settings.check()?;
-        Ok(settings)
+    let mut notes: Vec<String> = note.into_iter().collect();
+    let mut note = |error: SettingsError| {
+        let text = error.to_string();
+        if !notes.contains(&text) {
+            notes.push(text);
+        }
+    };
+    project.settings.load_files().unwrap_or_else(&mut note);
+    let settings = project.settings_of(&log).map(|mut settings| {
+        settings.load_files().unwrap_or_else(&mut note);
+        settings
     });
     let settings = settings.map_err(AppError::from);
-    let decisions = LogDecisions { log, shared: project.settings, settings, note };
+    let decisions = LogDecisions { log, shared: project.settings, settings, notes };
     Ok(FoundDecisions::Log(Box::new(decisions), survey))
 }
 
@@ -88,6 +105,7 @@ fn newer_review(log: &ProjectLog, survey: &Survey, changed_at: SystemTime) -> Op
     let path = survey.source.files.first()?.with_extension(REVIEW_SUFFIX);
     let written_at = fs::metadata(&path).and_then(|found| found.modified()).ok()?;
     let review = Review::open_for(&path, survey).ok().filter(|_| written_at > changed_at)?;
+    let review = review.with_sides(log.review.identity().swapped_sides);
     (review.shared() != log.review.shared()).then(|| {
         format!(
             "A review next to the log is newer than the last decisions; Open review reads it: {}",
@@ -121,7 +139,7 @@ impl App {
         };
         let is_begun = [JobKey::HashUntitled, JobKey::CreateProject];
         let is_begun = is_begun.iter().any(|key| self.is_running(key));
-        if is_begun || self.files.project_saving.failed || !self.logs().any(OpenLog::is_file) {
+        if is_begun || self.files.project_saving.is_refused || !self.logs().any(OpenLog::is_file) {
             return;
         }
         self.hash_logs(JobKey::HashUntitled, move |app, hashed| match hashed {
@@ -136,7 +154,7 @@ impl App {
     pub(super) fn hash_new_logs(&mut self) {
         let is_begun = self.is_running(&JobKey::HashUntitled);
         let has_store = self.files.project_saving.store.is_some();
-        let can_begin = has_store && !is_begun && !self.files.project_saving.failed;
+        let can_begin = has_store && !is_begun && !self.files.project_saving.is_refused;
         if !can_begin || self.logs_to_hash().next().is_none() {
             return;
         }
@@ -147,6 +165,14 @@ impl App {
     }
 
     fn create_untitled(&mut self, folder: PathBuf) {
+        // The survey may be given a name meanwhile, or its last log may be closed.
+        self.wait_for(&JobKey::CreateProject);
+        if self.files.project_saving.store.is_some() {
+            return self.keep_project("add log");
+        }
+        if !self.logs().any(|log| log.file.is_some()) {
+            return;
+        }
         let path = move |project: &Project| {
             fs::create_dir_all(&folder)
                 .map_err(|source| AppError::NoFolder { source, path: folder.clone() })?;
@@ -165,7 +191,7 @@ impl App {
     }
 
     fn say_not_kept(&mut self, why: &AppError) {
-        self.files.project_saving.failed = true;
+        self.files.project_saving.is_refused = true;
         let save = Action::SaveProject.key();
         self.warn(format!(
             "decisions cannot be saved as they are made; save the project with {save}: {why}"
@@ -175,15 +201,15 @@ impl App {
     /// Returns true if closing the window now would lose decisions, because they are in no file.
     pub fn is_at_risk(&self) -> bool {
         let saving = &self.files.project_saving;
-        if saving.store.is_some() {
-            return saving.failed;
-        }
-        let is_saved = saving.is_closed || self.is_keeping();
-        !is_saved && self.logs().any(|log| log.reviewing.is_unsaved())
+        let is_refused = saving.failed || saving.is_refused;
+        let is_saved = saving.store.is_some() || saving.is_closed || self.is_keeping();
+        let mut logs = self.logs().filter(|log| !is_saved || !log.is_file());
+        let is_box_at_risk = logs.any(|log| log.reviewing.is_unsaved());
+        is_box_at_risk || is_refused && self.history().next().is_some()
     }
 
-    /// Writes the changes of an untitled project into its file. A project without logs is removed:
-    /// each of them was closed.
+    /// Writes the changes of an untitled project into its file, or removes it if all its logs were
+    /// closed.
     pub(super) fn save_untitled(&mut self) {
         let saving = &mut self.files.project_saving;
         let Some(store) = saving.store.as_mut().filter(|_| saving.is_untitled) else {
@@ -211,13 +237,40 @@ impl App {
             1 => first,
             count => format!("{first} and {} more", count - 1),
         };
-        if saving.is_untitled && saving.store.is_some() {
+        if self.is_at_risk() {
+            self.warn(format!("decisions about {which} were in no file, and are gone"));
+        } else if saving.is_untitled && saving.store.is_some() {
             self.notify(format!(
                 "The decisions about {which} are saved, and are there when it is opened again"
             ));
-        } else if self.is_at_risk() {
-            self.warn(format!("the decisions about {which} were in no file, and are gone"));
         }
+    }
+
+    /// Replaces the contents of an untitled project, whose survey was saved under a name, by a
+    /// pointer to the named project.
+    pub(super) fn point_to_named(&self, mut untitled: Store, mut project: Project, named: &Path) {
+        project.files.insert(NAMED.to_owned(), named.to_owned());
+        // Without the pointer, the decisions of this moment would be found.
+        untitled.save(&project).ok();
+    }
+
+    /// Makes a change that is no decision of the analyst, as an undo step that is not saved before
+    /// the next decision unless a project is open. Returns true if there was a change.
+    pub(super) fn take_unkept(
+        &mut self,
+        label: &'static str,
+        change: impl FnOnce(&mut Self),
+    ) -> bool {
+        let before = self.step_now();
+        change(self);
+        let after = self.step_now();
+        if before == after {
+            return false;
+        }
+        self.withdraw(Action::Undo);
+        self.document.history.record(&before, &after, label, false);
+        self.keep_project(label);
+        true
     }
 
     /// Saves the decisions about a log that is being closed in an untitled project of its own, so
@@ -226,31 +279,51 @@ impl App {
         let Some(folder) = self.files.untitled_folder.clone() else {
             return;
         };
+        // The log is described by the project that is being created.
+        self.wait_for(&JobKey::HashUntitled);
+        self.wait_for(&JobKey::CreateProject);
         let Some(file) = self.open_log(id).and_then(|log| log.file.as_ref()) else {
             return;
         };
         let project = self.as_project(&self.files.project_saving.project);
-        let Some(log) = project.log_like(file).filter(|log| has_decisions(log)) else {
+        let Some(log) = project.log_like(file) else {
             return;
         };
         let alone = project.with_only(&log.key);
+        let is_decided = log.settings != LogSettings::default()
+            || log.review.boxes().len() > 0
+            || alone.settings != *self.document.start
+            || !alone.measurements.is_empty();
+        if !is_decided {
+            return;
+        }
         let written = fs::create_dir_all(&folder)
             .map_err(|source| AppError::NoFolder { source, path: folder.clone() });
         let path = unused_path(&folder, file);
         let written = written.and_then(|()| Ok(Store::create(&path, &alone)?));
-        if let Err(error) = written {
-            self.warn(error.to_string());
+        match (written, self.log_mut(id)) {
+            (Ok(_), Some(log)) => log.kept_alone = Some(path),
+            (Ok(_), None) => {}
+            (Err(error), _) => self.warn(error.to_string()),
+        }
+    }
+
+    /// Removes the project of its own that a log got when it was closed, because undo has opened
+    /// the log again with its decisions.
+    pub(super) fn forget_closed(&mut self, id: LogId) {
+        let path = self.log_mut(id).and_then(|log| log.kept_alone.take());
+        if let Some(alone) = path.and_then(|path| Store::open(&path).ok()) {
+            alone.store.remove();
         }
     }
 
     /// Takes the decisions about a log from when it was last open, as an undo step: all settings if
     /// it is the only log, those of its own if it joins others.
     pub(super) fn take_decisions(&mut self, id: LogId, decisions: LogDecisions) {
-        let LogDecisions { log, shared, settings, note } = decisions;
+        let LogDecisions { log, shared, settings, notes } = decisions;
         let Some(name) = self.open_log(id).map(|log| quoted(&log.name())) else {
             return;
         };
-        let before = self.step_now();
         let is_first = self.log_count() == 1;
         let own = settings.and_then(|loaded| {
             let own = log.settings.clone().with_files_of(&loaded);
@@ -258,34 +331,31 @@ impl App {
             let settings = own.compose(base)?;
             Ok((own, settings))
         });
-        let (own, settings) = match own {
-            Ok(own) => own,
+        let (own, settings, shared) = match own {
+            Ok((own, settings)) => (own, settings, is_first.then_some(shared)),
             Err(error) => {
                 self.warn(format!("the last settings of {name} cannot be used: {error}"));
                 let usual = self.document.shared.clone();
-                (LogSettings::default(), Settings::clone(&usual))
+                (LogSettings::default(), Settings::clone(&usual), None)
             }
         };
-        if is_first {
-            self.document.shared = Arc::new(shared);
-            let mut numbers = ObjectNumbers::default();
-            numbers.add_log(id, log.object_numbers.clone());
-            self.number_objects(numbers);
-        }
         let log = ProjectLog { settings: own, is_visible: true, ..ProjectLog::clone(&log) };
-        self.take_project_log(id, &log, settings);
-        let after = self.step_now();
-        if before != after {
-            self.document.history.record(&before, &after, TAKEN, false);
+        let is_change = self.take_unkept(TAKEN, |app| {
+            if let Some(shared) = shared {
+                app.document.shared = Arc::new(shared);
+            }
+            if is_first {
+                let mut numbers = ObjectNumbers::default();
+                numbers.add_log(id, log.object_numbers.clone());
+                app.number_objects(numbers);
+            }
+            app.take_project_log(id, &log, settings);
+        });
+        if is_change {
             self.offer(format!("{name} opened with the last decisions about it"), Action::Undo);
         }
-        if let Some(note) = note {
+        for note in notes {
             self.notify(note);
         }
     }
-}
-
-/// Returns true if there are decisions about a log of its own.
-fn has_decisions(log: &ProjectLog) -> bool {
-    log.settings != LogSettings::default() || log.review.boxes().len() > 0
 }

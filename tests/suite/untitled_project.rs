@@ -208,8 +208,6 @@ fn a_survey_with_a_name_needs_no_untitled_project_any_more() {
     act(&mut window, Command::Write(FileToWrite::Project(path.clone())));
     assert_eq!(app(&window).project_path(), Some(path.as_path()));
     assert!(!app(&window).is_project_unsaved());
-    assert!(kept(folder.path()).is_empty());
-    assert_eq!(fs::read_dir(folder.path().join("kept")).expect("a folder").count(), 0);
     press(&mut window, Modifiers::COMMAND, Key::Z);
     settle(&mut window);
     assert!(decisions(&window).1.is_empty());
@@ -219,10 +217,115 @@ fn a_survey_with_a_name_needs_no_untitled_project_any_more() {
     settle(&mut window);
     act(&mut window, Command::Open(path.clone()));
     open(&mut window, folder.path(), &[A]);
-    act(&mut window, Command::Open(path));
+    act(&mut window, Command::Open(path.clone()));
     assert_eq!(decisions(&window).1, [State::Added]);
     let lost = app(&window).notice_history().find(|notice| notice.text.contains("are gone"));
     assert_eq!(lost, None);
+    // A log alone has no decisions of before it was saved; where they are is said.
+    open(&mut window, folder.path(), &[A]);
+    assert!(decisions(&window).1.is_empty());
+    window.get_by_label_contains("are in the project");
+    // Without that project they are there as they were saved.
+    fs::remove_file(&path).expect("the project goes");
+    open(&mut window, folder.path(), &[B]);
+    open(&mut window, folder.path(), &[A]);
+    assert_eq!(decisions(&window).1, [State::Added]);
+}
+
+#[test]
+fn a_log_that_grows_keeps_its_decisions() {
+    let folder = logs();
+    let path = folder.path().join(A);
+    let bytes = fs::read(&path).expect("the log");
+    fs::remove_file(&path).expect("the log goes");
+    fs::write(&path, &bytes[..bytes.len() / 2]).expect("half a log");
+    let mut window = opened(folder.path(), &[A]);
+    mark(&mut window);
+    let pings = app(&window).log.survey.as_ref().expect("a log").side_scan.len();
+    drop_kept(window);
+    fs::remove_file(&path).expect("the log goes");
+    fs::write(&path, &bytes).expect("the whole log");
+    for _ in 0..2 {
+        let window = opened(folder.path(), &[A]);
+        let now = app(&window).log.survey.as_ref().expect("a log").side_scan.len();
+        assert!(now > pings);
+        assert_eq!(decisions(&window).1, [State::Added]);
+        drop_kept(window);
+    }
+}
+
+/// Closes a window as its user does.
+fn drop_kept(mut window: Window) {
+    window.state_mut().app.keep_all();
+}
+
+#[test]
+fn another_recording_among_the_logs_has_no_decisions_and_is_opened() {
+    let folder = logs();
+    let mut window = opened(folder.path(), &[A, B]);
+    mark(&mut window);
+    let b = app(&window).logs().last().expect("two logs").id;
+    act(&mut window, Command::ShowLog(b));
+    mark(&mut window);
+    drop_kept(window);
+    let path = folder.path().join(B);
+    let mut bytes = fs::read(&path).expect("the log");
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    fs::remove_file(&path).expect("the log goes");
+    fs::write(&path, bytes).expect("another log");
+    let window = opened(folder.path(), &[A, B]);
+    let boxes = app(&window).logs().map(|log| log.reviewing.review.boxes().len());
+    assert_eq!(boxes.collect::<Vec<_>>(), [1, 0]);
+}
+
+#[test]
+fn logs_of_one_name_in_two_folders_are_told_apart() {
+    let folder = logs();
+    let other = folder.path().join("other");
+    fs::create_dir(&other).expect("a folder");
+    fs::rename(folder.path().join(B), other.join(A)).expect("the log moves");
+    let mut window = opened(folder.path(), &[A]);
+    mark(&mut window);
+    let names = [A.to_owned(), format!("other/{A}")];
+    let names = names.each_ref().map(String::as_str);
+    for _ in 0..2 {
+        open(&mut window, folder.path(), &names);
+        let boxes = app(&window).logs().map(|log| log.reviewing.review.boxes().len());
+        assert_eq!(boxes.collect::<Vec<_>>(), [1, 0]);
+        change(&mut window, "draft_m=0.4");
+    }
+}
+
+#[test]
+fn the_open_survey_is_opened_again_as_it_is() {
+    let folder = logs();
+    let mut window = opened(folder.path(), &[A]);
+    mark(&mut window);
+    open(&mut window, folder.path(), &[A]);
+    assert_eq!(decisions(&window).1, [State::Added]);
+    assert_eq!(kept(folder.path()).len(), 1);
+    press(&mut window, Modifiers::COMMAND, Key::Z);
+    settle(&mut window);
+    assert!(decisions(&window).1.is_empty(), "undo goes on");
+}
+
+#[test]
+fn settings_of_all_logs_come_back_after_their_only_log_was_closed() {
+    let folder = logs();
+    let mut window = opened(folder.path(), &[A]);
+    change(&mut window, "first_return.threshold=0.41");
+    let id = app(&window).log.id;
+    act(&mut window, Command::CloseLog(id));
+    assert_eq!(kept(folder.path()).len(), 2);
+    press(&mut window, Modifiers::COMMAND, Key::Z);
+    settle(&mut window);
+    assert_eq!(kept(folder.path()).len(), 1, "it is open again");
+    let id = app(&window).log.id;
+    act(&mut window, Command::CloseLog(id));
+    drop_kept(window);
+    let window = opened(folder.path(), &[A]);
+    assert_eq!(app(&window).log.settings.first_return.threshold, 0.41);
 }
 
 #[test]

@@ -139,7 +139,15 @@ impl App {
                 // The sides may have been exchanged while the file was read.
                 let swapped = (log.survey.as_ref()).is_some_and(|survey| survey.swapped_sides);
                 let review = Arc::new(review.with_sides(swapped));
-                self.take_review(id, review.clone(), "open review", false);
+                if is_found {
+                    self.take_unkept("open review", |app| {
+                        if let Some(log) = app.log_mut(id) {
+                            log.reviewing.set(review.clone());
+                        }
+                    });
+                } else {
+                    self.take_review(id, review.clone(), "open review", false);
+                }
                 if let Some(log) = self.log_mut(id) {
                     log.reviewing.saved = Some(review);
                     log.reviewing.path = Some(path);

@@ -104,23 +104,20 @@ impl LogFile {
         Ok(may_be && sha256(survey, progress)? == self.sha256)
     }
 
-    /// Returns true if an open log is this one under the same name, or the same recording after
-    /// more was written to it.
+    /// Returns true if an open log has the file name and the bytes of this one, or begins with its
+    /// bytes because more was recorded since. A recording in several files is not recognised after
+    /// it has grown.
     pub(super) fn is_or_was_of(
         &self,
         survey: &Survey,
         progress: &Progress,
     ) -> Result<bool, Cancelled> {
-        let (own, identity) = (self.identity(), Identity::of(survey));
-        if own.file != identity.file || !survey.is_or_was(&own) {
-            return Ok(false);
-        }
-        // The files of a recording in several files grow side by side.
+        let identity = Identity::of(survey);
         let is_longer = identity.byte_count > self.byte_count;
-        if is_longer && survey.source.files.len() > 1 {
-            return Ok(true);
-        }
-        Ok(sha256_of_first(survey, self.byte_count, progress)? == self.sha256)
+        let may_be = self.identity().file == identity.file
+            && identity.byte_count >= self.byte_count
+            && !(is_longer && survey.source.files.len() > 1);
+        Ok(may_be && sha256_of_first(survey, self.byte_count, progress)? == self.sha256)
     }
 }
 

@@ -307,11 +307,13 @@ impl Project {
         after
     }
 
-    /// Returns the project with a single log of it.
+    /// Returns the project with a single log of it; measurements stay if it has no other log.
     pub fn with_only(&self, key: &LogKey) -> Self {
         let mut after = self.clone();
         after.logs.retain(|log| log.key == *key);
-        after.measurements.clear();
+        if after.logs.len() < self.logs.len() {
+            after.measurements.clear();
+        }
         after
     }
 

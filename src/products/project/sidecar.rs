@@ -1,5 +1,5 @@
 //! Reads the bottom edits that earlier versions stored in a sidecar file, `LOG.bottom.toml`. They
-//! are read when the log is opened, and stored in the project from then on; the sidecar file is not
+//! are read when the log is opened and no project has decisions about it; the sidecar file is not
 //! changed.
 
 use bathyscope_bottom::first_return::{BottomSettings, OtherLog};

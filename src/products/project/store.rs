@@ -331,8 +331,7 @@ impl Store {
         })
     }
 
-    /// Removes the project from the disk: its file, its journal and its past. Errors are ignored: a
-    /// file that stays is an earlier version of decisions that are in another project.
+    /// Removes the project from the disk: its file, its journal and its past. Errors are ignored.
     pub fn remove(mut self) {
         if let Some(journal) = self.journal.take() {
             journal.remove();

@@ -10,7 +10,6 @@ use super::{Project, text::LONGEST};
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::support::regular_file;
 use bathyscope_log::survey::Survey;
-use std::collections::BTreeSet;
 use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -28,7 +27,7 @@ pub struct UntitledProject {
     pub log: Arc<ProjectLog>,
     /// Time of its last change.
     pub changed_at: SystemTime,
-    /// True if the project has the last decisions about all requested logs and has no other log.
+    /// True if the project has the last decisions about all requested logs, and no other logs.
     pub is_whole: bool,
 }
 
@@ -47,11 +46,10 @@ pub fn find_untitled(
     let Some(file) = survey.source.files.first() else {
         return Ok(None);
     };
-    let requested: BTreeSet<OsString> =
-        [file].into_iter().chain(others).map(|path| name_of(path)).collect();
+    let requested = names_of([file].into_iter().chain(others).map(PathBuf::as_path));
     let starts: Vec<String> =
         requested.iter().map(|name| LogKey::start_of(name.as_ref())).collect();
-    let mut in_newer = BTreeSet::new();
+    let mut in_newer: Vec<OsString> = Vec::new();
     for path in newest_first(folder) {
         progress.check()?;
         if !has_log_like(&path, &starts) {
@@ -60,11 +58,13 @@ pub fn find_untitled(
         let Ok(project) = read_with_changes(&path) else {
             continue;
         };
-        let names: BTreeSet<OsString> =
-            project.logs().iter().map(|log| name_of(&log.file.path)).collect();
+        let names = names_of(project.logs().iter().map(|log| log.file.path.as_path()));
         for log in project.logs() {
             if log.file.is_or_was_of(survey, progress)? {
-                let is_whole = names == requested && in_newer.is_disjoint(&requested);
+                // Logs of the same name cannot be told from each other before they are read.
+                let is_unambiguous = names.windows(2).all(|pair| pair[0] != pair[1]);
+                let is_last = !requested.iter().any(|name| in_newer.contains(name));
+                let is_whole = names == requested && is_unambiguous && is_last;
                 let (log, changed_at) = (Arc::new(log.at(file)), changed_at(&path));
                 let found = UntitledProject { path, project, log, changed_at, is_whole };
                 return Ok(Some(found));
@@ -86,8 +86,8 @@ pub fn unused_path(folder: &Path, log: &LogFile) -> PathBuf {
     (1..).map(path).find(is_unused).unwrap_or_else(|| path(1))
 }
 
-/// Returns true if the text of a project or of its journal has a log whose key starts so: most
-/// projects of a full folder need not be parsed then.
+/// Returns true if the text of a project or of its journal names a log with a key that begins with
+/// one of `starts`. In a folder of many projects, most need not be parsed then.
 fn has_log_like(path: &Path, starts: &[String]) -> bool {
     [path.to_owned(), journal_of(path)].iter().any(|path| {
         let text = regular_file::read(path, LONGEST).unwrap_or_default();
@@ -96,8 +96,12 @@ fn has_log_like(path: &Path, starts: &[String]) -> bool {
     })
 }
 
-fn name_of(path: &Path) -> OsString {
-    path.file_name().unwrap_or_default().to_owned()
+/// Returns the names of files, sorted.
+fn names_of<'a>(paths: impl Iterator<Item = &'a Path>) -> Vec<OsString> {
+    let mut names: Vec<OsString> =
+        paths.map(|path| path.file_name().unwrap_or_default().to_owned()).collect();
+    names.sort();
+    names
 }
 
 /// Returns the projects in a folder, beginning with the one that was changed last.
