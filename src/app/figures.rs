@@ -8,7 +8,7 @@ use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::{FaultCounts, Side, Survey};
 use bathyscope_products::pipeline::Products;
 
-/// Counts of a result.
+/// Counts and residuals of a result.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figures {
     /// First returns found to port.

@@ -1,5 +1,5 @@
-//! Holds an open log: everything that belongs to it alone, beside what all logs of the window
-//! share.
+//! Holds an open log: everything that belongs to it alone. The state that all logs of the window
+//! share is elsewhere.
 
 use super::Figures;
 use super::calibrating::Calibrating;
@@ -52,7 +52,8 @@ pub struct OpenLog {
     pub colour: [u8; 3],
     /// True if the log takes part in maps, clouds and products.
     pub is_visible: bool,
-    /// Reason that the log was hidden from the map when it was opened, until the analyst decides.
+    /// Reason that the log was hidden from the map when it was opened, until the analyst shows or
+    /// hides it.
     pub apart: Option<Apart>,
     /// Shallowest and deepest sounding without a fault, metres; `None` if there is none.
     pub depth_span_m: Option<[f32; 2]>,
@@ -60,7 +61,7 @@ pub struct OpenLog {
     pub(super) is_demo: bool,
     /// The file of the recording; `None` until it is described for a project.
     pub(super) file: Option<LogFile>,
-    /// The untitled project of this log alone, which was written when it was closed.
+    /// File of the untitled project that was written for this log alone when it was closed.
     pub(super) kept_alone: Option<PathBuf>,
     /// Settings of this log only.
     pub own: Arc<LogSettings>,
@@ -196,7 +197,8 @@ impl OpenLog {
     }
 
     /// Copies the present picture settings and classes, on which no result depends, into the
-    /// settings of the results. Returns true if the results are then those of all settings.
+    /// settings of the results. Returns true if something was copied and the results are now those
+    /// of all settings.
     pub(super) fn take_settings_of_no_result(&mut self) -> bool {
         let Some(products) = &mut self.products else {
             return false;

@@ -121,7 +121,8 @@ impl App {
         self.files.untitled_folder = Some(folder);
     }
 
-    /// Saves a decision: in the journal of the project, which is created with the first decision.
+    /// Saves a decision: in the journal of the project. The first decision begins an untitled
+    /// project, which contains it as soon as the logs are hashed.
     pub(super) fn keep_decision(&mut self, label: &str) {
         if self.files.project_saving.store.is_some() {
             self.keep_project(label);

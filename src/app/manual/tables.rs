@@ -1,6 +1,7 @@
 //! Makes tables of the manual from the tables that the program itself uses.
 
 use crate::app::Action;
+use crate::app::key_scope::KeyScope;
 use bathyscope_objects::objects::OBJECT_COLUMNS;
 use bathyscope_products::outputs::{OUTPUT_FILES, When};
 use std::fmt::Write as _;
@@ -12,10 +13,9 @@ pub(super) fn keys() -> String {
         let keys: Vec<String> = action.all_keys().map(|keys| format!("`{keys}`")).collect();
         let keys = keys.join(" or ");
         let (label, hint) = (action.label(), action.hint());
-        let scope =
-            (action.key_scope()).map_or_else(String::new, |scope| format!(", {}", scope.name()));
+        let scope = action.key_scope().map_or("", KeyScope::name);
         // Writing to a string cannot fail.
-        writeln!(table, "| {label} | {keys}{scope} | {hint} |").ok();
+        writeln!(table, "| {label} | {keys} | {scope} | {hint} |").ok();
     }
     table
 }

@@ -1,5 +1,5 @@
-//! Finds first returns that stay at their range while the bed falls away: clutter of the surface,
-//! or a layer in the water that scatters.
+//! Finds first returns that stay at one range while the bed gets deeper: clutter of the surface, or
+//! a layer in the water that scatters. They do not count as depths.
 //!
 //! Boulders, banks and weed lie on the bed, and are farther from the boat where the bed is deeper.
 //! A return that rises above the recorded depth by more than [`HIGHEST`] of the depth is none of
@@ -13,8 +13,8 @@ use bathyscope_log::survey::{Side, Survey};
 
 /// Greatest height of boulders, banks and scarps above the recorded depth, as a share of the depth.
 pub(super) const HIGHEST: f64 = 0.4;
-/// Way on each side over which the ranges of clutter are compared, metres, and length of the
-/// stretches that are counted together.
+/// Distance along the track, before and after a ping, over which the ranges of clutter are
+/// compared, metres, and length of the stretches that are counted together.
 const AROUND_M: f64 = 300.0;
 const STRETCH_M: f64 = 50.0;
 /// Share of a range within which other ranges count as the same.
@@ -37,7 +37,7 @@ const WORTH_SAYING_SHARE: f64 = 0.03;
 enum Height {
     /// There is no first return.
     Nothing,
-    /// The first return lies at the recorded depth, or beyond it.
+    /// The first return was drawn or accepted as bottom, or lies at the recorded depth or beyond.
     Bottom,
     /// The first return lies above the bottom.
     Above,
@@ -59,8 +59,8 @@ pub struct Clutter {
 }
 
 impl Clutter {
-    /// Returns a sentence about clutter that takes a part of the first returns; `None` where it is
-    /// little.
+    /// Returns a warning if clutter is a large enough share of the first returns; `None` if it is
+    /// not.
     pub fn warning(&self) -> Option<String> {
         let share = self.returns as f64 / self.of.max(1) as f64;
         let [near_m, far_m] = self.range_m;

@@ -23,7 +23,7 @@ use std::sync::LazyLock;
 /// Role of a file in its recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileRole {
-    /// The whole recording. No other programs use this ending.
+    /// The whole recording. Few other programs use this ending.
     Log,
     /// The description of a recording of several files. It is small, and the recorder rewrites it
     /// as a whole. Other programs may use the same ending.

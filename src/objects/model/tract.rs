@@ -1,6 +1,6 @@
-//! Compiles and runs networks with tract, in pure Rust. Only this module, `screen`, `constants` and
-//! `cost` (which check the same graph before it is compiled or run) and `fast_layers` (which
-//! replaces some of its layers) use tract.
+//! Compiles and runs neural networks in the format ONNX with the crate `tract`. Only this module,
+//! `screen`, `constants` and `cost` (which check the same graph before it is compiled or run) and
+//! `fast_layers` (which replaces some of its layers) use tract.
 
 use super::Unusable;
 use super::constants::check_constants;

@@ -357,7 +357,6 @@ pub(crate) fn press_short(
     is_enabled: bool,
 ) {
     let button = ui.add_enabled(is_enabled, Button::new(label).small());
-    let button = button;
     context.named_button(button, action);
 }
 
