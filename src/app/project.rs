@@ -91,7 +91,7 @@ impl App {
         self.leave_project();
         self.jobs.run(
             JobKey::OpenProject,
-            move |progress| read(&path, None, progress),
+            move |progress| read(&path, &mut None, progress),
             |app, read| match read {
                 Ok(read) => {
                     app.remember(read.opened.store.path().to_owned());
@@ -473,17 +473,18 @@ pub(super) struct KnownLog {
     pub paths: Vec<PathBuf>,
 }
 
-/// Reads a project and opens its logs. The project is an untitled one if a log of it is `known`.
+/// Reads a project and opens its logs. The project is an untitled one if a log of it is `known`,
+/// which is taken unless there is an error.
 pub(super) fn read(
     path: &Path,
-    mut known: Option<KnownLog>,
+    known: &mut Option<KnownLog>,
     progress: &Progress,
 ) -> Result<OpenedLogs, AppError> {
     let is_untitled = known.is_some();
     let mut opened = Store::open(path)?;
     let folder = opened.store.folder();
     let mut to_find = opened.project.clone();
-    if let Some(known) = &known {
+    if let Some(known) = known {
         opened.project = opened.project.with_logs_at(&known.paths);
         to_find = opened.project.without_log(&known.key).unwrap_or(to_find);
     }
@@ -491,6 +492,9 @@ pub(super) fn read(
         find(&to_find, &folder, progress)?.into_iter().collect();
     if is_untitled && places.values().any(|place| *place != LogLocation::Here) {
         return Err(AppError::OtherLog);
+    }
+    for log in opened.project.logs() {
+        opened.project.settings_of(log)?;
     }
     let (mut logs, mut notes) = (Vec::new(), Vec::new());
     // The files of the shared settings are read once for all logs.

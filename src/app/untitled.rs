@@ -56,7 +56,7 @@ pub(super) struct LogDecisions {
 /// `others` are the logs that are opened after it, or `None` if it joins open logs.
 pub(super) fn find_decisions(
     folder: &Path,
-    survey: Survey,
+    mut survey: Survey,
     others: Option<&[PathBuf]>,
     progress: &Progress,
 ) -> Result<FoundDecisions, AppError> {
@@ -71,16 +71,17 @@ pub(super) fn find_decisions(
     if is_whole && let Some(others) = others {
         let mut paths = others.to_vec();
         paths.extend(survey.source.files.first().cloned());
-        let known = KnownLog { key: log.key.clone(), survey: survey.clone(), paths };
+        let mut known = Some(KnownLog { key: log.key.clone(), survey, paths });
         // A project that another window has open, or one of whose logs is another recording now, is
         // read, but not opened.
-        if let Ok(mut opened) = read(&path, Some(known), progress) {
+        if let Ok(mut opened) = read(&path, &mut known, progress) {
             opened.notes.extend(note);
             // The named project does not exist any more.
             opened.opened.project.files.remove(NAMED);
             return Ok(FoundDecisions::Project(Box::new(opened)));
         }
         progress.check()?;
+        survey = known.ok_or(AppError::OtherLog)?.survey;
     }
     let mut notes: Vec<String> = note.into_iter().collect();
     let mut note = |error: SettingsError| {
