@@ -1,6 +1,6 @@
-//! Sets the scale of a log: a stretch is proposed, its effect is computed, and the analyst uses it
-//! or keeps the recorded range. Nothing changes before that; afterwards a notice states by how much
-//! the depths changed.
+//! Sets the scale of slant ranges of a log: a flat stretch of its track is proposed, its effect is
+//! computed, and the analyst uses it or keeps the recorded range. Nothing changes before that;
+//! afterwards a notice states by how much the depths changed.
 
 use super::jobs::{JobKey, Kept};
 use super::{Action, App, LogId, OpenLog, Tool};
@@ -93,8 +93,8 @@ impl OpenLog {
 }
 
 impl App {
-    /// Starts the trial of the stretch that is proposed for a log again if its results have
-    /// changed.
+    /// Starts a trial of the stretch that is proposed for a log, unless stretch and results are
+    /// those of the last trial.
     pub(super) fn try_scale(&mut self, id: LogId) {
         let proposed =
             self.open_log(id).and_then(|log| log.calibrating.proposal.zip(log.settled()));
@@ -136,8 +136,8 @@ impl App {
         }
     }
 
-    /// Returns the stretch around a ping, as long as the ranked stretches; `None` if it has no
-    /// pings.
+    /// Returns the stretch around a ping, of the length of the ranked stretches; `None` if it has
+    /// no pings.
     pub(crate) fn stretch_around(&self, ping: usize) -> Option<PingRange> {
         let survey = self.log.survey.as_ref()?;
         let pings = match &self.log.products {

@@ -10,7 +10,7 @@ use bathyscope_products::outputs::Product;
 use bathyscope_products::pipeline::BottomColour;
 use serde::{Deserialize, Serialize};
 
-/// A view of the centre.
+/// A view in the centre of the window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum View {
     /// Side-scan picture over ping and range.
@@ -225,7 +225,7 @@ pub enum CloudColour {
     Level,
     /// Slant range.
     Range,
-    /// The log that it is of.
+    /// The log that the point belongs to.
     Log,
 }
 
@@ -260,8 +260,8 @@ pub struct CloudOptions {
     pub vertical_exaggeration: f32,
     /// Diameter of a point, screen points.
     pub point_size: f32,
-    /// True to draw the points that do not count for the map, in a third colour; otherwise they are
-    /// not drawn.
+    /// True to draw the points that do not count for the map, in a colour of their own; otherwise
+    /// they are not drawn.
     pub outlier_preview: bool,
     /// True to draw the boxes of objects.
     pub boxes: bool,
@@ -288,7 +288,7 @@ pub struct CloudOptions {
 }
 
 impl CloudOptions {
-    /// Turns the clip box on, without ends, or off.
+    /// Turns the clip box on, at first without limits, or off.
     pub(crate) fn toggle_clip(&mut self) {
         self.clip = match self.clip {
             Some(_) => None,

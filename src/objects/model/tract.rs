@@ -28,8 +28,8 @@ pub(super) struct Output {
 }
 
 /// A network of fixed input size that tract has compiled. It is run from several threads at once,
-/// one picture a run: for small networks this is faster than batches, and than threads within a
-/// run.
+/// one picture a run: for small networks this is faster than batches, or several threads for one
+/// picture.
 pub(super) struct Network {
     plan: Arc<TypedRunnableModel>,
     names: Vec<String>,
@@ -99,8 +99,8 @@ fn typed(model: InferenceModel) -> TractResult<TypedModel> {
 }
 
 /// Converts weights that are stored as f16 to f32, once. tract leaves the conversion of weights
-/// above 4 MiB to every run, which then converts and packs them again: a ninth of the time of
-/// YOLOv4-tiny.
+/// above 4 MiB to every run, which then converts and packs them again; this costs a ninth of the
+/// time of YOLOv4-tiny.
 fn widen_weights(model: &mut TypedModel) -> TractResult<()> {
     for node in model.eval_order()? {
         let node = model.node(node);
