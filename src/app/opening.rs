@@ -84,9 +84,8 @@ pub(super) type ReadBottom = Result<BottomSettings, BottomFileError>;
 
 /// Contents of a path that was opened.
 enum OpenedPath {
-    /// A log, with the last decisions about it if there are any, or the path of the named project
-    /// that has them.
-    Log(Box<Survey>, ReadDecisions, Option<PathBuf>),
+    /// A log, with the last decisions about it.
+    Log(Box<Survey>, ReadDecisions),
     /// The untitled project of the requested logs.
     Project(Box<OpenedLogs>),
     /// A folder of several logs.
@@ -97,11 +96,13 @@ enum OpenedPath {
 
 /// Decisions about a log from when it was last open.
 enum ReadDecisions {
-    /// Those of an untitled project.
+    /// Decisions of an untitled project.
     Untitled(Box<LogDecisions>),
-    /// The bottom edits in the sidecar file of an earlier version.
+    /// Path of the named project that has the decisions.
+    Named(PathBuf),
+    /// Bottom edits in the sidecar file of an earlier version.
     Sidecar(ReadBottom),
-    /// There are none.
+    /// No decisions.
     None,
 }
 
@@ -126,19 +127,22 @@ fn read_path(
     }
     survey.check_files().map_err(formats::OpenError::from)?;
     let found = match (origin, untitled) {
-        (LogOrigin::Demo, _) | (_, None) => FoundDecisions::None(survey, None),
+        (LogOrigin::Demo, _) | (_, None) => FoundDecisions::None(survey),
         (LogOrigin::Path(_), Some(folder)) => find_decisions(folder, survey, others, progress)?,
     };
     Ok(match found {
         FoundDecisions::Project(opened) => OpenedPath::Project(opened),
         FoundDecisions::Log(decisions, survey) => {
-            OpenedPath::Log(Box::new(survey), ReadDecisions::Untitled(decisions), None)
+            OpenedPath::Log(Box::new(survey), ReadDecisions::Untitled(decisions))
         }
-        FoundDecisions::None(survey, named) => {
+        FoundDecisions::Named(path, survey) => {
+            OpenedPath::Log(Box::new(survey), ReadDecisions::Named(path))
+        }
+        FoundDecisions::None(survey) => {
             let log = survey.source.files.first();
             let bottom = log.and_then(|log| read_bottom(log, &survey));
             let decisions = bottom.map_or(ReadDecisions::None, ReadDecisions::Sidecar);
-            OpenedPath::Log(Box::new(survey), decisions, named)
+            OpenedPath::Log(Box::new(survey), decisions)
         }
     })
 }
@@ -195,13 +199,8 @@ impl App {
     fn take_opened(&mut self, request: OpenRequest, opened: Result<OpenedPath, AppError>) {
         let OpenRequest { origin, place } = request;
         match opened {
-            Ok(OpenedPath::Log(survey, decisions, named)) => {
-                let name = quoted(&survey.name());
+            Ok(OpenedPath::Log(survey, decisions)) => {
                 self.take_survey(*survey, origin, place, decisions);
-                if let Some(named) = named.filter(|named| self.project_path() != Some(named)) {
-                    let named = named.display();
-                    self.notify(format!("The decisions about {name} are in the project {named}"));
-                }
             }
             Ok(OpenedPath::Project(opened)) => self.take_untitled(origin, *opened),
             Ok(OpenedPath::Folder(logs)) => {
@@ -258,6 +257,11 @@ impl App {
             ReadDecisions::Sidecar(read) => {
                 self.take_bottom(id, read);
                 self.look_for_review(id);
+            }
+            ReadDecisions::Named(path) => {
+                let name = self.open_log(id).map_or_else(String::new, |log| quoted(&log.name()));
+                let path = path.display();
+                self.notify(format!("The decisions about {name} are in the project {path}"));
             }
             ReadDecisions::None if is_file => self.look_for_review(id),
             ReadDecisions::None => {}

@@ -37,8 +37,10 @@ pub(super) enum FoundDecisions {
     Project(Box<OpenedLogs>),
     /// The decisions about this log, from an untitled project of other logs as well.
     Log(Box<LogDecisions>, Survey),
-    /// There are no decisions, or they are in the named project of the path.
-    None(Survey, Option<PathBuf>),
+    /// Path of the named project that has the decisions.
+    Named(PathBuf, Survey),
+    /// No decisions.
+    None(Survey),
 }
 
 /// Decisions about a log in an untitled project of other logs as well.
@@ -62,10 +64,10 @@ pub(super) fn find_decisions(
 ) -> Result<FoundDecisions, AppError> {
     let found = find_untitled(folder, &survey, others.unwrap_or_default(), progress)?;
     let Some(UntitledProject { path, mut project, log, changed_at, is_whole }) = found else {
-        return Ok(FoundDecisions::None(survey, None));
+        return Ok(FoundDecisions::None(survey));
     };
     if let Some(named) = project.files.get(NAMED).filter(|named| named.is_file()) {
-        return Ok(FoundDecisions::None(survey, Some(named.clone())));
+        return Ok(FoundDecisions::Named(named.clone(), survey));
     }
     let note = newer_review(&log, &survey, changed_at);
     if is_whole && let Some(others) = others {
