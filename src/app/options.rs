@@ -10,22 +10,22 @@ use bathyscope_products::outputs::Product;
 use bathyscope_products::pipeline::BottomColour;
 use serde::{Deserialize, Serialize};
 
-/// A view in the centre of the window.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub enum View {
-    /// Side-scan picture over ping and range.
-    Waterfall,
-    /// Track, depth map and flat stretches from above.
-    Map,
-    /// Point cloud.
-    Cloud,
-    /// Table of the objects.
-    Objects,
-}
-
 bathyscope_log::listed! {
     /// All views in the order of their number keys.
-    pub View { Waterfall, Map, Cloud, Objects }
+    const ALL;
+
+    /// A view in the centre of the window.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+    pub enum View {
+        /// Side-scan picture over ping and range.
+        Waterfall,
+        /// Track, depth map and flat stretches from above.
+        Map,
+        /// Point cloud.
+        Cloud,
+        /// Table of the objects.
+        Objects,
+    }
 }
 
 impl View {

@@ -5,65 +5,47 @@
 pub mod markdown;
 mod tables;
 
-/// A page of the manual.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, clap::ValueEnum)]
-pub enum Topic {
-    /// The desktop program and its panels
-    Window,
-    /// Gain, levels, ranges and channels of the waterfall
-    Waterfall,
-    /// Many logs in one survey
-    Survey,
-    /// An archive of many logs: one map of all of them, kept up to date in a folder
-    #[value(alias = "lake")]
-    Archive,
-    /// The project file
-    Project,
-    /// Layers, coordinates, measuring, printing
-    Map,
-    /// First return, bottom edits, calibration, presets
-    Bottom,
-    /// Depth maps, corrections, residuals, comparison
-    Depth,
-    /// Planning of survey lines
-    Plan,
-    /// The side-scan mosaic
-    Mosaic,
-    /// Detector, review, a YOLO of your own
-    Objects,
-    /// The command line
-    Commands,
-    /// All settings
-    Settings,
-    /// All files that are written
-    Files,
-    /// Accuracy, speed and memory
-    Accuracy,
-    /// What the program cannot do
-    Limits,
-    /// Mouse, keys and commands
-    Keys,
-}
-
 bathyscope_log::listed! {
     /// All pages, in the order of the manual.
-    pub Topic {
+    const ALL;
+
+    /// A page of the manual.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, clap::ValueEnum)]
+    pub enum Topic {
+        /// The desktop program and its panels
         Window,
+        /// Gain, levels, ranges and channels of the waterfall
         Waterfall,
+        /// Many logs in one survey
         Survey,
+        /// An archive of many logs: one map of all of them, kept up to date in a folder
+        #[value(alias = "lake")]
         Archive,
+        /// The project file
         Project,
+        /// Layers, coordinates, measuring, printing
         Map,
+        /// First return, bottom edits, calibration, presets
         Bottom,
+        /// Depth maps, corrections, residuals, comparison
         Depth,
+        /// Planning of survey lines
         Plan,
+        /// The side-scan mosaic
         Mosaic,
+        /// Detector, review, a YOLO of your own
         Objects,
+        /// The command line
         Commands,
+        /// All settings
         Settings,
+        /// All files that are written
         Files,
+        /// Accuracy, speed and memory
         Accuracy,
+        /// What the program cannot do
         Limits,
+        /// Mouse, keys and commands
         Keys,
     }
 }

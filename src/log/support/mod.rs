@@ -14,10 +14,26 @@ pub mod regular_file;
 pub mod statistics;
 pub mod versions;
 
-/// Adds `ALL`, the variants in the order of the list, to an enum. A variant that is missing in the
-/// list does not compile. The doc comment becomes that of `ALL`.
+/// Adds `ALL`, the variants of an enum, to the enum. The first doc comment becomes that of `ALL`.
+///
+/// With the enum itself, after `const ALL;`, the variants are in the order of their declaration.
+/// With a list of names, they are in the order of the list; a list that lacks one does not compile.
 #[macro_export]
 macro_rules! listed {
+    (
+        $(#[$doc:meta])* const ALL;
+        $(#[$attr:meta])* $vis:vis enum $kind:ident { $($(#[$of:meta])* $variant:ident,)+ }
+    ) => {
+        $(#[$attr])*
+        $vis enum $kind {
+            $($(#[$of])* $variant,)+
+        }
+
+        impl $kind {
+            $(#[$doc])*
+            $vis const ALL: [Self; [$(stringify!($variant)),+].len()] = [$(Self::$variant),+];
+        }
+    };
     ($(#[$doc:meta])* $vis:vis $kind:ident { $($variant:ident),+ $(,)? }) => {
         impl $kind {
             $(#[$doc])*

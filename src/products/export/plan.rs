@@ -23,17 +23,22 @@ const SURFACE_BOAT: u8 = 11;
 /// `MAV_FRAME_GLOBAL`, for the home position.
 const ABSOLUTE_HEIGHT: u8 = 0;
 
-/// A kind of file that a plan can be written to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PlanFormat {
-    /// GPX 1.1 with a waypoint at both ends of every line, and the way as a route.
-    Gpx,
-    /// KML 2.2 with the lines and the way.
-    Kml,
-    /// A mission of QGroundControl.
-    QGroundControl,
-    /// A mission of Mission Planner, `QGC WPL 110`.
-    MissionPlanner,
+bathyscope_log::listed! {
+    /// All formats.
+    const ALL;
+
+    /// A kind of file that a plan can be written to.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum PlanFormat {
+        /// GPX 1.1 with a waypoint at both ends of every line, and the way as a route.
+        Gpx,
+        /// KML 2.2 with the lines and the way.
+        Kml,
+        /// A mission of QGroundControl.
+        QGroundControl,
+        /// A mission of Mission Planner, `QGC WPL 110`.
+        MissionPlanner,
+    }
 }
 
 /// Error of a file name without the ending of a format.
@@ -42,11 +47,6 @@ pub enum PlanFormat {
     "lines are written as .gpx, .kml, .plan (QGroundControl) or .waypoints (Mission Planner); name the file so: {}", .0.display()
 )]
 pub struct PlanFormatError(pub PathBuf);
-
-bathyscope_log::listed! {
-    /// All formats.
-    pub PlanFormat { Gpx, Kml, QGroundControl, MissionPlanner }
-}
 
 impl PlanFormat {
     /// Returns the ending of the files of the format.

@@ -10,20 +10,20 @@ use rayon::prelude::*;
 use std::io;
 use std::sync::{Mutex, PoisonError};
 
-/// Content of a picture of a tile.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum TileStyle {
-    /// Lit colours of depth, without the isobaths, which the web map draws itself.
-    Colours,
-    /// Lit colours of depth with isobaths and their depths.
-    Chart,
-    /// The depths themselves ([`Pixels::elevations`]).
-    Elevations,
-}
-
 bathyscope_log::listed! {
     /// All styles, in the order of their declaration.
-    pub TileStyle { Colours, Chart, Elevations }
+    const ALL;
+
+    /// Content of a picture of a tile.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+    pub enum TileStyle {
+        /// Lit colours of depth, without the isobaths, which the web map draws itself.
+        Colours,
+        /// Lit colours of depth with isobaths and their depths.
+        Chart,
+        /// The depths themselves ([`Pixels::elevations`]).
+        Elevations,
+    }
 }
 
 /// Extent of a map and scales of its drawing.

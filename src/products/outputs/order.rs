@@ -12,50 +12,37 @@ use bathyscope_objects::objects::SurveyReview;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// A group of files that `bathyscope process --products` chooses.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Product {
-    /// The points.
-    Cloud,
-    /// The track of the boat, and the insonified ground.
-    Track,
-    /// The depth map as rasters.
-    Depth,
-    /// The depth map as text.
-    Xyz,
-    /// The depth map as a body and as points for 3D programs.
-    Bottom,
-    /// Isobaths, the areas between them, and area and volume below each level.
-    Isobaths,
-    /// The depth map as tiles for plotters and the web, and as a page.
-    MapTiles,
-    /// The side-scan mosaic.
-    Mosaic,
-    /// The differences between depths of different sources and passes.
-    Residuals,
-    /// The objects of the review.
-    Targets,
-    /// All lines, areas and objects in one file.
-    Geopackage,
-    /// The page that shows the results.
-    Report,
-}
-
 bathyscope_log::listed! {
     /// All products.
-    pub Product {
+    const ALL;
+
+    /// A group of files that `bathyscope process --products` chooses.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+    #[serde(rename_all = "snake_case")]
+    pub enum Product {
+        /// The points.
         Cloud,
+        /// The track of the boat, and the insonified ground.
         Track,
+        /// The depth map as rasters.
         Depth,
+        /// The depth map as text.
         Xyz,
+        /// The depth map as a body and as points for 3D programs.
         Bottom,
+        /// Isobaths, the areas between them, and area and volume below each level.
         Isobaths,
+        /// The depth map as tiles for plotters and the web, and as a page.
         MapTiles,
+        /// The side-scan mosaic.
         Mosaic,
+        /// The differences between depths of different sources and passes.
         Residuals,
+        /// The objects of the review.
         Targets,
+        /// All lines, areas and objects in one file.
         Geopackage,
+        /// The page that shows the results.
         Report,
     }
 }

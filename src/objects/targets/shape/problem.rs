@@ -229,18 +229,20 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// A side of the outline that is moved while the opposite side stays: if one end of a boat fits and
-/// the other does not, a change of the length alone or of the place alone does not improve the fit.
-#[derive(Clone, Copy)]
-pub(super) enum OutlineEdge {
-    Bow,
-    Stern,
-    Starboard,
-    Port,
-}
-
 bathyscope_log::listed! {
-    pub(super) OutlineEdge { Bow, Stern, Starboard, Port }
+    /// All edges.
+    const ALL;
+
+    /// A side of the outline that is moved while the opposite side stays: if one end of a boat fits
+    /// and the other does not, a change of the length alone or of the place alone does not improve
+    /// the fit.
+    #[derive(Clone, Copy)]
+    pub(super) enum OutlineEdge {
+        Bow,
+        Stern,
+        Starboard,
+        Port,
+    }
 }
 
 impl OutlineEdge {

@@ -6,16 +6,17 @@ use crate::ui::{ViewContext, controls};
 use bathyscope_objects::review::{Certainty, Edit, Reviewed};
 use egui::{TextEdit, Ui};
 
-/// A text of a box.
-#[derive(Clone, Copy, PartialEq)]
-enum Line {
-    Name,
-    Class,
-    Note,
-}
-
 bathyscope_log::listed! {
-    Line { Name, Class, Note }
+    /// All lines, in their order.
+    const ALL;
+
+    /// A text of a box.
+    #[derive(Clone, Copy, PartialEq)]
+    enum Line {
+        Name,
+        Class,
+        Note,
+    }
 }
 
 impl Line {
