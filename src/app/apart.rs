@@ -43,7 +43,7 @@ impl App {
         self.document.is_plane_moved = true;
         self.settle_plane();
         let text = format!("Open, but not part of this survey: {}", names.join(", "));
-        self.offer(text, Action::ShowTogether);
+        self.notices.offer(text, Action::ShowTogether);
         self.keep_project("logs apart");
         self.schedule();
     }
@@ -57,7 +57,7 @@ impl App {
         }
         let after = self.step_now();
         self.record_named(&before, &after, "show all logs together".to_owned());
-        self.withdraw(Action::ShowTogether);
+        self.notices.withdraw(Action::ShowTogether);
         self.schedule();
     }
 }

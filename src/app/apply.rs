@@ -57,8 +57,8 @@ impl App {
             Command::MatchBy { by, radius_m } => self.match_by(by, radius_m),
             Command::Measure(request) => self.measure(request),
             Command::Plan(request) => self.change_plan(request),
-            Command::Notify(text) => self.warn(text),
-            Command::Dismiss(index) => self.dismiss(index),
+            Command::Notify(text) => self.notices.warn(text),
+            Command::Dismiss(index) => self.notices.dismiss(index),
             Command::Edit { edit, live } => self.edit(&edit, live),
             Command::MarkTarget(mark) => self.mark_target(mark),
             Command::SetClasses(classes) => {
@@ -202,8 +202,8 @@ impl App {
             Err(error) => {
                 let text = error.to_string();
                 // A drag would repeat the notice over and over.
-                if self.notices.last().is_none_or(|last| last.text != text) {
-                    self.warn(text);
+                if self.notices.shown().last().is_none_or(|last| last.text != text) {
+                    self.notices.warn(text);
                 }
                 return;
             }
@@ -232,7 +232,7 @@ impl App {
             log.own = own;
             match settings {
                 Ok(settings) => self.set(id, settings, live),
-                Err(error) => self.warn(error.to_string()),
+                Err(error) => self.notices.warn(error.to_string()),
             }
         }
     }
@@ -248,7 +248,7 @@ impl App {
 
     fn set(&mut self, id: LogId, settings: Settings, live: bool) {
         if let Err(error) = self.follow_source(id, &settings) {
-            return self.warn(error.to_string());
+            return self.notices.warn(error.to_string());
         }
         let Some(log) = self.log_mut(id) else {
             return;
@@ -315,7 +315,7 @@ impl App {
         self.view.options.show_boxes(shown);
         if !shown && self.has_boxes() {
             let keys = Action::Boxes.key();
-            self.notify(format!("boxes are hidden; {keys} shows them again"));
+            self.notices.notify(format!("boxes are hidden; {keys} shows them again"));
         }
     }
 

@@ -21,7 +21,7 @@ impl App {
             self.start_base_map(path, true);
         } else {
             let text = format!("The base map that was open last is missing: {}", path.display());
-            self.notify(text);
+            self.notices.notify(text);
         }
     }
 
@@ -48,12 +48,12 @@ impl App {
             // A base map of the last session stays shown or hidden, without a notice.
             Ok(map) if is_of_last_time => self.map.base_map = Some(Arc::new(map)),
             Ok(map) => {
-                self.notify(self.words_about(&map));
+                self.notices.notify(self.words_about(&map));
                 self.view.options.map.layers.set_visible(MapLayer::BaseMap, true);
                 self.map.base_map = Some(Arc::new(map));
             }
-            Err(error) if is_of_last_time => self.notify(error.to_string()),
-            Err(error) => self.warn(error.to_string()),
+            Err(error) if is_of_last_time => self.notices.notify(error.to_string()),
+            Err(error) => self.notices.warn(error.to_string()),
         }
     }
 

@@ -84,8 +84,8 @@ impl App {
         } else {
             side.name().to_owned()
         };
-        self.withdraw(Action::Undo);
-        self.offer(format!("{what}: pings {first} to {last}, {sides}"), Action::Undo);
+        self.notices.withdraw(Action::Undo);
+        self.notices.offer(format!("{what}: pings {first} to {last}, {sides}"), Action::Undo);
     }
 
     fn sides_of(&self, side: Side) -> impl Iterator<Item = Side> + use<> {
@@ -98,7 +98,7 @@ impl App {
     pub(super) fn nudge_bottom(&mut self, samples: i32) {
         let (Some(survey), Some(mark)) = (self.log.survey.clone(), self.view.selection) else {
             let text = "select a ping first, with the arrow keys or a click";
-            return self.warn(text.to_owned());
+            return self.notices.warn(text.to_owned());
         };
         let mut bottom = self.bottom_of(&survey);
         for side in self.sides_of(mark.side.unwrap_or(Side::Starboard)) {
@@ -160,8 +160,8 @@ impl App {
     pub(super) fn take_bottom(&mut self, id: LogId, read: ReadBottom) {
         let taken = self.log_mut(id).map(|log| log.take_bottom(read));
         match taken {
-            Some(Ok(text)) => self.notify(text),
-            Some(Err(error)) => self.warn(error.to_string()),
+            Some(Ok(text)) => self.notices.notify(text),
+            Some(Err(error)) => self.notices.warn(error.to_string()),
             None => {}
         }
     }

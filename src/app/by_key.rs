@@ -26,7 +26,7 @@ impl App {
             return;
         }
         let done = self.undo_label().unwrap_or("settings").to_owned();
-        self.offer_undo(format!("key {keys}: {done}"));
+        self.notices.offer_undo(format!("key {keys}: {done}"));
     }
 
     /// Returns true if a bare key must not act, and notifies the analyst of the reason: the action
@@ -43,7 +43,7 @@ impl App {
                 let is_blind = self.view.selection.is_none();
                 if is_blind {
                     let text = "select a ping first: its profile shows the threshold";
-                    self.warn(text.to_owned());
+                    self.notices.warn(text.to_owned());
                 }
                 is_blind
             }
@@ -62,8 +62,8 @@ impl App {
             // The other actions notify the analyst themselves of what is missing.
             _ => return false,
         };
-        self.withdraw(action);
-        self.offer(format!("key {keys}: {consequence}?"), action);
+        self.notices.withdraw(action);
+        self.notices.offer(format!("key {keys}: {consequence}?"), action);
         true
     }
 
@@ -84,7 +84,7 @@ impl App {
         };
         if !is_drawn {
             let show = Action::Boxes.key();
-            self.warn(format!("boxes are hidden here; {show} shows them"));
+            self.notices.warn(format!("boxes are hidden here; {show} shows them"));
             return true;
         }
         let is_in_view = focus != KeyFocus::View(View::Waterfall)
@@ -92,7 +92,7 @@ impl App {
         if !is_in_view {
             self.bring_in(LogBox { log: self.log.id, id: BoxId(number) });
             let text = format!("box {number} was out of view; press {keys} again");
-            self.notify(text);
+            self.notices.notify(text);
         }
         !is_in_view
     }

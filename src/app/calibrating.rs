@@ -160,17 +160,17 @@ impl App {
     pub(super) fn use_scale(&mut self) {
         let Some(pings) = self.log.calibrating.proposal else {
             let text = "no stretch is proposed; drag one with Calibrate on a stretch";
-            return self.warn(text.to_owned());
+            return self.notices.warn(text.to_owned());
         };
         let Some(trial) = self.log.scale_trial().cloned() else {
             let text = "the scale of the proposed stretch is still being measured";
-            return self.warn(text.to_owned());
+            return self.notices.warn(text.to_owned());
         };
         if trial.spot.ppd.is_none() {
             let why = trial.objections.first().cloned();
             let why = why.unwrap_or_else(|| "Its first returns are too few.".to_owned());
             let text = format!("the proposed stretch gives no scale. {why}");
-            return self.warn(text);
+            return self.notices.warn(text);
         }
         self.use_stretch(self.log.id, pings);
     }
@@ -193,7 +193,7 @@ impl App {
 
     /// Scales the followed log by the flatter stretch that was offered for it.
     pub(super) fn use_offered_stretch(&mut self) {
-        self.withdraw(Action::UseFlatterStretch);
+        self.notices.withdraw(Action::UseFlatterStretch);
         let offered = |log: &OpenLog| Some((log.id, log.calibrating.offered?));
         let found = self.logs().find_map(offered);
         if let Some((id, pings)) = found {
@@ -216,7 +216,7 @@ impl App {
         let own = owning.unwrap_or_else(|| (*log.own).clone());
         let (_, mut own) = match own.change(&shared, &settings) {
             Ok(parts) => parts,
-            Err(error) => return self.warn(error.to_string()),
+            Err(error) => return self.notices.warn(error.to_string()),
         };
         if pings.is_none() && mode == shared.calibration.mode {
             own.unset(MODE);

@@ -74,7 +74,7 @@ impl App {
         let logs = self.processed_logs();
         let Some(first) = logs.first() else {
             let text = "open a log first, then its reference";
-            self.warn(format!("{text}: {}", path.display()));
+            self.notices.warn(format!("{text}: {}", path.display()));
             return;
         };
         let matching = self.map.comparing.matching(&first.products.settings);
@@ -108,13 +108,13 @@ impl App {
     fn take_reference(&mut self, opened: Result<Opened, AppError>) {
         match opened {
             Ok(Opened { of, agreement }) => {
-                self.notify(words_about(&agreement));
+                self.notices.notify(words_about(&agreement));
                 let layers = &mut self.view.options.map.layers;
                 layers.set_visible(MapLayer::Residuals, true);
                 self.map.comparing.reference = agreement.reference.clone();
                 self.findings.reference_comparison.take(of, agreement);
             }
-            Err(error) => self.warn(error.to_string()),
+            Err(error) => self.notices.warn(error.to_string()),
         }
     }
 }

@@ -163,7 +163,7 @@ impl App {
             None => {
                 let text =
                     "the selected ping is not excluded; select a ping of an excluded stretch";
-                self.warn(text.to_owned());
+                self.notices.warn(text.to_owned());
             }
         }
     }
@@ -180,7 +180,7 @@ impl App {
             Some(part) => self.exclude(self.log.id, part, ExclusionEdit::Trust),
             None => {
                 let text = "the sounding at the selected ping counts already; select a ping whose depth does not count";
-                self.warn(text.to_owned());
+                self.notices.warn(text.to_owned());
             }
         }
     }

@@ -66,17 +66,17 @@ impl App {
         into: Option<PathBuf>,
     ) {
         self.jobs.run(JobKey::Export, write, |app, text| {
-            app.withdraw(Action::OpenExported);
+            app.notices.withdraw(Action::OpenExported);
             match text {
                 Ok(text) => {
                     written(app);
                     app.written_into = into;
                     match app.written_into {
-                        Some(_) => app.offer(text, Action::OpenExported),
-                        None => app.notify(text),
+                        Some(_) => app.notices.offer(text, Action::OpenExported),
+                        None => app.notices.notify(text),
                     }
                 }
-                Err(error) => app.warn(error.to_string()),
+                Err(error) => app.notices.warn(error.to_string()),
             }
             app.say_lost_logs();
         });

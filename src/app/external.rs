@@ -92,13 +92,13 @@ impl App {
         };
         if self.open_log(id).is_none() {
             let text = "open the log first, then its water levels or its track";
-            return self.warn(text.to_owned());
+            return self.notices.warn(text.to_owned());
         }
         self.jobs.run(JobKey::ReadTable(id), work, move |app, read| match read {
             Ok(ExternalContent::Levels(gauge)) => app.take_levels(id, gauge),
             Ok(ExternalContent::Track(track)) => app.take_track(id, track),
             Ok(ExternalContent::Points(path)) => app.compare_with(path),
-            Err(error) => app.warn(error.to_string()),
+            Err(error) => app.notices.warn(error.to_string()),
         });
     }
 
@@ -113,7 +113,7 @@ impl App {
         settings.water_level =
             WaterLevelSettings { file: Some(gauge.path.clone()), gauge: Some(Arc::new(gauge)) };
         match Correction::new(settings.depth(), survey).refused() {
-            Some(why) => self.warn(why.to_string()),
+            Some(why) => self.notices.warn(why.to_string()),
             None => self.change_of(id, settings, "water levels", false),
         }
     }

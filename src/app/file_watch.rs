@@ -77,7 +77,7 @@ impl App {
             |app, found| {
                 for (id, text) in found {
                     app.file_watch.reported.push(id);
-                    app.warn(text);
+                    app.notices.warn(text);
                 }
             },
         );
@@ -91,7 +91,7 @@ impl App {
         let lost = files.filter_map(|(path, bytes)| Some(FileError::new(bytes.lost()?, path)));
         let lost: Vec<String> = lost.map(|lost| lost.to_string()).collect();
         for text in lost {
-            self.warn(text);
+            self.notices.warn(text);
         }
     }
 }
@@ -171,7 +171,7 @@ mod tests {
     }
 
     fn notice_count(app: &App, what: &str) -> usize {
-        app.notice_history().filter(|notice| notice.text.contains(what)).count()
+        app.notices.all().filter(|notice| notice.text.contains(what)).count()
     }
 
     #[test]

@@ -164,9 +164,9 @@ impl App {
         let found = self.contradicted_soundings();
         let is_said = self.findings.heights.last_false_notice.as_ref() == found.first();
         if !is_said {
-            self.withdraw(Action::LeaveOutContradicted);
+            self.notices.withdraw(Action::LeaveOutContradicted);
             if let Some(text) = found.first() {
-                self.offer(text.clone(), Action::LeaveOutContradicted);
+                self.notices.offer(text.clone(), Action::LeaveOutContradicted);
             }
             self.findings.heights.last_false_notice = found.into_iter().next();
         }
@@ -174,9 +174,9 @@ impl App {
         if self.findings.heights.last_notice == unlevelled {
             return;
         }
-        self.withdraw(Action::ApplyHeights);
+        self.notices.withdraw(Action::ApplyHeights);
         if let Some(text) = &unlevelled {
-            self.offer(text.clone(), Action::ApplyHeights);
+            self.notices.offer(text.clone(), Action::ApplyHeights);
         }
         self.findings.heights.last_notice = unlevelled;
     }
@@ -186,7 +186,7 @@ impl App {
         let Some(found) = self.height_offsets().filter(|found| found.is_contradicted()).cloned()
         else {
             let text = "no soundings are shown to be false by other logs: that takes two logs that contradict them";
-            return self.warn(text.to_owned());
+            return self.notices.warn(text.to_owned());
         };
         let before = self.step_now();
         let mut left_out = 0;
@@ -201,7 +201,7 @@ impl App {
             settings.excluded = settings.excluded.excluding(&survey, stretch.part());
             let (shared, own) = match log.own.change(&self.document.shared, &settings) {
                 Ok(parts) => parts,
-                Err(error) => return self.warn(error.to_string()),
+                Err(error) => return self.notices.warn(error.to_string()),
             };
             self.document.shared = Arc::new(shared);
             self.set_own(id, Arc::new(own), false);
@@ -209,9 +209,9 @@ impl App {
         }
         let after = self.step_now();
         self.record_step(&before, &after, "false soundings", false);
-        self.withdraw(Action::LeaveOutContradicted);
+        self.notices.withdraw(Action::LeaveOutContradicted);
         let left_out = text::plural(left_out, "sounding was", "soundings were");
-        self.offer_undo(format!("{left_out} left out"));
+        self.notices.offer_undo(format!("{left_out} left out"));
         self.process();
     }
 
@@ -220,7 +220,7 @@ impl App {
         let Some(found) = self.height_offsets().cloned() else {
             let text =
                 "heights are compared between logs: open two or more, and wait for their results";
-            return self.warn(text.to_owned());
+            return self.notices.warn(text.to_owned());
         };
         let mut levelled = 0;
         let before = self.step_now();
@@ -234,14 +234,15 @@ impl App {
         }
         if levelled == 0 {
             let text = "no height offset is determined: the tracks of these logs do not cross, or their depths contradict each other where they do";
-            return self.warn(text.to_owned());
+            return self.notices.warn(text.to_owned());
         }
         let after = self.step_now();
         self.record_step(&before, &after, "height offsets", false);
-        self.withdraw(Action::ApplyHeights);
+        self.notices.withdraw(Action::ApplyHeights);
         let held = self.held_height().and_then(|id| self.open_log(id));
         let held = held.map_or("their mean".to_owned(), |log| format!("that of {}", log.name()));
-        self.offer_undo(format!("Heights of {levelled} logs were levelled; {held} was held"));
+        self.notices
+            .offer_undo(format!("Heights of {levelled} logs were levelled; {held} was held"));
         self.process();
     }
 }

@@ -36,7 +36,7 @@ impl App {
         live: bool,
     ) {
         // An undo that was offered for an earlier change would now revert another one.
-        self.withdraw(Action::Undo);
+        self.notices.withdraw(Action::Undo);
         let label = label.into();
         let start = self.document.history.start_of(&label, before).clone();
         self.document.history.record(before, after, label.clone(), live);
@@ -52,7 +52,7 @@ impl App {
 
     /// Records a change with a complete name as an undo step.
     pub(super) fn record_named(&mut self, before: &UndoStep, after: &UndoStep, title: String) {
-        self.withdraw(Action::Undo);
+        self.notices.withdraw(Action::Undo);
         self.document.history.record(before, after, title.clone(), false);
         self.keep_decision(&title);
     }
@@ -74,7 +74,7 @@ impl App {
 
     /// Reverts the last step.
     pub(super) fn undo(&mut self) {
-        self.withdraw(Action::Undo);
+        self.notices.withdraw(Action::Undo);
         if let Some(step) = self.document.history.undo(&self.step_now()) {
             self.take_step(step, UNDONE);
         }
@@ -82,7 +82,7 @@ impl App {
 
     /// Applies the step again that was undone last.
     pub(super) fn redo(&mut self) {
-        self.withdraw(Action::Undo);
+        self.notices.withdraw(Action::Undo);
         if let Some(step) = self.document.history.redo(&self.step_now()) {
             let label = self.redone_label();
             self.take_step(step, &label);
@@ -92,7 +92,7 @@ impl App {
     /// Goes to the state after the first `count` steps.
     pub(super) fn go_to_step(&mut self, count: usize) {
         let is_back = count < self.document.history.steps().filter(|step| !step.is_undone).count();
-        self.withdraw(Action::Undo);
+        self.notices.withdraw(Action::Undo);
         if let Some(step) = self.document.history.go_to(count, &self.step_now()) {
             let label = if is_back { UNDONE.to_owned() } else { self.redone_label() };
             self.take_step(step, &label);

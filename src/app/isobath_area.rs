@@ -22,7 +22,7 @@ impl App {
             move |_| read_area(&path),
             |app, read| match read {
                 Ok(area) => app.set_isobath_area(Some(area)),
-                Err(error) => app.warn(error.to_string()),
+                Err(error) => app.notices.warn(error.to_string()),
             },
         );
     }

@@ -141,7 +141,7 @@ impl App {
                 let pick = self.on_one_ping(pick);
                 match self.ground_at(&pick) {
                     Some(at) => self.add_corner(at, Some(pick)),
-                    None => self.warn(NO_PLACE.to_owned()),
+                    None => self.notices.warn(NO_PLACE.to_owned()),
                 }
             }
             Measure::Next(place) => self.map.measuring.next = place,
@@ -211,7 +211,7 @@ impl App {
         });
         match self.box_of_shadow(shadow) {
             Some((id, shadow)) => self.edit(&Edit::SetShadow(id, shadow), false),
-            None => self.warn(format!(
+            None => self.notices.warn(format!(
                 "no height is measured on a box: measure a shadow ({}) on the pings of a box, and select that box",
                 Action::HeightFromShadow.key()
             )),
@@ -321,8 +321,8 @@ impl App {
             return;
         }
         match export::write_profile_csv(&path, &text) {
-            Ok(()) => self.notify(format!("Wrote the depth profile to {}", path.display())),
-            Err(error) => self.warn(error.to_string()),
+            Ok(()) => self.notices.notify(format!("Wrote the depth profile to {}", path.display())),
+            Err(error) => self.notices.warn(error.to_string()),
         }
     }
 }

@@ -81,7 +81,7 @@ pub use logs::ShownLog;
 pub use map_layers::{LayerShown, LayerStack, MapLayer};
 pub use measuring::Measure;
 pub use mounting::Mountings;
-pub use notices::Notice;
+pub use notices::{Notice, Notices};
 pub use object_table::ObjectTable;
 pub use open_log::OpenLog;
 pub(crate) use opening::LogOrigin;

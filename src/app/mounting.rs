@@ -53,7 +53,7 @@ impl App {
     /// show.
     pub(super) fn apply_sounding_lag(&mut self) {
         let Some((lag, in_force_s)) = self.log.sounding_lag() else {
-            return self.warn("first returns show no lag of the soundings".to_owned());
+            return self.notices.warn("first returns show no lag of the soundings".to_owned());
         };
         let mut settings = Settings::clone(&self.log.settings);
         settings.mounting.sounding_lag_s = in_force_s + lag.told_s();
@@ -68,14 +68,14 @@ impl App {
         };
         let (name, recorder, shared) = (log.name(), log.recorder(), log.settings.clone());
         if let Err(error) = self.follow_source(id, &shared) {
-            self.warn(error.to_string());
+            self.notices.warn(error.to_string());
         }
         let Some(mounting) = self.document.mountings.get(&recorder).copied() else {
             return;
         };
         match self.mount(id, mounting) {
-            Ok(()) => self.notify(format!("{name} has the default mounting of {recorder}")),
-            Err(error) => self.warn(error.to_string()),
+            Ok(()) => self.notices.notify(format!("{name} has the default mounting of {recorder}")),
+            Err(error) => self.notices.warn(error.to_string()),
         }
     }
 
@@ -101,7 +101,7 @@ impl App {
         let others: Vec<LogId> = self.logs().filter(is_other).map(|log| log.id).collect();
         for id in others {
             if let Err(error) = self.mount(id, mounting) {
-                self.warn(error.to_string());
+                self.notices.warn(error.to_string());
             }
         }
         let after = self.step_now();
@@ -115,7 +115,7 @@ impl App {
         let before = self.step_now();
         if Arc::make_mut(&mut self.document.mountings).remove(&recorder).is_none() {
             let text = "the recorder of this log has no default mounting";
-            return self.warn(text.to_owned());
+            return self.notices.warn(text.to_owned());
         }
         let after = self.step_now();
         self.record_named(&before, &after, format!("no default mounting of {recorder}"));

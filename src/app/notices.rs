@@ -1,6 +1,6 @@
 //! Keeps the notices to the analyst: those on screen, and all since the program was started.
 
-use super::{Action, App};
+use super::Action;
 use crate::app::system_words::in_plain_words;
 use bathyscope_log::support::printable::one_line;
 use std::collections::VecDeque;
@@ -24,18 +24,24 @@ pub struct Notice {
 }
 
 /// The notices of one run of the program.
-#[derive(Default)]
-pub(super) struct NoticeHistory {
+#[derive(Debug, Default)]
+pub struct Notices {
+    shown: Vec<Notice>,
     all: VecDeque<Notice>,
     /// True if the newest notice offers undo, so that the next such notice replaces it.
     ends_with_undo: bool,
 }
 
-impl App {
+impl Notices {
+    /// Returns the notices on the screen, the oldest first.
+    pub fn shown(&self) -> &[Notice] {
+        &self.shown
+    }
+
     /// Returns all notices since the program was started, beginning with the newest; the oldest of
     /// very many are dropped.
-    pub fn notice_history(&self) -> impl ExactSizeIterator<Item = &Notice> {
-        self.notice_history.all.iter().rev()
+    pub fn all(&self) -> impl ExactSizeIterator<Item = &Notice> {
+        self.all.iter().rev()
     }
 
     /// Notifies the analyst in a sentence.
@@ -66,37 +72,42 @@ impl App {
     /// kind, so that a row of keys leaves one notice.
     pub(super) fn offer_undo(&mut self, text: String) {
         self.withdraw(Action::Undo);
-        if self.notice_history.ends_with_undo {
-            self.notice_history.all.pop_back();
+        if self.ends_with_undo {
+            self.all.pop_back();
         }
         self.offer(text, Action::Undo);
-        self.notice_history.ends_with_undo = true;
+        self.ends_with_undo = true;
     }
 
     fn say(&mut self, text: &str, is_error: bool, offer: Option<Action>) {
         let notice = Notice { text: one_line(text), is_error, offer, at: SystemTime::now() };
-        self.notice_history.ends_with_undo = false;
+        self.ends_with_undo = false;
         // A repeated notice replaces its earlier copy on the screen.
-        self.notices.retain(|shown| shown.text != notice.text || shown.offer != notice.offer);
-        self.notice_history.all.push_back(notice.clone());
-        if self.notice_history.all.len() > KEPT {
-            self.notice_history.all.pop_front();
+        self.shown.retain(|shown| shown.text != notice.text || shown.offer != notice.offer);
+        self.all.push_back(notice.clone());
+        if self.all.len() > KEPT {
+            self.all.pop_front();
         }
-        self.notices.push(notice);
+        self.shown.push(notice);
     }
 
     /// Withdraws an offer that was accepted or makes no sense any more.
     pub(super) fn withdraw(&mut self, action: Action) {
-        self.notices.retain(|notice| notice.offer != Some(action));
-        for notice in &mut self.notice_history.all {
+        self.shown.retain(|notice| notice.offer != Some(action));
+        for notice in &mut self.all {
             notice.offer = notice.offer.filter(|offer| *offer != action);
         }
     }
 
+    /// Removes all notices from the screen; the list keeps them.
+    pub fn clear(&mut self) {
+        self.shown.clear();
+    }
+
     /// Removes a notice from the screen; the list keeps it.
     pub(super) fn dismiss(&mut self, index: usize) {
-        if index < self.notices.len() {
-            self.notices.remove(index);
+        if index < self.shown.len() {
+            self.shown.remove(index);
         }
     }
 }
@@ -104,46 +115,45 @@ impl App {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::{Command, Jobs};
 
     #[test]
     fn changes_in_a_row_leave_one_notice_with_undo() {
-        let mut app = App::new(Jobs::Inline);
-        app.notify("one".to_owned());
-        app.offer_undo("two".to_owned());
-        app.offer_undo("three".to_owned());
-        let texts = |app: &App| -> Vec<String> {
-            app.notice_history().map(|notice| notice.text.clone()).collect()
+        let mut notices = Notices::default();
+        notices.notify("one".to_owned());
+        notices.offer_undo("two".to_owned());
+        notices.offer_undo("three".to_owned());
+        let texts = |notices: &Notices| -> Vec<String> {
+            notices.all().map(|notice| notice.text.clone()).collect()
         };
-        assert_eq!(texts(&app), ["three", "one"]);
-        assert_eq!(app.notices.len(), 2);
-        assert_eq!(app.notices[1].offer, Some(Action::Undo));
+        assert_eq!(texts(&notices), ["three", "one"]);
+        assert_eq!(notices.shown.len(), 2);
+        assert_eq!(notices.shown[1].offer, Some(Action::Undo));
         // The next step makes the offer void, but the notice is still listed.
-        app.withdraw(Action::Undo);
-        app.notify("four".to_owned());
-        app.offer_undo("five".to_owned());
-        assert_eq!(texts(&app), ["five", "four", "three", "one"]);
-        assert_eq!(app.notices.len(), 3);
+        notices.withdraw(Action::Undo);
+        notices.notify("four".to_owned());
+        notices.offer_undo("five".to_owned());
+        assert_eq!(texts(&notices), ["five", "four", "three", "one"]);
+        assert_eq!(notices.shown.len(), 3);
     }
 
     #[test]
     fn what_was_dismissed_is_still_listed_and_an_offer_is_taken_back() {
-        let mut app = App::new(Jobs::Inline);
-        app.warn("one".to_owned());
-        app.offer("two".to_owned(), Action::ShowTogether);
-        app.apply(Command::Dismiss(0));
-        app.apply(Command::Dismiss(7));
-        assert_eq!(app.notices.len(), 1);
-        let texts: Vec<&str> = app.notice_history().map(|notice| notice.text.as_str()).collect();
+        let mut notices = Notices::default();
+        notices.warn("one".to_owned());
+        notices.offer("two".to_owned(), Action::ShowTogether);
+        notices.dismiss(0);
+        notices.dismiss(7);
+        assert_eq!(notices.shown.len(), 1);
+        let texts: Vec<&str> = notices.all().map(|notice| notice.text.as_str()).collect();
         assert_eq!(texts, ["two", "one"]);
-        app.withdraw(Action::ShowTogether);
-        assert!(app.notices.is_empty());
-        assert!(app.notice_history().all(|notice| notice.offer.is_none()));
+        notices.withdraw(Action::ShowTogether);
+        assert!(notices.shown.is_empty());
+        assert!(notices.all().all(|notice| notice.offer.is_none()));
         for number in 0..2 * KEPT {
-            app.notify(number.to_string());
+            notices.notify(number.to_string());
         }
-        assert_eq!(app.notice_history().len(), KEPT);
-        let newest = app.notice_history().next().map(|notice| notice.text.clone());
+        assert_eq!(notices.all().len(), KEPT);
+        let newest = notices.all().next().map(|notice| notice.text.clone());
         assert_eq!(newest.as_deref(), Some("999"));
     }
 }

@@ -189,7 +189,7 @@ impl App {
             },
             move |app, opened| app.take_opened(request, opened),
             move |app| {
-                app.warn(AppError::OpeningFailed(name).to_string());
+                app.notices.warn(AppError::OpeningFailed(name).to_string());
                 app.load_next();
             },
         );
@@ -212,9 +212,9 @@ impl App {
             Ok(OpenedPath::Known(name)) => {
                 let (name, origin) = (quoted(&name), quoted(&origin.name()));
                 let text = format!("This recording is open already, as {name}: {origin}");
-                self.notify(text);
+                self.notices.notify(text);
             }
-            Err(error) => self.warn(with_name_quoted(error.to_string(), &origin)),
+            Err(error) => self.notices.warn(with_name_quoted(error.to_string(), &origin)),
         }
         self.load_next();
     }
@@ -261,7 +261,8 @@ impl App {
             ReadDecisions::Named(path) => {
                 let name = self.open_log(id).map_or_else(String::new, |log| quoted(&log.name()));
                 let path = path.display();
-                self.notify(format!("The decisions about {name} are in the project {path}"));
+                self.notices
+                    .notify(format!("The decisions about {name} are in the project {path}"));
             }
             ReadDecisions::None if is_file => self.look_for_review(id),
             ReadDecisions::None => {}
@@ -293,7 +294,7 @@ impl App {
             0 | 1 => String::new(),
             count => format!(" and {} more", count - 1),
         };
-        self.notify(format!("Opened {name}{more} with the last decisions"));
+        self.notices.notify(format!("Opened {name}{more} with the last decisions"));
     }
 
     /// Puts a log at the top of the recent ones, by a path that is valid in whatever folder the

@@ -81,7 +81,7 @@ impl App {
         let shown = self.shown_logs();
         let Some(first) = shown.first() else {
             let text = "there is no survey to plan from; open a log, and wait for its results";
-            return self.warn(text.to_owned());
+            return self.notices.warn(text.to_owned());
         };
         let survey = &first.log.survey;
         let frame = survey.track.frame.clone();
@@ -99,7 +99,7 @@ impl App {
         };
         self.jobs.run(JobKey::PlanLines, work, |app, planned| match planned {
             Ok(lines) => app.set_lines(Some(lines), "planned lines"),
-            Err(error) => app.warn(error.to_string()),
+            Err(error) => app.notices.warn(error.to_string()),
         });
     }
 
@@ -128,12 +128,12 @@ impl App {
     /// Removes the selected line.
     pub(super) fn remove_line(&mut self) {
         let Some(planned) = self.map.planning.lines.clone() else {
-            return self.warn(NO_LINES.to_owned());
+            return self.notices.warn(NO_LINES.to_owned());
         };
         let mut lines = planned.plan.lines.clone();
         let selected = self.map.planning.selected.filter(|line| *line < lines.len());
         let Some(line) = selected else {
-            return self.warn(NO_LINE.to_owned());
+            return self.notices.warn(NO_LINE.to_owned());
         };
         lines.remove(line);
         self.replace_lines(&planned, lines, "removed planned line");
@@ -173,7 +173,7 @@ impl App {
     /// Writes the planned lines into a file, in the format of the file name's ending.
     pub(super) fn save_plan(&mut self, path: PathBuf) {
         let Some(planned) = self.map.planning.lines.clone() else {
-            return self.warn(NO_LINES.to_owned());
+            return self.notices.warn(NO_LINES.to_owned());
         };
         if self.refuses_log(self.log.id, &path) {
             return;
@@ -189,9 +189,9 @@ impl App {
         match written {
             Ok(()) => {
                 let path = path.display().to_string();
-                self.notify(format!("Wrote the planned lines to {}", quoted(&path)));
+                self.notices.notify(format!("Wrote the planned lines to {}", quoted(&path)));
             }
-            Err(error) => self.warn(error.to_string()),
+            Err(error) => self.notices.warn(error.to_string()),
         }
     }
 }

@@ -51,7 +51,7 @@ impl App {
         if shown.is_empty() {
             let text =
                 "positions are compared where tracks cross: open a log, and wait for its results";
-            return self.warn(text.to_owned());
+            return self.notices.warn(text.to_owned());
         }
         let ids: Vec<LogId> = shown.iter().map(|log| log.id).collect();
         let logs: Vec<ProcessedLog> = shown.into_iter().map(|log| log.log).collect();
@@ -65,7 +65,7 @@ impl App {
             },
             |app, found| {
                 if found.as_ref().is_some_and(|found| !found.tells()) {
-                    app.notify(FoundPositions::NOTHING_TOLD.to_owned());
+                    app.notices.notify(FoundPositions::NOTHING_TOLD.to_owned());
                 }
                 app.findings.positions = found.or(app.findings.positions.take());
             },
@@ -76,7 +76,7 @@ impl App {
     pub(super) fn apply_positions(&mut self) {
         let Some(found) = self.position_offsets().cloned() else {
             let text = "compare the positions of the logs first";
-            return self.warn(text.to_owned());
+            return self.notices.warn(text.to_owned());
         };
         let before = self.step_now();
         for (id, found) in &found.logs {

@@ -118,7 +118,7 @@ impl App {
                 app.pipeline.requested = None;
                 // The same settings would fail again.
                 app.pipeline.is_waiting = true;
-                app.warn(PROCESSING_FAILED.to_owned());
+                app.notices.warn(PROCESSING_FAILED.to_owned());
             },
         );
     }
@@ -134,8 +134,8 @@ impl App {
             self.count_figures(id, log);
         }
         if let Some(text) = sentence {
-            self.withdraw(Action::Undo);
-            self.offer(text, Action::Undo);
+            self.notices.withdraw(Action::Undo);
+            self.notices.offer(text, Action::Undo);
         }
         if id == self.log.id
             && let Some(request) = self.preview_request()
@@ -209,7 +209,7 @@ impl App {
         let is_log = survey.is_some_and(|survey| survey.source.files.iter().any(is_this));
         if is_log {
             let path = path.display();
-            self.warn(format!("that is the log itself; choose another name: {path}"));
+            self.notices.warn(format!("that is the log itself; choose another name: {path}"));
         }
         is_log
     }

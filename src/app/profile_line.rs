@@ -58,7 +58,7 @@ impl App {
     /// Turns the cut of the 3D view along the line of the profile on or off.
     pub(super) fn toggle_cut(&mut self) {
         if self.map.measuring.stations().is_empty() {
-            return self.warn(NO_LINE.to_owned());
+            return self.notices.warn(NO_LINE.to_owned());
         }
         self.view.options.cloud.cut = !self.view.options.cloud.cut;
     }

@@ -97,7 +97,7 @@ impl App {
                     app.remember(read.opened.store.path().to_owned());
                     app.take_project(read);
                 }
-                Err(error) => app.warn(error.to_string()),
+                Err(error) => app.notices.warn(error.to_string()),
             },
         );
     }
@@ -120,11 +120,11 @@ impl App {
         };
         if self.log_count() == 0 || !self.logs().all(OpenLog::is_file) {
             let text = "a project holds logs that are files, at least one; the demo survey is none";
-            return self.warn(text.to_owned());
+            return self.notices.warn(text.to_owned());
         }
         self.hash_logs(JobKey::HashLogs, move |app, hashed| match hashed {
             Ok(()) => app.name_project(path),
-            Err(error) => app.warn(error.to_string()),
+            Err(error) => app.notices.warn(error.to_string()),
         });
     }
 
@@ -170,7 +170,7 @@ impl App {
         let saving = &mut self.files.project_saving;
         let Some(store) = saving.store.as_mut().filter(|_| !saving.is_untitled) else {
             let text = "there is no project file yet; use Save project as";
-            return self.warn(text.to_owned());
+            return self.notices.warn(text.to_owned());
         };
         if saves {
             saving.saves_again = true;
@@ -180,7 +180,7 @@ impl App {
             Ok(writing) => {
                 self.jobs.run(JobKey::SaveProject, move |_| writing.write(), App::take_saved);
             }
-            Err(error) => self.warn(error.to_string()),
+            Err(error) => self.notices.warn(error.to_string()),
         }
     }
 
@@ -196,9 +196,9 @@ impl App {
             Ok(()) => {
                 saving.failed = false;
                 let text = format!("Saved the project: {}", store.path().display());
-                self.notify(text);
+                self.notices.notify(text);
             }
-            Err(error) => self.warn(error.to_string()),
+            Err(error) => self.notices.warn(error.to_string()),
         }
         if saves_again {
             self.save_project();
@@ -226,7 +226,7 @@ impl App {
             Ok(()) => self.files.project_saving.failed = false,
             Err(error) => {
                 if !std::mem::replace(&mut self.files.project_saving.failed, true) {
-                    self.warn(error.to_string());
+                    self.notices.warn(error.to_string());
                 }
             }
         }
@@ -318,7 +318,7 @@ impl App {
             move |_| Ok(path),
             |app, created| match created {
                 Ok((store, project)) => app.take_named(store, project),
-                Err(error) => app.warn(error.to_string()),
+                Err(error) => app.notices.warn(error.to_string()),
             },
         );
     }
@@ -356,7 +356,7 @@ impl App {
         {
             self.point_to_named(untitled, before.project, named);
         }
-        self.notify(text);
+        self.notices.notify(text);
         self.keep_project("save under another name");
     }
 
@@ -400,7 +400,7 @@ impl App {
             self.reopen_base_map(path);
         }
         for text in project_notes.into_iter().chain(notes) {
-            self.notify(text);
+            self.notices.notify(text);
         }
         self.schedule();
     }
@@ -408,7 +408,7 @@ impl App {
     /// Applies the settings and decisions that a project holds for a log.
     pub(super) fn take_project_log(&mut self, id: LogId, log: &ProjectLog, settings: Settings) {
         if let Err(error) = self.follow_source(id, &settings) {
-            self.warn(error.to_string());
+            self.notices.warn(error.to_string());
         }
         let shared = self.document.shared.clone();
         if let Some(open) = self.log_mut(id) {

@@ -48,8 +48,8 @@ impl App {
             return;
         }
         match write(self, &figure, &path) {
-            Ok(()) => self.notify(format!("Wrote the measurement to {}", path.display())),
-            Err(error) => self.warn(error.to_string()),
+            Ok(()) => self.notices.notify(format!("Wrote the measurement to {}", path.display())),
+            Err(error) => self.notices.warn(error.to_string()),
         }
     }
 }

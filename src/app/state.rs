@@ -12,7 +12,7 @@ use super::jobs::{JobKey, JobQueue};
 use super::logs::OpenLogs;
 use super::measuring::Measuring;
 use super::mounting::Mountings;
-use super::notices::{Notice, NoticeHistory};
+use super::notices::Notices;
 use super::objects::Objects;
 use super::opening::OpenRequest;
 use super::passes::Passes;
@@ -156,9 +156,8 @@ pub struct App {
     pub map: MapWork,
     /// Logs that were opened before, the newest first.
     pub recent: Vec<PathBuf>,
-    /// Notices on the screen.
-    pub notices: Vec<Notice>,
-    pub(super) notice_history: NoticeHistory,
+    /// Notices to the analyst.
+    pub notices: Notices,
     pub(super) following: Following,
     pub(super) file_watch: FileWatch,
     pub(super) card_search: CardSearch,
@@ -180,8 +179,7 @@ impl App {
             view: ViewState::default(),
             map: MapWork::default(),
             recent: Vec::new(),
-            notices: Vec::new(),
-            notice_history: NoticeHistory::default(),
+            notices: Notices::default(),
             following: Following::default(),
             file_watch: FileWatch::default(),
             card_search: CardSearch::default(),

@@ -197,7 +197,7 @@ impl App {
     fn say_not_kept(&mut self, why: &AppError) {
         self.files.project_saving.is_refused = true;
         let save = Action::SaveProject.key();
-        self.warn(format!(
+        self.notices.warn(format!(
             "decisions cannot be saved as they are made; save the project with {save}: {why}"
         ));
     }
@@ -227,7 +227,7 @@ impl App {
             && let Err(error) = store.save(&saving.project)
         {
             // The changes are in the journal.
-            self.warn(error.to_string());
+            self.notices.warn(error.to_string());
         }
     }
 
@@ -242,9 +242,9 @@ impl App {
             count => format!("{first} and {} more", count - 1),
         };
         if self.is_at_risk() {
-            self.warn(format!("decisions about {which} were in no file, and are gone"));
+            self.notices.warn(format!("decisions about {which} were in no file, and are gone"));
         } else if saving.is_untitled && saving.store.is_some() {
-            self.notify(format!(
+            self.notices.notify(format!(
                 "The decisions about {which} are saved, and are there when it is opened again"
             ));
         }
@@ -271,7 +271,7 @@ impl App {
         if before == after {
             return false;
         }
-        self.withdraw(Action::Undo);
+        self.notices.withdraw(Action::Undo);
         self.document.history.record(&before, &after, label, false);
         self.keep_project(label);
         true
@@ -308,7 +308,7 @@ impl App {
         match (written, self.log_mut(id)) {
             (Ok(_), Some(log)) => log.kept_alone = Some(path),
             (Ok(_), None) => {}
-            (Err(error), _) => self.warn(error.to_string()),
+            (Err(error), _) => self.notices.warn(error.to_string()),
         }
     }
 
@@ -338,7 +338,7 @@ impl App {
         let (own, settings, shared) = match own {
             Ok((own, settings)) => (own, settings, is_first.then_some(shared)),
             Err(error) => {
-                self.warn(format!("the last settings of {name} cannot be used: {error}"));
+                self.notices.warn(format!("the last settings of {name} cannot be used: {error}"));
                 let usual = self.document.shared.clone();
                 (LogSettings::default(), Settings::clone(&usual), None)
             }
@@ -356,10 +356,11 @@ impl App {
             app.take_project_log(id, &log, settings);
         });
         if is_change {
-            self.offer(format!("{name} opened with the last decisions about it"), Action::Undo);
+            self.notices
+                .offer(format!("{name} opened with the last decisions about it"), Action::Undo);
         }
         for note in notes {
-            self.notify(note);
+            self.notices.notify(note);
         }
     }
 }

@@ -187,7 +187,7 @@ pub(super) fn run(args: SnapshotArgs) -> Result<(), Failure> {
     }
     let studio = Studio::new()?;
     let picture = studio.draw(&mut shell, args.size, args.scale, &Progress::new())?;
-    if let Some(error) = shell.app.notices.iter().find(|notice| notice.is_error) {
+    if let Some(error) = shell.app.notices.shown().iter().find(|notice| notice.is_error) {
         return Err(error.text.clone().into());
     }
     shell.app.check_logs()?;

@@ -167,7 +167,7 @@ pub(super) fn wait(app: &mut App) -> Result<(), Failure> {
         std::thread::sleep(Duration::from_millis(2));
         app.poll();
     }
-    match app.notices.iter().find(|notice| notice.is_error) {
+    match app.notices.shown().iter().find(|notice| notice.is_error) {
         Some(error) => Err(error.text.clone().into()),
         None => Ok(()),
     }

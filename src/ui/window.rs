@@ -84,7 +84,7 @@ pub(crate) fn open_window(
             shell.app.keep_untitled_in(folder.join(UNTITLED));
         }
         if let Some(report) = folder.and_then(crash_report::keep_in) {
-            shell.app.tell_of_crash(&report);
+            shell.app.notices.tell_of_crash(&report);
         }
         if demo && paths.is_empty() {
             shell.app.apply(Command::OpenDemo);

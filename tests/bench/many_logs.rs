@@ -75,7 +75,7 @@ fn measure(state: &RenderState, paths: &[PathBuf]) -> Figures {
     let mut app = App::new(Jobs::Threads(Arc::new(|| ())));
     app.apply(Command::OpenAll(paths.to_vec()));
     settle(&mut app);
-    assert_eq!(app.log_count(), paths.len(), "{:?}", app.notices);
+    assert_eq!(app.log_count(), paths.len(), "{:?}", app.notices.shown());
     let mut shell = Shell::new(app);
     let mut frames = frames(state, &mut shell);
     frames.sort();

@@ -49,7 +49,7 @@ fn a_proposal_changes_nothing_until_it_is_used_and_one_step_takes_it_back() {
     assert_eq!(app(&window).log.settings.calibration.pings, Some(proposed));
     assert_eq!(app(&window).log.proposed_stretch(), None);
     assert_eq!(app(&window).log.reviewing.tool, Tool::Look);
-    let notice = app(&window).notices.last().expect("a notice").clone();
+    let notice = app(&window).notices.shown().last().expect("a notice").clone();
     assert_eq!(notice.offer, Some(Action::Undo));
     let said = format!("depths change by {:+.1} cm (median)", 100.0 * effect.change.median_m);
     assert!(notice.text.contains(&said), "{} for {said}", notice.text);
@@ -58,7 +58,8 @@ fn a_proposal_changes_nothing_until_it_is_used_and_one_step_takes_it_back() {
     act(&mut window, Action::Undo);
     assert_eq!(mode(&window), ScaleMode::Header);
     assert_eq!(depths_m(&window), before);
-    let offered = app(&window).notices.iter().any(|notice| notice.offer == Some(Action::Undo));
+    let offered =
+        app(&window).notices.shown().iter().any(|notice| notice.offer == Some(Action::Undo));
     assert!(!offered, "what was taken back is not offered any more");
 }
 
@@ -130,7 +131,7 @@ fn a_stretch_that_is_worse_says_so_and_one_without_scale_cannot_be_used() {
     assert!(window.query_by_label_contains("The recorder had lost the bottom").is_some());
     act(&mut window, Action::UseScale);
     assert_eq!(mode(&window), ScaleMode::Header, "nothing to use");
-    let notice = app(&window).notices.last().expect("a notice");
+    let notice = app(&window).notices.shown().last().expect("a notice");
     assert!(notice.is_error && notice.text.contains("lost the bottom"), "{notice:?}");
     // The start of the log, where the scale of single pings scatters by much.
     let start = PingRange { start: 0, end: 100 };

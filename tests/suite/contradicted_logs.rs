@@ -79,9 +79,8 @@ fn the_window_offers_to_leave_false_soundings_out_as_one_step() {
     drop_files(&mut window, write_three(folder.path()));
     settle(&mut window);
     let is_said =
-        app(&window).notice_history().any(|notice| notice.text.contains("false by other logs"));
-    let said: Vec<String> =
-        app(&window).notice_history().map(|notice| notice.text.clone()).collect();
+        app(&window).notices.all().any(|notice| notice.text.contains("false by other logs"));
+    let said: Vec<String> = app(&window).notices.all().map(|notice| notice.text.clone()).collect();
     assert!(is_said, "nobody was told of the false soundings: {said:?}");
     let label = "Leave out contradicted soundings";
     window.get_all_by_label(label).next().expect("a button").click_accesskit();

@@ -125,7 +125,7 @@ fn all_boxes_are_hidden_and_shown_by_a_key() {
     assert_eq!(shown(&window), [true; 3]);
     press(&mut window, Modifiers::SHIFT, Key::B);
     assert_eq!(shown(&window), [false; 3]);
-    let notice = app(&window).notices.last().expect("it is said");
+    let notice = app(&window).notices.shown().last().expect("it is said");
     assert!(notice.text.contains("Shift+B"), "{}", notice.text);
     press(&mut window, Modifiers::SHIFT, Key::B);
     assert_eq!(shown(&window), [true; 3]);

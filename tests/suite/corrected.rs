@@ -38,7 +38,7 @@ fn depth_m(window: &Window) -> f64 {
 }
 
 fn errors(window: &Window) -> Vec<&str> {
-    let notices = app(window).notices.iter();
+    let notices = app(window).notices.shown().iter();
     let errors = notices.filter(|notice| notice.is_error);
     errors.map(|notice| notice.text.as_str()).collect()
 }

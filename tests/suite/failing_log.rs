@@ -133,7 +133,7 @@ fn page(window: &mut Window, pages: usize) {
 
 /// Returns the notices of the file.
 fn notices(app: &App) -> Vec<String> {
-    let notices = app.notice_history().map(|notice| notice.text.clone());
+    let notices = app.notices.all().map(|notice| notice.text.clone());
     notices.filter(|text| text.contains("river.sl2")).collect()
 }
 

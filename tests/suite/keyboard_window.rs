@@ -106,7 +106,7 @@ fn the_main_job_is_done_without_a_pointer() {
     press(&mut window, Modifiers::COMMAND, Key::E);
     name(&mut window, &out);
     assert!(out.join("manifest.json").is_file());
-    let failed = app(&window).notice_history().find(|notice| notice.is_error).cloned();
+    let failed = app(&window).notices.all().find(|notice| notice.is_error).cloned();
     assert_eq!(failed, None);
 }
 

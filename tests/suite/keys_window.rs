@@ -213,7 +213,8 @@ fn no_key_changes_anything(keys: &[(Modifiers, Key)], every: usize) {
 
 /// The notice that undo can be pressed in.
 fn undo_notices(window: &Window) -> Vec<String> {
-    let offered = app(window).notices.iter().filter(|notice| notice.offer == Some(Action::Undo));
+    let offered =
+        app(window).notices.shown().iter().filter(|notice| notice.offer == Some(Action::Undo));
     offered.map(|notice| notice.text.clone()).collect()
 }
 
@@ -293,7 +294,7 @@ fn a_box_that_was_scrolled_away_is_not_decided_unseen() {
     press(&mut window, Modifiers::SHIFT, Key::B);
     press(&mut window, Modifiers::NONE, Key::A);
     assert_eq!(app(&window).review_counts().boxes.accepted, 1);
-    let said = app(&window).notices.last().map(|notice| notice.text.clone());
+    let said = app(&window).notices.shown().last().map(|notice| notice.text.clone());
     assert_eq!(said.as_deref(), Some("boxes are hidden here; Shift+B shows them"));
 }
 
@@ -304,7 +305,7 @@ fn keys_that_change_every_depth_ask_first() {
     window.run();
     let before = setting_values(&app(&window).log.settings);
     let offered = |window: &Window, action: Action| {
-        app(window).notices.iter().any(|notice| notice.offer == Some(action))
+        app(window).notices.shown().iter().any(|notice| notice.offer == Some(action))
     };
     for (held, key) in [(Modifiers::NONE, Key::C), (Modifiers::SHIFT, Key::S)] {
         press(&mut window, held, key);

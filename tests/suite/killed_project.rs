@@ -109,7 +109,7 @@ fn opened(project: &Path, jobs: Jobs) -> App {
         app.poll();
         std::thread::sleep(Duration::from_millis(1));
     }
-    assert!(app.log_count() > 0, "{:?}", app.notices);
+    assert!(app.log_count() > 0, "{:?}", app.notices.shown());
     app
 }
 
@@ -225,7 +225,7 @@ fn written(folder: &Path) -> PathBuf {
     while app.is_keeping() {
         app.poll();
     }
-    assert_eq!(app.project_path(), Some(project.as_path()), "{:?}", app.notices);
+    assert_eq!(app.project_path(), Some(project.as_path()), "{:?}", app.notices.shown());
     project
 }
 

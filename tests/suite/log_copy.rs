@@ -240,6 +240,6 @@ fn the_window_writes_the_log_and_its_visible_pings() {
     let other = folder.path().join("log.doc");
     app.apply(Command::Write(FileToWrite::Log(other.clone())));
     app.poll();
-    let notice = app.notices.last().expect("a notice");
+    let notice = app.notices.shown().last().expect("a notice");
     assert!(notice.text.contains(".parquet") && !other.exists(), "{}", notice.text);
 }

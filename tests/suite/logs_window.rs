@@ -246,7 +246,7 @@ fn heights_are_compared_and_applied_as_one_step() {
     settle(&mut window);
     assert!(app(&window).height_offsets().is_some());
     let warned =
-        app(&window).notice_history().any(|notice| notice.text.contains("deeper than those of"));
+        app(&window).notices.all().any(|notice| notice.text.contains("deeper than those of"));
     assert!(warned, "the logs differ, and nobody was told");
     // In the list of logs and in the notice.
     window.get_all_by_label("Apply heights").next().expect("a button").click_accesskit();

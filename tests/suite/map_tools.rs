@@ -261,7 +261,7 @@ fn a_dropped_picture_lies_under_the_map() {
     let map = app(&window).map.base_map.clone().expect("a base map");
     assert_eq!(map.size, [200, 150]);
     assert!(app(&window).log.survey.is_some(), "the survey stays open");
-    assert!(app(&window).notices[0].text.starts_with(
+    assert!(app(&window).notices.shown()[0].text.starts_with(
         "Opened the base map of 200 by 150 pixels of 0.30 m, EPSG:32617 (WGS 84 / UTM zone 17N): "
     ));
     let layers = &mut window.state_mut().app.view.options.map.layers;
@@ -270,7 +270,7 @@ fn a_dropped_picture_lies_under_the_map() {
     settle(&mut window);
     window.snapshot("map_base_map");
     drop_file(&mut window, base_map("british.tif"));
-    assert!(app(&window).notices.last().is_some_and(|notice| notice.is_error));
+    assert!(app(&window).notices.shown().last().is_some_and(|notice| notice.is_error));
     assert!(app(&window).map.base_map.is_some(), "the one before stays");
     let close = Command::Do(Action::CloseBaseMap);
     window.state_mut().app.apply(close);
@@ -324,7 +324,7 @@ fn a_measured_area_is_saved_as_what_it_is() {
     let table = std::fs::read_to_string(folder.path().join("area.csv")).unwrap();
     assert_eq!(table.lines().count(), 6, "{table}");
     assert!(!folder.path().join("area.txt").exists());
-    let last = app(&window).notices.last().unwrap();
+    let last = app(&window).notices.shown().last().unwrap();
     assert!(last.is_error && last.text.contains(".geojson or .csv"), "{}", last.text);
 }
 

@@ -154,7 +154,8 @@ fn a_log_far_away_and_one_too_short_are_opened_but_not_on_the_map() {
     let shown: Vec<String> = app.visible_logs().map(|log| log.name()).collect();
     assert_eq!(shown, ["lake-0", "lake-1"]);
     assert_eq!(app.log.name(), "lake-0", "it is the one that is shown");
-    let far = app.notices.iter().find(|notice| notice.text.contains("km from the other logs"));
+    let far =
+        app.notices.shown().iter().find(|notice| notice.text.contains("km from the other logs"));
     let notice = far.expect("a notice");
     assert!(notice.text.contains("a-far"), "{}", notice.text);
     assert_eq!(notice.offer, Some(Action::ShowTogether));

@@ -50,7 +50,7 @@ fn propose(window: &mut Window, folder: &Path) {
     }
     let first = ids(window)[0];
     window.state_mut().app.apply(Command::ShowLog(first));
-    while !app(window).notices.is_empty() {
+    while !app(window).notices.shown().is_empty() {
         window.state_mut().app.apply(Command::Dismiss(0));
     }
     settle(window);

@@ -146,6 +146,6 @@ fn an_answer_that_nobody_waits_for_any_more_is_dropped() {
     app.apply(Command::ShowPlace(LonLat { lat_deg: 0.0, ..places[1] }));
     app.poll();
     assert_eq!(app.view.selection, Some(first));
-    let said = app.notices.last().map(|notice| notice.text.clone());
+    let said = app.notices.shown().last().map(|notice| notice.text.clone());
     assert_eq!(said.as_deref(), Some("no pass of the visible logs saw this place"));
 }

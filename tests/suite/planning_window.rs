@@ -100,9 +100,9 @@ fn lines_are_planned_dragged_removed_and_every_step_is_undone() {
 #[test]
 fn planned_lines_are_written_where_the_name_says_and_nothing_is_planned_of_nothing() {
     let mut window = demo_window();
-    let before = app(&window).notices.len();
+    let before = app(&window).notices.shown().len();
     window.state_mut().app.apply(Command::Do(Action::RemoveLine));
-    assert_eq!(app(&window).notices.len(), before + 1);
+    assert_eq!(app(&window).notices.shown().len(), before + 1);
     plan(&mut window);
     let folder = tempfile::tempdir().expect("a temporary folder");
     for (name, words) in [
@@ -120,7 +120,7 @@ fn planned_lines_are_written_where_the_name_says_and_nothing_is_planned_of_nothi
     let path = folder.path().join("lines.txt");
     let save = Command::Write(FileToWrite::Plan(path.clone()));
     window.state_mut().app.apply(save);
-    let notice = app(&window).notices.last().expect("a notice");
+    let notice = app(&window).notices.shown().last().expect("a notice");
     assert!(notice.text.contains(".waypoints") && !path.exists(), "{}", notice.text);
 }
 

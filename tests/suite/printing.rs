@@ -36,7 +36,7 @@ fn print(window: &mut Window, view: &str, options: PrintOptions, path: &Path) {
 }
 
 fn notice(window: &Window) -> Vec<(&str, bool)> {
-    let notices = app(window).notices.iter();
+    let notices = app(window).notices.shown().iter();
     notices.map(|notice| (notice.text.as_str(), notice.is_error)).collect()
 }
 

@@ -89,7 +89,7 @@ fn mean_m(window: &Window) -> f64 {
 
 /// The last notice.
 fn notice(window: &Window) -> (String, bool) {
-    let notice = app(window).notices.last().expect("a notice");
+    let notice = app(window).notices.shown().last().expect("a notice");
     (notice.text.clone(), notice.is_error)
 }
 
@@ -257,11 +257,11 @@ fn what_cannot_be_compared_is_reported_and_changes_nothing() {
     ] {
         let path = folder.path().join(name);
         std::fs::write(&path, text).unwrap();
-        let before = app(&window).notices.len();
+        let before = app(&window).notices.shown().len();
         compare_with(&mut window, path);
         let (text, is_error) = notice(&window);
         assert!(is_error && text.contains(said), "{name}: {text}");
-        assert_eq!(app(&window).notices.len(), before + 1, "{name}");
+        assert_eq!(app(&window).notices.shown().len(), before + 1, "{name}");
         assert!(app(&window).map.comparing.reference.is_none(), "{name}");
     }
 }
@@ -283,7 +283,7 @@ fn comparing_is_stopped_and_taken_up_again() {
     assert!(app.awaited().is_some_and(|(what, _)| what == "opening the reference"));
     app.apply(Command::Do(Action::Cancel));
     wait(&mut app);
-    assert!(app.map.comparing.reference.is_none() && app.notices.is_empty());
+    assert!(app.map.comparing.reference.is_none() && app.notices.shown().is_empty());
 
     app.apply(Command::CompareWith(demo_log()));
     wait(&mut app);

@@ -101,7 +101,7 @@ fn a_dropped_file_that_is_no_log_is_reported_and_can_be_dismissed() {
     assert!(window.query_by_label_contains("not a sonar log").is_some());
     window.get_by_label("Dismiss").click();
     window.run();
-    assert!(app(&window).notices.is_empty());
+    assert!(app(&window).notices.shown().is_empty());
 }
 
 #[test]
@@ -368,14 +368,14 @@ fn the_base_map_comes_back_or_is_said_to_be_gone() {
     };
     let next = again(&store);
     assert_eq!(next.map.base_map.map(|map| map.path.clone()), Some(path.clone()));
-    assert!(next.notices.is_empty());
+    assert!(next.notices.shown().is_empty());
     std::fs::write(&path, "no picture any more").expect("another file");
     let next = again(&store);
-    assert!(next.map.base_map.is_none() && !next.notices[0].is_error);
+    assert!(next.map.base_map.is_none() && !next.notices.shown()[0].is_error);
     std::fs::remove_file(&path).expect("a file less");
     let next = again(&store);
     assert!(next.map.base_map.is_none());
-    assert!(next.notices[0].text.contains("is missing"), "{:?}", next.notices);
+    assert!(next.notices.shown()[0].text.contains("is missing"), "{:?}", next.notices.shown());
 }
 
 /// A window with a GPU: lavapipe where there is no other.

@@ -192,7 +192,7 @@ fn logs_with_something_missing_say_what() {
     ] {
         let mut window = empty_window();
         drop_file(&mut window, data.join(log));
-        let notices = &app(&window).notices;
+        let notices = &app(&window).notices.shown();
         assert!(notices.is_empty(), "{log}: {notices:?}");
         assert!(app(&window).log.products.is_some(), "{log}");
         assert!(window.query_all_by_label_contains(said).next().is_some(), "{log}");

@@ -48,7 +48,7 @@ fn notices_lie_over_the_views_and_move_nothing() {
     let out = folder.path().join("products");
     window.state_mut().app.apply(Command::Write(FileToWrite::Products(out.clone())));
     window.run();
-    let notice = app(&window).notices.last().expect("what was written");
+    let notice = app(&window).notices.shown().last().expect("what was written");
     let end = format!(", into {}", out.display());
     assert!(notice.text.ends_with(&end), "{}", notice.text);
     assert_eq!(notice.offer, Some(Action::OpenExported));

@@ -161,7 +161,7 @@ impl App {
         if let Some(other) = self.followed().filter(|id| *id != self.log.id) {
             let name = self.open_log(other).map_or_else(String::new, |log| quoted(&log.name()));
             let text = format!("{name} is followed already; end that first");
-            return self.warn(text);
+            return self.notices.warn(text);
         }
         if let Some(active) = &mut self.following.active {
             active.ends.get_or_insert(End::Asked);
@@ -169,11 +169,11 @@ impl App {
         }
         let Some(survey) = self.log.survey.clone() else {
             let text = "open the log that the recorder writes first, then follow it";
-            return self.warn(text.to_owned());
+            return self.notices.warn(text.to_owned());
         };
         if survey.track.external.is_some() {
             let text = "a log with another receiver's track cannot be followed; remove the external track first";
-            return self.warn(text.to_owned());
+            return self.notices.warn(text.to_owned());
         }
         let now = Instant::now();
         self.following.serial += 1;
@@ -255,7 +255,7 @@ impl App {
                 let name =
                     self.open_log(active.log).map_or_else(String::new, |log| quoted(&log.name()));
                 active.ends = Some(End::Failed);
-                self.warn(format!("{name} cannot be followed: {error}"));
+                self.notices.warn(format!("{name} cannot be followed: {error}"));
             }
         }
     }
@@ -390,7 +390,7 @@ impl App {
             let name = quoted(&log.name());
             let text =
                 format!("{name} is no longer followed: its track is that of another receiver now");
-            self.warn(text);
+            self.notices.warn(text);
         }
         self.process();
     }
@@ -404,7 +404,7 @@ impl App {
         active.fresh = None;
         let pings = count(pings);
         let text = format!("{name} is no longer followed; its {pings} pings stay: {why}");
-        self.warn(text);
+        self.notices.warn(text);
     }
 }
 

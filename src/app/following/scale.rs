@@ -60,9 +60,9 @@ impl App {
             return;
         }
         log.calibrating.offered = offered;
-        self.withdraw(Action::UseFlatterStretch);
+        self.notices.withdraw(Action::UseFlatterStretch);
         if let Some((_, text)) = found {
-            self.offer(text, Action::UseFlatterStretch);
+            self.notices.offer(text, Action::UseFlatterStretch);
         }
     }
 
@@ -88,7 +88,7 @@ impl App {
                 ranges(before),
                 100.0 * change_m
             );
-            self.notify(text);
+            self.notices.notify(text);
         }
     }
 }

@@ -96,7 +96,7 @@ impl App {
                 if let Some(survey) = survey {
                     let pings = count(survey.side_scan.len());
                     let text = format!("Read {} to its end: {pings} pings", quoted(&survey.name()));
-                    self.notify(text);
+                    self.notices.notify(text);
                 }
             }
             if is_provisional {

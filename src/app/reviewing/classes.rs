@@ -16,7 +16,7 @@ impl App {
     pub(in crate::app) fn rename_class(&mut self, from: &str, to: &str) {
         let review = self.log.settings.review.renamed(from, to);
         if let Err(why) = review.check() {
-            return self.warn(why.to_owned());
+            return self.notices.warn(why.to_owned());
         }
         let before = self.step_now();
         for log in self.logs_mut() {

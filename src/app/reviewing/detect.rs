@@ -122,7 +122,7 @@ impl App {
     pub(in crate::app) fn detect(&mut self) {
         if self.log.products.is_none() {
             let text = "open a log first, and wait for its results";
-            return self.warn(text.to_owned());
+            return self.notices.warn(text.to_owned());
         }
         let has_side_scan =
             |log: &&OpenLog| (log.survey.as_ref()).is_some_and(|survey| survey.has_side_scan());
@@ -132,7 +132,7 @@ impl App {
         logs.sort_by_key(|id| *id != shown);
         if logs.is_empty() {
             let text = "there is no usable side-scan in this log to find objects in";
-            return self.warn(text.to_owned());
+            return self.notices.warn(text.to_owned());
         }
         self.jobs.stop(&JobKey::SearchObjects);
         self.findings.search.running = None;
@@ -164,7 +164,7 @@ impl App {
             self.stop_detecting();
             let text =
                 format!("not searched, since they have no results yet: {}", names.join(", "));
-            self.warn(text);
+            self.notices.warn(text);
         }
     }
 
@@ -292,7 +292,7 @@ impl App {
                 // The same model would fail on the next log as well.
                 self.findings.search.ahead.clear();
                 self.end_search(running.log, last);
-                self.warn(error.to_string());
+                self.notices.warn(error.to_string());
             }
         }
     }
@@ -321,7 +321,7 @@ impl App {
             return self.search_next();
         }
         if self.findings.search.found == 0 {
-            self.notify(format!(
+            self.notices.notify(format!(
                 "no objects were found; draw boxes with {}, or choose another model",
                 Action::NewBox.key()
             ));

@@ -126,7 +126,7 @@ impl App {
         match places.into_iter().find(|mark| mark.sample.is_some()) {
             Some(mark) => self.mark_target(mark),
             None => {
-                self.warn(format!(
+                self.notices.warn(format!(
                     "click the target in the waterfall, or point there and press {}",
                     Action::MarkTarget.key()
                 ));
@@ -138,7 +138,7 @@ impl App {
     pub(in crate::app) fn mark_target(&mut self, mark: LogPlace) {
         let Some((side, sample)) = mark.side.zip(mark.sample) else {
             let text = "nothing was recorded there; mark the target in the picture";
-            return self.warn(text.to_owned());
+            return self.notices.warn(text.to_owned());
         };
         let span = (self.log.survey.as_ref()).and_then(|survey| survey.span(mark.ping, side));
         let Some(span) = span else {

@@ -34,7 +34,7 @@ impl App {
                     let name = quoted(&name);
                     let text =
                         format!("{name} is no file; save its review while it is shown alone");
-                    self.warn(text);
+                    self.notices.warn(text);
                 }
             }
         }
@@ -53,9 +53,9 @@ impl App {
             match export::rename_older(&path) {
                 Ok(aside) => {
                     let text = "The review that could not be used is kept as";
-                    self.notify(format!("{text} {}", aside.display()));
+                    self.notices.notify(format!("{text} {}", aside.display()));
                 }
-                Err(error) => return self.warn(error.to_string()),
+                Err(error) => return self.notices.warn(error.to_string()),
             }
         }
         let Some(log) = self.log_mut(id) else {
@@ -64,8 +64,8 @@ impl App {
         let text =
             format!("Saved {} boxes to {}", log.reviewing.review.boxes().len(), path.display());
         match log.reviewing.save(path) {
-            Ok(()) => self.notify(text),
-            Err(error) => self.warn(error.to_string()),
+            Ok(()) => self.notices.notify(text),
+            Err(error) => self.notices.warn(error.to_string()),
         }
     }
 
@@ -86,7 +86,7 @@ impl App {
     pub(in crate::app) fn open_review(&mut self, path: PathBuf) {
         if !self.read_review(self.log.id, path, false) {
             let text = "open the log first, then the review of its boxes";
-            self.warn(text.to_owned());
+            self.notices.warn(text.to_owned());
         }
     }
 
@@ -152,11 +152,11 @@ impl App {
                     log.reviewing.saved = Some(review);
                     log.reviewing.path = Some(path);
                 }
-                self.notify(text);
+                self.notices.notify(text);
             }
             Err(error) => {
                 log.reviewing.refused = is_found.then_some(path);
-                self.warn(error.to_string());
+                self.notices.warn(error.to_string());
             }
         }
     }

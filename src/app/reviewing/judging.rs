@@ -199,7 +199,7 @@ impl App {
             self.read_truth(id, TruthSource::File(path), false);
         } else {
             let text = "open the log first, then its known objects";
-            self.warn(text.to_owned());
+            self.notices.warn(text.to_owned());
         }
     }
 
@@ -226,7 +226,7 @@ impl App {
         };
         self.jobs.run(JobKey::ReadTruth(id), read, move |app, read| match read {
             Ok(truth) => app.take_truth(id, truth, source, is_found),
-            Err(error) => app.warn(error.to_string()),
+            Err(error) => app.notices.warn(error.to_string()),
         });
     }
 
@@ -244,7 +244,7 @@ impl App {
         match source {
             TruthSource::File(path) if !is_found => {
                 let path = path.display();
-                self.notify(format!("Opened {objects} known objects: {path}"));
+                self.notices.notify(format!("Opened {objects} known objects: {path}"));
             }
             // The name of a sidecar file is shown where its objects are used.
             TruthSource::File(_) | TruthSource::Demo => {}
@@ -314,7 +314,7 @@ impl App {
                 }
                 None => "mistakes need known objects: open them in the Review menu",
             };
-            return self.notify(text.to_owned());
+            return self.notices.notify(text.to_owned());
         }
         let next = match self.log.reviewing.mistake_at() {
             Some(here) => (here as isize + by).rem_euclid(count),

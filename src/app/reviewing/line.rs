@@ -177,7 +177,7 @@ impl App {
     }
 
     pub(in crate::app) fn ask_for_box(&mut self) {
-        self.warn("select a box first, with Tab or a click".to_owned());
+        self.notices.warn("select a box first, with Tab or a click".to_owned());
     }
 
     /// Sorts and filters the boxes of all logs.

@@ -29,7 +29,7 @@ const TITLES: f32 = 30.0;
 /// if there are no notices.
 pub(crate) fn show(ctx: &egui::Context, context: &mut ViewContext<'_>, views: Rect) {
     let app = context.app;
-    if app.notices.is_empty() {
+    if app.notices.shown().is_empty() {
         return;
     }
     let room = (views.width() - 16.0).clamp(160.0, WIDEST);
@@ -39,8 +39,8 @@ pub(crate) fn show(ctx: &egui::Context, context: &mut ViewContext<'_>, views: Re
     let shown = area.show(ctx, |ui| {
         Frame::popup(ui.style()).show(ui, |ui| {
             ui.set_width(room);
-            let hidden = app.notices.len().saturating_sub(SHOWN);
-            for (index, notice) in app.notices.iter().enumerate().skip(hidden) {
+            let hidden = app.notices.shown().len().saturating_sub(SHOWN);
+            for (index, notice) in app.notices.shown().iter().enumerate().skip(hidden) {
                 line(ui, context, index, notice);
             }
             if hidden > 0 {
@@ -59,7 +59,7 @@ pub(crate) fn show(ctx: &egui::Context, context: &mut ViewContext<'_>, views: Re
 fn forget_old(ctx: &egui::Context, context: &mut ViewContext<'_>) {
     let mut next = None;
     // The order from the last to the first keeps the smaller indices valid.
-    for (index, notice) in context.app.notices.iter().enumerate().rev() {
+    for (index, notice) in context.app.notices.shown().iter().enumerate().rev() {
         // An offered undo does not keep a notice: the Edit menu and Ctrl+Z still undo the change.
         let waits = notice.offer.is_some_and(|offer| offer != Action::Undo);
         if notice.is_error || waits {

@@ -38,11 +38,11 @@ impl NoticeList {
 
 fn list(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let app = context.app;
-    if app.notice_history().len() == 0 {
+    if app.notices.all().len() == 0 {
         parts::remark(ui, "There are no messages yet.");
     }
     ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
-        for notice in app.notice_history() {
+        for notice in app.notices.all() {
             line(ui, context, notice);
         }
     });

@@ -260,7 +260,7 @@ mod tests {
             window.state_mut().app.notices.clear();
             window.state_mut().carry_out(&ctx, Command::ShowSetting(row.key));
             window.run();
-            let notices = &window.state().app.notices;
+            let notices = &window.state().app.notices.shown();
             let said = notices.last().map(|notice| notice.text.clone());
             if DEPEND.contains(&row.key) {
                 let said = said.expect(row.key);

@@ -75,7 +75,7 @@ fn draw(
 ) -> Result<String, PictureError> {
     let studio = Studio::new()?;
     let picture = studio.draw(&mut shell, sheet.size_px, sheet.pixels_per_point, progress)?;
-    if let Some(error) = shell.app.notices.iter().find(|notice| notice.is_error) {
+    if let Some(error) = shell.app.notices.shown().iter().find(|notice| notice.is_error) {
         return Err(PictureError::Notice(error.text.clone()));
     }
     progress.check()?;

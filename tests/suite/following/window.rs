@@ -33,7 +33,7 @@ fn opened(path: &Path) -> App {
     let mut app = threads();
     app.apply(Command::Open(path.to_owned()));
     wait(&mut app);
-    assert!(app.log.products.is_some(), "{:?}", app.notices);
+    assert!(app.log.products.is_some(), "{:?}", app.notices.shown());
     app
 }
 
@@ -75,7 +75,7 @@ fn watch(app: &mut App, mut is_done: impl FnMut(&mut App) -> bool) -> f64 {
         assert!(
             start.elapsed() < bathyscope_test_support::PATIENCE,
             "{now} pings, {:?}",
-            app.notices
+            app.notices.shown()
         );
         std::thread::sleep(Duration::from_millis(3));
     }
@@ -108,7 +108,7 @@ fn files(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
 fn export(app: &mut App, folder: &Path) {
     app.apply(Command::Write(FileToWrite::Products(folder.to_owned())));
     wait(app);
-    assert!(folder.join("manifest.json").is_file(), "{:?}", app.notices);
+    assert!(folder.join("manifest.json").is_file(), "{:?}", app.notices.shown());
 }
 
 /// Compares what following came to with the finished file, in results and in files.
@@ -313,12 +313,12 @@ fn spoil(spoil: impl FnOnce(&Path, &[u8])) -> (String, usize) {
     let before = pings(&app);
     watch(&mut app, |app| pings(app) > before);
     let grown = pings(&app);
-    let notices = app.notices.len();
+    let notices = app.notices.shown().len();
     spoil(&path, &demo);
     watch(&mut app, |app| app.follow_status().is_none());
     wait(&mut app);
     let said: Vec<String> =
-        app.notices[notices..].iter().map(|notice| notice.text.clone()).collect();
+        app.notices.shown()[notices..].iter().map(|notice| notice.text.clone()).collect();
     assert_eq!(said.len(), 1, "{said:?}");
     assert!(!app.is_following() && app.log.whole.is_none());
     assert!(app.log.products.is_some() && !app.log.is_behind());
@@ -358,12 +358,12 @@ fn a_log_that_is_cut_short_replaced_or_gone_ends_it_in_one_sentence() {
 fn what_cannot_be_followed_is_said() {
     let mut app = threads();
     toggle(&mut app);
-    assert!(app.notices[0].text.contains("open the log"), "{:?}", app.notices);
+    assert!(app.notices.shown()[0].text.contains("open the log"), "{:?}", app.notices.shown());
     app.apply(Command::OpenDemo);
     wait(&mut app);
     toggle(&mut app);
     watch(&mut app, |app| app.follow_status().is_none());
-    let last = app.notices.last().expect("a notice");
+    let last = app.notices.shown().last().expect("a notice");
     assert!(last.text.contains("only a log that is a file"), "{last:?}");
 }
 
@@ -420,7 +420,7 @@ fn a_project_of_a_log_that_grew_is_opened_again() {
     wait(&mut again);
     let boxes: Vec<_> =
         again.log.reviewing.review.boxes().map(|review_box| review_box.mark.clone()).collect();
-    assert_eq!(boxes, [mark], "{:?}", again.notices);
+    assert_eq!(boxes, [mark], "{:?}", again.notices.shown());
     let whole = opened(&path);
     assert_eq!(pings(&again), pings(&whole));
 }
@@ -462,7 +462,7 @@ fn follow_with_scale(whole: &[u8], name: &str, share: f64) -> (App, Option<Strin
         best.factor, best.pings
     );
     assert_ne!(best.pings, pings, "the whole log has a flatter stretch");
-    let notices = app.notices.iter();
+    let notices = app.notices.shown().iter();
     let mut offers = notices.filter(|notice| notice.offer == Some(Action::UseFlatterStretch));
     let offer = offers.next_back().map(|notice| notice.text.clone());
     if offer.is_some() {

@@ -31,7 +31,7 @@ fn written(folder: &Path, name: &str, seed: u64) -> KnownSurvey {
 fn open(window: &mut Window, path: &Path) {
     drop_file(window, path.to_owned());
     settle(window);
-    assert!(app(window).log.products.is_some(), "{:?}", app(window).notices);
+    assert!(app(window).log.products.is_some(), "{:?}", app(window).notices.shown());
 }
 
 fn act(window: &mut Window, action: Action) {
@@ -229,8 +229,11 @@ fn a_recorder_has_a_default_that_its_logs_are_opened_with() {
     add(&mut window, "third.sl2");
     add(&mut window, "other.xtf");
     assert_eq!(mountings(&window), [2.5, 2.5, 2.5, 0.0]);
-    let notice =
-        app(&window).notices.iter().find(|notice| notice.text.contains("default mounting of"));
+    let notice = app(&window)
+        .notices
+        .shown()
+        .iter()
+        .find(|notice| notice.text.contains("default mounting of"));
     assert!(notice.is_some_and(|notice| notice.text.contains("third")));
     act(&mut window, Action::Undo);
     assert_eq!(mountings(&window)[..2], [0.0, 2.5], "as it was before it was for all");
@@ -299,7 +302,8 @@ fn the_system_of_metres_is_typed_in_the_panel() {
         settle(window);
     };
     enter(&mut window, "4326");
-    let refused = app(&window).notices.last().map(|notice| notice.text.clone()).expect("a notice");
+    let refused =
+        app(&window).notices.shown().last().map(|notice| notice.text.clone()).expect("a notice");
     assert!(refused.contains("source.crs: EPSG:4326 (WGS 84) has degrees"), "{refused}");
     assert_eq!(app(&window).log.settings.source.crs, None);
     enter(&mut window, "32618");

@@ -120,7 +120,7 @@ fn a_second_export_replaces_the_first_and_never_other_peoples_pictures() {
     let export = |window: &mut Window| {
         app_mut(window).apply(Command::Write(FileToWrite::Boxes(out.clone())));
         window.run();
-        app(window).notices.last().expect("a notice").clone()
+        app(window).notices.shown().last().expect("a notice").clone()
     };
     for id in [1, 2, 3, 4].map(BoxId) {
         let edit = Edit::Reject(id);

@@ -38,7 +38,7 @@ fn objects_are_found_by_a_button_and_found_again_without_losing_a_decision() {
     app_mut(&mut window).apply(Command::UseModel(model("nms_inside")));
     app_mut(&mut window).apply(Command::Do(Action::FindObjects));
     window.run();
-    let notice = app(&window).notices.last().expect("a refusal");
+    let notice = app(&window).notices.shown().last().expect("a refusal");
     assert!(notice.is_error && notice.text.contains("nms_inside"), "{notice:?}");
 }
 

@@ -112,7 +112,7 @@ fn a_measured_shadow_tells_the_height_of_its_box_until_that_is_taken_back() {
     let (mark, _, shadow) = edges(&truth.objects[0].sightings[0]);
     press(&mut app, Action::UseShadow);
     assert!(
-        app.notices.last().is_some_and(|notice| notice.is_error),
+        app.notices.shown().last().is_some_and(|notice| notice.is_error),
         "there is neither a shadow nor a box"
     );
     let added = Edit::Add { mark: mark.clone(), class: 0 };

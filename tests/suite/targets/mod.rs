@@ -83,7 +83,7 @@ fn opened(log: &Path) -> App {
     let mut app = App::new(Jobs::Inline);
     app.apply(Command::Open(log.to_owned()));
     settle(&mut app);
-    assert!(app.log.products.is_some(), "{:?}", app.notices);
+    assert!(app.log.products.is_some(), "{:?}", app.notices.shown());
     app
 }
 

@@ -107,7 +107,7 @@ impl App {
     /// Stops the search and reports its error: the same model would fail again.
     fn fail_tail(&mut self, error: &AppError) {
         self.stop_tail();
-        self.warn(error.to_string());
+        self.notices.warn(error.to_string());
     }
 
     /// Adds the boxes that were found in some pings, even if the log is not followed any more.

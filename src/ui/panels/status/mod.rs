@@ -54,7 +54,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 /// Draws the button that opens the list of notices.
 fn notices(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let action = Action::Notices;
-    let count = context.app.notice_history().len();
+    let count = context.app.notices.all().len();
     let title = RichText::new(format!("Notices {count}")).small();
     context.keyed_button(ui.button(title).accessible_name(action.label()), action);
 }
