@@ -18,7 +18,7 @@ use bathyscope_objects::objects::ObjectNumbers;
 use bathyscope_objects::review::Review;
 use bathyscope_products::pipeline::{LogSettings, Settings, SettingsError};
 use bathyscope_products::project::{
-    Project, ProjectLog, Store, UntitledProject, find_untitled, unused_path,
+    NAMED, Project, ProjectLog, Store, UntitledProject, find_untitled, unused_path,
 };
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -27,9 +27,6 @@ use std::time::SystemTime;
 
 /// Name of the undo step that takes decisions from an untitled project.
 const TAKEN: &str = "last decisions about the log";
-
-/// Key of the named project in the files of an untitled one.
-const NAMED: &str = "project";
 
 /// A log with the decisions about it when it was last open.
 pub(super) enum FoundDecisions {
@@ -63,12 +60,13 @@ pub(super) fn find_decisions(
     progress: &Progress,
 ) -> Result<FoundDecisions, AppError> {
     let found = find_untitled(folder, &survey, others.unwrap_or_default(), progress)?;
-    let Some(UntitledProject { path, mut project, log, changed_at, is_whole }) = found else {
+    let Some(found) = found else {
         return Ok(FoundDecisions::None(survey));
     };
-    if let Some(named) = project.files.get(NAMED).filter(|named| named.is_file()) {
+    if let Some(named) = found.named() {
         return Ok(FoundDecisions::Named(named.clone(), survey));
     }
+    let UntitledProject { path, mut project, log, changed_at, is_whole } = found;
     let note = newer_review(&log, &survey, changed_at);
     if is_whole && let Some(others) = others {
         let mut paths = others.to_vec();

@@ -28,6 +28,8 @@ pub(super) struct LogInput {
     pub review: Option<KeptReview>,
     /// Local coordinate frame of its project; `None` without one.
     pub frame: Option<LocalFrame>,
+    /// True if a project names the log.
+    pub is_of_project: bool,
 }
 
 /// Log that was opened.
@@ -104,8 +106,7 @@ pub(super) fn inputs(
                 ));
             }
             let paths = logs_of(paths).into_iter();
-            let input = |path| LogInput { path, logs: logs.clone(), review: None, frame: None };
-            Ok(paths.map(input).collect())
+            Ok(paths.map(|path| LogInput::of_log(path, logs.clone())).collect())
         }
     }
 }
@@ -126,18 +127,26 @@ fn of_project(path: &Path) -> Result<Vec<LogInput>, Failure> {
                 threshold: input.least_confidence,
             }),
             frame: input.frame,
+            is_of_project: true,
         })
     };
     inputs.into_iter().map(input).collect()
 }
 
 impl LogInput {
+    fn of_log(path: PathBuf, logs: Arc<LogOpener>) -> Self {
+        Self { path, logs, review: None, frame: None, is_of_project: false }
+    }
+
     /// Opens the log, in the local coordinate frame of its project if it is near.
     ///
     /// # Errors
     /// When the log cannot be opened, or lacks what its settings require.
     pub(super) fn open(&self) -> Result<OpenedLog, Failure> {
         let survey = self.logs.open(&self.path, &Progress::new())?;
+        if !self.is_of_project {
+            warn_of_decisions(&survey);
+        }
         let survey = match &self.frame {
             Some(frame) => survey.in_frame_if_near(frame),
             None => survey,
@@ -148,6 +157,33 @@ impl LogInput {
             review: self.review.clone(),
         })
     }
+}
+
+/// Warns if the window has decisions about a log, which is opened without them: a run uses only the
+/// settings and reviews that it is given.
+fn warn_of_decisions(survey: &Survey) {
+    let Some(folder) = untitled_folder() else {
+        return;
+    };
+    if let Ok(Some(found)) = project::find_untitled(&folder, survey, &[], &Progress::new()) {
+        output::notify(format_args!(
+            "warning: the decisions made about {} in the window are not used; they are in a project, which can be named in place of the log: {}",
+            survey.name(),
+            found.named().unwrap_or(&found.path).display()
+        ));
+    }
+}
+
+/// Returns the folder where the window keeps untitled projects; `None` on a system without one.
+#[cfg(feature = "gui")]
+fn untitled_folder() -> Option<PathBuf> {
+    crate::ui::untitled_folder()
+}
+
+/// Returns no folder: a program without the window keeps no projects.
+#[cfg(not(feature = "gui"))]
+fn untitled_folder() -> Option<PathBuf> {
+    None
 }
 
 /// Opens logs in the local coordinate frame of the first that has a position, and counts those that
@@ -273,8 +309,8 @@ pub(super) fn open_reference(
                 ..first.settings.clone()
             };
             let logs = Arc::new(LogOpener::new(as_read)?);
-            let input = |path| LogInput { path, logs: logs.clone(), review: None, frame: None };
-            logs_of(&[path.to_owned()]).into_iter().map(input).collect()
+            let logs_of = logs_of(&[path.to_owned()]).into_iter();
+            logs_of.map(|path| LogInput::of_log(path, logs.clone())).collect()
         }
         false => {
             finish_killed_run(path)?;

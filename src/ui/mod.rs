@@ -20,7 +20,7 @@ pub mod views;
 mod window;
 
 pub use shell::{Alone, Shell};
-pub(crate) use window::open_window;
+pub(crate) use window::{open_window, untitled_folder};
 
 use crate::app::{Action, App, Command, LogPlace, ThemeChoice, View, ViewOptions};
 use bathyscope_bottom::presentation::text;

@@ -79,11 +79,10 @@ pub(crate) fn open_window(
             shell.restore(storage);
         }
         shell.app.look_for_cards(drives);
-        let folder = eframe::storage_dir(APP_ID);
-        if let Some(folder) = &folder {
-            shell.app.keep_untitled_in(folder.join(UNTITLED));
+        if let Some(folder) = untitled_folder() {
+            shell.app.keep_untitled_in(folder);
         }
-        if let Some(report) = folder.and_then(crash_report::keep_in) {
+        if let Some(report) = eframe::storage_dir(APP_ID).and_then(crash_report::keep_in) {
             shell.app.notices.tell_of_crash(&report);
         }
         if demo && paths.is_empty() {
@@ -97,6 +96,11 @@ pub(crate) fn open_window(
         Ok(Box::new(shell) as Box<dyn eframe::App>)
     };
     Ok(eframe::run_native(APP_ID, options, Box::new(start))?)
+}
+
+/// Returns the folder of untitled projects; `None` on a system without a folder for options.
+pub(crate) fn untitled_folder() -> Option<PathBuf> {
+    Some(eframe::storage_dir(APP_ID)?.join(UNTITLED))
 }
 
 /// Returns the icon of the window, for systems where no desktop entry or resource gives one.

@@ -219,7 +219,7 @@ fn a_survey_with_a_name_needs_no_untitled_project_any_more() {
     open(&mut window, folder.path(), &[A]);
     act(&mut window, Command::Open(path.clone()));
     assert_eq!(decisions(&window).1, [State::Added]);
-    let lost = app(&window).notice_history().find(|notice| notice.text.contains("are gone"));
+    let lost = app(&window).notices.all().find(|notice| notice.text.contains("are gone"));
     assert_eq!(lost, None);
     // A log alone has no decisions of before it was saved; where they are is said.
     open(&mut window, folder.path(), &[A]);
@@ -385,4 +385,45 @@ fn without_a_folder_nothing_is_written() {
     app.keep_all();
     let names: Vec<_> = fs::read_dir(folder.path()).expect("a folder").flatten().collect();
     assert_eq!(names.len(), 2, "{names:?}");
+}
+
+/// The program's own folder for options is that of Linux.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_command_that_is_given_a_log_names_the_project_with_the_decisions_about_it() {
+    let folder = logs();
+    let run = |log: &str| {
+        let arguments = ["process", log, "-o", "out", "--products", "track", "--no-objects"];
+        let output = std::process::Command::new(crate::support::program())
+            .args(arguments)
+            .current_dir(folder.path())
+            .env("XDG_DATA_HOME", folder.path())
+            .output()
+            .expect("the program starts");
+        assert!(output.status.success());
+        String::from_utf8_lossy(&output.stderr).into_owned()
+    };
+    let untitled = folder.path().join("bathyscope/untitled");
+    let mut window = empty_window();
+    window.state_mut().app.keep_untitled_in(untitled.clone());
+    open(&mut window, folder.path(), &[A]);
+    change(&mut window, "draft_m=0.4");
+    let name = fs::read_dir(&untitled).expect("a folder").flatten().map(|entry| entry.path());
+    let mut projects = name.filter(|path| path.extension().is_some_and(|e| e == "bathyscope"));
+    let project = projects.next().expect("an untitled project").display().to_string();
+    let warned = run(A);
+    assert!(
+        warned.contains("decisions made about lake-0") && warned.contains(&project),
+        "{warned}"
+    );
+    assert!(!run(B).contains("decisions made"));
+
+    // Under a name, they are in the named project.
+    let named = folder.path().join("lake.bathyscope");
+    act(&mut window, Command::Write(FileToWrite::Project(named.clone())));
+    let warned = run(A);
+    assert!(warned.contains(&named.display().to_string()), "{warned}");
+    window.state_mut().app.keep_all();
+    drop(window);
+    assert!(!run("lake.bathyscope").contains("decisions made"));
 }

@@ -103,7 +103,7 @@ pub use past::{PastStep, UNDONE};
 pub use row::Key;
 pub use sidecar::{BottomFileError, read_bottom};
 pub use store::{ENDING, OpenedProject, SavingOutcome, Store, StoreError, read, with_journal};
-pub use untitled::{UntitledProject, find_untitled, unused_path};
+pub use untitled::{NAMED, UntitledProject, find_untitled, unused_path};
 
 use crate::pipeline::{Settings, SettingsError};
 use bathyscope_log::support::geo::LonLat;

@@ -16,6 +16,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::SystemTime;
 
+/// Key of the named project in the files of an untitled one that was saved under a name.
+pub const NAMED: &str = "project";
+
 /// Untitled project that has the last decisions about a log.
 #[derive(Debug)]
 pub struct UntitledProject {
@@ -29,6 +32,14 @@ pub struct UntitledProject {
     pub changed_at: SystemTime,
     /// True if the project has the last decisions about all requested logs, and no other logs.
     pub is_whole: bool,
+}
+
+impl UntitledProject {
+    /// Returns the named project that has its decisions now; `None` if it was not saved under a
+    /// name, or the named project does not exist any more.
+    pub fn named(&self) -> Option<&PathBuf> {
+        self.project.files.get(NAMED).filter(|named| named.is_file())
+    }
 }
 
 /// Finds the untitled project in `folder` that has the last decisions about a log which is opened
