@@ -11,7 +11,8 @@ impl App {
     pub(super) fn set_apart(&mut self) {
         let arrived = std::mem::take(&mut self.logs.arrived);
         let logs: Vec<(LogId, bool, &Survey)> = self
-            .visible_logs()
+            .logs
+            .visible()
             .filter_map(|log| {
                 let survey = log.survey.as_deref()?;
                 Some((log.id, !arrived.contains(&log.id), survey))
@@ -26,7 +27,7 @@ impl App {
             .collect();
         let mut names = Vec::new();
         for (id, why) in found.iter().filter_map(|(id, why)| Some((*id, (*why)?))) {
-            if let Some(log) = self.log_mut(id) {
+            if let Some(log) = self.logs.get_mut(id) {
                 log.is_visible = false;
                 log.apart = Some(why);
                 names.push(format!("{} ({why})", quoted(&log.name())));
@@ -35,8 +36,8 @@ impl App {
         if names.is_empty() {
             return;
         }
-        let first = self.visible_logs().next().map(|log| log.id);
-        if let (false, Some(first)) = (self.log.is_visible, first) {
+        let first = self.logs.visible().next().map(|log| log.id);
+        if let (false, Some(first)) = (self.logs.shown.is_visible, first) {
             self.show_log(first);
         }
         // The plane of a distant log would distort the positions of the other logs.
@@ -51,7 +52,7 @@ impl App {
     /// Shows all logs on one map, whatever the distance between them, as an undo step.
     pub(super) fn show_together(&mut self) {
         let before = self.step_now();
-        for log in self.logs_mut().filter(|log| log.apart.is_some()) {
+        for log in self.logs.all_mut().filter(|log| log.apart.is_some()) {
             log.is_visible = true;
             log.apart = None;
         }

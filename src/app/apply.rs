@@ -42,13 +42,13 @@ impl App {
             Command::Change { settings, label, live } => self.change(*settings, label, live),
             Command::Set { key, value, live } => self.set_by_control(key, value, live),
             Command::UsePreset(preset) => self.use_preset(preset),
-            Command::ProposeStretch(pings) => self.propose_stretch(pings),
+            Command::ProposeStretch(pings) => self.logs.shown.propose_stretch(pings),
             Command::Show(options) => self.view.options = *options,
             Command::Hover(mark) => self.view.hover = mark,
             Command::Select(mark) => {
                 self.view.selection = mark;
-                self.log.reviewing.selected = None;
-                self.log.reviewing.judging.look_away();
+                self.logs.shown.reviewing.selected = None;
+                self.logs.shown.reviewing.judging.look_away();
             }
             Command::Reveal(mark) => self.reveal(mark),
             Command::Visible(pings) => self.view.visible = pings,
@@ -101,7 +101,7 @@ impl App {
             FileToWrite::Figure(path) => self.save_figure(path),
             FileToWrite::Profile(path) => self.save_profile(path),
             FileToWrite::Products(folder) => self.export(folder),
-            FileToWrite::Review(path) => self.save_review(self.log.id, path),
+            FileToWrite::Review(path) => self.save_review(self.logs.shown.id, path),
             FileToWrite::Reviews => self.save_reviews(),
             FileToWrite::Boxes(folder) => self.export_boxes(folder),
             FileToWrite::Log(path) => self.export_log(path, None),
@@ -115,12 +115,12 @@ impl App {
             FileToOpen::BaseMap(path) => self.open_base_map(path),
             FileToOpen::IsobathArea(path) => self.open_isobath_area(path),
             FileToOpen::WaterLevels(path) => {
-                self.read_external(self.log.id, path, Some(Instrument::Gauge))
+                self.read_external(self.logs.shown.id, path, Some(Instrument::Gauge))
             }
             FileToOpen::Track(path) => {
-                self.read_external(self.log.id, path, Some(Instrument::Receiver))
+                self.read_external(self.logs.shown.id, path, Some(Instrument::Receiver))
             }
-            FileToOpen::Table(path) => self.read_external(self.log.id, path, None),
+            FileToOpen::Table(path) => self.read_external(self.logs.shown.id, path, None),
             FileToOpen::Review(path) => self.open_review(path),
             FileToOpen::Truth(path) => self.open_truth(path),
         }
@@ -141,7 +141,7 @@ impl App {
         label: impl Into<Cow<'static, str>>,
         live: bool,
     ) {
-        self.change_of(self.log.id, settings, label, live);
+        self.change_of(self.logs.shown.id, settings, label, live);
     }
 
     /// Gives a setting of the shown log the value of its control.
@@ -149,11 +149,11 @@ impl App {
         let Some(row) = settings::row(key) else {
             return;
         };
-        let mut settings = Settings::clone(&self.log.settings);
+        let mut settings = Settings::clone(&self.logs.shown.settings);
         row.set(&mut settings, value);
         // A value that is set again changes nothing, but may end the undo step of a drag.
-        let is_same = settings == *self.log.settings;
-        self.change_by(self.log.id, settings, row.name, live, |own, shared, after| {
+        let is_same = settings == *self.logs.shown.settings;
+        self.change_by(self.logs.shown.id, settings, row.name, live, |own, shared, after| {
             Ok(if is_same {
                 (shared.clone(), own.clone())
             } else {
@@ -187,7 +187,7 @@ impl App {
             &Settings,
         ) -> Result<(Settings, LogSettings), SettingsError>,
     ) {
-        let Some(log) = self.log_mut(id) else {
+        let Some(log) = self.logs.get_mut(id) else {
             return;
         };
         let allowed = settings.check().map_err(AppError::from);
@@ -212,7 +212,7 @@ impl App {
             self.document.shared = Arc::new(shared);
         }
         let own = if own == *own_before { own_before } else { Arc::new(own) };
-        if let Some(log) = self.log_mut(id) {
+        if let Some(log) = self.logs.get_mut(id) {
             log.own = own.clone();
             log.exchange_boxes();
         }
@@ -228,7 +228,7 @@ impl App {
     /// Sets the own settings of a log, and its settings, composed of these and the shared ones.
     pub(super) fn set_own(&mut self, id: LogId, own: Arc<LogSettings>, live: bool) {
         let settings = own.compose(&self.document.shared);
-        if let Some(log) = self.log_mut(id) {
+        if let Some(log) = self.logs.get_mut(id) {
             log.own = own;
             match settings {
                 Ok(settings) => self.set(id, settings, live),
@@ -239,7 +239,7 @@ impl App {
 
     /// Applies the shared settings to all logs but `but`.
     fn share_settings(&mut self, but: LogId) {
-        let others = self.logs().filter(|log| log.id != but);
+        let others = self.logs.all().filter(|log| log.id != but);
         let others: Vec<_> = others.map(|log| (log.id, log.own.clone())).collect();
         for (id, own) in others {
             self.set_own(id, own, false);
@@ -250,7 +250,7 @@ impl App {
         if let Err(error) = self.follow_source(id, &settings) {
             return self.notices.warn(error.to_string());
         }
-        let Some(log) = self.log_mut(id) else {
+        let Some(log) = self.logs.get_mut(id) else {
             return;
         };
         let changed = settings != *log.settings;
@@ -261,20 +261,20 @@ impl App {
         if shows_only {
             return;
         }
-        if id != self.log.id {
+        if id != self.logs.shown.id {
             return self.schedule();
         }
-        let same_returns = self.log.products.as_ref().is_some_and(|products| {
+        let same_returns = self.logs.shown.products.as_ref().is_some_and(|products| {
             let made_with = &products.settings.first_return;
-            made_with.finds_the_same(&self.log.settings.first_return)
-                && products.settings.image == self.log.settings.image
+            made_with.finds_the_same(&self.logs.shown.settings.first_return)
+                && products.settings.image == self.logs.shown.settings.image
         });
         if !same_returns && changed {
             self.preview_returns();
         }
         // The search for first returns over the whole log waits until the slider is released; all
         // later stages follow the drag.
-        if same_returns && changed || !live && self.stale().is_some() {
+        if same_returns && changed || !live && self.logs.shown.stale().is_some() {
             self.process();
         } else if live && changed {
             self.pipeline.is_waiting = true;
@@ -282,7 +282,7 @@ impl App {
     }
 
     fn use_preset(&mut self, preset: Preset) {
-        let settings = Settings::preset(preset).with_survey_of(&self.log.settings);
+        let settings = Settings::preset(preset).with_survey_of(&self.logs.shown.settings);
         self.change(settings, "preset", false);
     }
 
@@ -298,9 +298,11 @@ impl App {
         if self.leave_measuring() {
             return;
         }
-        match self.log.reviewing.is_in_use() {
+        match self.logs.shown.reviewing.is_in_use() {
             true => self.leave_tool(),
-            false if self.log.proposed_stretch().is_some() => self.drop_proposal(),
+            false if self.logs.shown.proposed_stretch().is_some() => {
+                self.logs.shown.calibrating.drop_proposal()
+            }
             false => self.remove_figure(),
         }
     }
@@ -313,15 +315,19 @@ impl App {
     fn toggle_boxes(&mut self) {
         let shown = !self.view.options.shows_boxes();
         self.view.options.show_boxes(shown);
-        if !shown && self.has_boxes() {
+        if !shown && self.logs.has_boxes() {
             let keys = Action::Boxes.key();
             self.notices.notify(format!("boxes are hidden; {keys} shows them again"));
         }
     }
 
     fn step(&mut self, pings: isize) {
-        let Some(last) =
-            self.log.survey.as_ref().and_then(|survey| survey.side_scan.len().checked_sub(1))
+        let Some(last) = self
+            .logs
+            .shown
+            .survey
+            .as_ref()
+            .and_then(|survey| survey.side_scan.len().checked_sub(1))
         else {
             return;
         };
@@ -334,7 +340,7 @@ impl App {
     }
 
     fn nudge_threshold(&mut self, by: f32) {
-        let mut settings = Settings::clone(&self.log.settings);
+        let mut settings = Settings::clone(&self.logs.shown.settings);
         let threshold = settings.first_return.threshold + by;
         // Rounding keeps the steps of a hundredth exact.
         settings.first_return.threshold = ((threshold * 100.0).round() / 100.0).clamp(0.0, 1.0);

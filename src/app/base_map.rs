@@ -66,7 +66,7 @@ impl App {
             "Opened the base map of {columns} by {rows} pixels of {pixel_m:.2} m, {}",
             map.place.crs
         );
-        let start = self.log.survey.as_ref().map(|survey| survey.track.frame.origin());
+        let start = self.logs.shown.survey.as_ref().map(|survey| survey.track.frame.origin());
         if start.is_some_and(|start| !map.covers(start)) {
             text += ", which does not reach the start of this survey";
         }

@@ -35,14 +35,38 @@ pub struct BottomStroke {
     pub ink: Ink,
 }
 
+impl OpenLog {
+    /// Returns the bottom edits of the open log; none where the settings hold those of another log.
+    fn bottom_of(&self, survey: &Survey) -> BottomSettings {
+        let bottom = &self.settings.bottom;
+        match bottom.belongs_to(survey) {
+            Ok(()) => bottom.clone(),
+            Err(_) => BottomSettings::of(survey),
+        }
+    }
+
+    /// Returns the present slant range of the bottom, metres: the drawn one, else the found one,
+    /// else the recorded depth; `None` where none of them is known.
+    fn bottom_at(&self, survey: &Survey, mark: LogPlace, side: Side) -> Option<f64> {
+        let line = self.settings.bottom.line_at(side, mark.ping);
+        let drawn_m = line.and_then(|line| line.range_m(mark.ping));
+        let span = survey.span(mark.ping, side)?;
+        let pick = self.bottom_line().and_then(|all| all.side(side).get(mark.ping));
+        let found_m =
+            pick.filter(|pick| pick.is_some()).map(|pick| span.range_m(f64::from(pick.sample)));
+        let recorded_m = Some(f64::from(survey.good_depth_m(mark.ping)));
+        drawn_m.or(found_m).or(recorded_m.filter(|depth_m| depth_m.is_finite()))
+    }
+}
+
 impl App {
     /// Edits the bottom along a stroke; on both sides at the same ranges if that option is on.
     pub(super) fn draw_bottom(&mut self, stroke: &BottomStroke) {
-        let Some(survey) = &self.log.survey else {
+        let Some(survey) = &self.logs.shown.survey else {
             return;
         };
         let count = survey.side_scan.len();
-        let mut bottom = self.bottom_of(survey);
+        let mut bottom = self.logs.shown.bottom_of(survey);
         for side in self.sides_of(stroke.side) {
             let tolerance_m = half_a_sample_m(survey, side, &stroke.path);
             let Some(line) = BottomEdit::along(&stroke.path, side, count, tolerance_m) else {
@@ -60,13 +84,13 @@ impl App {
     /// Accepts the first returns of some pings as bottom where they were found, or undoes the
     /// acceptance, as an undo step; on both sides if that option is on.
     pub(super) fn accept_bottom(&mut self, side: Side, pings: [usize; 2], accept: bool) {
-        let Some(survey) = &self.log.survey else {
+        let Some(survey) = &self.logs.shown.survey else {
             return;
         };
         let last = survey.side_scan.len().saturating_sub(1);
         let pings = pings.map(|ping| ping.min(last));
         let [first, last] = pings;
-        let mut bottom = self.bottom_of(survey);
+        let mut bottom = self.logs.shown.bottom_of(survey);
         for side in self.sides_of(side) {
             bottom = if accept {
                 bottom.accepting(side, pings)
@@ -74,7 +98,7 @@ impl App {
                 bottom.not_accepting(side, pings)
             };
         }
-        if bottom == self.log.settings.bottom {
+        if bottom == self.logs.shown.settings.bottom {
             return;
         }
         self.set_bottom(bottom);
@@ -96,16 +120,17 @@ impl App {
     /// Moves the bottom at the selected ping outward by samples, beginning at the recorded depth
     /// where no bottom is detected.
     pub(super) fn nudge_bottom(&mut self, samples: i32) {
-        let (Some(survey), Some(mark)) = (self.log.survey.clone(), self.view.selection) else {
+        let (Some(survey), Some(mark)) = (self.logs.shown.survey.clone(), self.view.selection)
+        else {
             let text = "select a ping first, with the arrow keys or a click";
             return self.notices.warn(text.to_owned());
         };
-        let mut bottom = self.bottom_of(&survey);
+        let mut bottom = self.logs.shown.bottom_of(&survey);
         for side in self.sides_of(mark.side.unwrap_or(Side::Starboard)) {
             let Some(span) = survey.span(mark.ping, side) else {
                 continue;
             };
-            let from_m = self.bottom_at(&survey, mark, side);
+            let from_m = self.logs.shown.bottom_at(&survey, mark, side);
             let range_m = from_m.unwrap_or_else(|| span.range_m(0.0))
                 + f64::from(samples) * span.metres_per_sample();
             // `clamp` would panic on the limits that a damaged header may contain.
@@ -121,28 +146,6 @@ impl App {
         self.set_bottom(bottom);
     }
 
-    /// Returns the bottom edits of the open log; none where the settings hold those of another log.
-    fn bottom_of(&self, survey: &Survey) -> BottomSettings {
-        let bottom = &self.log.settings.bottom;
-        match bottom.belongs_to(survey) {
-            Ok(()) => bottom.clone(),
-            Err(_) => BottomSettings::of(survey),
-        }
-    }
-
-    /// Returns the present slant range of the bottom, metres: the drawn one, else the found one,
-    /// else the recorded depth; `None` where none of them is known.
-    fn bottom_at(&self, survey: &Survey, mark: LogPlace, side: Side) -> Option<f64> {
-        let line = self.log.settings.bottom.line_at(side, mark.ping);
-        let drawn_m = line.and_then(|line| line.range_m(mark.ping));
-        let span = survey.span(mark.ping, side)?;
-        let pick = self.bottom_line().and_then(|all| all.side(side).get(mark.ping));
-        let found_m =
-            pick.filter(|pick| pick.is_some()).map(|pick| span.range_m(f64::from(pick.sample)));
-        let recorded_m = Some(f64::from(survey.good_depth_m(mark.ping)));
-        drawn_m.or(found_m).or(recorded_m.filter(|depth_m| depth_m.is_finite()))
-    }
-
     /// Removes all bottom edits of the shown log, so that the first returns of the search count
     /// again.
     pub(super) fn forget_bottom(&mut self) {
@@ -150,7 +153,7 @@ impl App {
     }
 
     fn set_bottom(&mut self, bottom: BottomSettings) {
-        let mut settings = Settings::clone(&self.log.settings);
+        let mut settings = Settings::clone(&self.logs.shown.settings);
         settings.bottom = bottom;
         self.change(settings, LABEL, false);
     }
@@ -158,7 +161,7 @@ impl App {
     /// Takes the bottom edits of a log that is being opened from its sidecar file, which an earlier
     /// version wrote.
     pub(super) fn take_bottom(&mut self, id: LogId, read: ReadBottom) {
-        let taken = self.log_mut(id).map(|log| log.take_bottom(read));
+        let taken = self.logs.get_mut(id).map(|log| log.take_bottom(read));
         match taken {
             Some(Ok(text)) => self.notices.notify(text),
             Some(Err(error)) => self.notices.warn(error.to_string()),

@@ -56,7 +56,7 @@ impl App {
     /// Offers an action whose key alone must not carry it out; returns true if it was offered.
     fn ask_by_key(&mut self, keys: &str, action: Action) -> bool {
         let consequence = match action {
-            Action::SwapSides if self.log.survey.is_some() => {
+            Action::SwapSides if self.logs.shown.survey.is_some() => {
                 "exchange port and starboard of this log in every view and product"
             }
             // The other actions notify the analyst themselves of what is missing.
@@ -70,7 +70,7 @@ impl App {
     /// Returns true if no box is selected, or the selected box is not visible where the key was
     /// pressed; a box outside the visible pings is brought into view.
     fn misses_box(&mut self, keys: &str, focus: KeyFocus) -> bool {
-        let Some(review_box) = self.log.reviewing.selected_box() else {
+        let Some(review_box) = self.logs.shown.reviewing.selected_box() else {
             self.ask_for_box();
             return true;
         };
@@ -90,7 +90,7 @@ impl App {
         let is_in_view = focus != KeyFocus::View(View::Waterfall)
             || pings.start < self.view.visible.end && self.view.visible.start < pings.end;
         if !is_in_view {
-            self.bring_in(LogBox { log: self.log.id, id: BoxId(number) });
+            self.bring_in(LogBox { log: self.logs.shown.id, id: BoxId(number) });
             let text = format!("box {number} was out of view; press {keys} again");
             self.notices.notify(text);
         }

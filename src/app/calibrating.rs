@@ -42,7 +42,7 @@ struct ScaleChange {
 
 impl Calibrating {
     /// Drops the proposal.
-    fn drop_proposal(&mut self) {
+    pub(super) fn drop_proposal(&mut self) {
         self.proposal = None;
         self.trial = Kept::default();
     }
@@ -92,55 +92,21 @@ impl OpenLog {
     }
 }
 
-impl App {
-    /// Starts a trial of the stretch that is proposed for a log, unless stretch and results are
-    /// those of the last trial.
-    pub(super) fn try_scale(&mut self, id: LogId) {
-        let proposed =
-            self.open_log(id).and_then(|log| log.calibrating.proposal.zip(log.settled()));
-        let Some((pings, ProcessedLog { survey, products })) = proposed else {
-            return;
-        };
-        let key = (Same(survey.clone()), Same(products.settings.clone()), pings);
-        let work = move |progress: &Progress| {
-            let trial = ScaleTrial::new(&survey, &products, pings, progress).ok()?;
-            Some(Arc::new(trial))
-        };
-        self.keep(JobKey::TryScale(id), key, work, move |app| {
-            app.log_mut(id).map(|log| &mut log.calibrating.trial)
-        });
-    }
-
+impl OpenLog {
     /// Proposes a stretch for the scale of the shown log.
     pub(super) fn propose_stretch(&mut self, pings: PingRange) {
-        let count = (self.log.survey.as_ref()).map_or(0, |survey| survey.side_scan.len());
+        let count = (self.survey.as_ref()).map_or(0, |survey| survey.side_scan.len());
         let (start, end) = (pings.start, pings.end.min(count));
         if start < end {
-            self.log.calibrating.proposal = Some(PingRange { start, end });
-        }
-    }
-
-    /// Toggles the tool that proposes stretches. Without a proposal, the stretch at the selected
-    /// ping is proposed, or else the best one.
-    pub(super) fn take_calibration_tool(&mut self) {
-        self.take_tool(Tool::Calibrate);
-        let is_in_hand = self.log.reviewing.tool == Tool::Calibrate;
-        if !is_in_hand || self.log.calibrating.proposal.is_some() {
-            return;
-        }
-        let here = self.view.selection.and_then(|mark| self.stretch_around(mark.ping));
-        let products = self.log.products.as_ref();
-        let best = products.and_then(|products| products.flat_spots.first());
-        if let Some(pings) = here.or(best.map(|spot| spot.range())) {
-            self.propose_stretch(pings);
+            self.calibrating.proposal = Some(PingRange { start, end });
         }
     }
 
     /// Returns the stretch around a ping, of the length of the ranked stretches; `None` if it has
     /// no pings.
     pub(crate) fn stretch_around(&self, ping: usize) -> Option<PingRange> {
-        let survey = self.log.survey.as_ref()?;
-        let pings = match &self.log.products {
+        let survey = self.survey.as_ref()?;
+        let pings = match &self.products {
             Some(products) => calibration::stretch_around(survey, &products.navigation, ping),
             None => {
                 let end = (ping + PINGS_ASIDE + 1).min(survey.side_scan.len());
@@ -150,19 +116,50 @@ impl App {
         let (start, end) = (pings.start, pings.end);
         (start < end).then_some(PingRange { start, end })
     }
+}
 
-    /// Drops the proposed stretch of the shown log.
-    pub(super) fn drop_proposal(&mut self) {
-        self.log.calibrating.drop_proposal();
+impl App {
+    /// Starts a trial of the stretch that is proposed for a log, unless stretch and results are
+    /// those of the last trial.
+    pub(super) fn try_scale(&mut self, id: LogId) {
+        let proposed =
+            self.logs.get(id).and_then(|log| log.calibrating.proposal.zip(log.settled()));
+        let Some((pings, ProcessedLog { survey, products })) = proposed else {
+            return;
+        };
+        let key = (Same(survey.clone()), Same(products.settings.clone()), pings);
+        let work = move |progress: &Progress| {
+            let trial = ScaleTrial::new(&survey, &products, pings, progress).ok()?;
+            Some(Arc::new(trial))
+        };
+        self.keep(JobKey::TryScale(id), key, work, move |app| {
+            app.logs.get_mut(id).map(|log| &mut log.calibrating.trial)
+        });
+    }
+
+    /// Toggles the tool that proposes stretches. Without a proposal, the stretch at the selected
+    /// ping is proposed, or else the best one.
+    pub(super) fn take_calibration_tool(&mut self) {
+        self.take_tool(Tool::Calibrate);
+        let is_in_hand = self.logs.shown.reviewing.tool == Tool::Calibrate;
+        if !is_in_hand || self.logs.shown.calibrating.proposal.is_some() {
+            return;
+        }
+        let here = self.view.selection.and_then(|mark| self.logs.shown.stretch_around(mark.ping));
+        let products = self.logs.shown.products.as_ref();
+        let best = products.and_then(|products| products.flat_spots.first());
+        if let Some(pings) = here.or(best.map(|spot| spot.range())) {
+            self.logs.shown.propose_stretch(pings);
+        }
     }
 
     /// Scales the shown log by the proposed stretch, as an undo step.
     pub(super) fn use_scale(&mut self) {
-        let Some(pings) = self.log.calibrating.proposal else {
+        let Some(pings) = self.logs.shown.calibrating.proposal else {
             let text = "no stretch is proposed; drag one with Calibrate on a stretch";
             return self.notices.warn(text.to_owned());
         };
-        let Some(trial) = self.log.scale_trial().cloned() else {
+        let Some(trial) = self.logs.shown.scale_trial().cloned() else {
             let text = "the scale of the proposed stretch is still being measured";
             return self.notices.warn(text.to_owned());
         };
@@ -172,7 +169,7 @@ impl App {
             let text = format!("the proposed stretch gives no scale. {why}");
             return self.notices.warn(text);
         }
-        self.use_stretch(self.log.id, pings);
+        self.use_stretch(self.logs.shown.id, pings);
     }
 
     /// Scales a log by one of its stretches, as an undo step.
@@ -184,10 +181,10 @@ impl App {
 
     /// Scales the shown log by the recorder's own range, as an undo step, and drops the proposal.
     pub(super) fn keep_recorded_range(&mut self) {
-        self.drop_proposal();
-        if self.log.settings.calibration.mode != ScaleMode::Header {
+        self.logs.shown.calibrating.drop_proposal();
+        if self.logs.shown.settings.calibration.mode != ScaleMode::Header {
             let what = "Scale: recorded range".to_owned();
-            self.set_scale(self.log.id, ScaleMode::Header, None, what);
+            self.set_scale(self.logs.shown.id, ScaleMode::Header, None, what);
         }
     }
 
@@ -195,7 +192,7 @@ impl App {
     pub(super) fn use_offered_stretch(&mut self) {
         self.notices.withdraw(Action::UseFlatterStretch);
         let offered = |log: &OpenLog| Some((log.id, log.calibrating.offered?));
-        let found = self.logs().find_map(offered);
+        let found = self.logs.all().find_map(offered);
         if let Some((id, pings)) = found {
             self.use_stretch(id, pings);
         }
@@ -205,8 +202,8 @@ impl App {
     /// pings is not valid for another log.
     fn set_scale(&mut self, id: LogId, mode: ScaleMode, pings: Option<PingRange>, what: String) {
         let before = self.step_now();
-        let (shared, count) = (self.document.shared.clone(), self.log_count());
-        let Some(log) = self.log_mut(id) else {
+        let (shared, count) = (self.document.shared.clone(), self.logs.count());
+        let Some(log) = self.logs.get_mut(id) else {
             return;
         };
         let mut settings = Settings::clone(&log.settings);

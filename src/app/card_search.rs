@@ -52,7 +52,7 @@ impl App {
         let Some(drives) = self.card_search.drives else {
             return;
         };
-        if self.log.survey.is_some() {
+        if self.logs.shown.survey.is_some() {
             return self.search_drives(&[]);
         }
         let listed = self.card_search.listed;
@@ -66,7 +66,7 @@ impl App {
             JobKey::ListDrives,
             move |_| drives(),
             |app, tops| {
-                if app.log.survey.is_none() {
+                if app.logs.shown.survey.is_none() {
                     app.search_drives(&tops);
                 }
             },

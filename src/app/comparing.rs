@@ -71,7 +71,7 @@ impl Comparing {
 impl App {
     /// Starts opening a reference; the opening of an earlier one is dropped.
     pub(super) fn compare_with(&mut self, path: PathBuf) {
-        let logs = self.processed_logs();
+        let logs = self.logs.processed();
         let Some(first) = logs.first() else {
             let text = "open a log first, then its reference";
             self.notices.warn(format!("{text}: {}", path.display()));

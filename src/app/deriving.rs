@@ -2,7 +2,7 @@
 //! or a profile needs them, and the picture with which the waterfall of the shown log is drawn.
 
 use super::jobs::{JobKey, Kept};
-use super::{App, LogId, MapLayer};
+use super::{App, LogId, MapLayer, OpenLogs};
 use bathyscope_bottom::bathymetry::isobaths::{IsobathSettings, NoIsobaths, evenly_apart_m};
 use bathyscope_bottom::cloud::PointScales;
 use bathyscope_bottom::picture::{LevelHistogram, LogPicture, Tone};
@@ -61,6 +61,20 @@ impl Deriving {
     }
 }
 
+impl OpenLogs {
+    /// Returns the ends of the colour scale of depth over all visible logs, metres: the same scale
+    /// on the map and in the cloud.
+    pub fn depth_range_m(&self) -> Option<[f32; 2]> {
+        colour_range_m(self.visible().filter_map(|log| log.products.as_ref()))
+    }
+
+    /// Returns the ends of the colour scales of points over all visible logs.
+    pub(crate) fn point_scales(&self) -> PointScales {
+        let logs = self.visible().filter_map(|log| log.products.as_ref());
+        logs.fold(PointScales::default(), |all, products| all.with(products.scales))
+    }
+}
+
 impl App {
     /// Starts computing the shown results again if their inputs have changed.
     pub(super) fn derive(&mut self) {
@@ -72,7 +86,7 @@ impl App {
             return;
         }
         // Results of all pings would be computed again with each ping of a followed log.
-        let logs: Vec<ProcessedLog> = self.settled_logs().collect();
+        let logs: Vec<ProcessedLog> = self.logs.settled().collect();
         if mosaic {
             self.derive_mosaic(&logs);
         }
@@ -90,15 +104,16 @@ impl App {
     /// Starts computing the picture for the waterfall of the shown log, and counts its levels again
     /// if they changed.
     pub(super) fn derive_picture(&mut self) {
-        let (Some(survey), Some(products)) = (&self.log.survey, &self.log.products) else {
+        let (Some(survey), Some(products)) = (&self.logs.shown.survey, &self.logs.shown.products)
+        else {
             return;
         };
         if survey.side_scan.is_empty() {
             return;
         }
         let log = ProcessedLog::new(survey.clone(), products.clone());
-        let (results, id) = (self.pipeline.deriving.results.clone(), self.log.id);
-        let (key, whole) = (PictureKey::of(&log), self.log.whole.clone());
+        let (results, id) = (self.pipeline.deriving.results.clone(), self.logs.shown.id);
+        let (key, whole) = (PictureKey::of(&log), self.logs.shown.whole.clone());
         let work = move |progress: &Progress| {
             let picture = match &whole {
                 // The gain is that of the whole log.
@@ -111,14 +126,15 @@ impl App {
         let Some(picture) = self.picture().cloned() else {
             return;
         };
-        let of = (Same(picture), self.log.settings.picture.tone());
+        let of = (Same(picture), self.logs.shown.settings.picture.tone());
         let counted = self.pipeline.deriving.histogram.as_ref();
         // Levels that changed with every ping would make the picture flicker.
-        let holds = self.log.whole.is_some()
-            && counted.is_some_and(|counted| counted.of.1 == of.1 && counted.log == self.log.id);
+        let holds = self.logs.shown.whole.is_some()
+            && counted
+                .is_some_and(|counted| counted.of.1 == of.1 && counted.log == self.logs.shown.id);
         if !holds && counted.is_none_or(|counted| counted.of != of) {
             let histogram = Arc::new(LevelHistogram::of(&of.0.0, &of.1));
-            let log = self.log.id;
+            let log = self.logs.shown.id;
             self.pipeline.deriving.histogram = Some(CountedLevels { of, log, histogram });
         }
     }
@@ -127,7 +143,7 @@ impl App {
     /// results.
     pub fn picture(&self) -> Option<&Arc<LogPicture>> {
         let made = self.pipeline.deriving.picture.result();
-        let of_shown = made.filter(|(log, _)| *log == self.log.id);
+        let of_shown = made.filter(|(log, _)| *log == self.logs.shown.id);
         of_shown.map(|(_, picture)| picture)
     }
 
@@ -137,7 +153,7 @@ impl App {
         let picture = self.picture()?;
         let counted = self.pipeline.deriving.histogram.as_ref();
         let of_shown = counted.filter(|counted| {
-            let is_held = self.log.whole.is_some() && counted.log == self.log.id;
+            let is_held = self.logs.shown.whole.is_some() && counted.log == self.logs.shown.id;
             is_held || Arc::ptr_eq(&counted.of.0.0, picture)
         });
         of_shown.map(|counted| &counted.histogram)
@@ -212,18 +228,6 @@ impl App {
         last.filter(|map| map.is_some() || !self.is_running(&JobKey::DepthMap))
     }
 
-    /// Returns the ends of the colour scale of depth over all visible logs, metres: the same scale
-    /// on the map and in the cloud.
-    pub fn depth_range_m(&self) -> Option<[f32; 2]> {
-        colour_range_m(self.visible_logs().filter_map(|log| log.products.as_ref()))
-    }
-
-    /// Returns the ends of the colour scales of points over all visible logs.
-    pub(crate) fn point_scales(&self) -> PointScales {
-        let logs = self.visible_logs().filter_map(|log| log.products.as_ref());
-        logs.fold(PointScales::default(), |all, products| all.with(products.scales))
-    }
-
     /// Returns true if something on the map is drawn or measured from the depth map; otherwise the
     /// depth map may be older than its settings.
     pub(crate) fn needs_depth_map(&self) -> bool {
@@ -256,7 +260,7 @@ impl App {
     /// spaced.
     pub fn bottom_isobaths_m(&self) -> Option<[f32; 2]> {
         let bottom = self.bottom().filter(|_| self.view.options.cloud.isobaths)?;
-        let settings = &self.log.settings.isobaths;
+        let settings = &self.logs.shown.settings.isobaths;
         let extent = bottom.depth_map.extent();
         let settings = settings.round_in(self.view.options.units.length.metres(), extent);
         let levels_m = settings.levels_m(extent).ok()?;
@@ -266,7 +270,7 @@ impl App {
     /// Returns a phrase for each derived result that is being made.
     pub(crate) fn deriving(&self) -> impl Iterator<Item = &'static str> {
         // While a log is followed, the gain of its picture is normalised with every few pings.
-        let picture = self.log.whole.is_none().then_some(JobKey::Picture);
+        let picture = self.logs.shown.whole.is_none().then_some(JobKey::Picture);
         let made = [JobKey::DepthMap, JobKey::Isobaths, JobKey::Mosaic, JobKey::Bottom];
         let running = made.into_iter().chain(picture).filter(|key| self.is_running(key));
         running.map(|key| key.name())

@@ -2,7 +2,7 @@
 //! pings before the results are updated.
 
 use super::jobs::JobKey;
-use super::{App, LogId, OpenLog};
+use super::{App, LogId, OpenLog, OpenLogs};
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::{
     ExcludedStretch, ExclusionReason, ExclusionSettings, Exclusions, LogPart, Navigation, Survey,
@@ -103,11 +103,36 @@ impl OpenLog {
     }
 }
 
+impl OpenLogs {
+    /// Returns the excluded stretch of a log that contains a ping; `None` if the ping is not
+    /// excluded.
+    pub(crate) fn excluded_at(&self, log: LogId, ping: usize) -> Option<ExcludedStretch> {
+        let exclusions = &self.get(log)?.exclusions()?.exclusions;
+        let stretch = exclusions.stretch_at(ping)?;
+        exclusions.stretches.get(stretch).copied()
+    }
+
+    /// Returns the extent of a part of a log; `None` where the log has no results.
+    pub(crate) fn extent_of(&self, log: LogId, part: LogPart) -> Option<ExcludedExtent> {
+        let log = self.get(log)?;
+        let survey = log.survey.as_ref()?;
+        Some(ExcludedExtent {
+            stretches: 1,
+            pings: match part {
+                LogPart::Pings([first, last]) => last.saturating_sub(first) + 1,
+                LogPart::Time(_) => 0,
+            },
+            length_m: part.length_m(survey, &log.products.as_ref()?.navigation),
+            duration_s: part.duration_s(survey),
+        })
+    }
+}
+
 impl App {
     /// Starts the search for the exclusions of a log again if its settings have changed. It ends
     /// before the results that leave them out.
     pub(super) fn find_exclusions(&mut self, id: LogId) {
-        let log = self.open_log(id).and_then(|log| {
+        let log = self.logs.get(id).and_then(|log| {
             let (survey, products) = (log.survey.clone()?, log.products.as_ref()?);
             Some((survey, products.navigation.clone(), log.settings.excluded.clone()))
         });
@@ -119,13 +144,13 @@ impl App {
             Some(Arc::new(FoundExclusions::new(&survey, &navigation, &settings)))
         };
         self.keep(JobKey::FindExclusions(id), key, work, move |app| {
-            app.log_mut(id).map(|log| &mut log.found_exclusions)
+            app.logs.get_mut(id).map(|log| &mut log.found_exclusions)
         });
     }
 
     /// Excludes a part of a log or includes it again, as an undo step.
     pub(super) fn exclude(&mut self, id: LogId, part: LogPart, edit: ExclusionEdit) {
-        let Some(log) = self.open_log(id) else {
+        let Some(log) = self.logs.get(id) else {
             return;
         };
         let Some(survey) = &log.survey else {
@@ -147,19 +172,13 @@ impl App {
         self.change_of(id, settings, edit.label(part), false);
     }
 
-    /// Returns the excluded stretch of a log that contains a ping; `None` if the ping is not
-    /// excluded.
-    pub(crate) fn excluded_at(&self, log: LogId, ping: usize) -> Option<ExcludedStretch> {
-        let exclusions = &self.open_log(log)?.exclusions()?.exclusions;
-        let stretch = exclusions.stretch_at(ping)?;
-        exclusions.stretches.get(stretch).copied()
-    }
-
     /// Includes the excluded stretch that contains the selected ping again.
     pub(super) fn include_again(&mut self) {
         let at = self.view.selection.map(|mark| mark.ping);
-        match at.and_then(|ping| self.excluded_at(self.log.id, ping)) {
-            Some(stretch) => self.exclude(self.log.id, stretch.part(), ExclusionEdit::Include),
+        match at.and_then(|ping| self.logs.excluded_at(self.logs.shown.id, ping)) {
+            Some(stretch) => {
+                self.exclude(self.logs.shown.id, stretch.part(), ExclusionEdit::Include)
+            }
             None => {
                 let text =
                     "the selected ping is not excluded; select a ping of an excluded stretch";
@@ -171,32 +190,17 @@ impl App {
     /// Trusts the soundings around the selected ping that were taken for those of a lost bottom or
     /// for a fault of the sounder.
     pub(super) fn trust_soundings(&mut self) {
-        let judged = self.log.judged();
+        let judged = self.logs.shown.judged();
         let time_s =
             self.view.selection.and_then(|mark| Some(judged?.side_scan.get(mark.ping)?.time_s));
         let part =
             judged.zip(time_s).and_then(|(judged, at)| LogPart::of_false_soundings(judged, at));
         match part {
-            Some(part) => self.exclude(self.log.id, part, ExclusionEdit::Trust),
+            Some(part) => self.exclude(self.logs.shown.id, part, ExclusionEdit::Trust),
             None => {
                 let text = "the sounding at the selected ping counts already; select a ping whose depth does not count";
                 self.notices.warn(text.to_owned());
             }
         }
-    }
-
-    /// Returns the extent of a part of a log; `None` where the log has no results.
-    pub(crate) fn extent_of(&self, log: LogId, part: LogPart) -> Option<ExcludedExtent> {
-        let log = self.open_log(log)?;
-        let survey = log.survey.as_ref()?;
-        Some(ExcludedExtent {
-            stretches: 1,
-            pings: match part {
-                LogPart::Pings([first, last]) => last.saturating_sub(first) + 1,
-                LogPart::Time(_) => 0,
-            },
-            length_m: part.length_m(survey, &log.products.as_ref()?.navigation),
-            duration_s: part.duration_s(survey),
-        })
     }
 }

@@ -1,7 +1,7 @@
 //! Writes products and reviewed boxes into a folder in a background thread.
 
 use super::jobs::JobKey;
-use super::{Action, App, LogId};
+use super::{Action, App, LogId, OpenLogs};
 use bathyscope_bottom::calibration::PingRange;
 use bathyscope_log::support::progress::Progress;
 use bathyscope_products::export::{CopyError, LogPartChoice, copy_log};
@@ -18,11 +18,11 @@ pub(super) struct Exported {
     run: EarlierRun,
 }
 
-impl App {
+impl OpenLogs {
     /// Returns sentences for the readers of the products: the level that depths count from, missing
     /// corrections, and the coordinate system.
     pub(crate) fn export_statement(&self) -> Vec<String> {
-        let logs = self.processed_logs();
+        let logs = self.processed();
         let Some(first) = logs.first() else {
             return Vec::new();
         };
@@ -43,7 +43,9 @@ impl App {
         sentences.extend(plane.ok().map(|plane| format!("Coordinates are of {}.", plane.crs)));
         sentences
     }
+}
 
+impl App {
     /// Writes something in a background thread; the analyst is notified of the outcome.
     pub fn write<E: Error + Send + Sync + 'static>(
         &mut self,
@@ -86,7 +88,7 @@ impl App {
     /// requested products, including the comparison with the reference, and the report with the
     /// present decisions about boxes.
     pub(super) fn export(&mut self, folder: PathBuf) {
-        let logs = self.processed_logs();
+        let logs = self.logs.processed();
         let Some(first) = logs.first() else {
             return;
         };
@@ -94,7 +96,7 @@ impl App {
         let against = self.map.comparing.against(&first.products.settings);
         let against = against.filter(|_| requested.contains(&Product::Residuals));
         let review = self.survey_review();
-        let run = (logs.len() == 1).then(|| (self.log.id, folder.clone()));
+        let run = (logs.len() == 1).then(|| (self.logs.shown.id, folder.clone()));
         let into = folder.clone();
         let derived = self.pipeline.deriving.results.clone();
         let write = move |progress: &Progress| {
@@ -124,13 +126,13 @@ impl App {
 
     /// Writes the shown log, or some of its pings, into a file.
     pub(super) fn export_log(&mut self, path: PathBuf, pings: Option<Range<usize>>) {
-        let Some(survey) = self.log.survey.clone() else {
+        let Some(survey) = self.logs.shown.survey.clone() else {
             return;
         };
-        if self.refuses_log(self.log.id, &path) {
+        if self.refuses_log(self.logs.shown.id, &path) {
             return;
         }
-        let settings = self.log.settings.clone();
+        let settings = self.logs.shown.settings.clone();
         let pings = pings.map(|pings| PingRange {
             start: pings.start,
             end: pings.end.min(survey.side_scan.len()),
@@ -159,7 +161,7 @@ impl App {
         if let Some(folder) = &self.written_into {
             return folder.clone();
         }
-        let survey = self.log.survey.as_ref();
+        let survey = self.logs.shown.survey.as_ref();
         let log = survey.and_then(|survey| survey.source.files.first());
         let beside = self.project_path().or(log.map(PathBuf::as_path));
         let name = beside.and_then(Path::file_stem).unwrap_or_default();
@@ -170,14 +172,14 @@ impl App {
     /// Returns the amounts that determine the sizes of the products.
     pub fn amounts(&self) -> Amounts {
         let depth_map = self.depth_map().flatten();
-        Amounts::of(&self.processed_logs(), depth_map.map(|map| &**map))
+        Amounts::of(&self.logs.processed(), depth_map.map(|map| &**map))
     }
 
     /// Returns the last written files of the shown log that its present settings would change, and
     /// their folder; `None` if there are none.
     pub fn out_of_date(&self) -> Option<(&Path, Vec<&'static OutputFile>)> {
         let Exported { log, folder, run } = self.files.exported.as_ref()?;
-        let files = run.out_of_date(&self.log.settings);
-        (*log == self.log.id && !files.is_empty()).then_some((folder, files))
+        let files = run.out_of_date(&self.logs.shown.settings);
+        (*log == self.logs.shown.id && !files.is_empty()).then_some((folder, files))
     }
 }

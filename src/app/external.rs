@@ -90,7 +90,7 @@ impl App {
                 None => Ok(ExternalContent::Points(path)),
             }
         };
-        if self.open_log(id).is_none() {
+        if self.logs.get(id).is_none() {
             let text = "open the log first, then its water levels or its track";
             return self.notices.warn(text.to_owned());
         }
@@ -103,7 +103,7 @@ impl App {
     }
 
     fn take_levels(&mut self, id: LogId, gauge: Gauge) {
-        let Some(log) = self.open_log(id) else {
+        let Some(log) = self.logs.get(id) else {
             return;
         };
         let Some(survey) = &log.survey else {
@@ -119,7 +119,7 @@ impl App {
     }
 
     fn take_track(&mut self, id: LogId, track: TrackFile) {
-        let Some(log) = self.log_mut(id) else {
+        let Some(log) = self.logs.get_mut(id) else {
             return;
         };
         let mut settings = Settings::clone(&log.settings);
@@ -130,7 +130,7 @@ impl App {
             without.track = TrackSettings::default();
             self.change_of(id, without, TRACK, false);
         }
-        if let Some(log) = self.log_mut(id) {
+        if let Some(log) = self.logs.get_mut(id) {
             log.external.keep(track);
         }
         self.change_of(id, settings, TRACK, false);
@@ -138,14 +138,14 @@ impl App {
 
     /// Removes the readings of the water's height from the settings of the shown log.
     pub(super) fn remove_water_levels(&mut self) {
-        let mut settings = Settings::clone(&self.log.settings);
+        let mut settings = Settings::clone(&self.logs.shown.settings);
         settings.water_level = WaterLevelSettings::default();
         self.change(settings, "water levels", false);
     }
 
     /// Uses the recorder's own positions for the shown log again.
     pub(super) fn remove_track(&mut self) {
-        let mut settings = Settings::clone(&self.log.settings);
+        let mut settings = Settings::clone(&self.logs.shown.settings);
         settings.track = TrackSettings::default();
         self.change(settings, TRACK, false);
     }
@@ -154,8 +154,8 @@ impl App {
     /// its plane and its sides. After an error the log is unchanged.
     pub(super) fn follow_source(&mut self, id: LogId, settings: &Settings) -> Result<(), AppError> {
         // Several logs share one plane.
-        let plane = (self.log_count() > 1).then(|| self.document.plane.clone());
-        let Some(log) = self.log_mut(id) else {
+        let plane = (self.logs.count() > 1).then(|| self.document.plane.clone());
+        let Some(log) = self.logs.get_mut(id) else {
             return Ok(());
         };
         let Some([before, now]) = log.follow_source(settings, plane.as_ref())? else {
@@ -175,24 +175,24 @@ impl App {
     /// coordinate system of a log's metres has changed: a plane thousands of kilometres away would
     /// distort their positions.
     pub(super) fn settle_plane(&mut self) {
-        if !std::mem::take(&mut self.document.is_plane_moved) || self.log_count() < 2 {
+        if !std::mem::take(&mut self.document.is_plane_moved) || self.logs.count() < 2 {
             return;
         }
         let is_placed =
             |survey: &Option<Arc<Survey>>| survey.as_ref().is_some_and(|survey| survey.has_place());
         let on_earth =
             |survey: &Arc<Survey>| survey.track.projected.is_none() || system_of(survey).is_some();
-        let visible = || self.visible_logs().filter(|log| is_placed(&log.survey));
+        let visible = || self.logs.visible().filter(|log| is_placed(&log.survey));
         let first = visible().find(|log| log.survey.as_ref().is_some_and(on_earth));
         let first = first.or_else(|| visible().next());
-        let first = first.or_else(|| self.logs().find(|log| is_placed(&log.survey)));
+        let first = first.or_else(|| self.logs.all().find(|log| is_placed(&log.survey)));
         let fix = first.and_then(|log| log.survey.as_ref()?.track.fixes.first());
         let Some(fix) = fix else {
             return;
         };
         let frame = LocalFrame::new(fix.position);
         self.enter_plane(frame.clone());
-        for log in self.logs_mut() {
+        for log in self.logs.all_mut() {
             for survey in [&mut log.survey, &mut log.as_read, &mut log.external.recorded] {
                 *survey =
                     survey.take().map(|survey| Arc::new(Survey::clone(&survey).in_frame(&frame)));

@@ -6,7 +6,7 @@
 //! if there is a fault to report.
 
 use super::jobs::JobKey;
-use super::{App, Jobs, LogId};
+use super::{App, Jobs, LogId, OpenLogs};
 use crate::app::crash_report;
 use bathyscope_log::support::file_error::FileError;
 use bathyscope_log::support::mapped_file::FileFault;
@@ -36,21 +36,23 @@ struct WatchedLog {
     files: Vec<(PathBuf, Bytes)>,
 }
 
-impl App {
+impl OpenLogs {
     /// Checks that the files of the open logs still hold the bytes that were opened; see
     /// [`Survey::check_files`].
     ///
     /// # Errors
     /// Returns the fault of the first file that does not.
-    pub(crate) fn check_logs(&self) -> Result<(), FileError<FileFault>> {
-        let mut surveys = self.logs().filter_map(|log| log.survey.as_ref());
+    pub(crate) fn check_files(&self) -> Result<(), FileError<FileFault>> {
+        let mut surveys = self.all().filter_map(|log| log.survey.as_ref());
         surveys.try_for_each(|survey| survey.check_files())
     }
+}
 
+impl App {
     /// Starts checking the files of the open logs, unless these logs are being checked already.
     pub(super) fn check_files(&mut self) {
         let reported = &self.file_watch.reported;
-        let open = self.logs().filter(|log| !reported.contains(&log.id));
+        let open = self.logs.all().filter(|log| !reported.contains(&log.id));
         let open = open.filter_map(|log| Some((log.id, log.survey.as_ref()?)));
         // A followed log, which changes all the time, is read from a copy.
         let is_shared = |survey: &Survey| survey.bytes.iter().any(Bytes::is_shared);
@@ -86,7 +88,7 @@ impl App {
     /// Notifies the analyst again of the logs that lost bytes, because a file was written that may
     /// be made from them.
     pub(super) fn say_lost_logs(&mut self) {
-        let surveys = self.logs().filter_map(|log| log.survey.as_ref());
+        let surveys = self.logs.all().filter_map(|log| log.survey.as_ref());
         let files = surveys.flat_map(|survey| survey.source.files.iter().zip(&survey.bytes));
         let lost = files.filter_map(|(path, bytes)| Some(FileError::new(bytes.lost()?, path)));
         let lost: Vec<String> = lost.map(|lost| lost.to_string()).collect();
@@ -155,7 +157,7 @@ mod tests {
         fs::write(&path, DEMO).expect("a log");
         let mut app = App::new(Jobs::Threads(Arc::new(|| ())));
         app.apply(Command::Open(path.clone()));
-        wait(&mut app, |app| app.log.survey.is_some());
+        wait(&mut app, |app| app.logs.shown.survey.is_some());
         (app, path)
     }
 
@@ -193,7 +195,7 @@ mod tests {
         }
         // The check of the files reports the fault once, and the attempt to write may repeat it.
         assert!((1..=2).contains(&notice_count(&app, &sentence)));
-        let survey = app.log.survey.clone().expect("the log is still open");
+        let survey = app.logs.shown.survey.clone().expect("the log is still open");
         assert!(survey.bytes[0][20_000..].iter().all(|byte| *byte == 0));
     }
 

@@ -3,7 +3,7 @@
 //! the soundings out.
 
 use super::jobs::{JobKey, Kept};
-use super::{Action, App, LogId, OpenLog};
+use super::{Action, App, LogId, OpenLog, OpenLogs};
 use bathyscope_bottom::bathymetry::height_offsets::{Datum, HeightDifference, LogOffset};
 use bathyscope_bottom::cloud::PingDepth;
 use bathyscope_bottom::presentation::text;
@@ -57,6 +57,13 @@ pub(super) struct Heights {
     last_false_notice: Option<String>,
 }
 
+impl OpenLogs {
+    fn names_of(&self, ids: &[LogId]) -> Vec<String> {
+        let name = |id: &LogId| self.get(*id).map_or_else(String::new, OpenLog::name);
+        ids.iter().map(name).collect()
+    }
+}
+
 impl App {
     /// Returns true while heights are being compared.
     pub(crate) fn is_matching_heights(&self) -> bool {
@@ -68,7 +75,7 @@ impl App {
     pub fn height_offsets(&self) -> Option<&FoundHeights> {
         let found = self.findings.heights.found.result()?;
         // Results of logs that are closed or not visible any more are being replaced.
-        let is_visible = |id: &LogId| self.visible_logs().any(|log| log.id == *id);
+        let is_visible = |id: &LogId| self.logs.visible().any(|log| log.id == *id);
         found.ids.iter().all(is_visible).then_some(found)
     }
 
@@ -90,7 +97,7 @@ impl App {
         let Some(found) = self.height_offsets() else {
             return Vec::new();
         };
-        let names = self.names_of(&found.ids);
+        let names = self.logs.names_of(&found.ids);
         let offsets = &found.compared.offsets;
         let scales = offsets.scales.iter().map(|scale| format!("{}.", depths_scale(scale, &names)));
         scales.chain(contradictions(&offsets.pairs, &names)).collect()
@@ -101,12 +108,12 @@ impl App {
     pub(crate) fn unlevelled(&self) -> Option<String> {
         let found = self.height_offsets()?;
         let in_force_m = |id: &LogId| {
-            let products = self.open_log(*id).and_then(|log| log.products.as_ref());
+            let products = self.logs.get(*id).and_then(|log| log.products.as_ref());
             products.map_or(0.0, |products| products.correction.height_offset_m())
         };
         let in_force_m: Vec<f64> = found.ids.iter().map(in_force_m).collect();
         let difference: HeightDifference = found.compared.offsets.unlevelled(&in_force_m)?;
-        Some(format!("{}.", heights_differ(&difference, &self.names_of(&found.ids))))
+        Some(format!("{}.", heights_differ(&difference, &self.logs.names_of(&found.ids))))
     }
 
     /// Returns a sentence about each stretch of soundings that other logs show to be false.
@@ -114,29 +121,24 @@ impl App {
         let Some(found) = self.height_offsets() else {
             return Vec::new();
         };
-        let names = self.names_of(&found.ids);
+        let names = self.logs.names_of(&found.ids);
         let stretches = found.compared.contradicted.iter();
         stretches.map(|stretch| format!("{}.", stretch.summary(&names))).collect()
-    }
-
-    fn names_of(&self, ids: &[LogId]) -> Vec<String> {
-        let name = |id: &LogId| self.open_log(*id).map_or_else(String::new, OpenLog::name);
-        ids.iter().map(name).collect()
     }
 
     /// Starts comparing the heights of the visible logs again if their depths changed, and notifies
     /// the analyst of differences.
     pub(super) fn follow_heights(&mut self) {
-        let recordings = self.visible_logs().filter(|log| log.survey.is_some()).count();
+        let recordings = self.logs.visible().filter(|log| log.survey.is_some()).count();
         if recordings < 2 {
             return self.findings.heights.found.drop_all(&mut self.jobs, &JobKey::CompareHeights);
         }
         // Without this wait, the logs that have results first would be compared again and again.
-        if self.is_running(&JobKey::OpenLog) || self.visible_logs().any(OpenLog::is_behind) {
+        if self.is_running(&JobKey::OpenLog) || self.logs.visible().any(OpenLog::is_behind) {
             return;
         }
         let settled = |log: &OpenLog| Some((log.id, log.settled()?));
-        let logs: Vec<(LogId, ProcessedLog)> = self.visible_logs().filter_map(settled).collect();
+        let logs: Vec<(LogId, ProcessedLog)> = self.logs.visible().filter_map(settled).collect();
         let ids: Vec<LogId> = logs.iter().map(|(id, _)| *id).collect();
         let depths = |(id, log): &(LogId, ProcessedLog)| (*id, Same(log.products.depths.clone()));
         let place = |held: LogId| ids.iter().position(|id| *id == held);
@@ -193,7 +195,7 @@ impl App {
         for stretch in &found.compared.contradicted {
             let id = found.ids[stretch.log];
             let Some((log, survey)) =
-                self.open_log(id).and_then(|log| Some((log, log.survey.clone()?)))
+                self.logs.get(id).and_then(|log| Some((log, log.survey.clone()?)))
             else {
                 continue;
             };
@@ -225,7 +227,7 @@ impl App {
         let mut levelled = 0;
         let before = self.step_now();
         for (id, offset) in found.logs().filter(|(_, offset)| offset.is_determined()) {
-            if let Some(log) = self.open_log(id) {
+            if let Some(log) = self.logs.get(id) {
                 let mut own = LogSettings::clone(&log.own);
                 own.set(KEY, Value::Float(offset.applied_m()));
                 self.set_own(id, Arc::new(own), false);
@@ -239,7 +241,7 @@ impl App {
         let after = self.step_now();
         self.record_step(&before, &after, "height offsets", false);
         self.notices.withdraw(Action::ApplyHeights);
-        let held = self.held_height().and_then(|id| self.open_log(id));
+        let held = self.held_height().and_then(|id| self.logs.get(id));
         let held = held.map_or("their mean".to_owned(), |log| format!("that of {}", log.name()));
         self.notices
             .offer_undo(format!("Heights of {levelled} logs were levelled; {held} was held"));

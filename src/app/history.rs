@@ -18,8 +18,8 @@ impl App {
     pub(super) fn step_now(&self) -> UndoStep {
         UndoStep {
             shared: self.document.shared.clone(),
-            logs: self.logs().map(LogStep::of).collect(),
-            closed: self.closed_logs().collect(),
+            logs: self.logs.all().map(LogStep::of).collect(),
+            closed: self.logs.closed_ids().collect(),
             figure: self.map.measuring.figure.clone(),
             planned: self.map.planning.lines.clone(),
             mountings: self.document.mountings.clone(),
@@ -140,7 +140,7 @@ impl App {
         let mut version = project.clone();
         version.settings = Settings::clone(&step.shared);
         for (place, log) in step.logs.iter().enumerate() {
-            let file = self.open_log(log.id)?.file.as_ref()?;
+            let file = self.logs.get(log.id)?.file.as_ref()?;
             let mut entry = ProjectLog::clone(version.log_like(file)?);
             entry.is_visible = log.is_visible;
             entry.settings = log.own.as_ref().clone();
@@ -163,7 +163,7 @@ impl App {
             step.shared = Arc::new(shared);
         }
         for log in &mut step.logs {
-            let open = self.open_log(log.id)?;
+            let open = self.logs.get(log.id)?;
             let was = project.log_like(open.file.as_ref()?)?;
             log.is_visible = was.is_visible;
             if was.settings != *log.own {
@@ -179,7 +179,7 @@ impl App {
             return None;
         }
         let place = |id: LogId| {
-            let file = self.open_log(id).and_then(|log| log.file.as_ref());
+            let file = self.logs.get(id).and_then(|log| log.file.as_ref());
             let was = file.and_then(|file| project.log_like(file));
             project.logs().iter().position(|log| was.is_some_and(|was| Arc::ptr_eq(log, was)))
         };
@@ -193,11 +193,11 @@ impl App {
         if let Some(value) = value_of_change(before, after, self.view.options.units) {
             title += &format!(" {value}");
         }
-        let name = |id: LogId| self.open_log(id).map(|log| quoted(&log.name()));
+        let name = |id: LogId| self.logs.get(id).map(|log| quoted(&log.name()));
         let changed: Vec<LogId> = changed_logs(before, after).map(|(_, log)| log.id).collect();
         match changed[..] {
             [] => {}
-            [id] if self.log_count() > 1 => {
+            [id] if self.logs.count() > 1 => {
                 title += &name(id).map_or_else(String::new, |name| format!(" of {name}"));
             }
             [_] => {}

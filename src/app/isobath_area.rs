@@ -34,7 +34,7 @@ impl App {
     }
 
     fn set_isobath_area(&mut self, area: Option<WaterArea>) {
-        let mut settings = Settings::clone(&self.log.settings);
+        let mut settings = Settings::clone(&self.logs.shown.settings);
         settings.isobaths.clip = area.as_ref().map(|area| area.path.clone());
         settings.isobaths.area = area.map(Arc::new);
         self.change(settings, LABEL, false);

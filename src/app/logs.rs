@@ -1,6 +1,6 @@
 //! Holds the open logs and their order, shows one of them, and decides which is processed next.
 //!
-//! [`App::log`] is the log that waterfall, profile and panels show; the other logs keep their
+//! [`OpenLogs::shown`] is the log that waterfall, profile and panels show; the other logs keep their
 //! results beside it, and maps, clouds and products are made from all visible logs.
 
 use super::jobs::JobKey;
@@ -19,7 +19,7 @@ const CLOSED: usize = 10;
 
 /// A log that takes part in maps and clouds, with its results.
 #[derive(Clone, Debug)]
-pub struct ShownLog {
+pub struct VisibleLog {
     /// Identifier of the log.
     pub id: LogId,
     /// Name of the log: [`OpenLog::name`].
@@ -30,17 +30,20 @@ pub struct ShownLog {
     pub log: ProcessedLog,
 }
 
-/// The logs that are open beside the shown one.
+/// The open logs.
 #[derive(Default)]
-pub(super) struct OpenLogs {
-    pub others: Vec<OpenLog>,
+pub struct OpenLogs {
+    /// The log that waterfall, profile and panels show, and that the selection refers to.
+    pub shown: OpenLog,
+    /// The logs beside the shown one.
+    pub(super) others: Vec<OpenLog>,
     /// All open logs, in the order of the list.
-    pub order: Vec<LogId>,
+    pub(super) order: Vec<LogId>,
     last: u64,
     /// Newly opened logs, which `App::set_apart` has not checked yet.
-    pub arrived: Vec<LogId>,
+    pub(super) arrived: Vec<LogId>,
     /// Closed logs that undo can open again, the last one at the end.
-    pub closed: Vec<OpenLog>,
+    pub(super) closed: Vec<OpenLog>,
 }
 
 impl OpenLogs {
@@ -52,6 +55,7 @@ impl OpenLogs {
     /// Returns a copy that holds only the drawn parts.
     pub(super) fn for_picture(&self) -> Self {
         Self {
+            shown: self.shown.for_picture(),
             others: self.others.iter().map(OpenLog::for_picture).collect(),
             order: self.order.clone(),
             ..Self::default()
@@ -65,83 +69,122 @@ impl OpenLogs {
         let surplus = self.closed.len().saturating_sub(CLOSED);
         self.closed.drain(..surplus);
     }
-}
 
-impl App {
     /// Returns the open logs in the order of the list.
-    pub fn logs(&self) -> impl Iterator<Item = &OpenLog> {
-        self.logs.order.iter().filter_map(|id| self.open_log(*id))
+    pub fn all(&self) -> impl Iterator<Item = &OpenLog> {
+        self.order.iter().filter_map(|id| self.get(*id))
     }
 
     /// Returns the logs that take part in maps, clouds and products, in the order of the list.
-    pub fn visible_logs(&self) -> impl Iterator<Item = &OpenLog> {
-        self.logs().filter(|log| log.is_visible)
+    pub fn visible(&self) -> impl Iterator<Item = &OpenLog> {
+        self.all().filter(|log| log.is_visible)
     }
 
     /// Returns true if a visible log has depths across the track.
     pub fn has_swath(&self) -> bool {
-        let mut surveys = self.visible_logs().filter_map(|log| log.survey.as_ref());
+        let mut surveys = self.visible().filter_map(|log| log.survey.as_ref());
         surveys.any(|survey| !survey.swath.is_empty())
     }
 
     /// Returns the visible logs that have results, in the order of the list, from which maps and
     /// clouds are made.
-    pub fn shown_logs(&self) -> Vec<ShownLog> {
+    pub fn with_results(&self) -> Vec<VisibleLog> {
         let shown = |log: &OpenLog| {
-            Some(ShownLog {
+            Some(VisibleLog {
                 id: log.id,
                 name: log.name(),
                 colour: log.colour,
                 log: ProcessedLog::new(log.survey.clone()?, log.products.clone()?),
             })
         };
-        self.visible_logs().filter_map(shown).collect()
+        self.visible().filter_map(shown).collect()
     }
 
     /// Returns the recordings and results of the visible logs, in the order of the list, with the
     /// present coordinate system of the maps, for comparisons and exports.
-    pub(super) fn processed_logs(&self) -> Vec<ProcessedLog> {
+    pub(super) fn processed(&self) -> Vec<ProcessedLog> {
         let with_system = |mut log: ProcessedLog| {
             // No stage depends on the coordinate system: the results are valid for any.
-            Arc::make_mut(&mut log.products.settings).crs = self.log.settings.crs;
+            Arc::make_mut(&mut log.products.settings).crs = self.shown.settings.crs;
             log
         };
-        self.settled_logs().map(with_system).collect()
+        self.settled().map(with_system).collect()
     }
 
     /// Returns the recordings and results of the visible logs as wholes ([`OpenLog::settled`]), in
     /// the order of the list.
-    pub(super) fn settled_logs(&self) -> impl Iterator<Item = ProcessedLog> {
-        self.visible_logs().filter_map(OpenLog::settled)
+    pub(super) fn settled(&self) -> impl Iterator<Item = ProcessedLog> {
+        self.visible().filter_map(OpenLog::settled)
     }
 
     /// Returns the number of open logs.
-    pub fn log_count(&self) -> usize {
-        self.logs.order.len()
+    pub fn count(&self) -> usize {
+        self.order.len()
     }
 
     /// Returns the open log with an id; `None` if there is no such log.
-    pub fn open_log(&self, id: LogId) -> Option<&OpenLog> {
-        let mut all = [&self.log].into_iter().chain(&self.logs.others);
+    pub fn get(&self, id: LogId) -> Option<&OpenLog> {
+        let mut all = [&self.shown].into_iter().chain(&self.others);
         all.find(|log| log.id == id && log.survey.is_some())
     }
 
     /// Returns the shown log, or the log beside it, with an id.
-    pub(super) fn log_mut(&mut self, id: LogId) -> Option<&mut OpenLog> {
-        self.logs_mut().find(|log| log.id == id)
+    pub(super) fn get_mut(&mut self, id: LogId) -> Option<&mut OpenLog> {
+        self.all_mut().find(|log| log.id == id)
     }
 
     /// Returns the shown log, followed by the logs beside it.
-    pub(super) fn logs_mut(&mut self) -> impl Iterator<Item = &mut OpenLog> {
-        [&mut self.log].into_iter().chain(&mut self.logs.others)
+    pub(super) fn all_mut(&mut self) -> impl Iterator<Item = &mut OpenLog> {
+        [&mut self.shown].into_iter().chain(&mut self.others)
     }
 
     /// Returns the ids of the shown log and of the logs beside it.
-    pub(super) fn log_ids(&self) -> Vec<LogId> {
-        let all = [&self.log].into_iter().chain(&self.logs.others);
+    pub(super) fn ids(&self) -> Vec<LogId> {
+        let all = [&self.shown].into_iter().chain(&self.others);
         all.map(|log| log.id).collect()
     }
 
+    /// Applies the order and filter of boxes, and a requested truth, of the log that was shown
+    /// before to the shown log.
+    fn take_tools(&mut self, last: &mut OpenLog) {
+        self.shown.reviewing.take_tools(&mut last.reviewing);
+        self.shown.reviewing.judging.take_request(&mut last.reviewing);
+    }
+
+    /// Gives the open logs distinct names.
+    fn name_all(&mut self) {
+        let read = |log: &OpenLog| Some((log.id, log.survey.clone()?));
+        let logs: Vec<(LogId, Arc<Survey>)> = self.all().filter_map(read).collect();
+        let names = distinct_names(logs.iter().map(|(_, survey)| &**survey));
+        for ((id, _), name) in logs.into_iter().zip(names) {
+            if let Some(log) = self.get_mut(id) {
+                log.name = name;
+            }
+        }
+    }
+
+    /// Returns the ids of the closed logs that can be opened again.
+    pub(super) fn closed_ids(&self) -> impl Iterator<Item = LogId> {
+        self.closed.iter().map(|log| log.id)
+    }
+
+    fn name_of(&self, id: LogId) -> String {
+        let name = self.get(id).map_or_else(String::new, OpenLog::name);
+        quoted(&name)
+    }
+
+    /// Restores an earlier order of the logs; logs opened since then stay at the end.
+    pub(super) fn reorder(&mut self, order: impl Iterator<Item = LogId>) {
+        let open = std::mem::take(&mut self.order);
+        let mut order: Vec<LogId> = order.filter(|id| open.contains(id)).collect();
+        let since = open.into_iter().filter(|id| !order.contains(id));
+        let since: Vec<LogId> = since.collect();
+        order.extend(since);
+        self.order = order;
+    }
+}
+
+impl App {
     /// Returns the settings that all logs share.
     pub fn shared_settings(&self) -> &Settings {
         &self.document.shared
@@ -151,14 +194,14 @@ impl App {
     pub fn use_settings(&mut self, settings: &Settings) {
         self.document.start = Arc::new(settings.with_survey_of(&Settings::default()));
         self.document.shared = self.document.start.clone();
-        self.log.settings = self.document.shared.clone();
+        self.logs.shown.settings = self.document.shared.clone();
     }
 
     /// Replaces the open logs by a log that is already read, with its results if there are any.
     pub fn show_survey(&mut self, survey: Arc<Survey>, products: Option<Products>) {
         self.pipeline.is_waiting = true;
         self.replace_logs(survey);
-        self.log.products = products;
+        self.logs.shown.products = products;
     }
 
     /// Replaces all open logs by a log that was read.
@@ -172,16 +215,16 @@ impl App {
 
     /// Closes all logs.
     pub(super) fn close_all(&mut self) {
-        for id in self.log_ids() {
+        for id in self.logs.ids() {
             self.jobs.stop_log(id);
         }
-        let mut last = std::mem::take(&mut self.log);
+        let mut last = std::mem::take(&mut self.logs.shown);
         self.logs.others.clear();
         for id in std::mem::take(&mut self.logs.order) {
             self.leave_search(id);
         }
-        self.log.settings = self.document.shared.clone();
-        self.take_over(&mut last);
+        self.logs.shown.settings = self.document.shared.clone();
+        self.logs.take_tools(&mut last);
         self.follow_change(LogsChange::AllClosed);
         self.meet_log();
     }
@@ -197,35 +240,28 @@ impl App {
         self.enter_plane(survey.track.frame.clone());
         self.follow_change(LogsChange::FirstOpened);
         let log = self.opened(survey);
-        let mut last = std::mem::replace(&mut self.log, log);
-        self.take_over(&mut last);
-        self.name_logs();
+        let mut last = std::mem::replace(&mut self.logs.shown, log);
+        self.logs.take_tools(&mut last);
+        self.logs.name_all();
         self.meet_log();
-    }
-
-    /// Applies the order and filter of boxes, and a requested truth, of the log that was shown
-    /// before to the shown log.
-    fn take_over(&mut self, last: &mut OpenLog) {
-        self.log.reviewing.take_tools(&mut last.reviewing);
-        self.log.reviewing.judging.take_request(&mut last.reviewing);
     }
 
     /// Adds a log that was read to the open logs, in their plane; returns its id.
     pub(super) fn add_log(&mut self, survey: Survey) -> LogId {
-        if self.log.survey.is_none() {
+        if self.logs.shown.survey.is_none() {
             self.open_first(Arc::new(survey));
-            return self.log.id;
+            return self.logs.shown.id;
         }
         let is_placed =
             |log: &OpenLog| log.survey.as_ref().is_some_and(|survey| survey.has_place());
-        if !self.logs().any(is_placed) {
+        if !self.logs.all().any(is_placed) {
             // A plane around another place would distort this log's track.
             self.enter_plane(survey.track.frame.clone());
         }
         let log = self.opened(Arc::new(survey.in_frame(&self.document.plane)));
         let id = log.id;
         self.logs.others.push(log);
-        self.name_logs();
+        self.logs.name_all();
         id
     }
 
@@ -242,7 +278,7 @@ impl App {
         let mut log = OpenLog::new(id, survey.clone(), self.document.shared.clone());
         log.colour = log_colour(self.logs.order.len() - 1);
         // Boxes of all logs are sorted and filtered alike.
-        log.reviewing.queue = self.log.reviewing.queue.clone();
+        log.reviewing.queue = self.logs.shown.reviewing.queue.clone();
         log.reviewing.start(&survey);
         log
     }
@@ -253,10 +289,10 @@ impl App {
         let Some(place) = place else {
             return;
         };
-        std::mem::swap(&mut self.log, &mut self.logs.others[place]);
+        std::mem::swap(&mut self.logs.shown, &mut self.logs.others[place]);
         let before = &mut self.logs.others[place];
         before.preview = None;
-        self.log.reviewing.take_tools(&mut before.reviewing);
+        self.logs.shown.reviewing.take_tools(&mut before.reviewing);
         self.meet_log();
     }
 
@@ -268,11 +304,11 @@ impl App {
 
     /// Closes a log, as an undo step; the decisions about it are there when it is opened again.
     pub(super) fn close_log(&mut self, id: LogId) {
-        if self.open_log(id).is_none() {
+        if self.logs.get(id).is_none() {
             return;
         }
         let before = self.step_now();
-        let title = format!("close {}", self.name_of(id));
+        let title = format!("close {}", self.logs.name_of(id));
         self.put_away(id);
         let after = self.step_now();
         self.record_named(&before, &after, title);
@@ -294,13 +330,13 @@ impl App {
         };
         let next = order.get(place + 1).or(place.checked_sub(1).map(|i| &order[i]));
         match next.copied() {
-            Some(next) if id == self.log.id => self.show_log(next),
+            Some(next) if id == self.logs.shown.id => self.show_log(next),
             Some(_) => {}
             None => {
-                let mut last = std::mem::take(&mut self.log);
+                let mut last = std::mem::take(&mut self.logs.shown);
                 self.document.shared = self.document.start.clone();
-                self.log.settings = self.document.shared.clone();
-                self.take_over(&mut last);
+                self.logs.shown.settings = self.document.shared.clone();
+                self.logs.take_tools(&mut last);
                 self.logs.close(last);
                 self.follow_change(LogsChange::LastClosed);
                 self.meet_log();
@@ -311,29 +347,12 @@ impl App {
             let closed = self.logs.others.remove(closed);
             self.logs.close(closed);
         }
-        self.name_logs();
-    }
-
-    /// Gives the open logs distinct names.
-    fn name_logs(&mut self) {
-        let read = |log: &OpenLog| Some((log.id, log.survey.clone()?));
-        let logs: Vec<(LogId, Arc<Survey>)> = self.logs().filter_map(read).collect();
-        let names = distinct_names(logs.iter().map(|(_, survey)| &**survey));
-        for ((id, _), name) in logs.into_iter().zip(names) {
-            if let Some(log) = self.log_mut(id) {
-                log.name = name;
-            }
-        }
-    }
-
-    /// Returns the ids of the closed logs that can be opened again.
-    pub(super) fn closed_logs(&self) -> impl Iterator<Item = LogId> {
-        self.logs.closed.iter().map(|log| log.id)
+        self.logs.name_all();
     }
 
     /// Opens and closes logs so that exactly the logs `closed` are closed.
     pub(super) fn open_and_close(&mut self, closed: &[LogId]) {
-        let wakes: Vec<LogId> = self.closed_logs().filter(|id| !closed.contains(id)).collect();
+        let wakes: Vec<LogId> = self.logs.closed_ids().filter(|id| !closed.contains(id)).collect();
         for id in wakes {
             self.open_again(id);
         }
@@ -348,27 +367,27 @@ impl App {
         };
         let log = self.logs.closed.remove(place);
         self.logs.order.push(id);
-        if self.log.survey.is_none() {
-            let mut empty = std::mem::replace(&mut self.log, log);
-            self.take_over(&mut empty);
+        if self.logs.shown.survey.is_none() {
+            let mut empty = std::mem::replace(&mut self.logs.shown, log);
+            self.logs.take_tools(&mut empty);
             self.meet_log();
         } else {
             self.logs.others.push(log)
         }
         self.forget_closed(id);
-        self.name_logs();
+        self.logs.name_all();
     }
 
     /// Includes a log in maps, clouds and products, or excludes it, as an undo step.
     pub(super) fn set_log_visible(&mut self, id: LogId, is_visible: bool) {
         let before = self.step_now();
-        if let Some(log) = self.log_mut(id) {
+        if let Some(log) = self.logs.get_mut(id) {
             log.is_visible = is_visible;
             log.apart = None;
         }
         let after = self.step_now();
         let what = if is_visible { "show" } else { "hide" };
-        self.record_named(&before, &after, format!("{what} {}", self.name_of(id)));
+        self.record_named(&before, &after, format!("{what} {}", self.logs.name_of(id)));
         self.schedule();
     }
 
@@ -384,28 +403,13 @@ impl App {
         order.insert(to, moved);
         let after = self.step_now();
         let way = if by < 0 { "up" } else { "down" };
-        self.record_named(&before, &after, format!("move {} {way}", self.name_of(id)));
-    }
-
-    fn name_of(&self, id: LogId) -> String {
-        let name = self.open_log(id).map_or_else(String::new, OpenLog::name);
-        quoted(&name)
-    }
-
-    /// Restores an earlier order of the logs; logs opened since then stay at the end.
-    pub(super) fn reorder(&mut self, order: impl Iterator<Item = LogId>) {
-        let open = std::mem::take(&mut self.logs.order);
-        let mut order: Vec<LogId> = order.filter(|id| open.contains(id)).collect();
-        let since = open.into_iter().filter(|id| !order.contains(id));
-        let since: Vec<LogId> = since.collect();
-        order.extend(since);
-        self.logs.order = order;
+        self.record_named(&before, &after, format!("move {} {way}", self.logs.name_of(id)));
     }
 
     /// Shows the log `by` places after the shown one in the list, around its ends.
     pub(super) fn step_log(&mut self, by: isize) {
         let order = &self.logs.order;
-        if let Some(here) = order.iter().position(|id| *id == self.log.id) {
+        if let Some(here) = order.iter().position(|id| *id == self.logs.shown.id) {
             let next = (here as isize + by).rem_euclid(order.len() as isize);
             self.show_log(order[next as usize]);
         }

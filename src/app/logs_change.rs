@@ -63,7 +63,7 @@ impl App {
                 self.forget_preview(id);
                 // The results of a search of the log as it was would be put on the wrong side.
                 self.leave_search(id);
-                if id == self.log.id {
+                if id == self.logs.shown.id {
                     self.exchange_marks();
                 }
             }
@@ -81,10 +81,10 @@ impl App {
     /// Drops the first returns that were computed ahead of the results of a log, and the
     /// measurements that are kept for the next ones.
     fn forget_preview(&mut self, id: LogId) {
-        if let Some(log) = self.log_mut(id) {
+        if let Some(log) = self.logs.get_mut(id) {
             log.preview = None;
         }
-        if id == self.log.id {
+        if id == self.logs.shown.id {
             self.forget_previews();
         }
     }

@@ -4,7 +4,7 @@
 use super::drawn_figure::Figure;
 use super::reviewing::Tool;
 use super::step::UndoStep;
-use super::{Action, App, OpenLog, ProfileLine};
+use super::{Action, App, OpenLog, OpenLogs, ProfileLine};
 use bathyscope_bottom::bathymetry::TransectStation;
 use bathyscope_log::support::geo::LonLat;
 use bathyscope_log::survey::{Identity, Side, Survey};
@@ -102,13 +102,79 @@ impl Measuring {
     }
 }
 
+impl OpenLogs {
+    /// Returns the height of the object that casts the shadow between two slant ranges of a pick's
+    /// ping, by the recorder's scale; `None` if the log of the pick is closed or not processed.
+    pub(crate) fn shadow_height(
+        &self,
+        on: &Pick,
+        recorded_m: [f64; 2],
+    ) -> Option<Result<ShadowHeight, ShadowError>> {
+        self.with_locator(on, |locator, _| {
+            let side = on.side_in(locator.survey);
+            locator.placer.shadow_height(side, on.ping, recorded_m)
+        })
+    }
+
+    /// Returns the position of a pick on the bottom.
+    fn ground_at(&self, pick: &Pick) -> Option<LonLat> {
+        self.with_locator(pick, |locator, log| {
+            let side = pick.side_in(locator.survey);
+            let [east_m, north_m] = locator.placer.ground(side, pick.ping, pick.slant_m)?;
+            let track = &log.survey.as_ref()?.track;
+            let navigation = &log.products.as_ref()?.navigation;
+            Some(navigation.to_lon_lat(track, east_m, north_m))
+        })?
+    }
+
+    /// Calls `with` with the object locator of a pick's log, if that log is open and has results.
+    fn with_locator<T>(
+        &self,
+        pick: &Pick,
+        with: impl FnOnce(&ObjectLocator<'_>, &OpenLog) -> T,
+    ) -> Option<T> {
+        let is_of = |log: &&OpenLog| {
+            let own = log.survey.as_ref().map(|survey| Identity::of(survey));
+            own.is_some_and(|own| own.is_same_log(&pick.log))
+        };
+        let log = self.all().find(is_of)?;
+        let (survey, products) = log.survey.as_ref().zip(log.products.as_ref())?;
+        Some(with(&ObjectLocator::new(survey, products), log))
+    }
+}
+
+impl OpenLog {
+    /// Returns the box that should get the height of a measured shadow, and that shadow, or `None`
+    /// for the shadow if the box has it already.
+    fn box_of_shadow(
+        &self,
+        shadow: Option<(Side, MeasuredShadow)>,
+    ) -> Option<(BoxId, Option<MeasuredShadow>)> {
+        let reviewing = &self.reviewing;
+        let selected = reviewing.selected_box();
+        let Some((side, shadow)) = shadow else {
+            let measured = selected.filter(|review_box| review_box.shadow.is_some())?;
+            return Some((measured.id, None));
+        };
+        let fits =
+            |review_box: &&Reviewed| review_box.mark.side == side && shadow.fits(&review_box.mark);
+        let around = |review_box: &&Reviewed| {
+            fits(review_box)
+                && review_box.mark.near_m < shadow.end_m
+                && shadow.top_m < review_box.mark.far_m
+        };
+        let review_box = selected.filter(fits).or_else(|| reviewing.review.boxes().find(around))?;
+        Some((review_box.id, (review_box.shadow != Some(shadow)).then_some(shadow)))
+    }
+}
+
 impl App {
     /// Toggles a measuring tool.
     pub(super) fn take_measuring_tool(&mut self, kind: MeasurementKind) {
         let again = self.map.measuring.tool == Some(kind);
         self.end_figure();
-        self.map.measuring.tool = (!again && self.log.survey.is_some()).then_some(kind);
-        self.log.reviewing.tool = Tool::Look;
+        self.map.measuring.tool = (!again && self.logs.shown.survey.is_some()).then_some(kind);
+        self.logs.shown.reviewing.tool = Tool::Look;
     }
 
     /// Deselects the measuring tool; returns true if one was selected.
@@ -139,7 +205,7 @@ impl App {
             }
             Measure::Pick(pick) => {
                 let pick = self.on_one_ping(pick);
-                match self.ground_at(&pick) {
+                match self.logs.ground_at(&pick) {
                     Some(at) => self.add_corner(at, Some(pick)),
                     None => self.notices.warn(NO_PLACE.to_owned()),
                 }
@@ -176,24 +242,11 @@ impl App {
         }
     }
 
-    /// Returns the height of the object that casts the shadow between two slant ranges of a pick's
-    /// ping, by the recorder's scale; `None` if the log of the pick is closed or not processed.
-    pub(crate) fn shadow_height(
-        &self,
-        on: &Pick,
-        recorded_m: [f64; 2],
-    ) -> Option<Result<ShadowHeight, ShadowError>> {
-        self.with_locator(on, |locator, _| {
-            let side = on.side_in(locator.survey);
-            locator.placer.shadow_height(side, on.ping, recorded_m)
-        })
-    }
-
     /// Returns the measured height; `None` until both ends of the shadow are set.
     pub fn measured_height(&self) -> Option<Result<ShadowHeight, ShadowError>> {
         let figure = self.map.measuring.figure.as_deref()?;
         let (top, recorded_m) = figure.measurement.shadow()?;
-        self.shadow_height(top, recorded_m)
+        self.logs.shadow_height(top, recorded_m)
     }
 
     /// Gives the height of the measured shadow to the selected box, or to the box in which it was
@@ -202,69 +255,20 @@ impl App {
     pub(super) fn use_shadow(&mut self) {
         let figure = self.map.measuring.figure.as_deref();
         let shadow = figure.and_then(|figure| figure.measurement.shadow());
-        let own = self.log.survey.as_ref().map(|survey| Identity::of(survey));
+        let own = self.logs.shown.survey.as_ref().map(|survey| Identity::of(survey));
         let is_of_log = |pick: &Pick| own.as_ref().is_some_and(|own| own.is_same_log(&pick.log));
         let shadow = shadow.filter(|(pick, _)| is_of_log(pick)).map(|(pick, [one, other])| {
             let shadow =
                 MeasuredShadow { ping: pick.ping, top_m: one.min(other), end_m: one.max(other) };
             (pick.side, shadow)
         });
-        match self.box_of_shadow(shadow) {
+        match self.logs.shown.box_of_shadow(shadow) {
             Some((id, shadow)) => self.edit(&Edit::SetShadow(id, shadow), false),
             None => self.notices.warn(format!(
                 "no height is measured on a box: measure a shadow ({}) on the pings of a box, and select that box",
                 Action::HeightFromShadow.key()
             )),
         }
-    }
-
-    /// Returns the box that should get the height of a measured shadow, and that shadow, or `None`
-    /// for the shadow if the box has it already.
-    fn box_of_shadow(
-        &self,
-        shadow: Option<(Side, MeasuredShadow)>,
-    ) -> Option<(BoxId, Option<MeasuredShadow>)> {
-        let reviewing = &self.log.reviewing;
-        let selected = reviewing.selected_box();
-        let Some((side, shadow)) = shadow else {
-            let measured = selected.filter(|review_box| review_box.shadow.is_some())?;
-            return Some((measured.id, None));
-        };
-        let fits =
-            |review_box: &&Reviewed| review_box.mark.side == side && shadow.fits(&review_box.mark);
-        let around = |review_box: &&Reviewed| {
-            fits(review_box)
-                && review_box.mark.near_m < shadow.end_m
-                && shadow.top_m < review_box.mark.far_m
-        };
-        let review_box = selected.filter(fits).or_else(|| reviewing.review.boxes().find(around))?;
-        Some((review_box.id, (review_box.shadow != Some(shadow)).then_some(shadow)))
-    }
-
-    /// Returns the position of a pick on the bottom.
-    fn ground_at(&self, pick: &Pick) -> Option<LonLat> {
-        self.with_locator(pick, |locator, log| {
-            let side = pick.side_in(locator.survey);
-            let [east_m, north_m] = locator.placer.ground(side, pick.ping, pick.slant_m)?;
-            let track = &log.survey.as_ref()?.track;
-            let navigation = &log.products.as_ref()?.navigation;
-            Some(navigation.to_lon_lat(track, east_m, north_m))
-        })?
-    }
-
-    /// Calls `with` with the object locator of a pick's log, if that log is open and has results.
-    fn with_locator<T>(
-        &self,
-        pick: &Pick,
-        with: impl FnOnce(&ObjectLocator<'_>, &OpenLog) -> T,
-    ) -> Option<T> {
-        let is_of = |log: &&OpenLog| {
-            let own = log.survey.as_ref().map(|survey| Identity::of(survey));
-            own.is_some_and(|own| own.is_same_log(&pick.log))
-        };
-        let log = self.logs().find(is_of)?;
-        let (survey, products) = log.survey.as_ref().zip(log.products.as_ref())?;
-        Some(with(&ObjectLocator::new(survey, products), log))
     }
 
     /// Removes the last corner; a finished figure can be continued.
@@ -306,7 +310,8 @@ impl App {
 
     /// Returns the depth profile as a table; `None` if there is none.
     pub fn profile_csv(&self) -> Option<String> {
-        let (survey, products) = self.log.survey.as_ref().zip(self.log.products.as_ref())?;
+        let (survey, products) =
+            self.logs.shown.survey.as_ref().zip(self.logs.shown.products.as_ref())?;
         let stations = self.map.measuring.stations();
         let drawn = self.map.measuring.shows_profile() && !stations.is_empty();
         drawn.then(|| export::profile_csv(survey, &products.navigation, stations))
@@ -317,7 +322,7 @@ impl App {
         let Some(text) = self.profile_csv() else {
             return;
         };
-        if self.refuses_log(self.log.id, &path) {
+        if self.refuses_log(self.logs.shown.id, &path) {
             return;
         }
         match export::write_profile_csv(&path, &text) {

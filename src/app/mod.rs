@@ -77,7 +77,7 @@ pub use following::FollowStatus;
 pub(crate) use jobs::JobKey;
 pub use key_scope::{KeyFocus, is_bare};
 pub use log_place::{CloseUp, Enlarged, LogPlace, Reveal};
-pub use logs::ShownLog;
+pub use logs::{OpenLogs, VisibleLog};
 pub use map_layers::{LayerShown, LayerStack, MapLayer};
 pub use measuring::Measure;
 pub use mounting::Mountings;

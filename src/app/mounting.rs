@@ -22,14 +22,9 @@ pub(super) fn with_sides(mut settings: Settings, before: &Settings) -> Settings 
 }
 
 impl App {
-    /// Returns the recorder of the shown log, as far as the log names it; empty without a log.
-    pub fn recorder(&self) -> String {
-        self.log.recorder()
-    }
-
     /// Returns the default mounting of the shown log's recorder; `None` if it has none.
     pub(crate) fn usual_mounting(&self) -> Option<MountingSettings> {
-        self.document.mountings.get(&self.recorder()).copied()
+        self.document.mountings.get(&self.logs.shown.recorder()).copied()
     }
 
     /// Returns the mountings by recorder, to be kept between runs.
@@ -44,7 +39,7 @@ impl App {
 
     /// Exchanges the sides of the shown log.
     pub(super) fn swap_sides(&mut self) {
-        let mut settings = Settings::clone(&self.log.settings);
+        let mut settings = Settings::clone(&self.logs.shown.settings);
         settings.mounting.swap_sides = !settings.mounting.swap_sides;
         self.change(settings, "sides of the recorder", false);
     }
@@ -52,10 +47,10 @@ impl App {
     /// Shifts the soundings of the shown log to earlier times by the lag that its first returns
     /// show.
     pub(super) fn apply_sounding_lag(&mut self) {
-        let Some((lag, in_force_s)) = self.log.sounding_lag() else {
+        let Some((lag, in_force_s)) = self.logs.shown.sounding_lag() else {
             return self.notices.warn("first returns show no lag of the soundings".to_owned());
         };
-        let mut settings = Settings::clone(&self.log.settings);
+        let mut settings = Settings::clone(&self.logs.shown.settings);
         settings.mounting.sounding_lag_s = in_force_s + lag.told_s();
         self.change(settings, "lag of the soundings", false);
     }
@@ -63,7 +58,7 @@ impl App {
     /// Applies the default mounting of its recorder to a log that was just opened. This is not an
     /// undo step.
     pub(super) fn mount_as_usual(&mut self, id: LogId) {
-        let Some(log) = self.open_log(id) else {
+        let Some(log) = self.logs.get(id) else {
             return;
         };
         let (name, recorder, shared) = (log.name(), log.recorder(), log.settings.clone());
@@ -82,23 +77,23 @@ impl App {
     /// Makes the mounting of the shown log the default of its recorder, and applies it to all open
     /// logs of that recorder, as an undo step.
     pub(super) fn use_mounting(&mut self) {
-        let recorder = self.recorder();
+        let recorder = self.logs.shown.recorder();
         if recorder.is_empty() {
             return;
         }
         let before = self.step_now();
-        let mounting = self.log.settings.mounting;
+        let mounting = self.logs.shown.settings.mounting;
         let mountings = Arc::make_mut(&mut self.document.mountings);
         if mounting.is_none() {
             mountings.remove(&recorder)
         } else {
             mountings.insert(recorder.clone(), mounting)
         };
-        let shown = self.log.id;
+        let shown = self.logs.shown.id;
         let is_other = |log: &&OpenLog| {
             log.id != shown && log.recorder() == recorder && log.settings.mounting != mounting
         };
-        let others: Vec<LogId> = self.logs().filter(is_other).map(|log| log.id).collect();
+        let others: Vec<LogId> = self.logs.all().filter(is_other).map(|log| log.id).collect();
         for id in others {
             if let Err(error) = self.mount(id, mounting) {
                 self.notices.warn(error.to_string());
@@ -111,7 +106,7 @@ impl App {
 
     /// Removes the default mounting of the shown log's recorder, as an undo step.
     pub(super) fn forget_mounting(&mut self) {
-        let recorder = self.recorder();
+        let recorder = self.logs.shown.recorder();
         let before = self.step_now();
         if Arc::make_mut(&mut self.document.mountings).remove(&recorder).is_none() {
             let text = "the recorder of this log has no default mounting";
@@ -124,7 +119,7 @@ impl App {
     /// Sets the mounting of a log, with its boxes and its bottom edits. After an error the log is
     /// unchanged.
     fn mount(&mut self, id: LogId, mounting: MountingSettings) -> Result<(), AppError> {
-        let Some(log) = self.open_log(id) else {
+        let Some(log) = self.logs.get(id) else {
             return Ok(());
         };
         let mut settings = Settings::clone(&log.settings);
@@ -134,7 +129,7 @@ impl App {
         settings.check()?;
         self.follow_source(id, &settings)?;
         let (_, own) = own.change(&self.document.shared, &settings)?;
-        if let Some(log) = self.log_mut(id) {
+        if let Some(log) = self.logs.get_mut(id) {
             log.own = Arc::new(own);
             log.settings = Arc::new(settings);
             log.exchange_boxes();
@@ -152,7 +147,7 @@ impl OpenLog {
     }
 
     /// Returns the recorder of the log, as far as the log names it; empty in an empty window.
-    fn recorder(&self) -> String {
+    pub fn recorder(&self) -> String {
         let survey = self.survey.as_ref();
         survey.map_or_else(String::new, |survey| survey.source.recorder())
     }

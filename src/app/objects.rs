@@ -5,7 +5,7 @@
 
 use super::jobs::{JobKey, Kept};
 use super::reviewing::{Entries, LocatedObject};
-use super::{App, ObjectTable, OpenLog};
+use super::{App, ObjectTable, OpenLog, OpenLogs};
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::{Exclusions, Navigation, Survey};
 use bathyscope_objects::objects::{
@@ -97,6 +97,22 @@ impl Objects {
     }
 }
 
+impl OpenLogs {
+    /// Returns the box that is shown for an object: preferably one of the shown log, then the box
+    /// with the highest score.
+    pub(crate) fn best_box(&self, object: &Object) -> Option<LogBox> {
+        let rank = |id: &LogBox| {
+            let score = self.log_box(*id).and_then(|review_box| review_box.score);
+            (id.log == self.shown.id, score.unwrap_or(1.0))
+        };
+        let best = object.boxes.iter().max_by(|a, b| {
+            let (a, b) = (rank(a), rank(b));
+            a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+        });
+        best.copied()
+    }
+}
+
 impl App {
     /// Drops all objects, and sets the numbers of a project, which its objects keep.
     pub(super) fn number_objects(&mut self, first: ObjectNumbers) {
@@ -113,10 +129,10 @@ impl App {
         list.map_or(&[], |list| list.objects())
     }
 
-    /// Returns the decisions about the boxes of each of [`App::processed_logs`], and the present
+    /// Returns the decisions about the boxes of each of [`OpenLogs::processed`], and the present
     /// numbers of the objects.
     pub(super) fn survey_review(&self) -> SurveyReview {
-        let shown = self.visible_logs();
+        let shown = self.logs.visible();
         let shown = shown.filter(|log| log.survey.is_some() && log.products.is_some());
         SurveyReview {
             logs: shown.map(|log| log.reviewing.has_boxes().then(|| log.review())).collect(),
@@ -151,23 +167,9 @@ impl App {
         self.findings.objects.list.result()?.object_of(id)
     }
 
-    /// Returns the box that is shown for an object: preferably one of the shown log, then the box
-    /// with the highest score.
-    pub(crate) fn best_box(&self, object: &Object) -> Option<LogBox> {
-        let rank = |id: &LogBox| {
-            let score = self.log_box(*id).and_then(|review_box| review_box.score);
-            (id.log == self.log.id, score.unwrap_or(1.0))
-        };
-        let best = object.boxes.iter().max_by(|a, b| {
-            let (a, b) = (rank(a), rank(b));
-            a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
-        });
-        best.copied()
-    }
-
     /// Returns the object of the selected box.
     pub fn selected_object(&self) -> Option<&Object> {
-        self.object_of(self.selected_log_box()?)
+        self.object_of(self.logs.shown.selected_box()?)
     }
 
     /// Returns the shape of the selected object, or the reason that it has none; `None` until it is
@@ -200,7 +202,7 @@ impl App {
             })
         };
         let (names, logs): (Vec<String>, Vec<LogBoxes>) =
-            self.visible_logs().filter_map(|log| Some((log.name(), boxes(log)?))).unzip();
+            self.logs.visible().filter_map(|log| Some((log.name(), boxes(log)?))).unzip();
         let Objects { list, first, log_names, .. } = &mut self.findings.objects;
         let names = if names.len() > 1 { names } else { Vec::new() };
         if **log_names != names {
@@ -238,7 +240,7 @@ impl App {
     fn fit_shape(&mut self) {
         let boxes = self.selected_object().map(|object| object.boxes.clone());
         let placed = boxes.into_iter().flatten().filter_map(|id| {
-            let log = self.open_log(id.log)?;
+            let log = self.logs.get(id.log)?;
             let processed = ProcessedLog::new(log.survey.clone()?, log.products.clone()?);
             Some((id, processed, log.reviewing.placed(id.id)?.clone()))
         });

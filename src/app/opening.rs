@@ -171,7 +171,9 @@ impl App {
         let open = match request.place {
             // A log that replaces the open ones is read again, even if it is open.
             OpenMode::Instead => Vec::new(),
-            OpenMode::Added { .. } => self.logs().filter_map(|log| log.survey.clone()).collect(),
+            OpenMode::Added { .. } => {
+                self.logs.all().filter_map(|log| log.survey.clone()).collect()
+            }
         };
         let others = match request.place {
             OpenMode::Instead => Some(self.files.to_load.iter().filter_map(OpenRequest::path)),
@@ -232,12 +234,12 @@ impl App {
         }
         let id = match place {
             OpenMode::Instead => {
-                if self.log.survey.is_some() {
+                if self.logs.shown.survey.is_some() {
                     self.view.options = self.view.options.for_new_survey();
                 }
                 self.replace_logs(Arc::new(survey));
                 self.logs.arrived.clear();
-                self.log.id
+                self.logs.shown.id
             }
             OpenMode::Added { shown } => {
                 let id = self.add_log(survey);
@@ -247,7 +249,7 @@ impl App {
                 id
             }
         };
-        if let Some(log) = self.log_mut(id) {
+        if let Some(log) = self.logs.get_mut(id) {
             log.is_demo = !is_file;
         }
         self.logs.arrived.push(id);
@@ -259,7 +261,7 @@ impl App {
                 self.look_for_review(id);
             }
             ReadDecisions::Named(path) => {
-                let name = self.open_log(id).map_or_else(String::new, |log| quoted(&log.name()));
+                let name = self.logs.get(id).map_or_else(String::new, |log| quoted(&log.name()));
                 let path = path.display();
                 self.notices
                     .notify(format!("The decisions about {name} are in the project {path}"));
@@ -286,11 +288,11 @@ impl App {
         }
         self.take_project(opened);
         self.logs.arrived.clear();
-        for id in self.log_ids() {
+        for id in self.logs.ids() {
             self.look_for_truth(id, true);
         }
-        let name = quoted(&self.log.name());
-        let more = match self.log_count() {
+        let name = quoted(&self.logs.shown.name());
+        let more = match self.logs.count() {
             0 | 1 => String::new(),
             count => format!(" and {} more", count - 1),
         };

@@ -3,7 +3,7 @@
 //! its result is not needed any more.
 
 use super::jobs::JobKey;
-use super::{App, LogId, LogPlace, ShownLog};
+use super::{App, LogId, LogPlace, VisibleLog};
 use bathyscope_log::support::geo::LonLat;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_products::pipeline::{Derived, Pass, passes_over, place_of};
@@ -66,7 +66,7 @@ impl App {
 
     /// Starts to search for the passes over a position; the search for another position is dropped.
     pub(super) fn find_passes(&mut self, at: LonLat) {
-        let (shown, results) = (self.shown_logs(), self.pipeline.deriving.results.clone());
+        let (shown, results) = (self.logs.with_results(), self.pipeline.deriving.results.clone());
         self.findings.passes.listed = Some((at, None));
         self.jobs.run(
             JobKey::ListPasses,
@@ -95,7 +95,7 @@ impl App {
         if self.findings.passes.next.replace(to) == Some(to) && is_searched {
             return;
         }
-        let (shown, results) = (self.shown_logs(), self.pipeline.deriving.results.clone());
+        let (shown, results) = (self.logs.with_results(), self.pipeline.deriving.results.clone());
         let work = move |progress: &Progress| {
             let at = match to {
                 Goal::After(id, mark) => ground_of(&shown, (id, mark), &results, progress).ok()?,
@@ -122,11 +122,11 @@ impl App {
     }
 
     fn selected(&self) -> Option<(LogId, LogPlace)> {
-        self.view.selection.map(|mark| (self.log.id, mark))
+        self.view.selection.map(|mark| (self.logs.shown.id, mark))
     }
 
     fn go_to_first(&mut self, passes: &[LogPass]) {
-        let of_shown = passes.iter().find(|(log, _)| *log == self.log.id);
+        let of_shown = passes.iter().find(|(log, _)| *log == self.logs.shown.id);
         match of_shown.or(passes.first()) {
             Some((log, pass)) => self.reveal_in(*log, mark_of(pass)),
             None => self.notices.notify(NO_PASS.to_owned()),
@@ -152,14 +152,14 @@ impl App {
 
 /// Returns the passes of some logs over a position, in the order of the logs.
 fn found(
-    shown: &[ShownLog],
+    shown: &[VisibleLog],
     at: LonLat,
     results: &Derived,
     progress: &Progress,
 ) -> Result<Vec<LogPass>, Cancelled> {
     progress.start(shown.len() as u64);
     let mut all = Vec::new();
-    for ShownLog { id, log, .. } in shown {
+    for VisibleLog { id, log, .. } in shown {
         let place = log.products.navigation.to_plane(&log.survey.track, at);
         let passes = passes_over(log, place, results, progress)?;
         all.extend(passes.into_iter().map(|pass| (*id, pass)));
@@ -170,12 +170,12 @@ fn found(
 
 /// Returns the position of a sample of a log in `shown`; `None` where the sample shows no ground.
 fn ground_of(
-    shown: &[ShownLog],
+    shown: &[VisibleLog],
     (id, mark): (LogId, LogPlace),
     results: &Derived,
     progress: &Progress,
 ) -> Result<Option<LonLat>, Cancelled> {
-    let Some(ShownLog { log, .. }) = shown.iter().find(|shown| shown.id == id) else {
+    let Some(VisibleLog { log, .. }) = shown.iter().find(|shown| shown.id == id) else {
         return Ok(None);
     };
     let Some((side, sample)) = mark.side.zip(mark.sample) else {

@@ -43,7 +43,7 @@ impl App {
 
     /// Shows side-scan, then each down-looking channel of the log, beside the side-scan and alone.
     pub(super) fn next_channel(&mut self) {
-        let survey = self.log.survey.as_ref();
+        let survey = self.logs.shown.survey.as_ref();
         let has = |channel: &EchogramChannel| {
             let has = |kind| survey.is_some_and(|survey| survey.has_echogram(kind));
             channel.kind().is_some_and(has)
@@ -61,7 +61,7 @@ impl App {
     }
 
     fn change_picture(&mut self, label: &'static str, change: impl FnOnce(&mut PictureSettings)) {
-        let mut settings = Settings::clone(&self.log.settings);
+        let mut settings = Settings::clone(&self.logs.shown.settings);
         change(&mut settings.picture);
         self.change(settings, label, false);
     }

@@ -78,7 +78,7 @@ impl Planning {
 impl App {
     /// Starts to plan lines for all visible logs.
     pub(super) fn plan_lines(&mut self) {
-        let shown = self.shown_logs();
+        let shown = self.logs.with_results();
         let Some(first) = shown.first() else {
             let text = "there is no survey to plan from; open a log, and wait for its results";
             return self.notices.warn(text.to_owned());
@@ -175,7 +175,7 @@ impl App {
         let Some(planned) = self.map.planning.lines.clone() else {
             return self.notices.warn(NO_LINES.to_owned());
         };
-        if self.refuses_log(self.log.id, &path) {
+        if self.refuses_log(self.logs.shown.id, &path) {
             return;
         }
         let way = PlannedWay {

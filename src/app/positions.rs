@@ -47,7 +47,7 @@ impl App {
     /// Starts to compare the positions of the visible logs: their shifts, if there are several
     /// logs, and their latencies.
     pub(super) fn match_positions(&mut self) {
-        let shown = self.shown_logs();
+        let shown = self.logs.with_results();
         if shown.is_empty() {
             let text =
                 "positions are compared where tracks cross: open a log, and wait for its results";
@@ -88,7 +88,7 @@ impl App {
             if corrections.is_empty() {
                 continue;
             }
-            if let Some(log) = self.open_log(*id) {
+            if let Some(log) = self.logs.get(*id) {
                 let mut own = LogSettings::clone(&log.own);
                 for (key, value) in corrections {
                     own.set(key, Value::Float(value));

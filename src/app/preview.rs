@@ -133,11 +133,11 @@ impl App {
     fn take_preview(&mut self, answer: Option<Answer>) {
         if let Some(Answer { key, measured, preview }) = answer {
             self.pipeline.previewer.measured = Some((key, measured));
-            let is_current = |preview: &Preview| preview.is_for(&self.log.settings);
+            let is_current = |preview: &Preview| preview.is_for(&self.logs.shown.settings);
             if let Some(preview) = preview.filter(is_current)
-                && self.stale().is_some()
+                && self.logs.shown.stale().is_some()
             {
-                self.log.preview = Some(preview.returns);
+                self.logs.shown.preview = Some(preview.returns);
             }
         }
         if let Some(request) = self.pipeline.previewer.queued.take() {

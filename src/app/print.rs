@@ -106,7 +106,6 @@ impl App {
     pub(crate) fn for_picture(&self) -> App {
         let mut copy = App::new(Jobs::Threads(Arc::new(|| ())));
         copy.view.is_picture = true;
-        copy.log = self.log.for_picture();
         copy.map.planning = self.map.planning.for_picture();
         copy.logs = self.logs.for_picture();
         copy.pipeline.deriving = self.pipeline.deriving.for_picture();

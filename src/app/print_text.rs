@@ -1,7 +1,7 @@
 //! Composes the text around a printed view: title, dates, coordinate system, level that depths
 //! count from, and scale.
 
-use super::{App, View};
+use super::{App, OpenLogs, View};
 use bathyscope_log::support::calendar;
 use bathyscope_log::support::geo::{CoordinateFormat, UtmZone};
 use bathyscope_log::support::printable::one_line;
@@ -20,33 +20,10 @@ pub(crate) struct PrintText {
     pub facts: Vec<String>,
 }
 
-impl App {
-    /// Returns the text around a print of a view. `scale` is a sentence about the scale on paper;
-    /// `now` is the time of printing.
-    pub(crate) fn print_text(&self, view: View, scale: String, now: SystemTime) -> PrintText {
-        let facts = [self.recorded(now), self.system(view), self.datum(), Some(scale)];
-        let facts = facts.into_iter().flatten();
-        PrintText {
-            title: format!("{} · {}", one_line(&self.print_name()), view.title()),
-            facts: facts.map(|fact| one_line(&fact)).collect(),
-        }
-    }
-
-    /// Returns the name of the project, or the names of the logs.
-    fn print_name(&self) -> String {
-        if let Some(project) = self.project_path().and_then(|path| path.file_stem()) {
-            return project.to_string_lossy().into_owned();
-        }
-        let names: Vec<String> = self.visible_logs().map(|log| log.name()).collect();
-        match names.len() {
-            0..=NAMED => names.join(", "),
-            count => format!("{count} logs, {} and others", names[..NAMED].join(", ")),
-        }
-    }
-
+impl OpenLogs {
     /// Returns a sentence about the days of the recordings and of the print.
     fn recorded(&self, now: SystemTime) -> Option<String> {
-        let starts = self.visible_logs().filter_map(|log| {
+        let starts = self.visible().filter_map(|log| {
             let survey = log.survey.as_ref()?;
             let (from_s, _) = survey.time_span_s()?;
             Some(survey.start_unix_s? + from_s)
@@ -63,10 +40,35 @@ impl App {
         let printed = calendar::date(now_s.as_secs_f64());
         Some(format!("{recorded}, printed {printed} by Bathyscope {}.", env!("CARGO_PKG_VERSION")))
     }
+}
+
+impl App {
+    /// Returns the text around a print of a view. `scale` is a sentence about the scale on paper;
+    /// `now` is the time of printing.
+    pub(crate) fn print_text(&self, view: View, scale: String, now: SystemTime) -> PrintText {
+        let facts = [self.logs.recorded(now), self.system(view), self.datum(), Some(scale)];
+        let facts = facts.into_iter().flatten();
+        PrintText {
+            title: format!("{} · {}", one_line(&self.print_name()), view.title()),
+            facts: facts.map(|fact| one_line(&fact)).collect(),
+        }
+    }
+
+    /// Returns the name of the project, or the names of the logs.
+    fn print_name(&self) -> String {
+        if let Some(project) = self.project_path().and_then(|path| path.file_stem()) {
+            return project.to_string_lossy().into_owned();
+        }
+        let names: Vec<String> = self.logs.visible().map(|log| log.name()).collect();
+        match names.len() {
+            0..=NAMED => names.join(", "),
+            count => format!("{count} logs, {} and others", names[..NAMED].join(", ")),
+        }
+    }
 
     /// Returns sentences about the coordinate system of positions and the unit of lengths.
     fn system(&self, view: View) -> Option<String> {
-        let survey = self.log.survey.as_ref()?;
+        let survey = self.logs.shown.survey.as_ref()?;
         let zone = UtmZone::of(survey.track.frame.origin());
         let positions = match self.view.options.coordinates {
             CoordinateFormat::Utm => format!("{} (EPSG:{})", zone.name(), zone.epsg()),
@@ -84,7 +86,7 @@ impl App {
     /// Returns a statement of the level that depths count from, the corrections, and those that are
     /// missing.
     fn datum(&self) -> Option<String> {
-        let products: &Products = self.log.products.as_ref()?;
+        let products: &Products = self.logs.shown.products.as_ref()?;
         let statement = products.correction.statement();
         Some(self.view.options.units.sentence(&statement))
     }

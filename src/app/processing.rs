@@ -53,7 +53,7 @@ impl App {
         self.check_files();
         self.search_cards();
         self.search_on();
-        for id in self.log_ids() {
+        for id in self.logs.ids() {
             self.locate_boxes(id);
             self.compare_with_truth(id);
             self.find_exclusions(id);
@@ -79,8 +79,8 @@ impl App {
             return;
         }
         let behind = |log: &&OpenLog| log.is_behind();
-        let shown = self.open_log(self.log.id).filter(behind);
-        let next = shown.or_else(|| self.visible_logs().find(behind));
+        let shown = self.logs.get(self.logs.shown.id).filter(behind);
+        let next = shown.or_else(|| self.logs.visible().find(behind));
         let Some((log, survey)) = next.and_then(|log| Some((log, log.survey.clone()?))) else {
             return;
         };
@@ -125,7 +125,7 @@ impl App {
 
     /// Sets new results of a log.
     pub(super) fn take_products(&mut self, id: LogId, products: Products) {
-        let Some(log) = self.log_mut(id) else {
+        let Some(log) = self.logs.get_mut(id) else {
             return;
         };
         let sentence = log.take_products(products);
@@ -137,7 +137,7 @@ impl App {
             self.notices.withdraw(Action::Undo);
             self.notices.offer(text, Action::Undo);
         }
-        if id == self.log.id
+        if id == self.logs.shown.id
             && let Some(request) = self.preview_request()
         {
             self.pipeline.previewer.warm_up(request, &mut self.jobs);
@@ -150,7 +150,7 @@ impl App {
             JobKey::CountFigures(id),
             move |progress| Figures::of(&log.survey, &log.products, progress).ok(),
             move |app, figures| {
-                if let Some(log) = app.log_mut(id) {
+                if let Some(log) = app.logs.get_mut(id) {
                     log.figures = figures;
                 }
             },
@@ -172,14 +172,14 @@ impl App {
     }
 
     fn preview_request(&self) -> Option<PreviewRequest> {
-        let survey = self.log.survey.as_ref().filter(|survey| survey.has_side_scan())?;
+        let survey = self.logs.shown.survey.as_ref().filter(|survey| survey.has_side_scan())?;
         Some(PreviewRequest {
             survey: survey.clone(),
-            image: self.log.settings.image.clone(),
-            first_return: self.log.settings.first_return.clone(),
-            bottom: self.log.settings.bottom.clone(),
+            image: self.logs.shown.settings.image.clone(),
+            first_return: self.logs.shown.settings.first_return.clone(),
+            bottom: self.logs.shown.settings.bottom.clone(),
             visible: self.view.visible.clone(),
-            base: self.log.products.as_ref()?.returns.clone(),
+            base: self.logs.shown.products.as_ref()?.returns.clone(),
         })
     }
 
@@ -190,7 +190,7 @@ impl App {
         self.stop_comparing();
         self.jobs.stop_requested();
         self.forget_previews();
-        self.log.preview = None;
+        self.logs.shown.preview = None;
         self.files.to_load.clear();
     }
 
@@ -205,7 +205,7 @@ impl App {
     /// analyst.
     pub(super) fn refuses_log(&mut self, id: LogId, path: &Path) -> bool {
         let is_this = |file: &PathBuf| is_same_file(file, path);
-        let survey = self.open_log(id).and_then(|log| log.survey.as_ref());
+        let survey = self.logs.get(id).and_then(|log| log.survey.as_ref());
         let is_log = survey.is_some_and(|survey| survey.source.files.iter().any(is_this));
         if is_log {
             let path = path.display();

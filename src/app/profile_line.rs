@@ -89,7 +89,8 @@ impl App {
         line: Option<Measurement>,
         before: Option<&Arc<ProfileLine>>,
     ) -> Option<Arc<ProfileLine>> {
-        let (survey, products) = self.log.survey.as_ref().zip(self.log.products.as_ref())?;
+        let (survey, products) =
+            self.logs.shown.survey.as_ref().zip(self.logs.shown.products.as_ref())?;
         let (line, map) = (line?, self.depth_map().flatten());
         if let Some(before) = before.filter(|before| before.is_of(&line, map)) {
             return Some(before.clone());

@@ -5,7 +5,7 @@
 use super::drawn_figure::Figure;
 use super::error::AppError;
 use super::jobs::JobKey;
-use super::{App, LogId, OpenLog, ViewOptions};
+use super::{App, LogId, OpenLog, OpenLogs, ViewOptions};
 use bathyscope_log::formats::{self, OpenError};
 use bathyscope_log::support::geo::LocalFrame;
 use bathyscope_log::support::printable::quoted;
@@ -68,6 +68,14 @@ pub fn is_project(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case(ENDING))
 }
 
+impl OpenLogs {
+    /// Returns the open logs whose files are not described yet.
+    pub(super) fn to_hash(&self) -> impl Iterator<Item = (LogId, Arc<Survey>)> {
+        let unknown = self.all().filter(|log| log.file.is_none() && log.is_file());
+        unknown.filter_map(|log| Some((log.id, log.survey.clone()?)))
+    }
+}
+
 impl App {
     /// Returns the file of the open project; `None` if it is untitled.
     pub fn project_path(&self) -> Option<&Path> {
@@ -118,7 +126,7 @@ impl App {
         } else {
             PathBuf::from(format!("{}.{ENDING}", path.display()))
         };
-        if self.log_count() == 0 || !self.logs().all(OpenLog::is_file) {
+        if self.logs.count() == 0 || !self.logs.all().all(OpenLog::is_file) {
             let text = "a project holds logs that are files, at least one; the demo survey is none";
             return self.notices.warn(text.to_owned());
         }
@@ -135,7 +143,7 @@ impl App {
         key: JobKey,
         then: impl FnOnce(&mut Self, Result<(), AppError>) + Send + 'static,
     ) {
-        let logs: Vec<(LogId, Arc<Survey>)> = self.logs_to_hash().collect();
+        let logs: Vec<(LogId, Arc<Survey>)> = self.logs.to_hash().collect();
         let hash = move |progress: &Progress| -> Result<Vec<(LogId, LogFile)>, AppError> {
             let file = |(id, survey): (LogId, Arc<Survey>)| {
                 let file = LogFile::of(&survey, progress)?;
@@ -148,19 +156,13 @@ impl App {
         self.jobs.run(key, hash, move |app, hashed| {
             let hashed = hashed.map(|files| {
                 for (id, file) in files {
-                    if let Some(log) = app.log_mut(id) {
+                    if let Some(log) = app.logs.get_mut(id) {
                         log.file = Some(file);
                     }
                 }
             });
             then(app, hashed);
         });
-    }
-
-    /// Returns the open logs whose files are not described yet.
-    pub(super) fn logs_to_hash(&self) -> impl Iterator<Item = (LogId, Arc<Survey>)> {
-        let unknown = self.logs().filter(|log| log.file.is_none() && log.is_file());
-        unknown.filter_map(|log| Some((log.id, log.survey.clone()?)))
     }
 
     /// Starts to write the project into its file.
@@ -260,8 +262,8 @@ impl App {
         project.settings = Settings::clone(&self.document.shared);
         let is_placed =
             |log: &OpenLog| log.survey.as_ref().is_some_and(|survey| survey.has_place());
-        project.origin = (self.logs().any(is_placed)).then(|| self.document.plane.origin());
-        let open: Vec<&OpenLog> = self.logs().filter(|log| log.file.is_some()).collect();
+        project.origin = (self.logs.all().any(is_placed)).then(|| self.document.plane.origin());
+        let open: Vec<&OpenLog> = self.logs.all().filter(|log| log.file.is_some()).collect();
         let is_open = |log: &ProjectLog| {
             let mut files = open.iter().filter_map(|open| open.file.as_ref());
             files.any(|file| file.sha256 == log.file.sha256)
@@ -303,7 +305,7 @@ impl App {
             }
         }
         project.set_view(VIEW, &self.view.options);
-        project.set_view(REVIEW_VIEW, &KeptQueue::of(&self.log.reviewing.queue));
+        project.set_view(REVIEW_VIEW, &KeptQueue::of(&self.logs.shown.reviewing.queue));
         project
     }
 
@@ -411,7 +413,7 @@ impl App {
             self.notices.warn(error.to_string());
         }
         let shared = self.document.shared.clone();
-        if let Some(open) = self.log_mut(id) {
+        if let Some(open) = self.logs.get_mut(id) {
             open.file = Some(log.file.clone());
             open.is_visible = log.is_visible;
             open.own = Arc::new(log.settings.clone().with_files_of(&settings));

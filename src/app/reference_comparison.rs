@@ -117,7 +117,7 @@ impl App {
 
     /// Starts comparing the results of the visible logs, unless that is done or running.
     pub(super) fn compare_with_reference(&mut self) {
-        let logs = self.processed_logs();
+        let logs = self.logs.processed();
         let Some(first) = logs.first() else {
             return;
         };

@@ -10,7 +10,8 @@ impl App {
     /// Returns the measured figure; `None` without results, or before it has enough corners to
     /// measure.
     pub fn measured(&self) -> Option<MeasuredFigure> {
-        let (survey, products) = self.log.survey.as_ref().zip(self.log.products.as_ref())?;
+        let (survey, products) =
+            self.logs.shown.survey.as_ref().zip(self.logs.shown.products.as_ref())?;
         let figure = &self.map.measuring.figure.as_deref()?.measurement;
         if !figure.is_measurable() {
             return None;
@@ -44,7 +45,7 @@ impl App {
         let Some(figure) = self.measured() else {
             return;
         };
-        if self.refuses_log(self.log.id, &path) {
+        if self.refuses_log(self.logs.shown.id, &path) {
             return;
         }
         match write(self, &figure, &path) {

@@ -24,8 +24,7 @@ use super::project::ProjectSaving;
 use super::reference_comparison::ReferenceComparison;
 use super::reviewing::ObjectSearch;
 use super::step::UndoStep;
-use super::{Jobs, LogPlace, OpenLog, Reveal, ViewOptions};
-use bathyscope_bottom::first_return::FirstReturns;
+use super::{Jobs, LogPlace, Reveal, ViewOptions};
 use bathyscope_log::formats::base_map::BaseMap;
 use bathyscope_log::support::geo::LocalFrame;
 use bathyscope_log::survey::Track;
@@ -143,9 +142,8 @@ pub struct MapWork {
 
 /// State of the whole window.
 pub struct App {
-    /// The log that waterfall, profile and panels show, and that the selection refers to.
-    pub log: OpenLog,
-    pub(super) logs: OpenLogs,
+    /// The open logs.
+    pub logs: OpenLogs,
     pub(super) document: Document,
     pub(super) pipeline: PipelineWork,
     pub(super) files: FileWork,
@@ -170,7 +168,6 @@ impl App {
     /// Creates the state of an empty window.
     pub fn new(workers: Jobs) -> Self {
         Self {
-            log: OpenLog::default(),
             logs: OpenLogs::default(),
             document: Document::default(),
             pipeline: PipelineWork::default(),
@@ -188,27 +185,10 @@ impl App {
         }
     }
 
-    /// Returns the first returns to draw: those by the settings under the slider if there are any,
-    /// else those of the last results.
-    pub fn returns(&self) -> Option<&Arc<FirstReturns>> {
-        self.log.returns()
-    }
-
-    /// Returns the bottom line to draw over the waterfall: the line by which the picture is laid
-    /// out, or the first returns by the settings under the slider.
-    pub fn bottom_line(&self) -> Option<&Arc<FirstReturns>> {
-        self.log.bottom_line()
-    }
-
-    /// Returns the first stage whose result is older than its settings; `None` if there is none.
-    pub fn stale(&self) -> Option<Stage> {
-        self.log.stale()
-    }
-
     /// Returns true if results are missing or older than their settings, and no work is running to
     /// update them.
     pub(crate) fn is_stopped(&self) -> bool {
-        self.log.is_behind() && !self.jobs.is_running(&JobKey::Process)
+        self.logs.shown.is_behind() && !self.jobs.is_running(&JobKey::Process)
     }
 
     /// Returns the way in which work in the background is run.

@@ -141,7 +141,10 @@ impl App {
         };
         let is_begun = [JobKey::HashUntitled, JobKey::CreateProject];
         let is_begun = is_begun.iter().any(|key| self.is_running(key));
-        if is_begun || self.files.project_saving.is_refused || !self.logs().any(OpenLog::is_file) {
+        if is_begun
+            || self.files.project_saving.is_refused
+            || !self.logs.all().any(OpenLog::is_file)
+        {
             return;
         }
         self.hash_logs(JobKey::HashUntitled, move |app, hashed| match hashed {
@@ -157,7 +160,7 @@ impl App {
         let is_begun = self.is_running(&JobKey::HashUntitled);
         let has_store = self.files.project_saving.store.is_some();
         let can_begin = has_store && !is_begun && !self.files.project_saving.is_refused;
-        if !can_begin || self.logs_to_hash().next().is_none() {
+        if !can_begin || self.logs.to_hash().next().is_none() {
             return;
         }
         self.hash_logs(JobKey::HashUntitled, |app, hashed| match hashed {
@@ -172,7 +175,7 @@ impl App {
         if self.files.project_saving.store.is_some() {
             return self.keep_project("add log");
         }
-        if !self.logs().any(|log| log.file.is_some()) {
+        if !self.logs.all().any(|log| log.file.is_some()) {
             return;
         }
         let path = move |project: &Project| {
@@ -205,7 +208,7 @@ impl App {
         let saving = &self.files.project_saving;
         let is_refused = saving.failed || saving.is_refused;
         let is_saved = saving.store.is_some() || saving.is_closed || self.is_keeping();
-        let mut logs = self.logs().filter(|log| !is_saved || !log.is_file());
+        let mut logs = self.logs.all().filter(|log| !is_saved || !log.is_file());
         let is_box_at_risk = logs.any(|log| log.reviewing.is_unsaved());
         is_box_at_risk || is_refused && self.history().next().is_some()
     }
@@ -232,7 +235,7 @@ impl App {
     /// Notifies the analyst of where the decisions about a survey are that is being closed.
     pub(super) fn say_kept(&mut self) {
         let saving = &self.files.project_saving;
-        let names: Vec<String> = self.logs().map(|log| quoted(&log.name())).collect();
+        let names: Vec<String> = self.logs.all().map(|log| quoted(&log.name())).collect();
         let first = names.first().cloned().unwrap_or_default();
         let which = match names.len() {
             0 => return,
@@ -284,7 +287,7 @@ impl App {
         // The log is described by the project that is being created.
         self.wait_for(&JobKey::HashUntitled);
         self.wait_for(&JobKey::CreateProject);
-        let Some(file) = self.open_log(id).and_then(|log| log.file.as_ref()) else {
+        let Some(file) = self.logs.get(id).and_then(|log| log.file.as_ref()) else {
             return;
         };
         let project = self.as_project(&self.files.project_saving.project);
@@ -303,7 +306,7 @@ impl App {
             .map_err(|source| AppError::NoFolder { source, path: folder.clone() });
         let path = unused_path(&folder, file);
         let written = written.and_then(|()| Ok(Store::create(&path, &alone)?));
-        match (written, self.log_mut(id)) {
+        match (written, self.logs.get_mut(id)) {
             (Ok(_), Some(log)) => log.kept_alone = Some(path),
             (Ok(_), None) => {}
             (Err(error), _) => self.notices.warn(error.to_string()),
@@ -313,7 +316,7 @@ impl App {
     /// Removes the project of its own that a log got when it was closed, because undo has opened
     /// the log again with its decisions.
     pub(super) fn forget_closed(&mut self, id: LogId) {
-        let path = self.log_mut(id).and_then(|log| log.kept_alone.take());
+        let path = self.logs.get_mut(id).and_then(|log| log.kept_alone.take());
         if let Some(alone) = path.and_then(|path| Store::open(&path).ok()) {
             alone.store.remove();
         }
@@ -323,10 +326,10 @@ impl App {
     /// it is the only log, those of its own if it joins others.
     pub(super) fn take_decisions(&mut self, id: LogId, decisions: LogDecisions) {
         let LogDecisions { log, shared, settings, notes } = decisions;
-        let Some(name) = self.open_log(id).map(|log| quoted(&log.name())) else {
+        let Some(name) = self.logs.get(id).map(|log| quoted(&log.name())) else {
             return;
         };
-        let is_first = self.log_count() == 1;
+        let is_first = self.logs.count() == 1;
         let own = settings.and_then(|loaded| {
             let own = log.settings.clone().with_files_of(&loaded);
             let base = if is_first { &shared } else { &*self.document.shared };

@@ -50,7 +50,7 @@ pub(super) fn run(args: FilmArgs) -> Result<(), Failure> {
     let mut app = log.app;
     // As on a recorder: the newest ping is on top.
     app.view.options.waterfall.orientation = Orientation::Vertical;
-    let mut settings = Settings::clone(&app.log.settings);
+    let mut settings = Settings::clone(&app.logs.shown.settings);
     settings.picture.flip = !settings.picture.flip;
     app.apply(Command::Change {
         settings: Box::new(settings),
@@ -98,7 +98,7 @@ impl Frames {
             .ping_m
             .map_or(f64::from(height), |ping_m| f64::from(height) * pixel_m / ping_m);
         let shown = (high.round() as usize).clamp(1, pings.max(1));
-        let survey = log.app.log.survey.as_ref();
+        let survey = log.app.logs.shown.survey.as_ref();
         let time_s =
             |ping: usize| survey.and_then(|survey| Some(survey.side_scan.get(ping)?.time_s));
         let span_s = time_s(log.pings.end.saturating_sub(1)).zip(time_s(log.pings.start));
@@ -153,7 +153,7 @@ fn write(
             }
             progress.advance(1);
         }
-        shell.app.check_logs().map_err(io::Error::other)?;
+        shell.app.logs.check_files().map_err(io::Error::other)?;
         film.finish().map(drop)
     })?;
     Ok(())

@@ -190,7 +190,7 @@ pub(super) fn run(args: SnapshotArgs) -> Result<(), Failure> {
     if let Some(error) = shell.app.notices.shown().iter().find(|notice| notice.is_error) {
         return Err(error.text.clone().into());
     }
-    shell.app.check_logs()?;
+    shell.app.logs.check_files()?;
     write_picture(&picture, &args.output)?;
     output::notify(format_args!("drawn by {}", studio.adapter()));
     Ok(())
@@ -243,7 +243,7 @@ pub(super) fn draw_into(
             shell.show_alone(alone);
         }
         let picture = studio.draw(&mut shell, size, 1.0, &Progress::new())?;
-        shell.app.check_logs()?;
+        shell.app.logs.check_files()?;
         write_picture(&picture, &folder.join(name))?;
     }
     Ok((PICTURES.iter().map(|(name, ..)| *name).collect(), studio.adapter()))
@@ -262,7 +262,7 @@ fn alone(picture: Picture) -> Option<Alone> {
 /// Selects the middle one of the requested pings, or of the pings of the log, so that the profile
 /// and the selection are not empty.
 fn select(app: &mut App, pings: Option<PingRange>) -> Result<(), Failure> {
-    let survey = app.log.survey.clone().unwrap_or_default();
+    let survey = app.logs.shown.survey.clone().unwrap_or_default();
     let pings = requested_pings(&survey, pings)?;
     if !survey.side_scan.is_empty() {
         let middle = (pings.start + pings.end) / 2;

@@ -52,7 +52,7 @@ pub(super) fn run(args: SonogramArgs) -> Result<(), Failure> {
         let width = ((f64::from(width) * share).round() as u32).max(NARROWEST.min(width));
         shell.show_pings(pings.start..pings.end);
         let picture = studio.draw(&mut shell, [width, height], 1.0, &Progress::new())?;
-        shell.app.check_logs()?;
+        shell.app.logs.check_files()?;
         let file = format!("{name}_{:04}.png", number + 1);
         write_picture(&picture, &args.output.join(file))?;
         progress.advance(1);

@@ -76,7 +76,7 @@ impl WaterfallArgs {
         waterfall.boxes = false;
         open(&mut app, &self.survey.map_or(LogOrigin::Demo, LogOrigin::Path))?;
         take_over(&mut app, settings)?;
-        let survey = app.log.survey.clone().unwrap_or_default();
+        let survey = app.logs.shown.survey.clone().unwrap_or_default();
         let axis = RangeAxis::of(&survey).filter(|_| survey.has_side_scan());
         let axis = axis.ok_or("the log holds no side-scan that could be shown")?;
         Ok(WaterfallLog {
@@ -145,10 +145,10 @@ pub(super) fn open(app: &mut App, origin: &LogOrigin) -> Result<(), Failure> {
 /// # Errors
 /// When the settings do not fit the log.
 pub(super) fn take_over(app: &mut App, settings: Settings) -> Result<(), Failure> {
-    if settings == *app.log.settings {
+    if settings == *app.logs.shown.settings {
         return Ok(());
     }
-    if let Some(survey) = &app.log.survey {
+    if let Some(survey) = &app.logs.shown.survey {
         let recorded = Survey::clone(survey);
         let mounted = pipeline::as_mounted(recorded, &settings.mounting, &settings.source);
         check_against(&mounted?, &settings)?;

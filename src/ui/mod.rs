@@ -90,7 +90,7 @@ impl<'a> ViewContext<'a> {
         live: bool,
         change: impl FnOnce(&mut Settings),
     ) {
-        let mut settings = Box::new(Settings::clone(&self.app.log.settings));
+        let mut settings = Box::new(Settings::clone(&self.app.logs.shown.settings));
         change(&mut settings);
         self.push(Command::Change { settings, label, live });
     }

@@ -10,19 +10,19 @@ use bathyscope_products::pipeline::Products;
 /// Returns the corrections that turn samples and recorded depths into metres, from the last
 /// results; without results, ranges and depths stay as recorded.
 pub(super) fn reduction(app: &App) -> Reduction<'_> {
-    let products = app.log.products.as_ref();
+    let products = app.logs.shown.products.as_ref();
     products.map_or_else(Reduction::default, Products::reduction)
 }
 
 /// Returns true if the shown log has a usable side-scan.
 pub(super) fn has_side_scan(app: &App) -> bool {
-    let survey = app.log.survey.as_ref();
+    let survey = app.logs.shown.survey.as_ref();
     survey.is_some_and(|survey| survey.has_side_scan())
 }
 
 /// Returns the number of side-scan pings of the shown log.
 pub(super) fn ping_count(app: &App) -> usize {
-    let survey = app.log.survey.as_ref();
+    let survey = app.logs.shown.survey.as_ref();
     survey.map_or(0, |survey| survey.side_scan.len())
 }
 
@@ -42,7 +42,7 @@ pub(super) fn side_at(across_m: f64) -> Side {
 /// Returns the slant range of a mark, metres; `None` if the mark has no sample or its range is
 /// unknown.
 pub(super) fn range_m(app: &App, mark: LogPlace) -> Option<f64> {
-    let survey = app.log.survey.as_ref()?;
+    let survey = app.logs.shown.survey.as_ref()?;
     let range_m = reduction(app).range_at_m(survey, mark.ping, mark.side?, mark.sample?);
     range_m.is_finite().then_some(range_m)
 }
@@ -50,7 +50,7 @@ pub(super) fn range_m(app: &App, mark: LogPlace) -> Option<f64> {
 /// Returns the slant ranges of the near and the far edge of a box, metres.
 pub(super) fn ranges_m(app: &App, mark: &bathyscope_objects::Mark) -> [f64; 2] {
     let middle = usize::midpoint(mark.pings.start, mark.pings.end);
-    let survey = app.log.survey.as_ref();
+    let survey = app.logs.shown.survey.as_ref();
     let span = survey.and_then(|survey| survey.span(middle, mark.side));
     let reduction = reduction(app);
     [mark.near_m, mark.far_m].map(|recorded_m| {
@@ -91,7 +91,7 @@ pub(super) struct BottomBelow {
 /// Returns the bottom under the boat at a ping: by the sounding where the recorder had the bottom,
 /// else by the mean of the first returns of both sides; `None` without either.
 pub(super) fn bottom(app: &App, ping: usize) -> Option<BottomBelow> {
-    let recorded = app.log.judged()?.side_scan.get(ping)?;
+    let recorded = app.logs.shown.judged()?.side_scan.get(ping)?;
     let reduction = reduction(app);
     let sounded_m = reduction.altitude_m(f64::from(recorded.good_depth_m()));
     let (altitude_m, by) = if sounded_m > 0.0 {
@@ -109,9 +109,9 @@ pub(super) fn bottom(app: &App, ping: usize) -> Option<BottomBelow> {
 /// Returns the height of the transducer over the bottom under the boat, metres, from the first
 /// return of a side.
 fn first_return_altitude_m(app: &App, side: Side, ping: usize) -> Option<f64> {
-    let survey = app.log.survey.as_ref()?;
-    let across = app.log.products.as_ref()?.relief.across(side, ping);
-    let pick = app.bottom_line()?.side(side).get(ping)?;
+    let survey = app.logs.shown.survey.as_ref()?;
+    let across = app.logs.shown.products.as_ref()?.relief.across(side, ping);
+    let pick = app.logs.shown.bottom_line()?.side(side).get(ping)?;
     let range_m = reduction(app).range_at_m(survey, ping, side, pick.sample);
     let altitude_m = across.altitude_m(range_m);
     (pick.is_some() && altitude_m > 0.0).then_some(altitude_m)
@@ -135,7 +135,7 @@ pub(super) fn depth(app: &App, ping: usize) -> String {
 /// Describes the heading of the boat at a ping in a few letters: a course over ground, or the
 /// compass.
 pub(super) fn labelled_heading(app: &App, ping: usize) -> String {
-    let products = app.log.products.as_ref();
+    let products = app.logs.shown.products.as_ref();
     let here = products.and_then(|products| Some((products, products.navigation.pings.get(ping)?)));
     let Some((products, here)) = here else {
         return format!("COG {}", text::NONE);
@@ -158,7 +158,7 @@ fn whole_degrees(heading_rad: f64) -> String {
 
 /// Describes the heading of the boat at a ping, clockwise from north, and its source.
 pub(super) fn heading(app: &App, ping: usize) -> String {
-    let products = app.log.products.as_ref();
+    let products = app.logs.shown.products.as_ref();
     let here = products.and_then(|products| Some((products, products.navigation.pings.get(ping)?)));
     let Some((products, here)) = here else {
         return text::NONE.to_owned();
@@ -184,7 +184,7 @@ pub(super) fn heading(app: &App, ping: usize) -> String {
 /// Formats a position in the notation chosen by the user; UTM in the zone of the survey's first
 /// fix, as in the products.
 pub(super) fn written(app: &App, at: LonLat) -> String {
-    let survey = app.log.survey.as_ref();
+    let survey = app.logs.shown.survey.as_ref();
     let start = survey.map(|survey| survey.track.frame.origin());
     let zone = UtmZone::of(start.unwrap_or(at));
     app.view.options.coordinates.write(at, zone)
@@ -192,8 +192,8 @@ pub(super) fn written(app: &App, at: LonLat) -> String {
 
 /// Returns the WGS84 position of a mark; `None` where it is unknown.
 pub(super) fn lon_lat(app: &App, mark: LogPlace) -> Option<LonLat> {
-    let track = &app.log.survey.as_ref()?.track;
-    let navigation = &app.log.products.as_ref()?.navigation;
+    let track = &app.logs.shown.survey.as_ref()?.track;
+    let navigation = &app.logs.shown.products.as_ref()?.navigation;
     let [east_m, north_m] = east_north(app, mark)?;
     Some(navigation.to_lon_lat(track, east_m, north_m))
 }
@@ -201,7 +201,7 @@ pub(super) fn lon_lat(app: &App, mark: LogPlace) -> Option<LonLat> {
 /// Returns metres east and north of a mark: of its point, of its place on the bottom across the
 /// track, or of the boat.
 pub(super) fn east_north(app: &App, mark: LogPlace) -> Option<[f64; 2]> {
-    let products = app.log.products.as_ref()?;
+    let products = app.logs.shown.products.as_ref()?;
     let points = &products.cloud.points;
     if let Some(point) = mark.point.and_then(|point| points.get(point)) {
         return Some([point.east_m, point.north_m]);
@@ -224,8 +224,8 @@ pub(super) fn east_north(app: &App, mark: LogPlace) -> Option<[f64; 2]> {
 /// is at the sounding, or else at the first return of the side; `None` if neither is known.
 pub(super) fn ground_m(app: &App, mark: LogPlace) -> Option<f64> {
     let (slant_m, side) = (range_m(app, mark)?, mark.side?);
-    let across = app.log.products.as_ref()?.relief.across(side, mark.ping);
-    let recorded_m = f64::from(app.log.judged()?.side_scan.get(mark.ping)?.good_depth_m());
+    let across = app.logs.shown.products.as_ref()?.relief.across(side, mark.ping);
+    let recorded_m = f64::from(app.logs.shown.judged()?.side_scan.get(mark.ping)?.good_depth_m());
     let sounded_m = reduction(app).altitude_m(recorded_m);
     let altitude_m =
         if sounded_m > 0.0 { sounded_m } else { first_return_altitude_m(app, side, mark.ping)? };

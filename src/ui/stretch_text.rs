@@ -29,7 +29,7 @@ pub(super) fn of_drag(edit: ExclusionEdit, covered: &ExcludedExtent, units: Unit
 
 /// Returns the reason why a ping is excluded, as `excluded: turn`; `None` where it is not excluded.
 pub(super) fn excluded_at(app: &App, log: LogId, ping: usize) -> Option<String> {
-    let stretch = app.excluded_at(log, ping)?;
+    let stretch = app.logs.excluded_at(log, ping)?;
     Some(format!("excluded: {}", stretch.reason.name()))
 }
 
@@ -46,7 +46,7 @@ pub(super) fn include_again(ui: &mut egui::Ui, stretch: &ExcludedStretch) -> boo
 /// Returns the number of excluded stretches of the shown log, after a comma; empty if there are
 /// none.
 pub(super) fn and_stretches(app: &App) -> String {
-    let found = app.log.exclusions();
+    let found = app.logs.shown.exclusions();
     let count = found.map_or(0, |found| found.exclusions.stretches.len());
     match count {
         0 => String::new(),

@@ -75,7 +75,7 @@ fn measure(state: &RenderState, paths: &[PathBuf]) -> Figures {
     let mut app = App::new(Jobs::Threads(Arc::new(|| ())));
     app.apply(Command::OpenAll(paths.to_vec()));
     settle(&mut app);
-    assert_eq!(app.log_count(), paths.len(), "{:?}", app.notices.shown());
+    assert_eq!(app.logs.count(), paths.len(), "{:?}", app.notices.shown());
     let mut shell = Shell::new(app);
     let mut frames = frames(state, &mut shell);
     frames.sort();
@@ -96,7 +96,7 @@ fn reaction(app: &mut App) -> (f64, f64) {
     settings.first_return.threshold *= 1.1;
     let started = Instant::now();
     app.apply(Command::Change { settings: Box::new(settings), label: "threshold", live: false });
-    while app.stale().is_some() {
+    while app.logs.shown.stale().is_some() {
         app.poll();
         std::thread::sleep(LOOK);
     }

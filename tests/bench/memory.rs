@@ -37,7 +37,7 @@ pub(super) fn run() {
     let mut app = App::new(Jobs::Threads(Arc::new(|| ())));
     app.apply(Command::Open(path));
     measured("processed", before_mb, || settle(&mut app));
-    let pings = app.log.survey.as_ref().map_or(0, |survey| survey.side_scan.len());
+    let pings = app.logs.shown.survey.as_ref().map_or(0, |survey| survey.side_scan.len());
     println!(
         "{:.2} GB of SL2, {pings} side-scan pings, opened and processed in {:.1} s",
         bytes as f64 / 1e9,

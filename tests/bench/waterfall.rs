@@ -78,7 +78,7 @@ fn window(pings: usize) -> Harness<'static, Window> {
         create_render_state(default_wgpu_setup(), eframe::egui_wgpu::RendererOptions::PREDICTABLE);
     let mut app = App::new(Jobs::Inline);
     app.show_survey(Arc::new(survey(pings)), None);
-    app.log.preview = Some(Arc::new(returns(pings)));
+    app.logs.shown.preview = Some(Arc::new(returns(pings)));
     app.view.selection = Some(LogPlace::ping(pings / 2));
     let state = Window { app, view: WaterfallView::default() };
     Harness::builder().with_size([1200.0, 500.0]).build_ui_state(

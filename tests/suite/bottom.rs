@@ -17,9 +17,9 @@ use std::sync::Arc;
 
 /// Slant range of the first return in force, metres by the recorder's scale.
 fn range_m(app: &App, side: Side, ping: usize) -> Option<f64> {
-    let products = app.log.products.as_ref().expect("a result");
+    let products = app.logs.shown.products.as_ref().expect("a result");
     let pick: Pick = products.returns.side(side)[ping];
-    let survey = app.log.survey.as_ref().expect("a survey");
+    let survey = app.logs.shown.survey.as_ref().expect("a survey");
     let span = survey.span(ping, side).expect("a recorded side");
     pick.is_some().then(|| span.range_m(f64::from(pick.sample)))
 }
@@ -41,7 +41,7 @@ fn the_pen_draws_the_bottom_takes_it_away_and_gives_it_back() {
     let mut window = demo_window();
     press(&mut window, Modifiers::NONE, Key::F);
     let found =
-        |window: &Window| app(window).log.products.as_ref().expect("a result").found.clone();
+        |window: &Window| app(window).logs.shown.products.as_ref().expect("a result").found.clone();
     let (search, before) = (found(&window), range_m(app(&window), Side::Port, 350));
     press(&mut window, Modifiers::NONE, Key::M);
     window.get_by_label_contains(", drawing the bottom");
@@ -50,7 +50,7 @@ fn the_pen_draws_the_bottom_takes_it_away_and_gives_it_back() {
     assert!(near(range_m(app(&window), Side::Port, 302), 6.0));
     assert_eq!(range_m(app(&window), Side::Starboard, 350), starboard(&search, &window));
     assert!(Arc::ptr_eq(&search, &found(&window)), "the search ran again");
-    let products = app(&window).log.products.as_ref().expect("a result");
+    let products = app(&window).logs.shown.products.as_ref().expect("a result");
     assert_eq!(products.returns.port[350].confidence, 1.0);
     window.get_by_label_contains("pings edited");
 
@@ -67,7 +67,7 @@ fn the_pen_draws_the_bottom_takes_it_away_and_gives_it_back() {
         let now = range_m(app(&window), Side::Port, 350);
         assert!(now == expected || near(now, expected.unwrap_or(f64::NAN)), "{now:?} {expected:?}");
     }
-    assert!(app(&window).log.settings.bottom.is_empty());
+    assert!(app(&window).logs.shown.settings.bottom.is_empty());
     press(&mut window, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
     assert!(near(range_m(app(&window), Side::Port, 350), 5.0));
     window.get_by_label("Remove the bottom edits").click_accesskit();
@@ -76,7 +76,7 @@ fn the_pen_draws_the_bottom_takes_it_away_and_gives_it_back() {
     // Without the pen a drag moves the picture.
     press(&mut window, Modifiers::NONE, Key::Escape);
     draw(&mut window, Modifiers::NONE, (300.0, -6.0), (400.0, -4.0));
-    assert!(app(&window).log.settings.bottom.is_empty());
+    assert!(app(&window).logs.shown.settings.bottom.is_empty());
 }
 
 fn starboard(
@@ -84,7 +84,7 @@ fn starboard(
     window: &Window,
 ) -> Option<f64> {
     let pick = returns.starboard[350];
-    let survey = app(window).log.survey.as_ref().expect("a survey");
+    let survey = app(window).logs.shown.survey.as_ref().expect("a survey");
     let span = survey.span(350, Side::Starboard).expect("a side");
     pick.is_some().then(|| span.range_m(f64::from(pick.sample)))
 }
@@ -110,7 +110,7 @@ fn both_sides_are_drawn_at_once_and_keys_move_the_selected_ping() {
     ] {
         press(&mut window, held, key);
     }
-    let survey = app(&window).log.survey.clone().expect("a survey");
+    let survey = app(&window).logs.shown.survey.clone().expect("a survey");
     for (side, before_m) in Side::BOTH.into_iter().zip(before) {
         let step_m = survey.span(0, side).expect("a side").metres_per_sample();
         let now_m = range_m(app(&window), side, 0).expect("a return");
@@ -139,7 +139,7 @@ fn opened(log: &Path) -> Window {
 /// Writes the bottom edits of a log into its sidecar file, as earlier versions did, and as
 /// `--settings` takes them.
 fn write_sidecar(log: &Path, window: &Window) {
-    let bottom = toml::Table::try_from(&app(window).log.settings.bottom).expect("edits");
+    let bottom = toml::Table::try_from(&app(window).logs.shown.settings.bottom).expect("edits");
     let text = toml::to_string(&toml::Table::from_iter([("bottom".to_owned(), bottom.into())]));
     fs::write(log.with_extension("bottom.toml"), text.expect("text")).expect("a file");
 }
@@ -152,13 +152,13 @@ fn bottom_edits_next_to_the_log_are_taken_by_the_window_and_headless() {
     press(&mut window, Modifiers::NONE, Key::F);
     press(&mut window, Modifiers::NONE, Key::M);
     draw(&mut window, Modifiers::NONE, (300.0, -6.0), (400.0, -4.0));
-    let drawn = app(&window).log.settings.bottom.clone();
+    let drawn = app(&window).logs.shown.settings.bottom.clone();
     assert!(!log.with_extension("bottom.toml").exists(), "the window writes none");
     write_sidecar(&log, &window);
     drop(window);
 
     let window = opened(&log);
-    assert_eq!(app(&window).log.settings.bottom, drawn);
+    assert_eq!(app(&window).logs.shown.settings.bottom, drawn);
     assert!(near(range_m(app(&window), Side::Port, 350), 5.0));
     window.get_by_label_contains("were taken from pond.bottom.toml");
 
@@ -167,7 +167,7 @@ fn bottom_edits_next_to_the_log_are_taken_by_the_window_and_headless() {
         fs::read_to_string(folder.path().join("out/points/first_returns.csv")).expect("a table");
     let row = table.lines().nth(351).expect("ping 350");
     let sample: f64 = row.split(',').nth(8).and_then(|field| field.parse().ok()).expect("a sample");
-    let products = app(&window).log.products.as_ref().expect("a result");
+    let products = app(&window).logs.shown.products.as_ref().expect("a result");
     assert!((sample - f64::from(products.returns.port[350].sample)).abs() < 0.01, "{row}");
     let report = fs::read_to_string(folder.path().join("out/report.json")).expect("a report");
     let count = drawn.ping_count();
@@ -211,7 +211,7 @@ fn a_drawing_stays_under_another_receivers_track() {
     let follow = Command::OpenFile(FileToOpen::Track(track.clone()));
     window.state_mut().app.apply(follow);
     window.run();
-    assert!(app(&window).log.survey.as_ref().expect("a survey").track.external.is_some());
+    assert!(app(&window).logs.shown.survey.as_ref().expect("a survey").track.external.is_some());
     assert!(near(range_m(app(&window), Side::Port, 350), 5.0), "lost under the track");
     // The next stroke joins it.
     window.state_mut().app.apply(stroke(Side::Starboard));
@@ -235,7 +235,7 @@ fn a_drawing_stays_under_another_receivers_track() {
     assert_ne!(earlier, text);
     fs::write(&kept, &earlier).expect("a file");
     let window = opened(&log);
-    assert_eq!(app(&window).log.settings.bottom.lines.len(), 2);
+    assert_eq!(app(&window).logs.shown.settings.bottom.lines.len(), 2);
     run(folder.path(), &[&PROCESS[..], &["--track", "rtk.csv"]].concat());
     let report = fs::read_to_string(folder.path().join("out/report.json")).expect("a report");
     assert!(report.contains("202 first returns are manual picks."), "{report}");
@@ -249,7 +249,7 @@ fn a_review_that_cannot_be_used_is_kept_when_another_is_saved() {
     fs::write(&path, "years of work").expect("a file");
     let mut window = opened(&log);
     window.get_by_label_contains("this is no review");
-    let place = app(&window).review_path().expect("a place");
+    let place = app(&window).logs.shown.review_path().expect("a place");
     window.state_mut().app.apply(Command::Write(FileToWrite::Review(place)));
     window.run();
     let aside = folder.path().join("pond.review-older.json");
@@ -270,7 +270,7 @@ fn a_drawing_of_another_log_is_left_alone_and_said() {
     ] {
         fs::write(&kept, &text).expect("a file");
         let window = opened(&log);
-        assert!(app(&window).log.settings.bottom.is_empty());
+        assert!(app(&window).logs.shown.settings.bottom.is_empty());
         window.get_by_label_contains(words);
         assert_eq!(fs::read_to_string(&kept).expect("the file"), text);
     }

@@ -365,7 +365,7 @@ fn the_bottom_is_shown_coloured_lit_and_hidden_by_keys() {
 #[test]
 fn the_mosaic_goes_on_beside_the_depths_on_a_level_bed() {
     let window = demo_window();
-    let shown = app(&window).shown_logs();
+    let shown = app(&window).logs.with_results();
     let logs: Vec<ProcessedLog> = shown.into_iter().map(|shown_log| shown_log.log).collect();
     let of = |colour: BottomColour, most_corners: usize| {
         let made = Derived::default().bottom(&logs, colour, most_corners, &Progress::new());
@@ -427,7 +427,7 @@ fn a_click_on_the_mosaic_in_3d_shows_the_place_in_the_waterfall() {
     // Seen from above; the eye looks down on the middle.
     press(&mut window, Modifiers::NONE, Key::Num7);
     settle(&mut window);
-    let log = app(&window).shown_logs().remove(0).log;
+    let log = app(&window).logs.with_results().remove(0).log;
     let layout = Derived::default().layout(&log, &Progress::new());
     let layout = layout.expect("nobody cancels");
     let place = |window: &mut Window, at: Pos2| {
@@ -560,8 +560,8 @@ fn the_3d_view_is_cut_along_the_profile_and_shows_the_water_surface() {
     assert!(window.query_by_label_contains("draw a depth profile on the map first").is_some());
     window.get_by_label("Dismiss").click();
     window.run();
-    let survey = app(&window).log.survey.clone().expect("a survey");
-    let products = app(&window).log.products.clone().expect("results");
+    let survey = app(&window).logs.shown.survey.clone().expect("a survey");
+    let products = app(&window).logs.shown.products.clone().expect("results");
     let pings = &products.navigation.pings;
     let middle = &pings[pings.len() / 2];
     let app_mut = &mut window.state_mut().app;

@@ -140,21 +140,21 @@ fn the_mosaic_is_laid_out_by_it_and_edits_stay_on_top() {
 fn it_is_chosen_in_the_window_for_a_log_and_taken_back() {
     let mut window = demo_window();
     window.get_by_label_contains(", first return shown");
-    let before = app(&window).log.products.clone().expect("results");
-    let settings = with(&app(&window).log.settings, BottomLine::Recorded);
+    let before = app(&window).logs.shown.products.clone().expect("results");
+    let settings = with(&app(&window).logs.shown.settings, BottomLine::Recorded);
     let change =
         Command::Change { settings: Box::new(settings), label: "bottom line", live: false };
     window.state_mut().app.apply(change);
     window.run();
     window.get_by_label_contains("bottom line at the recorded depth shown");
-    let products = app(&window).log.products.as_ref().expect("results");
+    let products = app(&window).logs.shown.products.as_ref().expect("results");
     assert!(!Arc::ptr_eq(&products.bottom_line, &products.returns));
     assert!(Arc::ptr_eq(&products.cloud, &before.cloud));
-    let drawn = app(&window).bottom_line().expect("a line");
+    let drawn = app(&window).logs.shown.bottom_line().expect("a line");
     assert!(Arc::ptr_eq(drawn, &products.bottom_line));
     press(&mut window, Modifiers::COMMAND, Key::Z);
     window.run();
     window.get_by_label_contains(", first return shown");
-    let products = app(&window).log.products.as_ref().expect("results");
+    let products = app(&window).logs.shown.products.as_ref().expect("results");
     assert!(Arc::ptr_eq(&products.bottom_line, &products.returns));
 }

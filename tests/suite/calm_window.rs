@@ -194,7 +194,7 @@ fn what_is_typed_in_the_frame_of_the_palettes_key_goes_into_its_field() {
     window.step();
     // T, N and W mean tools: none was taken.
     assert!(app(&window).map.measuring.tool.is_none());
-    assert_eq!(app(&window).log.reviewing.tool, Default::default());
+    assert_eq!(app(&window).logs.shown.reviewing.tool, Default::default());
     window.step();
     let field = window.get_by_label("Command");
     let value = field.accesskit_node().value();
@@ -274,7 +274,7 @@ fn the_next_box_comes_one_to_one() {
     press(&mut window, Modifiers::NONE, Key::Tab);
     window.run();
     let near = app(&window).view.visible.clone();
-    let shown = app(&window).log.reviewing.selected_box().expect("a box");
+    let shown = app(&window).logs.shown.reviewing.selected_box().expect("a box");
     let pings = shown.mark.pings.clone();
     assert!(near.start <= pings.start && pings.end <= near.end);
     println!("{wide} pings before, {} one to one", near.len());

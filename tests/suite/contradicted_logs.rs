@@ -68,7 +68,7 @@ fn process_names_false_soundings_and_leaves_them_out_when_it_is_asked_to() {
 
 /// Number of excluded stretches of the first log.
 fn excluded(window: &Window) -> usize {
-    let log = app(window).logs().find(|log| log.name() == "east").expect("the log");
+    let log = app(window).logs.all().find(|log| log.name() == "east").expect("the log");
     log.settings.excluded.stretches.len()
 }
 

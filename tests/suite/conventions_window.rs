@@ -79,7 +79,7 @@ fn the_palette_opens_by_both_of_its_keys() {
 fn played_s(window: &mut Window) -> f64 {
     let time_s = |window: &Window| {
         let mark = app(window).view.selection.expect("a selection");
-        let survey = app(window).log.survey.as_ref().expect("a survey");
+        let survey = app(window).logs.shown.survey.as_ref().expect("a survey");
         survey.side_scan[mark.ping].time_s
     };
     window.state_mut().app.apply(Command::Reveal(LogPlace::ping(0)));

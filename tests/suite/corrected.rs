@@ -16,11 +16,11 @@ fn draft_and_sound_speed_move_the_cloud_and_can_be_undone() {
     assert!((depth_m(&window) - before_m - 0.4).abs() < 1e-6);
     window.get_by_label("Correct the speed of sound").click_accesskit();
     window.run();
-    let speed = app(&window).log.settings.sound_speed.clone();
+    let speed = app(&window).logs.shown.settings.sound_speed.clone();
     assert_eq!(speed.temperature_c, Some(12.0));
     let factor = speed.water_m_s().expect("a speed") / 1500.0;
     assert!((depth_m(&window) - 0.4 - factor * before_m).abs() < 1e-6);
-    let products = app(&window).log.products.as_ref().expect("results");
+    let products = app(&window).logs.shown.products.as_ref().expect("results");
     for sentence in products.correction.sentences() {
         assert!(window.query_by_label(&sentence).is_some(), "{sentence}");
     }
@@ -33,7 +33,7 @@ fn draft_and_sound_speed_move_the_cloud_and_can_be_undone() {
 
 /// Depth of a point of the cloud.
 fn depth_m(window: &Window) -> f64 {
-    let products = app(window).log.products.as_ref().expect("a result");
+    let products = app(window).logs.shown.products.as_ref().expect("a result");
     -products.cloud.points[100].z_m
 }
 
@@ -45,7 +45,7 @@ fn errors(window: &Window) -> Vec<&str> {
 
 /// A row of readings a minute over the demo, `level_m` high.
 fn readings(window: &Window, level_m: f64) -> String {
-    let survey = app(window).log.survey.as_ref().expect("the demo");
+    let survey = app(window).logs.shown.survey.as_ref().expect("the demo");
     let start_s = survey.start_unix_s.expect("a clock");
     let rows = (-5..30).map(|minute| format!("{},{level_m}\n", start_s + 60.0 * f64::from(minute)));
     rows.fold("time,level_m\n".to_owned(), |text, row| text + &row)
@@ -94,7 +94,7 @@ fn readings_of_a_gauge_are_chosen_dropped_and_left() {
 /// The recorder's own track as another receiver would have it: each fix once, its clock `behind_s`
 /// behind.
 fn other_track(window: &Window, behind_s: f64) -> String {
-    let survey = app(window).log.survey.as_ref().expect("the demo");
+    let survey = app(window).logs.shown.survey.as_ref().expect("the demo");
     let start_s = survey.start_unix_s.expect("a clock");
     let mut text = "time,lon,lat\n".to_owned();
     let mut last = None;
@@ -112,13 +112,14 @@ fn another_receivers_track_is_applied_slid_and_taken_back() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("rtk.csv");
     let mut window = demo_window();
-    let places = |window: &Window| app(window).log.products.as_ref().unwrap().navigation.clone();
+    let places =
+        |window: &Window| app(window).logs.shown.products.as_ref().unwrap().navigation.clone();
     let recorded = places(&window);
-    let returns = app(&window).log.products.as_ref().unwrap().returns.clone();
+    let returns = app(&window).logs.shown.products.as_ref().unwrap().returns.clone();
     std::fs::write(&path, other_track(&window, 3.0)).expect("a temporary file");
     drop_file(&mut window, path.clone());
     assert_eq!(errors(&window), Vec::<&str>::new());
-    let apart_m = |window: &Window| app(window).log.external.apart.median_m;
+    let apart_m = |window: &Window| app(window).logs.shown.external.apart.median_m;
     let moved_m = |window: &Window| {
         let now = places(window);
         let pairs = now.pings.iter().zip(recorded.pings.iter()).skip(200).take(1000);
@@ -135,7 +136,7 @@ fn another_receivers_track_is_applied_slid_and_taken_back() {
     // repeated it.
     let off_m = moved_m(&window);
     assert!(off_m < 0.2 * late_m, "{off_m} of {late_m} m");
-    let now = app(&window).log.products.as_ref().unwrap();
+    let now = app(&window).logs.shown.products.as_ref().unwrap();
     assert!(std::sync::Arc::ptr_eq(&now.returns, &returns), "nothing is tracked anew");
 
     let into = folder.path().join("out");
@@ -147,10 +148,10 @@ fn another_receivers_track_is_applied_slid_and_taken_back() {
     press(&mut window, Modifiers::COMMAND, Key::Z);
     assert!(apart_m(&window) > 1.0);
     press(&mut window, Modifiers::COMMAND, Key::Z);
-    assert!(app(&window).log.external.recorded.is_none());
+    assert!(app(&window).logs.shown.external.recorded.is_none());
     assert_eq!(places(&window).pings[1000], recorded.pings[1000]);
     press(&mut window, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
-    assert!(app(&window).log.external.recorded.is_some());
+    assert!(app(&window).logs.shown.external.recorded.is_some());
     window.get_by_label("Remove the external track").click_accesskit();
     window.run();
     assert_eq!(places(&window).pings[1000], recorded.pings[1000]);
@@ -158,5 +159,5 @@ fn another_receivers_track_is_applied_slid_and_taken_back() {
     std::fs::write(&path, "time,lon,lat\n900000,2,3\n900001,3,4\n").expect("a temporary file");
     drop_file(&mut window, path);
     assert!(errors(&window)[0].contains("covers no ping"), "{:?}", errors(&window));
-    assert!(app(&window).log.settings.track.file.is_none());
+    assert!(app(&window).logs.shown.settings.track.file.is_none());
 }

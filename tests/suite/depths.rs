@@ -14,7 +14,7 @@ use serde_json::Value;
 use std::path::Path;
 
 fn change(window: &mut Window, assignments: &[&str]) {
-    let mut settings = Settings::clone(&app(window).log.settings);
+    let mut settings = Settings::clone(&app(window).logs.shown.settings);
     for assignment in assignments {
         settings = settings.with_assignment(assignment).expect("a setting");
     }
@@ -49,7 +49,7 @@ fn draft_and_sound_speed_reach_map_status_bar_selection_and_time_line_alike() {
         (vec!["draft_m=0.4", "water_level_m=1.25"], "below water level zero"),
     ] {
         change(&mut window, &assignments);
-        let products = app(&window).log.products.clone().expect("a result");
+        let products = app(&window).logs.shown.products.clone().expect("a result");
         let depths = soundings(&products);
         let (ping, depth_m) = depths[depths.len() / 3];
         let mark = LogPlace::ping(ping);
@@ -87,7 +87,7 @@ fn draft_and_sound_speed_reach_map_status_bar_selection_and_time_line_alike() {
 fn the_speed_of_sound_scales_the_range_of_a_sample_as_it_does_the_cloud() {
     let mut window = demo_window();
     change(&mut window, &["sound_speed.m_s=1440", "cloud.geometry=nadir"]);
-    let products = app(&window).log.products.clone().expect("a result");
+    let products = app(&window).logs.shown.products.clone().expect("a result");
     let points = products.cloud.points.iter();
     let point = points.filter(|point| point.source == PointSource::Port).nth(200).expect("a point");
     let mark = LogPlace {
@@ -134,7 +134,7 @@ fn agreement_with_the_soundings_has_one_sign_in_panels_and_files() {
 
     let mut window = demo_window();
     change(&mut window, &["calibration.offset=none"]);
-    let figures = app(&window).log.figures.clone().expect("figures");
+    let figures = app(&window).logs.shown.figures.clone().expect("figures");
     let found = figures.residuals.expect("residuals");
     assert_eq!(found.median_m, median_m);
     let same_ping = format!("+{:.1} cm · p95 {:.1} cm", 100.0 * median_m, 100.0 * found.p95_m);
@@ -150,7 +150,7 @@ fn agreement_with_the_soundings_has_one_sign_in_panels_and_files() {
 fn the_share_of_outliers_is_one_number() {
     let mut window = demo_window();
     change(&mut window, &["outliers.radius_m=0.25", "outliers.min_neighbors=4"]);
-    let products = app(&window).log.products.clone().expect("a result");
+    let products = app(&window).logs.shown.products.clone().expect("a result");
     let classes = ClassCounts::of(&products.cloud, &products.classes);
     assert!(classes.noise() > 20, "{classes:?}");
     let percent = format!("({:.1} %", 100.0 * classes.noise_share());
@@ -209,7 +209,7 @@ fn info_and_process_state_one_scale() {
 #[test]
 fn the_offset_in_use_stands_in_panel_picture_report_and_page() {
     let window = demo_window();
-    let products = app(&window).log.products.clone().expect("a result");
+    let products = app(&window).logs.shown.products.clone().expect("a result");
     let added_m = -products.calibration.offset_m;
     assert!(added_m > 0.02, "the demo has an offset: {added_m}");
     let added = format!("{added_m:+.2} m");

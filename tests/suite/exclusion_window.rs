@@ -15,7 +15,7 @@ fn out_of(log: &OpenLog) -> Vec<ExcludedStretch> {
 }
 
 fn exclusions(window: &Window) -> Vec<ExcludedStretch> {
-    out_of(&app(window).log)
+    out_of(&app(window).logs.shown)
 }
 
 /// First and last pings of what is excluded from the log that is shown.
@@ -31,7 +31,7 @@ fn near(found: [usize; 2], expected: [usize; 2]) -> bool {
 
 /// Kept points that a stretch of pings has in the results.
 fn points_in(window: &Window, [first, last]: [usize; 2]) -> usize {
-    let products = app(window).log.products.as_ref().expect("results");
+    let products = app(window).logs.shown.products.as_ref().expect("results");
     (products.kept_points()).filter(|point| (first..=last).contains(&(point.ping as usize))).count()
 }
 
@@ -52,7 +52,7 @@ pub(super) fn click(window: &mut Window, at: Pos2) {
 /// Returns the place of a ping of a log on the screen of the map.
 pub(super) fn on_map(window: &mut Window, log: LogId, ping: usize) -> Pos2 {
     let at = places_on_map(window);
-    let log = app(window).open_log(log).expect("it is open");
+    let log = app(window).logs.get(log).expect("it is open");
     let boat = log.products.as_ref().expect("results").navigation.pings[ping];
     at([boat.east_m, boat.north_m])
 }
@@ -69,7 +69,7 @@ pub(super) fn places_on_map(window: &mut Window) -> impl Fn([f64; 2]) -> Pos2 + 
     let figure = app(window).map.measuring.figure.clone().expect("a line");
     press(window, Modifiers::NONE, Key::Escape);
     press(window, Modifiers::NONE, Key::Escape);
-    let log = &app(window).log;
+    let log = &app(window).logs.shown;
     let survey = log.survey.as_ref().expect("a log");
     let navigation = &log.products.as_ref().expect("results").navigation;
     let [start, end] = [0, 1].map(|index| {
@@ -91,7 +91,7 @@ fn a_drag_along_the_waterfall_leaves_pings_out_of_everything_as_one_step() {
     let before = points_in(&window, [300, 400]);
     assert!(before > 100 && pings(&window).is_empty());
     press(&mut window, Modifiers::NONE, Key::K);
-    assert_eq!(app(&window).log.reviewing.tool, Tool::Exclude);
+    assert_eq!(app(&window).logs.shown.reviewing.tool, Tool::Exclude);
     window.get_by_label_contains(", excluding stretches");
     // Backwards as well as forwards.
     draw(&mut window, Modifiers::NONE, (400.0, -4.0), (300.0, 5.0));
@@ -99,7 +99,7 @@ fn a_drag_along_the_waterfall_leaves_pings_out_of_everything_as_one_step() {
     assert!(near(stretch, [300, 400]), "{stretch:?}");
     assert_eq!(exclusions(&window)[0].reason, ExclusionReason::Drawn);
     assert_eq!(points_in(&window, stretch), 0, "the results follow");
-    let products = app(&window).log.products.as_ref().expect("results");
+    let products = app(&window).logs.shown.products.as_ref().expect("results");
     assert_eq!(products.exclusions.stretches, exclusions(&window));
     for view in ["Waterfall, pings", "Time line, ping"] {
         let name = name_of(&window, view);
@@ -131,7 +131,7 @@ fn a_drag_along_the_waterfall_leaves_pings_out_of_everything_as_one_step() {
     let inside = at(&window, 350.0, 4.0);
     click(&mut window, inside);
     assert!(pings(&window).is_empty());
-    assert!(app(&window).log.settings.excluded.is_empty());
+    assert!(app(&window).logs.shown.settings.excluded.is_empty());
     // Without the tool a drag moves the picture.
     press(&mut window, Modifiers::NONE, Key::Escape);
     draw(&mut window, Modifiers::NONE, (300.0, -6.0), (400.0, -4.0));
@@ -151,8 +151,8 @@ fn a_drag_that_is_given_up_changes_nothing() {
         window.drop_at(to);
         window.run();
         assert!(pings(&window).is_empty());
-        assert!(app(&window).log.settings.bottom.is_empty());
-        assert!(!app(&window).log.reviewing.has_boxes());
+        assert!(app(&window).logs.shown.settings.bottom.is_empty());
+        assert!(!app(&window).logs.shown.reviewing.has_boxes());
         assert_eq!(app(&window).undo_label(), None, "{tool:?}");
     }
 }
@@ -165,7 +165,7 @@ fn turns_are_found_listed_and_taken_back_in() {
     assert!(!found.is_empty(), "the demo turns");
     assert!(found.iter().all(|stretch| stretch.reason == ExclusionReason::Turn));
     let pings_out: usize = pings(&window).iter().map(|[a, b]| b + 1 - a).sum();
-    let extent = app(&window).log.exclusions().expect("found").extent(None);
+    let extent = app(&window).logs.shown.exclusions().expect("found").extent(None);
     assert_eq!(extent.pings, pings_out);
     let name = if found.len() == 1 { "1 turn: " } else { " turns: " };
     window.get_by_label_contains(name);
@@ -201,9 +201,9 @@ fn a_drag_along_a_track_of_the_map_leaves_out_pings_of_its_log() {
     press(&mut window, Modifiers::NONE, Key::K);
     drag(&mut window, from, to);
     settle(&mut window);
-    assert_eq!(app(&window).log.id, ids[0], "the shown log stays");
+    assert_eq!(app(&window).logs.shown.id, ids[0], "the shown log stays");
     assert!(pings(&window).is_empty());
-    let other = app(&window).open_log(ids[1]).expect("it is open");
+    let other = app(&window).logs.get(ids[1]).expect("it is open");
     let [stretch] = out_of(other)[..] else { panic!("{:?}", out_of(other)) };
     assert!(near(stretch.pings.expect("pings"), [40, 140]), "{stretch:?}");
     let products = other.products.as_ref().expect("results");
@@ -214,7 +214,7 @@ fn a_drag_along_a_track_of_the_map_leaves_out_pings_of_its_log() {
     let inside = on_map_again(&mut window, ids[1], 90);
     click(&mut window, inside);
     settle(&mut window);
-    assert!(out_of(app(&window).open_log(ids[1]).expect("it is open")).is_empty());
+    assert!(out_of(app(&window).logs.get(ids[1]).expect("it is open")).is_empty());
 }
 
 /// [`on_map`] with the tool in hand before and after.

@@ -139,7 +139,7 @@ fn notices(app: &App) -> Vec<String> {
 
 /// Returns true if the window still has every byte of the log.
 fn is_whole(app: &App, kept: &Path) -> bool {
-    let survey = app.log.survey.as_ref().expect("a log is open");
+    let survey = app.logs.shown.survey.as_ref().expect("a log is open");
     *survey.bytes[0] == *fs::read(kept).expect("the log")
 }
 
@@ -148,7 +148,7 @@ fn round(disk: &Disk, harm: Harm, round: usize) {
     disk.refill();
     let mut window = window();
     window.state_mut().app.apply(Command::Open(disk.seen.clone()));
-    let is_open = |app: &App| app.log.survey.is_some();
+    let is_open = |app: &App| app.logs.shown.survey.is_some();
     assert!(wait(&mut window, PATIENCE, is_open), "it does not open");
     let before = notices(app(&window)).len();
     page(&mut window, round % MOST_PAGES);

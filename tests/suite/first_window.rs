@@ -46,7 +46,7 @@ fn the_newest_log_of_a_card_is_offered_and_opens_with_a_click() {
     window.get_by_label_contains("Sonar0002.sl2").click();
     window.run();
     let app = &window.state().app;
-    let survey = app.log.survey.as_ref().expect("a log is open");
+    let survey = app.logs.shown.survey.as_ref().expect("a log is open");
     assert_eq!(survey.source.files, [cards()[0].join("Sonar0002.sl2")]);
     assert!(app.card_folders().is_empty());
 }

@@ -66,10 +66,10 @@ fn steps_are_named_by_what_became_of_which_log_and_a_click_goes_there() {
     window.get_by_label("Step a test 0.41, done").click();
     settle(&mut window);
     assert_eq!(names(&window), ["lake-0", "lake-1"]);
-    assert!(app(&window).logs().all(|log| log.is_visible));
+    assert!(app(&window).logs.all().all(|log| log.is_visible));
     assert_eq!(threshold(&window), 0.41);
-    assert!(app(&window).log.settings.bottom.is_empty());
-    assert_eq!(app(&window).log.settings.draft_m, 0.0);
+    assert!(app(&window).logs.shown.settings.bottom.is_empty());
+    assert_eq!(app(&window).logs.shown.settings.draft_m, 0.0);
     let shown = rows(&window);
     assert_eq!(shown[..2], ["as opened, done", "a test 0.41, here"]);
     assert_eq!(shown[2], "a test 0.70 m of lake-1, taken back");
@@ -81,7 +81,7 @@ fn steps_are_named_by_what_became_of_which_log_and_a_click_goes_there() {
     window.run();
     press(&mut window, Modifiers::NONE, Key::Enter);
     settle(&mut window);
-    assert_eq!(app(&window).log.settings.bottom.ping_count(), 31);
+    assert_eq!(app(&window).logs.shown.settings.bottom.ping_count(), 31);
     assert_eq!(app(&window).undo_label(), Some("bottom of lake-1"));
     window.get_by_label("Step as opened, done").click();
     settle(&mut window);

@@ -13,7 +13,7 @@ use egui_kittest::kittest::Queryable as _;
 fn places(window: &Window) -> Vec<LonLat> {
     let app = app(window);
     let drawn = app.isobaths().expect("isobaths");
-    let log = &app.log;
+    let log = &app.logs.shown;
     let (survey, products) = log.survey.as_ref().zip(log.products.as_ref()).expect("results");
     let to_lon_lat = |at: &[f64; 2]| products.navigation.to_lon_lat(&survey.track, at[0], at[1]);
     drawn.on_ground.iter().flatten().map(to_lon_lat).collect()
@@ -42,7 +42,7 @@ fn isobaths_end_at_the_area_that_is_opened_and_undo_takes_it_back() {
 
     window.state_mut().app.apply(Command::OpenFile(FileToOpen::IsobathArea(path.clone())));
     settle(&mut window);
-    assert_eq!(app(&window).log.settings.isobaths.clip.as_ref(), Some(&path));
+    assert_eq!(app(&window).logs.shown.settings.isobaths.clip.as_ref(), Some(&path));
     let west = places(&window);
     assert!(!west.is_empty() && west.len() < whole.len());
     // The plane of the map is bent against that of the window, by far less than a millimetre here.
@@ -51,7 +51,7 @@ fn isobaths_end_at_the_area_that_is_opened_and_undo_takes_it_back() {
 
     press(&mut window, Modifiers::COMMAND, Key::Z);
     settle(&mut window);
-    assert_eq!(app(&window).log.settings.isobaths.clip, None);
+    assert_eq!(app(&window).logs.shown.settings.isobaths.clip, None);
     assert_eq!(places(&window).len(), whole.len());
     press(&mut window, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
     settle(&mut window);
@@ -59,7 +59,7 @@ fn isobaths_end_at_the_area_that_is_opened_and_undo_takes_it_back() {
     // A preset leaves the shore of this water, and another survey has none of it.
     window.state_mut().app.apply(Command::UsePreset(Preset::Published));
     settle(&mut window);
-    let clip = &app(&window).log.settings.isobaths.clip;
+    let clip = &app(&window).logs.shown.settings.isobaths.clip;
     assert_eq!(clip.as_ref(), Some(&path));
     press(&mut window, Modifiers::COMMAND, Key::Z);
     settle(&mut window);
@@ -72,7 +72,7 @@ fn isobaths_end_at_the_area_that_is_opened_and_undo_takes_it_back() {
     window.state_mut().app.apply(Command::OpenFile(FileToOpen::IsobathArea(path)));
     settle(&mut window);
     assert!(window.query_by_label_contains("no polygon").is_some());
-    assert_eq!(app(&window).log.settings.isobaths.clip, None);
+    assert_eq!(app(&window).logs.shown.settings.isobaths.clip, None);
 }
 
 #[test]
@@ -92,12 +92,12 @@ fn the_panel_has_a_control_for_each_setting_of_the_isobaths() {
         window.get_by_label(name).click();
         settle(&mut window);
     }
-    let settings = &app(&window).log.settings.isobaths;
+    let settings = &app(&window).logs.shown.settings.isobaths;
     assert_eq!((settings.unit, settings.shoal_safe), (LengthUnit::Feet, true));
     assert!(app(&window).isobaths().is_some_and(|drawn| drawn.settings.shoal_safe));
     for action in [Action::OpenIsobathArea, Action::IsobathLayer] {
         assert!(window.query_by_label(action.label()).is_some(), "{action:?}");
     }
     press(&mut window, Modifiers::COMMAND, Key::Z);
-    assert!(!app(&window).log.settings.isobaths.shoal_safe);
+    assert!(!app(&window).logs.shown.settings.isobaths.shoal_safe);
 }

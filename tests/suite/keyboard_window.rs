@@ -47,7 +47,7 @@ fn the_main_job_is_done_without_a_pointer() {
     let mut window = empty_window();
     press(&mut window, Modifiers::COMMAND, Key::O);
     name(&mut window, &log);
-    let found = app(&window).log.products.as_ref().expect("results");
+    let found = app(&window).logs.shown.products.as_ref().expect("results");
     let port = found.returns.port.iter().filter(|pick| pick.is_some());
     assert!(port.count() > 1000, "the first return is found");
     let is_shown = |window: &Window| app(window).view.options.waterfall.first_return;
@@ -63,7 +63,7 @@ fn the_main_job_is_done_without_a_pointer() {
     repeat(&mut window, 7, Modifiers::NONE, Key::ArrowUp);
     repeat(&mut window, 3, Modifiers::SHIFT, Key::ArrowRight);
     press(&mut window, Modifiers::NONE, Key::T);
-    let target = app(&window).log.reviewing.selected_box();
+    let target = app(&window).logs.shown.reviewing.selected_box();
     let target = target.expect("the target is selected").clone();
     assert_eq!(target.extent, ObjectExtent::Point);
     assert_eq!(target.state, State::Added);
@@ -71,7 +71,7 @@ fn the_main_job_is_done_without_a_pointer() {
     window.run();
     write(&mut window, "anchor");
     press(&mut window, Modifiers::NONE, Key::Enter);
-    let named = app(&window).log.reviewing.selected_box();
+    let named = app(&window).logs.shown.reviewing.selected_box();
     assert_eq!(named.map(|review_box| review_box.name.as_str()), Some("anchor"));
 
     // A distance between two corners of the cross.
@@ -90,10 +90,10 @@ fn the_main_job_is_done_without_a_pointer() {
 
     // The boxes, one after the other.
     press(&mut window, Modifiers::NONE, Key::Tab);
-    while app(&window).review_counts().boxes.proposed > 0 {
+    while app(&window).logs.review_counts().boxes.proposed > 0 {
         press(&mut window, Modifiers::NONE, Key::A);
     }
-    let accepted = app(&window).review_counts().boxes.accepted;
+    let accepted = app(&window).logs.review_counts().boxes.accepted;
     assert_eq!(accepted, 5);
 
     // The project, whose name is asked for, and the products.
@@ -126,7 +126,7 @@ fn the_keyboard_goes_into_the_panels_and_back() {
     assert!(is_focused(&window, "Survey section"));
     // With boxes Tab goes to the next one; in a panel it goes on to the next control.
     press(&mut window, Modifiers::NONE, Key::Tab);
-    assert_eq!(app(&window).log.reviewing.selected, None);
+    assert_eq!(app(&window).logs.shown.reviewing.selected, None);
     assert!(!is_focused(&window, "Survey section"));
     press(&mut window, Modifiers::NONE, Key::F6);
     window.run();
@@ -136,5 +136,5 @@ fn the_keyboard_goes_into_the_panels_and_back() {
     press(&mut window, Modifiers::NONE, Key::F6);
     window.run();
     press(&mut window, Modifiers::NONE, Key::Tab);
-    assert!(app(&window).log.reviewing.selected.is_some());
+    assert!(app(&window).logs.shown.reviewing.selected.is_some());
 }

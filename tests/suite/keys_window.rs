@@ -88,7 +88,7 @@ struct Kept {
 }
 
 fn kept(window: &Window, folder: &Path) -> Kept {
-    let log = &app(window).log;
+    let log = &app(window).logs.shown;
     let mut settings = setting_values(&log.settings);
     settings.retain(|key, _| !key.starts_with("picture."));
     let files = std::fs::read_dir(folder).expect("a folder").map(|entry| {
@@ -110,7 +110,7 @@ fn window_with_boxes(folder: &Path, count: usize) -> Window {
     let mut window = empty_window();
     window.state_mut().app.apply(Command::Open(log));
     window.run();
-    assert!(app(&window).has_boxes());
+    assert!(app(&window).logs.has_boxes());
     window
 }
 
@@ -247,21 +247,22 @@ fn a_decision_by_key_is_said_and_taken_back_by_its_button() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let mut window = window_with_boxes(folder.path(), 5);
     press(&mut window, Modifiers::NONE, Key::A);
-    assert_eq!(app(&window).review_counts().boxes.accepted, 0);
-    assert_eq!(app(&window).log.reviewing.selected, None, "it asks for a box");
+    assert_eq!(app(&window).logs.review_counts().boxes.accepted, 0);
+    assert_eq!(app(&window).logs.shown.reviewing.selected, None, "it asks for a box");
     press(&mut window, Modifiers::NONE, Key::Tab);
-    let first = app(&window).log.reviewing.selected.expect("a box");
+    let first = app(&window).logs.shown.reviewing.selected.expect("a box");
     press(&mut window, Modifiers::NONE, Key::A);
     press(&mut window, Modifiers::NONE, Key::R);
-    let counts = app(&window).review_counts().boxes;
+    let counts = app(&window).logs.review_counts().boxes;
     assert_eq!([counts.accepted, counts.rejected], [1, 1]);
     let said = undo_notices(&window);
     assert!(matches!(&said[..], [text] if text.starts_with("key R: reject box")), "{said:?}");
     window.get_by_label("Undo").click();
     window.run();
-    let counts = app(&window).review_counts().boxes;
+    let counts = app(&window).logs.review_counts().boxes;
     assert_eq!([counts.accepted, counts.rejected], [1, 0]);
-    let state = app(&window).log.reviewing.review.get(first).map(|review_box| review_box.state);
+    let state =
+        app(&window).logs.shown.reviewing.review.get(first).map(|review_box| review_box.state);
     assert_eq!(state, Some(State::Accepted));
     // Another step than the key's takes the offer back.
     press(&mut window, Modifiers::NONE, Key::R);
@@ -275,8 +276,8 @@ fn a_box_that_was_scrolled_away_is_not_decided_unseen() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let mut window = window_with_boxes(folder.path(), 5);
     press(&mut window, Modifiers::NONE, Key::Tab);
-    let id = app(&window).log.reviewing.selected.expect("a box");
-    let pings = app(&window).log.reviewing.selected_box().expect("it").mark.pings.clone();
+    let id = app(&window).logs.shown.reviewing.selected.expect("a box");
+    let pings = app(&window).logs.shown.reviewing.selected_box().expect("it").mark.pings.clone();
     let is_seen = |window: &Window| {
         let seen = app(window).view.visible.clone();
         pings.start < seen.end && seen.start < pings.end
@@ -285,15 +286,15 @@ fn a_box_that_was_scrolled_away_is_not_decided_unseen() {
     press(&mut window, Modifiers::NONE, Key::End);
     assert!(!is_seen(&window), "{:?}", app(&window).view.visible);
     press(&mut window, Modifiers::NONE, Key::A);
-    assert_eq!(app(&window).review_counts().boxes.accepted, 0);
-    assert_eq!(app(&window).log.reviewing.selected, Some(id));
+    assert_eq!(app(&window).logs.review_counts().boxes.accepted, 0);
+    assert_eq!(app(&window).logs.shown.reviewing.selected, Some(id));
     assert!(is_seen(&window), "it comes into view");
     press(&mut window, Modifiers::NONE, Key::A);
-    assert_eq!(app(&window).review_counts().boxes.accepted, 1);
+    assert_eq!(app(&window).logs.review_counts().boxes.accepted, 1);
     // Hidden boxes are not decided either.
     press(&mut window, Modifiers::SHIFT, Key::B);
     press(&mut window, Modifiers::NONE, Key::A);
-    assert_eq!(app(&window).review_counts().boxes.accepted, 1);
+    assert_eq!(app(&window).logs.review_counts().boxes.accepted, 1);
     let said = app(&window).notices.shown().last().map(|notice| notice.text.clone());
     assert_eq!(said.as_deref(), Some("boxes are hidden here; Shift+B shows them"));
 }
@@ -303,19 +304,19 @@ fn keys_that_change_every_depth_ask_first() {
     let mut window = crate::window::demo_window();
     window.state_mut().app.apply(Command::Reveal(LogPlace::ping(200)));
     window.run();
-    let before = setting_values(&app(&window).log.settings);
+    let before = setting_values(&app(&window).logs.shown.settings);
     let offered = |window: &Window, action: Action| {
         app(window).notices.shown().iter().any(|notice| notice.offer == Some(action))
     };
     for (held, key) in [(Modifiers::NONE, Key::C), (Modifiers::SHIFT, Key::S)] {
         press(&mut window, held, key);
         press(&mut window, held, key);
-        assert_eq!(setting_values(&app(&window).log.settings), before, "{key:?}");
+        assert_eq!(setting_values(&app(&window).logs.shown.settings), before, "{key:?}");
     }
     assert!(offered(&window, Action::SwapSides));
-    assert!(app(&window).log.proposed_stretch().is_some());
+    assert!(app(&window).logs.shown.proposed_stretch().is_some());
     window.state_mut().app.apply(Command::Do(Action::SwapSides));
-    assert_ne!(setting_values(&app(&window).log.settings), before);
+    assert_ne!(setting_values(&app(&window).logs.shown.settings), before);
 }
 
 #[test]
@@ -385,12 +386,12 @@ fn the_first_tab_after_a_search_selects_a_box() {
         search(&mut window);
         window.run_steps(3);
         until_idle(&mut window);
-        assert!(app(&window).has_boxes());
+        assert!(app(&window).logs.has_boxes());
         window.key_press(Key::Tab);
         window.step();
-        let first = app(&window).log.reviewing.selected;
+        let first = app(&window).logs.shown.reviewing.selected;
         assert!(first.is_some());
         until_idle(&mut window);
-        assert_eq!(app(&window).log.reviewing.selected, first);
+        assert_eq!(app(&window).logs.shown.reviewing.selected, first);
     }
 }

@@ -38,7 +38,7 @@ const KINDS: usize = 28;
 const LOGS: [(&str, i32); 2] = [("pond.sl2", 60), ("lake.sl2", 75)];
 
 fn change(app: &App, assignment: &str, label: &'static str) -> Command {
-    let settings = Settings::clone(&app.log.settings);
+    let settings = Settings::clone(&app.logs.shown.settings);
     let settings = settings.with_assignment(assignment).expect("a setting");
     Command::Change { settings: Box::new(settings), label, live: false }
 }
@@ -48,7 +48,7 @@ fn change(app: &App, assignment: &str, label: &'static str) -> Command {
 fn gesture(app: &App, number: usize, folder: &Path) -> Command {
     let round = number / KINDS;
     let from = (7 * number) % 40;
-    let ids: Vec<LogId> = app.logs().map(|log| log.id).collect();
+    let ids: Vec<LogId> = app.logs.all().map(|log| log.id).collect();
     let other = ids[round % ids.len()];
     let part = LogPart::Pings([from, from + 5]);
     let exclude = |edit| Command::Exclude { log: other, part, edit };
@@ -58,7 +58,7 @@ fn gesture(app: &App, number: usize, folder: &Path) -> Command {
         near_m: 1.5,
         far_m: 2.5 + 0.01 * number as f64,
     };
-    let last = app.log.reviewing.review.next_id().0.saturating_sub(1);
+    let last = app.logs.shown.reviewing.review.next_id().0.saturating_sub(1);
     let edit = |edit| Command::Edit { edit, live: false };
     let corner = LonLat { lon_deg: 0.01 * from as f64, lat_deg: 0.001 * number as f64 };
     match number % KINDS {
@@ -98,7 +98,7 @@ fn gesture(app: &App, number: usize, folder: &Path) -> Command {
 }
 
 fn is_idle(app: &App) -> bool {
-    app.is_idle() && app.visible_logs().all(|log| !log.is_behind())
+    app.is_idle() && app.logs.visible().all(|log| !log.is_behind())
 }
 
 /// A program with a project open, its results made.
@@ -109,7 +109,7 @@ fn opened(project: &Path, jobs: Jobs) -> App {
         app.poll();
         std::thread::sleep(Duration::from_millis(1));
     }
-    assert!(app.log_count() > 0, "{:?}", app.notices.shown());
+    assert!(app.logs.count() > 0, "{:?}", app.notices.shown());
     app
 }
 

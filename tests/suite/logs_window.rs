@@ -13,7 +13,7 @@ use std::path::Path;
 pub(super) fn settle(window: &mut Window) {
     for _ in 0..40 {
         window.run();
-        let all_done = app(window).visible_logs().all(|log| !log.is_behind());
+        let all_done = app(window).logs.visible().all(|log| !log.is_behind());
         if app(window).is_idle() && all_done {
             return;
         }
@@ -35,15 +35,15 @@ pub(super) fn opened_in(mut window: Window, folder: &Path, count: usize) -> Wind
 }
 
 pub(super) fn ids(window: &Window) -> Vec<LogId> {
-    app(window).logs().map(|log| log.id).collect()
+    app(window).logs.all().map(|log| log.id).collect()
 }
 
 pub(super) fn names(window: &Window) -> Vec<String> {
-    app(window).logs().map(|log| log.name()).collect()
+    app(window).logs.all().map(|log| log.name()).collect()
 }
 
 fn pings(window: &Window) -> usize {
-    let surveys = app(window).visible_logs().filter_map(|log| log.survey.as_ref());
+    let surveys = app(window).logs.visible().filter_map(|log| log.survey.as_ref());
     surveys.map(|survey| survey.side_scan.len()).sum()
 }
 
@@ -53,7 +53,7 @@ fn map_name(window: &Window) -> String {
 }
 
 pub(super) fn change(window: &mut Window, assignment: &str) {
-    let settings = Settings::clone(&app(window).log.settings);
+    let settings = Settings::clone(&app(window).logs.shown.settings);
     let settings = settings.with_assignment(assignment).expect("a setting");
     window.state_mut().app.apply(Command::Change {
         settings: Box::new(settings),
@@ -69,19 +69,20 @@ fn a_folder_of_logs_is_one_survey_on_map_and_in_cloud() {
     let window = drawn_window([1400.0, 1000.0]);
     let mut window = opened_in(window, folder.path(), 3);
     assert_eq!(names(&window), ["lake-0", "lake-1", "lake-2"]);
-    assert_eq!(app(&window).log.name(), "lake-0", "the first one is shown");
+    assert_eq!(app(&window).logs.shown.name(), "lake-0", "the first one is shown");
     let all = pings(&window);
     let said = map_name(&window).replace([' ', ',', '\u{202f}', '\u{a0}'], "");
     assert!(said.contains(&format!("trackof{all}pings")), "{said}: {all}");
-    let points: usize =
-        (app(&window).shown_logs().iter()).map(|shown| shown.log.kept_points().count()).sum();
+    let points: usize = (app(&window).logs.with_results().iter())
+        .map(|shown| shown.log.kept_points().count())
+        .sum();
     let cloud = window.get_by_label_contains("3D point cloud,");
     let cloud = cloud.accesskit_node().label().expect("a name");
     let cloud = cloud.replace([' ', ',', '\u{202f}', '\u{a0}'], "");
     assert!(cloud.contains(&format!("cloud{points}points")), "{cloud}: {points}");
 
     // All of them lie in the plane of the first.
-    let origins = app(&window).shown_logs();
+    let origins = app(&window).logs.with_results();
     let origins = origins.iter().map(|shown| shown.log.survey.track.frame.origin());
     let first = origins.clone().next().expect("three logs");
     assert!(origins.clone().all(|origin| origin == first));
@@ -98,14 +99,14 @@ fn another_log_is_shown_by_its_row_by_key_and_by_a_place_of_it() {
     let mut window = opened(folder.path(), 2);
     window.get_by_label("Log lake-1").click();
     settle(&mut window);
-    assert_eq!(app(&window).log.name(), "lake-1");
+    assert_eq!(app(&window).logs.shown.name(), "lake-1");
     press(&mut window, Modifiers::COMMAND, Key::PageDown);
-    assert_eq!(app(&window).log.name(), "lake-0", "around the end");
+    assert_eq!(app(&window).logs.shown.name(), "lake-0", "around the end");
     let second = ids(&window)[1];
     let place = Command::RevealIn(second, LogPlace::ping(40));
     window.state_mut().app.apply(place);
     settle(&mut window);
-    assert_eq!(app(&window).log.id, second);
+    assert_eq!(app(&window).logs.shown.id, second);
     assert_eq!(app(&window).view.selection.map(|mark| mark.ping), Some(40));
 }
 
@@ -113,12 +114,12 @@ fn another_log_is_shown_by_its_row_by_key_and_by_a_place_of_it() {
 fn what_is_unticked_takes_no_part_and_undo_goes_over_all_logs() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let mut window = opened(folder.path(), 2);
-    let [whole, before] = [pings(&window), app(&window).shown_logs().len()];
+    let [whole, before] = [pings(&window), app(&window).logs.with_results().len()];
     assert_eq!(before, 2);
     let tick = window.get_by_role_and_label(Role::CheckBox, "Show lake-1 on the map");
     tick.click();
     settle(&mut window);
-    assert_eq!(app(&window).shown_logs().len(), 1);
+    assert_eq!(app(&window).logs.with_results().len(), 1);
     assert!(pings(&window) < whole);
 
     window.get_by_label("Move down lake-0").click();
@@ -127,7 +128,7 @@ fn what_is_unticked_takes_no_part_and_undo_goes_over_all_logs() {
     change(&mut window, "first_return.threshold=0.41");
     change(&mut window, "draft_m=0.7");
     let of = |window: &Window, name: &str| {
-        let found = app(window).logs().find(|log| log.name() == name);
+        let found = app(window).logs.all().find(|log| log.name() == name);
         found.expect("it is open").settings.clone()
     };
     assert_eq!(of(&window, "lake-0").draft_m, 0.7);
@@ -168,9 +169,9 @@ fn a_recording_is_opened_once_and_closed_again() {
     window.get_by_label("Close lake-0").click_accesskit();
     settle(&mut window);
     assert_eq!(names(&window), ["lake-1"]);
-    assert_eq!(app(&window).log.name(), "lake-1");
+    assert_eq!(app(&window).logs.shown.name(), "lake-1");
     press(&mut window, Modifiers::COMMAND, Key::W);
-    assert_eq!(app(&window).log_count(), 0);
+    assert_eq!(app(&window).logs.count(), 0);
     assert!(window.query_by_label_contains("Map, empty").is_some());
 }
 
@@ -212,16 +213,16 @@ fn a_log_that_was_closed_comes_back_with_undo() {
     assert_eq!(app(&window).undo_label(), Some("close lake-0"));
     // The other one, and nothing is open.
     press(&mut window, Modifiers::COMMAND, Key::W);
-    assert_eq!(app(&window).log_count(), 0);
+    assert_eq!(app(&window).logs.count(), 0);
     for count in [1, 2] {
         press(&mut window, Modifiers::COMMAND, Key::Z);
         settle(&mut window);
-        assert_eq!(app(&window).log_count(), count);
+        assert_eq!(app(&window).logs.count(), count);
     }
     assert_eq!(names(&window), ["lake-0", "lake-1"]);
     assert_eq!(pings(&window), whole);
-    assert_eq!(app(&window).shown_logs().len(), 2, "with its results");
-    let first = app(&window).logs().next().expect("two logs");
+    assert_eq!(app(&window).logs.with_results().len(), 2, "with its results");
+    let first = app(&window).logs.all().next().expect("two logs");
     assert_eq!(first.settings.draft_m, 0.7);
     press(&mut window, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
     settle(&mut window);
@@ -231,7 +232,7 @@ fn a_log_that_was_closed_comes_back_with_undo() {
     settle(&mut window);
     press(&mut window, Modifiers::COMMAND, Key::Z);
     settle(&mut window);
-    assert_eq!(app(&window).log_count(), 2);
+    assert_eq!(app(&window).logs.count(), 2);
     drop(window);
     let [(first, _), (second, _)] = &kept(&path)[..] else { panic!("two logs") };
     assert_eq!([first.as_str(), second.as_str()], ["lake-1", "lake-0"]);
@@ -251,7 +252,8 @@ fn heights_are_compared_and_applied_as_one_step() {
     // In the list of logs and in the notice.
     window.get_all_by_label("Apply heights").next().expect("a button").click_accesskit();
     settle(&mut window);
-    let applied: Vec<f64> = app(&window).logs().map(|log| log.settings.height_offset_m).collect();
+    let applied: Vec<f64> =
+        app(&window).logs.all().map(|log| log.settings.height_offset_m).collect();
     let mean_m = higher_m.iter().sum::<f64>() / higher_m.len() as f64;
     assert_eq!(applied.len(), higher_m.len());
     for (offset_m, higher_m) in applied.iter().zip(higher_m) {
@@ -263,5 +265,5 @@ fn heights_are_compared_and_applied_as_one_step() {
     assert!(error_m < 0.03, "{error_m}");
     press(&mut window, Modifiers::COMMAND, Key::Z);
     settle(&mut window);
-    assert!(app(&window).logs().all(|log| log.settings.height_offset_m == 0.0));
+    assert!(app(&window).logs.all().all(|log| log.settings.height_offset_m == 0.0));
 }

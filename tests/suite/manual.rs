@@ -194,5 +194,5 @@ fn the_window_shows_every_command_with_its_key_and_finds_words_in_all_pages() {
     press(&mut window, Modifiers::NONE, Key::Escape);
     press(&mut window, Modifiers::NONE, Key::Escape);
     assert!(window.query_by_label_contains("puts every echo at its place").is_none());
-    assert!(app(&window).log.survey.is_none());
+    assert!(app(&window).logs.shown.survey.is_none());
 }

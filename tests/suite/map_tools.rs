@@ -92,7 +92,7 @@ fn a_distance_is_measured_by_mouse_and_taken_back() {
     click(&mut window, pos2(300.0, 400.0));
     click(&mut window, pos2(300.0, 300.0));
     let found = corners(&window);
-    let survey = app(&window).log.survey.clone().unwrap();
+    let survey = app(&window).logs.shown.survey.clone().unwrap();
     let places: Vec<[f64; 2]> = found.iter().map(|at| survey.track.frame.to_enu(*at)).collect();
     let legs: Vec<f64> =
         places.windows(2).map(|leg| (leg[1][0] - leg[0][0]).hypot(leg[1][1] - leg[0][1])).collect();
@@ -192,7 +192,7 @@ fn a_profile_is_written_where_the_path_field_says() {
     let mut window = demo_window();
     by_palette(&mut window, "Save the depth profile");
     assert!(window.query_by_label_contains("there is no depth profile yet").is_some());
-    let origin = app(&window).log.survey.as_ref().unwrap().track.frame.origin();
+    let origin = app(&window).logs.shown.survey.as_ref().unwrap().track.frame.origin();
     let app = &mut window.state_mut().app;
     app.apply(Command::Do(Action::DepthProfile));
     for north_deg in [0.0, 1e-4] {
@@ -260,7 +260,7 @@ fn a_dropped_picture_lies_under_the_map() {
     settle(&mut window);
     let map = app(&window).map.base_map.clone().expect("a base map");
     assert_eq!(map.size, [200, 150]);
-    assert!(app(&window).log.survey.is_some(), "the survey stays open");
+    assert!(app(&window).logs.shown.survey.is_some(), "the survey stays open");
     assert!(app(&window).notices.shown()[0].text.starts_with(
         "Opened the base map of 200 by 150 pixels of 0.30 m, EPSG:32617 (WGS 84 / UTM zone 17N): "
     ));
@@ -294,7 +294,7 @@ fn a_base_map_is_opened_by_its_command() {
 fn a_measured_area_is_saved_as_what_it_is() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = demo_window();
-    let origin = app(&window).log.survey.as_ref().unwrap().track.frame.origin();
+    let origin = app(&window).logs.shown.survey.as_ref().unwrap().track.frame.origin();
     let app_now = &mut window.state_mut().app;
     app_now.apply(Command::Do(Action::MeasureArea));
     for [east_deg, north_deg] in [[0.0, 0.0], [0.0, 1e-4], [1e-4, 1e-4], [1e-4, 0.0]] {

@@ -65,7 +65,7 @@ fn no_setting_of_a_survey_is_in_the_next_one() {
     let [one, two] = logs(folder.path());
     let mut app = App::new(Jobs::Inline);
     open(&mut app, &one);
-    let mut settings = Settings::clone(&app.log.settings);
+    let mut settings = Settings::clone(&app.logs.shown.settings);
     let mut changed = Vec::new();
     for row in ROWS {
         if let Some(other) = other(row, &settings) {
@@ -75,13 +75,14 @@ fn no_setting_of_a_survey_is_in_the_next_one() {
     }
     assert!(changed.len() * 10 > ROWS.len() * 8, "{changed:?}");
     change(&mut app, settings.clone());
-    assert_eq!(*app.log.settings, settings);
+    assert_eq!(*app.logs.shown.settings, settings);
     open(&mut app, &two);
-    let (usual, now) = (setting_values(&Settings::default()), setting_values(&app.log.settings));
+    let (usual, now) =
+        (setting_values(&Settings::default()), setting_values(&app.logs.shown.settings));
     for key in changed {
         assert_eq!(now.get(key), usual.get(key), "{key}");
     }
-    assert_eq!(*app.log.settings, Settings::default());
+    assert_eq!(*app.logs.shown.settings, Settings::default());
     assert_eq!(app.undo_label(), None);
 }
 
@@ -96,24 +97,24 @@ fn a_log_has_its_last_settings_again_until_they_are_undone() {
     };
     let mut app = start();
     open(&mut app, &one);
-    let settings = Settings::clone(&app.log.settings);
+    let settings = Settings::clone(&app.logs.shown.settings);
     let settings = settings.with_assignment("draft_m=0.4").expect("a setting");
     let given = settings.with_assignment("first_return.threshold=0.41").expect("a setting");
     change(&mut app, given.clone());
     open(&mut app, &two);
-    assert_eq!(*app.log.settings, Settings::default());
+    assert_eq!(*app.logs.shown.settings, Settings::default());
     // Another run of the program.
     app.keep_all();
     let mut app = start();
     open(&mut app, &one);
-    assert_eq!(*app.log.settings, given);
+    assert_eq!(*app.logs.shown.settings, given);
     app.apply(Command::Do(Action::Undo));
     settle(&mut app);
-    assert_eq!(*app.log.settings, Settings::default());
+    assert_eq!(*app.logs.shown.settings, Settings::default());
     // A change that was undone is not there the next time.
     open(&mut app, &two);
     open(&mut app, &one);
-    assert_eq!(*app.log.settings, Settings::default());
+    assert_eq!(*app.logs.shown.settings, Settings::default());
 }
 
 #[test]
@@ -151,9 +152,9 @@ fn a_log_far_away_and_one_too_short_are_opened_but_not_on_the_map() {
     let mut app = App::new(Jobs::Inline);
     app.apply(Command::OpenAll(vec![far, one, two]));
     settle(&mut app);
-    let shown: Vec<String> = app.visible_logs().map(|log| log.name()).collect();
+    let shown: Vec<String> = app.logs.visible().map(|log| log.name()).collect();
     assert_eq!(shown, ["lake-0", "lake-1"]);
-    assert_eq!(app.log.name(), "lake-0", "it is the one that is shown");
+    assert_eq!(app.logs.shown.name(), "lake-0", "it is the one that is shown");
     let far =
         app.notices.shown().iter().find(|notice| notice.text.contains("km from the other logs"));
     let notice = far.expect("a notice");
@@ -161,8 +162,8 @@ fn a_log_far_away_and_one_too_short_are_opened_but_not_on_the_map() {
     assert_eq!(notice.offer, Some(Action::ShowTogether));
     app.apply(Command::Do(Action::ShowTogether));
     settle(&mut app);
-    assert_eq!(app.visible_logs().count(), 3);
+    assert_eq!(app.logs.visible().count(), 3);
     app.apply(Command::Do(Action::Undo));
     settle(&mut app);
-    assert_eq!(app.visible_logs().count(), 2);
+    assert_eq!(app.logs.visible().count(), 2);
 }

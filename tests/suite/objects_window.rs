@@ -24,7 +24,7 @@ fn propose(window: &mut Window, folder: &Path) {
     for (index, id) in ids(window).into_iter().enumerate() {
         window.state_mut().app.apply(Command::ShowLog(id));
         settle(window);
-        let survey = app(window).log.survey.clone().expect("a log");
+        let survey = app(window).logs.shown.survey.clone().expect("a log");
         let truth = sailed(index);
         let seen = truth.objects.iter().flat_map(|object| &object.sightings);
         let marks = seen.filter_map(|seen| true_box(&survey, seen));
@@ -40,7 +40,7 @@ fn propose(window: &mut Window, folder: &Path) {
                 mark,
             })
             .collect();
-        let raster = app(window).log.reviewing.raster().expect("a raster");
+        let raster = app(window).logs.shown.reviewing.raster().expect("a raster");
         let empty = Review::new(Identity::of(&survey), classes.clone());
         let review = empty.adopt("all of them", &classes, &found, raster);
         let path = folder.join(format!("{index}.json"));
@@ -83,12 +83,12 @@ pub(super) fn object_of(window: &Window, index: usize) -> Object {
 }
 
 fn states(window: &Window, boxes: &[LogBox]) -> Vec<State> {
-    let state = |id: &LogBox| app(window).log_box(*id).expect("a box").state;
+    let state = |id: &LogBox| app(window).logs.log_box(*id).expect("a box").state;
     boxes.iter().map(state).collect()
 }
 
 fn all_boxes(window: &Window) -> Vec<LogBox> {
-    let logs = app(window).logs();
+    let logs = app(window).logs.all();
     logs.flat_map(|log| {
         let boxes = log.reviewing.review.boxes();
         boxes.map(|review_box| LogBox { log: log.id, id: review_box.id })
@@ -97,7 +97,7 @@ fn all_boxes(window: &Window) -> Vec<LogBox> {
 }
 
 fn selected(window: &Window) -> LogBox {
-    app(window).selected_log_box().expect("a selected box")
+    app(window).logs.shown.selected_box().expect("a selected box")
 }
 
 #[test]
@@ -127,15 +127,15 @@ fn an_object_of_two_logs_is_one_in_the_list_and_leads_to_both() {
     let other = object.boxes.iter().find(|id| id.log == second);
     let other = *other.expect("a box of the other log");
     for id in &object.boxes {
-        let log = app(&window).open_log(id.log).expect("it is open").name();
+        let log = app(&window).logs.get(id.log).expect("it is open").name();
         window.get_by_label(&format!("Sighting in {log}, box {}", id.id.0));
     }
     let picture = format!("Sighting in lake-1, box {}", other.id.0);
     window.get_by_label(&picture).click_accesskit();
     settle(&mut window);
     assert_eq!(selected(&window), other);
-    assert_eq!(app(&window).log.name(), "lake-1");
-    let mark = &app(&window).log_box(other).expect("a box").mark;
+    assert_eq!(app(&window).logs.shown.name(), "lake-1");
+    let mark = &app(&window).logs.log_box(other).expect("a box").mark;
     let ping = app(&window).view.selection.expect("it is revealed").ping;
     assert!(mark.pings.contains(&ping));
 
@@ -207,7 +207,7 @@ fn an_object_is_decided_in_all_its_logs_as_one_step() {
     };
     assert!(accepted("0.json") > 0 && accepted("1.json") > 0);
     assert_eq!(accepted("0.json") + accepted("1.json"), object.boxes.len());
-    assert!(app(&window).logs().all(|log| !log.reviewing.is_unsaved()));
+    assert!(app(&window).logs.all().all(|log| !log.reviewing.is_unsaved()));
     press(&mut window, Modifiers::COMMAND, Key::Z);
     settle(&mut window);
 
@@ -290,7 +290,7 @@ fn the_table_is_walked_through_by_keys() {
         assert_eq!(object.number, expected, "{key:?}");
         // Its box is revealed in the views.
         let ping = app(&window).view.selection.expect("a selected ping").ping;
-        let mark = &app(&window).log_box(selected(&window)).expect("a box").mark;
+        let mark = &app(&window).logs.log_box(selected(&window)).expect("a box").mark;
         assert!(mark.pings.contains(&ping), "{key:?}");
     }
     let waterfall = "Waterfall, pings";
@@ -324,7 +324,7 @@ fn a_note_stays_with_the_box_of_its_log() {
     // the keyboard.
     (window.state_mut().app).apply(Command::SelectLogBox(other));
     settle(&mut window);
-    let note = |id: LogBox| app(&window).log_box(id).expect("a box").note.clone();
+    let note = |id: LogBox| app(&window).logs.log_box(id).expect("a box").note.clone();
     assert_eq!([note(mine), note(other)], ["a tyre", ""]);
     assert_eq!(selected(&window), other);
 }
@@ -352,7 +352,7 @@ fn the_queue_goes_on_into_the_next_log() {
     let logs: Vec<LogId> = walked.iter().map(|id| id.log).collect();
     let expected = [vec![first; of(first)], vec![second; of(second)]].concat();
     assert_eq!(logs, expected, "log after log, in the order of the list");
-    let score = |id: &LogBox| app(&window).log_box(*id).expect("a box").score;
+    let score = |id: &LogBox| app(&window).logs.log_box(*id).expect("a box").score;
     let of_first: Vec<_> = walked[..of(first)].iter().map(score).collect();
     assert!(of_first.is_sorted_by(|a, b| a >= b), "the surest first");
     let last = selected(&window);
@@ -369,15 +369,15 @@ fn the_queue_goes_on_into_the_next_log() {
     window.get_by_label(&said.replacen('0', "1", 1));
 
     // The filter is one over all logs, by the name of the class.
-    let mut queue = app(&window).log.reviewing.queue.clone();
+    let mut queue = app(&window).logs.shown.reviewing.queue.clone();
     queue.filter.class = Some("tyre".to_owned());
     (window.state_mut().app).apply(Command::LineUp(Box::new(queue.clone())));
     settle(&mut window);
-    assert_eq!(app(&window).review_counts().in_line, 0);
+    assert_eq!(app(&window).logs.review_counts().in_line, 0);
     queue.filter.class = Some("block".to_owned());
     (window.state_mut().app).apply(Command::LineUp(Box::new(queue)));
     settle(&mut window);
-    assert_eq!(app(&window).review_counts().in_line, all.len());
+    assert_eq!(app(&window).logs.review_counts().in_line, all.len());
 
     // A log that is unticked takes no part once another one is shown.
     window.state_mut().app.apply(Command::ShowLog(first));
@@ -402,7 +402,7 @@ fn a_search_goes_through_all_logs_as_one_step() {
         settle(window);
     };
     let found = |window: &Window| -> Vec<usize> {
-        let logs = app(window).logs();
+        let logs = app(window).logs.all();
         logs.map(|log| log.reviewing.review.boxes().len()).collect()
     };
     find(&mut window);
@@ -415,11 +415,11 @@ fn a_search_goes_through_all_logs_as_one_step() {
     assert_eq!(again, count, "each once");
     assert!(other > 10, "{other}");
     assert_eq!(names(&window).len(), 2);
-    assert_eq!(app(&window).log.name(), "lake-0", "the log that is shown stays");
-    let logs = || app(&window).logs().map(|log| &log.reviewing);
+    assert_eq!(app(&window).logs.shown.name(), "lake-0", "the log that is shown stays");
+    let logs = || app(&window).logs.all().map(|log| &log.reviewing);
     assert!(logs().all(|reviewing| reviewing.review.coverage().is_none()));
     // From the confidence of the model on, in both logs.
-    let threshold = app(&window).log.reviewing.queue.threshold;
+    let threshold = app(&window).logs.shown.reviewing.queue.threshold;
     assert!(logs().all(|reviewing| reviewing.queue.threshold == threshold));
     press(&mut window, Modifiers::COMMAND, Key::Z);
     settle(&mut window);
@@ -434,8 +434,8 @@ fn a_search_that_is_stopped_in_the_second_log_keeps_what_it_found() {
     let logs = ["lake-0.sl2", "lake-1.sl2"].map(|name| folder.path().join(name));
     app.apply(Command::OpenAll(logs.to_vec()));
     // The second one is searched once it has results.
-    until(&mut app, &|app| app.log_count() == 2 && app.log.products.is_some());
-    let ids: Vec<LogId> = app.logs().map(|log| log.id).collect();
+    until(&mut app, &|app| app.logs.count() == 2 && app.logs.shown.products.is_some());
+    let ids: Vec<LogId> = app.logs.all().map(|log| log.id).collect();
     app.apply(Command::UseModel(model("tianxiaomo")));
     app.apply(Command::Do(Action::FindObjects));
     let status = app.search_status().expect("a search");
@@ -453,7 +453,7 @@ fn a_search_that_is_stopped_in_the_second_log_keeps_what_it_found() {
     until(&mut app, &App::is_idle);
     assert_eq!(app.search_status(), None);
     let review = |app: &App, index: usize| {
-        let log = app.open_log(ids[index]).expect("it is open");
+        let log = app.logs.get(ids[index]).expect("it is open");
         log.reviewing.review.clone()
     };
     let first = review(&app, 0);
@@ -481,7 +481,7 @@ fn marked_river(mut window: Window, folder: &Path) -> Option<Window> {
     (window.state_mut().app).apply(Command::OpenAll(logs));
     settle(&mut window);
     for (ping, side) in [(1344, Side::Port), (1345, Side::Starboard)] {
-        let survey = app(&window).log.survey.clone().expect("a log");
+        let survey = app(&window).logs.shown.survey.clone().expect("a log");
         let depth_m = f64::from(survey.good_depth_m(ping));
         let edit = Edit::AddPoint { side, ping, range_m: 1.01 * depth_m, class: 0 };
         let live = false;

@@ -25,9 +25,9 @@ fn boxes_shown(window: &Window, only_targets: bool) -> BTreeSet<Row> {
     let mut rows = BTreeSet::new();
     for object in app(window).objects() {
         for key in &object.boxes {
-            let state = app(window).log_box(*key).expect("a box").state;
+            let state = app(window).logs.log_box(*key).expect("a box").state;
             if !only_targets || state.is_object() {
-                let log = app(window).open_log(key.log).expect("a log").name();
+                let log = app(window).logs.get(key.log).expect("a log").name();
                 rows.insert((log, key.id.0, state.name().to_owned(), Some(object.number)));
             }
         }
@@ -253,7 +253,7 @@ fn window_tables_maps_plotters_and_report_have_the_same_objects() {
 
     // Whatever is hidden, the rest stays as it is.
     for threshold in [0.0, 0.3, 0.6, 0.9, 1.0] {
-        let queue = Queue { threshold, ..app(&window).log.reviewing.queue.clone() };
+        let queue = Queue { threshold, ..app(&window).logs.shown.reviewing.queue.clone() };
         (window.state_mut().app).apply(Command::LineUp(Box::new(queue)));
         settle(&mut window);
         let left = shown(&window, false);
@@ -270,7 +270,7 @@ fn thirty_decisions_by_keys_change_no_object_but_the_one_that_is_decided() {
     press(&mut window, Modifiers::NONE, Key::Tab);
     settle(&mut window);
     for index in 0..30 {
-        let here = app(&window).selected_log_box().expect("a selected box");
+        let here = app(&window).logs.shown.selected_box().expect("a selected box");
         let object = |window: &Window| app(window).object_of(here).expect("an object").number;
         let (before, of) = (shown(&window, false), object(&window));
         let key = if index % 4 == 3 { Key::R } else { Key::A };

@@ -247,7 +247,7 @@ fn the_window_says_which_files_are_older_than_the_settings() {
     app.apply(Command::Write(FileToWrite::Products(out.clone())));
     wait(&mut app);
     assert!(app.out_of_date().is_none());
-    let mut settings = Settings::clone(&app.log.settings);
+    let mut settings = Settings::clone(&app.logs.shown.settings);
     settings.isobaths.interval_m = Some(0.35);
     let change = Command::Change { settings: Box::new(settings), label: "isobaths", live: false };
     app.apply(change);

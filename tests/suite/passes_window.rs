@@ -31,8 +31,8 @@ fn passes_at(window: &mut Window, at: LonLat) -> Vec<LogPass> {
 fn every_pass_has_the_place_where_it_says_and_the_selection_goes_from_one_to_the_next() {
     let mut window = demo_window();
     let log = ProcessedLog {
-        survey: app(&window).log.survey.clone().expect("a survey"),
-        products: app(&window).log.products.clone().expect("results"),
+        survey: app(&window).logs.shown.survey.clone().expect("a survey"),
+        products: app(&window).logs.shown.products.clone().expect("results"),
     };
     let layout = Derived::default().layout(&log, &Progress::new());
     let layout = layout.expect("nobody cancels");
@@ -102,7 +102,7 @@ fn every_pass_has_the_place_where_it_says_and_the_selection_goes_from_one_to_the
 #[test]
 fn an_answer_that_nobody_waits_for_any_more_is_dropped() {
     let mut window = demo_window();
-    let log = &app(&window).log;
+    let log = &app(&window).logs.shown;
     let (survey, products) = log.survey.clone().zip(log.products.clone()).expect("results");
     let places = [100, 900].map(|ping| {
         let boat = &products.navigation.pings[ping];

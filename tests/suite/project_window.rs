@@ -35,7 +35,7 @@ fn draw_bottom(window: &mut Window) {
 
 /// Returns the decisions about all logs, as far as they can be compared.
 fn decisions(window: &Window) -> Vec<String> {
-    let logs = app(window).logs().map(|log| {
+    let logs = app(window).logs.all().map(|log| {
         let settings = toml::to_string(&*log.settings).expect("settings are text");
         format!("{} {} {settings}", log.name(), log.is_visible)
     });
@@ -83,7 +83,7 @@ fn a_project_comes_back_as_it_was_left_and_the_logs_are_untouched() {
     let again = open(&path);
     assert_eq!(names(&again), ["lake-1", "lake-2", "lake-0"]);
     assert_eq!(decisions(&again), left);
-    let drawn = app(&again).logs().last().expect("three logs");
+    let drawn = app(&again).logs.all().last().expect("three logs");
     assert_eq!(drawn.settings.bottom.ping_count(), 31);
     assert_eq!(hashes(folder.path()), before, "no log is written");
     drop(again);
@@ -136,7 +136,7 @@ fn a_project_that_is_opened_again_can_be_undone_whether_it_was_saved_or_not() {
     undo(&mut again);
     assert_eq!(decisions(&again), first, "from the history beside the file");
     undo(&mut again);
-    let threshold = app(&again).log.settings.first_return.threshold;
+    let threshold = app(&again).logs.shown.settings.first_return.threshold;
     assert!((threshold - 0.3).abs() < 1e-6, "{threshold}");
     press(&mut again, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
     settle(&mut again);
@@ -147,7 +147,7 @@ fn a_project_that_is_opened_again_can_be_undone_whether_it_was_saved_or_not() {
 fn a_log_keeps_its_water_levels_when_a_setting_of_all_logs_changes() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let mut window = opened(folder.path(), 2);
-    let survey = app(&window).log.survey.clone().expect("a survey");
+    let survey = app(&window).logs.shown.survey.clone().expect("a survey");
     let start_s = survey.start_unix_s.expect("a time");
     let gauge = folder.path().join("gauge.csv");
     let (first_s, last_s) = (start_s - 100.0, start_s + 900.0);
@@ -157,7 +157,7 @@ fn a_log_keeps_its_water_levels_when_a_setting_of_all_logs_changes() {
     let path = folder.path().join("lake.bathyscope");
     save_as(&mut window, &path);
     let gauged = |window: &Window| -> Vec<bool> {
-        let products = app(window).logs().filter_map(|log| log.products.as_ref());
+        let products = app(window).logs.all().filter_map(|log| log.products.as_ref());
         products.map(|results| results.correction.gauge().is_some()).collect()
     };
     let which = gauged(&window);
@@ -194,7 +194,7 @@ fn what_was_not_saved_is_in_the_journal() {
     assert!(app(&again).is_project_unsaved());
     // Another window on the same project does not get it.
     let other = open(&path);
-    assert_eq!(app(&other).log_count(), 0);
+    assert_eq!(app(&other).logs.count(), 0);
     assert!(other.query_by_label_contains("open in another window").is_some());
     // A log that joins the survey is in the project at once.
     let more = tempfile::tempdir().expect("a temporary folder");

@@ -33,7 +33,7 @@ fn the_map_shows_how_each_point_differs_from_the_soundings() {
         act(&mut window, layer);
     }
     let agreement = app(&window).agreement().cloned().expect("an agreement");
-    let products = app(&window).log.products.as_ref().expect("a result");
+    let products = app(&window).logs.shown.products.as_ref().expect("a result");
     // Every difference is that of a kept side-scan point from soundings within reach.
     let [log] = &agreement.logs[..] else { panic!("one log") };
     assert!(log.differences.len() > 1000);
@@ -173,7 +173,7 @@ fn a_setting_acts_on_both_missions_and_on_no_file() {
     window.run();
     compare_with(&mut window, folder.path().join("second.sl2"));
     let before = app(&window).agreement().cloned().expect("an agreement");
-    let mut settings = Settings::clone(&app(&window).log.settings);
+    let mut settings = Settings::clone(&app(&window).logs.shown.settings);
     settings.draft_m = 0.5;
     let change = Command::Change { settings: Box::new(settings), label: "draft", live: false };
     for command in [change, Command::CompareWithReference] {
@@ -202,7 +202,7 @@ fn the_true_bed_in_a_file_gives_the_errors_that_the_simulation_knows() {
     let (mut window, known, folder) = first_mission();
     let frame = known.survey.track.frame.clone();
     let zone = UtmZone::of(frame.origin());
-    let products = app(&window).log.products.as_ref().expect("a result");
+    let products = app(&window).logs.shown.products.as_ref().expect("a result");
     let reach_m = (products.cloud.points.iter())
         .map(|point| point.east_m.abs().max(point.north_m.abs()))
         .fold(1.0, f64::max);

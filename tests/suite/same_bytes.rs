@@ -72,7 +72,7 @@ fn assert_same(by_window: &Path, by_process: &Path, rows: impl Fn(&&OutputFile) 
 /// Boxes on both sides of the open log, one accepted, one rejected, one undecided, in a file as the
 /// window keeps it.
 fn decided_boxes(app: &App, path: &Path) {
-    let log = &app.log;
+    let log = &app.logs.shown;
     let survey = log.survey.as_ref().expect("a survey");
     let products = log.products.as_ref().expect("results");
     let raster = Raster::new(survey, &products.navigation, PIXEL_M);
@@ -114,7 +114,7 @@ fn everything_at_once(app: &mut App, folder: &Path) -> Vec<String> {
     }
     let log = folder.join("first.sl2");
     let sidecar = log.with_extension("bottom.toml");
-    let bottom = toml::Value::try_from(&app.log.settings.bottom).expect("edits");
+    let bottom = toml::Value::try_from(&app.logs.shown.settings.bottom).expect("edits");
     let bottom = toml::Table::from_iter([("bottom".to_owned(), bottom)]);
     std::fs::write(&sidecar, toml::to_string(&bottom).expect("text")).expect("a file");
     let files = [
@@ -157,7 +157,7 @@ fn window_and_process_write_the_same_bytes() {
 /// Waits until every log has the results of its settings.
 fn settle(app: &mut App) {
     wait(app);
-    while app.visible_logs().any(|log| log.is_behind()) {
+    while app.logs.visible().any(|log| log.is_behind()) {
         std::thread::sleep(std::time::Duration::from_millis(2));
         app.poll();
         wait(app);
@@ -166,7 +166,7 @@ fn settle(app: &mut App) {
 
 /// Gives the shown log settings.
 fn set(app: &mut App, assignments: &[&str]) {
-    let mut settings = Settings::clone(&app.log.settings);
+    let mut settings = Settings::clone(&app.logs.shown.settings);
     for assignment in assignments {
         settings = settings.with_assignment(assignment).expect("a setting");
     }
@@ -190,7 +190,7 @@ fn survey_of_two(folder: &Path) -> App {
     settle(&mut app);
     app.apply(Command::Write(FileToWrite::Project(folder.join("survey.bathyscope"))));
     settle(&mut app);
-    let ids: Vec<LogId> = app.logs().map(|log| log.id).collect();
+    let ids: Vec<LogId> = app.logs.all().map(|log| log.id).collect();
     set(&mut app, &["first_return.threshold=0.33"]);
     app.apply(Command::DrawBottom(BottomStroke {
         side: Side::Port,
@@ -254,7 +254,7 @@ fn the_plane_stays_whatever_log_comes_first_or_is_hidden() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let folder = folder.path();
     let mut app = survey_of_two(folder);
-    let ids: Vec<LogId> = app.logs().map(|log| log.id).collect();
+    let ids: Vec<LogId> = app.logs.all().map(|log| log.id).collect();
     // The log that was opened first, whose plane it is, is the second now and does not count in the
     // end.
     let changes = [
@@ -277,11 +277,11 @@ fn the_plane_stays_whatever_log_comes_first_or_is_hidden() {
         assert!(project.contains("\norigin = ["), "{project}");
     }
     // Opened again, the window has the same plane.
-    let origin = app.shown_logs()[0].log.survey.track.frame.origin();
+    let origin = app.logs.with_results()[0].log.survey.track.frame.origin();
     // Its own window keeps the project until then.
     drop(app);
     let mut again = App::new(Jobs::Threads(Arc::new(|| ())));
     again.apply(Command::Open(folder.join("survey.bathyscope")));
     settle(&mut again);
-    assert_eq!(again.shown_logs()[0].log.survey.track.frame.origin(), origin);
+    assert_eq!(again.logs.with_results()[0].log.survey.track.frame.origin(), origin);
 }

@@ -70,6 +70,6 @@ fn the_window_lists_it_among_the_heights() {
     let mut window = empty_window();
     drop_files(&mut window, write_two(folder.path(), 1.02));
     settle(&mut window);
-    assert_eq!(app(&window).logs().count(), 2);
+    assert_eq!(app(&window).logs.all().count(), 2);
     assert!(window.query_by_label_contains("sound speeds that differ by").is_some());
 }

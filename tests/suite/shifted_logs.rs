@@ -14,7 +14,7 @@ use std::fs;
 
 /// East and north of the position shift and the latency of every log in the window.
 fn in_force(window: &Window) -> Vec<[f64; 3]> {
-    let logs = app(window).logs().map(|log| {
+    let logs = app(window).logs.all().map(|log| {
         let shift = log.settings.position_shift;
         [shift.east_m, shift.north_m, log.settings.mounting.latency_s]
     });

@@ -372,7 +372,7 @@ fn a_numbered_stretch_says_how_flat_it_is_and_is_proposed_by_a_click() {
     click(&mut window, badge);
     let expected = PingRange { start: 333, end: 374 };
     assert_eq!(proposals(&window), [expected]);
-    assert_eq!(window.state().app.log.proposed_stretch(), Some(expected));
+    assert_eq!(window.state().app.logs.shown.proposed_stretch(), Some(expected));
 }
 
 #[test]
@@ -383,7 +383,7 @@ fn a_click_on_a_point_leads_to_its_ping_and_sample() {
     let at = middle(&window);
     click(&mut window, at);
     let mark = window.state().app.view.selection.expect("a point near the middle");
-    let products = window.state().app.log.products.clone().unwrap();
+    let products = window.state().app.logs.shown.products.clone().unwrap();
     let point = products.cloud.points[mark.point.unwrap()];
     assert_eq!(mark.ping, point.ping as usize);
     // From above the middle of the picture is the middle of the pond; a point lies there or a few

@@ -78,7 +78,7 @@ fn the_status_bar_names_the_place_and_lets_the_least_important_parts_go() {
 fn a_heading_of_the_compass_is_called_so() {
     let mut window = demo_window();
     window.state_mut().app.apply(Command::Select(Some(LogPlace::ping(1204))));
-    let mut settings = app(&window).log.settings.as_ref().clone();
+    let mut settings = app(&window).logs.shown.settings.as_ref().clone();
     settings.heading.source = HeadingSource::Compass;
     let change = Command::Change { settings: Box::new(settings), label: "heading", live: false };
     window.state_mut().app.apply(change);

@@ -25,7 +25,7 @@ use std::path::Path;
 const LOGS: usize = 4;
 
 fn log<'a>(window: &'a Window, name: &str) -> &'a OpenLog {
-    let found = app(window).logs().find(|log| log.name() == name);
+    let found = app(window).logs.all().find(|log| log.name() == name);
     found.expect("it is open")
 }
 
@@ -33,7 +33,7 @@ fn show(window: &mut Window, name: &str) {
     window.get_by_label(&format!("Log {name}")).click();
     settle(window);
     press(window, Modifiers::NONE, Key::F);
-    assert_eq!(app(window).log.name(), name);
+    assert_eq!(app(window).logs.shown.name(), name);
 }
 
 /// A review file with what a model proposes in a log, as an earlier run of `detect` leaves it
@@ -87,7 +87,7 @@ fn states(log: &OpenLog) -> Vec<State> {
 
 /// Returns the decisions about all logs, as far as they can be compared.
 fn decisions(window: &Window) -> Vec<String> {
-    let logs = app(window).logs().map(|log| {
+    let logs = app(window).logs.all().map(|log| {
         let settings = toml::to_string(&*log.settings).expect("settings are text");
         let exclusions = &log.exclusions().expect("a result").exclusions.stretches;
         let boxes: Vec<_> = log.reviewing.review.boxes().collect();
@@ -209,7 +209,7 @@ fn leave_a_turn_out(window: &mut Window) -> [usize; 2] {
     press(window, Modifiers::NONE, Key::Escape);
     let [from, to] = other.map(|ping| on_map(window, id, ping));
     press(window, Modifiers::NONE, Key::K);
-    assert_eq!(app(window).log.reviewing.tool, Tool::Exclude);
+    assert_eq!(app(window).logs.shown.reviewing.tool, Tool::Exclude);
     drag(window, from, to);
     settle(window);
     let slip = log(window, "lake-3").exclusions().expect("found").clone();
@@ -249,7 +249,8 @@ fn compare_heights(window: &mut Window) -> Vec<f64> {
     window.get_all_by_label("Apply heights").next().expect("a button").click();
     settle(window);
     assert_eq!(app(window).undo_label(), Some("height offsets of 4 logs"));
-    let offsets: Vec<f64> = app(window).logs().map(|log| log.settings.height_offset_m).collect();
+    let offsets: Vec<f64> =
+        app(window).logs.all().map(|log| log.settings.height_offset_m).collect();
     let mean_m = HIGHER_M[..LOGS].iter().sum::<f64>() / LOGS as f64;
     for (offset_m, higher_m) in offsets.iter().zip(HIGHER_M) {
         assert!((offset_m - (higher_m - mean_m)).abs() < 0.012, "{offsets:?}");

@@ -242,23 +242,23 @@ fn a_number_typed_in_feet_sets_metres() {
     window.run();
     window.event(Event::Text("10".to_owned()));
     press(&mut window, Modifiers::NONE, Key::Enter);
-    let level_m = app(&window).log.settings.water_level_m;
+    let level_m = app(&window).logs.shown.settings.water_level_m;
     assert!((level_m - 3.048).abs() < 1e-12, "{level_m}");
     window.get_by_role_and_label(Role::Slider, "Draft").set_value_accesskit(1.5);
     window.run();
-    let draft_m = app(&window).log.settings.draft_m;
+    let draft_m = app(&window).logs.shown.settings.draft_m;
     assert!((draft_m - 0.4572).abs() < 1e-12, "{draft_m}");
     let label = app(&window).undo_label().map(|label| FEET.sentence(label));
     assert_eq!(label.as_deref(), Some("draft 1.50 ft"));
     // The greatest draft, 20 m, is no whole hundredth of a foot.
     window.get_by_role_and_label(Role::Slider, "Draft").set_value_accesskit(1000.0);
     window.run();
-    assert_eq!(app(&window).log.settings.draft_m, 20.0);
+    assert_eq!(app(&window).logs.shown.settings.draft_m, 20.0);
     // Shown in metres again, nothing has changed.
-    let before = app(&window).log.settings.clone();
+    let before = app(&window).logs.shown.settings.clone();
     window.state_mut().app.apply(Command::Do(Action::UnitsMetres));
     window.run();
-    assert_eq!(app(&window).log.settings, before);
+    assert_eq!(app(&window).logs.shown.settings, before);
 }
 
 /// 1, 2 or 5 times a power of ten.

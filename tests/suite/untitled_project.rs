@@ -58,7 +58,7 @@ fn mark(window: &mut Window) {
 
 /// Returns the decisions about the shown log.
 fn decisions(window: &Window) -> (Settings, Vec<State>) {
-    let log = &app(window).log;
+    let log = &app(window).logs.shown;
     let states = log.reviewing.review.boxes().map(|review_box| review_box.state).collect();
     (Settings::clone(&log.settings), states)
 }
@@ -129,7 +129,7 @@ fn another_survey_opened_meanwhile_costs_no_decision() {
 
     // With another log: the decisions come along as one step.
     open(&mut window, folder.path(), &[B, A]);
-    let a = app(&window).logs().find(|log| log.name() == "lake-0").expect("the log").id;
+    let a = app(&window).logs.all().find(|log| log.name() == "lake-0").expect("the log").id;
     act(&mut window, Command::ShowLog(a));
     assert_eq!(decisions(&window).1, [State::Added]);
     assert!((decisions(&window).0.draft_m - 0.4).abs() < 1e-9);
@@ -145,8 +145,8 @@ fn another_survey_opened_meanwhile_costs_no_decision() {
     open(&mut window, folder.path(), &[B]);
     assert_eq!(decisions(&window).0.first_return.threshold, 0.41);
     open(&mut window, folder.path(), &[A, B]);
-    assert_eq!(app(&window).log_count(), 2);
-    let last = app(&window).logs().last().expect("two logs").id;
+    assert_eq!(app(&window).logs.count(), 2);
+    let last = app(&window).logs.all().last().expect("two logs").id;
     act(&mut window, Command::ShowLog(last));
     assert_eq!(decisions(&window), both);
 }
@@ -157,15 +157,15 @@ fn a_log_that_is_closed_keeps_its_decisions() {
     let mut window = opened(folder.path(), &[A, B]);
     mark(&mut window);
     let of_a = decisions(&window);
-    let id = app(&window).log.id;
+    let id = app(&window).logs.shown.id;
     act(&mut window, Command::CloseLog(id));
-    assert_eq!(app(&window).log_count(), 1);
+    assert_eq!(app(&window).logs.count(), 1);
     act(&mut window, Command::Add(vec![folder.path().join(A)]));
-    assert_eq!(app(&window).log_count(), 2);
+    assert_eq!(app(&window).logs.count(), 2);
     assert_eq!(decisions(&window), of_a);
     // Closed as the last one as well.
     for _ in 0..2 {
-        let id = app(&window).log.id;
+        let id = app(&window).logs.shown.id;
         act(&mut window, Command::CloseLog(id));
     }
     open(&mut window, folder.path(), &[A]);
@@ -194,7 +194,7 @@ fn a_log_that_was_replaced_has_no_decisions_and_one_that_was_moved_has_its_own()
     let mut window = opened(folder.path(), &[]);
     open(&mut window, &moved, &[A]);
     assert_eq!(decisions(&window), of_a);
-    let names: Vec<String> = app(&window).logs().map(|log| log.name()).collect();
+    let names: Vec<String> = app(&window).logs.all().map(|log| log.name()).collect();
     assert_eq!(names, ["lake-0"]);
 }
 
@@ -241,13 +241,13 @@ fn a_log_that_grows_keeps_its_decisions() {
     fs::write(&path, &bytes[..bytes.len() / 2]).expect("half a log");
     let mut window = opened(folder.path(), &[A]);
     mark(&mut window);
-    let pings = app(&window).log.survey.as_ref().expect("a log").side_scan.len();
+    let pings = app(&window).logs.shown.survey.as_ref().expect("a log").side_scan.len();
     drop_kept(window);
     fs::remove_file(&path).expect("the log goes");
     fs::write(&path, &bytes).expect("the whole log");
     for _ in 0..2 {
         let window = opened(folder.path(), &[A]);
-        let now = app(&window).log.survey.as_ref().expect("a log").side_scan.len();
+        let now = app(&window).logs.shown.survey.as_ref().expect("a log").side_scan.len();
         assert!(now > pings);
         assert_eq!(decisions(&window).1, [State::Added]);
         drop_kept(window);
@@ -264,7 +264,7 @@ fn another_recording_among_the_logs_has_no_decisions_and_is_opened() {
     let folder = logs();
     let mut window = opened(folder.path(), &[A, B]);
     mark(&mut window);
-    let b = app(&window).logs().last().expect("two logs").id;
+    let b = app(&window).logs.all().last().expect("two logs").id;
     act(&mut window, Command::ShowLog(b));
     mark(&mut window);
     drop_kept(window);
@@ -275,7 +275,7 @@ fn another_recording_among_the_logs_has_no_decisions_and_is_opened() {
     fs::remove_file(&path).expect("the log goes");
     fs::write(&path, bytes).expect("another log");
     let window = opened(folder.path(), &[A, B]);
-    let boxes = app(&window).logs().map(|log| log.reviewing.review.boxes().len());
+    let boxes = app(&window).logs.all().map(|log| log.reviewing.review.boxes().len());
     assert_eq!(boxes.collect::<Vec<_>>(), [1, 0]);
 }
 
@@ -291,7 +291,7 @@ fn logs_of_one_name_in_two_folders_are_told_apart() {
     let names = names.each_ref().map(String::as_str);
     for _ in 0..2 {
         open(&mut window, folder.path(), &names);
-        let boxes = app(&window).logs().map(|log| log.reviewing.review.boxes().len());
+        let boxes = app(&window).logs.all().map(|log| log.reviewing.review.boxes().len());
         assert_eq!(boxes.collect::<Vec<_>>(), [1, 0]);
         change(&mut window, "draft_m=0.4");
     }
@@ -315,17 +315,17 @@ fn settings_of_all_logs_come_back_after_their_only_log_was_closed() {
     let folder = logs();
     let mut window = opened(folder.path(), &[A]);
     change(&mut window, "first_return.threshold=0.41");
-    let id = app(&window).log.id;
+    let id = app(&window).logs.shown.id;
     act(&mut window, Command::CloseLog(id));
     assert_eq!(kept(folder.path()).len(), 2);
     press(&mut window, Modifiers::COMMAND, Key::Z);
     settle(&mut window);
     assert_eq!(kept(folder.path()).len(), 1, "it is open again");
-    let id = app(&window).log.id;
+    let id = app(&window).logs.shown.id;
     act(&mut window, Command::CloseLog(id));
     drop_kept(window);
     let window = opened(folder.path(), &[A]);
-    assert_eq!(app(&window).log.settings.first_return.threshold, 0.41);
+    assert_eq!(app(&window).logs.shown.settings.first_return.threshold, 0.41);
 }
 
 #[test]
@@ -358,12 +358,12 @@ fn a_review_that_was_written_later_is_named() {
     let folder = logs();
     let mut window = opened(folder.path(), &[A]);
     mark(&mut window);
-    let path = app(&window).review_path().expect("a place");
+    let path = app(&window).logs.shown.review_path().expect("a place");
     act(&mut window, Command::Write(FileToWrite::Review(path.clone())));
     open(&mut window, folder.path(), &[B]);
     open(&mut window, folder.path(), &[A]);
     assert!(window.query_by_label_contains("is newer than").is_none(), "it is the same");
-    let review = Review::clone(&app(&window).log.reviewing.review);
+    let review = Review::clone(&app(&window).logs.shown.reviewing.review);
     let id = review.boxes().next().expect("a box").id;
     let other = review.apply(&Edit::Reject(id)).expect("a change");
     open(&mut window, folder.path(), &[B]);

@@ -104,7 +104,7 @@ fn pond_app() -> App {
     let survey = pond();
     let returns = pond_returns(&survey);
     let mut app = app_with(survey);
-    app.log.preview = Some(Arc::new(returns));
+    app.logs.shown.preview = Some(Arc::new(returns));
     app
 }
 
@@ -338,7 +338,7 @@ fn the_line_follows_new_picks_in_the_next_frame() {
             pick.sample += 100.0;
         }
     }
-    window.state_mut().app.log.preview = Some(Arc::new(moved));
+    window.state_mut().app.logs.shown.preview = Some(Arc::new(moved));
     window.run_steps(1);
     let picture = window.render().expect("a picture");
     let y = 150.0 + (bed_m(330) + 5.0) / 20.0 * 150.0 - 0.5;

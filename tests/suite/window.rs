@@ -40,7 +40,7 @@ pub(crate) fn app(window: &Window) -> &App {
 }
 
 pub(crate) fn threshold(window: &Window) -> f32 {
-    app(window).log.settings.first_return.threshold
+    app(window).logs.shown.settings.first_return.threshold
 }
 
 pub(crate) fn press(window: &mut Window, modifiers: Modifiers, key: Key) {
@@ -75,8 +75,8 @@ pub(crate) fn drop_files(window: &mut Window, paths: impl IntoIterator<Item = Pa
 #[test]
 fn the_demo_is_one_click_away_and_its_summary_is_shown() {
     let window = demo_window();
-    let survey = app(&window).log.survey.as_ref().expect("the demo is open");
-    assert!(app(&window).log.products.is_some());
+    let survey = app(&window).logs.shown.survey.as_ref().expect("the demo is open");
+    assert!(app(&window).logs.shown.products.is_some());
     let pings = survey.side_scan.len();
     assert!(pings > 1000);
     assert!(window.query_by_label_contains("pings · 1:5").is_some());
@@ -87,7 +87,7 @@ fn the_demo_is_one_click_away_and_its_summary_is_shown() {
 fn a_dropped_log_opens_and_is_remembered() {
     let mut window = empty_window();
     drop_file(&mut window, demo_log());
-    assert!(app(&window).log.survey.is_some());
+    assert!(app(&window).logs.shown.survey.is_some());
     assert_eq!(app(&window).recent, [demo_log()]);
 }
 
@@ -110,7 +110,8 @@ fn the_first_return_follows_the_threshold_while_it_is_dragged_and_the_drag_is_on
         let mut window = demo_window();
         window.state_mut().app.apply(Command::UsePreset(preset));
         window.run();
-        let before = app(&window).log.products.as_ref().map(|products| products.returns.clone());
+        let before =
+            app(&window).logs.shown.products.as_ref().map(|products| products.returns.clone());
         let slider = window.get_by_role_and_label(Role::Slider, "Threshold").rect();
         let at = |share: f32| slider.left_center() + egui::vec2(slider.width() * share, 0.0);
         window.drag_at(at(0.30));
@@ -122,13 +123,13 @@ fn the_first_return_follows_the_threshold_while_it_is_dragged_and_the_drag_is_on
         }
         let dragged = threshold(&window);
         assert!((0.5..0.7).contains(&dragged), "{dragged}");
-        let preview = app(&window).log.preview.clone().expect("a preview while dragging");
+        let preview = app(&window).logs.shown.preview.clone().expect("a preview while dragging");
         assert_ne!(Some(&preview), before.as_ref(), "{preset:?}: the line moved");
         window.drop_at(at(0.60));
         window.run();
-        let products = app(&window).log.products.as_ref().expect("results");
+        let products = app(&window).logs.shown.products.as_ref().expect("results");
         assert_eq!(products.settings.first_return.threshold, dragged);
-        assert!(app(&window).log.preview.is_none());
+        assert!(app(&window).logs.shown.preview.is_none());
         let seen = app(&window).view.visible.clone();
         assert!(seen.len() > 100);
         // As text: no pick is a NaN, which is not equal to itself.
@@ -153,14 +154,14 @@ fn presets_are_one_click_back_and_can_be_undone() {
     assert!(window.query_by_label("changed").is_some());
     window.get_by_label("Preset published").click();
     window.run();
-    assert_eq!(app(&window).log.settings.matching_preset(), Some(Preset::Published));
-    assert!(app(&window).stale().is_none(), "the results follow");
+    assert_eq!(app(&window).logs.shown.settings.matching_preset(), Some(Preset::Published));
+    assert!(app(&window).logs.shown.stale().is_none(), "the results follow");
     window.get_by_label("Preset recommended").click();
     window.run();
-    assert_eq!(app(&window).log.settings.matching_preset(), Some(Preset::Recommended));
+    assert_eq!(app(&window).logs.shown.settings.matching_preset(), Some(Preset::Recommended));
     window.get_by_label("Undo button").click();
     window.run();
-    assert_eq!(app(&window).log.settings.matching_preset(), Some(Preset::Published));
+    assert_eq!(app(&window).logs.shown.settings.matching_preset(), Some(Preset::Published));
 }
 
 #[test]
@@ -186,7 +187,7 @@ fn the_time_line_and_the_keys_move_along_the_survey() {
     window.drop_at(middle);
     window.run();
     let ping = app(&window).view.selection.expect("a selection").ping;
-    let pings = app(&window).log.survey.as_ref().map_or(0, |survey| survey.side_scan.len());
+    let pings = app(&window).logs.shown.survey.as_ref().map_or(0, |survey| survey.side_scan.len());
     assert!((pings / 3..2 * pings / 3).contains(&ping), "{ping} of {pings}");
     assert!(window.query_by_label(&format!("Ping {ping}")).is_some());
     press(&mut window, Modifiers::SHIFT, Key::ArrowRight);
@@ -273,7 +274,7 @@ fn products_are_written_where_the_path_field_says() {
 #[test]
 fn what_is_unticked_is_not_written_and_the_system_is_the_one_chosen() {
     let mut window = demo_window();
-    let mut settings = Settings::clone(&window.state().app.log.settings);
+    let mut settings = Settings::clone(&window.state().app.logs.shown.settings);
     settings.crs = CrsChoice::Wgs84;
     window.state_mut().app.apply(Command::Change {
         settings: Box::new(settings),
@@ -332,14 +333,14 @@ fn options_and_arrangement_come_back_but_no_setting_of_a_survey() {
     app.apply(Command::Do(Action::Calibrate));
     app.apply(Command::Do(Action::UseScale));
     press(&mut window, Modifiers::NONE, Key::CloseBracket);
-    assert_ne!(*window.state().app.log.settings, Settings::default());
+    assert_ne!(*window.state().app.logs.shown.settings, Settings::default());
     let mut store = Store::default();
     eframe::App::save(window.state_mut(), &mut store);
 
     let mut next = Shell::new(App::new(Jobs::Inline));
     next.restore(&store);
     assert_eq!(next.app.view.options.theme, ThemeChoice::Light);
-    assert_eq!(*next.app.log.settings, Settings::default());
+    assert_eq!(*next.app.logs.shown.settings, Settings::default());
 
     for text in store.0.values_mut() {
         text.truncate(text.len() / 2);

@@ -31,15 +31,15 @@ fn half_of_the_demo(folder: &Path) -> PathBuf {
 fn the_main_job_is_done_by_keys_alone() {
     let mut window = empty_window();
     run_by_palette(&mut window, "demo");
-    assert!(app(&window).log.products.is_some());
+    assert!(app(&window).logs.shown.products.is_some());
     press(&mut window, Modifiers::NONE, Key::End);
     press(&mut window, Modifiers::SHIFT, Key::ArrowLeft);
     press(&mut window, Modifiers::NONE, Key::CloseBracket);
     press(&mut window, Modifiers::NONE, Key::C);
-    assert_eq!(app(&window).log.settings.calibration.pings, None);
-    assert!(app(&window).log.proposed_stretch().is_some());
+    assert_eq!(app(&window).logs.shown.settings.calibration.pings, None);
+    assert!(app(&window).logs.shown.proposed_stretch().is_some());
     run_by_palette(&mut window, "use this scale");
-    assert!(app(&window).log.settings.calibration.pings.is_some());
+    assert!(app(&window).logs.shown.settings.calibration.pings.is_some());
     press(&mut window, Modifiers::NONE, Key::Num3);
     press(&mut window, Modifiers::NONE, Key::O);
     assert!(app(&window).view.options.cloud.outlier_preview);
@@ -86,16 +86,16 @@ fn a_second_survey_takes_nothing_over_from_the_first() {
     press(&mut window, Modifiers::NONE, Key::End);
     press(&mut window, Modifiers::NONE, Key::C);
     run_by_palette(&mut window, "use this scale");
-    assert!(app(&window).log.settings.calibration.pings.is_some());
+    assert!(app(&window).logs.shown.settings.calibration.pings.is_some());
     window.key_press(Key::Home);
     window.key_press(Key::Space);
     window.run_steps(4);
     window.state_mut().app.apply(Command::Open(half));
     window.run();
     assert_eq!(app(&window).view.selection, None, "it plays no more");
-    assert_eq!(app(&window).log.settings.calibration.pings, None);
+    assert_eq!(app(&window).logs.shown.settings.calibration.pings, None);
     assert_eq!(app(&window).undo_label(), None);
-    assert_eq!(app(&window).log.figures, app(&fresh).log.figures);
+    assert_eq!(app(&window).logs.shown.figures, app(&fresh).logs.shown.figures);
     for preset in [Preset::Published, Preset::Recommended] {
         for each in [&mut window, &mut fresh] {
             each.state_mut().app.apply(Command::UsePreset(preset));
@@ -104,7 +104,7 @@ fn a_second_survey_takes_nothing_over_from_the_first() {
             press(each, Modifiers::NONE, Key::CloseBracket);
         }
         let returns = |window: &Window| {
-            let products = app(window).log.products.as_ref().expect("results");
+            let products = app(window).logs.shown.products.as_ref().expect("results");
             // As text: no pick is a NaN, which is not equal to itself.
             format!("{:?}", products.returns)
         };
@@ -123,7 +123,7 @@ fn each_drag_of_a_slider_is_one_step_back() {
         let mut window = demo_window();
         window.state_mut().app.apply(Command::UsePreset(preset));
         window.run();
-        let before = app(&window).log.settings.clone();
+        let before = app(&window).logs.shown.settings.clone();
         for name in ["Threshold", "Dead zone", "Shallower by", "Radius", "Neighbours"] {
             // The steps are longer than the window.
             window.get_by_role_and_label(Role::Slider, name).scroll_to_me();
@@ -138,11 +138,11 @@ fn each_drag_of_a_slider_is_one_step_back() {
             }
             window.drop_at(at(0.8));
             window.run();
-            assert_ne!(app(&window).log.settings, before, "{name}");
-            assert_eq!(app(&window).stale(), None, "{name}: results follow");
+            assert_ne!(app(&window).logs.shown.settings, before, "{name}");
+            assert_eq!(app(&window).logs.shown.stale(), None, "{name}: results follow");
             press(&mut window, Modifiers::COMMAND, Key::Z);
-            assert_eq!(app(&window).log.settings, before, "{name}");
-            assert_eq!(app(&window).stale(), None, "{name}: and come back");
+            assert_eq!(app(&window).logs.shown.settings, before, "{name}");
+            assert_eq!(app(&window).logs.shown.stale(), None, "{name}: and come back");
         }
     }
 }
@@ -154,19 +154,19 @@ fn what_was_stopped_is_marked_and_taken_up_again() {
     app_now.apply(Command::UsePreset(Preset::Published));
     app_now.apply(Command::Do(Action::Cancel));
     window.run();
-    assert!(app(&window).stale().is_some());
+    assert!(app(&window).logs.shown.stale().is_some());
     window.get_by_label("Cloud section, out of date");
     window.get_by_label_contains("The last results are written");
     window.get_by_label("Update results").click();
     window.run();
-    assert_eq!(app(&window).stale(), None);
+    assert_eq!(app(&window).logs.shown.stale(), None);
     assert!(window.query_by_label("Update results").is_none());
 
     let app_now = &mut window.state_mut().app;
     app_now.apply(Command::UsePreset(Preset::Recommended));
     app_now.apply(Command::Do(Action::Cancel));
     press(&mut window, Modifiers::COMMAND, Key::R);
-    assert_eq!(app(&window).stale(), None);
+    assert_eq!(app(&window).logs.shown.stale(), None);
 }
 
 #[test]
@@ -194,12 +194,12 @@ fn logs_with_something_missing_say_what() {
         drop_file(&mut window, data.join(log));
         let notices = &app(&window).notices.shown();
         assert!(notices.is_empty(), "{log}: {notices:?}");
-        assert!(app(&window).log.products.is_some(), "{log}");
+        assert!(app(&window).logs.shown.products.is_some(), "{log}");
         assert!(window.query_all_by_label_contains(said).next().is_some(), "{log}");
         for key in [Key::End, Key::C, Key::O, Key::CloseBracket, Key::F, Key::Space] {
             press_some(&mut window, key);
         }
-        assert!(app(&window).log.products.is_some(), "{log}");
+        assert!(app(&window).logs.shown.products.is_some(), "{log}");
     }
 }
 

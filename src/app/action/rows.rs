@@ -33,9 +33,9 @@ macro_rules! action_rows {
                 FollowRecording, "Follow recording", key("Ctrl+L"), "Shows new pings of this log while the recorder writes them. Press it again to stop and to read the whole log."
                     => State(App::toggle_following);
                 ShowTogether, "Show all logs together", "Shows every open log on one map, also those far from the others and those too short."
-                    => State(App::show_together), when(|app| app.logs().any(|log| log.apart.is_some()));
+                    => State(App::show_together), when(|app| app.logs.all().any(|log| log.apart.is_some()));
                 CloseLog, "Close this log", key("Ctrl+W"), "Closes the log in the waterfall; the other logs stay open, and undo opens it again."
-                    => State(|app| app.close_log(app.log.id));
+                    => State(|app| app.close_log(app.logs.shown.id));
             }
             /// The other open logs.
             OtherLogs {
@@ -53,18 +53,18 @@ macro_rules! action_rows {
                 OpenIsobathArea, "Open isobath area…", "Cuts isobaths, depth areas and spot soundings at a shoreline and its islands: polygons from GeoJSON, KML or GPX."
                     => Window(WindowAction::OpenIsobathArea);
                 RemoveIsobathArea, "Remove the isobath area", "Shows isobaths wherever there are depths."
-                    => State(App::remove_isobath_area), when(|app| app.log.settings.isobaths.clip.is_some());
+                    => State(App::remove_isobath_area), when(|app| app.logs.shown.settings.isobaths.clip.is_some());
             }
             /// Recordings of other instruments over the open survey.
             External {
                 OpenWaterLevels, "Open water levels…", "Corrects depths by the readings of a gauge or tide: CSV with time and level_m."
                     => Window(WindowAction::OpenWaterLevels);
                 RemoveWaterLevels, "Remove the water levels", "Removes the readings; depths are corrected by the water level alone."
-                    => State(App::remove_water_levels), when(|app| app.log.settings.water_level.file.is_some());
+                    => State(App::remove_water_levels), when(|app| app.logs.shown.settings.water_level.file.is_some());
                 OpenTrack, "Open external track…", "Uses the positions of another receiver: CSV with time, lon and lat, or GPX."
                     => Window(WindowAction::OpenTrack);
                 RemoveTrack, "Remove the external track", "Uses the positions of the recorder again."
-                    => State(App::remove_track), when(|app| app.log.settings.track.file.is_some());
+                    => State(App::remove_track), when(|app| app.logs.shown.settings.track.file.is_some());
             }
             /// Copies of the shown log.
             LogCopies {
@@ -271,7 +271,7 @@ macro_rules! action_rows {
                 SwapSides, "Exchange port and starboard", key("Shift+S"), acts_in(KeyScope::Views), asks(), "Takes what was recorded as port for starboard, in every view and product: for a recorder with exchanged sides."
                     => State(App::swap_sides), when(App::has_survey);
                 ApplySoundingLag, "Apply the sounding lag", "Takes soundings as much earlier as the first returns show them to be late (mounting.sounding_lag_s)."
-                    => State(App::apply_sounding_lag), when(|app| app.log.sounding_lag().is_some());
+                    => State(App::apply_sounding_lag), when(|app| app.logs.shown.sounding_lag().is_some());
                 UseMounting, "Make the mounting the default", "Makes the mounting of this log the default of its recorder; it applies to the other open logs of that recorder and to those opened later."
                     => State(App::use_mounting), when(App::has_survey);
                 ForgetMounting, "Remove the default mounting", "Removes the default; open logs keep their mounting."
@@ -300,15 +300,15 @@ macro_rules! action_rows {
                 AcceptBottom, "Accept as bottom", "Drag along first returns above the recorded depth to accept them as bottom. Alt: undo the acceptance."
                     => State(|app| app.take_tool(Tool::Accept));
                 ForgetBottom, "Remove the bottom edits", "Removes all bottom edits of this log; the first returns are the automatic ones again."
-                    => State(App::forget_bottom), when(|app| !app.log.settings.bottom.is_empty());
+                    => State(App::forget_bottom), when(|app| !app.logs.shown.settings.bottom.is_empty());
                 Calibrate, "Calibrate on a stretch", key("C"), acts_in(KeyScope::WaterfallAndMap), "Drag along the waterfall or the track, or click a numbered stretch, to propose a stretch for the scale; nothing changes yet."
                     => State(App::take_calibration_tool);
                 UseScale, "Use this scale", "Scales the slant ranges of this log by the proposed stretch; its depths change."
-                    => State(App::use_scale), when(|app| app.log.proposed_stretch().is_some());
+                    => State(App::use_scale), when(|app| app.logs.shown.proposed_stretch().is_some());
                 KeepRecordedRange, "Keep the recorded range", "Uses the range that the recorder wrote, and drops the proposed stretch."
                     => State(App::keep_recorded_range), when(App::can_keep_recorded_range);
                 DropProposal, "Drop the proposed stretch", "Drops the proposed stretch; the scale stays as it is."
-                    => State(App::drop_proposal), when(|app| app.log.proposed_stretch().is_some());
+                    => State(|app| app.logs.shown.calibrating.drop_proposal()), when(|app| app.logs.shown.proposed_stretch().is_some());
                 LeaveOutContradicted, "Leave out contradicted soundings", "Excludes the soundings that other logs show to be false."
                     => State(App::leave_out_contradicted), when(|app| app.height_offsets().is_some_and(FoundHeights::is_contradicted));
                 ApplyHeights, "Apply heights", "Levels the logs: adds the height offsets that crossings show to their elevations (height_offset_m)."
@@ -324,7 +324,7 @@ macro_rules! action_rows {
                 Cancel, "Cancel processing", "Stops the step that is running; the last result stays."
                     => State(|app| _ = app.cancel());
                 UseFlatterStretch, "Use the flatter stretch", "Scales the slant ranges by the flatter stretch that was found while the log is followed."
-                    => State(App::use_offered_stretch), when(|app| app.logs().any(|log| log.calibrating.offered.is_some()));
+                    => State(App::use_offered_stretch), when(|app| app.logs.all().any(|log| log.calibrating.offered.is_some()));
             }
             /// Measurements on the map and in the waterfall.
             Measuring {
@@ -465,7 +465,7 @@ macro_rules! action_rows {
                 OpenTruth, "Open known objects…", "Opens the objects that are known to lie in this log, to compare boxes with them: a table of objects or a review."
                     => Window(WindowAction::OpenTruth);
                 ForgetTruth, "Close the known objects", "Stops the comparison of boxes with the known objects."
-                    => State(App::forget_truth), when(|app| app.log.reviewing.judging.source().is_some());
+                    => State(App::forget_truth), when(|app| app.logs.shown.reviewing.judging.source().is_some());
                 NextMistake, "Next mistake", key("."), acts_in(KeyScope::Boxes), repeats(), "Shows the next false alarm or missed object; known objects must be open."
                     => State(|app| app.step_mistake(1));
                 PreviousMistake, "Previous mistake", key(","), acts_in(KeyScope::Boxes), repeats(), "Shows the previous false alarm or missed object."

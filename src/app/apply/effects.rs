@@ -81,21 +81,21 @@ impl Action {
 
 impl App {
     fn has_survey(&self) -> bool {
-        self.log.survey.is_some()
+        self.logs.shown.survey.is_some()
     }
 
     fn can_keep_recorded_range(&self) -> bool {
-        self.log.settings.calibration.mode == ScaleMode::FlatSpot
-            || self.log.proposed_stretch().is_some()
+        self.logs.shown.settings.calibration.mode == ScaleMode::FlatSpot
+            || self.logs.shown.proposed_stretch().is_some()
     }
 
     fn next_cloud_colour(&mut self) {
-        let has_several = self.log_count() > 1;
+        let has_several = self.logs.count() > 1;
         self.view.options.cloud.colour = self.view.options.cloud.colour.next(has_several);
     }
 
     fn fly_to_selected(&mut self) {
-        match self.selected_log_box() {
+        match self.logs.shown.selected_box() {
             Some(id) => self.fly_to(id),
             None => self.ask_for_box(),
         }

@@ -121,7 +121,7 @@ impl App {
 
     /// Returns true if the shown log is followed.
     pub fn is_following(&self) -> bool {
-        self.followed() == Some(self.log.id)
+        self.followed() == Some(self.logs.shown.id)
     }
 
     /// Returns a number that grows each time following begins.
@@ -142,7 +142,7 @@ impl App {
         if silent > SILENT && active.waiting.is_none() {
             return Some(FollowStatus::Silent { since: silent });
         }
-        let log = self.open_log(active.log)?;
+        let log = self.logs.get(active.log)?;
         Some(FollowStatus::Growing {
             pings: log.survey.as_ref().map_or(0, |survey| survey.side_scan.len()),
             behind: active.waiting.map_or(Duration::ZERO, |since| since.elapsed()),
@@ -158,8 +158,8 @@ impl App {
 
     /// Begins or ends following the shown log.
     pub(super) fn toggle_following(&mut self) {
-        if let Some(other) = self.followed().filter(|id| *id != self.log.id) {
-            let name = self.open_log(other).map_or_else(String::new, |log| quoted(&log.name()));
+        if let Some(other) = self.followed().filter(|id| *id != self.logs.shown.id) {
+            let name = self.logs.get(other).map_or_else(String::new, |log| quoted(&log.name()));
             let text = format!("{name} is followed already; end that first");
             return self.notices.warn(text);
         }
@@ -167,7 +167,7 @@ impl App {
             active.ends.get_or_insert(End::Asked);
             return;
         }
-        let Some(survey) = self.log.survey.clone() else {
+        let Some(survey) = self.logs.shown.survey.clone() else {
             let text = "open the log that the recorder writes first, then follow it";
             return self.notices.warn(text.to_owned());
         };
@@ -178,7 +178,7 @@ impl App {
         let now = Instant::now();
         self.following.serial += 1;
         self.following.active = Some(Active {
-            log: self.log.id,
+            log: self.logs.shown.id,
             tools: None,
             fresh: None,
             whole_bytes: survey.source.byte_count,
@@ -219,7 +219,7 @@ impl App {
         let Some(mut active) = self.following.active.take() else {
             return;
         };
-        let Some(survey) = self.open_log(active.log).map(|log| log.survey.clone()) else {
+        let Some(survey) = self.logs.get(active.log).map(|log| log.survey.clone()) else {
             // The log was closed.
             return self.stop_steps();
         };
@@ -245,7 +245,7 @@ impl App {
         match started {
             Ok(mut tools) => {
                 let bytes = std::mem::take(&mut tools.beginning);
-                if let Some(log) = self.log_mut(active.log) {
+                if let Some(log) = self.logs.get_mut(active.log) {
                     log.leave_map(&bytes);
                 }
                 self.forget_previews();
@@ -253,7 +253,7 @@ impl App {
             }
             Err(error) => {
                 let name =
-                    self.open_log(active.log).map_or_else(String::new, |log| quoted(&log.name()));
+                    self.logs.get(active.log).map_or_else(String::new, |log| quoted(&log.name()));
                 active.ends = Some(End::Failed);
                 self.notices.warn(format!("{name} cannot be followed: {error}"));
             }
@@ -291,7 +291,7 @@ impl App {
     fn goes_on(&self, active: &Active, from: &StepFrom) -> bool {
         let newest = match (&active.fresh, from.is_fresh) {
             (Some(fresh), true) => Some(&fresh.survey),
-            (None, false) => self.open_log(active.log).and_then(|log| log.survey.as_ref()),
+            (None, false) => self.logs.get(active.log).and_then(|log| log.survey.as_ref()),
             _ => None,
         };
         let is_same = newest.is_some_and(|newest| Arc::ptr_eq(newest, &from.survey));
@@ -309,7 +309,7 @@ impl App {
             }
             Ok(ground) => {
                 active.whole_bytes = ground.survey.source.byte_count;
-                let shown = self.open_log(id).and_then(|log| log.survey.as_ref());
+                let shown = self.logs.get(id).and_then(|log| log.survey.as_ref());
                 let shown = shown.map_or(0, |survey| survey.source.byte_count);
                 if active.ends.is_some() || shown <= active.whole_bytes {
                     self.publish(id, ground, false);
@@ -318,7 +318,7 @@ impl App {
                     // More pings were shown meanwhile: the next step adds them to these results.
                     let settled = ground.settled();
                     self.count_figures(id, settled.clone());
-                    if let Some(log) = self.log_mut(id) {
+                    if let Some(log) = self.logs.get_mut(id) {
                         log.whole = Some(settled);
                     }
                     active.fresh = Some(ground);
@@ -331,7 +331,7 @@ impl App {
 
     /// Returns the present state of a log, from which a step continues.
     fn ground_of(&self, id: LogId) -> Option<FollowedLog> {
-        let log = self.open_log(id)?;
+        let log = self.logs.get(id)?;
         Some(FollowedLog {
             read: log.as_read.clone().or(log.survey.clone())?,
             survey: log.survey.clone()?,
@@ -343,7 +343,7 @@ impl App {
 
     fn begin_step(&mut self, active: &mut Active) {
         let is_due = active.looked.is_none_or(|looked| looked.elapsed() >= LOOK);
-        let is_behind = self.open_log(active.log).is_none_or(OpenLog::is_behind);
+        let is_behind = self.logs.get(active.log).is_none_or(OpenLog::is_behind);
         let is_reading = self.is_running(&JobKey::FollowStep);
         if !is_due || is_reading || is_behind || self.is_processing(active.log) {
             return;
@@ -385,7 +385,7 @@ impl App {
     /// Ends following a log that now has the track of another receiver; its present pings are
     /// processed as they are.
     fn leave_following(&mut self, id: LogId) {
-        if let Some(log) = self.log_mut(id) {
+        if let Some(log) = self.logs.get_mut(id) {
             log.leave_provisional();
             let name = quoted(&log.name());
             let text =
@@ -397,8 +397,8 @@ impl App {
 
     /// Ends following a log, and notifies the analyst of the reason; the pings that were read stay.
     fn fail_following(&mut self, active: &mut Active, why: &str) {
-        let name = self.open_log(active.log).map_or_else(String::new, |log| quoted(&log.name()));
-        let pings = self.open_log(active.log).and_then(|log| log.survey.as_ref());
+        let name = self.logs.get(active.log).map_or_else(String::new, |log| quoted(&log.name()));
+        let pings = self.logs.get(active.log).and_then(|log| log.survey.as_ref());
         let pings = pings.map_or(0, |survey| survey.side_scan.len());
         active.ends = Some(End::Failed);
         active.fresh = None;

@@ -11,7 +11,7 @@ impl App {
     /// Returns true if the settings of the log are those that results were computed with, apart
     /// from the state of the log that the two name.
     pub(super) fn is_as_set(&self, id: LogId, ground: &FollowedLog) -> bool {
-        let shown = self.open_log(id).and_then(|log| Some((log, log.survey.as_ref()?)));
+        let shown = self.logs.get(id).and_then(|log| Some((log, log.survey.as_ref()?)));
         let Some((log, survey)) = shown else {
             return false;
         };
@@ -28,7 +28,7 @@ impl App {
     pub(super) fn publish(&mut self, id: LogId, ground: FollowedLog, is_provisional: bool) {
         let is_as_set = self.is_as_set(id, &ground);
         let shared = self.document.shared.clone();
-        let Some(log) = self.log_mut(id) else {
+        let Some(log) = self.logs.get_mut(id) else {
             return;
         };
         let FollowedLog { read, survey, mut products, own, .. } = ground;
@@ -63,7 +63,7 @@ impl App {
 
     /// Sets the provisional results of a longer state of a log.
     fn take_growing_products(&mut self, id: LogId, survey: &Survey, products: Products) {
-        if let Some(log) = self.log_mut(id) {
+        if let Some(log) = self.logs.get_mut(id) {
             log.reviewing.grow(survey, &products.navigation);
             log.products = Some(products);
         }
@@ -73,7 +73,7 @@ impl App {
     /// Assigns boxes and measurements to the present state of a log, which may be longer than the
     /// state that they were made on.
     pub(in crate::app) fn carry_decisions(&mut self, id: LogId) {
-        let Some(log) = self.log_mut(id) else {
+        let Some(log) = self.logs.get_mut(id) else {
             return;
         };
         let Some(survey) = log.survey.clone() else {

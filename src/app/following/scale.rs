@@ -18,7 +18,7 @@ impl App {
     /// Keeps the stretch that the scale of a followed log is measured on, because the best-ranked
     /// stretch of a longer log is often another one.
     pub(super) fn hold_scale(&mut self, active: &mut Active) {
-        let Some(log) = self.open_log(active.log) else {
+        let Some(log) = self.logs.get(active.log) else {
             return;
         };
         let calibration = &log.settings.calibration;
@@ -41,7 +41,7 @@ impl App {
         };
         if let Some(pings) = active.stretch.or_else(in_use) {
             active.stretch = Some(pings);
-            if let Some(log) = self.log_mut(active.log) {
+            if let Some(log) = self.logs.get_mut(active.log) {
                 log.name_stretch(pings);
             }
             self.keep_project("flat stretch");
@@ -51,7 +51,7 @@ impl App {
     /// Offers the best-ranked stretch of a log that has grown if its scale differs from the scale
     /// in force, and withdraws the offer for a shorter state of the log.
     pub(super) fn offer_flatter(&mut self, id: LogId) {
-        let Some(log) = self.log_mut(id) else {
+        let Some(log) = self.logs.get_mut(id) else {
             return;
         };
         let found = log.products.as_ref().and_then(flatter);

@@ -20,7 +20,7 @@ impl App {
         if is_busy || active.whole_at.elapsed() < BETWEEN_WHOLE || self.is_processing(active.log) {
             return;
         }
-        let Some(log) = self.open_log(active.log) else {
+        let Some(log) = self.logs.get(active.log) else {
             return;
         };
         let made = log.whole.as_ref().map(|whole| &whole.products.settings);
@@ -37,7 +37,7 @@ impl App {
 
     /// Starts processing the present pings of a log whose results are provisional.
     fn leave_provisional(&mut self, id: LogId) {
-        if let Some(log) = self.log_mut(id) {
+        if let Some(log) = self.logs.get_mut(id) {
             log.leave_provisional();
         }
         self.process();
@@ -47,7 +47,7 @@ impl App {
         let Some((tools, ground)) = active.tools.as_ref().zip(self.ground_of(active.log)) else {
             return;
         };
-        let frame = (self.log_count() > 1).then(|| self.document.plane.clone());
+        let frame = (self.logs.count() > 1).then(|| self.document.plane.clone());
         let files = match tools.growing.bytes() {
             Ok(files) => files,
             Err(error) => return self.fail_following(active, &error.to_string()),
@@ -81,7 +81,7 @@ impl App {
         if steps.iter().any(|key| self.is_running(key)) {
             return false;
         }
-        let known = self.open_log(active.log).and_then(|log| {
+        let known = self.logs.get(active.log).and_then(|log| {
             let survey = log.survey.as_ref()?;
             Some((survey.source.byte_count, log.whole.is_some()))
         });
@@ -91,7 +91,7 @@ impl App {
         };
         if active.is_last {
             if !is_provisional && matches!(active.ends, Some(End::Asked)) {
-                let log = self.open_log(active.log);
+                let log = self.logs.get(active.log);
                 let survey = log.and_then(|log| log.survey.as_ref());
                 if let Some(survey) = survey {
                     let pings = count(survey.side_scan.len());

@@ -8,18 +8,18 @@ use std::sync::Arc;
 impl App {
     /// Sets the list of classes of the survey.
     pub(in crate::app) fn set_classes(&mut self, review: ReviewSettings) {
-        let settings = Settings { review, ..Settings::clone(&self.log.settings) };
+        let settings = Settings { review, ..Settings::clone(&self.logs.shown.settings) };
         self.change(settings, "classes of objects", false);
     }
 
     /// Renames a class, in the list and for the boxes of all logs.
     pub(in crate::app) fn rename_class(&mut self, from: &str, to: &str) {
-        let review = self.log.settings.review.renamed(from, to);
+        let review = self.logs.shown.settings.review.renamed(from, to);
         if let Err(why) = review.check() {
             return self.notices.warn(why.to_owned());
         }
         let before = self.step_now();
-        for log in self.logs_mut() {
+        for log in self.logs.all_mut() {
             if let Some(after) = log.reviewing.review.with_class_renamed(from, to) {
                 log.reviewing.set(Arc::new(after));
             }
@@ -27,7 +27,7 @@ impl App {
         let after = self.step_now();
         // The change of the list belongs to the same undo step.
         self.record_step(&before, &after, "name of class", true);
-        let settings = Settings { review, ..Settings::clone(&self.log.settings) };
+        let settings = Settings { review, ..Settings::clone(&self.logs.shown.settings) };
         self.change(settings, "name of class", false);
     }
 }

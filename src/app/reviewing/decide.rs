@@ -43,7 +43,7 @@ impl App {
         self.take_planned(step.planned);
         self.document.mountings = step.mountings;
         self.open_and_close(&step.closed);
-        self.reorder(step.logs.iter().map(|log| log.id));
+        self.logs.reorder(step.logs.iter().map(|log| log.id));
         let shared = std::mem::replace(&mut self.document.shared, step.shared);
         let same_shared = Arc::ptr_eq(&shared, &self.document.shared);
         let mut changed_box = None;
@@ -63,7 +63,7 @@ impl App {
     /// changes, or `None` if it changes none.
     fn take_log_step(&mut self, step: LogStep, same_shared: bool) -> Option<LogBox> {
         let id = step.id;
-        let log = self.log_mut(id)?;
+        let log = self.logs.get_mut(id)?;
         log.is_visible = step.is_visible;
         let survey = log.survey.as_ref();
         let longer = survey.and_then(|survey| step.own.carried_to(survey));
@@ -71,7 +71,7 @@ impl App {
         if !same_shared || !Arc::ptr_eq(&log.own, &own) {
             self.set_own(id, own, false);
         }
-        let changed = self.log_mut(id)?.reviewing.go_to(step.review);
+        let changed = self.logs.get_mut(id)?.reviewing.go_to(step.review);
         // The log may have grown since that step, and the settings may have exchanged its sides.
         self.carry_decisions(id);
         changed.map(|box_id| LogBox { log: id, id: box_id })
@@ -87,7 +87,7 @@ impl App {
         live: bool,
     ) {
         let before = self.step_now();
-        if let Some(log) = self.log_mut(id) {
+        if let Some(log) = self.logs.get_mut(id) {
             log.reviewing.set(review);
         }
         let after = self.step_now();
@@ -97,15 +97,15 @@ impl App {
     /// Applies an edit to the shown log's boxes, and selects the box that it adds. The edits of a
     /// drag are `live`, apart from the last one.
     pub(in crate::app) fn edit(&mut self, edit: &Edit, live: bool) {
-        if let Some(added) = self.edit_of(self.log.id, edit, live) {
-            self.log.reviewing.tool = Tool::Look;
+        if let Some(added) = self.edit_of(self.logs.shown.id, edit, live) {
+            self.logs.shown.reviewing.tool = Tool::Look;
             self.select_box(Some(added));
         }
     }
 
     /// Applies an edit to a log's boxes. Returns the box that it adds, or `None` if it adds none.
     pub(in crate::app) fn edit_of(&mut self, id: LogId, edit: &Edit, live: bool) -> Option<BoxId> {
-        let now = &self.log_mut(id)?.reviewing.review;
+        let now = &self.logs.get_mut(id)?.reviewing.review;
         let next_id = now.next_id();
         let after = now.apply(edit);
         let adds = matches!(edit, Edit::Add { .. } | Edit::AddPoint { .. });
@@ -118,7 +118,7 @@ impl App {
             None => Cow::Borrowed(edit.label()),
         };
         self.take_review(id, after, label, live);
-        let reviewing = &mut self.log_mut(id)?.reviewing;
+        let reviewing = &mut self.logs.get_mut(id)?.reviewing;
         match edit {
             Edit::Relabel(_, class) => reviewing.class = *class,
             Edit::Classify(box_id, _) => {
@@ -132,15 +132,15 @@ impl App {
 
     /// Selects a box of the shown log and brings it into all views; `None` deselects the box.
     pub(in crate::app) fn select_box(&mut self, id: Option<BoxId>) {
-        self.log.reviewing.selected = id;
-        self.log.reviewing.edge = BoxEdge::default();
-        self.log.reviewing.judging.look_away();
+        self.logs.shown.reviewing.selected = id;
+        self.logs.shown.reviewing.edge = BoxEdge::default();
+        self.logs.shown.reviewing.judging.look_away();
         let Some((survey, review_box)) =
-            self.log.survey.as_ref().zip(self.log.reviewing.selected_box())
+            self.logs.shown.survey.as_ref().zip(self.logs.shown.reviewing.selected_box())
         else {
-            self.log.reviewing.selected = None;
-            if self.log.reviewing.tool == Tool::Edit {
-                self.log.reviewing.tool = Tool::Look;
+            self.logs.shown.reviewing.selected = None;
+            if self.logs.shown.reviewing.tool == Tool::Edit {
+                self.logs.shown.reviewing.tool = Tool::Look;
             }
             return;
         };
@@ -150,7 +150,7 @@ impl App {
 
     /// Applies an edit to the selected box, if there is one.
     pub(in crate::app) fn edit_selected(&mut self, edit: fn(BoxId) -> Edit) {
-        match self.log.reviewing.selected {
+        match self.logs.shown.reviewing.selected {
             Some(id) => self.edit(&edit(id), false),
             None => self.ask_for_box(),
         }
@@ -158,8 +158,12 @@ impl App {
 
     /// Removes a box that was drawn by hand; rejects a box that a model proposed.
     pub(in crate::app) fn remove_box(&mut self) {
-        let manual =
-            self.log.reviewing.selected_box().filter(|review_box| review_box.model.is_none());
+        let manual = self
+            .logs
+            .shown
+            .reviewing
+            .selected_box()
+            .filter(|review_box| review_box.model.is_none());
         match manual.map(|review_box| review_box.id) {
             Some(id) => self.edit(&Edit::Remove(id), false),
             None => self.decide(Edit::Reject),
@@ -168,29 +172,29 @@ impl App {
 
     /// Toggles a tool.
     pub(in crate::app) fn take_tool(&mut self, tool: Tool) {
-        if self.log.survey.is_none() {
+        if self.logs.shown.survey.is_none() {
             return;
         }
-        if tool == Tool::Edit && self.log.reviewing.selected.is_none() {
+        if tool == Tool::Edit && self.logs.shown.reviewing.selected.is_none() {
             return self.ask_for_box();
         }
         self.leave_measuring();
-        let in_hand = self.log.reviewing.tool == tool;
-        self.log.reviewing.edge = BoxEdge::default();
-        self.log.reviewing.tool = if in_hand { Tool::Look } else { tool };
+        let in_hand = self.logs.shown.reviewing.tool == tool;
+        self.logs.shown.reviewing.edge = BoxEdge::default();
+        self.logs.shown.reviewing.tool = if in_hand { Tool::Look } else { tool };
     }
 
     /// Deselects the tool, or the box if no tool is selected.
     pub(in crate::app) fn leave_tool(&mut self) {
-        if self.log.reviewing.tool == Tool::Look {
+        if self.logs.shown.reviewing.tool == Tool::Look {
             self.select_box(None);
         }
-        self.log.reviewing.tool = Tool::Look;
+        self.logs.shown.reviewing.tool = Tool::Look;
     }
 
     /// Moves the selected box by whole pings along the track and pixels of the raster across it.
     pub(in crate::app) fn nudge_box(&mut self, nudge: Nudge) {
-        let Some(review_box) = self.log.reviewing.selected_box() else {
+        let Some(review_box) = self.logs.shown.reviewing.selected_box() else {
             return;
         };
         let (along, across) = match self.view.options.waterfall.orientation {
@@ -198,10 +202,10 @@ impl App {
             Orientation::Vertical => (nudge.down, nudge.right),
         };
         // On the screen the box moves as the arrow points, however the picture is turned.
-        let picture = &self.log.settings.picture;
+        let picture = &self.logs.shown.settings.picture;
         let along = if picture.flip { -along } else { along };
         let across = if picture.starboard_first { -across } else { across };
-        let reviewing = &self.log.reviewing;
+        let reviewing = &self.logs.shown.reviewing;
         let edit = match reviewing.edge {
             edge if nudge.resize || edge == BoxEdge::Whole => {
                 let resize = nudge.resize && review_box.extent != ObjectExtent::Point;

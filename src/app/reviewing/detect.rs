@@ -120,15 +120,15 @@ impl App {
     /// Starts a search for objects in all visible logs, beginning with the shown log; a running
     /// search is replaced.
     pub(in crate::app) fn detect(&mut self) {
-        if self.log.products.is_none() {
+        if self.logs.shown.products.is_none() {
             let text = "open a log first, and wait for its results";
             return self.notices.warn(text.to_owned());
         }
         let has_side_scan =
             |log: &&OpenLog| (log.survey.as_ref()).is_some_and(|survey| survey.has_side_scan());
-        let shown = self.log.id;
+        let shown = self.logs.shown.id;
         let mut logs: Vec<LogId> =
-            (self.reviewed_logs().filter(has_side_scan)).map(|log| log.id).collect();
+            (self.logs.reviewed().filter(has_side_scan)).map(|log| log.id).collect();
         logs.sort_by_key(|id| *id != shown);
         if logs.is_empty() {
             let text = "there is no usable side-scan in this log to find objects in";
@@ -148,7 +148,7 @@ impl App {
     fn search_next(&mut self) {
         let ahead = self.findings.search.ahead.iter();
         let ready = |id: &LogId| {
-            let log = self.open_log(*id);
+            let log = self.logs.get(*id);
             log.is_some_and(|log| log.products.is_some())
         };
         if let Some(place) = ahead.clone().position(ready) {
@@ -159,7 +159,7 @@ impl App {
             && (self.pipeline.is_waiting || self.pipeline.requested.is_none())
         {
             // No log is being processed, so that waiting would never end.
-            let names = ahead.filter_map(|id| self.open_log(*id));
+            let names = ahead.filter_map(|id| self.logs.get(*id));
             let names: Vec<String> = names.map(OpenLog::name).collect();
             self.stop_detecting();
             let text =
@@ -169,7 +169,7 @@ impl App {
     }
 
     fn search_log(&mut self, id: LogId) {
-        let log = self.open_log(id);
+        let log = self.logs.get(id);
         let known = log.and_then(|log| log.survey.as_ref().zip(log.products.as_ref()));
         let Some((survey, products)) = known else {
             return;
@@ -208,16 +208,16 @@ impl App {
     /// Returns a sentence about the searched part of the shown log, if a search is still running or
     /// was stopped; `None` if the log was searched from end to end, or if no search is known.
     pub fn search_note(&self) -> Option<String> {
-        let review = &self.log.reviewing.review;
+        let review = &self.logs.shown.reviewing.review;
         let running = self.findings.search.running.as_ref();
-        match running.filter(|running| running.log == self.log.id) {
+        match running.filter(|running| running.log == self.logs.shown.id) {
             Some(Detecting { pings: 0, .. }) => Some("The search has begun.".to_owned()),
             Some(Detecting { pings, .. }) => Some(format!(
                 "The search is running: pings 0 to {} of {} so far.",
                 pings - 1,
                 review.identity().pings
             )),
-            None if self.findings.search.ahead.contains(&self.log.id) => {
+            None if self.findings.search.ahead.contains(&self.logs.shown.id) => {
                 Some("This log has not been searched yet.".to_owned())
             }
             None => {
@@ -239,7 +239,7 @@ impl App {
                 let last = self.receive_messages(&running);
                 self.end_search(running.log, last);
             }
-            None => self.end_search(self.log.id, None),
+            None => self.end_search(self.logs.shown.id, None),
         }
     }
 
@@ -247,7 +247,7 @@ impl App {
     fn end_search(&mut self, id: LogId, last: Option<SoFar>) {
         if let Some(so_far) = last {
             self.adopt(id, &so_far.boxes, so_far.pings, false);
-        } else if let Some(log) = self.log_mut(id) {
+        } else if let Some(log) = self.logs.get_mut(id) {
             let review = log.reviewing.review.clone();
             self.take_review(id, review, LABEL, false);
         }
@@ -335,7 +335,7 @@ impl App {
         if known.is_none_or(|known| !Arc::ptr_eq(&known.model, &detector.model)) {
             self.set_queue(&Queue {
                 threshold: detector.model.score(),
-                ..self.log.reviewing.queue.clone()
+                ..self.logs.shown.reviewing.queue.clone()
             });
         }
         self.findings.search.detector = Some(detector);
@@ -353,7 +353,7 @@ impl App {
     /// Returns the boxes of a log together with those that were found in some of its pings.
     fn adopted(&self, id: LogId, found: &[Detection], pings: Range<usize>) -> Option<Arc<Review>> {
         let detector = self.findings.search.detector.as_ref()?;
-        let reviewing = &self.open_log(id)?.reviewing;
+        let reviewing = &self.logs.get(id)?.reviewing;
         let path = detector.path.as_deref();
         let name = path.map_or_else(|| "shipped".to_owned(), file_name);
         let names = detector.model.names();

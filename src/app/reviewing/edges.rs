@@ -106,11 +106,11 @@ pub fn border_m(reviewing: &Reviewing, review_box: &Reviewed) -> f64 {
 impl App {
     /// Selects the next edge of the edited box, after selecting the tool for it.
     pub(in crate::app) fn next_edge(&mut self) {
-        if self.log.reviewing.tool != Tool::Edit {
+        if self.logs.shown.reviewing.tool != Tool::Edit {
             self.take_tool(Tool::Edit);
         }
         let is_box = |review_box: &Reviewed| review_box.extent != ObjectExtent::Point;
-        let reviewing = &mut self.log.reviewing;
+        let reviewing = &mut self.logs.shown.reviewing;
         if reviewing.tool == Tool::Edit && reviewing.selected_box().is_some_and(is_box) {
             reviewing.edge = reviewing.edge.next();
         }
@@ -119,7 +119,7 @@ impl App {
     /// Selects the tool that marks points, or, if it is selected, marks a point at the pointer or
     /// at the selected place.
     pub(in crate::app) fn point_tool(&mut self) {
-        if self.log.reviewing.tool != Tool::Point {
+        if self.logs.shown.reviewing.tool != Tool::Point {
             return self.take_tool(Tool::Point);
         }
         let places = [self.view.hover, self.view.selection].into_iter().flatten();
@@ -140,12 +140,13 @@ impl App {
             let text = "nothing was recorded there; mark the target in the picture";
             return self.notices.warn(text.to_owned());
         };
-        let span = (self.log.survey.as_ref()).and_then(|survey| survey.span(mark.ping, side));
+        let span =
+            (self.logs.shown.survey.as_ref()).and_then(|survey| survey.span(mark.ping, side));
         let Some(span) = span else {
             return;
         };
         let range_m = span.range_m(f64::from(sample));
-        let class = self.log.reviewing.class();
+        let class = self.logs.shown.reviewing.class();
         let edit = Edit::AddPoint { side, ping: mark.ping, range_m, class };
         self.edit(&edit, false);
     }

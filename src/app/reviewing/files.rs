@@ -15,16 +15,10 @@ use std::sync::Arc;
 pub(in crate::app) const SUFFIX: &str = "review.json";
 
 impl App {
-    /// Returns the path of the review of the shown log: its file, or else the sidecar file of the
-    /// log; `None` for a log that is no file.
-    pub fn review_path(&self) -> Option<PathBuf> {
-        self.log.review_path()
-    }
-
     /// Writes the reviews of all logs with boxes, each into its own file or else the sidecar file
     /// of its log.
     pub(in crate::app) fn save_reviews(&mut self) {
-        let reviewed = self.reviewed_logs().filter(|log| log.reviewing.has_boxes());
+        let reviewed = self.logs.reviewed().filter(|log| log.reviewing.has_boxes());
         let reviewed = reviewed.map(|log| (log.id, log.name(), log.review_path()));
         let reviewed: Vec<(LogId, String, Option<PathBuf>)> = reviewed.collect();
         for (id, name, path) in reviewed {
@@ -45,7 +39,7 @@ impl App {
         if self.refuses_log(id, &path) {
             return;
         }
-        let Some(log) = self.log_mut(id) else {
+        let Some(log) = self.logs.get_mut(id) else {
             return;
         };
         let refused = &mut log.reviewing.refused;
@@ -58,7 +52,7 @@ impl App {
                 Err(error) => return self.notices.warn(error.to_string()),
             }
         }
-        let Some(log) = self.log_mut(id) else {
+        let Some(log) = self.logs.get_mut(id) else {
             return;
         };
         let text =
@@ -71,7 +65,7 @@ impl App {
 
     /// Writes boxes, objects and training pictures of the visible logs into a folder.
     pub(in crate::app) fn export_boxes(&mut self, folder: PathBuf) {
-        let (logs, review) = (self.processed_logs(), self.survey_review());
+        let (logs, review) = (self.logs.processed(), self.survey_review());
         if logs.is_empty() {
             return;
         }
@@ -84,7 +78,7 @@ impl App {
 
     /// Starts reading a review of the shown log.
     pub(in crate::app) fn open_review(&mut self, path: PathBuf) {
-        if !self.read_review(self.log.id, path, false) {
+        if !self.read_review(self.logs.shown.id, path, false) {
             let text = "open the log first, then the review of its boxes";
             self.notices.warn(text.to_owned());
         }
@@ -93,7 +87,7 @@ impl App {
     /// Starts reading the review in a log's sidecar file, if there is one and the log has no boxes
     /// yet.
     pub(in crate::app) fn look_for_review(&mut self, id: LogId) {
-        if let Some(log) = self.open_log(id)
+        if let Some(log) = self.logs.get(id)
             && let Some(path) = log.review_path()
             && !log.reviewing.has_boxes()
             && path.is_file()
@@ -105,7 +99,7 @@ impl App {
     /// Starts reading a review of a log; `is_found` if it is a sidecar file, not a file that the
     /// analyst opened. Returns true if there is a log.
     fn read_review(&mut self, id: LogId, path: PathBuf, is_found: bool) -> bool {
-        let Some(survey) = self.open_log(id).and_then(|log| log.survey.clone()) else {
+        let Some(survey) = self.logs.get(id).and_then(|log| log.survey.clone()) else {
             return false;
         };
         let from = path.clone();
@@ -125,7 +119,7 @@ impl App {
         path: PathBuf,
         is_found: bool,
     ) {
-        let Some(log) = self.log_mut(id) else {
+        let Some(log) = self.logs.get_mut(id) else {
             return;
         };
         match read {
@@ -141,14 +135,14 @@ impl App {
                 let review = Arc::new(review.with_sides(swapped));
                 if is_found {
                     self.take_unkept("open review", |app| {
-                        if let Some(log) = app.log_mut(id) {
+                        if let Some(log) = app.logs.get_mut(id) {
                             log.reviewing.set(review.clone());
                         }
                     });
                 } else {
                     self.take_review(id, review.clone(), "open review", false);
                 }
-                if let Some(log) = self.log_mut(id) {
+                if let Some(log) = self.logs.get_mut(id) {
                     log.reviewing.saved = Some(review);
                     log.reviewing.path = Some(path);
                 }
@@ -165,7 +159,7 @@ impl App {
 impl OpenLog {
     /// Returns the path of the log's review: its file, or else the sidecar file of the log; `None`
     /// for a log that is no file.
-    fn review_path(&self) -> Option<PathBuf> {
+    pub fn review_path(&self) -> Option<PathBuf> {
         let beside = || {
             let log = self.survey.as_ref()?.source.files.first()?;
             Some(log.with_extension(SUFFIX))

@@ -40,13 +40,13 @@ impl App {
     pub(in crate::app) fn toggle_zoom_to_boxes(&mut self) {
         let zooms = &mut self.view.options.waterfall.zooms_to_boxes;
         *zooms = !*zooms;
-        if let Some(id) = self.selected_log_box() {
+        if let Some(id) = self.logs.shown.selected_box() {
             self.come_to(id);
         }
     }
 
     fn enlarge(&mut self, enlarged: Enlarged) {
-        let reviewing = &self.log.reviewing;
+        let reviewing = &self.logs.shown.reviewing;
         let selected = reviewing.selected_box();
         let close_up =
             selected.map(|review_box| close_up(reviewing, review_box, review_box.id, enlarged));

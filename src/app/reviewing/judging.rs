@@ -192,10 +192,10 @@ impl App {
     /// Starts reading the truth of the shown log from a file; if a log is being opened, the file is
     /// read for that log once it is open.
     pub(in crate::app) fn open_truth(&mut self, path: PathBuf) {
-        let id = self.log.id;
+        let id = self.logs.shown.id;
         if self.is_running(&JobKey::OpenLog) {
-            self.log.reviewing.judging.requested = Some(path);
-        } else if self.log.survey.is_some() {
+            self.logs.shown.reviewing.judging.requested = Some(path);
+        } else if self.logs.shown.survey.is_some() {
             self.read_truth(id, TruthSource::File(path), false);
         } else {
             let text = "open the log first, then its known objects";
@@ -206,7 +206,7 @@ impl App {
     /// Starts reading the truth that was requested while a log was being opened, or else its
     /// sidecar file.
     pub(in crate::app) fn look_for_truth(&mut self, id: LogId, is_file: bool) {
-        let known = self.log_mut(id).and_then(|log| log.known_truth(is_file));
+        let known = self.logs.get_mut(id).and_then(|log| log.known_truth(is_file));
         if let Some((source, is_found)) = known {
             self.read_truth(id, source, is_found);
         }
@@ -214,7 +214,7 @@ impl App {
 
     /// Starts reading the truth of a log; `is_found` if the analyst did not open its file.
     fn read_truth(&mut self, id: LogId, source: TruthSource, is_found: bool) {
-        let Some(survey) = self.open_log(id).and_then(|log| log.survey.as_ref()) else {
+        let Some(survey) = self.logs.get(id).and_then(|log| log.survey.as_ref()) else {
             return;
         };
         let (identity, from) = (Identity::of(survey), source.clone());
@@ -234,7 +234,7 @@ impl App {
     fn take_truth(&mut self, id: LogId, truth: SurveyTruth, source: TruthSource, is_found: bool) {
         let objects = truth.objects.len();
         self.jobs.stop(&JobKey::CompareTruth(id));
-        let Some(log) = self.log_mut(id) else {
+        let Some(log) = self.logs.get_mut(id) else {
             return;
         };
         let judging = &mut log.reviewing.judging;
@@ -253,8 +253,8 @@ impl App {
 
     /// Removes the truth of the shown log.
     pub(in crate::app) fn forget_truth(&mut self) {
-        self.jobs.stop(&JobKey::CompareTruth(self.log.id));
-        self.log.reviewing.judging.forget();
+        self.jobs.stop(&JobKey::CompareTruth(self.logs.shown.id));
+        self.logs.shown.reviewing.judging.forget();
     }
 
     /// Starts comparing the boxes of a log with its truth if they have changed.
@@ -262,7 +262,7 @@ impl App {
         if self.is_running(&JobKey::CompareTruth(id)) {
             return;
         }
-        let Some(log) = self.log_mut(id).filter(|log| log.reviewing.judging.outdated) else {
+        let Some(log) = self.logs.get_mut(id).filter(|log| log.reviewing.judging.outdated) else {
             return;
         };
         let (review, raster) = (log.reviewing.review.clone(), log.reviewing.raster().cloned());
@@ -276,7 +276,7 @@ impl App {
             JobKey::CompareTruth(id),
             move |_| TruthComparison::new(&review, RasterTruth::new(&raster, truth), &raster),
             move |app, comparison| {
-                if let Some(log) = app.log_mut(id) {
+                if let Some(log) = app.logs.get_mut(id) {
                     log.reviewing.judging.comparison = Some(comparison);
                     log.reviewing.count_mistakes();
                 }
@@ -290,11 +290,11 @@ impl App {
             Mistake::FalseAlarm { id, .. } => self.select_box(Some(id)),
             Mistake::Miss { object, .. } => {
                 self.select_box(None);
-                let known = (self.log.reviewing.judging.comparison())
+                let known = (self.logs.shown.reviewing.judging.comparison())
                     .and_then(|comparison| comparison.truth().objects.get(object));
-                if let Some((survey, known)) = self.log.survey.as_ref().zip(known) {
+                if let Some((survey, known)) = self.logs.shown.survey.as_ref().zip(known) {
                     let mark = middle(survey, &known.whole);
-                    self.log.reviewing.judging.missed = Some(object);
+                    self.logs.shown.reviewing.judging.missed = Some(object);
                     self.reveal(mark);
                 }
             }
@@ -303,10 +303,10 @@ impl App {
 
     /// Shows the mistake `by` places after the shown one in the list, around its ends.
     pub(in crate::app) fn step_mistake(&mut self, by: isize) {
-        let judging = &self.log.reviewing.judging;
+        let judging = &self.logs.shown.reviewing.judging;
         let mistakes = judging.mistakes();
         let count = mistakes.len() as isize;
-        if count == 0 || !self.log.reviewing.has_boxes() {
+        if count == 0 || !self.logs.shown.reviewing.has_boxes() {
             let text = match judging.standing() {
                 Some(_) if count == 0 => "there are no mistakes from this score on",
                 Some(_) => {
@@ -316,7 +316,7 @@ impl App {
             };
             return self.notices.notify(text.to_owned());
         }
-        let next = match self.log.reviewing.mistake_at() {
+        let next = match self.logs.shown.reviewing.mistake_at() {
             Some(here) => (here as isize + by).rem_euclid(count),
             None if by < 0 => count - 1,
             None => 0,
@@ -327,7 +327,7 @@ impl App {
 
     /// Sorts the list of mistakes.
     pub(in crate::app) fn sort_mistakes(&mut self, sort: MistakeSort) {
-        self.log.reviewing.judging.sort = sort;
-        self.log.reviewing.count_mistakes();
+        self.logs.shown.reviewing.judging.sort = sort;
+        self.logs.shown.reviewing.count_mistakes();
     }
 }

@@ -2,7 +2,7 @@
 //! about whole objects.
 
 use super::Reviewing;
-use crate::app::{App, LogBox, OpenLog};
+use crate::app::{App, LogBox, OpenLog, OpenLogs};
 use bathyscope_objects::review::{BoxId, DecisionCounts, Edit, Queue, Reviewed, State};
 use std::sync::Arc;
 
@@ -17,21 +17,21 @@ pub struct ReviewCounts {
     pub logs: usize,
 }
 
-impl App {
+impl OpenLogs {
     /// Returns the logs whose boxes are reviewed, in the order of the list: the visible logs, and
     /// the shown log.
-    pub(crate) fn reviewed_logs(&self) -> impl Iterator<Item = &OpenLog> {
-        self.logs().filter(|log| log.is_visible || log.id == self.log.id)
+    pub(crate) fn reviewed(&self) -> impl Iterator<Item = &OpenLog> {
+        self.all().filter(|log| log.is_visible || log.id == self.shown.id)
     }
 
     /// Returns true if a reviewed log has boxes.
     pub fn has_boxes(&self) -> bool {
-        self.reviewed_logs().any(|log| log.reviewing.has_boxes())
+        self.reviewed().any(|log| log.reviewing.has_boxes())
     }
 
     /// Returns the progress of the review of all logs.
     pub fn review_counts(&self) -> ReviewCounts {
-        let logs = self.reviewed_logs().map(|log| &log.reviewing);
+        let logs = self.reviewed().map(|log| &log.reviewing);
         logs.filter(|reviewing| reviewing.has_boxes()).fold(
             ReviewCounts::default(),
             |sum, reviewing| ReviewCounts {
@@ -46,9 +46,9 @@ impl App {
     /// first nine classes have the digits as keys, followed by the other classes of boxes in the
     /// reviewed logs.
     pub fn class_names(&self) -> Vec<&str> {
-        let list = self.log.settings.review.classes.iter();
+        let list = self.shown.settings.review.classes.iter();
         let mut names: Vec<&str> = list.map(String::as_str).collect();
-        for log in self.reviewed_logs() {
+        for log in self.reviewed() {
             for name in log.reviewing.review.classes() {
                 if !names.contains(&name.as_str()) {
                     names.push(name);
@@ -60,13 +60,7 @@ impl App {
 
     /// Returns a box of an open log; `None` if there is no such box.
     pub fn log_box(&self, id: LogBox) -> Option<&Reviewed> {
-        self.open_log(id.log)?.reviewing.review.get(id.id)
-    }
-
-    /// Returns the selected box, on which keys act; `None` if none is selected.
-    pub fn selected_log_box(&self) -> Option<LogBox> {
-        let id = self.log.reviewing.selected?;
-        Some(LogBox { log: self.log.id, id })
+        self.get(id.log)?.reviewing.review.get(id.id)
     }
 
     /// Returns the boxes of the queue, log after log.
@@ -76,9 +70,19 @@ impl App {
             let line = log.reviewing.line().to_vec();
             line.into_iter().map(move |box_id| LogBox { log: id, id: box_id })
         };
-        self.reviewed_logs().flat_map(boxes).collect()
+        self.reviewed().flat_map(boxes).collect()
     }
+}
 
+impl OpenLog {
+    /// Returns the selected box, on which keys act; `None` if none is selected.
+    pub fn selected_box(&self) -> Option<LogBox> {
+        let id = self.reviewing.selected?;
+        Some(LogBox { log: self.id, id })
+    }
+}
+
+impl App {
     /// Shows the log of a box, if it is not shown yet, and the box in all views.
     pub(in crate::app) fn select_log_box(&mut self, id: LogBox) {
         self.show_log(id.log);
@@ -88,11 +92,11 @@ impl App {
     /// Shows the box `by` places after the selected one in the queue of all logs; stops at its
     /// ends.
     pub(in crate::app) fn step_box(&mut self, by: isize) {
-        let line = self.line();
-        let here = self.selected_log_box();
+        let line = self.logs.line();
+        let here = self.logs.shown.selected_box();
         let here = here.and_then(|id| line.iter().position(|queued| *queued == id));
         let last = line.len().saturating_sub(1);
-        let is_shown = |queued: &LogBox| queued.log == self.log.id;
+        let is_shown = |queued: &LogBox| queued.log == self.logs.shown.id;
         let next = match here {
             Some(here) => here.saturating_add_signed(by).min(last),
             None if by < 0 => line.iter().rposition(is_shown).unwrap_or(last),
@@ -106,8 +110,8 @@ impl App {
     /// Decides about the selected box, and shows the next undecided one. Without a selected box it
     /// only shows the next one, because the analyst has not seen a box to decide about.
     pub(in crate::app) fn decide(&mut self, edit: fn(BoxId) -> Edit) {
-        let line = self.line();
-        let here = self.selected_log_box();
+        let line = self.logs.line();
+        let here = self.logs.shown.selected_box();
         if let Some(LogBox { id, .. }) = here {
             self.edit(&edit(id), false);
         }
@@ -117,8 +121,8 @@ impl App {
     /// Decides about all boxes of the selected object, in all logs, as one undo step, and shows the
     /// next undecided box.
     pub(in crate::app) fn decide_object(&mut self, edit: fn(BoxId) -> Edit, label: &'static str) {
-        let line = self.line();
-        let here = self.selected_log_box();
+        let line = self.logs.line();
+        let here = self.logs.shown.selected_box();
         self.edit_object(edit, label);
         if here.is_some() {
             self.select_next_open(&line, here);
@@ -127,7 +131,7 @@ impl App {
 
     /// Applies an edit to all boxes of the selected object, in all logs, as one undo step.
     pub(in crate::app) fn edit_object(&mut self, edit: fn(BoxId) -> Edit, label: &'static str) {
-        let Some(here) = self.selected_log_box() else {
+        let Some(here) = self.logs.shown.selected_box() else {
             return self.ask_for_box();
         };
         let boxes = match self.object_of(here) {
@@ -137,7 +141,7 @@ impl App {
         };
         let before = self.step_now();
         for sighting in boxes {
-            if let Some(log) = self.log_mut(sighting.log)
+            if let Some(log) = self.logs.get_mut(sighting.log)
                 && let Some(after) = log.reviewing.review.apply(&edit(sighting.id))
             {
                 log.reviewing.set(Arc::new(after));
@@ -149,7 +153,7 @@ impl App {
 
     /// Shows the next box of the selected object in any log; after the last box comes the first.
     pub(in crate::app) fn step_sighting(&mut self) {
-        let Some(here) = self.selected_log_box() else {
+        let Some(here) = self.logs.shown.selected_box() else {
             return self.ask_for_box();
         };
         let boxes = self.object_of(here).map(|object| object.boxes.clone());
@@ -163,11 +167,11 @@ impl App {
     fn select_next_open(&mut self, line: &[LogBox], here: Option<LogBox>) {
         let at = match here {
             Some(here) => line.iter().position(|queued| *queued == here).map(|at| at + 1),
-            None => line.iter().position(|queued| queued.log == self.log.id),
+            None => line.iter().position(|queued| queued.log == self.logs.shown.id),
         };
         let (before, after) = line.split_at(at.unwrap_or(0));
         let is_open = |queued: &LogBox| {
-            let found = self.log_box(*queued);
+            let found = self.logs.log_box(*queued);
             Some(*queued) != here && found.is_some_and(|found| found.state == State::Proposed)
         };
         let next = after.iter().chain(before).copied().find(|queued| is_open(queued));
@@ -182,7 +186,7 @@ impl App {
 
     /// Sorts and filters the boxes of all logs.
     pub(in crate::app) fn set_queue(&mut self, queue: &Queue) {
-        for log in self.logs_mut() {
+        for log in self.logs.all_mut() {
             log.reviewing.line_up(queue);
         }
     }

@@ -118,7 +118,7 @@ impl App {
         if self.is_running(&JobKey::PlaceBoxes(id)) {
             return;
         }
-        let Some(log) = self.log_mut(id).filter(|log| log.reviewing.places.outdated) else {
+        let Some(log) = self.logs.get_mut(id).filter(|log| log.reviewing.places.outdated) else {
             return;
         };
         let (Some(survey), Some(products)) = (log.survey.clone(), log.products.clone()) else {
@@ -146,7 +146,7 @@ impl App {
                 .collect()
         };
         self.jobs.run(JobKey::PlaceBoxes(id), work, move |app, entries| {
-            if let Some(log) = app.log_mut(id) {
+            if let Some(log) = app.logs.get_mut(id) {
                 log.reviewing.places.take(ground, entries);
             }
         });

@@ -28,7 +28,7 @@ pub(super) fn same_ping(residuals: &Residuals, units: Units) -> String {
 pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     section(ui, context, Section::new("Cloud").step(3).of(Stage::Cloud), |ui, context| {
         if let (Some(products), Some(figures)) =
-            (&context.app.log.products, &context.app.log.figures)
+            (&context.app.logs.shown.products, &context.app.logs.shown.figures)
         {
             found(ui, products, figures, context.units());
         }
@@ -57,7 +57,7 @@ fn found(ui: &mut Ui, products: &Products, figures: &Figures, units: Units) {
 }
 
 fn controls(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let settings = context.app.log.settings.clone();
+    let settings = context.app.logs.shown.settings.clone();
     let geometry = settings.cloud.geometry;
     setting(ui, context, &rows::GEOMETRY);
     if matches!(geometry, Geometry::Published | Geometry::SelfConsistent) {
@@ -95,7 +95,7 @@ pub(super) fn outliers(ui: &mut Ui, context: &mut ViewContext<'_>) {
 }
 
 fn removed(ui: &mut Ui, context: &ViewContext<'_>) {
-    let Some(figures) = &context.app.log.figures else {
+    let Some(figures) = &context.app.logs.shown.figures else {
         return parts::remark(ui, "No result yet.");
     };
     let classes = figures.classes;

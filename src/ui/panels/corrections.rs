@@ -18,7 +18,7 @@ pub(super) fn depths(ui: &mut Ui, context: &mut ViewContext<'_>) {
     section(ui, context, Section::new("Depth correction").of(Stage::Cloud), |ui, context| {
         levels(ui, context);
         sound_speed(ui, context);
-        if let Some(products) = &context.app.log.products {
+        if let Some(products) = &context.app.logs.shown.products {
             if let Some(text) = products.correction.gap_warning() {
                 parts::warning(ui, context, &context.units().sentence(&text));
             }
@@ -32,14 +32,14 @@ pub(super) fn depths(ui: &mut Ui, context: &mut ViewContext<'_>) {
 fn levels(ui: &mut Ui, context: &mut ViewContext<'_>) {
     setting(ui, context, &rows::DRAFT);
     setting(ui, context, &rows::WATER_LEVEL);
-    let readings = context.app.log.settings.water_level.file.clone();
+    let readings = context.app.logs.shown.settings.water_level.file.clone();
     let readings = readings.as_deref();
     let actions = [Action::OpenWaterLevels, Action::RemoveWaterLevels];
     parts::file(ui, context, &rows::WATER_LEVEL_FILE, readings, actions);
 }
 
 fn sound_speed(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let speed = context.app.log.settings.sound_speed.clone();
+    let speed = context.app.logs.shown.settings.sound_speed.clone();
     let known = speed.water_m_s().is_some();
     let mut requested = known;
     let toggle = ui.checkbox(&mut requested, "Correct the speed of sound").on_hover_text(
@@ -62,7 +62,7 @@ fn sound_speed(ui: &mut Ui, context: &mut ViewContext<'_>) {
 /// the shifts of all positions.
 pub(super) fn positions(ui: &mut Ui, context: &mut ViewContext<'_>) {
     section(ui, context, Section::new("Position").of(Stage::Navigation), |ui, context| {
-        let path = context.app.log.settings.track.file.clone();
+        let path = context.app.logs.shown.settings.track.file.clone();
         let actions = [Action::OpenTrack, Action::RemoveTrack];
         parts::file(ui, context, &rows::TRACK_FILE, path.as_deref(), actions);
         match path {
@@ -73,7 +73,7 @@ pub(super) fn positions(ui: &mut Ui, context: &mut ViewContext<'_>) {
             setting(ui, context, row);
         }
         // With several logs, their positions are compared in the list of logs.
-        if context.app.log_count() == 1 {
+        if context.app.logs.count() == 1 {
             shifts(ui, context);
         }
     });
@@ -82,7 +82,7 @@ pub(super) fn positions(ui: &mut Ui, context: &mut ViewContext<'_>) {
 /// Draws the offset of the clock, and the distance between the tracks that results from it.
 fn clock(ui: &mut Ui, context: &mut ViewContext<'_>) {
     setting(ui, context, &rows::TRACK_OFFSET);
-    let apart = &context.app.log.external.apart;
+    let apart = &context.app.logs.shown.external.apart;
     if !apart.pairs.is_empty() {
         let hint = "Median distance between the positions of recorder and receiver at the same times: \
                     smallest where their clocks agree.";

@@ -23,11 +23,11 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         for row in [&rows::MAX_TURN, &rows::MIN_SPEED] {
             setting(ui, context, row);
         }
-        let settings = &context.app.log.settings.excluded;
+        let settings = &context.app.logs.shown.settings.excluded;
         if settings.max_turn_deg_s.is_some() || settings.min_speed_mps.is_some() {
             setting(ui, context, &rows::MIN_DURATION);
         }
-        let Some(found) = context.app.log.exclusions().cloned() else {
+        let Some(found) = context.app.logs.shown.exclusions().cloned() else {
             return;
         };
         for text in &found.exclusions.warnings {
@@ -41,7 +41,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 
 fn tool(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let action = Action::Exclude;
-    let holds = context.app.log.reviewing.tool == Tool::Exclude;
+    let holds = context.app.logs.shown.reviewing.tool == Tool::Exclude;
     let button = ui.add(Button::new("Exclude stretches").selected(holds));
     context.keyed_button(button.accessible_name(action.label()), action);
 }
@@ -66,7 +66,7 @@ fn counts(ui: &mut Ui, context: &ViewContext<'_>, found: &FoundExclusions) {
             ui.label(format!("{what}: {extent}"));
         }
     }
-    let others = context.app.visible_logs().filter_map(OpenLog::exclusions);
+    let others = context.app.logs.visible().filter_map(OpenLog::exclusions);
     let (logs, pings) = others
         .fold((0, 0), |(logs, pings), found| (logs + 1, pings + found.exclusions.ping_count()));
     if logs > 1 {
@@ -78,7 +78,7 @@ fn counts(ui: &mut Ui, context: &ViewContext<'_>, found: &FoundExclusions) {
 /// Draws the list of excluded stretches: a click shows a stretch in all views, × includes it again.
 fn list(ui: &mut Ui, context: &mut ViewContext<'_>, found: &FoundExclusions) {
     let stretches: Vec<(&ExcludedStretch, f64)> = found.stretches().collect();
-    let Some(survey) = context.app.log.survey.clone() else {
+    let Some(survey) = context.app.logs.shown.survey.clone() else {
         return;
     };
     let each = ROW + ui.spacing().item_spacing.y;
@@ -105,10 +105,10 @@ fn list(ui: &mut Ui, context: &mut ViewContext<'_>, found: &FoundExclusions) {
 /// Draws the stretches that count although a turn or a stop is found there.
 fn kept(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let app = context.app;
-    let Some(survey) = app.log.survey.clone() else {
+    let Some(survey) = app.logs.shown.survey.clone() else {
         return;
     };
-    let settings = app.log.settings.clone();
+    let settings = app.logs.shown.settings.clone();
     let stretches = settings.excluded.stretches.iter();
     let part = |stretch: &Stretch| match (stretch.pings, stretch.time_s) {
         (Some(pings), _) => Some(LogPart::Pings(pings)),
@@ -135,7 +135,7 @@ fn row(
     part: LogPart,
     (what, edit): (&str, ExclusionEdit),
 ) -> Response {
-    let log = context.app.log.id;
+    let log = context.app.logs.shown.id;
     let row = ui.horizontal(|ui| {
         let row = ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             let button = ui.add(Button::new("×").small().frame(false));

@@ -28,7 +28,8 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 
 fn found(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let app = context.app;
-    let (Some(products), Some(figures)) = (&app.log.products, &app.log.figures) else {
+    let (Some(products), Some(figures)) = (&app.logs.shown.products, &app.logs.shown.figures)
+    else {
         parts::remark(
             ui,
             if context.app.is_stopped() {
@@ -72,10 +73,10 @@ fn found(ui: &mut Ui, context: &mut ViewContext<'_>) {
 /// Draws the button of the pen, and the edits that were made with it.
 fn bottom_edits(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let app = context.app;
-    let bottom = &app.log.settings.bottom;
+    let bottom = &app.logs.shown.settings.bottom;
     let (drawn, accepted) = (bottom.ping_count(), bottom.accepted_count());
     ui.horizontal(|ui| {
-        let holds = app.log.reviewing.tool == Tool::Bottom;
+        let holds = app.logs.shown.reviewing.tool == Tool::Bottom;
         let mut both = app.view.options.waterfall.bottom_both_sides;
         let pen = Button::new("Draw bottom").selected(holds);
         let pen = controls::underline(ui, holds, pen);

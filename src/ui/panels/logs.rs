@@ -15,9 +15,9 @@ use egui::{Button, Color32, RichText, Sense, Ui};
 pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     section(ui, context, Section::new("Logs"), |ui, context| {
         let app = context.app;
-        let last = app.log_count().saturating_sub(1);
-        let keys = ListKeys::read(ui, "logs", app.log_count());
-        for (place, log) in app.logs().enumerate() {
+        let last = app.logs.count().saturating_sub(1);
+        let keys = ListKeys::read(ui, "logs", app.logs.count());
+        for (place, log) in app.logs.all().enumerate() {
             let walked = (&keys, place);
             let commands = row(ui, app, log, [place > 0, place < last], walked);
             context.commands.extend(commands);
@@ -26,7 +26,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
             }
         }
         add(ui, context);
-        if app.log_count() > 1 {
+        if app.logs.count() > 1 {
             heights(ui, context);
             corrections::shifts(ui, context);
         }
@@ -72,7 +72,7 @@ fn row(
             ask(button(ui, "×", "Close", true), Command::CloseLog(id));
             // The buttons are drawn on the row of the shown log only: beside every name there is no
             // space for them.
-            if id == app.log.id && (can_rise || can_sink) {
+            if id == app.logs.shown.id && (can_rise || can_sink) {
                 let [down, up] = [Command::MoveLog(id, 1), Command::MoveLog(id, -1)];
                 ask(button(ui, "Down", "Move down", can_sink), down);
                 ask(button(ui, "Up", "Move up", can_rise), up);
@@ -89,7 +89,7 @@ fn row(
             }
             ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
                 let title = RichText::new(&name);
-                let is_it = id == app.log.id;
+                let is_it = id == app.logs.shown.id;
                 let label = Button::selectable(is_it, title).truncate();
                 let label = controls::underline(ui, is_it, label);
                 let label = accessible(label, egui::Role::Button, &format!("Log {name}"));
@@ -149,11 +149,11 @@ const HEIGHTS: [(&str, &str); 4] = [
 fn hold(ui: &mut Ui, context: &mut ViewContext<'_>) {
     const MEAN: &str = "mean of all";
     let app = context.app;
-    let held = app.held_height().filter(|id| app.open_log(*id).is_some());
+    let held = app.held_height().filter(|id| app.logs.get(*id).is_some());
     let shown = held.map_or_else(|| MEAN.to_owned(), |id| name_of(app, id));
     let mut picked = None;
     let list = DropDown::new("held height", shown).width(96.0).show(ui, |choices| {
-        let logs = app.visible_logs().map(|log| (Some(log.id), log.name()));
+        let logs = app.logs.visible().map(|log| (Some(log.id), log.name()));
         for (choice, name) in [(None, MEAN.to_owned())].into_iter().chain(logs) {
             if choices.choice(choice == held, name).clicked() {
                 picked = Some(choice);

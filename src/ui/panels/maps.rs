@@ -38,7 +38,7 @@ fn depth_map(ui: &mut Ui, context: &mut ViewContext<'_>) {
 fn isobaths(ui: &mut Ui, context: &mut ViewContext<'_>) {
     layer_button(ui, context, MapLayer::Isobaths, Action::IsobathLayer);
     parts::settings_of(ui, context, ISOBATHS);
-    let area = context.app.log.settings.isobaths.clip.clone();
+    let area = context.app.logs.shown.settings.isobaths.clip.clone();
     let actions = [Action::OpenIsobathArea, Action::RemoveIsobathArea];
     parts::file(ui, context, &rows::CLIP, area.as_deref(), actions);
 }
@@ -101,12 +101,12 @@ fn mosaic(ui: &mut Ui, context: &mut ViewContext<'_>) {
 pub(super) fn products(ui: &mut Ui, context: &mut ViewContext<'_>) {
     section(ui, context, Section::new("Products").step(6), |ui, context| {
         let action = Action::Export;
-        let ready = context.app.log.products.is_some();
+        let ready = context.app.logs.shown.products.is_some();
         let button = egui::Button::new(action.label()).min_size(egui::vec2(140.0, 22.0));
         let button = ui.add_enabled(ready, button);
         let button = button.on_disabled_hover_text("There are no results yet.");
         context.button(button, action);
-        if ready && context.app.stale().is_some() {
+        if ready && context.app.logs.shown.stale().is_some() {
             let text =
                 "The last results are written; settings were changed since. Update results first.";
             parts::warning(ui, context, text);

@@ -36,7 +36,7 @@ use super::ViewContext;
 /// Draws the left side: the survey and the paper's steps in order.
 pub(super) fn steps(ui: &mut egui::Ui, context: &mut ViewContext<'_>) {
     survey::ui(ui, context);
-    if context.app.log.survey.is_none() {
+    if context.app.logs.shown.survey.is_none() {
         return;
     }
     logs::ui(ui, context);

@@ -14,7 +14,7 @@ use egui::{TextEdit, Ui};
 /// Draws the section.
 pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     section(ui, context, Section::new("Mounting").of(Stage::Navigation), |ui, context| {
-        let Some(survey) = context.app.log.survey.clone() else {
+        let Some(survey) = context.app.logs.shown.survey.clone() else {
             return;
         };
         parts::settings_of(ui, context, "Mounting");
@@ -33,7 +33,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 
 /// Draws the effect of the settings, and a warning for each setting without effect.
 fn effect(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
-    let settings = &context.app.log.settings;
+    let settings = &context.app.logs.shown.settings;
     let mounting = &settings.mounting;
     if let Some(arm_m) = mounting.lever_arm_m() {
         let units = context.units();
@@ -53,7 +53,7 @@ fn effect(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
 /// Draws the warnings about positions and depths that follow from the track's crossings with
 /// itself.
 fn by_crossings(ui: &mut Ui, context: &ViewContext<'_>) {
-    let Some(products) = &context.app.log.products else {
+    let Some(products) = &context.app.logs.shown.products else {
         return;
     };
     let warnings = [products.latency_warning(), products.repeatability_warning()];
@@ -64,7 +64,7 @@ fn by_crossings(ui: &mut Ui, context: &ViewContext<'_>) {
 
 /// Draws the lag of the soundings that first returns show, with the button that applies it.
 fn sounding_lag(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let Some((lag, _)) = context.app.log.sounding_lag() else {
+    let Some((lag, _)) = context.app.logs.shown.sounding_lag() else {
         return;
     };
     let text = format!(
@@ -79,8 +79,8 @@ fn sounding_lag(ui: &mut Ui, context: &mut ViewContext<'_>) {
 /// this.
 fn usual(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let app = context.app;
-    let recorder = app.recorder();
-    let mounting = app.log.settings.mounting;
+    let recorder = app.logs.shown.recorder();
+    let mounting = app.logs.shown.settings.mounting;
     let (said, actions): (_, &[Action]) = match app.usual_mounting() {
         Some(usual) if usual == mounting => {
             (format!("From the default of {recorder}."), &[Action::ForgetMounting])
@@ -112,7 +112,7 @@ fn usual(ui: &mut Ui, context: &mut ViewContext<'_>) {
 /// Draws the field for the coordinate system of positions in metres.
 fn system(ui: &mut Ui, context: &mut ViewContext<'_>, survey: &Survey) {
     let row = &rows::SOURCE_CRS;
-    let in_force = context.app.log.settings.source.crs.map(String::from);
+    let in_force = context.app.logs.shown.settings.source.crs.map(String::from);
     let in_force = in_force.unwrap_or_default();
     let typed = egui::Id::unique(("system of the log's metres", context.app.view.survey_serial));
     let mut text =
@@ -178,7 +178,7 @@ fn take_system(context: &mut ViewContext<'_>, typed: &str, in_force: &str) {
     let is_number = typed.bytes().all(|digit| digit.is_ascii_digit());
     let named = if is_number { format!("EPSG:{typed}") } else { typed.to_owned() };
     let assignment = format!("{}={named}", row.key);
-    match context.app.log.settings.with_assignment(&assignment) {
+    match context.app.logs.shown.settings.with_assignment(&assignment) {
         Ok(named) => context.change(row.name, |settings| *settings = named),
         Err(error) => context.push(Command::Notify(error.to_string())),
     }

@@ -23,12 +23,12 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 }
 
 fn found(ui: &mut Ui, context: &ViewContext<'_>) {
-    if !context.app.has_boxes() {
+    if !context.app.logs.has_boxes() {
         let key = Action::NewBox.key();
         let text = format!("No boxes yet: find objects, or draw a box with {key}.");
         return parts::remark(ui, text);
     }
-    let all = context.app.review_counts();
+    let all = context.app.logs.review_counts();
     let counts = all.boxes;
     let boxes = text::plural(counts.total(), "box", "boxes");
     let value = match counts.proposed {
@@ -58,7 +58,7 @@ fn search(ui: &mut Ui, context: &mut ViewContext<'_>) {
         });
         return;
     }
-    let ready = context.app.log.products.is_some();
+    let ready = context.app.logs.shown.products.is_some();
     ui.horizontal(|ui| {
         for (action, ready) in [(Action::FindObjects, ready), (Action::ChooseModel, true)] {
             let button = ui.add_enabled(ready, Button::new(action.label()));
@@ -70,7 +70,7 @@ fn search(ui: &mut Ui, context: &mut ViewContext<'_>) {
 
 /// Returns the text of a running search: `Searching lake-2, log 2 of 4`.
 fn searching(context: &ViewContext<'_>, status: &SearchStatus) -> String {
-    let log = status.log.and_then(|id| context.app.open_log(id));
+    let log = status.log.and_then(|id| context.app.logs.get(id));
     let place = format!("log {} of {}", status.place, status.logs);
     match log {
         Some(log) => format!("Searching {}, {place}", log.name()),

@@ -255,13 +255,13 @@ fn number(
     let units = context.units();
     let shown = number.shown_in(units);
     let [least, most] = shown.ends;
-    let mut requested = shown.value(&context.app.log.settings);
+    let mut requested = shown.value(&context.app.logs.shown.settings);
     let hint = match number.without.filter(|_| number.zero_is_none()) {
         Some(without) => format!("{} At 0: {without}.", setting.hint),
         None => setting.hint.to_owned(),
     };
     let hint = units.sentence(&hint);
-    let is_none = (number.get)(&context.app.log.settings).is_none();
+    let is_none = (number.get)(&context.app.logs.shown.settings).is_none();
     let none_word = number.none_word().filter(|_| is_none || number.zero_is_none());
     let shows_word = none_word.is_some() && requested == 0.0;
     let suffix = if shows_word { "" } else { &shown.suffix };
@@ -324,7 +324,7 @@ fn choice(
     setting: &'static SettingRow,
     choice: &'static SettingChoice,
 ) -> Response {
-    let current = (choice.get)(&context.app.log.settings);
+    let current = (choice.get)(&context.app.logs.shown.settings);
     let shown = choice.names.iter().find(|name| name.value == current);
     let mut picked = None;
     let response = row(ui, setting.label, setting.hint, |ui| {
@@ -362,7 +362,7 @@ pub(crate) fn press_short(
 
 /// Returns the name of an open log; empty if the log is not open any more.
 pub(crate) fn name_of(app: &App, id: LogId) -> String {
-    app.open_log(id).map_or_else(String::new, OpenLog::name)
+    app.logs.get(id).map_or_else(String::new, OpenLog::name)
 }
 
 #[cfg(test)]

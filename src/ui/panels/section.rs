@@ -55,7 +55,7 @@ fn freshness(context: &ViewContext<'_>, stage: Option<Stage>) -> Freshness {
             return Freshness::Waiting;
         }
     }
-    match context.app.stale() {
+    match context.app.logs.shown.stale() {
         Some(first) if first <= stage && context.app.is_stopped() => Freshness::OutOfDate,
         Some(first) if first <= stage => Freshness::Waiting,
         _ => Freshness::Fresh,

@@ -23,7 +23,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 
 fn selected(ui: &mut Ui, context: &mut ViewContext<'_>, mark: LogPlace) {
     let units = context.units();
-    let Some(survey) = context.app.log.survey.clone() else {
+    let Some(survey) = context.app.logs.shown.survey.clone() else {
         return;
     };
     let Some(ping) = survey.side_scan.get(mark.ping) else {
@@ -45,7 +45,7 @@ fn selected(ui: &mut Ui, context: &mut ViewContext<'_>, mark: LogPlace) {
         let value = format!("{} {side}", units.measure(range, 2));
         fact(ui, "Range here", hint, value);
     }
-    if let Some(stretch) = context.app.excluded_at(context.app.log.id, mark.ping) {
+    if let Some(stretch) = context.app.logs.excluded_at(context.app.logs.shown.id, mark.ping) {
         let hint = "Why the ping is excluded: no point, depth, echo or box comes from it.";
         fact(ui, "Excluded", hint, stretch.reason.name());
     }
@@ -64,7 +64,7 @@ fn selected(ui: &mut Ui, context: &mut ViewContext<'_>, mark: LogPlace) {
 }
 
 fn first_return(ui: &mut Ui, context: &ViewContext<'_>, ping: usize, side: Side) {
-    let returns = context.app.returns();
+    let returns = context.app.logs.shown.returns();
     let pick = returns.and_then(|returns| returns.side(side).get(ping).copied());
     let pick = pick.filter(|pick| pick.is_some());
     let value = match pick {
@@ -89,7 +89,7 @@ fn first_return(ui: &mut Ui, context: &ViewContext<'_>, ping: usize, side: Side)
 }
 
 fn heading(ui: &mut Ui, context: &ViewContext<'_>, ping: usize) {
-    let Some(products) = &context.app.log.products else {
+    let Some(products) = &context.app.logs.shown.products else {
         return;
     };
     let Some(here) = products.navigation.pings.get(ping) else {
@@ -105,7 +105,7 @@ fn heading(ui: &mut Ui, context: &ViewContext<'_>, ping: usize) {
 /// Draws the position of the transducer relative to the antenna at the ping, and a mark of
 /// exchanged sides, if these differ from the recording.
 fn mounting(ui: &mut Ui, context: &ViewContext<'_>, ping: usize) {
-    let Some(products) = &context.app.log.products else {
+    let Some(products) = &context.app.logs.shown.products else {
         return;
     };
     let mounting = &products.settings.mounting;
@@ -123,7 +123,7 @@ fn mounting(ui: &mut Ui, context: &ViewContext<'_>, ping: usize) {
 }
 
 fn point(ui: &mut Ui, context: &ViewContext<'_>, mark: LogPlace) {
-    let Some(products) = &context.app.log.products else {
+    let Some(products) = &context.app.logs.shown.products else {
         return;
     };
     let Some(index) = mark.point else {

@@ -18,7 +18,7 @@ const WARNINGS_SHOWN: usize = 40;
 /// Draws the section.
 pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     section(ui, context, Section::new("Survey"), |ui, context| {
-        match context.app.log.survey.clone() {
+        match context.app.logs.shown.survey.clone() {
             Some(survey) => {
                 summary(ui, context, &survey);
                 warnings(ui, context, &survey);
@@ -53,7 +53,7 @@ fn summary(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
     let hint =
         "Depths that the recorder found, below the transducer; repeated ones are not counted.";
     fact(ui, "Soundings", hint, soundings(context, survey));
-    let faults = context.app.log.figures.as_ref().map(|figures| figures.faults);
+    let faults = context.app.logs.shown.figures.as_ref().map(|figures| figures.faults);
     if let Some(faults) = faults.filter(|faults| faults.all() > 0) {
         let hint = "Soundings with a fault, by its kind. They are drawn faded, and count only where a first return confirms them.";
         fact(ui, "False soundings", hint, faults.summary());
@@ -77,7 +77,7 @@ fn time_span(survey: &Survey) -> Option<(f64, f64)> {
 
 fn soundings(context: &ViewContext<'_>, survey: &Survey) -> String {
     let count = text::count(survey.soundings.len());
-    match context.app.log.depth_span_m {
+    match context.app.logs.shown.depth_span_m {
         _ if survey.soundings.is_empty() => "none".to_owned(),
         None => format!("{count} · bottom never found"),
         Some([low, high]) => {
@@ -154,7 +154,7 @@ fn warnings(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
 }
 
 fn preset_line(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let in_force = context.app.log.settings.matching_preset();
+    let in_force = context.app.logs.shown.settings.matching_preset();
     ui.add_space(2.0);
     ui.horizontal_wrapped(|ui| {
         ui.add(egui::Label::new("Preset").selectable(false));

@@ -54,7 +54,7 @@ impl Shell {
     }
 
     fn act_in_window(&mut self, ctx: &egui::Context, action: WindowAction) {
-        let has_survey = self.app.log.survey.is_some();
+        let has_survey = self.app.logs.shown.survey.is_some();
         match action {
             WindowAction::OpenLogs => self.ask(PathPurpose::OpenLogs),
             WindowAction::AddLogs => self.ask(PathPurpose::AddLogs),
@@ -69,7 +69,7 @@ impl Shell {
             WindowAction::OpenReview => self.say("open a log first, then its review"),
             WindowAction::OpenTruth if has_survey => self.ask(PathPurpose::OpenTruth),
             WindowAction::OpenTruth => self.say("open a log first, then its known objects"),
-            WindowAction::OpenReference if self.app.log.products.is_some() => {
+            WindowAction::OpenReference if self.app.logs.shown.products.is_some() => {
                 self.ask(PathPurpose::OpenReference);
             }
             WindowAction::OpenReference => self.say("open a log first, then its reference"),
@@ -136,14 +136,14 @@ impl Shell {
     /// Opens the dialog of the products and their folder, unless there are no results, or some are
     /// still being written.
     fn ask_to_export(&mut self) {
-        if self.app.log.products.is_none() {
+        if self.app.logs.shown.products.is_none() {
             let text = "there is no result to export yet; open a log first";
             self.app.apply(Command::Notify(text.to_owned()));
         } else if self.app.export_fraction().is_some() {
             self.say(BUSY);
         } else {
             let (folder, amounts) = (self.app.export_folder(), self.app.amounts());
-            let statement = self.app.export_statement();
+            let statement = self.app.logs.export_statement();
             self.export.ask(&folder, amounts, statement);
         }
     }
@@ -153,7 +153,9 @@ impl Shell {
     fn save_project(&mut self) {
         if self.app.project_path().is_some() {
             self.app.apply(Command::SaveProject);
-        } else if self.app.logs().any(OpenLog::is_file) || !self.app.log.reviewing.has_boxes() {
+        } else if self.app.logs.all().any(OpenLog::is_file)
+            || !self.app.logs.shown.reviewing.has_boxes()
+        {
             self.name_project();
         } else {
             self.save_review();
@@ -227,7 +229,7 @@ impl Shell {
         self.keyboard_in = next.copied();
         let title = match next {
             Some(SidePanel::Steps) => "Survey",
-            Some(SidePanel::Details) if self.app.has_boxes() => "Review",
+            Some(SidePanel::Details) if self.app.logs.has_boxes() => "Review",
             Some(SidePanel::Details) => "Selection",
             None => return leave_control(ctx),
         };
@@ -274,7 +276,7 @@ impl Shell {
 
     /// Moves the keyboard to the name of the selected box.
     fn name_box(&mut self, ctx: &egui::Context) {
-        if self.app.log.reviewing.selected.is_none() {
+        if self.app.logs.shown.reviewing.selected.is_none() {
             return self.say("select a box first, with Tab or a click");
         }
         self.show_panel(SidePanel::Details, true, ctx);
@@ -284,7 +286,7 @@ impl Shell {
 
     /// Asks for the file in which the project is to be saved.
     fn name_project(&mut self) {
-        if self.app.log_count() == 0 {
+        if self.app.logs.count() == 0 {
             return self.say("there is nothing to keep yet; open a log first");
         }
         let known = self.app.project_path().map(std::path::Path::to_owned);
@@ -295,15 +297,15 @@ impl Shell {
     /// Saves the review in its file, or asks for one; reviews of several logs are saved without a
     /// question.
     fn save_review(&mut self) {
-        if self.app.review_counts().logs > 1 {
+        if self.app.logs.review_counts().logs > 1 {
             return self.app.apply(Command::Write(FileToWrite::Reviews));
         }
-        match (self.app.review_path(), &self.app.log.reviewing.path) {
+        match (self.app.logs.shown.review_path(), &self.app.logs.shown.reviewing.path) {
             (_, Some(path)) => {
                 let path = path.clone();
                 self.app.apply(Command::Write(FileToWrite::Review(path)));
             }
-            (Some(path), None) if self.app.log.reviewing.has_boxes() => {
+            (Some(path), None) if self.app.logs.shown.reviewing.has_boxes() => {
                 self.dialogs.name(PathPurpose::SaveReview, path, self.app.workers());
             }
             _ => self.say_no_boxes(),
@@ -312,7 +314,7 @@ impl Shell {
 
     /// Returns the path of a sidecar file of the log.
     pub(super) fn sidecar_path(&self, ending: &str) -> PathBuf {
-        let survey = self.app.log.survey.as_ref();
+        let survey = self.app.logs.shown.survey.as_ref();
         let log = survey.and_then(|survey| survey.source.files.first());
         log.map_or_else(|| PathBuf::from(ending), |log| log.with_extension(ending))
     }
@@ -335,7 +337,7 @@ impl Shell {
 
     /// Asks for the file of a copy of the log.
     fn ask_for_copy(&mut self, purpose: PathPurpose, ending: &str) {
-        if self.app.log.survey.is_none() {
+        if self.app.logs.shown.survey.is_none() {
             self.say("there is no log to export yet; open one first");
         } else if self.app.export_fraction().is_some() {
             self.say(BUSY);
@@ -353,7 +355,7 @@ impl Shell {
 
     fn export_boxes(&mut self) {
         let is_writing = self.app.export_fraction().is_some();
-        if !self.app.log.reviewing.has_boxes() {
+        if !self.app.logs.shown.reviewing.has_boxes() {
             self.say_no_boxes();
         } else if is_writing {
             self.say(BUSY);

@@ -186,12 +186,12 @@ fn asks_for_palette(ui: &Ui) -> bool {
 /// Returns true if a key that is also used otherwise acts as a command now: Tab steps through the
 /// controls while there are no boxes, or while a control has the keyboard.
 fn has_meaning(app: &App, action: Action, control_focused: bool) -> bool {
-    let reviewing = &app.log.reviewing;
+    let reviewing = &app.logs.shown.reviewing;
     match action {
-        Action::NextBox | Action::PreviousBox => app.has_boxes() && !control_focused,
+        Action::NextBox | Action::PreviousBox => app.logs.has_boxes() && !control_focused,
         Action::LeaveTool => {
             let drawn = app.map.measuring.tool.is_some() || app.map.measuring.figure.is_some();
-            let is_in_use = reviewing.is_in_use() || app.log.proposed_stretch().is_some();
+            let is_in_use = reviewing.is_in_use() || app.logs.shown.proposed_stretch().is_some();
             is_in_use || drawn
         }
         Action::SetCorner | Action::EndFigure => app.map.measuring.tool.is_some(),
@@ -220,10 +220,10 @@ const DIGITS: [(Key, Keys); 9] = [
 
 /// Makes the digits choose the class of the selected box, instead of a view.
 fn name_box(ui: &mut Ui, app: &App, push: &mut impl FnMut(Keys, Command)) {
-    let Some(id) = app.log.reviewing.selected else {
+    let Some(id) = app.logs.shown.reviewing.selected else {
         return;
     };
-    let classes = app.class_names();
+    let classes = app.logs.class_names();
     for (class, (key, keys)) in DIGITS.into_iter().enumerate() {
         let pressed = ui.input_mut(|input| input.consume_key(Modifiers::NONE, key));
         if let Some(name) = classes.get(class).filter(|_| pressed) {
@@ -235,7 +235,7 @@ fn name_box(ui: &mut Ui, app: &App, push: &mut impl FnMut(Keys, Command)) {
 
 /// Makes the arrows move the edited box, instead of the selected ping.
 fn move_box(ui: &mut Ui, app: &App, push: &mut impl FnMut(Keys, Command)) {
-    if app.log.reviewing.tool != Tool::Edit || app.log.reviewing.selected.is_none() {
+    if app.logs.shown.reviewing.tool != Tool::Edit || app.logs.shown.reviewing.selected.is_none() {
         return;
     }
     let arrows = [
@@ -265,7 +265,7 @@ fn move_box(ui: &mut Ui, app: &App, push: &mut impl FnMut(Keys, Command)) {
 
 /// Makes Up and Down draw the bottom shallower and deeper at the selected ping.
 fn move_bottom(ui: &mut Ui, app: &App, push: &mut impl FnMut(Keys, Command)) {
-    if app.log.reviewing.tool != Tool::Bottom {
+    if app.logs.shown.reviewing.tool != Tool::Bottom {
         return;
     }
     for (key, keys, outward) in [(Key::ArrowUp, "Up", -1), (Key::ArrowDown, "Down", 1)] {

@@ -204,7 +204,7 @@ fn state_of(view: View, app: &App) -> &'static str {
     match view {
         View::Waterfall if app.is_following() => " (following)",
         View::Waterfall => "",
-        _ if app.stale().is_none() => "",
+        _ if app.logs.shown.stale().is_none() => "",
         _ if app.is_stopped() => " (out of date)",
         _ => " (updating)",
     }

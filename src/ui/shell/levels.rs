@@ -29,7 +29,7 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     ui.separator();
     histogram(ui, context);
     automatic(ui, context);
-    if context.app.log.settings.picture.black.is_some() {
+    if context.app.logs.shown.settings.picture.black.is_some() {
         parts::setting(ui, context, &rows::PICTURE_BLACK);
         parts::setting(ui, context, &rows::PICTURE_WHITE);
     }
@@ -46,7 +46,7 @@ fn names(ui: &mut Ui, context: &mut ViewContext<'_>, setting: &'static SettingRo
     let SettingKind::Choice(choice) = &setting.kind else {
         return;
     };
-    let current = (choice.get)(&context.app.log.settings);
+    let current = (choice.get)(&context.app.logs.shown.settings);
     parts::row(ui, setting.label, setting.hint, |ui| {
         let names = ui.horizontal(|ui| {
             for name in choice.names {
@@ -66,7 +66,7 @@ fn names(ui: &mut Ui, context: &mut ViewContext<'_>, setting: &'static SettingRo
 
 /// Returns black and white as they are shown, levels.
 fn shown(context: &ViewContext<'_>, counted: &LevelHistogram) -> [f64; 2] {
-    let picture = &context.app.log.settings.picture;
+    let picture = &context.app.logs.shown.settings.picture;
     [
         picture.black.unwrap_or(f64::from(255.0 * counted.automatic.black)),
         picture.white.unwrap_or(f64::from(255.0 * counted.automatic.white)),
@@ -74,7 +74,7 @@ fn shown(context: &ViewContext<'_>, counted: &LevelHistogram) -> [f64; 2] {
 }
 
 fn automatic(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let picture = &context.app.log.settings.picture;
+    let picture = &context.app.logs.shown.settings.picture;
     let mut is_automatic = picture.black.is_none() && picture.white.is_none();
     let hint = "Black at the 1st percentile of the echoes, white a little above the 99th. \
                 Off: black and white stay as they are set.";

@@ -95,14 +95,14 @@ fn file(ui: &mut Ui, context: &mut ViewContext<'_>) {
     external(ui, context);
     ui.separator();
     entries(ui, context, ActionGroup::LogCopies);
-    let ready = context.app.log.products.is_some();
+    let ready = context.app.logs.shown.products.is_some();
     entries_where(ui, context, ActionGroup::Export, |_, _| ready);
     ui.separator();
     entries(ui, context, ActionGroup::Quit);
 }
 
 fn external(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let is_open = context.app.log.survey.is_some();
+    let is_open = context.app.logs.shown.survey.is_some();
     entries_where(ui, context, ActionGroup::External, |app, action| {
         is_open && app.is_available(action)
     });
@@ -193,7 +193,7 @@ fn view(ui: &mut Ui, context: &mut ViewContext<'_>) {
         let maritime = "maritime: port red, starboard green";
         ui.radio_value(&mut options.side_colours, SideColours::Maritime, maritime);
     });
-    if context.app.has_swath() {
+    if context.app.logs.has_swath() {
         ui.checkbox(&mut options.swath.0, "Points across the track (swath)")
             .on_hover_text("Draws the points of StructureScan 3D on the map and in 3D.");
     }
@@ -208,7 +208,7 @@ fn survey(ui: &mut Ui, context: &mut ViewContext<'_>) {
     ui.menu_button("Survey planning", |ui| entries(ui, context, ActionGroup::Planning));
     ui.menu_button("Mounting", |ui| entries(ui, context, ActionGroup::Mounting));
     entries_where(ui, context, ActionGroup::Comparing, |app, action| match action {
-        Action::CompareWith => app.log.products.is_some(),
+        Action::CompareWith => app.logs.shown.products.is_some(),
         _ => app.map.comparing.reference.is_some(),
     });
     ui.separator();
@@ -216,11 +216,11 @@ fn survey(ui: &mut Ui, context: &mut ViewContext<'_>) {
 }
 
 fn review(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let is_open = context.app.log.survey.is_some();
-    let has_boxes = context.app.has_boxes();
-    let is_known = context.app.log.reviewing.judging.source().is_some();
+    let is_open = context.app.logs.shown.survey.is_some();
+    let has_boxes = context.app.logs.has_boxes();
+    let is_known = context.app.logs.shown.reviewing.judging.source().is_some();
     entries_where(ui, context, ActionGroup::Detector, |app, action| {
-        action != Action::FindObjects || app.log.products.is_some()
+        action != Action::FindObjects || app.logs.shown.products.is_some()
     });
     ui.separator();
     entries_where(ui, context, ActionGroup::Boxes, |_, action| {

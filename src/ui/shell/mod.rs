@@ -241,7 +241,7 @@ impl Shell {
         theme::apply(ui.ctx(), self.app.view.options.theme);
         let mut commands = Vec::new();
         self.dialogs.poll(&mut commands);
-        drop::collect(ui, self.app.log_count() > 0, &mut commands);
+        drop::collect(ui, self.app.logs.count() > 0, &mut commands);
         forget_vanished_control(ui.ctx());
         self.dialogs.take_typed(ui);
         let asks = [
@@ -303,7 +303,7 @@ impl Shell {
     fn title(&self) -> String {
         let project = self.app.project_path().and_then(|path| path.file_stem());
         let mark = if self.app.is_project_unsaved() { "*" } else { "" };
-        match (project, &self.app.log.survey) {
+        match (project, &self.app.logs.shown.survey) {
             (Some(project), _) => format!("{}{mark} - Bathyscope", project.to_string_lossy()),
             (None, Some(survey)) => format!("{}{mark} - Bathyscope", survey.name()),
             (None, None) => "Bathyscope".to_owned(),

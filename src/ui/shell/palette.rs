@@ -147,14 +147,14 @@ fn items(context: &ViewContext<'_>) -> Vec<Item> {
 /// no panel has controls then.
 fn settings(context: &ViewContext<'_>) -> Vec<Item> {
     let app = context.app;
-    if app.log.survey.is_none() {
+    if app.logs.shown.survey.is_none() {
         return Vec::new();
     }
     let units = app.view.options.units;
     let item = |place: ControlPlace, row: &'static SettingRow| Item {
         label: format!("{}: {}", place.name(), row.name),
         alias: row.label,
-        aside: row.value_in_words(&app.log.settings, units),
+        aside: row.value_in_words(&app.logs.shown.settings, units),
         hint: format!("{} Goes to its control.", units.sentence(row.hint)),
         command: Command::ShowSetting(row.key),
     };
@@ -309,14 +309,14 @@ mod tests {
             press(&mut window, egui::Modifiers::NONE, Key::Escape);
         }
         let ctx = window.ctx.clone();
-        let before = window.state().app.log.settings.calibration.offset;
+        let before = window.state().app.logs.shown.settings.calibration.offset;
         let show = Command::ShowSetting("calibration.offset");
         window.state_mut().carry_out(&ctx, show);
         window.run();
         for key in [Key::ArrowDown, Key::ArrowDown, Key::Enter] {
             press(&mut window, egui::Modifiers::NONE, key);
         }
-        let after = window.state().app.log.settings.calibration.offset;
+        let after = window.state().app.logs.shown.settings.calibration.offset;
         assert_ne!(before, after);
     }
 

@@ -31,7 +31,7 @@ impl Play {
     /// Starts playing at the selection, or stops. At the end of the log, playing starts at its
     /// beginning.
     pub(super) fn toggle(&mut self, app: &App) {
-        let Some(pings) = app.log.survey.as_ref().map(|survey| &survey.side_scan) else {
+        let Some(pings) = app.logs.shown.survey.as_ref().map(|survey| &survey.side_scan) else {
             return;
         };
         let here = app.view.selection.map_or(0, |mark| mark.ping);
@@ -59,7 +59,7 @@ impl Play {
         if !self.running {
             return;
         }
-        let Some(survey) = &app.log.survey else {
+        let Some(survey) = &app.logs.shown.survey else {
             self.running = false;
             return;
         };
@@ -85,7 +85,7 @@ impl Play {
 
     /// Draws the button and the speed at the left end of the time line.
     pub(super) fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
-        if context.app.log.survey.is_none() {
+        if context.app.logs.shown.survey.is_none() {
             return;
         }
         let corner = ui.min_rect().left_top();

@@ -137,7 +137,7 @@ pub(super) fn frame(ui: &mut Ui, app: &App, text: &PrintText) {
 impl Shell {
     /// Opens the dialog, or notifies the analyst of the reason why not.
     pub(super) fn ask_to_print(&mut self) {
-        if self.app.log.products.is_none() {
+        if self.app.logs.shown.products.is_none() {
             self.say("there is nothing to print yet; open a log first");
         } else if self.app.export_fraction().is_some() {
             self.say(BUSY);

@@ -26,7 +26,7 @@ fn room(view: View) -> f32 {
 
 /// Draws the controls from right to left; draws nothing while no log is open.
 pub(super) fn ui(ui: &mut Ui, view: View, context: &mut ViewContext<'_>) {
-    if context.app.log.survey.is_none() {
+    if context.app.logs.shown.survey.is_none() {
         return;
     }
     ui.add_space(6.0);
@@ -86,7 +86,7 @@ fn waterfall(ui: &mut Ui, context: &mut ViewContext<'_>, options: &mut ViewOptio
 
 /// Draws the choice of the down-looking channel, if the log has any.
 pub(super) fn channels(ui: &mut Ui, context: &ViewContext<'_>, shown: &mut WaterfallOptions) {
-    let survey = context.app.log.survey.as_ref();
+    let survey = context.app.logs.shown.survey.as_ref();
     let has = |channel: &EchogramChannel| match channel.kind() {
         None => true,
         Some(kind) => survey.is_some_and(|survey| survey.has_echogram(kind)),
@@ -133,7 +133,7 @@ fn menu(title: egui::RichText) -> MenuButton<'static> {
 
 fn map(ui: &mut Ui, context: &ViewContext<'_>, options: &mut ViewOptions) {
     let shown = &mut options.map;
-    if context.app.log_count() > 1 || shown.track_by_log {
+    if context.app.logs.count() > 1 || shown.track_by_log {
         let hint = "Colours each track by its log, not by depth.";
         switch(ui, &mut shown.track_by_log, "By log", hint);
     }
@@ -167,7 +167,7 @@ fn cloud(ui: &mut Ui, context: &mut ViewContext<'_>, options: &mut ViewOptions) 
 }
 
 fn point_colours(ui: &mut Ui, context: &ViewContext<'_>, shown: &mut CloudOptions) {
-    let several_logs = context.app.log_count() > 1;
+    let several_logs = context.app.logs.count() > 1;
     let keys = Action::NextCloudColour.key();
     let hint = format!("What the colour of a point says ({keys}).");
     let selected = if shown.points {

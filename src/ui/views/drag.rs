@@ -30,7 +30,7 @@ impl Does {
     /// unknown.
     pub(super) fn words(self, app: &App, log: LogId, pings: [usize; 2]) -> Option<String> {
         let units = app.view.options.units;
-        let extent = app.extent_of(log, LogPart::Pings(pings))?;
+        let extent = app.logs.extent_of(log, LogPart::Pings(pings))?;
         let covered = stretch_text::extent(&extent, units);
         Some(match self {
             Self::Exclusion(edit) => stretch_text::of_drag(edit, &extent, units),

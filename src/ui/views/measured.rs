@@ -36,7 +36,7 @@ fn measured(app: &App, figure: &Measurement) -> Option<String> {
         (_, [] | [_]) => None,
         (MeasurementKind::Height, _) => {
             let (top, recorded_m) = figure.shadow()?;
-            Some(height(&app.shadow_height(top, recorded_m)?, units))
+            Some(height(&app.logs.shadow_height(top, recorded_m)?, units))
         }
         (MeasurementKind::Area, [_, _]) => Some(units.ground_length(0.5 * figure.length_m())),
         (MeasurementKind::Area, _) => {

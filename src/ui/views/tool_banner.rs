@@ -33,7 +33,7 @@ impl Banner {
         if let Some(kind) = app.map.measuring.tool {
             return measuring(app, kind, view);
         }
-        match (app.log.reviewing.tool, view) {
+        match (app.logs.shown.reviewing.tool, view) {
             (Tool::Exclude, View::Waterfall | View::Map) => Some(Self::new(
                 "Exclude stretches",
                 "drag along the pings; a click includes a stretch again",
@@ -120,7 +120,7 @@ fn of_picture(app: &App, tool: Tool) -> Option<Banner> {
     Some(match tool {
         Tool::Look | Tool::Exclude | Tool::Calibrate => return None,
         Tool::Edit => {
-            let edge = app.log.reviewing.edge;
+            let edge = app.logs.shown.reviewing.edge;
             let next = match edge {
                 BoxEdge::Whole => "drag the box or one of its edges".to_owned(),
                 edge => format!("the arrow keys move the {}", edge.name()),

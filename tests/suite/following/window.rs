@@ -33,12 +33,12 @@ fn opened(path: &Path) -> App {
     let mut app = threads();
     app.apply(Command::Open(path.to_owned()));
     wait(&mut app);
-    assert!(app.log.products.is_some(), "{:?}", app.notices.shown());
+    assert!(app.logs.shown.products.is_some(), "{:?}", app.notices.shown());
     app
 }
 
 fn pings(app: &App) -> usize {
-    app.log.survey.as_ref().map_or(0, |survey| survey.side_scan.len())
+    app.logs.shown.survey.as_ref().map_or(0, |survey| survey.side_scan.len())
 }
 
 /// Writes the rest of a log at [`SPEED`]; `duration_s` is that of all of it.
@@ -114,7 +114,7 @@ fn export(app: &mut App, folder: &Path) {
 /// Compares what following came to with the finished file, in results and in files.
 fn assert_as_finished(app: &mut App, path: &Path, folder: &Path) {
     let mut fresh = opened(path);
-    let both = [&app.log, &fresh.log].map(|log| {
+    let both = [&app.logs.shown, &fresh.logs.shown].map(|log| {
         let (survey, products) = (log.survey.clone(), log.products.clone());
         (survey.expect("a log"), products.expect("results"))
     });
@@ -186,7 +186,7 @@ fn every_ping_of_a_growing_log_appears_and_the_end_is_the_finished_file() {
     let demo = std::fs::read(demo_log()).expect("the demo");
     let (folder, mut app) = follow(&demo, "pond.sl2", 0.3, |_| ());
     end(&mut app);
-    assert!(app.log.whole.is_none(), "nothing is provisional");
+    assert!(app.logs.shown.whole.is_none(), "nothing is provisional");
     assert_as_finished(&mut app, &folder.path().join("pond.sl2"), folder.path());
 }
 
@@ -205,7 +205,7 @@ fn a_real_recording_is_followed_to_its_end() {
 fn what_the_analyst_decides_while_a_log_grows_stays_and_can_be_undone() {
     let demo = std::fs::read(demo_log()).expect("the demo");
     let decide = |app: &mut App| {
-        watch(app, |app| app.log.whole.is_some());
+        watch(app, |app| app.logs.shown.whole.is_some());
         let before = pings(app);
         app.apply(Command::Select(Some(LogPlace::ping(40))));
         app.apply(Command::DrawBottom(BottomStroke {
@@ -222,21 +222,21 @@ fn what_the_analyst_decides_while_a_log_grows_stays_and_can_be_undone() {
         let edit = Edit::Add { mark, class: 0 };
         app.apply(Command::Edit { edit, live: false });
         app.apply(Command::Exclude {
-            log: app.log.id,
+            log: app.logs.shown.id,
             part: LogPart::Pings([100, 120]),
             edit: ExclusionEdit::Exclude,
         });
-        watch(app, |app| pings(app) > before + 50 && !app.log.is_behind());
+        watch(app, |app| pings(app) > before + 50 && !app.logs.shown.is_behind());
     };
     let (_folder, mut app) = follow(&demo, "pond.sl2", 0.3, decide);
     let drawn = |app: &App| {
-        let products = app.log.products.as_ref().expect("results");
-        let boxes = app.log.reviewing.review.boxes();
+        let products = app.logs.shown.products.as_ref().expect("results");
+        let boxes = app.logs.shown.reviewing.review.boxes();
         let boxes = boxes.filter(|review_box| review_box.state == State::Added).count();
         (products.returns.is_drawn(Side::Port, 40), boxes, products.exclusions.ping(110).is_some())
     };
     assert_eq!(drawn(&app), (true, 1, true));
-    assert_eq!(app.log.reviewing.review.identity().pings, pings(&app));
+    assert_eq!(app.logs.shown.reviewing.review.identity().pings, pings(&app));
     // A box among the pings that came since.
     let last = pings(&app);
     let mark = bathyscope_objects::Mark {
@@ -247,14 +247,14 @@ fn what_the_analyst_decides_while_a_log_grows_stays_and_can_be_undone() {
     };
     let edit = Edit::Add { mark: mark.clone(), class: 0 };
     app.apply(Command::Edit { edit, live: false });
-    assert!(app.log.reviewing.review.boxes().any(|review_box| review_box.mark == mark));
+    assert!(app.logs.shown.reviewing.review.boxes().any(|review_box| review_box.mark == mark));
     for _ in 0..2 {
         app.apply(Command::Do(Action::Undo));
     }
-    watch(&mut app, |app| !app.log.is_behind());
+    watch(&mut app, |app| !app.logs.shown.is_behind());
     assert_eq!(drawn(&app), (true, 1, false));
     app.apply(Command::Do(Action::Redo));
-    watch(&mut app, |app| !app.log.is_behind());
+    watch(&mut app, |app| !app.logs.shown.is_behind());
     end(&mut app);
     assert_eq!(drawn(&app), (true, 1, true));
     for _ in 0..3 {
@@ -272,7 +272,7 @@ fn objects_are_found_as_they_come_and_decisions_stay() {
     let (_folder, mut app) = follow(&demo, "pond.sl2", 0.4, |app| {
         app.apply(Command::Do(Action::FindObjects));
         watch(app, |app| app.search_status().is_none());
-        let first = app.log.reviewing.review.boxes().next().map(|review_box| review_box.id);
+        let first = app.logs.shown.reviewing.review.boxes().next().map(|review_box| review_box.id);
         rejected = first;
         if let Some(id) = first {
             let edit = Edit::Reject(id);
@@ -281,15 +281,15 @@ fn objects_are_found_as_they_come_and_decisions_stay() {
     });
     let count = pings(&app);
     let searched = |app: &App| {
-        let last = app.log.reviewing.review.searched().last();
+        let last = app.logs.shown.reviewing.review.searched().last();
         last.map_or(0, |last| last.pings.end)
     };
     watch(&mut app, |app| searched(app) + 150 > count);
-    let boxes = app.log.reviewing.review.boxes().len();
+    let boxes = app.logs.shown.reviewing.review.boxes().len();
     eprintln!("{boxes} boxes, searched to ping {} of {count}", searched(&app));
     assert!(boxes > 0);
     if let Some(id) = rejected {
-        let kept = app.log.reviewing.review.get(id).map(|review_box| review_box.state);
+        let kept = app.logs.shown.reviewing.review.get(id).map(|review_box| review_box.state);
         assert_eq!(kept, Some(State::Rejected));
     }
     let steps = app.history().count();
@@ -320,10 +320,10 @@ fn spoil(spoil: impl FnOnce(&Path, &[u8])) -> (String, usize) {
     let said: Vec<String> =
         app.notices.shown()[notices..].iter().map(|notice| notice.text.clone()).collect();
     assert_eq!(said.len(), 1, "{said:?}");
-    assert!(!app.is_following() && app.log.whole.is_none());
-    assert!(app.log.products.is_some() && !app.log.is_behind());
+    assert!(!app.is_following() && app.logs.shown.whole.is_none());
+    assert!(app.logs.shown.products.is_some() && !app.logs.shown.is_behind());
     // Every sample can still be read: none of it is a map of the file.
-    let survey = app.log.survey.clone().expect("a log");
+    let survey = app.logs.shown.survey.clone().expect("a log");
     let mut sum = 0_u64;
     let mut samples = Vec::new();
     for ping in 0..survey.side_scan.len() {
@@ -373,14 +373,14 @@ fn a_log_in_which_nothing_is_written_costs_nothing_and_ends_as_it_was() {
     let path = folder.path().join("pond.sl2");
     std::fs::copy(demo_log(), &path).expect("a log");
     let mut app = opened(&path);
-    let before = app.log.products.clone().expect("results");
+    let before = app.logs.shown.products.clone().expect("results");
     let bytes = std::fs::read(&path).expect("a log");
     toggle(&mut app);
     let start = Instant::now();
     watch(&mut app, |_| start.elapsed() > Duration::from_secs(6));
     assert!(matches!(app.follow_status(), Some(FollowStatus::Silent { .. })));
     end(&mut app);
-    let after = app.log.products.clone().expect("results");
+    let after = app.logs.shown.products.clone().expect("results");
     assert!(Arc::ptr_eq(&before.cloud, &after.cloud), "nothing was made anew");
     assert_eq!(std::fs::read(&path).expect("a log"), bytes);
 }
@@ -419,7 +419,7 @@ fn a_project_of_a_log_that_grew_is_opened_again() {
     again.apply(Command::Open(project));
     wait(&mut again);
     let boxes: Vec<_> =
-        again.log.reviewing.review.boxes().map(|review_box| review_box.mark.clone()).collect();
+        again.logs.shown.reviewing.review.boxes().map(|review_box| review_box.mark.clone()).collect();
     assert_eq!(boxes, [mark], "{:?}", again.notices.shown());
     let whole = opened(&path);
     assert_eq!(pings(&again), pings(&whole));
@@ -430,17 +430,17 @@ fn a_project_of_a_log_that_grew_is_opened_again() {
 /// offered, with what it was taken for.
 fn follow_with_scale(whole: &[u8], name: &str, share: f64) -> (App, Option<String>) {
     let scale = |app: &App| {
-        let made = &app.log.products.as_ref().expect("results").calibration;
+        let made = &app.logs.shown.products.as_ref().expect("results").calibration;
         assert_eq!(made.mode, ScaleMode::FlatSpot);
         let pings = made.flat_spot.as_ref().map(|spot| spot.pings.clone());
         (made.factor().expect("a scale"), pings.expect("a stretch"))
     };
     let mut at_start = None;
     let (_folder, mut app) = follow(whole, name, share, |app| {
-        let mut settings = bathyscope_products::pipeline::Settings::clone(&app.log.settings);
+        let mut settings = bathyscope_products::pipeline::Settings::clone(&app.logs.shown.settings);
         settings.calibration.mode = ScaleMode::FlatSpot;
         app.apply(Command::Change { settings: Box::new(settings), label: "scale", live: false });
-        watch(app, |app| !app.log.is_behind());
+        watch(app, |app| !app.logs.shown.is_behind());
         at_start = Some(scale(app));
     });
     let (factor, pings) = at_start.expect("a scale");
@@ -453,10 +453,10 @@ fn follow_with_scale(whole: &[u8], name: &str, share: f64) -> (App, Option<Strin
     is_kept(&app);
     end(&mut app);
     is_kept(&app);
-    let named = app.log.settings.calibration.pings;
+    let named = app.logs.shown.settings.calibration.pings;
     let named = named.map(|range| range.start..range.end);
     assert_eq!(named, Some(pings.clone()), "a script uses the same stretch");
-    let best = app.log.products.as_ref().expect("results").flat_spots[0].clone();
+    let best = app.logs.shown.products.as_ref().expect("results").flat_spots[0].clone();
     println!(
         "{name}: x{factor:.3} at {pings:?}, the whole log has x{:?} at {:?}",
         best.factor, best.pings

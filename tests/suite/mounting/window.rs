@@ -31,7 +31,7 @@ fn written(folder: &Path, name: &str, seed: u64) -> KnownSurvey {
 fn open(window: &mut Window, path: &Path) {
     drop_file(window, path.to_owned());
     settle(window);
-    assert!(app(window).log.products.is_some(), "{:?}", app(window).notices.shown());
+    assert!(app(window).logs.shown.products.is_some(), "{:?}", app(window).notices.shown());
 }
 
 fn act(window: &mut Window, action: Action) {
@@ -40,7 +40,7 @@ fn act(window: &mut Window, action: Action) {
 }
 
 fn mounting(window: &Window) -> MountingSettings {
-    app(window).log.settings.mounting
+    app(window).logs.shown.settings.mounting
 }
 
 fn type_into(window: &mut Window, name: &str, value: f64) {
@@ -55,7 +55,8 @@ fn an_arm_is_typed_shown_and_taken_back() {
     let known = written(folder.path(), "pond.sl2", 3);
     let mut window = empty_window();
     open(&mut window, &folder.path().join("pond.sl2"));
-    let off = |window: &Window| off_m(&known, app(window).log.products.as_ref().expect("results"));
+    let off =
+        |window: &Window| off_m(&known, app(window).logs.shown.products.as_ref().expect("results"));
     let before_m = off(&window);
     type_into(&mut window, "Forward", 2.5);
     type_into(&mut window, "Starboard", -1.5);
@@ -82,7 +83,7 @@ fn an_arm_is_typed_shown_and_taken_back() {
 
 /// A box and a stroke on port at the same pings.
 fn mark_port(window: &mut Window) {
-    let survey = app(window).log.survey.clone().expect("a log");
+    let survey = app(window).logs.shown.survey.clone().expect("a log");
     let review = Review::new(Identity::of(&survey), vec!["rock".to_owned()]);
     let mark =
         bathyscope_objects::Mark { side: Side::Port, pings: 100..120, near_m: 4.0, far_m: 6.0 };
@@ -99,7 +100,7 @@ fn mark_port(window: &mut Window) {
 
 /// Sides of the box, of the stroke, and of the pings that count as drawn.
 fn sides(window: &Window) -> [Side; 3] {
-    let log = &app(window).log;
+    let log = &app(window).logs.shown;
     let first = log.reviewing.review.boxes().next().expect("a box");
     let drawn = &log.products.as_ref().expect("results").returns.drawn;
     [first.mark.side, log.settings.bottom.lines[0].side, drawn[0].0]
@@ -117,7 +118,7 @@ fn boxes_and_strokes_stay_on_their_echoes_when_sides_are_exchanged() {
     settle(&mut window);
     mark_port(&mut window);
     let picks = |window: &Window| {
-        let returns = app(window).log.products.as_ref().expect("results").returns.clone();
+        let returns = app(window).logs.shown.products.as_ref().expect("results").returns.clone();
         [returns.port.clone(), returns.starboard.clone()]
     };
     let [port, starboard] = picks(&window);
@@ -164,7 +165,7 @@ fn boxes_and_strokes_stay_on_their_echoes_when_sides_are_exchanged() {
     open(&mut again, &project);
     assert_eq!(mounting(&again), left);
     assert_eq!(sides(&again), [Side::Starboard; 3]);
-    let log = &app(&again).log;
+    let log = &app(&again).logs.shown;
     assert!(log.survey.as_ref().expect("a log").swapped_sides);
     // Back again, the boxes of the project come back to port.
     act(&mut again, Action::SwapSides);
@@ -190,7 +191,7 @@ fn a_review_beside_the_log_says_which_sides_it_means() {
     // A new window knows of no exchange: the box lies on the echoes that it was drawn on.
     let mut again = empty_window();
     open(&mut again, &log);
-    let first = app(&again).log.reviewing.review.boxes().next().expect("a box");
+    let first = app(&again).logs.shown.reviewing.review.boxes().next().expect("a box");
     assert_eq!(first.mark.side, Side::Port);
 }
 
@@ -217,13 +218,13 @@ fn a_recorder_has_a_default_that_its_logs_are_opened_with() {
     window.get_by_label(label).click_accesskit();
     settle(&mut window);
     let mountings = |window: &Window| -> Vec<f64> {
-        let logs = app(window).logs();
+        let logs = app(window).logs.all();
         logs.map(|log| log.settings.mounting.forward_m).collect()
     };
     assert_eq!(mountings(&window), [2.5, 2.5], "open logs of the recorder");
     let said = format!("From the default of {RECORDER}.");
-    assert!(window.query_by_label(&said).is_some(), "{}", app(&window).recorder());
-    assert!(app(&window).logs().all(|log| !log.is_behind()));
+    assert!(window.query_by_label(&said).is_some(), "{}", app(&window).logs.shown.recorder());
+    assert!(app(&window).logs.all().all(|log| !log.is_behind()));
 
     // Those that are opened from then on, but no other recorder's.
     add(&mut window, "third.sl2");
@@ -281,8 +282,8 @@ fn the_system_of_metres_is_typed_in_the_panel() {
     window.state_mut().app.apply(next);
     settle(&mut window);
     let places = |window: &Window| -> Vec<[f64; 4]> {
-        let logs = app(window).shown_logs().into_iter();
-        let place = |shown: bathyscope::app::ShownLog| {
+        let logs = app(window).logs.with_results().into_iter();
+        let place = |shown: bathyscope::app::VisibleLog| {
             let (survey, navigation) = (&shown.log.survey, &shown.log.products.navigation);
             let ping = navigation.pings[30];
             let at = navigation.to_lon_lat(&survey.track, ping.east_m, ping.north_m);
@@ -305,7 +306,7 @@ fn the_system_of_metres_is_typed_in_the_panel() {
     let refused =
         app(&window).notices.shown().last().map(|notice| notice.text.clone()).expect("a notice");
     assert!(refused.contains("source.crs: EPSG:4326 (WGS 84) has degrees"), "{refused}");
-    assert_eq!(app(&window).log.settings.source.crs, None);
+    assert_eq!(app(&window).logs.shown.settings.source.crs, None);
     enter(&mut window, "32618");
     let now = places(&window);
     println!("{now:?}");

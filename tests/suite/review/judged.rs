@@ -17,7 +17,7 @@ fn judged() -> (tempfile::TempDir, Window) {
 
 fn propose_with_mistakes(window: &mut Window, folder: &Path) {
     // Without boxes every object that counts is a miss.
-    let judging = &app(window).log.reviewing.judging;
+    let judging = &app(window).logs.shown.reviewing.judging;
     let truth = judging.comparison().expect("the truth").truth().clone();
     let seen: Vec<usize> = judging.mistakes().iter().filter_map(missed).collect();
     assert!(seen.len() > 10, "{seen:?}");
@@ -56,7 +56,7 @@ fn slide(window: &mut Window, confidence: f64) {
 }
 
 fn counts(window: &Window) -> [usize; 3] {
-    let standing = app(window).log.reviewing.judging.standing().expect("a standing");
+    let standing = app(window).logs.shown.reviewing.judging.standing().expect("a standing");
     let counts = standing.counts;
     [counts.found, counts.false_alarms, counts.missed()]
 }
@@ -102,7 +102,7 @@ fn a_click_on_the_curve_sets_the_confidence() {
     window.run();
     let least = review_of(&window).boxes().filter_map(|review_box| review_box.score);
     let least = least.fold(1.0, f32::min);
-    assert_eq!(app(&window).log.reviewing.queue.threshold, least);
+    assert_eq!(app(&window).logs.shown.reviewing.queue.threshold, least);
     assert_eq!(counts(&window)[2], 2, "what has no box stays missed");
 }
 
@@ -119,9 +119,9 @@ fn mistakes_are_walked_by_keys_and_by_clicks_and_shown_on_the_waterfall() {
     for _ in 0..2 {
         press(&mut window, Modifiers::NONE, Key::Period);
     }
-    let judging = &app(&window).log.reviewing.judging;
+    let judging = &app(&window).logs.shown.reviewing.judging;
     let object = judging.missed().expect("a missed object");
-    assert!(app(&window).log.reviewing.selected.is_none());
+    assert!(app(&window).logs.shown.reviewing.selected.is_none());
     let comparison = judging.comparison().expect("a comparison");
     let whole = comparison.truth().objects[object].whole.clone();
     let at = app(&window).view.selection.expect("a place");
@@ -130,11 +130,11 @@ fn mistakes_are_walked_by_keys_and_by_clicks_and_shown_on_the_waterfall() {
     press(&mut window, Modifiers::NONE, Key::Comma);
     let ghost = review_of(&window).get(selected(&window)).expect("a box");
     assert_eq!(ghost.score, Some(0.33));
-    assert!(app(&window).log.reviewing.judging.missed().is_none());
+    assert!(app(&window).logs.shown.reviewing.judging.missed().is_none());
 
     app_mut(&mut window).apply(Command::SortMistakes(MistakeSort::Size));
     window.run();
-    let mistakes = app(&window).log.reviewing.judging.mistakes().to_vec();
+    let mistakes = app(&window).logs.shown.reviewing.judging.mistakes().to_vec();
     assert!(mistakes.is_sorted_by(|a, b| a.size_m() >= b.size_m()));
     let row = window
         .get_all_by_label_contains("missed ")
@@ -142,7 +142,7 @@ fn mistakes_are_walked_by_keys_and_by_clicks_and_shown_on_the_waterfall() {
     // It may lie below the panel's edge.
     row.expect("a row").click_accesskit();
     window.run();
-    let last = app(&window).log.reviewing.mistake_at().expect("a mistake");
+    let last = app(&window).logs.shown.reviewing.mistake_at().expect("a mistake");
     assert!(missed(&mistakes[last]).is_some());
 }
 
@@ -166,12 +166,12 @@ fn truth_is_found_next_to_the_log_opened_by_path_and_left() {
     let mut window = crate::window::empty_window();
     app_mut(&mut window).apply(Command::Open(log.clone()));
     window.run();
-    assert!(app(&window).log.reviewing.judging.source().is_none());
+    assert!(app(&window).logs.shown.reviewing.judging.source().is_none());
     let table = folder.path().join("pond.objects.csv");
     fs::write(&table, include_str!("../../../assets/demo.objects.csv")).expect("a table");
     app_mut(&mut window).apply(Command::Open(log.clone()));
     window.run();
-    let source = app(&window).log.reviewing.judging.source();
+    let source = app(&window).logs.shown.reviewing.judging.source();
     assert_eq!(source.as_deref(), Some("pond.objects.csv"));
     app_mut(&mut window).apply(Command::Do(Action::ForgetTruth));
     window.run();

@@ -49,13 +49,13 @@ pub(crate) fn detections(window: &Window, count: usize) -> Vec<Detection> {
 }
 
 fn identity(window: &Window) -> Identity {
-    let survey = app(window).log.survey.as_ref().expect("a survey");
+    let survey = app(window).logs.shown.survey.as_ref().expect("a survey");
     Identity::of(survey)
 }
 
 fn raster(window: &Window) -> Raster {
-    let survey = app(window).log.survey.as_ref().expect("a survey");
-    let products = app(window).log.products.as_ref().expect("results");
+    let survey = app(window).logs.shown.survey.as_ref().expect("a survey");
+    let products = app(window).logs.shown.products.as_ref().expect("results");
     Raster::new(survey, &products.navigation, 0.04)
 }
 
@@ -81,11 +81,11 @@ fn proposed(count: usize) -> (tempfile::TempDir, Window) {
 }
 
 fn review_of(window: &Window) -> &Review {
-    &app(window).log.reviewing.review
+    &app(window).logs.shown.reviewing.review
 }
 
 fn selected(window: &Window) -> BoxId {
-    app(window).log.reviewing.selected.expect("a selected box")
+    app(window).logs.shown.reviewing.selected.expect("a selected box")
 }
 
 fn states(window: &Window) -> Vec<State> {
@@ -125,16 +125,16 @@ fn fifty_boxes_are_reviewed_by_keys_alone_and_come_back() {
     let named = review_of(&window);
     let trees = (named.boxes()).filter(|review_box| named.class_name(review_box.class) == TREE.1);
     assert_eq!(trees.count(), 6, "those that were named a tree");
-    assert_eq!(app(&window).log.reviewing.counts().decided(), 50);
+    assert_eq!(app(&window).logs.shown.reviewing.counts().decided(), 50);
     let scores: Vec<_> = expected
         .iter()
         .map(|(id, _)| review_of(&window).get(*id).and_then(|review_box| review_box.score))
         .collect();
     assert!(scores.is_sorted_by(|a, b| a >= b), "the surest first");
 
-    assert!(app(&window).log.reviewing.is_unsaved());
+    assert!(app(&window).logs.shown.reviewing.is_unsaved());
     press(&mut window, Modifiers::COMMAND, Key::S);
-    assert!(!app(&window).log.reviewing.is_unsaved());
+    assert!(!app(&window).logs.shown.reviewing.is_unsaved());
     let mut next = demo_window();
     next.state_mut().app.apply(Command::OpenFile(FileToOpen::Review(path)));
     next.run();
@@ -238,7 +238,7 @@ fn a_held_key_decides_about_one_box_and_goes_on_stepping() {
     press(&mut window, Modifiers::NONE, Key::Tab);
     for (decided, key) in (1..).zip([Key::A, Key::R, Key::Delete]) {
         hold(&mut window, key);
-        let counts = app(&window).log.reviewing.counts();
+        let counts = app(&window).logs.shown.reviewing.counts();
         assert_eq!(counts.decided(), decided, "{key:?}");
     }
     // A button that has the keyboard is pressed by Space and Enter, and their repeats.
@@ -246,7 +246,7 @@ fn a_held_key_decides_about_one_box_and_goes_on_stepping() {
         window.get_by_label("Accept box").focus();
         window.run();
         hold(&mut window, key);
-        let counts = app(&window).log.reviewing.counts();
+        let counts = app(&window).logs.shown.reviewing.counts();
         assert_eq!(counts.decided(), decided, "{key:?}");
     }
     let before = threshold(&window);
@@ -268,12 +268,12 @@ fn digits_name_the_selected_box_and_otherwise_focus_a_view() {
     assert_eq!(class_of(&window, id), "buoy");
     // Behind the list come the classes that boxes have besides.
     press(&mut window, Modifiers::NONE, Key::Num5);
-    let fifth = app(&window).class_names()[4].to_owned();
+    let fifth = app(&window).logs.class_names()[4].to_owned();
     assert_eq!(class_of(&window, id), fifth);
     press(&mut window, Modifiers::NONE, Key::Num9);
     assert_eq!(class_of(&window, id), fifth, "there is no ninth");
     press(&mut window, Modifiers::NONE, Key::Escape);
-    assert_eq!(app(&window).log.reviewing.selected, None);
+    assert_eq!(app(&window).logs.shown.reviewing.selected, None);
     let before = review_of(&window).clone();
     press(&mut window, Modifiers::NONE, Key::Num1);
     assert_eq!(*review_of(&window), before);
@@ -290,7 +290,7 @@ fn the_list_of_classes_is_edited_and_a_new_name_holds_for_all_boxes_as_one_step(
     let (_folder, mut window) = proposed(4);
     press(&mut window, Modifiers::NONE, Key::Tab);
     let id = selected(&window);
-    let list = |window: &Window| app(window).log.settings.review.classes.clone();
+    let list = |window: &Window| app(window).logs.shown.settings.review.classes.clone();
     let first = list(&window);
     assert_eq!(first[..2], ["wreck", "anchor"]);
     window.get_by_label("Edit classes").click_accesskit();
@@ -309,12 +309,12 @@ fn the_list_of_classes_is_edited_and_a_new_name_holds_for_all_boxes_as_one_step(
     assert_eq!(list(&window)[..2], ["anchor", "wreck"]);
     assert_eq!(class_of(&window, id), "anchor");
     // No result depends on the list.
-    assert!(app(&window).stale().is_none());
+    assert!(app(&window).logs.shown.stale().is_none());
     window.get_by_label("Remove class anchor").click_accesskit();
     window.run();
     assert!(!list(&window).contains(&"anchor".to_owned()));
     assert_eq!(class_of(&window, id), "anchor", "its boxes keep it");
-    let kept = app(&window).class_names();
+    let kept = app(&window).logs.class_names();
     assert!(kept.contains(&"anchor"), "{kept:?}");
 }
 
@@ -330,7 +330,7 @@ fn arrows_move_the_box_only_while_it_is_edited() {
     press(&mut window, Modifiers::NONE, Key::ArrowRight);
     assert_eq!(mark(&window), before);
     press(&mut window, Modifiers::NONE, Key::E);
-    assert_eq!(app(&window).log.reviewing.tool, Tool::Edit);
+    assert_eq!(app(&window).logs.shown.reviewing.tool, Tool::Edit);
     press(&mut window, Modifiers::SHIFT, Key::ArrowRight);
     assert_eq!(mark(&window).pings, before.pings.start + 10..before.pings.end + 10);
     press(&mut window, Modifiers::COMMAND, Key::ArrowLeft);
@@ -338,7 +338,7 @@ fn arrows_move_the_box_only_while_it_is_edited() {
     press(&mut window, Modifiers::NONE, Key::S);
     assert_ne!(mark(&window).side, before.side);
     press(&mut window, Modifiers::NONE, Key::Escape);
-    assert_eq!(app(&window).log.reviewing.tool, Tool::Look);
+    assert_eq!(app(&window).logs.shown.reviewing.tool, Tool::Look);
     for _ in 0..3 {
         press(&mut window, Modifiers::COMMAND, Key::Z);
     }
@@ -365,11 +365,11 @@ fn boxes_of_a_log_come_back_when_it_is_opened_again() {
     fs::write(&log, &bytes[..bytes.len() / 2]).expect("half a log");
     window.state_mut().app.apply(Command::Open(log.clone()));
     window.run();
-    assert!(!app(&window).log.reviewing.has_boxes());
+    assert!(!app(&window).logs.shown.reviewing.has_boxes());
     let add = Edit::Add { mark: found[1].mark.clone(), class: 0 };
     let app_now = &mut window.state_mut().app;
     app_now.apply(Command::Edit { edit: add, live: false });
-    let beside = app_now.review_path().expect("a place for the review");
+    let beside = app_now.logs.shown.review_path().expect("a place for the review");
     assert_eq!(beside, folder.path().join("other.review.json"));
     // The same file, spelt in another way.
     app_now.apply(Command::Write(FileToWrite::Review(folder.path().join(".").join("other.sl2"))));
@@ -400,7 +400,7 @@ fn the_confidence_slider_hides_proposals_but_no_decisions() {
     window.run();
     let sure = found.iter().skip(1).filter(|found| found.score >= 0.62).count();
     assert!((1..9).contains(&sure));
-    let counts = app(&window).log.reviewing.counts();
+    let counts = app(&window).logs.shown.reviewing.counts();
     assert_eq!((counts.rejected, counts.proposed), (1, sure));
     window.get_by_label_contains(&format!(", {} boxes in view", sure + 1));
     let below = bathyscope_bottom::presentation::text::plural(9 - sure, "proposal", "proposals");

@@ -17,7 +17,7 @@ pub(crate) fn at(window: &Window, ping: f64, across_m: f64) -> Pos2 {
 }
 
 fn farthest_m(window: &Window) -> f64 {
-    let survey = app(window).log.survey.as_ref().expect("a survey");
+    let survey = app(window).logs.shown.survey.as_ref().expect("a survey");
     let sides = survey.side_scan.iter().flat_map(|ping| [ping.port, ping.starboard]);
     sides.flatten().fold(0.0, |far_m, side| f64::max(far_m, f64::from(side.far_m)))
 }
@@ -56,7 +56,7 @@ fn a_missed_object_is_drawn_with_the_mouse_and_moved() {
     assert!(near(mark.pings.end as f64, 400.0, 4.0), "{mark:?}");
     assert!(near(mark.near_m, 5.0, 0.1) && near(mark.far_m, 8.0, 0.1), "{mark:?}");
     assert_eq!(selected(&window), review_box.id);
-    assert_eq!(app(&window).log.reviewing.tool, Tool::Look);
+    assert_eq!(app(&window).logs.shown.reviewing.tool, Tool::Look);
     assert!(window.query_by_label_contains("box 1 selected: object, added").is_some());
 
     // Without the tool a drag moves the picture, with it the box, and its far edge alone.
@@ -92,7 +92,7 @@ fn a_click_selects_the_box_under_it_and_beside_it_a_ping() {
     window.drag_at(place);
     window.drop_at(place);
     window.run();
-    let review_box = app(&window).log.reviewing.selected_box().cloned().expect("a box");
+    let review_box = app(&window).logs.shown.reviewing.selected_box().cloned().expect("a box");
     assert_eq!(review_box.mark, *mark);
     assert!(window.query_by_label_contains("Picture of box").is_some());
     window.get_by_label("Accept box").click();
@@ -107,7 +107,7 @@ fn a_click_selects_the_box_under_it_and_beside_it_a_ping() {
     window.drag_at(beside);
     window.drop_at(beside);
     window.run();
-    assert_eq!(app(&window).log.reviewing.selected, None);
+    assert_eq!(app(&window).logs.shown.reviewing.selected, None);
     assert!(app(&window).view.selection.is_some());
 }
 
@@ -122,7 +122,7 @@ fn the_border_of_echo_and_shadow_has_a_handle_of_its_own() {
     let box_now = |window: &Window| review_of(window).get(id).expect("the box").clone();
     let drawn = box_now(&window);
     assert_eq!(drawn.extent, ObjectExtent::Found);
-    let border_m = border_m(&app(&window).log.reviewing, &drawn);
+    let border_m = border_m(&app(&window).logs.shown.reviewing, &drawn);
     assert!((drawn.mark.near_m..=drawn.mark.far_m).contains(&border_m));
 
     press(&mut window, Modifiers::NONE, Key::E);
@@ -139,7 +139,7 @@ fn the_border_of_echo_and_shadow_has_a_handle_of_its_own() {
     // By keys: the border is the second edge. To port, up on the screen is outward.
     press(&mut window, Modifiers::SHIFT, Key::E);
     press(&mut window, Modifiers::SHIFT, Key::E);
-    assert_eq!(app(&window).log.reviewing.edge, BoxEdge::Border);
+    assert_eq!(app(&window).logs.shown.reviewing.edge, BoxEdge::Border);
     window.get_by_label_contains("editing its border of echo and shadow");
     press(&mut window, Modifiers::NONE, Key::ArrowUp);
     let nudged_m = box_now(&window).extent.border_m().expect("a border");
@@ -168,7 +168,7 @@ fn a_target_is_marked_by_a_click_or_at_the_pointer() {
     let mut window = demo_window();
     press(&mut window, Modifiers::NONE, Key::F);
     press(&mut window, Modifiers::NONE, Key::T);
-    assert_eq!(app(&window).log.reviewing.tool, Tool::Point);
+    assert_eq!(app(&window).logs.shown.reviewing.tool, Tool::Point);
     let place = at(&window, 300.0, -6.0);
     window.drag_at(place);
     window.drop_at(place);
@@ -183,9 +183,9 @@ fn a_target_is_marked_by_a_click_or_at_the_pointer() {
     let range_m = 0.5 * (point.near_m + point.far_m);
     assert!((range_m - 6.0).abs() < 0.1 && point.side == Side::Port, "{point:?}");
     assert!((point.pings.start as f64 - 300.0).abs() < 4.0, "{point:?}");
-    assert_eq!(app(&window).log.reviewing.tool, Tool::Look);
+    assert_eq!(app(&window).logs.shown.reviewing.tool, Tool::Look);
     let id = selected(&window);
-    let placed = app(&window).log.reviewing.placed(id).expect("a place");
+    let placed = app(&window).logs.shown.reviewing.placed(id).expect("a place");
     let target = &placed.target;
     assert!(target.length_m.is_nan() && target.width_m.is_nan() && target.height_m.is_nan());
     assert!(target.east_m.is_finite() && target.sigma_m > 0.0);

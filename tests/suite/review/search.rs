@@ -19,7 +19,7 @@ fn objects_are_found_by_a_button_and_found_again_without_losing_a_decision() {
     assert!(found > 100, "{found}");
     assert!(review_of(&window).classes().contains(&"log".to_owned()));
     assert!(window.query_by_label_contains("end_to_end.onnx").is_some());
-    assert!(!app(&window).log.reviewing.is_unsaved(), "proposals are no loss");
+    assert!(!app(&window).logs.shown.reviewing.is_unsaved(), "proposals are no loss");
     press(&mut window, Modifiers::NONE, Key::Tab);
     let id = selected(&window);
     press(&mut window, Modifiers::NONE, Key::R);
@@ -33,7 +33,7 @@ fn objects_are_found_by_a_button_and_found_again_without_losing_a_decision() {
     press(&mut window, Modifiers::COMMAND, Key::Z);
     press(&mut window, Modifiers::COMMAND, Key::Z);
     press(&mut window, Modifiers::COMMAND, Key::Z);
-    assert!(!app(&window).log.reviewing.has_boxes());
+    assert!(!app(&window).logs.shown.reviewing.has_boxes());
 
     app_mut(&mut window).apply(Command::UseModel(model("nms_inside")));
     app_mut(&mut window).apply(Command::Do(Action::FindObjects));
@@ -58,18 +58,18 @@ pub(crate) fn until(app: &mut App, done: &dyn Fn(&App) -> bool) {
 fn boxes_come_while_the_search_runs_and_stay_when_it_is_stopped() {
     let mut app = App::new(Jobs::Threads(Arc::new(|| ())));
     app.apply(Command::OpenDemo);
-    until(&mut app, &|app| app.log.products.is_some() && app.is_idle());
+    until(&mut app, &|app| app.logs.shown.products.is_some() && app.is_idle());
     app.apply(Command::UseModel(model("tianxiaomo")));
     app.apply(Command::Do(Action::FindObjects));
-    until(&mut app, &|app| app.log.reviewing.has_boxes());
+    until(&mut app, &|app| app.logs.shown.reviewing.has_boxes());
     assert!(app.search_status().is_some(), "it still runs");
     let note = app.search_note().expect("a search that runs");
     assert!(note.contains("is running: pings 0 to "), "{note}");
     app.apply(Command::Do(Action::Cancel));
     until(&mut app, &App::is_idle);
-    assert!(app.search_status().is_none() && app.log.reviewing.has_boxes());
+    assert!(app.search_status().is_none() && app.logs.shown.reviewing.has_boxes());
     // What was searched is known, and judged alone; tiles that overlap found nothing twice.
-    let review = app.log.reviewing.review.clone();
+    let review = app.logs.shown.reviewing.review.clone();
     let [gap] = &review.unsearched()[..] else {
         panic!("{:?}", review.searched());
     };
@@ -78,9 +78,9 @@ fn boxes_come_while_the_search_runs_and_stay_when_it_is_stopped() {
     let note = app.search_note().expect("a search that was stopped");
     let covered = format!("covers pings 0 to {} of {}", gap.start - 1, gap.end);
     assert!(note.contains("was stopped") && note.contains(&covered), "{note}");
-    let comparison = app.log.reviewing.judging.comparison().expect("the truth");
+    let comparison = app.logs.shown.reviewing.judging.comparison().expect("the truth");
     assert!(comparison.unsearched() > 0);
-    let standing = app.log.reviewing.judging.standing().expect("a standing");
+    let standing = app.logs.shown.reviewing.judging.standing().expect("a standing");
     let truth = &comparison.truth().objects;
     for mistake in &standing.mistakes {
         if let Mistake::Miss { object, .. } = mistake {
@@ -93,7 +93,7 @@ fn boxes_come_while_the_search_runs_and_stay_when_it_is_stopped() {
     assert_eq!(kept.searched(), review.searched());
     assert_eq!(app.undo_label(), Some("find objects"));
     app.apply(Command::Do(Action::Undo));
-    assert!(!app.log.reviewing.has_boxes() && app.search_note().is_none());
+    assert!(!app.logs.shown.reviewing.has_boxes() && app.search_note().is_none());
 }
 
 #[test]
@@ -116,7 +116,7 @@ fn a_search_that_was_stopped_does_not_look_finished() {
         press(&mut window, Modifiers::NONE, Key::A);
     }
     press(&mut window, Modifiers::NONE, Key::Escape);
-    assert_eq!(app(&window).log.reviewing.counts().proposed, 0);
+    assert_eq!(app(&window).logs.shown.reviewing.counts().proposed, 0);
     let covered = format!("The search was stopped: it covers pings 0 to {}", half - 1);
     assert!(window.get_all_by_label_contains(&covered).count() > 0);
     for finished in ["All boxes in sight are decided", "all decided"] {

@@ -163,7 +163,7 @@ impl Found {
             let Some((mark, height_m)) = drawn(&truth, index) else {
                 continue;
             };
-            let id = app.log.reviewing.review.next_id();
+            let id = app.logs.shown.reviewing.review.next_id();
             edit(&mut app, Edit::Add { mark, class: 0 });
             let name = truth.objects[index].kind.name();
             edit(&mut app, Edit::Classify(id, name.to_owned()));

@@ -56,7 +56,7 @@ fn hulls_of_thirty_metres_are_measured_by_hand_drawn_edges_and_a_measured_shadow
     for object in &truth.objects {
         let [seen] = &object.sightings[..] else { panic!("one pass: {:?}", object.sightings) };
         let (mark, border_m, shadow) = edges(seen);
-        let id = app.log.reviewing.review.next_id();
+        let id = app.logs.shown.reviewing.review.next_id();
         let added = Edit::Add { mark: mark.clone(), class: 0 };
         for change in
             [added, Edit::SetEdges { id, mark, border_m }, Edit::SetShadow(id, Some(shadow))]
@@ -85,7 +85,7 @@ fn hulls_of_thirty_metres_are_measured_by_hand_drawn_edges_and_a_measured_shadow
 
 /// Measures a shadow with the tool for it.
 fn measure(app: &mut App, mark: &Mark, shadow: MeasuredShadow) {
-    let survey = app.log.survey.clone().expect("a survey");
+    let survey = app.logs.shown.survey.clone().expect("a survey");
     app.apply(Command::Do(Action::HeightFromShadow));
     for slant_m in [shadow.top_m, shadow.end_m] {
         app.apply(Command::Measure(Measure::Pick(Pick {
@@ -130,7 +130,7 @@ fn a_measured_shadow_tells_the_height_of_its_box_until_that_is_taken_back() {
     assert!((measured.height_m / found.height_m - 1.0).abs() > 1e-6);
 
     // The file of the review keeps it, and refuses one that cannot be.
-    let review = app.log.reviewing.review.clone();
+    let review = app.logs.shown.reviewing.review.clone();
     let identity = review.identity().clone();
     let text = review.to_json();
     assert_eq!(Review::from_json(&text, &identity).expect("our own file"), *review);

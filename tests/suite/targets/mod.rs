@@ -70,7 +70,7 @@ fn written(folder: &Path, name: &str, scene: &Scene, seed: u64) -> (PathBuf, Sim
 fn settle(app: &mut App) {
     for _ in 0..200 {
         app.poll();
-        let all_done = app.visible_logs().all(|log| !log.is_behind());
+        let all_done = app.logs.visible().all(|log| !log.is_behind());
         if app.is_idle() && all_done {
             return;
         }
@@ -83,7 +83,7 @@ fn opened(log: &Path) -> App {
     let mut app = App::new(Jobs::Inline);
     app.apply(Command::Open(log.to_owned()));
     settle(&mut app);
-    assert!(app.log.products.is_some(), "{:?}", app.notices.shown());
+    assert!(app.logs.shown.products.is_some(), "{:?}", app.notices.shown());
     app
 }
 
@@ -93,18 +93,18 @@ fn edit(app: &mut App, edit: Edit) {
 }
 
 fn only_box(app: &App) -> Reviewed {
-    let mut boxes = app.log.reviewing.review.boxes();
+    let mut boxes = app.logs.shown.reviewing.review.boxes();
     let review_box = boxes.next().expect("a box").clone();
     assert_eq!(boxes.next(), None);
     review_box
 }
 
 fn target(app: &App, id: BoxId) -> Target {
-    let placed = app.log.reviewing.placed(id).expect("it has a place");
+    let placed = app.logs.shown.reviewing.placed(id).expect("it has a place");
     placed.target.clone()
 }
 
 fn log_box(app: &App, id: BoxId) -> LogBox {
-    let log = app.log.id;
+    let log = app.logs.shown.id;
     LogBox { log, id }
 }

@@ -114,7 +114,7 @@ fn drawn(seen: &ObjectPass) -> Option<Mark> {
 fn shape_of(app: &mut App, boxes: Vec<Mark>) -> Result<FittedShape, ShapeError> {
     let mut last = None;
     for mark in boxes {
-        last = Some(app.log.reviewing.review.next_id());
+        last = Some(app.logs.shown.reviewing.review.next_id());
         edit(app, Edit::Add { mark, class: 0 });
     }
     let id = last.expect("a box");
@@ -153,7 +153,7 @@ impl Found {
                 found.without += 1;
                 continue;
             }
-            let id = app.log.reviewing.review.next_id();
+            let id = app.logs.shown.reviewing.review.next_id();
             match shape_of(&mut app, marks) {
                 Err(_) => found.without += 1,
                 Ok(shape) => {

@@ -132,7 +132,7 @@ fn a_wreck_is_named_kept_exported_and_has_its_page_in_the_report() {
     let (log, truth) = written(folder.path(), "wreck.sl2", &scene(), 4);
     let mut app = opened(&log);
     described(&mut app, &truth);
-    let review = app.log.reviewing.review.clone();
+    let review = app.logs.shown.reviewing.review.clone();
     let review_box = only_box(&app);
     assert_eq!(review.class_name(review_box.class), "steam tug");
     assert_eq!(
@@ -140,7 +140,7 @@ fn a_wreck_is_named_kept_exported_and_has_its_page_in_the_report() {
         ("Anna <Maria>", Some(Certainty::Probable), "boiler amidships")
     );
     // The file of the review keeps all of it.
-    let survey = app.log.survey.clone().expect("a survey");
+    let survey = app.logs.shown.survey.clone().expect("a survey");
     let kept = Review::from_json(&review.to_json(), &Identity::of(&survey)).expect("our own file");
     assert_eq!(kept, *review);
 

@@ -30,7 +30,7 @@ fn the_automatic_level_lifts_a_dim_survey_alike_near_and_far() {
     let far = grey(&mut window);
     assert!(far.abs_diff(near) <= 3, "{far} far out, {near} near");
     let app = &mut window.state_mut().app;
-    let settings = app.log.settings.with_assignment("picture.black=0");
+    let settings = app.logs.shown.settings.with_assignment("picture.black=0");
     let settings = settings.and_then(|settings| settings.with_assignment("picture.white=255"));
     app.apply(Command::Change {
         settings: Box::new(settings.expect("settings")),

@@ -22,7 +22,7 @@ fn before(text: &str, unit: &str) -> Option<f64> {
 #[test]
 fn the_range_is_that_of_the_range_lines_with_the_recorded_one_beside_it() {
     let app = demo();
-    let offset_m = app.log.products.as_ref().expect("results").calibration.offset_m;
+    let offset_m = app.logs.shown.products.as_ref().expect("results").calibration.offset_m;
     assert!(offset_m.abs() > 0.02, "the demo has an offset: {offset_m}");
     let mut window = window(app, [600.0, 400.0]);
     settle(&mut window);
@@ -44,7 +44,7 @@ fn a_dashed_first_return_is_explained() {
     for (margin_m, dashed) in [("0.01", true), ("10", false)] {
         let mut app = demo();
         let assignment = format!("first_return.above_bottom_margin_m={margin_m}");
-        let settings = app.log.settings.with_assignment(&assignment).expect("a setting");
+        let settings = app.logs.shown.settings.with_assignment(&assignment).expect("a setting");
         app.apply(Command::Change {
             settings: Box::new(settings),
             label: "above-bottom margin",

@@ -51,7 +51,7 @@ fn shown(change: impl FnOnce(&mut Settings)) -> App {
     waterfall.range_lines = false;
     waterfall.first_return = false;
     waterfall.flat_stretches = false;
-    let mut settings = Settings::clone(&app.log.settings);
+    let mut settings = Settings::clone(&app.logs.shown.settings);
     settings.picture.black = Some(0.0);
     settings.picture.white = Some(WHITE);
     change(&mut settings);
@@ -99,7 +99,7 @@ fn the_shader_shows_what_the_numbers_say_in_every_geometry() {
         let app = &window.state().app;
         let picture = app.picture().expect("a picture");
         let gain = picture.gain.as_ref().expect("a gain table");
-        let tone = app.log.settings.picture.tone();
+        let tone = app.logs.shown.settings.picture.tone();
         let least_m = if geometry == PictureGeometry::Slant { 4.6 } else { 1.0 };
         let (mut looked_at, mut worst) = (0, 0.0_f64);
         for (row, side, across_m) in rows(least_m) {
@@ -178,7 +178,7 @@ fn ground_range_puts_an_echo_and_the_pointer_where_they_lie() {
     // Who draws the bottom sees the water above it.
     let app = &mut window.state_mut().app;
     app.apply(Command::Do(Action::DrawBottom));
-    assert_eq!(app.log.reviewing.tool, Tool::Bottom);
+    assert_eq!(app.logs.shown.reviewing.tool, Tool::Bottom);
     window.hover_at(pos2(211.5, 150.0 + (2.0 / FAR_M * 150.0) as f32));
     window.run_steps(2);
     let mark = window.state().app.view.hover.expect("the pointer is over a ping");
@@ -213,16 +213,16 @@ fn flipped_and_swapped_a_ping_is_read_where_it_is_shown() {
 #[test]
 fn a_change_of_the_picture_is_one_step_and_makes_no_result_old() {
     let mut app = shown(|_| ());
-    let products = app.log.products.clone().expect("results");
+    let products = app.logs.shown.products.clone().expect("results");
     app.apply(Command::Do(Action::GainNormalised));
-    assert_eq!(app.log.settings.picture.gain, Gain::Recorded);
-    assert!(!app.log.is_behind() && app.stale().is_none());
-    assert!(app.log.own.is_own("picture.gain"), "each log has its own");
-    let now = app.log.products.as_ref().expect("results");
+    assert_eq!(app.logs.shown.settings.picture.gain, Gain::Recorded);
+    assert!(!app.logs.shown.is_behind() && app.logs.shown.stale().is_none());
+    assert!(app.logs.shown.own.is_own("picture.gain"), "each log has its own");
+    let now = app.logs.shown.products.as_ref().expect("results");
     assert!(Arc::ptr_eq(&now.cloud, &products.cloud));
     app.apply(Command::Do(Action::Undo));
-    assert_eq!(app.log.settings.picture.gain, Gain::Empirical);
-    assert!(!app.log.is_behind());
+    assert_eq!(app.logs.shown.settings.picture.gain, Gain::Empirical);
+    assert!(!app.logs.shown.is_behind());
     app.apply(Command::Do(Action::Redo));
-    assert_eq!(app.log.settings.picture.gain, Gain::Recorded);
+    assert_eq!(app.logs.shown.settings.picture.gain, Gain::Recorded);
 }

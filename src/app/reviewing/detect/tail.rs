@@ -54,7 +54,7 @@ impl App {
         let Some(detector) = self.findings.search.detector.clone() else {
             return;
         };
-        let Some(log) = self.open_log(id) else {
+        let Some(log) = self.logs.get(id) else {
             return;
         };
         let (Some(survey), Some(products)) = (&log.survey, &log.products) else {
@@ -119,7 +119,7 @@ impl App {
             found.iter().filter(|detection| detection.mark.pings.start > from || from == 0);
         let inside: Vec<Detection> = inside.cloned().collect();
         let adopted = self.adopted(log, &inside, pings);
-        if let Some((log, review)) = self.log_mut(log).zip(adopted) {
+        if let Some((log, review)) = self.logs.get_mut(log).zip(adopted) {
             log.reviewing.set(review);
             self.keep_project(LABEL);
         }

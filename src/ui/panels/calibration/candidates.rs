@@ -27,7 +27,7 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, survey: &Survey, pr
         return parts::remark(ui, "No flat stretch was found in this log.");
     }
     let title = text::plural(spots.len(), "flat stretch", "flat stretches");
-    let log = &context.app.log;
+    let log = &context.app.logs.shown;
     let is_asked_for = log.reviewing.tool == Tool::Calibrate || log.proposed_stretch().is_some();
     egui::CollapsingHeader::new(title)
         .id_salt("ranked flat stretches")
@@ -76,7 +76,7 @@ fn candidate(
         factor.unwrap_or_else(|| "none".to_owned()),
         stretch_text::spread(spot).unwrap_or_default(),
     ];
-    let is_proposed = context.app.log.proposed_stretch() == Some(range);
+    let is_proposed = context.app.logs.shown.proposed_stretch() == Some(range);
     let worse = objections.first().map(|why| units.sentence(why));
     let brief = || stretch_text::brief(spot, units);
     let words = worse.as_ref().map_or_else(brief, |why| format!("worse: {why}"));

@@ -26,11 +26,11 @@ const TITLE: &str = "Calibration";
 pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let is_new = follow_proposal(ui, context);
     section(ui, context, Section::new(TITLE).step(2).of(Stage::Calibration), |ui, context| {
-        let Some(products) = context.app.log.products.clone() else {
+        let Some(products) = context.app.logs.shown.products.clone() else {
             return parts::remark(ui, "No result yet.");
         };
         let calibration = &products.calibration;
-        let survey = context.app.log.survey.clone();
+        let survey = context.app.logs.shown.survey.clone();
         let source = survey.as_ref().map(|survey| survey.range_source).unwrap_or_default();
         in_use(ui, calibration, source, context.units());
         setting(
@@ -57,7 +57,7 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 /// opens.
 fn follow_proposal(ui: &Ui, context: &ViewContext<'_>) -> bool {
     let id = egui::Id::unique("stretch proposed in the frame before");
-    let now = context.app.log.proposed_stretch();
+    let now = context.app.logs.shown.proposed_stretch();
     let before: Option<PingRange> = ui.data(|data| data.get_temp(id)).flatten();
     ui.data_mut(|data| data.insert_temp(id, now));
     let is_new = now.is_some() && now != before;
@@ -149,14 +149,14 @@ fn pings(range: PingRange) -> String {
 /// Draws the tool that proposes a stretch, and the button that restores the recorded range.
 fn tools(ui: &mut Ui, context: &mut ViewContext<'_>, mode: ScaleMode) {
     let action = Action::Calibrate;
-    let holds = context.app.log.reviewing.tool == Tool::Calibrate;
+    let holds = context.app.logs.shown.reviewing.tool == Tool::Calibrate;
     ui.horizontal_wrapped(|ui| {
         let button = Button::new("Calibrate on a stretch").selected(holds);
         let response = controls::underline(ui, holds, button);
         // The tool is the control of the setting of the scale.
         find_setting::answer(ui, context, rows::SCALE.key, &response);
         context.keyed_button(response, action);
-        if mode == ScaleMode::FlatSpot && context.app.log.proposed_stretch().is_none() {
+        if mode == ScaleMode::FlatSpot && context.app.logs.shown.proposed_stretch().is_none() {
             let keep = Action::KeepRecordedRange;
             context.button(ui.button(keep.label()), keep);
         }

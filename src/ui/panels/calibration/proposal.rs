@@ -12,10 +12,10 @@ use std::sync::Arc;
 
 /// Draws the proposed stretch, if there is one; a new one is scrolled into view.
 pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, products: &Products, is_new: bool) {
-    let Some(range) = context.app.log.proposed_stretch() else {
+    let Some(range) = context.app.logs.shown.proposed_stretch() else {
         return;
     };
-    let trial = context.app.log.scale_trial().cloned();
+    let trial = context.app.logs.shown.scale_trial().cloned();
     let frame = Frame::group(ui.style()).show(ui, |ui| {
         ui.set_width(ui.available_width());
         let title = RichText::new(format!("Proposed: {}", pings(range)));

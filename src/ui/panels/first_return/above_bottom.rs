@@ -18,7 +18,7 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, above: &AboveBottom
     if above.count == 0 {
         return;
     }
-    let margin_m = context.app.log.settings.first_return.above_bottom_margin_m;
+    let margin_m = context.app.logs.shown.settings.first_return.above_bottom_margin_m;
     let hint = format!(
         "First returns nearer than the recorded depth by more than {}: dashed in the waterfall.",
         context.units().measure(margin_m, 2)
@@ -39,7 +39,7 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, above: &AboveBottom
 /// counts for the map.
 fn reasons(context: &ViewContext<'_>, above: &AboveBottom) -> Vec<String> {
     let units = context.units();
-    let settings = &context.app.log.settings.surface;
+    let settings = &context.app.logs.shown.settings.surface;
     let usual = above.count - above.standing;
     let mut reasons = Vec::new();
     if usual > 0 {
@@ -133,7 +133,7 @@ fn row(ui: &mut Ui, context: &mut ViewContext<'_>, stretch: &AboveStretch) {
 
 fn tool(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let action = Action::AcceptBottom;
-    let holds = context.app.log.reviewing.tool == Tool::Accept;
+    let holds = context.app.logs.shown.reviewing.tool == Tool::Accept;
     let button = Button::new(action.label()).selected(holds);
     let button = controls::underline(ui, holds, button);
     context.button(button, action);

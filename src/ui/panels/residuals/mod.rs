@@ -24,14 +24,14 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         // The comparison needs a triangulation of all soundings, and starts only when the section
         // is visible.
         let place = Rect::from_min_size(ui.cursor().min, vec2(ui.available_width(), HEIGHT));
-        if context.app.log.products.is_some() && ui.is_rect_visible(place) {
+        if context.app.logs.shown.products.is_some() && ui.is_rect_visible(place) {
             context.push(Command::CompareWithReference);
         }
         reference::ui(ui, context);
         let Some(agreement) = context.app.agreement().cloned() else {
             return parts::remark(ui, lack(context.app));
         };
-        let figures = context.app.log.figures.as_ref();
+        let figures = context.app.logs.shown.figures.as_ref();
         let same_ping = figures
             .filter(|_| agreement.reference.is_none() && agreement.logs.len() == 1)
             .and_then(|figures| figures.residuals.as_ref());

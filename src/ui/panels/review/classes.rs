@@ -28,7 +28,7 @@ impl Classes {
 
     /// Draws the survey's list of classes: the name of each, and buttons that move or remove it.
     fn list(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
-        let list = context.app.log.settings.review.classes.clone();
+        let list = context.app.logs.shown.settings.review.classes.clone();
         if self.written.0 != list {
             self.written = (list.clone(), list.clone());
         }
@@ -113,11 +113,11 @@ fn place(ui: &mut Ui, context: &mut ViewContext<'_>, list: &[String], index: usi
 /// Draws a button for each class, which gives that class to the selected box.
 fn choose(ui: &mut Ui, context: &mut ViewContext<'_>, review_box: &Reviewed) {
     let app = context.app;
-    let now = app.log.reviewing.review.class_name(review_box.class);
+    let now = app.logs.shown.reviewing.review.class_name(review_box.class);
     let mut chosen = None;
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
-        for (class, name) in app.class_names().into_iter().enumerate() {
+        for (class, name) in app.logs.class_names().into_iter().enumerate() {
             let (label, hint) = if class < KEYED {
                 (format!("{} {name}", class + 1), format!("Key {}", class + 1))
             } else {

@@ -34,11 +34,11 @@ impl Line {
     }
 
     fn of(self, app: &App, id: LogBox) -> Option<String> {
-        let review_box = app.log_box(id)?;
+        let review_box = app.logs.log_box(id)?;
         Some(match self {
             Self::Name => review_box.name.clone(),
             Self::Class => {
-                let review = &app.open_log(id.log)?.reviewing.review;
+                let review = &app.logs.get(id.log)?.reviewing.review;
                 review.class_name(review_box.class).to_owned()
             }
             Self::Note => review_box.note.clone(),
@@ -66,7 +66,7 @@ pub(super) struct BoxTexts {
 impl BoxTexts {
     /// Draws the fields of the texts of the selected box.
     pub(super) fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>, review_box: &Reviewed) {
-        self.keep(context, context.app.selected_log_box());
+        self.keep(context, context.app.logs.shown.selected_box());
         let Some((id, texts)) = &mut self.written else {
             return;
         };

@@ -52,7 +52,7 @@ impl ReviewPanel {
 
     /// Draws the section; draws nothing while there are no boxes.
     pub(crate) fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
-        if !context.app.has_boxes() {
+        if !context.app.logs.has_boxes() {
             *self = Self::default();
             return;
         }
@@ -76,7 +76,7 @@ impl ReviewPanel {
 }
 
 fn progress(ui: &mut Ui, context: &ViewContext<'_>) {
-    let all = context.app.review_counts();
+    let all = context.app.logs.review_counts();
     let counts = all.boxes;
     let (decided, total) = (counts.decided(), counts.total());
     let said = match all.logs {

@@ -56,8 +56,8 @@ impl ObjectPictures {
         let app = context.app;
         let options = &app.view.options.waterfall;
         let picture = |id: &LogBox| {
-            let mark = &app.log_box(*id)?.mark;
-            Some((*id, chip::ChipKey::of(app.open_log(id.log)?, mark, options)?))
+            let mark = &app.logs.log_box(*id)?.mark;
+            Some((*id, chip::ChipKey::of(app.logs.get(id.log)?, mark, options)?))
         };
         let shown = object.boxes.iter().take(MOST_PICTURES);
         let boxes: Boxes = shown.filter_map(picture).collect();
@@ -90,8 +90,8 @@ impl ObjectPictures {
 
 /// Draws a picture over the name of its log; a click shows the box in its log.
 fn sighting(ui: &mut Ui, app: &App, id: LogBox, chip: &BoxChip) -> Option<Command> {
-    let (log, review_box) = (app.open_log(id.log)?, app.log_box(id)?);
-    let is_selected = app.selected_log_box() == Some(id);
+    let (log, review_box) = (app.logs.get(id.log)?, app.logs.log_box(id)?);
+    let is_selected = app.logs.shown.selected_box() == Some(id);
     let response = ui
         .vertical(|ui| {
             ui.set_max_width(PICTURE_WIDTH);
@@ -104,7 +104,7 @@ fn sighting(ui: &mut Ui, app: &App, id: LogBox, chip: &BoxChip) -> Option<Comman
             }
             ui.horizontal(|ui| {
                 let ping = review_box.mark.pings.start;
-                let name = match app.log_count() {
+                let name = match app.logs.count() {
                     0 | 1 => format!("ping {ping}"),
                     _ => {
                         swatch(ui, log.colour);
@@ -163,7 +163,7 @@ fn seen(app: &App, object: &Object) -> String {
         }
         None => text::plural(object.sightings, "pass", "passes"),
     };
-    if app.log_count() > 1 {
+    if app.logs.count() > 1 {
         let logs = text::plural(object.logs().len(), "log", "logs");
         seen += &format!(", in {logs}");
     }

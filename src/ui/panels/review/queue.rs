@@ -14,7 +14,7 @@ const ANY_M: f64 = 100.0;
 
 /// Draws the controls.
 pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let before = &context.app.log.reviewing.queue;
+    let before = &context.app.logs.shown.reviewing.queue;
     let mut queue = before.clone();
     least_score(ui, &mut queue);
     sort(ui, &mut queue);
@@ -22,7 +22,7 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     state(ui, &mut queue);
     score(ui, &mut queue);
     size(ui, &mut queue, context.units());
-    let counts = context.app.review_counts();
+    let counts = context.app.logs.review_counts();
     let (line, all) = (counts.in_line, counts.boxes.total());
     if line < all {
         remark(ui, format!("The filter shows {} of {all}.", text::count(line)));
@@ -60,7 +60,7 @@ fn class(ui: &mut Ui, context: &ViewContext<'_>, queue: &mut Queue) {
     row(ui, "Class", "Only boxes of this class.", |ui| {
         list(ui, "class of boxes", &shown, |choices| {
             choices.value(chosen, None, "all");
-            for name in context.app.class_names() {
+            for name in context.app.logs.class_names() {
                 choices.value(chosen, Some(name.to_owned()), name);
             }
         })

@@ -14,9 +14,9 @@ use egui::{RichText, Ui};
 impl ReviewPanel {
     /// Draws the selected box, or a remark on how to select one.
     pub(super) fn selected(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
-        let Some(review_box) = context.app.log.reviewing.selected_box().cloned() else {
+        let Some(review_box) = context.app.logs.shown.reviewing.selected_box().cloned() else {
             self.lines.keep(context, None);
-            let all = context.app.review_counts().boxes.proposed == 0;
+            let all = context.app.logs.review_counts().boxes.proposed == 0;
             let is_part = context.app.search_note().is_some();
             remark(
                 ui,
@@ -42,19 +42,19 @@ impl ReviewPanel {
     fn picture(&mut self, ui: &mut Ui, context: &ViewContext<'_>, review_box: &Reviewed) {
         let app = context.app;
         let shown = &app.view.options.waterfall;
-        let Some(key) = chip::ChipKey::of(&app.log, &review_box.mark, shown) else {
+        let Some(key) = chip::ChipKey::of(&app.logs.shown, &review_box.mark, shown) else {
             return;
         };
         let (of, ctx) = (key.clone(), ui.ctx().clone());
         self.chip.ask(key, app.workers(), move |_| BoxChip::new(&of, &ctx));
         if let Some(picture) = self.chip.result() {
-            picture.ui(ui, review_box, &app.log.reviewing.review, app.view.options.units);
+            picture.ui(ui, review_box, &app.logs.shown.reviewing.review, app.view.options.units);
         }
     }
 }
 
 fn title(ui: &mut Ui, context: &ViewContext<'_>, review_box: &Reviewed) {
-    let review = &context.app.log.reviewing.review;
+    let review = &context.app.logs.shown.reviewing.review;
     ui.horizontal_wrapped(|ui| {
         let class = review.class_name(review_box.class);
         let title = if review_box.name.is_empty() { class } else { &review_box.name };
@@ -69,9 +69,9 @@ fn title(ui: &mut Ui, context: &ViewContext<'_>, review_box: &Reviewed) {
         let state = RichText::new(review_box.state.name()).color(colour);
         ui.label(state);
         let corrected = if review_box.edited { ", corrected" } else { "" };
-        let log = match context.app.log_count() {
+        let log = match context.app.logs.count() {
             0 | 1 => String::new(),
-            _ => format!(" of {}", context.app.log.name()),
+            _ => format!(" of {}", context.app.logs.shown.name()),
         };
         let name = format!("box {}{log}{corrected}", review_box.id.0);
         ui.label(RichText::new(name).weak());
@@ -79,7 +79,7 @@ fn title(ui: &mut Ui, context: &ViewContext<'_>, review_box: &Reviewed) {
 }
 
 fn decisions(ui: &mut Ui, context: &mut ViewContext<'_>, review_box: &Reviewed) {
-    let tool = context.app.log.reviewing.tool;
+    let tool = context.app.logs.shown.reviewing.tool;
     ui.horizontal_wrapped(|ui| {
         for named in [
             (Action::AcceptBox, "Accept"),
@@ -113,13 +113,13 @@ fn facts(ui: &mut Ui, context: &ViewContext<'_>, review_box: &Reviewed) {
     let app = context.app;
     let mark = &review_box.mark;
     let hint = "Along the track and in slant range; echo and shadow together.";
-    let value = size(app.log.reviewing.size_m(mark), app.view.options.units);
+    let value = size(app.logs.shown.reviewing.size_m(mark), app.view.options.units);
     fact(ui, "Size", hint, value);
     fact(ui, "Range", "Slant range of its near and far edge.", {
         let ranges = app.view.options.units.span(place::ranges_m(app, mark), 2);
         format!("{ranges} {}", mark.side.name())
     });
-    if let Some(placed) = app.log.reviewing.placed(review_box.id) {
+    if let Some(placed) = app.logs.shown.reviewing.placed(review_box.id) {
         on_the_ground(ui, context, review_box, &placed.target);
     }
     let model = review_box.model.as_deref().unwrap_or("drawn by hand");
@@ -164,7 +164,7 @@ fn on_the_ground(ui: &mut Ui, context: &ViewContext<'_>, review_box: &Reviewed, 
 /// Returns the height of the object that a box shows; until its boxes are joined, the height by
 /// this box alone.
 fn object_height(app: &App, id: BoxId, target: &Target) -> ObjectHeight {
-    let log = app.log.id;
+    let log = app.logs.shown.id;
     match app.object_of(LogBox { log, id }) {
         Some(object) => object.height,
         None => ObjectHeight::of(std::iter::once(target)),
@@ -173,7 +173,7 @@ fn object_height(app: &App, id: BoxId, target: &Target) -> ObjectHeight {
 
 /// Returns the source of the height in words.
 fn height_source(app: &App, id: BoxId, height: ObjectHeight) -> String {
-    let log = app.log.id;
+    let log = app.logs.shown.id;
     match app.object_of(LogBox { log, id }) {
         Some(object) => app.listed_object(object).height_source(),
         None => height.source_in_words(None),

@@ -26,7 +26,7 @@ impl StatusCell {
 /// of the bar.
 pub(super) fn of(app: &App, mark: LogPlace) -> Vec<StatusCell> {
     let units = app.view.options.units;
-    let survey = app.log.survey.as_ref();
+    let survey = app.logs.shown.survey.as_ref();
     let Some(ping) = survey.and_then(|survey| survey.side_scan.get(mark.ping)) else {
         return Vec::new();
     };
@@ -39,7 +39,7 @@ pub(super) fn of(app: &App, mark: LogPlace) -> Vec<StatusCell> {
         };
         StatusCell::new(2, format!("range {}{side}", units.measure(range_m, 2)))
     });
-    let products = app.log.products.as_ref();
+    let products = app.logs.shown.products.as_ref();
     let here = products.and_then(|products| products.navigation.pings.get(mark.ping));
     let speed = here.map_or(f64::NAN, |here| here.speed_mps);
     let start_unix_s = survey.and_then(|survey| survey.start_unix_s);

@@ -106,7 +106,7 @@ impl TimelineLayout {
     }
 
     fn axis(&self, ui: &Ui, context: &ViewContext<'_>, strips: &Strips) {
-        let survey = context.app.log.survey.as_ref();
+        let survey = context.app.logs.shown.survey.as_ref();
         let start = survey.and_then(|survey| survey.start_unix_s);
         // In a window too narrow for the strips their width is negative: without this limit there
         // would be a tick each second.
@@ -134,7 +134,7 @@ impl TimelineLayout {
     /// Draws warnings, the visible pings, the pointer of other views and the play head.
     pub(super) fn marks(&self, ui: &Ui, context: &ViewContext<'_>, strips: &Strips) {
         let app = context.app;
-        let Some(survey) = &app.log.survey else {
+        let Some(survey) = &app.logs.shown.survey else {
             return;
         };
         let x_of = |ping: usize| {
@@ -173,7 +173,7 @@ impl TimelineLayout {
         let painter = ui.painter().with_clip_rect(self.all);
         let veil = ui.visuals().extreme_bg_color.gamma_multiply(0.75);
         let bar = theme::excluded_colour(context.options());
-        let found = context.app.log.exclusions().into_iter();
+        let found = context.app.logs.shown.exclusions().into_iter();
         for stretch in found.flat_map(|found| &found.exclusions.stretches) {
             let [from, to] = stretch.time_s.map(|time_s| strips.x(self.all, time_s));
             let x = from..=to.max(from + 1.0);
@@ -210,7 +210,7 @@ impl TimelineLayout {
         strips: &Strips,
     ) {
         let ping_at = |at: Pos2| {
-            let pings = &context.app.log.survey.as_ref()?.side_scan;
+            let pings = &context.app.logs.shown.survey.as_ref()?.side_scan;
             let time_s = strips.time_s(self.all, at.x);
             let after = pings.partition_point(|ping| ping.time_s < time_s);
             (!pings.is_empty()).then(|| after.min(pings.len() - 1))

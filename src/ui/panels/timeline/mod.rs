@@ -62,7 +62,7 @@ impl TimeLine {
 
     fn refresh(&mut self, context: &ViewContext<'_>) {
         let app = context.app;
-        let Some(survey) = app.log.judged() else {
+        let Some(survey) = app.logs.shown.judged() else {
             *self = Self::default();
             return;
         };
@@ -72,8 +72,8 @@ impl TimeLine {
             self.seen_survey = app.view.survey_serial;
             self.strips = Background::default();
         }
-        let key = StripsKey::of(survey, app.log.products.as_ref());
-        let (survey, products) = (survey.clone(), app.log.products.clone());
+        let key = StripsKey::of(survey, app.logs.shown.products.as_ref());
+        let (survey, products) = (survey.clone(), app.logs.shown.products.clone());
         let work = move |_: &_| Some(Strips::of(&survey, products.as_ref()));
         self.strips.ask(key, app.workers(), work);
     }

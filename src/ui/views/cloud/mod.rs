@@ -103,12 +103,12 @@ impl CloudView {
         rect: Rect,
         response: &Response,
     ) -> String {
-        let Some(survey) = context.app.log.survey.clone() else {
+        let Some(survey) = context.app.logs.shown.survey.clone() else {
             let text = "The 3D point cloud of a survey appears here.";
             empty::offer_to_open(ui, context, rect, text);
             return "3D point cloud, empty".to_owned();
         };
-        let Some(products) = context.app.log.products.clone() else {
+        let Some(products) = context.app.logs.shown.products.clone() else {
             empty::wait(ui, context, rect, "The point cloud is being built.");
             return "3D point cloud, being built".to_owned();
         };
@@ -193,13 +193,16 @@ impl CloudView {
         let colours = (options.cloud.colour, options.theme, options.side_colours);
         let logs: Vec<SceneLogPoints> = context
             .app
-            .shown_logs()
+            .logs
+            .with_results()
             .iter()
             .map(|shown| SceneLogPoints::of(shown, options.swath))
             .collect();
         let uploader = context.uploader();
-        let ends =
-            ColourEnds { depth_m: context.app.depth_range_m(), scales: context.app.point_scales() };
+        let ends = ColourEnds {
+            depth_m: context.app.logs.depth_range_m(),
+            scales: context.app.logs.point_scales(),
+        };
         let key = (logs.clone(), ends, colours);
         self.scene.ask(key, context.app.workers(), move |progress| {
             let scene = CloudScene::new(logs, ends, &options, uploader.as_ref(), progress);

@@ -23,8 +23,8 @@ pub(super) fn paint(painter: &Painter, app: &App, scene: &CloudScene, axes: &Box
     if !app.view.options.cloud.boxes {
         return;
     }
-    for log in app.visible_logs() {
-        let selected = app.log.reviewing.selected.filter(|_| log.id == app.log.id);
+    for log in app.logs.visible() {
+        let selected = app.logs.shown.reviewing.selected.filter(|_| log.id == app.logs.shown.id);
         boxes(painter, &log.reviewing, selected, scene, axes);
     }
     shape(painter, app, scene, axes);

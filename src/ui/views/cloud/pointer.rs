@@ -152,7 +152,7 @@ impl CloudPointer {
         let mark = point.and_then(|point| scene.mark(point));
         // Other views show the log of the selection; they have no place for a hovered point of
         // another log.
-        let here = mark.filter(|(log, _)| *log == context.app.log.id);
+        let here = mark.filter(|(log, _)| *log == context.app.logs.shown.id);
         self.hover.tell(context, here.map(|(_, mark)| mark));
         if response.clicked() {
             let on_bottom = || position_on(bottom?, context.app, axes, at?);
@@ -172,7 +172,7 @@ fn position_on(bottom: &BottomScene, app: &App, axes: &BoxAxes<'_>, at: Pos2) ->
         return None;
     }
     let [east_m, north_m, _] = axes.origin_m;
-    let (survey, products) = (app.log.survey.as_ref()?, app.log.products.as_ref()?);
+    let (survey, products) = (app.logs.shown.survey.as_ref()?, app.logs.shown.products.as_ref()?);
     let [east_m, north_m] = [east_m + f64::from(place.x), north_m + f64::from(place.y)];
     Some((products.navigation).to_lon_lat(&survey.track, east_m, north_m))
 }
@@ -205,7 +205,7 @@ pub(super) fn paint_marks(
     for (mark, colour, width) in marks {
         if let Some(mark) = mark {
             let stroke = Stroke::new(width, colour);
-            let of_log = (app.log.id, &mark);
+            let of_log = (app.logs.shown.id, &mark);
             paint_mark(painter, of_log, products, seen.scene, axes, stroke);
             let is_on_bottom = mark.point.is_none() && mark.sample.is_some();
             let place = || seen.bottom?.at(place::east_north(app, mark)?);

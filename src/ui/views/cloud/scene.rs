@@ -1,6 +1,6 @@
 //! Prepares the cloud for drawing and picking; computed in a background thread.
 
-use crate::app::{CloudColour, LogId, LogPlace, ShownLog, SwathShown, ViewOptions};
+use crate::app::{CloudColour, LogId, LogPlace, SwathShown, ViewOptions, VisibleLog};
 use crate::ui::render::{CloudBuffers, PointVertex, ScenePart, Uploader};
 use crate::ui::theme;
 use bathyscope_bottom::calibration::Calibration;
@@ -84,7 +84,7 @@ pub(super) struct SceneLogPoints {
 
 impl SceneLogPoints {
     /// Creates the points of a log with its results.
-    pub(super) fn of(shown: &ShownLog, swath: SwathShown) -> Self {
+    pub(super) fn of(shown: &VisibleLog, swath: SwathShown) -> Self {
         let products = &shown.log.products;
         Self {
             id: shown.id,

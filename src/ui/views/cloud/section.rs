@@ -90,7 +90,7 @@ pub(super) fn paint_water(painter: &Painter, app: &App, scene: &CloudScene, axes
         let [fill, line] = water_colours(axes.options);
         painter.add(Shape::convex_polygon(outline, fill, Stroke::new(1.0, line)));
     }
-    let logs = app.shown_logs();
+    let logs = app.logs.with_results();
     let most = MOST_PLACES / logs.len().max(1);
     for shown in logs {
         let pings = &shown.log.products.navigation.pings;

@@ -24,7 +24,7 @@ pub(super) fn paint(painter: &Painter, scene: &MapScene<'_>, app: &App) {
     }
     let casing = Stroke::new(CASING, theme::canvas_colour(scene.options));
     let dashes = Stroke::new(WIDTH, theme::excluded_colour(scene.options));
-    for log in app.visible_logs() {
+    for log in app.logs.visible() {
         for sailed in stretches(log) {
             stroke(painter, &places(scene, sailed), casing, dashes);
         }
@@ -43,7 +43,7 @@ fn stretches(log: &OpenLog) -> impl Iterator<Item = &[PingNav]> {
 
 /// Returns the number of excluded side-scan pings of all visible logs.
 pub(super) fn ping_count(app: &App) -> usize {
-    let found = app.visible_logs().filter_map(OpenLog::exclusions);
+    let found = app.logs.visible().filter_map(OpenLog::exclusions);
     found.map(|found| found.exclusions.ping_count()).sum()
 }
 

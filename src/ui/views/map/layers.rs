@@ -2,7 +2,7 @@
 
 use super::lines::MapLine;
 use super::transform::{GroundBounds, NOWHERE, around, away_m};
-use crate::app::{LogId, ShownLog};
+use crate::app::{LogId, VisibleLog};
 use crate::ui::render::{Specks, Uploader, Vertex};
 use bathyscope_bottom::cloud::{Correction, DepthSource, PingDepth};
 use bathyscope_bottom::presentation::colours::{depth_colour, depth_share};
@@ -41,8 +41,8 @@ struct LayerLogKey {
 impl TrackKey {
     /// Creates the key of these logs with a colour scale between two depths, metres; `by_log`
     /// colours by log instead of depth.
-    pub(super) fn of(logs: &[ShownLog], range_m: Option<[f32; 2]>, by_log: bool) -> Self {
-        let key = |shown: &ShownLog| LayerLogKey {
+    pub(super) fn of(logs: &[VisibleLog], range_m: Option<[f32; 2]>, by_log: bool) -> Self {
+        let key = |shown: &VisibleLog| LayerLogKey {
             id: shown.id,
             colour: shown.colour,
             survey: Same(shown.log.survey.clone()),
@@ -73,7 +73,7 @@ impl TrackLayer {
     /// Creates the tracks, with depths corrected like those of the depth map; `None` when nothing
     /// has a position, or when cancelled.
     pub(super) fn new(
-        logs: &[ShownLog],
+        logs: &[VisibleLog],
         range_m: Option<[f32; 2]>,
         by_log: bool,
         uploader: Option<&Uploader>,

@@ -161,12 +161,12 @@ impl MapView {
         rect: Rect,
         response: &Response,
     ) -> String {
-        let Some(survey) = context.app.log.survey.clone() else {
+        let Some(survey) = context.app.logs.shown.survey.clone() else {
             let text = "A survey's track and depth map appear here.";
             empty::offer_to_open(ui, context, rect, text);
             return "Map, empty".to_owned();
         };
-        let Some(products) = context.app.log.products.clone() else {
+        let Some(products) = context.app.logs.shown.products.clone() else {
             let text = "The track is being computed.";
             empty::wait(ui, context, rect, text);
             return "Map, waiting for the track".to_owned();
@@ -199,12 +199,13 @@ impl MapView {
             depth_map: (context.app.depth_map()).filter(|_| context.app.needs_depth_map()),
             isobaths: self.layers.isobaths(&context.options().map.layers),
             residuals: self.layers.residuals(&context.options().map.layers),
-            has_faults: (context.app.log.figures.as_ref())
+            has_faults: (context.app.logs.shown.figures.as_ref())
                 .is_some_and(|figures| figures.faults.all() > 0),
-            made_of: (context.app.log.whole.as_ref()).map(|whole| whole.survey.side_scan.len()),
+            made_of: (context.app.logs.shown.whole.as_ref())
+                .map(|whole| whole.survey.side_scan.len()),
             has_excluded: exclusions::ping_count(context.app) > 0,
-            has_swath: context.app.has_swath(),
-            proposed: context.app.log.proposed_stretch(),
+            has_swath: context.app.logs.has_swath(),
+            proposed: context.app.logs.shown.proposed_stretch(),
             options: context.options(),
         };
         paint(ui, context, &scene, &mut self.layers);
@@ -247,8 +248,8 @@ impl MapView {
     ) {
         let uploader = context.uploader();
         let by_log = context.options().map.track_by_log;
-        let logs = context.app.shown_logs();
-        let range_m = context.app.depth_range_m();
+        let logs = context.app.logs.with_results();
+        let range_m = context.app.logs.depth_range_m();
         let key = TrackKey::of(&logs, range_m, by_log);
         let tracked = logs.clone();
         self.track.ask(key, context.app.workers(), move |progress| {
@@ -347,7 +348,7 @@ fn paint(ui: &Ui, context: &ViewContext<'_>, scene: &scene::MapScene<'_>, layers
 }
 
 fn boxes(context: &ViewContext<'_>) -> String {
-    let logs = || context.app.visible_logs().map(|log| &log.reviewing);
+    let logs = || context.app.logs.visible().map(|log| &log.reviewing);
     let placed = logs().flat_map(|reviewing| {
         let boxes = reviewing.in_line();
         boxes.filter(|review_box| reviewing.placed(review_box.id).is_some())
@@ -372,7 +373,7 @@ fn layers(context: &ViewContext<'_>) -> String {
 
 fn name(app: &App, products: &Products, track: &TrackLayer) -> String {
     let reference = products.reduction().reference_name();
-    let surveys = app.visible_logs().filter_map(|log| log.survey.as_ref());
+    let surveys = app.logs.visible().filter_map(|log| log.survey.as_ref());
     let pings = surveys.map(|survey| survey.side_scan.len()).sum();
     let excluded = match exclusions::ping_count(app) {
         0 => String::new(),

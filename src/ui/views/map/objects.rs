@@ -21,8 +21,8 @@ const FOOTPRINT: f32 = 12.0;
 fn placed<'a>(scene: &MapScene<'_>, app: &'a App) -> impl Iterator<Item = Seen<'a>> {
     let (rect, transform) = (scene.rect.expand(2.0 * HALF), scene.transform);
     let frame = scene.rect;
-    let own = app.visible_logs().filter(|log| log.id == app.log.id);
-    let others = app.visible_logs().filter(|log| log.id != app.log.id);
+    let own = app.logs.visible().filter(|log| log.id == app.logs.shown.id);
+    let others = app.logs.visible().filter(|log| log.id != app.logs.shown.id);
     let logs = others.chain(own);
     logs.flat_map(move |log| {
         let reviewing = &log.reviewing;
@@ -57,7 +57,8 @@ pub(super) fn paint(painter: &Painter, scene: &MapScene<'_>, app: &App) {
     sightings(painter, scene, app);
     for seen in placed(scene, app) {
         let Seen { log, review_box, placed, at } = seen;
-        let is_selected = log.id == app.log.id && Some(review_box.id) == log.reviewing.selected;
+        let is_selected =
+            log.id == app.logs.shown.id && Some(review_box.id) == log.reviewing.selected;
         let colour = theme::box_colour_on_panel(scene.options.theme, review_box.state);
         let footprint = placed.corners.map(|corner| scene.at(corner));
         if Rect::from_points(&footprint).size().max_elem() >= FOOTPRINT {
@@ -97,7 +98,7 @@ fn sightings(painter: &Painter, scene: &MapScene<'_>, app: &App) {
     let middle = scene.at(object.place_m);
     let stroke = Stroke::new(1.0, theme::SELECTION_COLOUR);
     for id in &object.boxes {
-        let placed = app.open_log(id.log);
+        let placed = app.logs.get(id.log);
         if let Some(placed) = placed.and_then(|log| log.reviewing.placed(id.id)) {
             let at = scene.at([placed.target.east_m, placed.target.north_m]);
             painter.line_segment([middle, at], stroke);

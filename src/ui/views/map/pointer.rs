@@ -78,7 +78,7 @@ impl MapPointer {
         let is_measuring = context.app.map.measuring.tool.is_some();
         let near = at.and_then(|at| nearest(scene, context.app, at)).filter(|_| !is_measuring);
         // Other views show the log of the selection; they have no place for a ping of another log.
-        let here = near.filter(|(log, _)| *log == context.app.log.id);
+        let here = near.filter(|(log, _)| *log == context.app.logs.shown.id);
         let ping = here.map(|(_, ping)| LogPlace::ping(ping));
         self.hover.tell(context, ping);
         if let Some(at) = at {
@@ -87,7 +87,7 @@ impl MapPointer {
         if let Some(at) = response.interact_pointer_pos()
             && response.clicked()
             && !is_measuring
-            && context.app.log.reviewing.tool != Tool::Exclude
+            && context.app.logs.shown.reviewing.tool != Tool::Exclude
         {
             self.click(context, scene, at);
         }
@@ -109,9 +109,9 @@ impl MapPointer {
     fn click(&self, context: &mut ViewContext<'_>, scene: &MapScene<'_>, at: Pos2) {
         let near = nearest(scene, context.app, at);
         let spot = flat_spots::under(scene, at);
-        let is_calibrating = context.app.log.reviewing.tool == Tool::Calibrate;
+        let is_calibrating = context.app.logs.shown.reviewing.tool == Tool::Calibrate;
         if is_calibrating || spot.is_some() {
-            let around = || context.app.stretch_around(own_ping(context.app, near)?);
+            let around = || context.app.logs.shown.stretch_around(own_ping(context.app, near)?);
             let pings = spot.and_then(|rank| range_of(scene, rank)).or_else(around);
             context.commands.extend(pings.map(Command::ProposeStretch));
             return;
@@ -144,14 +144,14 @@ impl MapPointer {
             };
             ui.separator();
             ui.label(named_ping(context.app, (log, ping)));
-            let is_own = log == context.app.log.id;
+            let is_own = log == context.app.logs.shown.id;
             if is_own && ui.button("Propose for the scale").clicked() {
-                if let Some(pings) = context.app.stretch_around(ping) {
+                if let Some(pings) = context.app.logs.shown.stretch_around(ping) {
                     context.push(Command::ProposeStretch(pings));
                 }
                 ui.close();
             }
-            if let Some(stretch) = context.app.excluded_at(log, ping)
+            if let Some(stretch) = context.app.logs.excluded_at(log, ping)
                 && stretch_text::include_again(ui, &stretch)
             {
                 let (part, edit) = (stretch.part(), ExclusionEdit::Include);
@@ -232,17 +232,17 @@ fn passes_menu(ui: &mut Ui, context: &mut ViewContext<'_>, at: LonLat) {
 fn nearest(scene: &MapScene<'_>, app: &App, at: Pos2) -> Option<(LogId, usize)> {
     let place = scene.transform.to_ground(scene.rect, at);
     let reach_m = f64::from(REACH) * scene.transform.metres_per_point;
-    scene.track.nearest_ping(place, reach_m, app.log.id)
+    scene.track.nearest_ping(place, reach_m, app.logs.shown.id)
 }
 
 /// Returns the ping if it is one of the log that the panels show.
 fn own_ping(app: &App, near: Option<(LogId, usize)>) -> Option<usize> {
-    near.filter(|(log, _)| *log == app.log.id).map(|(_, ping)| ping)
+    near.filter(|(log, _)| *log == app.logs.shown.id).map(|(_, ping)| ping)
 }
 
 /// Names a ping, with the name of its log if more than one is open.
 fn named_ping(app: &App, (log, ping): (LogId, usize)) -> String {
-    match app.open_log(log).filter(|_| app.log_count() > 1) {
+    match app.logs.get(log).filter(|_| app.logs.count() > 1) {
         Some(log) => format!("{}, ping {ping}", log.name()),
         None => format!("ping {ping}"),
     }

@@ -2,7 +2,7 @@
 
 use super::dots::{Dot, Dots};
 use super::tiles::TilePainter;
-use crate::app::{ShownLog, SideColours, SwathShown, ThemeChoice, ViewOptions};
+use crate::app::{SideColours, SwathShown, ThemeChoice, ViewOptions, VisibleLog};
 use crate::ui::theme;
 use bathyscope_bottom::cloud::{CloudPoint, PointClass, PointCloud, PointSource};
 use bathyscope_log::support::progress::Progress;
@@ -24,8 +24,8 @@ pub(super) struct PointKey {
 
 impl PointKey {
     /// Creates the key of the points of these logs with their colours.
-    pub(super) fn of(logs: &[ShownLog], options: &ViewOptions) -> Self {
-        let key = |shown: &ShownLog| {
+    pub(super) fn of(logs: &[VisibleLog], options: &ViewOptions) -> Self {
+        let key = |shown: &VisibleLog| {
             let products = &shown.log.products;
             (Same(products.cloud.clone()), Same(products.classes.clone()))
         };
@@ -50,7 +50,7 @@ pub(super) fn note(options: &ViewOptions, has_swath: bool) -> String {
 /// Returns the tiles of all kept points; inner `None` if there is no point, outer `None` when
 /// cancelled.
 pub(super) fn source(
-    logs: &[ShownLog],
+    logs: &[VisibleLog],
     options: &ViewOptions,
     progress: &Progress,
 ) -> Option<Option<Arc<dyn TilePainter>>> {

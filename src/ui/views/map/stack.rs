@@ -12,7 +12,7 @@ use super::scene::MapScene;
 use super::tiles::{TileLayer, TilePainter};
 use super::transform::{GroundBounds, joined};
 use super::{objects, track};
-use crate::app::{DrawnIsobaths, LayerStack, MapLayer, ShownLog};
+use crate::app::{DrawnIsobaths, LayerStack, MapLayer, VisibleLog};
 use crate::ui::ViewContext;
 use bathyscope_bottom::mosaic::{Colours, MosaicSettings};
 use bathyscope_bottom::presentation::units::Units;
@@ -87,7 +87,7 @@ impl Layers {
         context: &ViewContext<'_>,
         survey: &Arc<Survey>,
         products: &Products,
-        logs: &[ShownLog],
+        logs: &[VisibleLog],
     ) {
         let stack = &context.options().map.layers;
         self.deriving = context.app.deriving().collect();

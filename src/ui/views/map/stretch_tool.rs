@@ -52,8 +52,8 @@ impl StretchTool {
             self.drag = None;
             return false;
         }
-        let is_calibrating = context.app.log.reviewing.tool == Tool::Calibrate;
-        let shown = context.app.log.id;
+        let is_calibrating = context.app.logs.shown.reviewing.tool == Tool::Calibrate;
+        let shown = context.app.logs.shown.id;
         let ground = |at: Pos2| transform.to_ground(rect, at);
         let reach_m = f64::from(REACH) * transform.metres_per_point;
         // Only the log in the panels has a scale to propose.
@@ -72,7 +72,7 @@ impl StretchTool {
         }
         let clicked = response.clicked().then(|| response.interact_pointer_pos());
         if let Some((log, ping)) = clicked.flatten().and_then(under)
-            && let Some(stretch) = context.app.excluded_at(log, ping)
+            && let Some(stretch) = context.app.logs.excluded_at(log, ping)
             && !is_calibrating
         {
             let (part, edit) = (stretch.part(), ExclusionEdit::Include);
@@ -99,7 +99,7 @@ impl StretchTool {
     /// Draws the drag in progress, and describes the stretch that it covers.
     pub(super) fn draw(&self, painter: &Painter, scene: &MapScene<'_>, app: &App) {
         let Some((drag, log)) =
-            (self.drag.as_ref()).and_then(|drag| Some((drag, app.open_log(drag.log)?)))
+            (self.drag.as_ref()).and_then(|drag| Some((drag, app.logs.get(drag.log)?)))
         else {
             return;
         };
@@ -120,5 +120,5 @@ impl StretchTool {
 
 /// Returns true if one of the tools is selected.
 pub(super) fn is_in_hand(app: &App) -> bool {
-    matches!(app.log.reviewing.tool, Tool::Exclude | Tool::Calibrate)
+    matches!(app.logs.shown.reviewing.tool, Tool::Exclude | Tool::Calibrate)
 }

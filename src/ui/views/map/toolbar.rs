@@ -33,7 +33,7 @@ fn buttons(ui: &mut Ui, context: &mut ViewContext<'_>, request: &mut Option<View
         *request = Some(ViewRequest::Fit);
     }
     let action = Action::Calibrate;
-    let holds = context.app.log.reviewing.tool == Tool::Calibrate;
+    let holds = context.app.logs.shown.reviewing.tool == Tool::Calibrate;
     let tool = controls::chip(ui, holds, "Calibrate").accessible_name(action.label());
     context.keyed_button(tool, action);
 }

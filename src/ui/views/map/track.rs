@@ -50,10 +50,10 @@ pub(super) fn show(
 /// Draws the recorder's own track as a thin line beneath the track of another receiver, with
 /// strokes that join the positions of both at the same times.
 pub(super) fn paint_recorded(painter: &Painter, scene: &MapScene<'_>, app: &App) {
-    if app.log.external.recorded.is_none() || !scene.shows(MapLayer::Track) {
+    if app.logs.shown.external.recorded.is_none() || !scene.shows(MapLayer::Track) {
         return;
     }
-    let apart = &app.log.external.apart;
+    let apart = &app.logs.shown.external.apart;
     let at = |place: &_| {
         let navigation = &scene.products.navigation;
         scene.at(navigation.to_plane(&scene.survey.track, *place))
@@ -118,7 +118,7 @@ pub(super) fn paint_mounting(painter: &Painter, scene: &MapScene<'_>, app: &App)
 /// Returns a text about antenna and transducer for screen readers, which follows the name of the
 /// map.
 pub(super) fn mounting_name(app: &App) -> String {
-    let products = app.log.products.as_ref();
+    let products = app.logs.shown.products.as_ref();
     let apart = products
         .zip(app.view.selection)
         .is_some_and(|(products, mark)| products.navigation.antenna.get(mark.ping).is_some());

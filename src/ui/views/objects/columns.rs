@@ -22,7 +22,7 @@ impl ColumnWidths {
     /// Returns the widths for the available room, points; spare room is given to the columns of
     /// text.
     pub(super) fn fit(room: f32, app: &App) -> Self {
-        let shown: Vec<&ObjectColumn> = ObjectColumn::shown(app.log_count()).collect();
+        let shown: Vec<&ObjectColumn> = ObjectColumn::shown(app.logs.count()).collect();
         let least: f32 = shown.iter().map(|column| least_width(column)).sum();
         let shares: f32 = shown.iter().map(|column| share(column)).sum();
         let left = (room - PICTURE_WIDTH - least).max(0.0);

@@ -53,7 +53,7 @@ impl ObjectsView {
     /// Draws the table, or a text that explains why it is empty.
     pub(crate) fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
         let rect = ui.available_rect_before_wrap();
-        if context.app.log.survey.is_none() {
+        if context.app.logs.shown.survey.is_none() {
             ui.painter().rect_filled(rect, 0.0, theme::canvas_colour(context.options()));
             let text = "The objects of a survey are listed here.";
             return empty::offer_to_open(ui, context, rect, text);
@@ -164,13 +164,13 @@ impl ObjectsView {
         let last = listed.len().saturating_sub(1);
         if let Some(index) = list_keys::moved(ui, selected, last, self.page.max(1)) {
             let object = listed.get(index);
-            let id = object.and_then(|object| context.app.best_box(object));
+            let id = object.and_then(|object| context.app.logs.best_box(object));
             return id.map(Command::SelectLogBox).into_iter().collect();
         }
         if !ui.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Enter)) {
             return Vec::new();
         }
-        let id = context.app.selected_log_box();
+        let id = context.app.logs.shown.selected_box();
         id.filter(|_| selected.is_some()).map_or_else(Vec::new, enlarged)
     }
 }
@@ -239,7 +239,7 @@ fn no_objects(ui: &mut Ui, context: &mut ViewContext<'_>) {
         ui.label(RichText::new(text).weak());
         ui.add_space(6.0);
         let action = Action::FindObjects;
-        let is_ready = context.app.log.products.is_some();
+        let is_ready = context.app.logs.shown.products.is_some();
         let button = ui.add_enabled(is_ready, Button::new(action.label()));
         context.button(button, action);
     });

@@ -57,7 +57,7 @@ impl ObjectTableRow<'_> {
             Some(whole) => response.on_hover_text_at_pointer(whole),
             None => response,
         };
-        let Some(best) = app.best_box(self.object) else {
+        let Some(best) = app.logs.best_box(self.object) else {
             return Vec::new();
         };
         match (response.double_clicked(), response.clicked()) {
@@ -93,10 +93,10 @@ impl ObjectTableRow<'_> {
     }
 
     fn picture(&self, ui: &mut Ui, app: &App, area: Rect, thumbnails: &Thumbnails) {
-        let Some(id) = app.best_box(self.object) else {
+        let Some(id) = app.logs.best_box(self.object) else {
             return;
         };
-        if let (Some(review_box), Some(chip)) = (app.log_box(id), thumbnails.of(id)) {
+        if let (Some(review_box), Some(chip)) = (app.logs.log_box(id), thumbnails.of(id)) {
             let mut inside = ui.new_child(UiBuilder::new().max_rect(area));
             chip.draw(&mut inside, review_box, area.size(), Sense::hover());
         }
@@ -133,7 +133,7 @@ impl ObjectTableRow<'_> {
 fn log_colours(ui: &Ui, app: &App, object: &Object, cell: Rect) {
     let painter = ui.painter_at(cell);
     let logs = object.logs();
-    let colours = logs.iter().filter_map(|id| app.open_log(*id));
+    let colours = logs.iter().filter_map(|id| app.logs.get(*id));
     for (place, log) in colours.enumerate() {
         let left = cell.left() + 12.0 * place as f32;
         let square = Rect::from_center_size(pos2(left + 4.5, cell.center().y), vec2(9.0, 9.0));
@@ -172,9 +172,9 @@ impl Thumbnails {
         in_sight: impl Iterator<Item = &'a Object>,
     ) {
         let wanted = |object: &Object| -> Option<WantedThumbnail> {
-            let id = app.best_box(object)?;
-            let mark = &app.log_box(id)?.mark;
-            let key = ChipKey::of(app.open_log(id.log)?, mark, &app.view.options.waterfall)?;
+            let id = app.logs.best_box(object)?;
+            let mark = &app.logs.log_box(id)?.mark;
+            let key = ChipKey::of(app.logs.get(id.log)?, mark, &app.view.options.waterfall)?;
             Some((id, key))
         };
         let wanted: Vec<WantedThumbnail> = in_sight.filter_map(wanted).collect();

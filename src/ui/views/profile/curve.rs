@@ -33,7 +33,7 @@ impl ScaleJob {
     /// Returns the normalisation for the present settings; during the measurement the last one with
     /// the same survey and image, or else the full scale of a sample.
     pub(super) fn of(&mut self, context: &ViewContext<'_>, survey: &Arc<Survey>) -> Normalisation {
-        let settings = &context.app.log.settings;
+        let settings = &context.app.logs.shown.settings;
         let key = ScaleKey {
             survey_serial: context.app.view.survey_serial,
             image: settings.image.clone(),
@@ -156,7 +156,7 @@ mod tests {
         let mut app = App::new(Jobs::Inline);
         app.apply(Command::OpenDemo);
         app.poll();
-        let survey = app.log.survey.clone().expect("the demo");
+        let survey = app.logs.shown.survey.clone().expect("the demo");
         let context = ViewContext {
             app: &app,
             render_state: None,
@@ -166,7 +166,7 @@ mod tests {
         let mut job = ScaleJob::default();
         let shown = job.of(&context, &survey);
         assert!(job.is_settled());
-        let settings = &app.log.settings;
+        let settings = &app.logs.shown.settings;
         let (image, dead_zone_m) = (&settings.image, settings.first_return.dead_zone_m);
         let measured = Normalisation::measure(&survey, image, dead_zone_m, &Progress::new());
         assert_eq!(format!("{shown:?}"), format!("{:?}", measured.expect("not cancelled")));

@@ -86,7 +86,7 @@ impl ProfileView {
         let painter = ui.painter_at(rect);
         let canvas = theme::canvas_colour(context.options());
         flat::fill(&painter, rect, canvas, context.render_state);
-        let survey = context.app.log.survey.clone();
+        let survey = context.app.logs.shown.survey.clone();
         let mark = context.app.view.hover.or(context.app.view.selection);
         let Some((survey, mark)) = survey.zip(mark) else {
             let words = "move the pointer over the waterfall, or select a ping";
@@ -129,7 +129,7 @@ impl ProfileView {
         plot: &ProfilePlot,
         context: &mut ViewContext<'_>,
     ) {
-        let line = plot.y(context.app.log.settings.first_return.threshold);
+        let line = plot.y(context.app.logs.shown.settings.first_return.threshold);
         let near = |at: egui::Pos2| plot.area.contains(at) && (at.y - line).abs() <= GRIP;
         if response.drag_started() {
             let origin = ui.input(|input| input.pointer.press_origin());
@@ -181,7 +181,7 @@ fn shown<'a>(survey: &'a Survey, ping: usize, context: &ViewContext<'a>) -> Opti
     let recorded = survey.side_scan.get(ping)?;
     let reduction = place::reduction(context.app);
     let found = |side| {
-        let pick = context.app.returns()?.side(side).get(ping).copied()?;
+        let pick = context.app.logs.shown.returns()?.side(side).get(ping).copied()?;
         let range_m = reduction.range_m(recorded.side(side)?, f64::from(pick.sample));
         range_m.is_finite().then_some(Found { pick, range_m })
     };
@@ -192,9 +192,9 @@ fn shown<'a>(survey: &'a Survey, ping: usize, context: &ViewContext<'a>) -> Opti
         recorded,
         bottom: place::bottom(context.app, ping),
         picks: Side::BOTH.map(found),
-        threshold: context.app.log.settings.first_return.threshold,
-        dead_zone_m: context.app.log.settings.first_return.dead_zone_m,
-        excluded: stretch_text::excluded_at(context.app, context.app.log.id, ping),
+        threshold: context.app.logs.shown.settings.first_return.threshold,
+        dead_zone_m: context.app.logs.shown.settings.first_return.dead_zone_m,
+        excluded: stretch_text::excluded_at(context.app, context.app.logs.shown.id, ping),
     })
 }
 

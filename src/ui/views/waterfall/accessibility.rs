@@ -17,7 +17,7 @@ pub(super) fn without_picture(
     response: &Response,
     is_reading: bool,
 ) {
-    let survey = context.app.log.survey.clone();
+    let survey = context.app.logs.shown.survey.clone();
     let said = match survey {
         None => {
             empty::first_steps(ui, context, rect);
@@ -57,8 +57,8 @@ pub(super) fn describe(
 
 fn name(visible: &Range<usize>, survey: &Survey, context: &ViewContext<'_>) -> String {
     let options = &context.options().waterfall;
-    let source = context.app.log.settings.first_return.bottom_line;
-    let first_return = match (context.app.bottom_line(), options.first_return, source) {
+    let source = context.app.logs.shown.settings.first_return.bottom_line;
+    let first_return = match (context.app.logs.shown.bottom_line(), options.first_return, source) {
         (_, false, _) => "first return hidden",
         (None, true, _) => "first return not yet found",
         (Some(_), true, BottomLine::Search) => "first return shown",
@@ -68,7 +68,7 @@ fn name(visible: &Range<usize>, survey: &Survey, context: &ViewContext<'_>) -> S
     let warning =
         overlay::warning(survey, units).map_or_else(String::new, |text| format!(", {text}"));
     let excluded = stretch_text::and_stretches(context.app);
-    let products = context.app.log.products.as_ref();
+    let products = context.app.logs.shown.products.as_ref();
     let ranges = products
         .and_then(|products| products.calibration.range_change())
         .map_or_else(String::new, |change| format!(", {}", units.sentence(&change)));

@@ -30,7 +30,7 @@ impl BottomPen {
         lens: &Lens,
         context: &mut ViewContext<'_>,
     ) -> bool {
-        if context.app.log.reviewing.tool != Tool::Bottom {
+        if context.app.logs.shown.reviewing.tool != Tool::Bottom {
             self.stroke = None;
             return false;
         }
@@ -114,7 +114,7 @@ fn at(lens: &Lens, side: Side, ping: f64, range_m: f64) -> Pos2 {
 pub(super) fn drawn(painter: &Painter, lens: &Lens, app: &App) {
     let seen = lens.pings();
     let pen = WaterfallPen::new(theme::HAND_COLOUR, WIDTH);
-    for line in &app.log.settings.bottom.lines {
+    for line in &app.logs.shown.settings.bottom.lines {
         let [first, last] = line.pings.map(|ping| ping as f64);
         if last + 1.0 < seen.start || first > seen.end {
             continue;
@@ -139,7 +139,8 @@ pub(super) fn drawn(painter: &Painter, lens: &Lens, app: &App) {
 /// pings than a line can show.
 fn accepted(lens: &Lens, app: &App, line: &BottomEdit) -> Vec<Pos2> {
     const MOST_PLACES: usize = 512;
-    let Some((returns, survey)) = app.bottom_line().zip(app.log.survey.as_ref()) else {
+    let Some((returns, survey)) = app.logs.shown.bottom_line().zip(app.logs.shown.survey.as_ref())
+    else {
         return Vec::new();
     };
     let seen = lens.pings();

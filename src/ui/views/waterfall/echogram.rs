@@ -65,9 +65,9 @@ impl EchogramPart {
 
     /// Starts again for another log or channel.
     fn follow(&mut self, ctx: &egui::Context, app: &App) {
-        let survey = app.log.survey.as_ref();
+        let survey = app.logs.shown.survey.as_ref();
         let chosen = survey.map(|survey| channel_of(app, survey));
-        let (Some(channel), Some(survey)) = (chosen, &app.log.survey) else {
+        let (Some(channel), Some(survey)) = (chosen, &app.logs.shown.survey) else {
             self.shown = None;
             return;
         };
@@ -172,7 +172,7 @@ fn aim(
 ) -> Lens {
     let arrangement = Arrangement {
         orientation: app.view.options.waterfall.orientation,
-        flip: app.log.settings.picture.flip,
+        flip: app.logs.shown.settings.picture.flip,
         ..Arrangement::default()
     };
     let extent = PictureExtent {
@@ -273,7 +273,7 @@ impl EchogramOverlay<'_> {
         };
         painter.line_segment(edge, Stroke::new(1.0, ink));
         let mut labels = WaterfallLabels::new(painter);
-        let log = app.log.survey.as_ref();
+        let log = app.logs.shown.survey.as_ref();
         if let Some(text) = log.and_then(|log| overlay::warning(log, options.units)) {
             labels.keep_clear(overlay::banner(painter, lens.rect, &text));
         }
@@ -291,9 +291,10 @@ impl EchogramOverlay<'_> {
         let depth = pen(theme::DEPTH_LINE_COLOUR);
         let as_recorded = Reduction::default();
         lines::depth(painter, lens, self.survey, self.drawing, as_recorded, depth);
-        let returns = app.bottom_line().filter(|_| app.view.options.waterfall.first_return);
+        let returns =
+            app.logs.shown.bottom_line().filter(|_| app.view.options.waterfall.first_return);
         let (Some(returns), Some(side_scan), Some(log)) =
-            (returns, self.side_scan, &app.log.survey)
+            (returns, self.side_scan, &app.logs.shown.survey)
         else {
             return;
         };

@@ -22,7 +22,7 @@ pub(super) struct Veiled {
 
 /// Returns the visible excluded stretches.
 pub(super) fn in_view(lens: &Lens, app: &App) -> Vec<Veiled> {
-    let found = app.log.exclusions();
+    let found = app.logs.shown.exclusions();
     let stretches = found.iter().flat_map(|found| &found.exclusions.stretches);
     let seen = stretches.filter_map(|stretch| {
         let pings = stretch.pings?;

@@ -36,7 +36,7 @@ enum Kind {
 /// Returns the visible stretches: that of the calibration, the proposed one, and the ranked ones if
 /// they are shown or one is to be chosen.
 pub(super) fn in_view(lens: &Lens, app: &App) -> Vec<ShownStretch> {
-    let products = app.log.products.as_ref();
+    let products = app.logs.shown.products.as_ref();
     let Some(products) = products.filter(|_| place::has_side_scan(app)) else {
         return Vec::new();
     };
@@ -47,7 +47,7 @@ pub(super) fn in_view(lens: &Lens, app: &App) -> Vec<ShownStretch> {
     };
     let used = calibration.flat_spot.iter();
     let used = used.filter_map(|spot| stretch(lens, &spot.pings, Kind::InUse, name.to_owned()));
-    let proposed = app.log.proposed_stretch();
+    let proposed = app.logs.shown.proposed_stretch();
     let proposed = proposed.map(|pings| pings.start..pings.end);
     let proposed = proposed.and_then(|pings| {
         let name = "proposed for the scale".to_owned();
@@ -63,12 +63,12 @@ pub(super) fn in_view(lens: &Lens, app: &App) -> Vec<ShownStretch> {
 }
 
 fn shows_ranked(app: &App) -> bool {
-    app.view.options.waterfall.flat_stretches || app.log.reviewing.tool == Tool::Calibrate
+    app.view.options.waterfall.flat_stretches || app.logs.shown.reviewing.tool == Tool::Calibrate
 }
 
 /// Returns the ranked stretch whose bar is under the pointer.
 pub(super) fn under(lens: &Lens, app: &App, at: Pos2) -> Option<PingRange> {
-    let spots = app.log.products.as_ref()?.flat_spots.iter();
+    let spots = app.logs.shown.products.as_ref()?.flat_spots.iter();
     let mut spots = spots.filter(|_| shows_ranked(app));
     let is_here = |spot: &&FlatSpot| {
         let found = stretch(lens, &spot.pings, Kind::Ranked, String::new());

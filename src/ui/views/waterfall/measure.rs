@@ -201,7 +201,7 @@ fn pick_at(survey: &Survey, place: LensPlace) -> Option<Pick> {
 /// Returns the places on the screen of the figure's picks in the shown log, each with the number of
 /// its corner.
 fn on_screen<'a>(lens: &'a Lens, app: &App, figure: &'a Measurement) -> Vec<(usize, Pos2)> {
-    let Some(survey) = &app.log.survey else {
+    let Some(survey) = &app.logs.shown.survey else {
         return Vec::new();
     };
     let shown = Identity::of(survey);
@@ -265,7 +265,7 @@ fn shadow(painter: &Painter, lens: &Lens, app: &App, figure: &Measurement) {
     }
     let words = figure
         .shadow()
-        .and_then(|(top, recorded_m)| app.shadow_height(top, recorded_m))
+        .and_then(|(top, recorded_m)| app.logs.shadow_height(top, recorded_m))
         .map(|found| measured::height(&found, app.view.options.units));
     if let Some(((_, at), words)) = ends.last().zip(words) {
         label(painter, lens, *at, &words);

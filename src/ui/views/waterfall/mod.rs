@@ -102,7 +102,7 @@ impl WaterfallView {
             let drawing = self.drawing.as_ref();
             let settled = self.echogram.ui(ui, below, &mut along, drawing, context);
             self.settled &= settled;
-            let survey = context.app.log.survey.as_ref();
+            let survey = context.app.logs.shown.survey.as_ref();
             // A side-scan that is still being read must start at its own beginning; without a
             // side-scan, only the channel moves the camera.
             if self.camera.is_some() || survey.is_some_and(|survey| !survey.has_side_scan()) {
@@ -154,24 +154,24 @@ impl WaterfallView {
     /// Starts again when another survey is open; when the sides are exchanged, the camera is kept.
     fn follow_survey(&mut self, ctx: &egui::Context, context: &mut ViewContext<'_>) {
         let app = context.app;
-        let serial = app.log.survey.as_ref().map(|_| app.view.survey_serial);
+        let serial = app.logs.shown.survey.as_ref().map(|_| app.view.survey_serial);
         let is_other = self.drawing.as_ref().map(|drawing| drawing.survey_serial) != serial;
-        let sides = app.log.survey.as_ref().map(|survey| survey.swapped_sides);
+        let sides = app.logs.shown.survey.as_ref().map(|survey| survey.swapped_sides);
         let turned = self.drawing.as_ref().map(|drawing| drawing.swapped_sides) != sides;
         if is_other {
             self.camera = None;
         }
         if is_other || turned {
             self.settled = false;
-            let survey = app.log.survey.as_ref();
+            let survey = app.logs.shown.survey.as_ref();
             self.drawing = survey.map(|survey| WaterfallDrawing::start(survey.clone(), app, ctx));
         }
-        if let (Some(drawing), Some(survey)) = (&mut self.drawing, &app.log.survey) {
+        if let (Some(drawing), Some(survey)) = (&mut self.drawing, &app.logs.shown.survey) {
             drawing.follow(survey);
         }
         if let Some(drawing) = &mut self.drawing {
             let had_failed = drawing.has_failed;
-            drawing.poll(app.bottom_line());
+            drawing.poll(app.logs.shown.bottom_line());
             if drawing.has_failed && !had_failed {
                 let text = "a part of the waterfall could not be drawn; open the log again";
                 context.push(Command::Notify(text.to_owned()));
@@ -183,10 +183,10 @@ impl WaterfallView {
     /// shown.
     fn arrangement(&self, app: &App) -> Arrangement {
         let options = &app.view.options.waterfall;
-        let picture = &app.log.settings.picture;
+        let picture = &app.logs.shown.settings.picture;
         Arrangement {
             orientation: options.orientation,
-            geometry: match app.log.reviewing.tool {
+            geometry: match app.logs.shown.reviewing.tool {
                 Tool::Bottom => PictureGeometry::Slant,
                 _ => options.geometry(),
             },
@@ -230,7 +230,7 @@ impl WaterfallView {
                     let pings = close_up.pings.map(|ping| ping as f64);
                     let lens = Lens::arranged(camera, rect, arrangement);
                     let shown_m = shown_m(&lens, &pings, close_up.across_m);
-                    let survey = context.app.log.survey.as_deref();
+                    let survey = context.app.logs.shown.survey.as_deref();
                     let metres = survey.and_then(|survey| {
                         pointer::metres_per_ping(context.app, survey, reveal.mark.ping)
                     });

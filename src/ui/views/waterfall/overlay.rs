@@ -71,7 +71,7 @@ pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &ShownOverlay<'_>) {
         missed.draw(painter);
     }
     for shown_box in shown.boxes {
-        shown_box.draw(painter, lens, &shown.app.log.reviewing);
+        shown_box.draw(painter, lens, &shown.app.logs.shown.reviewing);
     }
     if shown.app.view.options.waterfall.boxes {
         boxes::draw_shape(painter, lens, shown.app);
@@ -95,10 +95,10 @@ pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &ShownOverlay<'_>) {
         missed.label(&mut labels);
     }
     for shown_box in shown.boxes.iter().rev() {
-        shown_box.label(&mut labels, &shown.app.log.reviewing.review);
+        shown_box.label(&mut labels, &shown.app.logs.shown.reviewing.review);
     }
     scales::sides(&mut labels, lens, options);
-    let products = shown.app.log.products.as_ref();
+    let products = shown.app.logs.shown.products.as_ref();
     if let Some(change) = products.and_then(|products| products.calibration.range_change()) {
         scales::range_change(&mut labels, lens, &units.sentence(&change));
     }
@@ -127,10 +127,10 @@ fn draw_lines(
     if options.waterfall.depth_line {
         let pen = lines::WaterfallPen::new(theme::DEPTH_LINE_COLOUR, 1.0);
         let reduction = place::reduction(shown.app);
-        let judged = shown.app.log.judged().map_or(shown.survey, |survey| &**survey);
+        let judged = shown.app.logs.shown.judged().map_or(shown.survey, |survey| &**survey);
         lines::depth(painter, lens, judged, drawing, reduction, pen);
     }
-    let returns = shown.app.bottom_line();
+    let returns = shown.app.logs.shown.bottom_line();
     let Some(returns) = returns.filter(|_| options.waterfall.first_return) else {
         return;
     };

@@ -56,7 +56,7 @@ pub(super) fn follow(
         && !measures
         && let Some(at) = response.interact_pointer_pos()
     {
-        let tool = context.app.log.reviewing.tool;
+        let tool = context.app.logs.shown.reviewing.tool;
         let finds = matches!(tool, Tool::Look | Tool::Edit);
         match boxes::under(lens, context.app, at).filter(|_| finds) {
             Some(id) => context.push(Command::SelectBox(Some(id))),
@@ -98,13 +98,13 @@ fn menu(response: &Response, context: &mut ViewContext<'_>) -> Option<usize> {
         let hint = "Proposes the stretch here for the scale; nothing changes yet.";
         let button = ui.button("Propose for the scale").on_hover_text(hint);
         if button.clicked() {
-            if let Some(pings) = context.app.stretch_around(mark.ping) {
+            if let Some(pings) = context.app.logs.shown.stretch_around(mark.ping) {
                 context.push(Command::ProposeStretch(pings));
             }
             ui.close();
         }
         accept(ui, context, mark);
-        if let Some(stretch) = context.app.excluded_at(context.app.log.id, mark.ping)
+        if let Some(stretch) = context.app.logs.excluded_at(context.app.logs.shown.id, mark.ping)
             && stretch_text::include_again(ui, &stretch)
         {
             include_again(context, mark.ping);
@@ -133,7 +133,7 @@ fn menu(response: &Response, context: &mut ViewContext<'_>) -> Option<usize> {
 /// Proposes the numbered stretch that was clicked, or a stretch around the clicked ping.
 fn propose(context: &mut ViewContext<'_>, lens: &Lens, at: Pos2) {
     let here = lens.place_at(at).ping;
-    let around = || context.app.stretch_around(here.max(0.0) as usize);
+    let around = || context.app.logs.shown.stretch_around(here.max(0.0) as usize);
     if let Some(pings) = flat_spots::under(lens, context.app, at).or_else(around) {
         context.push(Command::ProposeStretch(pings));
     }
@@ -142,7 +142,7 @@ fn propose(context: &mut ViewContext<'_>, lens: &Lens, at: Pos2) {
 /// Adds an entry that accepts as bottom the first returns above the recorded depth around a place,
 /// if there are any.
 fn accept(ui: &mut Ui, context: &mut ViewContext<'_>, mark: LogPlace) {
-    let figures = context.app.log.figures.as_ref();
+    let figures = context.app.logs.shown.figures.as_ref();
     let stretch = (mark.side.zip(figures))
         .and_then(|(side, figures)| figures.above_bottom.stretch_at(side, mark.ping));
     let Some(&AboveStretch { side, pings, .. }) = stretch else {
@@ -161,8 +161,8 @@ fn accept(ui: &mut Ui, context: &mut ViewContext<'_>, mark: LogPlace) {
 
 /// Includes the excluded stretch at a ping again, if there is one.
 fn include_again(context: &mut ViewContext<'_>, ping: usize) {
-    let log = context.app.log.id;
-    if let Some(stretch) = context.app.excluded_at(log, ping) {
+    let log = context.app.logs.shown.id;
+    if let Some(stretch) = context.app.logs.excluded_at(log, ping) {
         let (part, edit) = (stretch.part(), ExclusionEdit::Include);
         context.push(Command::Exclude { log, part, edit });
     }
@@ -171,7 +171,7 @@ fn include_again(context: &mut ViewContext<'_>, ping: usize) {
 /// Returns the metres that the boat moved from one ping to the next, averaged over a hundred pings
 /// around this one; `None` if the speed is unknown.
 pub(super) fn metres_per_ping(app: &App, survey: &Survey, ping: usize) -> Option<f64> {
-    let pings = &app.log.products.as_ref()?.navigation.pings;
+    let pings = &app.logs.shown.products.as_ref()?.navigation.pings;
     let speed_mps = pings.get(ping)?.speed_mps;
     let first = ping.saturating_sub(50);
     let last = (ping + 50).min(survey.side_scan.len().checked_sub(1)?);
@@ -234,12 +234,12 @@ fn anchor(right: bool, below: bool) -> Align2 {
 fn doubts(app: &App, number: usize, side: Side) -> String {
     let shown = &app.view.options.waterfall;
     let mut lines = String::new();
-    let judged = app.log.judged().and_then(|survey| survey.side_scan.get(number));
+    let judged = app.logs.shown.judged().and_then(|survey| survey.side_scan.get(number));
     let fault = judged.filter(|ping| ping.depth_m > 0.0).and_then(|ping| ping.depth_fault);
     if let Some(fault) = fault.filter(|_| shown.depth_line) {
         lines += &format!("\ndepth dashed: {}", fault.name());
     }
-    let pick = app.bottom_line().and_then(|returns| returns.side(side).get(number));
+    let pick = app.logs.shown.bottom_line().and_then(|returns| returns.side(side).get(number));
     if shown.first_return && pick.is_some_and(|pick| pick.above_bottom) {
         lines += "\nfirst return above bottom";
     }
@@ -260,7 +260,7 @@ pub(super) fn describe(app: &App, survey: &Survey, at: LensPlace) -> Option<Stri
         side.name(),
         units.measure(place::range_m(app, mark).unwrap_or(at.across_m.abs()), 2),
     );
-    if app.log.products.is_some() {
+    if app.logs.shown.products.is_some() {
         lines += &format!("\n{} as recorded", units.measure(at.across_m.abs(), 2));
     }
     if let Some(ground_m) = place::ground_m(app, mark) {
@@ -275,7 +275,7 @@ pub(super) fn describe(app: &App, survey: &Survey, at: LensPlace) -> Option<Stri
     }
     lines += &format!("\ndepth {}", place::depth(app, mark.ping));
     lines += &doubts(app, mark.ping, side);
-    if let Some(why) = stretch_text::excluded_at(app, app.log.id, mark.ping) {
+    if let Some(why) = stretch_text::excluded_at(app, app.logs.shown.id, mark.ping) {
         lines += &format!("\n{why}");
     }
     if let Some(at) = place::lon_lat(app, mark) {

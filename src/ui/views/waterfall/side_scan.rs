@@ -22,7 +22,7 @@ impl WaterfallView {
     pub(super) fn side_scan(&mut self, ui: &mut Ui, rect: Rect, context: &mut ViewContext<'_>) {
         let response = ui.allocate_rect(rect, Sense::click_and_drag());
         let painter = ui.painter_at(rect);
-        let survey = context.app.log.survey.clone();
+        let survey = context.app.logs.shown.survey.clone();
         let axis = self.drawing.as_ref().and_then(WaterfallDrawing::axis);
         let Some((survey, axis)) = survey.zip(axis) else {
             self.settled = self.drawing.as_ref().is_none_or(WaterfallDrawing::is_settled);
@@ -101,7 +101,7 @@ impl WaterfallView {
         survey: &Survey,
         context: &mut ViewContext<'_>,
     ) {
-        if context.app.log.reviewing.tool != Tool::Point {
+        if context.app.logs.shown.reviewing.tool != Tool::Point {
             if std::mem::take(&mut self.cross).place().is_some() {
                 context.push(Command::Hover(None));
             }

@@ -56,7 +56,7 @@ impl StretchTool {
         lens: &Lens,
         context: &mut ViewContext<'_>,
     ) -> bool {
-        let tool = context.app.log.reviewing.tool;
+        let tool = context.app.logs.shown.reviewing.tool;
         if !matches!(tool, Tool::Exclude | Tool::Calibrate | Tool::Accept) {
             self.drag = None;
             return false;
@@ -82,7 +82,7 @@ impl StretchTool {
             && let Some(drag) = self.drag.take()
             && let Some(pings) = drag.pings(place::ping_count(context.app))
         {
-            context.push(drag.does.command(context.app.log.id, pings));
+            context.push(drag.does.command(context.app.logs.shown.id, pings));
         }
         true
     }
@@ -104,7 +104,7 @@ impl StretchTool {
         for edge in edges(lens, pings) {
             painter.line_segment(edge, Stroke::new(2.0, drag.does.colour()));
         }
-        if let Some(words) = drag.does.words(app, app.log.id, pings) {
+        if let Some(words) = drag.does.words(app, app.logs.shown.id, pings) {
             let at = pos2(area.center().x, area.top() + 18.0);
             labels::text(painter, at, Align2::CENTER_TOP, &words);
         }

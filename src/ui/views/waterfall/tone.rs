@@ -57,7 +57,7 @@ pub(super) fn look(
     picture: Option<&LogPicture>,
     first: Levels,
 ) -> EchoStyle {
-    let settings = &app.log.settings.picture;
+    let settings = &app.logs.shown.settings.picture;
     let tone = settings.tone();
     let automatic = app.histogram().map_or(first, |counted| counted.automatic);
     let level = |fixed: Option<f64>, automatic: f32| {
@@ -93,7 +93,7 @@ pub(super) fn look(
 /// Returns the parameters for echoes as recorded, with levels that suit them.
 pub(super) fn plain_look(app: &App, lens: &Lens, levels: Levels) -> EchoStyle {
     EchoStyle {
-        gamma: app.log.settings.picture.gamma.max(0.01) as f32,
+        gamma: app.logs.shown.settings.picture.gamma.max(0.01) as f32,
         highlight: HIGHLIGHT,
         black: levels.black,
         white: levels.white.max(levels.black + LEAST_CONTRAST),

@@ -40,7 +40,7 @@ pub(super) fn ui(
             .filter(|_| response.clicked())
             .and_then(|at| nearest(&plot, comparison.curve(), at));
         if let Some(point) = picked {
-            let mut queue = context.app.log.reviewing.queue.clone();
+            let mut queue = context.app.logs.shown.reviewing.queue.clone();
             queue.threshold = point.score;
             context.push(Command::LineUp(Box::new(queue)));
         }

@@ -17,7 +17,7 @@ use egui::{Button, RichText, Ui};
 
 /// Draws the curve with the figures at the slider; draws nothing without truth.
 pub(super) fn at_slider(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let judging = &context.app.log.reviewing.judging;
+    let judging = &context.app.logs.shown.reviewing.judging;
     let (Some(comparison), Some(standing)) = (judging.comparison(), judging.standing()) else {
         return;
     };
@@ -34,7 +34,7 @@ pub(super) fn at_slider(ui: &mut Ui, context: &mut ViewContext<'_>) {
 /// Draws the section of mistakes; draws nothing without truth.
 pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let app = context.app;
-    let judging = &app.log.reviewing.judging;
+    let judging = &app.logs.shown.reviewing.judging;
     let (Some(comparison), Some(standing)) = (judging.comparison(), judging.standing()) else {
         return;
     };
@@ -64,7 +64,7 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 /// Draws the list of false alarms and missed objects, the choice of its order, and the buttons that
 /// step through it.
 fn list_of_mistakes(ui: &mut Ui, context: &mut ViewContext<'_>, comparison: &TruthComparison) {
-    let reviewing = &context.app.log.reviewing;
+    let reviewing = &context.app.logs.shown.reviewing;
     let mistakes = reviewing.judging.mistakes();
     if mistakes.is_empty() {
         return remark(ui, "No mistake from this score on.");
@@ -96,7 +96,7 @@ fn list(
     comparison: &TruthComparison,
     mistakes: &[Mistake],
 ) {
-    let here = context.app.log.reviewing.mistake_at();
+    let here = context.app.logs.shown.reviewing.mistake_at();
     list_rows(ui, "mistakes", mistakes.len(), here, |ui, index| {
         let mistake = mistakes.get(index)?;
         let label = mistake_text(context, comparison, mistake);
@@ -121,7 +121,7 @@ fn mistake_text(
     let size = context.units().measure(mistake.size_m(), 1);
     match mistake {
         Mistake::FalseAlarm { id, score, cause, .. } => {
-            let review = &context.app.log.reviewing.review;
+            let review = &context.app.logs.shown.reviewing.review;
             let class =
                 review.get(*id).map_or("", |review_box| review.class_name(review_box.class));
             let cause = match cause {
@@ -145,7 +145,7 @@ fn colour(context: &ViewContext<'_>, mistake: &Mistake) -> egui::Color32 {
     let look = context.theme();
     match mistake {
         Mistake::FalseAlarm { id, .. } => {
-            let found = context.app.log.reviewing.review.get(*id);
+            let found = context.app.logs.shown.reviewing.review.get(*id);
             let state = found
                 .map_or(bathyscope_objects::review::State::Proposed, |review_box| review_box.state);
             theme::box_colour_on_panel(look, state)

@@ -16,7 +16,7 @@ const HEAD: f32 = 24.0;
 
 /// Returns the part of the view for the map, and the part for the plot while it is shown.
 pub(crate) fn split(whole: Rect, app: &App) -> (Rect, Option<Rect>) {
-    let requested = app.map.measuring.shows_profile() && app.log.products.is_some();
+    let requested = app.map.measuring.shows_profile() && app.logs.shown.products.is_some();
     if !requested || whole.height() < 120.0 {
         return (whole, None);
     }

@@ -50,7 +50,7 @@ impl BoxGrab {
         lens: &Lens,
         context: &mut ViewContext<'_>,
     ) -> bool {
-        let tool = context.app.log.reviewing.tool;
+        let tool = context.app.logs.shown.reviewing.tool;
         if !matches!(tool, Tool::Edit | Tool::Draw) {
             self.held = None;
             if tool == Tool::Point && response.hovered() {
@@ -88,7 +88,7 @@ impl BoxGrab {
                 let extent = (at - *corner).abs();
                 if extent.min_elem() >= LEAST {
                     let mark = drawn(lens.place_at(*corner), lens.place_at(at));
-                    let class = context.app.log.reviewing.class();
+                    let class = context.app.logs.shown.reviewing.class();
                     context.push(Command::Edit { edit: Edit::Add { mark, class }, live: false });
                 }
             }
@@ -117,10 +117,11 @@ impl BoxGrab {
         let Some(at) = response.hover_pos() else {
             return;
         };
-        let icon = match app.log.reviewing.tool {
+        let icon = match app.logs.shown.reviewing.tool {
             Tool::Draw => Some(CursorIcon::Crosshair),
             Tool::Edit => app
-                .log
+                .logs
+                .shown
                 .reviewing
                 .selected_box()
                 .and_then(|review_box| cursor(app, lens, review_box, lens.place_at(at))),
@@ -153,7 +154,7 @@ fn edges_under(lens: &Lens, review_box: &Reviewed, at: LensPlace) -> Option<Edge
 
 /// Returns the border between echo and shadow, metres of slant range, if it is under the pointer.
 fn border_under(app: &App, lens: &Lens, review_box: &Reviewed, at: LensPlace) -> Option<f64> {
-    let border_m = border_m(&app.log.reviewing, review_box);
+    let border_m = border_m(&app.logs.shown.reviewing, review_box);
     let is_under = review_box.extent != ObjectExtent::Point
         && Edges::is_border(lens, &review_box.mark, border_m, at);
     is_under.then_some(border_m)
@@ -167,10 +168,10 @@ fn cursor(app: &App, lens: &Lens, review_box: &Reviewed, at: LensPlace) -> Optio
 }
 
 fn take(app: &App, lens: &Lens, at: Pos2) -> Option<Held> {
-    if app.log.reviewing.tool == Tool::Draw {
+    if app.logs.shown.reviewing.tool == Tool::Draw {
         return Some(Held::Corner(at));
     }
-    let review_box = app.log.reviewing.selected_box()?;
+    let review_box = app.logs.shown.reviewing.selected_box()?;
     let from = lens.place_at(at);
     if let Some(border_m) = border_under(app, lens, review_box, from) {
         return Some(Held::Border {
@@ -200,8 +201,8 @@ pub(in crate::ui::views::waterfall) fn under(lens: &Lens, app: &App, at: Pos2) -
     if !app.view.options.waterfall.boxes {
         return None;
     }
-    let count = app.log.survey.as_ref()?.side_scan.len();
-    let boxes = app.log.reviewing.between(lens.visible(count));
+    let count = app.logs.shown.survey.as_ref()?.side_scan.len();
+    let boxes = app.logs.shown.reviewing.between(lens.visible(count));
     boxes
         .map(|review_box| (review_box.id, reach(lens, review_box)))
         .filter(|(_, rect)| rect.contains(at))

@@ -39,8 +39,8 @@ pub(super) struct ShownBox<'a> {
 /// Returns the visible boxes, the selected one last. The cost depends on the number of visible
 /// boxes only.
 pub(super) fn in_view<'a>(lens: &Lens, app: &'a App) -> Vec<ShownBox<'a>> {
-    let reviewing = &app.log.reviewing;
-    let pings = match &app.log.survey {
+    let reviewing = &app.logs.shown.reviewing;
+    let pings = match &app.logs.shown.survey {
         Some(survey) if app.view.options.waterfall.boxes => lens.visible(survey.side_scan.len()),
         _ => return Vec::new(),
     };
@@ -147,8 +147,8 @@ impl<'a> Missed<'a> {
     /// Returns the visible missed objects; none before the review has boxes, because they would
     /// reveal the truth.
     pub(super) fn in_view(lens: &Lens, app: &'a App) -> Vec<Self> {
-        let judging = &app.log.reviewing.judging;
-        let shown = app.view.options.waterfall.boxes && app.log.reviewing.has_boxes();
+        let judging = &app.logs.shown.reviewing.judging;
+        let shown = app.view.options.waterfall.boxes && app.logs.shown.reviewing.has_boxes();
         let Some(comparison) = judging.comparison().filter(|_| shown) else {
             return Vec::new();
         };
@@ -189,8 +189,8 @@ pub(super) fn draw_shape(painter: &Painter, lens: &Lens, app: &App) {
         return;
     };
     let boxes = object.boxes.iter().zip(&fitted.on_pings);
-    for (id, on_pings) in boxes.filter(|(id, _)| id.log == app.log.id) {
-        let Some(review_box) = app.log_box(*id) else {
+    for (id, on_pings) in boxes.filter(|(id, _)| id.log == app.logs.shown.id) {
+        let Some(review_box) = app.logs.log_box(*id) else {
             continue;
         };
         let echo = around(lens, &review_box.mark, on_pings, |on_ping| on_ping.echo_m);
@@ -246,12 +246,12 @@ fn caption(review_box: &Reviewed, review: &Review) -> String {
 
 /// Describes the boxes of the view for screen readers and tests.
 pub(super) fn words(seen: &[ShownBox<'_>], missed: &[Missed<'_>], app: &App) -> String {
-    if !app.log.reviewing.has_boxes() {
+    if !app.logs.shown.reviewing.has_boxes() {
         return tool_in_hand(app).to_owned();
     }
-    let selected = app.log.reviewing.selected_box();
+    let selected = app.logs.shown.reviewing.selected_box();
     let selected = selected.map_or_else(String::new, |review_box| {
-        let caption = caption(review_box, &app.log.reviewing.review);
+        let caption = caption(review_box, &app.logs.shown.reviewing.review);
         let id = review_box.id.0;
         let state = review_box.state.name();
         format!(", box {id} selected: {caption}, {state}")
@@ -266,9 +266,9 @@ pub(super) fn words(seen: &[ShownBox<'_>], missed: &[Missed<'_>], app: &App) -> 
 }
 
 fn tool_in_hand(app: &App) -> &'static str {
-    match app.log.reviewing.tool {
+    match app.logs.shown.reviewing.tool {
         Tool::Look => "",
-        Tool::Edit => match app.log.reviewing.edge {
+        Tool::Edit => match app.logs.shown.reviewing.edge {
             BoxEdge::Whole => ", editing it",
             BoxEdge::Near => ", editing the near edge of its echo",
             BoxEdge::Border => ", editing its border of echo and shadow",
