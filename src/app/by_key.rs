@@ -25,7 +25,7 @@ impl App {
         if !changes_results(&before.0, &self.step_now()) {
             return;
         }
-        let done = self.undo_label().unwrap_or("settings").to_owned();
+        let done = self.document.history.undo_label().unwrap_or("settings").to_owned();
         self.notices.offer_undo(format!("key {keys}: {done}"));
     }
 

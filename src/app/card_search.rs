@@ -19,7 +19,7 @@ type Drives = fn() -> Vec<PathBuf>;
 
 /// State of the search: the drives, and the folders that were found on them.
 #[derive(Default)]
-pub(super) struct CardSearch {
+pub struct CardSearch {
     /// Function that lists the drives; `None` if they are not searched.
     drives: Option<Drives>,
     listed: Option<Instant>,
@@ -32,21 +32,23 @@ struct Card {
     folders: Vec<LogFolder>,
 }
 
-impl App {
+impl CardSearch {
     /// Searches these drives for logs from now on, whenever nothing is open.
-    pub fn look_for_cards(&mut self, drives: Drives) {
-        self.card_search.drives = Some(drives);
+    pub fn look_on(&mut self, drives: Drives) {
+        self.drives = Some(drives);
     }
 
     /// Returns the folders with logs that were found so far on cards and drives, beginning with the
     /// folder of the newest log.
-    pub fn card_folders(&self) -> Vec<&LogFolder> {
-        let cards = self.card_search.cards.iter();
+    pub fn folders(&self) -> Vec<&LogFolder> {
+        let cards = self.cards.iter();
         let mut folders: Vec<&LogFolder> = cards.flat_map(|card| &card.folders).collect();
         folders.sort_by_key(|folder| std::cmp::Reverse(folder.logs[0].written));
         folders
     }
+}
 
+impl App {
     /// Lists the drives when the time has come, while no log is open.
     pub(super) fn search_cards(&mut self) {
         let Some(drives) = self.card_search.drives else {
@@ -57,7 +59,7 @@ impl App {
         }
         let listed = self.card_search.listed;
         let is_due = listed.is_none_or(|listed| listed.elapsed() >= LISTED_EVERY);
-        if !is_due || self.is_running(&JobKey::ListDrives) {
+        if !is_due || self.jobs.is_running(&JobKey::ListDrives) {
             return;
         }
         self.card_search.listed = Some(Instant::now());
@@ -119,7 +121,7 @@ mod tests {
         for _ in 0..3 {
             app.poll();
         }
-        let folders = app.card_folders();
+        let folders = app.card_search.folders();
         folders.iter().map(|folder| folder.path.clone()).collect()
     }
 
@@ -132,7 +134,7 @@ mod tests {
         let mut app = App::new(Jobs::Inline);
         *CARDS.lock().expect("a list") = vec![card.path().to_owned()];
         assert_eq!(look(&mut app), Vec::<PathBuf>::new(), "it was not asked for");
-        app.look_for_cards(cards);
+        app.card_search.look_on(cards);
         assert_eq!(look(&mut app), std::slice::from_ref(&folder));
         CARDS.lock().expect("a list").clear();
         assert_eq!(look(&mut app), Vec::<PathBuf>::new(), "it was taken out");

@@ -48,6 +48,14 @@ impl Default for Comparing {
 }
 
 impl Comparing {
+    /// Sets the method that finds the reference of a point, and its radius.
+    pub(super) fn match_by(&mut self, by: ReferenceBy, radius_m: f64) {
+        self.by = by;
+        if radius_m > 0.0 && radius_m.is_finite() {
+            self.radius_m = radius_m;
+        }
+    }
+
     /// Returns a copy that holds only the drawn parts.
     pub(super) fn for_picture(&self) -> Self {
         Self { reference: self.reference.clone(), by: self.by, radius_m: self.radius_m }
@@ -94,14 +102,6 @@ impl App {
         self.jobs.stop(&JobKey::OpenReference);
         self.map.comparing.reference = None;
         self.forget_agreement();
-    }
-
-    /// Sets the method that finds the reference of a point, and its radius.
-    pub(super) fn match_by(&mut self, by: ReferenceBy, radius_m: f64) {
-        self.map.comparing.by = by;
-        if radius_m > 0.0 && radius_m.is_finite() {
-            self.map.comparing.radius_m = radius_m;
-        }
     }
 
     /// Shows a reference that was opened, or notifies the analyst of the error.

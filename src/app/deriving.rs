@@ -36,9 +36,9 @@ pub struct DrawnIsobaths {
 
 /// Requests for depth map, isobaths, mosaic, bottom and picture, and the last results.
 #[derive(Default)]
-pub(super) struct Deriving {
+pub struct Deriving {
     /// Results shared with the writers of files, so that nothing is computed twice.
-    pub results: Arc<Derived>,
+    pub(super) results: Arc<Derived>,
     depth_map: Kept<DepthMapKey, Option<Arc<DepthMap>>>,
     isobaths: Kept<(IsobathKey, LengthUnit), Arc<DrawnIsobaths>>,
     mosaic: Kept<MosaicKey, Option<Arc<Mosaic>>>,
@@ -55,6 +55,17 @@ struct CountedLevels {
 }
 
 impl Deriving {
+    /// Returns the latest isobaths; `None` before they are made.
+    pub fn isobaths(&self) -> Option<&Arc<DrawnIsobaths>> {
+        self.isobaths.result()
+    }
+
+    /// Returns the latest mosaic: the outer `None` before it is made, the inner `None` where
+    /// nothing is shown.
+    pub fn mosaic(&self) -> Option<Option<&Arc<Mosaic>>> {
+        self.mosaic.result().map(Option::as_ref)
+    }
+
     /// Returns a copy that holds only the results, for a picture.
     pub(super) fn for_picture(&self) -> Self {
         Self { results: self.results.clone(), ..Self::default() }
@@ -225,7 +236,7 @@ impl App {
     pub fn depth_map(&self) -> Option<Option<&Arc<DepthMap>>> {
         let made = &self.pipeline.deriving.depth_map;
         let last = made.result().map(Option::as_ref);
-        last.filter(|map| map.is_some() || !self.is_running(&JobKey::DepthMap))
+        last.filter(|map| map.is_some() || !self.jobs.is_running(&JobKey::DepthMap))
     }
 
     /// Returns true if something on the map is drawn or measured from the depth map; otherwise the
@@ -236,17 +247,6 @@ impl App {
         FROM_DEPTH_MAP.iter().any(shows)
             || self.map.measuring.shows_profile()
             || self.view.options.cloud.bottom
-    }
-
-    /// Returns the latest isobaths; `None` before they are made.
-    pub fn isobaths(&self) -> Option<&Arc<DrawnIsobaths>> {
-        self.pipeline.deriving.isobaths.result()
-    }
-
-    /// Returns the latest mosaic: the outer `None` before it is made, the inner `None` where
-    /// nothing is shown.
-    pub fn mosaic(&self) -> Option<Option<&Arc<Mosaic>>> {
-        self.pipeline.deriving.mosaic.result().map(Option::as_ref)
     }
 
     /// Returns the latest bottom as a body; `None` if there is none, or if it is not shown.
@@ -272,7 +272,7 @@ impl App {
         // While a log is followed, the gain of its picture is normalised with every few pings.
         let picture = self.logs.shown.whole.is_none().then_some(JobKey::Picture);
         let made = [JobKey::DepthMap, JobKey::Isobaths, JobKey::Mosaic, JobKey::Bottom];
-        let running = made.into_iter().chain(picture).filter(|key| self.is_running(key));
+        let running = made.into_iter().chain(picture).filter(|key| self.jobs.is_running(key));
         running.map(|key| key.name())
     }
 }

@@ -54,11 +54,6 @@ impl App {
         self.start_writing(write, |_| (), None);
     }
 
-    /// Returns the done share of the running export, 0 to 1; `None` if none is running.
-    pub(crate) fn export_fraction(&self) -> Option<f32> {
-        self.jobs.fraction(&JobKey::Export)
-    }
-
     /// Writes something in a background thread, `into` a folder if it is one; `written` is called
     /// before the analyst is notified of what was written.
     fn start_writing<E: Error + Send + Sync + 'static>(
@@ -163,7 +158,7 @@ impl App {
         }
         let survey = self.logs.shown.survey.as_ref();
         let log = survey.and_then(|survey| survey.source.files.first());
-        let beside = self.project_path().or(log.map(PathBuf::as_path));
+        let beside = self.files.project_saving.path().or(log.map(PathBuf::as_path));
         let name = beside.and_then(Path::file_stem).unwrap_or_default();
         let name = format!("{}-products", name.to_string_lossy());
         beside.and_then(Path::parent).unwrap_or(Path::new("")).join(name)

@@ -72,7 +72,7 @@ impl App {
             self.jobs.stop(&JobKey::CheckFiles);
             return;
         }
-        let repeats = matches!(self.workers(), Jobs::Threads(_));
+        let repeats = matches!(self.jobs.workers(), Jobs::Threads(_));
         self.jobs.run(
             JobKey::CheckFiles,
             move |progress| look(&watched, repeats, progress),
@@ -212,6 +212,6 @@ mod tests {
         app.poll();
         assert_eq!(notice_count(&app, "while it was open"), 0);
         // The check of the files still runs after one of them was removed.
-        assert!(app.is_running(&JobKey::CheckFiles));
+        assert!(app.jobs.is_running(&JobKey::CheckFiles));
     }
 }

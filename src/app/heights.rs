@@ -47,11 +47,11 @@ type HeightsKey = (Vec<(LogId, Same<Vec<PingDepth>>)>, Option<LogId>);
 
 /// State of the comparison of heights.
 #[derive(Default)]
-pub(super) struct Heights {
+pub struct Heights {
     found: Kept<HeightsKey, FoundHeights>,
     /// The log whose height stays when offsets are applied; with `None` the mean height of all logs
     /// stays.
-    held: Option<LogId>,
+    pub(crate) held: Option<LogId>,
     /// The last sentence in a notice that logs differ.
     last_notice: Option<String>,
     last_false_notice: Option<String>,
@@ -65,11 +65,6 @@ impl OpenLogs {
 }
 
 impl App {
-    /// Returns true while heights are being compared.
-    pub(crate) fn is_matching_heights(&self) -> bool {
-        self.is_running(&JobKey::CompareHeights)
-    }
-
     /// Returns the height differences of the visible logs; `None` until they are found, and for
     /// fewer than two logs.
     pub fn height_offsets(&self) -> Option<&FoundHeights> {
@@ -77,18 +72,6 @@ impl App {
         // Results of logs that are closed or not visible any more are being replaced.
         let is_visible = |id: &LogId| self.logs.visible().any(|log| log.id == *id);
         found.ids.iter().all(is_visible).then_some(found)
-    }
-
-    /// Returns the log whose height stays when offsets are applied; with `None` the mean height of
-    /// all logs stays.
-    pub(crate) fn held_height(&self) -> Option<LogId> {
-        self.findings.heights.held
-    }
-
-    /// Sets the log whose height stays when offsets are applied; with `None` the mean height of all
-    /// logs stays.
-    pub(super) fn hold_height(&mut self, held: Option<LogId>) {
-        self.findings.heights.held = held;
     }
 
     /// Returns a warning for each two logs that no height offsets bring into agreement, and for
@@ -134,7 +117,7 @@ impl App {
             return self.findings.heights.found.drop_all(&mut self.jobs, &JobKey::CompareHeights);
         }
         // Without this wait, the logs that have results first would be compared again and again.
-        if self.is_running(&JobKey::OpenLog) || self.logs.visible().any(OpenLog::is_behind) {
+        if self.jobs.is_running(&JobKey::OpenLog) || self.logs.visible().any(OpenLog::is_behind) {
             return;
         }
         let settled = |log: &OpenLog| Some((log.id, log.settled()?));
@@ -155,7 +138,7 @@ impl App {
             Some(FoundHeights { ids, compared })
         };
         self.keep(JobKey::CompareHeights, key, work, |app| Some(&mut app.findings.heights.found));
-        if !self.is_matching_heights() {
+        if !self.jobs.is_running(&JobKey::CompareHeights) {
             self.say_heights();
         }
     }
@@ -241,7 +224,7 @@ impl App {
         let after = self.step_now();
         self.record_step(&before, &after, "height offsets", false);
         self.notices.withdraw(Action::ApplyHeights);
-        let held = self.held_height().and_then(|id| self.logs.get(id));
+        let held = self.findings.heights.held.and_then(|id| self.logs.get(id));
         let held = held.map_or("their mean".to_owned(), |log| format!("that of {}", log.name()));
         self.notices
             .offer_undo(format!("Heights of {levelled} logs were levelled; {held} was held"));

@@ -8,7 +8,7 @@ use bathyscope_bottom::presentation::units::Units;
 use bathyscope_log::support::printable::quoted;
 use bathyscope_products::pipeline::settings::{Number, SettingKind, row};
 use bathyscope_products::pipeline::{Settings, setting_values};
-use bathyscope_products::project::{self, History, PastStep, Project, ProjectLog, UNDONE};
+use bathyscope_products::project::{History, PastStep, Project, ProjectLog, UNDONE};
 use std::borrow::Cow;
 use std::sync::Arc;
 use toml::Value;
@@ -57,21 +57,6 @@ impl App {
         self.keep_decision(&title);
     }
 
-    /// Returns the steps in the order in which they were done, followed by those that were undone.
-    pub fn history(&self) -> impl Iterator<Item = project::HistoryStep<'_>> {
-        self.document.history.steps()
-    }
-
-    /// Returns the name of the change that undo would revert; `None` if there is none.
-    pub fn undo_label(&self) -> Option<&str> {
-        self.document.history.undo_label()
-    }
-
-    /// Returns the name of the change that redo would apply again; `None` if there is none.
-    pub fn redo_label(&self) -> Option<&str> {
-        self.document.history.redo_label()
-    }
-
     /// Reverts the last step.
     pub(super) fn undo(&mut self) {
         self.notices.withdraw(Action::Undo);
@@ -100,7 +85,7 @@ impl App {
     }
 
     fn redone_label(&self) -> String {
-        self.undo_label().unwrap_or_default().to_owned()
+        self.document.history.undo_label().unwrap_or_default().to_owned()
     }
 
     /// Sets the undo steps from the past of a project, as far back as its logs are the open ones.

@@ -155,7 +155,7 @@ struct Job {
 
 /// The running work of the window. Work that is replaced or stopped is cancelled, and its answer is
 /// dropped.
-pub(super) struct JobQueue {
+pub(crate) struct JobQueue {
     workers: Jobs,
     running: Vec<Job>,
 }
@@ -167,7 +167,7 @@ impl JobQueue {
     }
 
     /// Returns the way in which work is run.
-    pub(super) fn workers(&self) -> &Jobs {
+    pub(crate) fn workers(&self) -> &Jobs {
         &self.workers
     }
 
@@ -219,12 +219,12 @@ impl JobQueue {
     }
 
     /// Returns true if work is running, or its answer was not applied yet.
-    pub(super) fn is_running(&self, key: &JobKey) -> bool {
+    pub(crate) fn is_running(&self, key: &JobKey) -> bool {
         self.running.iter().any(|job| job.key == *key)
     }
 
     /// Returns the done share of some work, 0 to 1; `None` if it is not running.
-    pub(super) fn fraction(&self, key: &JobKey) -> Option<f32> {
+    pub(crate) fn fraction(&self, key: &JobKey) -> Option<f32> {
         let job = self.running.iter().find(|job| job.key == *key)?;
         Some(job.task.fraction())
     }

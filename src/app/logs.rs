@@ -1,7 +1,7 @@
 //! Holds the open logs and their order, shows one of them, and decides which is processed next.
 //!
-//! [`OpenLogs::shown`] is the log that waterfall, profile and panels show; the other logs keep their
-//! results beside it, and maps, clouds and products are made from all visible logs.
+//! [`OpenLogs::shown`] is the log that waterfall, profile and panels show; the other logs keep
+//! their results beside it, and maps, clouds and products are made from all visible logs.
 
 use super::jobs::JobKey;
 use super::logs_change::LogsChange;
@@ -185,11 +185,6 @@ impl OpenLogs {
 }
 
 impl App {
-    /// Returns the settings that all logs share.
-    pub fn shared_settings(&self) -> &Settings {
-        &self.document.shared
-    }
-
     /// Sets the settings from which new surveys start, apart from those that belong to one survey.
     pub fn use_settings(&mut self, settings: &Settings) {
         self.document.start = Arc::new(settings.with_survey_of(&Settings::default()));

@@ -49,6 +49,17 @@ pub struct Measuring {
 }
 
 impl Measuring {
+    /// Returns a pick; one of a shadow's end is moved to the ping and side of the shadow's top.
+    pub(crate) fn on_one_ping(&self, pick: Pick) -> Pick {
+        let measuring = self;
+        let is_shadow = measuring.tool == Some(MeasurementKind::Height) && measuring.is_drawing();
+        let top = measuring.picks().get(&0).filter(|_| is_shadow);
+        match top {
+            Some(top) => Pick { slant_m: pick.slant_m, ..top.clone() },
+            None => pick,
+        }
+    }
+
     /// Returns a copy that holds only the drawn parts.
     pub(super) fn for_picture(&self) -> Self {
         Self { tool: None, figure: self.figure.clone(), ..Self::default() }
@@ -204,7 +215,7 @@ impl App {
                 }
             }
             Measure::Pick(pick) => {
-                let pick = self.on_one_ping(pick);
+                let pick = self.map.measuring.on_one_ping(pick);
                 match self.logs.ground_at(&pick) {
                     Some(at) => self.add_corner(at, Some(pick)),
                     None => self.notices.warn(NO_PLACE.to_owned()),
@@ -228,17 +239,6 @@ impl App {
         // The height is complete with both ends of the shadow.
         if kind == MeasurementKind::Height && self.map.measuring.picks().len() == 2 {
             self.end_figure();
-        }
-    }
-
-    /// Returns a pick; one of a shadow's end is moved to the ping and side of the shadow's top.
-    pub(crate) fn on_one_ping(&self, pick: Pick) -> Pick {
-        let measuring = &self.map.measuring;
-        let is_shadow = measuring.tool == Some(MeasurementKind::Height) && measuring.is_drawing();
-        let top = measuring.picks().get(&0).filter(|_| is_shadow);
-        match top {
-            Some(top) => Pick { slant_m: pick.slant_m, ..top.clone() },
-            None => pick,
         }
     }
 

@@ -27,11 +27,6 @@ impl App {
         self.document.mountings.get(&self.logs.shown.recorder()).copied()
     }
 
-    /// Returns the mountings by recorder, to be kept between runs.
-    pub fn mountings(&self) -> &Mountings {
-        &self.document.mountings
-    }
-
     /// Sets the mountings by recorder at the start of the program.
     pub fn use_mountings(&mut self, mountings: Mountings) {
         self.document.mountings = Arc::new(mountings);

@@ -79,7 +79,7 @@ type Listed = (Same<ObjectList>, ObjectTable, Same<Vec<String>>);
 
 /// State of the list of objects.
 #[derive(Default)]
-pub(super) struct Objects {
+pub struct Objects {
     /// The numbers that objects had when the project was opened.
     first: Arc<ObjectNumbers>,
     list: Kept<Vec<LogBoxes>, Arc<ObjectList>>,
@@ -91,6 +91,39 @@ pub(super) struct Objects {
 }
 
 impl Objects {
+    /// Returns the objects that the boxes of all visible logs show, by number.
+    pub fn all(&self) -> &[Object] {
+        let list = self.list.result();
+        list.map_or(&[], |list| list.objects())
+    }
+
+    /// Returns the numbers of the objects that the boxes of a log show.
+    pub(super) fn numbers_of(&self, log: LogId) -> LogNumbers {
+        self.numbers().of_log(log)
+    }
+
+    /// Returns the numbers of the objects that the table lists, in its order.
+    pub fn listed(&self) -> &[u32] {
+        self.listing.result().map_or(&[], Vec::as_slice)
+    }
+
+    /// Returns an object as a row of tables, without its shape.
+    pub fn listed_object<'a>(&'a self, object: &'a Object) -> ListedObject<'a> {
+        let log_names = &self.log_names;
+        ListedObject { object, shape: None, outline: None, log_names }
+    }
+
+    /// Returns the object with a number; `None` if there is none.
+    pub fn get(&self, number: u32) -> Option<&Object> {
+        self.list.result()?.object(number)
+    }
+
+    /// Returns the object that a box shows; `None` for a box without a position, or of a log that
+    /// is not visible.
+    pub fn of_box(&self, id: LogBox) -> Option<&Object> {
+        self.list.result()?.object_of(id)
+    }
+
     fn numbers(&self) -> &ObjectNumbers {
         let list = self.list.result();
         list.map_or(&*self.first, |list| list.numbers())
@@ -120,13 +153,7 @@ impl App {
         for key in [JoinObjects, CountPasses, FitShape, ListObjects] {
             self.jobs.stop(&key);
         }
-        self.findings.objects = Objects { first: Arc::new(first), ..Objects::default() };
-    }
-
-    /// Returns the objects that the boxes of all visible logs show, by number.
-    pub fn objects(&self) -> &[Object] {
-        let list = self.findings.objects.list.result();
-        list.map_or(&[], |list| list.objects())
+        self.objects = Objects { first: Arc::new(first), ..Objects::default() };
     }
 
     /// Returns the decisions about the boxes of each of [`OpenLogs::processed`], and the present
@@ -136,46 +163,19 @@ impl App {
         let shown = shown.filter(|log| log.survey.is_some() && log.products.is_some());
         SurveyReview {
             logs: shown.map(|log| log.reviewing.has_boxes().then(|| log.review())).collect(),
-            numbers: self.findings.objects.numbers().clone(),
+            numbers: self.objects.numbers().clone(),
         }
-    }
-
-    /// Returns the numbers of the objects that the boxes of a log show.
-    pub(super) fn object_numbers(&self, log: LogId) -> LogNumbers {
-        self.findings.objects.numbers().of_log(log)
-    }
-
-    /// Returns the numbers of the objects that the table lists, in its order.
-    pub fn listed_objects(&self) -> &[u32] {
-        self.findings.objects.listing.result().map_or(&[], Vec::as_slice)
-    }
-
-    /// Returns an object as a row of tables, without its shape.
-    pub fn listed_object<'a>(&'a self, object: &'a Object) -> ListedObject<'a> {
-        let log_names = &self.findings.objects.log_names;
-        ListedObject { object, shape: None, outline: None, log_names }
-    }
-
-    /// Returns the object with a number; `None` if there is none.
-    pub fn object(&self, number: u32) -> Option<&Object> {
-        self.findings.objects.list.result()?.object(number)
-    }
-
-    /// Returns the object that a box shows; `None` for a box without a position, or of a log that
-    /// is not visible.
-    pub fn object_of(&self, id: LogBox) -> Option<&Object> {
-        self.findings.objects.list.result()?.object_of(id)
     }
 
     /// Returns the object of the selected box.
     pub fn selected_object(&self) -> Option<&Object> {
-        self.object_of(self.logs.shown.selected_box()?)
+        self.objects.of_box(self.logs.shown.selected_box()?)
     }
 
     /// Returns the shape of the selected object, or the reason that it has none; `None` until it is
     /// fitted.
     pub fn selected_object_shape(&self) -> Option<&Result<FittedShape, ShapeError>> {
-        let (boxes, shape) = self.findings.objects.shape.result()?;
+        let (boxes, shape) = self.objects.shape.result()?;
         let object = self.selected_object()?;
         (*boxes == object.boxes).then_some(shape)
     }
@@ -183,7 +183,7 @@ impl App {
     /// Returns the number of passes of the boat, over all visible logs, that saw the selected
     /// object, and the number that covered its position; `None` until they are counted.
     pub fn selected_object_passes(&self) -> Option<PassCount> {
-        let (number, passes) = self.findings.objects.passes.result()?;
+        let (number, passes) = self.objects.passes.result()?;
         let object = self.selected_object()?;
         // An earlier count may belong to other boxes.
         (*number == object.number && passes.seen == object.sightings).then_some(*passes)
@@ -203,7 +203,7 @@ impl App {
         };
         let (names, logs): (Vec<String>, Vec<LogBoxes>) =
             self.logs.visible().filter_map(|log| Some((log.name(), boxes(log)?))).unzip();
-        let Objects { list, first, log_names, .. } = &mut self.findings.objects;
+        let Objects { list, first, log_names, .. } = &mut self.objects;
         let names = if names.len() > 1 { names } else { Vec::new() };
         if **log_names != names {
             *log_names = Arc::new(names);
@@ -215,7 +215,7 @@ impl App {
             let before = before.as_ref().map_or(&*first, |list| list.numbers());
             Some(Arc::new(list_of(&of, before)))
         };
-        self.keep(JobKey::JoinObjects, key, work, |app| Some(&mut app.findings.objects.list));
+        self.keep(JobKey::JoinObjects, key, work, |app| Some(&mut app.objects.list));
         self.list_objects();
         self.count_passes(logs);
         self.fit_shape();
@@ -224,7 +224,7 @@ impl App {
     /// Starts sorting and filtering the table again if the objects, the order or the filter have
     /// changed.
     fn list_objects(&mut self) {
-        let Objects { list, log_names, .. } = &self.findings.objects;
+        let Objects { list, log_names, .. } = &self.objects;
         let Some(list) = list.result().cloned() else {
             return;
         };
@@ -232,7 +232,7 @@ impl App {
         let names = log_names.clone();
         let key = (Same(list.clone()), table.clone(), Same(names.clone()));
         let work = move |_: &Progress| Some(table.list(list.objects(), &names));
-        self.keep(JobKey::ListObjects, key, work, |app| Some(&mut app.findings.objects.listing));
+        self.keep(JobKey::ListObjects, key, work, |app| Some(&mut app.objects.listing));
     }
 
     /// Starts fitting a shape to the selected object again if its boxes or their positions have
@@ -246,7 +246,7 @@ impl App {
         });
         let placed: Vec<(LogBox, ProcessedLog, Arc<LocatedObject>)> = placed.collect();
         if placed.is_empty() {
-            return self.findings.objects.shape.drop_all(&mut self.jobs, &JobKey::FitShape);
+            return self.objects.shape.drop_all(&mut self.jobs, &JobKey::FitShape);
         }
         let of = placed.iter().map(|(id, _, at)| (*id, Same(at.clone())));
         let key: ShapeOf = of.collect();
@@ -256,14 +256,14 @@ impl App {
             let ids = placed.iter().map(|(id, ..)| *id).collect();
             Some((ids, object_shape(&boxes)))
         };
-        self.keep(JobKey::FitShape, key, work, |app| Some(&mut app.findings.objects.shape));
+        self.keep(JobKey::FitShape, key, work, |app| Some(&mut app.objects.shape));
     }
 
     fn count_passes(&mut self, logs: Vec<LogBoxes>) {
         let Some(object) = self.selected_object() else {
-            return self.findings.objects.passes.drop_all(&mut self.jobs, &JobKey::CountPasses);
+            return self.objects.passes.drop_all(&mut self.jobs, &JobKey::CountPasses);
         };
-        let (number, list) = (object.number, self.findings.objects.list.result().cloned());
+        let (number, list) = (object.number, self.objects.list.result().cloned());
         let track =
             |log_boxes: &LogBoxes| (log_boxes.review.log, Same(log_boxes.navigation.clone()));
         let of = PassesOf {
@@ -276,6 +276,6 @@ impl App {
             let logs: Vec<PassLog<'_>> = logs.iter().map(LogBoxes::pass_log).collect();
             Some((number, list?.object(number)?.passes(&logs)))
         };
-        self.keep(JobKey::CountPasses, of, work, |app| Some(&mut app.findings.objects.passes));
+        self.keep(JobKey::CountPasses, of, work, |app| Some(&mut app.objects.passes));
     }
 }

@@ -57,7 +57,7 @@ impl App {
     pub fn passes_at(&self, at: LonLat) -> PassesFound<'_> {
         let listed = self.findings.passes.listed.as_ref().filter(|(place, _)| *place == at);
         match listed {
-            Some(_) if self.is_running(&JobKey::ListPasses) => PassesFound::Searching,
+            Some(_) if self.jobs.is_running(&JobKey::ListPasses) => PassesFound::Searching,
             Some((_, Some(found))) => PassesFound::Found(found),
             Some((_, None)) => PassesFound::Stopped,
             None => PassesFound::Unasked,
@@ -91,7 +91,7 @@ impl App {
     }
 
     fn go_to(&mut self, to: Goal) {
-        let is_searched = self.is_running(&JobKey::NextPass);
+        let is_searched = self.jobs.is_running(&JobKey::NextPass);
         if self.findings.passes.next.replace(to) == Some(to) && is_searched {
             return;
         }

@@ -69,6 +69,14 @@ pub struct Planning {
 }
 
 impl Planning {
+    /// Sets the planned lines of an undo step.
+    pub(super) fn take_lines(&mut self, lines: Option<Arc<PlannedLines>>) {
+        if self.lines != lines {
+            self.selected = None;
+        }
+        self.lines = lines;
+    }
+
     /// Returns a copy that holds only the drawn parts.
     pub(super) fn for_picture(&self) -> Self {
         Self { lines: self.lines.clone(), ..Self::default() }
@@ -149,14 +157,6 @@ impl App {
         let changed = (!lines.is_empty())
             .then(|| PlannedLines { plan: planned.plan.with_lines(lines), ..planned.clone() });
         self.set_lines(changed, label);
-    }
-
-    /// Sets the planned lines of an undo step.
-    pub(super) fn take_planned(&mut self, lines: Option<Arc<PlannedLines>>) {
-        if self.map.planning.lines != lines {
-            self.map.planning.selected = None;
-        }
-        self.map.planning.lines = lines;
     }
 
     /// Sets the planned lines, as an undo step.

@@ -34,16 +34,6 @@ impl FoundPositions {
 }
 
 impl App {
-    /// Returns true if positions are being compared.
-    pub(crate) fn is_matching_positions(&self) -> bool {
-        self.is_running(&JobKey::ComparePositions)
-    }
-
-    /// Returns the position errors found last; `None` until they were requested and found.
-    pub fn position_offsets(&self) -> Option<&FoundPositions> {
-        self.findings.positions.as_ref()
-    }
-
     /// Starts to compare the positions of the visible logs: their shifts, if there are several
     /// logs, and their latencies.
     pub(super) fn match_positions(&mut self) {
@@ -74,7 +64,7 @@ impl App {
 
     /// Applies the shifts and latencies that crossings determine, as one undo step.
     pub(super) fn apply_positions(&mut self) {
-        let Some(found) = self.position_offsets().cloned() else {
+        let Some(found) = self.findings.positions.as_ref().cloned() else {
             let text = "compare the positions of the logs first";
             return self.notices.warn(text.to_owned());
         };

@@ -56,7 +56,7 @@ impl App {
 
     /// Returns the name of the project, or the names of the logs.
     fn print_name(&self) -> String {
-        if let Some(project) = self.project_path().and_then(|path| path.file_stem()) {
+        if let Some(project) = self.files.project_saving.path().and_then(|path| path.file_stem()) {
             return project.to_string_lossy().into_owned();
         }
         let names: Vec<String> = self.logs.visible().map(|log| log.name()).collect();

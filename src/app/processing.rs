@@ -69,7 +69,7 @@ impl App {
     /// Returns true if a log is being processed.
     pub(crate) fn is_processing(&self, id: LogId) -> bool {
         let requested = self.pipeline.requested.as_ref().filter(|request| request.log == id);
-        requested.is_some() && self.is_running(&JobKey::Process)
+        requested.is_some() && self.jobs.is_running(&JobKey::Process)
     }
 
     /// Starts processing a log whose results are missing or older than its settings: the shown log
@@ -84,7 +84,7 @@ impl App {
         let Some((log, survey)) = next.and_then(|log| Some((log, log.survey.clone()?))) else {
             return;
         };
-        let is_running = self.is_running(&JobKey::Process);
+        let is_running = self.jobs.is_running(&JobKey::Process);
         let requested = self.pipeline.requested.as_ref();
         if is_running && requested.is_some_and(|requested| requested.is_for(log)) {
             return;
@@ -97,7 +97,7 @@ impl App {
             settings: settings.clone(),
             stage: stage.clone(),
         });
-        let jobs = self.workers().clone();
+        let jobs = self.jobs.workers().clone();
         self.jobs.run_or(
             JobKey::Process,
             move |progress| {

@@ -33,24 +33,24 @@ const BASE_MAP: &str = "base_map";
 
 /// State of the open project and its file.
 #[derive(Default)]
-pub(super) struct ProjectSaving {
+pub struct ProjectSaving {
     /// The file; `None` before the first decision.
-    pub store: Option<Store>,
+    pub(super) store: Option<Store>,
     /// True if the file is in the folder of untitled projects: the analyst gave it no name yet.
-    pub is_untitled: bool,
+    pub(super) is_untitled: bool,
     /// Contents of the project, from which parts that this window does not show are preserved.
-    pub project: Project,
+    pub(super) project: Project,
     /// True if saving was requested while a save was running, so that the project is saved again
     /// after it.
     saves_again: bool,
     /// True if the project cannot be written, and the analyst was notified.
-    pub failed: bool,
+    pub(super) failed: bool,
     /// True if a log cannot be described, or an untitled project cannot be created, and the analyst
     /// was notified.
-    pub is_refused: bool,
+    pub(super) is_refused: bool,
     /// True if the project of the open logs was closed, with all decisions in it, because other
     /// logs are being opened.
-    pub is_closed: bool,
+    pub(super) is_closed: bool,
 }
 
 /// A project that was read, with the logs of it that were found.
@@ -76,21 +76,23 @@ impl OpenLogs {
     }
 }
 
-impl App {
+impl ProjectSaving {
     /// Returns the file of the open project; `None` if it is untitled.
-    pub fn project_path(&self) -> Option<&Path> {
-        let saving = &self.files.project_saving;
+    pub fn path(&self) -> Option<&Path> {
+        let saving = self;
         saving.store.as_ref().filter(|_| !saving.is_untitled).map(Store::path)
     }
 
     /// Returns true if there are changes that the file which the analyst named does not contain;
     /// they are in the journal beside it, or in an untitled project.
-    pub fn is_project_unsaved(&self) -> bool {
-        let saving = &self.files.project_saving;
+    pub fn is_unsaved(&self) -> bool {
+        let saving = self;
         let store = saving.store.as_ref();
         store.is_some_and(|store| saving.is_untitled || store.is_unsaved(&saving.project))
     }
+}
 
+impl App {
     /// Starts to open a project, which replaces what is open.
     pub(super) fn open_project(&mut self, path: PathBuf) {
         self.jobs.stop(&JobKey::OpenLog);
@@ -168,7 +170,7 @@ impl App {
     /// Starts to write the project into its file.
     pub(super) fn save_project(&mut self) {
         self.keep_project("save");
-        let saves = self.is_running(&JobKey::SaveProject);
+        let saves = self.jobs.is_running(&JobKey::SaveProject);
         let saving = &mut self.files.project_saving;
         let Some(store) = saving.store.as_mut().filter(|_| !saving.is_untitled) else {
             let text = "there is no project file yet; use Save project as";
@@ -211,7 +213,7 @@ impl App {
     pub fn is_keeping(&self) -> bool {
         [JobKey::HashLogs, JobKey::HashUntitled, JobKey::CreateProject, JobKey::SaveProject]
             .iter()
-            .any(|key| self.is_running(key))
+            .any(|key| self.jobs.is_running(key))
     }
 
     /// Writes the changes into the journal of the project, if it has a file already.
@@ -289,7 +291,7 @@ impl App {
             entry.is_visible = log.is_visible;
             entry.settings = log.own.as_ref().clone();
             entry.review = log.reviewing.review.clone();
-            entry.object_numbers = self.object_numbers(log.id);
+            entry.object_numbers = self.objects.numbers_of(log.id);
             let key = entry.key.clone();
             let after = if is_new { project.with_log(entry) } else { project.with_changed(entry) };
             project = after.unwrap_or(project);
@@ -313,7 +315,7 @@ impl App {
     /// written, changes are saved where they were before: in the earlier project, or in an untitled
     /// one.
     fn name_project(&mut self, path: PathBuf) {
-        if self.project_path().is_some_and(|kept| is_same_file(kept, &path)) {
+        if self.files.project_saving.path().is_some_and(|kept| is_same_file(kept, &path)) {
             return self.save_project();
         }
         self.create_project(
@@ -354,7 +356,7 @@ impl App {
         let saving = ProjectSaving { store: Some(store), project, ..ProjectSaving::default() };
         let before = std::mem::replace(&mut self.files.project_saving, saving);
         if let Some(untitled) = before.store.filter(|_| before.is_untitled)
-            && let Some(named) = self.project_path()
+            && let Some(named) = self.files.project_saving.path()
         {
             self.point_to_named(untitled, before.project, named);
         }

@@ -18,7 +18,7 @@ const STOPPED: &str = "Comparing was stopped; Update results starts it again.";
 
 /// The last comparison that was requested, and its result.
 #[derive(Default)]
-pub(super) struct ReferenceComparison {
+pub struct ReferenceComparison {
     of: Option<Of>,
     agreement: Option<Arc<Agreement>>,
     problem: Option<String>,
@@ -65,6 +65,17 @@ impl PartialEq for Of {
 }
 
 impl ReferenceComparison {
+    /// Returns the agreement of the points with the reference, or of side-scan with soundings if
+    /// there is no reference; `None` until it is computed, and if no point is over the reference.
+    pub fn agreement(&self) -> Option<&Arc<Agreement>> {
+        self.agreement.as_ref()
+    }
+
+    /// Returns the reason that there is no agreement, as a sentence; `None` if there is no problem.
+    pub fn problem(&self) -> Option<&str> {
+        self.problem.as_deref()
+    }
+
     /// Returns a copy that holds only the drawn parts.
     pub(super) fn for_picture(&self) -> Self {
         Self { of: self.of.clone(), agreement: self.agreement.clone(), ..Self::default() }
@@ -84,22 +95,6 @@ impl ReferenceComparison {
 }
 
 impl App {
-    /// Returns the agreement of the points with the reference, or of side-scan with soundings if
-    /// there is no reference; `None` until it is computed, and if no point is over the reference.
-    pub fn agreement(&self) -> Option<&Arc<Agreement>> {
-        self.findings.reference_comparison.agreement.as_ref()
-    }
-
-    /// Returns the reason that there is no agreement, as a sentence; `None` if there is no problem.
-    pub fn agreement_problem(&self) -> Option<&str> {
-        self.findings.reference_comparison.problem.as_deref()
-    }
-
-    /// Returns true if depths are being compared with the reference.
-    pub(crate) fn is_comparing_with_reference(&self) -> bool {
-        self.is_running(&JobKey::CompareReference)
-    }
-
     /// Drops the agreement, and stops the comparison.
     pub(super) fn forget_agreement(&mut self) {
         self.jobs.stop(&JobKey::CompareReference);

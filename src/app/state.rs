@@ -36,17 +36,17 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 /// State of the open survey as a whole, whichever log is shown.
-pub(super) struct Document {
+pub struct Document {
     /// The settings from which a new survey starts: the preset, or the settings that the program
     /// was started with.
-    pub start: Arc<Settings>,
+    pub(super) start: Arc<Settings>,
     /// The settings that all logs share.
     pub shared: Arc<Settings>,
     /// The local coordinate frame of the plane that all logs share.
-    pub plane: LocalFrame,
+    pub(super) plane: LocalFrame,
     /// True if the coordinate system of a log's metres has changed, and the plane was not chosen
     /// again since.
-    pub is_plane_moved: bool,
+    pub(super) is_plane_moved: bool,
     /// Default mounting of recorders, by [`bathyscope_log::survey::Source::recorder`].
     pub mountings: Arc<Mountings>,
     /// Steps that undo goes back to.
@@ -68,39 +68,43 @@ impl Default for Document {
 
 /// State of the pipeline.
 #[derive(Default)]
-pub(super) struct PipelineWork {
+pub struct PipelineWork {
     /// The last request to process a log; `None` once it has ended.
-    pub requested: Option<ProcessRequest>,
+    pub(super) requested: Option<ProcessRequest>,
     /// True if nothing is processed until the analyst requests it: the slider is still held, or the
     /// work was stopped.
-    pub is_waiting: bool,
-    pub previewer: Previewer,
+    pub(super) is_waiting: bool,
+    pub(super) previewer: Previewer,
     /// Results that are derived from the open logs.
     pub deriving: Deriving,
 }
 
 /// State of reading and writing files.
 #[derive(Default)]
-pub(super) struct FileWork {
+pub struct FileWork {
     /// Name of the log that was opened last, or is being opened.
-    pub loading: String,
-    pub to_load: VecDeque<OpenRequest>,
-    pub exported: Option<Exported>,
+    pub(super) loading: String,
+    pub(super) to_load: VecDeque<OpenRequest>,
+    pub(super) exported: Option<Exported>,
+    /// State of the open project and its file.
     pub project_saving: ProjectSaving,
     /// Folder of untitled projects; `None` where nothing is saved that was not requested.
-    pub untitled_folder: Option<PathBuf>,
+    pub(super) untitled_folder: Option<PathBuf>,
     /// Logs of the project that were not found.
-    pub missing: Vec<LogKey>,
+    pub(super) missing: Vec<LogKey>,
 }
 
 /// State and results of searches over the open logs.
 #[derive(Default)]
-pub(super) struct Findings {
+pub struct Findings {
+    /// Comparison of heights.
     pub heights: Heights,
+    /// Comparison of positions; `None` before one.
     pub positions: Option<FoundPositions>,
-    pub passes: Passes,
-    pub objects: Objects,
+    pub(super) passes: Passes,
+    /// Search for objects.
     pub search: ObjectSearch,
+    /// Comparison with the reference.
     pub reference_comparison: ReferenceComparison,
 }
 
@@ -144,10 +148,16 @@ pub struct MapWork {
 pub struct App {
     /// The open logs.
     pub logs: OpenLogs,
-    pub(super) document: Document,
-    pub(super) pipeline: PipelineWork,
-    pub(super) files: FileWork,
-    pub(super) findings: Findings,
+    /// State of the open survey as a whole.
+    pub document: Document,
+    /// State of the pipeline.
+    pub pipeline: PipelineWork,
+    /// State of reading and writing files.
+    pub files: FileWork,
+    /// Results of searches over the open logs.
+    pub findings: Findings,
+    /// The objects of the visible logs.
+    pub objects: Objects,
     /// Display state of the views.
     pub view: ViewState,
     /// Base map, reference, measurement and planned lines that the analyst adds to the map.
@@ -156,12 +166,15 @@ pub struct App {
     pub recent: Vec<PathBuf>,
     /// Notices to the analyst.
     pub notices: Notices,
-    pub(super) following: Following,
+    /// The followed log.
+    pub following: Following,
     pub(super) file_watch: FileWatch,
-    pub(super) card_search: CardSearch,
+    /// Search of cards and drives for logs.
+    pub card_search: CardSearch,
     /// The folder that was written last; `None` if none was.
     pub written_into: Option<PathBuf>,
-    pub(super) jobs: JobQueue,
+    /// Work in the background.
+    pub(crate) jobs: JobQueue,
 }
 
 impl App {
@@ -173,6 +186,7 @@ impl App {
             pipeline: PipelineWork::default(),
             files: FileWork::default(),
             findings: Findings::default(),
+            objects: Objects::default(),
             view: ViewState::default(),
             map: MapWork::default(),
             recent: Vec::new(),
@@ -189,16 +203,6 @@ impl App {
     /// update them.
     pub(crate) fn is_stopped(&self) -> bool {
         self.logs.shown.is_behind() && !self.jobs.is_running(&JobKey::Process)
-    }
-
-    /// Returns the way in which work in the background is run.
-    pub(crate) fn workers(&self) -> &Jobs {
-        self.jobs.workers()
-    }
-
-    /// Returns true if some work is running, or its result was not applied yet.
-    pub(crate) fn is_running(&self, key: &JobKey) -> bool {
-        self.jobs.is_running(key)
     }
 
     /// Returns the running stage of the pipeline, and the done share of it, 0 to 1; `None` if no

@@ -10,15 +10,15 @@ use std::sync::Arc;
 
 /// State that undo restores: everything that an analyst changes.
 #[derive(Clone, PartialEq)]
-pub(super) struct UndoStep {
-    pub shared: Arc<Settings>,
+pub struct UndoStep {
+    pub(super) shared: Arc<Settings>,
     /// The logs in the order of the list.
-    pub logs: Vec<LogStep>,
+    pub(super) logs: Vec<LogStep>,
     /// Ids of the logs that are closed and can be opened again.
-    pub closed: Vec<LogId>,
-    pub figure: Option<Arc<Figure>>,
-    pub planned: Option<Arc<PlannedLines>>,
-    pub mountings: Arc<Mountings>,
+    pub(super) closed: Vec<LogId>,
+    pub(super) figure: Option<Arc<Figure>>,
+    pub(super) planned: Option<Arc<PlannedLines>>,
+    pub(super) mountings: Arc<Mountings>,
 }
 
 /// State of one log that undo restores.

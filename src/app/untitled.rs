@@ -140,7 +140,7 @@ impl App {
             return;
         };
         let is_begun = [JobKey::HashUntitled, JobKey::CreateProject];
-        let is_begun = is_begun.iter().any(|key| self.is_running(key));
+        let is_begun = is_begun.iter().any(|key| self.jobs.is_running(key));
         if is_begun
             || self.files.project_saving.is_refused
             || !self.logs.all().any(OpenLog::is_file)
@@ -157,7 +157,7 @@ impl App {
     /// Starts to describe the files of logs that joined a project, which contains them from then
     /// on.
     pub(super) fn hash_new_logs(&mut self) {
-        let is_begun = self.is_running(&JobKey::HashUntitled);
+        let is_begun = self.jobs.is_running(&JobKey::HashUntitled);
         let has_store = self.files.project_saving.store.is_some();
         let can_begin = has_store && !is_begun && !self.files.project_saving.is_refused;
         if !can_begin || self.logs.to_hash().next().is_none() {
@@ -188,7 +188,7 @@ impl App {
             Ok((store, project)) => {
                 let saving = &mut app.files.project_saving;
                 (saving.store, saving.project, saving.is_untitled) = (Some(store), project, true);
-                let label = app.undo_label().unwrap_or(TAKEN).to_owned();
+                let label = app.document.history.undo_label().unwrap_or(TAKEN).to_owned();
                 app.keep_project(&label);
             }
             Err(error) => app.say_not_kept(&error),
@@ -210,7 +210,7 @@ impl App {
         let is_saved = saving.store.is_some() || saving.is_closed || self.is_keeping();
         let mut logs = self.logs.all().filter(|log| !is_saved || !log.is_file());
         let is_box_at_risk = logs.any(|log| log.reviewing.is_unsaved());
-        is_box_at_risk || is_refused && self.history().next().is_some()
+        is_box_at_risk || is_refused && self.document.history.steps().next().is_some()
     }
 
     /// Writes the changes of an untitled project into its file, or removes it if all its logs were

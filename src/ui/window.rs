@@ -78,7 +78,7 @@ pub(crate) fn open_window(
         if let Some(storage) = cc.storage {
             shell.restore(storage);
         }
-        shell.app.look_for_cards(drives);
+        shell.app.card_search.look_on(drives);
         if let Some(folder) = untitled_folder() {
             shell.app.keep_untitled_in(folder);
         }

@@ -92,7 +92,7 @@ fn measure(state: &RenderState, paths: &[PathBuf]) -> Figures {
 
 /// Seconds until the shown log is as a moved threshold makes it, and until all are.
 fn reaction(app: &mut App) -> (f64, f64) {
-    let mut settings = app.shared_settings().clone();
+    let mut settings = (*app.document.shared).clone();
     settings.first_return.threshold *= 1.1;
     let started = Instant::now();
     app.apply(Command::Change { settings: Box::new(settings), label: "threshold", live: false });

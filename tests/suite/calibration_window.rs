@@ -39,7 +39,7 @@ fn a_proposal_changes_nothing_until_it_is_used_and_one_step_takes_it_back() {
     let trial = app(&window).logs.shown.scale_trial().expect("a trial").clone();
     assert_eq!(mode(&window), ScaleMode::Header);
     assert_eq!(depths_m(&window), before);
-    assert_eq!(app(&window).undo_label(), None);
+    assert_eq!(app(&window).document.history.undo_label(), None);
     // What is said beforehand is what comes of it.
     let effect = trial.effect.expect("an effect");
     assert!(window.query_by_label_contains("Proposed: pings").is_some());
@@ -71,7 +71,7 @@ fn the_recorded_range_is_kept_or_taken_again() {
     window.get_by_label("Keep the recorded range").click();
     window.run();
     assert_eq!(app(&window).logs.shown.proposed_stretch(), None);
-    assert_eq!(app(&window).undo_label(), None, "nothing changed");
+    assert_eq!(app(&window).document.history.undo_label(), None, "nothing changed");
     press(&mut window, Modifiers::NONE, Key::Escape);
     press(&mut window, Modifiers::NONE, Key::C);
     act(&mut window, Action::UseScale);
@@ -101,7 +101,7 @@ fn a_drag_in_the_waterfall_proposes_its_pings_and_escape_leaves_tool_then_propos
     let ping = |share: f64| seen.start as f64 + share * seen.len() as f64;
     assert!((dragged.start as f64 - ping(0.40)).abs() < 0.02 * seen.len() as f64, "{dragged:?}");
     assert!((dragged.end as f64 - ping(0.55)).abs() < 0.02 * seen.len() as f64, "{dragged:?}");
-    assert_eq!(app(&window).undo_label(), None);
+    assert_eq!(app(&window).document.history.undo_label(), None);
     press(&mut window, Modifiers::NONE, Key::Escape);
     assert_eq!(app(&window).logs.shown.reviewing.tool, Tool::Look);
     assert_eq!(app(&window).logs.shown.proposed_stretch(), Some(dragged));
@@ -199,7 +199,7 @@ fn a_stretch_is_accepted_as_bottom_with_one_action() {
     let name = format!("Accept as bottom: pings {first} to {last}, {side}");
     window.get_by_label(&name).click();
     window.run();
-    assert_eq!(app(&window).undo_label(), Some("bottom"));
+    assert_eq!(app(&window).document.history.undo_label(), Some("bottom"));
     let after = (class(&window), depths_m(&window).len());
     assert!(after.0 < before.0 && after.1 > before.1, "{before:?}, {after:?}");
     let found = app(&window).logs.shown.returns().expect("first returns").clone();

@@ -247,7 +247,7 @@ fn zero_that_stands_for_no_value_says_so() {
     window.run();
     let shown = painted(&window);
     assert!(shown.iter().any(|(text, _)| text.starts_with("0.5")), "{shown:?}");
-    assert_eq!(app(&window).undo_label(), Some("stops to exclude 0.50 m/s"));
+    assert_eq!(app(&window).document.history.undo_label(), Some("stops to exclude 0.50 m/s"));
 }
 
 #[test]
@@ -259,7 +259,7 @@ fn a_change_is_named_in_the_units_of_the_day_it_is_read() {
     let draft = window.get_by_role_and_label(Role::Slider, "Draft");
     draft.set_value_accesskit(5.0);
     window.run();
-    let label = app(&window).undo_label().expect("a change").to_owned();
+    let label = app(&window).document.history.undo_label().expect("a change").to_owned();
     assert_eq!(label, "draft 1.524 m");
     assert_eq!(feet.sentence(&label), "draft 5.00 ft");
 }

@@ -119,7 +119,7 @@ fn a_drag_along_the_waterfall_leaves_pings_out_of_everything_as_one_step() {
         assert_eq!(pings(&window).len(), expected);
     }
     assert_eq!(points_in(&window, [300, 400]), before);
-    assert_eq!(app(&window).undo_label(), None);
+    assert_eq!(app(&window).document.history.undo_label(), None);
     press(&mut window, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
     assert_eq!(pings(&window), [stretch]);
 
@@ -153,7 +153,7 @@ fn a_drag_that_is_given_up_changes_nothing() {
         assert!(pings(&window).is_empty());
         assert!(app(&window).logs.shown.settings.bottom.is_empty());
         assert!(!app(&window).logs.shown.reviewing.has_boxes());
-        assert_eq!(app(&window).undo_label(), None, "{tool:?}");
+        assert_eq!(app(&window).document.history.undo_label(), None, "{tool:?}");
     }
 }
 

@@ -31,7 +31,7 @@ fn cards() -> Vec<PathBuf> {
 #[test]
 fn the_newest_log_of_a_card_is_offered_and_opens_with_a_click() {
     let mut window = empty_window();
-    window.state_mut().app.look_for_cards(cards);
+    window.state_mut().app.card_search.look_on(cards);
     // One frame lists the drives, one has them searched, one shows what was found.
     for _ in 0..3 {
         window.step();
@@ -48,5 +48,5 @@ fn the_newest_log_of_a_card_is_offered_and_opens_with_a_click() {
     let app = &window.state().app;
     let survey = app.logs.shown.survey.as_ref().expect("a log is open");
     assert_eq!(survey.source.files, [cards()[0].join("Sonar0002.sl2")]);
-    assert!(app.card_folders().is_empty());
+    assert!(app.card_search.folders().is_empty());
 }

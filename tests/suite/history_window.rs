@@ -18,7 +18,7 @@ fn rows(window: &Window) -> Vec<String> {
 }
 
 fn threshold(window: &Window) -> f32 {
-    app(window).shared_settings().first_return.threshold
+    app(window).document.shared.first_return.threshold
 }
 
 #[test]
@@ -74,7 +74,7 @@ fn steps_are_named_by_what_became_of_which_log_and_a_click_goes_there() {
     assert_eq!(shown[..2], ["as opened, done", "a test 0.41, here"]);
     assert_eq!(shown[2], "a test 0.70 m of lake-1, taken back");
     assert_eq!(shown.len(), 9);
-    assert_eq!(app(&window).redo_label(), Some("a test 0.70 m of lake-1"));
+    assert_eq!(app(&window).document.history.redo_label(), Some("a test 0.70 m of lake-1"));
 
     // By the keyboard: to the row, and Enter.
     window.get_by_label("Step bottom of lake-1, taken back").focus();
@@ -82,11 +82,11 @@ fn steps_are_named_by_what_became_of_which_log_and_a_click_goes_there() {
     press(&mut window, Modifiers::NONE, Key::Enter);
     settle(&mut window);
     assert_eq!(app(&window).logs.shown.settings.bottom.ping_count(), 31);
-    assert_eq!(app(&window).undo_label(), Some("bottom of lake-1"));
+    assert_eq!(app(&window).document.history.undo_label(), Some("bottom of lake-1"));
     window.get_by_label("Step as opened, done").click();
     settle(&mut window);
     assert_eq!(threshold(&window), 0.30);
-    assert_eq!(app(&window).undo_label(), None);
+    assert_eq!(app(&window).document.history.undo_label(), None);
 
     // A new step forgets those that were taken back.
     change(&mut window, "first_return.threshold=0.35");

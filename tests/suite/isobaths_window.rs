@@ -12,7 +12,7 @@ use egui_kittest::kittest::Queryable as _;
 /// Returns the places of the points of the drawn isobaths.
 fn places(window: &Window) -> Vec<LonLat> {
     let app = app(window);
-    let drawn = app.isobaths().expect("isobaths");
+    let drawn = app.pipeline.deriving.isobaths().expect("isobaths");
     let log = &app.logs.shown;
     let (survey, products) = log.survey.as_ref().zip(log.products.as_ref()).expect("results");
     let to_lon_lat = |at: &[f64; 2]| products.navigation.to_lon_lat(&survey.track, at[0], at[1]);
@@ -94,7 +94,9 @@ fn the_panel_has_a_control_for_each_setting_of_the_isobaths() {
     }
     let settings = &app(&window).logs.shown.settings.isobaths;
     assert_eq!((settings.unit, settings.shoal_safe), (LengthUnit::Feet, true));
-    assert!(app(&window).isobaths().is_some_and(|drawn| drawn.settings.shoal_safe));
+    assert!(
+        app(&window).pipeline.deriving.isobaths().is_some_and(|drawn| drawn.settings.shoal_safe)
+    );
     for action in [Action::OpenIsobathArea, Action::IsobathLayer] {
         assert!(window.query_by_label(action.label()).is_some(), "{action:?}");
     }

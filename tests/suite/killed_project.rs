@@ -105,7 +105,7 @@ fn is_idle(app: &App) -> bool {
 fn opened(project: &Path, jobs: Jobs) -> App {
     let mut app = App::new(jobs);
     app.apply(Command::Open(project.to_owned()));
-    while app.project_path().is_none() || !is_idle(&app) {
+    while app.files.project_saving.path().is_none() || !is_idle(&app) {
         app.poll();
         std::thread::sleep(Duration::from_millis(1));
     }
@@ -201,7 +201,7 @@ fn states(folder: &Path, name: &str, first: usize, last: usize) -> Vec<State> {
             }
             app.apply(Command::SaveProject);
             app.poll();
-            let path = app.project_path().expect("a project").to_owned();
+            let path = app.files.project_saving.path().expect("a project").to_owned();
             State {
                 text: without_numbers(&fs::read_to_string(&path).expect("a project")),
                 name: path.file_name().expect("a name").to_string_lossy().into_owned(),
@@ -225,7 +225,12 @@ fn written(folder: &Path) -> PathBuf {
     while app.is_keeping() {
         app.poll();
     }
-    assert_eq!(app.project_path(), Some(project.as_path()), "{:?}", app.notices.shown());
+    assert_eq!(
+        app.files.project_saving.path(),
+        Some(project.as_path()),
+        "{:?}",
+        app.notices.shown()
+    );
     project
 }
 

@@ -145,7 +145,7 @@ fn what_is_unticked_takes_no_part_and_undo_goes_over_all_logs() {
     for name in ["lake-0", "lake-1"] {
         assert_eq!(*of(&window, name), Settings::default(), "{name}");
     }
-    assert_eq!(app(&window).undo_label(), None);
+    assert_eq!(app(&window).document.history.undo_label(), None);
     for _ in 0..4 {
         press(&mut window, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
         settle(&mut window);
@@ -210,7 +210,7 @@ fn a_log_that_was_closed_comes_back_with_undo() {
     let whole = pings(&window);
     window.get_by_label("Close lake-0").click_accesskit();
     settle(&mut window);
-    assert_eq!(app(&window).undo_label(), Some("close lake-0"));
+    assert_eq!(app(&window).document.history.undo_label(), Some("close lake-0"));
     // The other one, and nothing is open.
     press(&mut window, Modifiers::COMMAND, Key::W);
     assert_eq!(app(&window).logs.count(), 0);

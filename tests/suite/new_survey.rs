@@ -83,7 +83,7 @@ fn no_setting_of_a_survey_is_in_the_next_one() {
         assert_eq!(now.get(key), usual.get(key), "{key}");
     }
     assert_eq!(*app.logs.shown.settings, Settings::default());
-    assert_eq!(app.undo_label(), None);
+    assert_eq!(app.document.history.undo_label(), None);
 }
 
 #[test]

@@ -77,7 +77,7 @@ pub(super) fn object_of(window: &Window, index: usize) -> Object {
         let [east_m, north_m] = object.place_m;
         f64::hypot(east_m - truth.east_m, north_m - truth.north_m)
     };
-    let near = app(window).objects().iter().filter(|object| off_m(object) < 1.0);
+    let near = app(window).objects.all().iter().filter(|object| off_m(object) < 1.0);
     let most = near.max_by_key(|object| object.boxes.len());
     most.expect("an object").clone()
 }
@@ -160,7 +160,7 @@ fn an_object_is_decided_in_all_its_logs_as_one_step() {
         rest.retain(|id| !object.boxes.contains(id));
         states(window, &rest)
     };
-    let before = app(&window).undo_label().map(str::to_owned);
+    let before = app(&window).document.history.undo_label().map(str::to_owned);
     window.state_mut().app.apply(Command::SelectLogBox(object.boxes[0]));
     settle(&mut window);
     for (key, state, label) in
@@ -172,11 +172,11 @@ fn an_object_is_decided_in_all_its_logs_as_one_step() {
         assert!(decided.iter().all(|decision| *decision == state), "{decided:?}");
         let mut others = rest(&window).into_iter();
         assert!(others.all(|decision| decision == State::Proposed));
-        let undo = app(&window).undo_label().expect("a step");
+        let undo = app(&window).document.history.undo_label().expect("a step");
         assert!(undo.starts_with(label), "{undo}");
         // On to a box that is undecided; the object keeps its number.
         assert!(!object.boxes.contains(&selected(&window)));
-        let same = app(&window).object_of(object.boxes[0]).expect("an object");
+        let same = app(&window).objects.of_box(object.boxes[0]).expect("an object");
         assert_eq!((same.number, &same.boxes), (object.number, &object.boxes));
         assert!(!matches!(same.state, ObjectState::Undecided));
 
@@ -184,7 +184,7 @@ fn an_object_is_decided_in_all_its_logs_as_one_step() {
         settle(&mut window);
         let undone = states(&window, &all_boxes(&window));
         assert!(undone.iter().all(|decision| *decision == State::Proposed));
-        assert_eq!(app(&window).undo_label(), before.as_deref());
+        assert_eq!(app(&window).document.history.undo_label(), before.as_deref());
         assert!(object.boxes.contains(&selected(&window)), "undo leads back");
     }
     // Taken back without undo, and without moving on.
@@ -226,7 +226,8 @@ fn the_list_is_sorted_by_how_often_an_object_was_seen() {
     settle(&mut window);
     let times = |window: &Window| -> Vec<usize> {
         let mut rows: Vec<(f32, usize)> = app(window)
-            .objects()
+            .objects
+            .all()
             .iter()
             .map(|object| {
                 let name = format!("Object {}, ", object.number);
@@ -238,7 +239,7 @@ fn the_list_is_sorted_by_how_often_an_object_was_seen() {
         rows.into_iter().map(|(_, times)| times).collect()
     };
     let by_number: Vec<usize> =
-        (app(&window).objects().iter()).map(|object| object.sightings).collect();
+        (app(&window).objects.all().iter()).map(|object| object.sightings).collect();
     assert_eq!(times(&window), by_number);
     assert!(!by_number.is_sorted_by(|a, b| a >= b), "{by_number:?}");
     window.get_by_label("Sort objects by seen").click_accesskit();
@@ -261,7 +262,7 @@ fn the_list_is_sorted_by_how_often_an_object_was_seen() {
     window.run();
     (window.get_by_role_and_label(Role::TextInput, field)).type_text("ann");
     settle(&mut window);
-    assert_eq!(app(&window).listed_objects(), [object.number]);
+    assert_eq!(app(&window).objects.listed(), [object.number]);
     let name = format!("Object {}, Anna, block", object.number);
     window.get_by_label_contains(&name);
     window.get_by_label_contains("by the filter");
@@ -272,7 +273,7 @@ fn the_table_is_walked_through_by_keys() {
     let (_folder, mut window) = proposed();
     press(&mut window, Modifiers::NONE, Key::Num4);
     settle(&mut window);
-    let rows = app(&window).listed_objects().to_vec();
+    let rows = app(&window).objects.listed().to_vec();
     let last = rows[rows.len() - 1];
     window.get_by_label(&format!("Objects, {} rows, none selected", rows.len()));
     let walk = [
@@ -384,7 +385,7 @@ fn the_queue_goes_on_into_the_next_log() {
     (window.state_mut().app).apply(Command::SetLogVisible(second, false));
     settle(&mut window);
     window.get_by_label(&format!("1 of {} decided", of(first)));
-    let objects = app(&window).objects();
+    let objects = app(&window).objects.all();
     assert!(objects.iter().all(|object| object.logs() == [first]));
 }
 
@@ -459,12 +460,12 @@ fn a_search_that_is_stopped_in_the_second_log_keeps_what_it_found() {
     let first = review(&app, 0);
     assert!(first.boxes().len() > 0 && first.unsearched().is_empty());
     // One step for both.
-    assert_eq!(app.undo_label(), Some("find objects of lake-0"));
+    assert_eq!(app.document.history.undo_label(), Some("find objects of lake-0"));
     app.apply(Command::Do(Action::Undo));
     for index in 0..2 {
         assert_eq!(review(&app, index).boxes().len(), 0);
     }
-    assert_ne!(app.undo_label(), Some("find objects"));
+    assert_ne!(app.document.history.undo_label(), Some("find objects"));
 }
 
 /// Copies of the river in two formats, with a mark on either side of its boat: marks are kept

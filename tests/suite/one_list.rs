@@ -23,7 +23,7 @@ type Objects = BTreeMap<u32, BTreeMap<String, String>>;
 /// The boxes of the window, of targets or all.
 fn boxes_shown(window: &Window, only_targets: bool) -> BTreeSet<Row> {
     let mut rows = BTreeSet::new();
-    for object in app(window).objects() {
+    for object in app(window).objects.all() {
         for key in &object.boxes {
             let state = app(window).logs.log_box(*key).expect("a box").state;
             if !only_targets || state.is_object() {
@@ -63,8 +63,8 @@ fn by_number(rows: impl Iterator<Item = BTreeMap<String, String>>) -> Objects {
 /// The objects of the window, targets or all.
 fn shown(window: &Window, only_targets: bool) -> Objects {
     let is_shown = |object: &&Object| !only_targets || object.state == ObjectState::Accepted;
-    let objects = app(window).objects().iter().filter(is_shown).map(|object| {
-        let of = app(window).listed_object(object);
+    let objects = app(window).objects.all().iter().filter(is_shown).map(|object| {
+        let of = app(window).objects.listed_object(object);
         let columns = OBJECT_COLUMNS.iter();
         columns.map(|column| (column.name.to_owned(), column.text(&of))).collect()
     });
@@ -192,7 +192,8 @@ fn check_run(folder: &Path, window: &Window, titles: &BTreeSet<String>) {
     assert_eq!(of_geopackage(&folder.join("survey.gpkg")), targets);
     let page = std::fs::read_to_string(folder.join("report.html")).expect("a page");
     assert_eq!(listed(&page), targets.keys().copied().collect());
-    for object in app(window).objects().iter().filter(|object| targets.contains_key(&object.number))
+    for object in
+        app(window).objects.all().iter().filter(|object| targets.contains_key(&object.number))
     {
         let row = page.split(&format!("<tr><td>{}</td>", object.number)).nth(1);
         let row = row.and_then(|row| row.split("</tr>").next()).expect("a row");
@@ -271,7 +272,7 @@ fn thirty_decisions_by_keys_change_no_object_but_the_one_that_is_decided() {
     settle(&mut window);
     for index in 0..30 {
         let here = app(&window).logs.shown.selected_box().expect("a selected box");
-        let object = |window: &Window| app(window).object_of(here).expect("an object").number;
+        let object = |window: &Window| app(window).objects.of_box(here).expect("an object").number;
         let (before, of) = (shown(&window, false), object(&window));
         let key = if index % 4 == 3 { Key::R } else { Key::A };
         press(&mut window, Modifiers::NONE, key);

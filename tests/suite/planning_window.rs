@@ -42,7 +42,7 @@ fn lines_are_planned_dragged_removed_and_every_step_is_undone() {
     plan(&mut window);
     let planned = lines(&window);
     assert!(!planned.is_empty());
-    assert_eq!(app(&window).undo_label(), Some("planned lines"));
+    assert_eq!(app(&window).document.history.undo_label(), Some("planned lines"));
     let said = format!("{} line", planned.len());
     assert!(window.query_by_label_contains(&said).is_some(), "the read-out");
 

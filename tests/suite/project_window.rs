@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 pub(super) fn save_as(window: &mut Window, path: &Path) {
     window.state_mut().app.apply(Command::Write(FileToWrite::Project(path.to_owned())));
     settle(window);
-    assert_eq!(app(window).project_path(), Some(path));
+    assert_eq!(app(window).files.project_saving.path(), Some(path));
 }
 
 pub(super) fn open(path: &Path) -> Window {
@@ -73,9 +73,9 @@ fn a_project_comes_back_as_it_was_left_and_the_logs_are_untouched() {
     };
     app_of(&mut window, Command::MoveLog(first, 2));
     app_of(&mut window, Command::SetLogVisible(second, false));
-    assert!(app(&window).is_project_unsaved());
+    assert!(app(&window).files.project_saving.is_unsaved());
     press(&mut window, Modifiers::COMMAND, Key::S);
-    assert!(!app(&window).is_project_unsaved());
+    assert!(!app(&window).files.project_saving.is_unsaved());
     let left = decisions(&window);
     assert_eq!(names(&window), ["lake-1", "lake-2", "lake-0"]);
     drop(window);
@@ -123,7 +123,7 @@ fn a_project_that_is_opened_again_can_be_undone_whether_it_was_saved_or_not() {
     drop(window);
 
     let mut again = open(&path);
-    let steps = app(&again).history().count();
+    let steps = app(&again).document.history.steps().count();
     assert_eq!(steps, 4, "what was taken back is no step");
     assert_eq!(decisions(&again), last);
     let undo = |window: &mut Window| {
@@ -191,7 +191,7 @@ fn what_was_not_saved_is_in_the_journal() {
     drop(window);
     let mut again = open(&path);
     assert_eq!(decisions(&again), left);
-    assert!(app(&again).is_project_unsaved());
+    assert!(app(&again).files.project_saving.is_unsaved());
     // Another window on the same project does not get it.
     let other = open(&path);
     assert_eq!(app(&other).logs.count(), 0);

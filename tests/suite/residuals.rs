@@ -28,11 +28,15 @@ fn the_map_shows_how_each_point_differs_from_the_soundings() {
     window.state_mut().app.apply(Command::OpenDemo);
     window.state_mut().show_alone(Alone::View(View::Map));
     settle(&mut window);
-    assert!(app(&window).agreement().is_none(), "nobody has looked at it yet");
+    assert!(
+        app(&window).findings.reference_comparison.agreement().is_none(),
+        "nobody has looked at it yet"
+    );
     for layer in [Action::ResidualLayer, Action::IsobathLayer] {
         act(&mut window, layer);
     }
-    let agreement = app(&window).agreement().cloned().expect("an agreement");
+    let agreement =
+        app(&window).findings.reference_comparison.agreement().cloned().expect("an agreement");
     let products = app(&window).logs.shown.products.as_ref().expect("a result");
     // Every difference is that of a kept side-scan point from soundings within reach.
     let [log] = &agreement.logs[..] else { panic!("one log") };
@@ -83,7 +87,7 @@ fn compare_with(window: &mut Window, path: PathBuf) {
 }
 
 fn mean_m(window: &Window) -> f64 {
-    let agreement = app(window).agreement().expect("an agreement");
+    let agreement = app(window).findings.reference_comparison.agreement().expect("an agreement");
     agreement.comparison.residuals.expect("statistics").mean_m
 }
 
@@ -124,7 +128,7 @@ fn a_second_mission_under_higher_water_is_lower_by_as_much() {
         window.state_mut().app.apply(command);
         window.run();
     }
-    let agreement = app(&window).agreement().expect("an agreement");
+    let agreement = app(&window).findings.reference_comparison.agreement().expect("an agreement");
     assert!(agreement.reference.is_none(), "its own soundings again");
 }
 
@@ -172,7 +176,8 @@ fn a_setting_acts_on_both_missions_and_on_no_file() {
     window.state_mut().app.apply(Command::Write(FileToWrite::Products(out.clone())));
     window.run();
     compare_with(&mut window, folder.path().join("second.sl2"));
-    let before = app(&window).agreement().cloned().expect("an agreement");
+    let before =
+        app(&window).findings.reference_comparison.agreement().cloned().expect("an agreement");
     let mut settings = Settings::clone(&app(&window).logs.shown.settings);
     settings.draft_m = 0.5;
     let change = Command::Change { settings: Box::new(settings), label: "draft", live: false };
@@ -180,7 +185,8 @@ fn a_setting_acts_on_both_missions_and_on_no_file() {
         window.state_mut().app.apply(command);
         window.run();
     }
-    let after = app(&window).agreement().cloned().expect("an agreement");
+    let after =
+        app(&window).findings.reference_comparison.agreement().cloned().expect("an agreement");
     let [before_m, after_m] =
         [before, after].map(|agreement| agreement.logs[0].differences[0].reference_z_m);
     let deeper_m = before_m - after_m;
@@ -192,7 +198,7 @@ fn a_setting_acts_on_both_missions_and_on_no_file() {
     let (text, is_error) = notice(&window);
     assert!(!is_error && text.contains("first fix"), "{text}");
     // The median: that file holds what is flagged as above-bottom too.
-    let agreement = app(&window).agreement().expect("an agreement");
+    let agreement = app(&window).findings.reference_comparison.agreement().expect("an agreement");
     let median_m = agreement.comparison.residuals.expect("statistics").median_m;
     assert!((median_m + 0.5).abs() < 0.01, "{median_m}");
 }
@@ -219,7 +225,8 @@ fn the_true_bed_in_a_file_gives_the_errors_that_the_simulation_knows() {
     drop_file(&mut window, path);
     let (text, is_error) = notice(&window);
     assert!(!is_error && text.contains("UTM zone 17N"), "{text}");
-    let agreement = app(&window).agreement().cloned().expect("an agreement");
+    let agreement =
+        app(&window).findings.reference_comparison.agreement().cloned().expect("an agreement");
     assert_eq!(agreement.comparison.unmatched, 0);
     // Between the points of the file objects have edges.
     let is_right = |matched: &&Match| {
@@ -235,7 +242,7 @@ fn the_true_bed_in_a_file_gives_the_errors_that_the_simulation_knows() {
         window.state_mut().app.apply(command);
         window.run();
     }
-    let near = app(&window).agreement().expect("an agreement");
+    let near = app(&window).findings.reference_comparison.agreement().expect("an agreement");
     // Half of a square of 0.3 m lies within 0.12 m of its corners.
     let share = near.differences().count() as f64 / differences.len() as f64;
     assert!((0.4..0.6).contains(&share), "{share}");
@@ -287,12 +294,15 @@ fn comparing_is_stopped_and_taken_up_again() {
 
     app.apply(Command::CompareWith(demo_log()));
     wait(&mut app);
-    assert!(app.map.comparing.reference.is_some() && app.agreement().is_some());
+    assert!(
+        app.map.comparing.reference.is_some()
+            && app.findings.reference_comparison.agreement().is_some()
+    );
     let nearest = Command::MatchBy { by: ReferenceBy::Nearest, radius_m: 0.5 };
     for command in [nearest, Command::CompareWithReference, Command::Do(Action::Cancel)] {
         app.apply(command);
     }
-    let problem = app.agreement_problem().expect("it was stopped");
+    let problem = app.findings.reference_comparison.problem().expect("it was stopped");
     assert!(problem.contains("Update"), "{problem}");
     app.apply(Command::CompareWithReference);
     assert!(app.is_idle(), "it rests until it is asked for");
@@ -300,6 +310,6 @@ fn comparing_is_stopped_and_taken_up_again() {
         app.apply(command);
     }
     wait(&mut app);
-    let agreement = app.agreement().expect("an agreement");
+    let agreement = app.findings.reference_comparison.agreement().expect("an agreement");
     assert_eq!(agreement.matching, Matching::Nearest { radius_m: 0.5 });
 }

@@ -39,7 +39,7 @@ fn positions_are_compared_in_the_window_and_put_right_as_one_step() {
     settle(&mut window);
     window.get_by_label("Compare positions").click_accesskit();
     settle(&mut window);
-    let found = app(&window).position_offsets().expect("what was found");
+    let found = app(&window).findings.positions.as_ref().expect("what was found");
     assert!(FoundPositions::tells(found));
     let shift = |(_, log): &(_, LogPositions)| log.found.shift.values();
     let found: Vec<[f64; 3]> = found.logs.iter().map(shift).collect();
@@ -51,7 +51,7 @@ fn positions_are_compared_in_the_window_and_put_right_as_one_step() {
     // With them in force the crossings show about the same, all told.
     window.get_by_label("Compare positions").click_accesskit();
     settle(&mut window);
-    let again = app(&window).position_offsets().expect("what was found");
+    let again = app(&window).findings.positions.as_ref().expect("what was found");
     let again: Vec<[f64; 3]> = again.logs.iter().map(shift).collect();
     for (again, found) in again.iter().zip(&found) {
         let moved = [0, 1, 2].map(|value| (again[value] - found[value]).abs());

@@ -141,13 +141,13 @@ fn four_logs_from_the_folder_to_the_products() {
     let project = folder.join("lake.bathyscope");
     name_file(&mut window, "File to write, .bathyscope", &project, "Save");
     settle(&mut window);
-    assert_eq!(app(&window).project_path(), Some(project.as_path()));
+    assert_eq!(app(&window).files.project_saving.path(), Some(project.as_path()));
     press(&mut window, Modifiers::NONE, Key::CloseBracket);
     settle(&mut window);
-    assert!(app(&window).is_project_unsaved());
+    assert!(app(&window).files.project_saving.is_unsaved());
     press(&mut window, Modifiers::COMMAND, Key::S);
     settle(&mut window);
-    assert!(!app(&window).is_project_unsaved());
+    assert!(!app(&window).files.project_saving.is_unsaved());
     let text = fs::read_to_string(&project).expect("a project");
     for said in [
         format!("pings.{} = {{ last = {}, reason = \"drawn\" }}", turn[0], turn[1]),
@@ -171,7 +171,7 @@ fn four_logs_from_the_folder_to_the_products() {
     drop_file(&mut window, project);
     settle(&mut window);
     assert_eq!(decisions(&window), left);
-    assert_eq!(app(&window).undo_label(), Some("threshold 0.31"));
+    assert_eq!(app(&window).document.history.undo_label(), Some("threshold 0.31"));
 
     press(&mut window, Modifiers::COMMAND, Key::E);
     let out = folder.join("products");
@@ -233,7 +233,7 @@ fn correct_a_bottom(window: &mut Window) {
     settle(window);
     let edits = &log(window, "lake-2").settings.bottom;
     assert!((36..=46).contains(&edits.ping_count()), "{}", edits.ping_count());
-    assert_eq!(app(window).undo_label(), Some("bottom of lake-2"));
+    assert_eq!(app(window).document.history.undo_label(), Some("bottom of lake-2"));
     window.get_by_label_contains("pings edited");
     let products = log(window, "lake-2").products.as_ref().expect("results");
     let survey = log(window, "lake-2").survey.as_ref().expect("a log");
@@ -248,7 +248,7 @@ fn compare_heights(window: &mut Window) -> Vec<f64> {
     window.get_by_label("offset");
     window.get_all_by_label("Apply heights").next().expect("a button").click();
     settle(window);
-    assert_eq!(app(window).undo_label(), Some("height offsets of 4 logs"));
+    assert_eq!(app(window).document.history.undo_label(), Some("height offsets of 4 logs"));
     let offsets: Vec<f64> =
         app(window).logs.all().map(|log| log.settings.height_offset_m).collect();
     let mean_m = HIGHER_M[..LOGS].iter().sum::<f64>() / LOGS as f64;
@@ -280,7 +280,7 @@ fn review_two_logs(window: &mut Window) {
         settle(window);
         assert_eq!(states(log(window, name))[2..], [State::Added], "{name}");
         let label = format!("new box 3 of {name}");
-        assert_eq!(app(window).undo_label(), Some(&*label));
+        assert_eq!(app(window).document.history.undo_label(), Some(&*label));
     }
     assert!(states(log(window, "lake-1")).is_empty());
 }

@@ -248,7 +248,7 @@ fn a_number_typed_in_feet_sets_metres() {
     window.run();
     let draft_m = app(&window).logs.shown.settings.draft_m;
     assert!((draft_m - 0.4572).abs() < 1e-12, "{draft_m}");
-    let label = app(&window).undo_label().map(|label| FEET.sentence(label));
+    let label = app(&window).document.history.undo_label().map(|label| FEET.sentence(label));
     assert_eq!(label.as_deref(), Some("draft 1.50 ft"));
     // The greatest draft, 20 m, is no whole hundredth of a foot.
     window.get_by_role_and_label(Role::Slider, "Draft").set_value_accesskit(1000.0);
@@ -288,7 +288,7 @@ fn range_lines_scale_bar_and_isobaths_are_round_in_feet() {
     let bar = figures_in("Map, track");
     println!("scale bar {bar:?} ft");
     assert!(bar.len() == 1 && is_round(bar[0]), "{bar:?}");
-    let levels_m = &app(&window).isobaths().expect("isobaths").isobaths;
+    let levels_m = &app(&window).pipeline.deriving.isobaths().expect("isobaths").isobaths;
     let levels_m = &levels_m.as_ref().expect("levels").levels_m;
     let step_ft = (levels_m[1] - levels_m[0]) / 0.3048;
     println!("isobaths every {step_ft} ft");

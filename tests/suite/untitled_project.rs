@@ -83,8 +83,8 @@ fn each_decision_is_saved_at_once_and_comes_back_with_its_log_and_with_undo() {
     mark(&mut window);
     let last = decisions(&window);
     assert_eq!(kept(folder.path()).len(), 1);
-    assert!(app(&window).is_project_unsaved(), "it has no name yet");
-    assert_eq!(app(&window).project_path(), None);
+    assert!(app(&window).files.project_saving.is_unsaved(), "it has no name yet");
+    assert_eq!(app(&window).files.project_saving.path(), None);
     assert!(!app(&window).is_at_risk());
     // As if the program was killed: it could save nothing at its end.
     std::mem::forget(window);
@@ -206,12 +206,12 @@ fn a_survey_with_a_name_needs_no_untitled_project_any_more() {
     assert_eq!(kept(folder.path()).len(), 1);
     let path = folder.path().join("lake.bathyscope");
     act(&mut window, Command::Write(FileToWrite::Project(path.clone())));
-    assert_eq!(app(&window).project_path(), Some(path.as_path()));
-    assert!(!app(&window).is_project_unsaved());
+    assert_eq!(app(&window).files.project_saving.path(), Some(path.as_path()));
+    assert!(!app(&window).files.project_saving.is_unsaved());
     press(&mut window, Modifiers::COMMAND, Key::Z);
     settle(&mut window);
     assert!(decisions(&window).1.is_empty());
-    assert!(app(&window).is_project_unsaved());
+    assert!(app(&window).files.project_saving.is_unsaved());
     // Another survey in between, and the project again: no decision is said to be lost.
     press(&mut window, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
     settle(&mut window);

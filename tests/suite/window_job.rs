@@ -94,7 +94,7 @@ fn a_second_survey_takes_nothing_over_from_the_first() {
     window.run();
     assert_eq!(app(&window).view.selection, None, "it plays no more");
     assert_eq!(app(&window).logs.shown.settings.calibration.pings, None);
-    assert_eq!(app(&window).undo_label(), None);
+    assert_eq!(app(&window).document.history.undo_label(), None);
     assert_eq!(app(&window).logs.shown.figures, app(&fresh).logs.shown.figures);
     for preset in [Preset::Published, Preset::Recommended] {
         for each in [&mut window, &mut fresh] {

@@ -316,7 +316,7 @@ macro_rules! action_rows {
                 ComparePositions, "Compare positions", "Finds from crossings over slopes how far the positions of each log are off, and how late they are."
                     => State(App::match_positions);
                 ApplyPositions, "Apply positions", "Applies shifts (position_shift) and latencies (mounting.latency_s) that exceed twice their standard error."
-                    => State(App::apply_positions), when(|app| app.position_offsets().is_some_and(FoundPositions::tells));
+                    => State(App::apply_positions), when(|app| app.findings.positions.as_ref().is_some_and(FoundPositions::tells));
                 OutlierPreview, "Outlier preview", key("O"), acts_in(KeyScope::Cloud), "Shows the points that the depth map does not use: outliers, above-bottom returns and others."
                     => Toggle("Outliers", |options| &mut options.cloud.outlier_preview);
                 Update, "Update results", key("Ctrl+R"), "Runs the steps whose results are missing or out of date."

@@ -40,10 +40,10 @@ const SILENT: Duration = Duration::from_secs(5);
 
 /// The followed log, if there is one.
 #[derive(Default)]
-pub(super) struct Following {
+pub struct Following {
     active: Option<Active>,
     /// Number that grows each time following begins, upon which the waterfall moves to its end.
-    serial: u64,
+    pub(crate) serial: u64,
 }
 
 /// State of following a log.
@@ -106,6 +106,19 @@ pub enum FollowStatus {
 }
 
 impl Following {
+    /// Returns the followed log; `None` if no log is followed, or following is ending.
+    pub fn log(&self) -> Option<LogId> {
+        let active = self.active.as_ref();
+        active.filter(|active| active.ends.is_none()).map(|active| active.log)
+    }
+
+    /// Returns the time until the log is read again; `None` while no log is followed.
+    pub(crate) fn due(&self) -> Option<Duration> {
+        let active = self.active.as_ref()?;
+        let passed = active.looked.map_or(LOOK, |looked| looked.elapsed());
+        Some(LOOK.saturating_sub(passed))
+    }
+
     /// Returns true if following is ending.
     pub(super) fn is_ending(&self) -> bool {
         self.active.as_ref().is_some_and(|active| active.ends.is_some())
@@ -113,20 +126,9 @@ impl Following {
 }
 
 impl App {
-    /// Returns the followed log; `None` if no log is followed, or following is ending.
-    pub fn followed(&self) -> Option<LogId> {
-        let active = self.following.active.as_ref();
-        active.filter(|active| active.ends.is_none()).map(|active| active.log)
-    }
-
     /// Returns true if the shown log is followed.
     pub fn is_following(&self) -> bool {
-        self.followed() == Some(self.logs.shown.id)
-    }
-
-    /// Returns a number that grows each time following begins.
-    pub(crate) fn follow_serial(&self) -> u64 {
-        self.following.serial
+        self.following.log() == Some(self.logs.shown.id)
     }
 
     /// Returns the state of following; `None` while no log is followed.
@@ -135,7 +137,7 @@ impl App {
         if active.ends.is_some() {
             return Some(FollowStatus::Ending);
         }
-        if self.is_running(&JobKey::StartFollowing) {
+        if self.jobs.is_running(&JobKey::StartFollowing) {
             return Some(FollowStatus::Starting);
         }
         let silent = active.added.elapsed();
@@ -149,16 +151,9 @@ impl App {
         })
     }
 
-    /// Returns the time until the log is read again; `None` while no log is followed.
-    pub(crate) fn follow_due(&self) -> Option<Duration> {
-        let active = self.following.active.as_ref()?;
-        let passed = active.looked.map_or(LOOK, |looked| looked.elapsed());
-        Some(LOOK.saturating_sub(passed))
-    }
-
     /// Begins or ends following the shown log.
     pub(super) fn toggle_following(&mut self) {
-        if let Some(other) = self.followed().filter(|id| *id != self.logs.shown.id) {
+        if let Some(other) = self.following.log().filter(|id| *id != self.logs.shown.id) {
             let name = self.logs.get(other).map_or_else(String::new, |log| quoted(&log.name()));
             let text = format!("{name} is followed already; end that first");
             return self.notices.warn(text);
@@ -344,7 +339,7 @@ impl App {
     fn begin_step(&mut self, active: &mut Active) {
         let is_due = active.looked.is_none_or(|looked| looked.elapsed() >= LOOK);
         let is_behind = self.logs.get(active.log).is_none_or(OpenLog::is_behind);
-        let is_reading = self.is_running(&JobKey::FollowStep);
+        let is_reading = self.jobs.is_running(&JobKey::FollowStep);
         if !is_due || is_reading || is_behind || self.is_processing(active.log) {
             return;
         }

@@ -15,7 +15,7 @@ impl App {
     /// Starts computing results from the whole log if it has grown by enough, has stopped growing,
     /// or if its settings have changed.
     pub(super) fn begin_whole(&mut self, active: &mut Active) {
-        let is_running = self.is_running(&JobKey::FollowWhole);
+        let is_running = self.jobs.is_running(&JobKey::FollowWhole);
         let is_busy = is_running || active.fresh.is_some() || active.tools.is_none();
         if is_busy || active.whole_at.elapsed() < BETWEEN_WHOLE || self.is_processing(active.log) {
             return;
@@ -78,7 +78,7 @@ impl App {
     /// done.
     pub(super) fn finish(&mut self, active: &mut Active) -> bool {
         let steps = [JobKey::StartFollowing, JobKey::FollowStep, JobKey::FollowWhole];
-        if steps.iter().any(|key| self.is_running(key)) {
+        if steps.iter().any(|key| self.jobs.is_running(key)) {
             return false;
         }
         let known = self.logs.get(active.log).and_then(|log| {

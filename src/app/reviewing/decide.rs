@@ -40,7 +40,7 @@ impl App {
     /// into the project's journal.
     pub(in crate::app) fn take_step(&mut self, step: UndoStep, label: &str) {
         self.map.measuring.figure = step.figure;
-        self.take_planned(step.planned);
+        self.map.planning.take_lines(step.planned);
         self.document.mountings = step.mountings;
         self.open_and_close(&step.closed);
         self.logs.reorder(step.logs.iter().map(|log| log.id));

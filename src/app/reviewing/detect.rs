@@ -49,7 +49,7 @@ struct Detecting {
 
 /// The detector of the window, and the state of its search of one log after the other.
 #[derive(Default)]
-pub(in crate::app) struct ObjectSearch {
+pub struct ObjectSearch {
     /// File of the analyst's own model; `None` for the model that comes with the program.
     model_path: Option<PathBuf>,
     /// The model of the last search, kept for the next one.
@@ -67,6 +67,18 @@ pub(in crate::app) struct ObjectSearch {
 }
 
 impl ObjectSearch {
+    /// Returns the name of the model for searches.
+    pub(crate) fn model_name(&self) -> String {
+        let path = self.model_path.as_deref();
+        path.map_or_else(|| "shipped with the program".to_owned(), file_name)
+    }
+
+    /// Returns the description of the model, as its file was understood; `None` until it is loaded.
+    pub(crate) fn model_description(&self) -> Option<&str> {
+        let detector = self.detector.as_ref()?;
+        Some(detector.model.description())
+    }
+
     /// Returns true if a log is being searched or is waiting to be searched.
     pub(crate) fn is_busy(&self) -> bool {
         self.running.is_some() || !self.ahead.is_empty()
@@ -87,18 +99,6 @@ pub struct SearchStatus {
 }
 
 impl App {
-    /// Returns the name of the model for searches.
-    pub(crate) fn model_name(&self) -> String {
-        let path = self.findings.search.model_path.as_deref();
-        path.map_or_else(|| "shipped with the program".to_owned(), file_name)
-    }
-
-    /// Returns the description of the model, as its file was understood; `None` until it is loaded.
-    pub(crate) fn model_description(&self) -> Option<&str> {
-        let detector = self.findings.search.detector.as_ref()?;
-        Some(detector.model.description())
-    }
-
     /// Returns the progress of the running search; `None` if none is running.
     pub fn search_status(&self) -> Option<SearchStatus> {
         let search = &self.findings.search;
@@ -155,7 +155,7 @@ impl App {
             if let Some(id) = self.findings.search.ahead.remove(place) {
                 self.search_log(id);
             }
-        } else if !self.is_running(&JobKey::Process)
+        } else if !self.jobs.is_running(&JobKey::Process)
             && (self.pipeline.is_waiting || self.pipeline.requested.is_none())
         {
             // No log is being processed, so that waiting would never end.

@@ -193,7 +193,7 @@ impl App {
     /// read for that log once it is open.
     pub(in crate::app) fn open_truth(&mut self, path: PathBuf) {
         let id = self.logs.shown.id;
-        if self.is_running(&JobKey::OpenLog) {
+        if self.jobs.is_running(&JobKey::OpenLog) {
             self.logs.shown.reviewing.judging.requested = Some(path);
         } else if self.logs.shown.survey.is_some() {
             self.read_truth(id, TruthSource::File(path), false);
@@ -259,7 +259,7 @@ impl App {
 
     /// Starts comparing the boxes of a log with its truth if they have changed.
     pub(in crate::app) fn compare_with_truth(&mut self, id: LogId) {
-        if self.is_running(&JobKey::CompareTruth(id)) {
+        if self.jobs.is_running(&JobKey::CompareTruth(id)) {
             return;
         }
         let Some(log) = self.logs.get_mut(id).filter(|log| log.reviewing.judging.outdated) else {

@@ -134,7 +134,7 @@ impl App {
         let Some(here) = self.logs.shown.selected_box() else {
             return self.ask_for_box();
         };
-        let boxes = match self.object_of(here) {
+        let boxes = match self.objects.of_box(here) {
             Some(object) => object.boxes.clone(),
             // The box has no position, so that no other box is known to show the same object.
             None => vec![here],
@@ -156,7 +156,7 @@ impl App {
         let Some(here) = self.logs.shown.selected_box() else {
             return self.ask_for_box();
         };
-        let boxes = self.object_of(here).map(|object| object.boxes.clone());
+        let boxes = self.objects.of_box(here).map(|object| object.boxes.clone());
         let boxes = boxes.unwrap_or_default();
         if let Some(at) = boxes.iter().position(|sighting| *sighting == here) {
             self.come_to(boxes[(at + 1) % boxes.len()]);

@@ -115,7 +115,7 @@ impl BoxPlaces {
 impl App {
     /// Starts locating the boxes of a log that have no position on its present ground.
     pub(in crate::app) fn locate_boxes(&mut self, id: LogId) {
-        if self.is_running(&JobKey::PlaceBoxes(id)) {
+        if self.jobs.is_running(&JobKey::PlaceBoxes(id)) {
             return;
         }
         let Some(log) = self.logs.get_mut(id).filter(|log| log.reviewing.places.outdated) else {

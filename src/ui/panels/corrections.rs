@@ -3,7 +3,7 @@
 
 use super::parts::{self, fact, name_of, press, press_short, remark, setting};
 use super::section::{Section, section};
-use crate::app::{Action, App, FoundPositions};
+use crate::app::{Action, App, FoundPositions, JobKey};
 use crate::ui::{ViewContext, text};
 use bathyscope_bottom::bathymetry::position_offsets::FoundShift;
 use bathyscope_products::pipeline::Stage;
@@ -100,15 +100,15 @@ fn clock(ui: &mut Ui, context: &mut ViewContext<'_>) {
 pub(super) fn shifts(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let app = context.app;
     ui.horizontal(|ui| {
-        let can_compare = !app.is_matching_positions();
+        let can_compare = !app.jobs.is_running(&JobKey::ComparePositions);
         press(ui, context, Action::ComparePositions, can_compare);
-        let tells = app.position_offsets().is_some_and(FoundPositions::tells);
+        let tells = app.findings.positions.as_ref().is_some_and(FoundPositions::tells);
         press_short(ui, context, (Action::ApplyPositions, "Apply"), tells);
-        if app.is_matching_positions() {
+        if app.jobs.is_running(&JobKey::ComparePositions) {
             ui.add(egui::Spinner::new().size(12.0));
         }
     });
-    let Some(found) = app.position_offsets() else {
+    let Some(found) = app.findings.positions.as_ref() else {
         return;
     };
     table(ui, app, found);

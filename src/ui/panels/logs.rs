@@ -4,7 +4,7 @@
 use super::corrections;
 use super::parts::{self, fact, name_of, press, remark, warning};
 use super::section::{Section, section};
-use crate::app::{Action, App, Command, OpenLog};
+use crate::app::{Action, App, Command, JobKey, OpenLog};
 use crate::ui::drop_down::DropDown;
 use crate::ui::list_keys::ListKeys;
 use crate::ui::{ViewContext, controls, stretch_text, text, theme};
@@ -149,7 +149,7 @@ const HEIGHTS: [(&str, &str); 4] = [
 fn hold(ui: &mut Ui, context: &mut ViewContext<'_>) {
     const MEAN: &str = "mean of all";
     let app = context.app;
-    let held = app.held_height().filter(|id| app.logs.get(*id).is_some());
+    let held = app.findings.heights.held.filter(|id| app.logs.get(*id).is_some());
     let shown = held.map_or_else(|| MEAN.to_owned(), |id| name_of(app, id));
     let mut picked = None;
     let list = DropDown::new("held height", shown).width(96.0).show(ui, |choices| {
@@ -184,7 +184,7 @@ fn heights(ui: &mut Ui, context: &mut ViewContext<'_>) {
         hold(ui, context);
         let is_known = app.height_offsets().is_some();
         press(ui, context, Action::ApplyHeights, is_known);
-        if app.is_matching_heights() {
+        if app.jobs.is_running(&JobKey::CompareHeights) {
             ui.add(egui::Spinner::new().size(12.0));
         }
     });

@@ -24,7 +24,7 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         context.button(ui.add(button), action);
     }
     let app = context.app;
-    for folder in app.card_folders().into_iter().take(SHOWN) {
+    for folder in app.card_search.folders().into_iter().take(SHOWN) {
         on_card(ui, context, folder);
     }
     if !app.recent.is_empty() {

@@ -13,11 +13,11 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         if let Some(note) = context.app.search_note() {
             parts::warning(ui, context, &note);
         }
-        let hint = context.app.model_description().map_or_else(
+        let hint = context.app.findings.search.model_description().map_or_else(
             || "The detector in use.".to_owned(),
             |known| format!("The detector in use: {known}"),
         );
-        fact(ui, "Model", &hint, context.app.model_name());
+        fact(ui, "Model", &hint, context.app.findings.search.model_name());
         search(ui, context);
     });
 }
@@ -41,7 +41,7 @@ fn found(ui: &mut Ui, context: &ViewContext<'_>) {
     if all.logs > 1 {
         let logs = text::plural(all.logs, "log", "logs");
         let hint = "Logs that have boxes, and the objects that all their boxes show.";
-        let objects = text::plural(context.app.objects().len(), "object", "objects");
+        let objects = text::plural(context.app.objects.all().len(), "object", "objects");
         fact(ui, "In", hint, format!("{logs} · {objects}"));
     }
 }

@@ -57,7 +57,7 @@ fn plan(ui: &mut Ui, context: &mut ViewContext<'_>) {
     }
     ui.horizontal(|ui| {
         let action = Action::PlanLines;
-        let busy = context.app.is_running(&JobKey::PlanLines);
+        let busy = context.app.jobs.is_running(&JobKey::PlanLines);
         let button = ui.add_enabled(!busy, egui::Button::new(action.label()));
         context.button(button, action);
         if busy {

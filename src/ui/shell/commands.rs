@@ -3,7 +3,9 @@
 use super::printing::BUSY;
 use super::sides::SidePanel;
 use super::{Shell, ViewRequest};
-use crate::app::{Action, Command, FileToWrite, Jobs, KeyFocus, Keys, OpenLog, View, WindowAction};
+use crate::app::{
+    Action, Command, FileToWrite, JobKey, Jobs, KeyFocus, Keys, OpenLog, View, WindowAction,
+};
 use crate::ui::dialogs::PathPurpose;
 use crate::ui::panels::{self, find_setting, find_setting::ControlPlace};
 use bathyscope_products::pipeline::settings;
@@ -125,7 +127,7 @@ impl Shell {
 
     /// Asks for a path in a dialog of the system.
     fn ask(&mut self, purpose: PathPurpose) {
-        self.dialogs.ask(purpose, self.app.workers());
+        self.dialogs.ask(purpose, self.app.jobs.workers());
     }
 
     /// Sends a request to a view.
@@ -139,7 +141,7 @@ impl Shell {
         if self.app.logs.shown.products.is_none() {
             let text = "there is no result to export yet; open a log first";
             self.app.apply(Command::Notify(text.to_owned()));
-        } else if self.app.export_fraction().is_some() {
+        } else if self.app.jobs.fraction(&JobKey::Export).is_some() {
             self.say(BUSY);
         } else {
             let (folder, amounts) = (self.app.export_folder(), self.app.amounts());
@@ -151,7 +153,7 @@ impl Shell {
     /// Saves the project; asks for its name if it has none. Of a survey that is no file, such as
     /// the demo, saves the review.
     fn save_project(&mut self) {
-        if self.app.project_path().is_some() {
+        if self.app.files.project_saving.path().is_some() {
             self.app.apply(Command::SaveProject);
         } else if self.app.logs.all().any(OpenLog::is_file)
             || !self.app.logs.shown.reviewing.has_boxes()
@@ -168,7 +170,7 @@ impl Shell {
             return;
         };
         // Tests must not open a file manager.
-        if matches!(self.app.workers(), Jobs::Threads(_))
+        if matches!(self.app.jobs.workers(), Jobs::Threads(_))
             && let Err(error) = open::that_detached(folder)
         {
             let text = format!("no file manager opens {}: {error}", folder.display());
@@ -211,7 +213,7 @@ impl Shell {
     /// Asks for the path of a file to write, and proposes one beside the log.
     pub(super) fn ask_beside_log(&mut self, purpose: PathPurpose, ending: &str) {
         let proposed = self.sidecar_path(ending);
-        self.dialogs.name(purpose, proposed, self.app.workers());
+        self.dialogs.name(purpose, proposed, self.app.jobs.workers());
     }
 
     /// Moves the keyboard to the steps, then to the details, then back to the views.
@@ -289,9 +291,9 @@ impl Shell {
         if self.app.logs.count() == 0 {
             return self.say("there is nothing to keep yet; open a log first");
         }
-        let known = self.app.project_path().map(std::path::Path::to_owned);
+        let known = self.app.files.project_saving.path().map(std::path::Path::to_owned);
         let proposed = known.unwrap_or_else(|| self.sidecar_path("bathyscope"));
-        self.dialogs.name(PathPurpose::SaveProject, proposed, self.app.workers());
+        self.dialogs.name(PathPurpose::SaveProject, proposed, self.app.jobs.workers());
     }
 
     /// Saves the review in its file, or asks for one; reviews of several logs are saved without a
@@ -306,7 +308,7 @@ impl Shell {
                 self.app.apply(Command::Write(FileToWrite::Review(path)));
             }
             (Some(path), None) if self.app.logs.shown.reviewing.has_boxes() => {
-                self.dialogs.name(PathPurpose::SaveReview, path, self.app.workers());
+                self.dialogs.name(PathPurpose::SaveReview, path, self.app.jobs.workers());
             }
             _ => self.say_no_boxes(),
         }
@@ -339,7 +341,7 @@ impl Shell {
     fn ask_for_copy(&mut self, purpose: PathPurpose, ending: &str) {
         if self.app.logs.shown.survey.is_none() {
             self.say("there is no log to export yet; open one first");
-        } else if self.app.export_fraction().is_some() {
+        } else if self.app.jobs.fraction(&JobKey::Export).is_some() {
             self.say(BUSY);
         } else {
             self.ask_beside_log(purpose, ending);
@@ -354,13 +356,13 @@ impl Shell {
     }
 
     fn export_boxes(&mut self) {
-        let is_writing = self.app.export_fraction().is_some();
+        let is_writing = self.app.jobs.fraction(&JobKey::Export).is_some();
         if !self.app.logs.shown.reviewing.has_boxes() {
             self.say_no_boxes();
         } else if is_writing {
             self.say(BUSY);
         } else {
-            self.dialogs.ask(PathPurpose::ExportBoxesInto, self.app.workers());
+            self.dialogs.ask(PathPurpose::ExportBoxesInto, self.app.jobs.workers());
         }
     }
 }

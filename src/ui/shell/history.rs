@@ -39,7 +39,7 @@ impl HistoryList {
 
     fn list(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
         let units = context.units();
-        let steps: Vec<(String, bool)> = (context.app.history())
+        let steps: Vec<(String, bool)> = (context.app.document.history.steps())
             .map(|step| (units.sentence(step.label), step.is_undone))
             .collect();
         let done = steps.iter().filter(|(_, is_undone)| !is_undone).count();

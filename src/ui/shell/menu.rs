@@ -111,9 +111,10 @@ fn external(ui: &mut Ui, context: &mut ViewContext<'_>) {
 fn edit(ui: &mut Ui, context: &mut ViewContext<'_>) {
     // A change that was made in metres is named in the present unit.
     let units = context.units();
-    for (action, label) in
-        [(Action::Undo, context.app.undo_label()), (Action::Redo, context.app.redo_label())]
-    {
+    for (action, label) in [
+        (Action::Undo, context.app.document.history.undo_label()),
+        (Action::Redo, context.app.document.history.redo_label()),
+    ] {
         let title = match label {
             Some(label) => format!("{} {}", action.label(), units.sentence(label)),
             None => action.label().to_owned(),
@@ -237,8 +238,8 @@ fn review(ui: &mut Ui, context: &mut ViewContext<'_>) {
 }
 
 fn buttons(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let undo = context.app.undo_label();
-    let redo = context.app.redo_label();
+    let undo = context.app.document.history.undo_label();
+    let redo = context.app.document.history.redo_label();
     let units = context.units();
     let open = "Open";
     for (action, label, enabled, what) in [

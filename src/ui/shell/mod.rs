@@ -267,7 +267,7 @@ impl Shell {
         let asked = self.draw(ui, render_state, &mut commands);
         match asked {
             Some(PathPurpose::PrintInto) => self.name_print(),
-            Some(purpose) => self.dialogs.ask(purpose, self.app.workers()),
+            Some(purpose) => self.dialogs.ask(purpose, self.app.jobs.workers()),
             None => {}
         }
         self.give_up_seeking(&ctx);
@@ -280,7 +280,7 @@ impl Shell {
             self.carry_out(&ctx, command);
         }
         let busy = (!self.app.is_idle()).then_some(std::time::Duration::ZERO);
-        if let Some(due) = busy.or(self.app.follow_due()) {
+        if let Some(due) = busy.or(self.app.following.due()) {
             ctx.request_repaint_after(due.max(std::time::Duration::from_millis(100)));
         }
     }
@@ -301,8 +301,8 @@ impl Shell {
     /// Returns the title: the name of the project or else that of the log, with a mark if there are
     /// changes that no file with a name contains.
     fn title(&self) -> String {
-        let project = self.app.project_path().and_then(|path| path.file_stem());
-        let mark = if self.app.is_project_unsaved() { "*" } else { "" };
+        let project = self.app.files.project_saving.path().and_then(|path| path.file_stem());
+        let mark = if self.app.files.project_saving.is_unsaved() { "*" } else { "" };
         match (project, &self.app.logs.shown.survey) {
             (Some(project), _) => format!("{}{mark} - Bathyscope", project.to_string_lossy()),
             (None, Some(survey)) => format!("{}{mark} - Bathyscope", survey.name()),

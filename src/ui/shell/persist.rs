@@ -41,7 +41,7 @@ pub(super) fn save(shell: &Shell, storage: &mut dyn eframe::Storage) {
         layout: &shell.layout,
         recent: &shell.app.recent,
         base_map: base_map.map(|map| map.path.as_path()),
-        mountings: shell.app.mountings(),
+        mountings: &shell.app.document.mountings,
     };
     if let Ok(text) = serde_json::to_string(&saving) {
         storage.set_string(KEY, text);

@@ -1,7 +1,7 @@
 //! Draws the dialog for the size of a printed view, and the text around the view on the sheet.
 
 use super::{Shell, Views};
-use crate::app::{App, Paper, PrintOptions, PrintText, Sheet, View};
+use crate::app::{App, JobKey, Paper, PrintOptions, PrintText, Sheet, View};
 use crate::ui::ViewContext;
 use crate::ui::controls::number_field;
 use crate::ui::dialogs::PathPurpose;
@@ -139,7 +139,7 @@ impl Shell {
     pub(super) fn ask_to_print(&mut self) {
         if self.app.logs.shown.products.is_none() {
             self.say("there is nothing to print yet; open a log first");
-        } else if self.app.export_fraction().is_some() {
+        } else if self.app.jobs.fraction(&JobKey::Export).is_some() {
             self.say(BUSY);
         } else {
             let target = self.layout.target();

@@ -292,7 +292,7 @@ fn objects_are_found_as_they_come_and_decisions_stay() {
         let kept = app.logs.shown.reviewing.review.get(id).map(|review_box| review_box.state);
         assert_eq!(kept, Some(State::Rejected));
     }
-    let steps = app.history().count();
+    let steps = app.document.history.steps().count();
     assert!(steps <= 2, "what the program finds is no step: {steps}");
 }
 
@@ -418,8 +418,14 @@ fn a_project_of_a_log_that_grew_is_opened_again() {
     let mut again = threads();
     again.apply(Command::Open(project));
     wait(&mut again);
-    let boxes: Vec<_> =
-        again.logs.shown.reviewing.review.boxes().map(|review_box| review_box.mark.clone()).collect();
+    let boxes: Vec<_> = again
+        .logs
+        .shown
+        .reviewing
+        .review
+        .boxes()
+        .map(|review_box| review_box.mark.clone())
+        .collect();
     assert_eq!(boxes, [mark], "{:?}", again.notices.shown());
     let whole = opened(&path);
     assert_eq!(pings(&again), pings(&whole));

@@ -62,7 +62,10 @@ fn an_arm_is_typed_shown_and_taken_back() {
     type_into(&mut window, "Starboard", -1.5);
     println!("{before_m:.2} m, mounted {:.2} m", off(&window));
     assert!(before_m > 2.5 && off(&window) < 0.6, "{before_m} {}", off(&window));
-    assert_eq!(app(&window).undo_label(), Some("transducer to starboard of the antenna -1.50 m"));
+    assert_eq!(
+        app(&window).document.history.undo_label(),
+        Some("transducer to starboard of the antenna -1.50 m")
+    );
     let said = "The transducer is 2.50 m forward and 1.50 m to port of the antenna.";
     assert!(window.query_by_label(said).is_some());
 
@@ -134,7 +137,7 @@ fn boxes_and_strokes_stay_on_their_echoes_when_sides_are_exchanged() {
     assert_eq!(sides(&window), [Side::Starboard; 3]);
     assert_eq!(picks(&window), [starboard.clone(), port.clone()]);
     assert_eq!(app(&window).view.selection.and_then(|mark| mark.side), Some(Side::Starboard));
-    assert_eq!(app(&window).undo_label(), Some("sides of the recorder"));
+    assert_eq!(app(&window).document.history.undo_label(), Some("sides of the recorder"));
     act(&mut window, Action::Undo);
     assert_eq!((sides(&window), mounting(&window).swap_sides), ([Side::Port; 3], false));
     assert_eq!(picks(&window), [port, starboard]);
@@ -238,10 +241,10 @@ fn a_recorder_has_a_default_that_its_logs_are_opened_with() {
     assert!(notice.is_some_and(|notice| notice.text.contains("third")));
     act(&mut window, Action::Undo);
     assert_eq!(mountings(&window)[..2], [0.0, 2.5], "as it was before it was for all");
-    assert!(app(&window).mountings().is_empty());
+    assert!(app(&window).document.mountings.is_empty());
     act(&mut window, Action::Redo);
-    assert_eq!(app(&window).mountings().len(), 1);
-    let kept: Mountings = app(&window).mountings().clone();
+    assert_eq!(app(&window).document.mountings.len(), 1);
+    let kept = Mountings::clone(&app(&window).document.mountings);
     drop(window);
 
     // A run knows nothing of it, whatever the window keeps.
@@ -264,7 +267,7 @@ fn a_recorder_has_a_default_that_its_logs_are_opened_with() {
     let other = format!("Not the default of {RECORDER}.");
     assert!(again.query_by_label(&other).is_some());
     act(&mut again, Action::ForgetMounting);
-    assert!(app(&again).mountings().is_empty());
+    assert!(app(&again).document.mountings.is_empty());
     assert_eq!(mounting(&again).forward_m, 1.0, "open logs stay as they are");
 }
 

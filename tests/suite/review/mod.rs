@@ -162,7 +162,7 @@ fn fifty_boxes_are_reviewed_by_keys_alone_and_come_back() {
 
 /// Objects of the window in a state.
 fn objects(window: &Window, state: ObjectState) -> usize {
-    app(window).objects().iter().filter(|object| object.state == state).count()
+    app(window).objects.all().iter().filter(|object| object.state == state).count()
 }
 
 #[test]
@@ -202,9 +202,9 @@ fn decisions_are_undone_one_by_one_and_share_the_history_with_settings() {
     press(&mut window, Modifiers::NONE, Key::R);
     let after = states(&window);
     let rejected = format!("reject box {second}");
-    assert_eq!(app(&window).undo_label(), Some(&*rejected));
+    assert_eq!(app(&window).document.history.undo_label(), Some(&*rejected));
     press(&mut window, Modifiers::COMMAND, Key::Z);
-    assert_eq!(app(&window).undo_label(), Some("threshold 0.31"));
+    assert_eq!(app(&window).document.history.undo_label(), Some("threshold 0.31"));
     assert_eq!(threshold(&window), 0.31);
     press(&mut window, Modifiers::COMMAND, Key::Z);
     assert_eq!(threshold(&window), 0.30);

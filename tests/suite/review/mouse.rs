@@ -134,7 +134,7 @@ fn the_border_of_echo_and_shadow_has_a_handle_of_its_own() {
     let moved_m = set.extent.border_m().expect("a border that was drawn");
     assert!((moved_m - 7.6).abs() < 0.2, "{moved_m}");
     let label = format!("edges of box {}", id.0);
-    assert_eq!(app(&window).undo_label(), Some(&*label));
+    assert_eq!(app(&window).document.history.undo_label(), Some(&*label));
 
     // By keys: the border is the second edge. To port, up on the screen is outward.
     press(&mut window, Modifiers::SHIFT, Key::E);
@@ -197,7 +197,7 @@ fn a_target_is_marked_by_a_click_or_at_the_pointer() {
     press(&mut window, Modifiers::NONE, Key::T);
     assert_eq!(points(&window).len(), 2);
     assert_eq!(points(&window)[1].side, Side::Starboard);
-    assert_eq!(app(&window).undo_label(), Some("new point 2"));
+    assert_eq!(app(&window).document.history.undo_label(), Some("new point 2"));
     press(&mut window, Modifiers::COMMAND, Key::Z);
     assert_eq!(points(&window).len(), 1);
     // A point is deleted as a box that was drawn.

@@ -91,7 +91,7 @@ fn boxes_come_while_the_search_runs_and_stay_when_it_is_stopped() {
     // The file keeps it.
     let kept = Review::from_json(&review.to_json(), review.identity()).expect("our own file");
     assert_eq!(kept.searched(), review.searched());
-    assert_eq!(app.undo_label(), Some("find objects"));
+    assert_eq!(app.document.history.undo_label(), Some("find objects"));
     app.apply(Command::Do(Action::Undo));
     assert!(!app.logs.shown.reviewing.has_boxes() && app.search_note().is_none());
 }

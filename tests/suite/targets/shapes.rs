@@ -248,7 +248,7 @@ fn a_hull_of_twelve_metres_that_two_lines_saw_is_one_object_with_its_length() {
         marks.sort_by_key(|mark| std::cmp::Reverse(mark.pings.len()));
         marks.truncate(2);
         let shape = shape_of(&mut app, marks);
-        assert_eq!(app.objects().len(), 1, "one object");
+        assert_eq!(app.objects.all().len(), 1, "one object");
         let shape = match shape {
             Ok(shape) => shape,
             Err(why) => {

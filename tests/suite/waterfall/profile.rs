@@ -91,7 +91,7 @@ fn the_threshold_line_can_be_dragged() {
     let value = |threshold: f32| ControlValue::Number(Some(f64::from(threshold)));
     assert!(changes.contains(&(value(0.45), true)), "{changes:?}");
     assert_eq!(changes.last(), Some(&(value(0.60), false)), "{changes:?}");
-    assert_eq!(window.state().app.undo_label(), Some("threshold 0.60"));
+    assert_eq!(window.state().app.document.history.undo_label(), Some("threshold 0.60"));
 }
 
 #[test]

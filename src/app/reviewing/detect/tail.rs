@@ -44,7 +44,7 @@ impl App {
     /// were requested.
     pub(in crate::app) fn search_tail(&mut self, id: LogId) {
         let search = &self.findings.search;
-        let is_searched = search.is_busy() || self.is_running(&JobKey::SearchTail);
+        let is_searched = search.is_busy() || self.jobs.is_running(&JobKey::SearchTail);
         if search.tail.is_wanted && !is_searched {
             self.begin_tail(id);
         }

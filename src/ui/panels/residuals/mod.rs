@@ -9,7 +9,7 @@ mod reference;
 use super::parts::fact;
 use super::section::{Section, section};
 use super::{cloud, parts};
-use crate::app::{Action, App, Command, MapLayer};
+use crate::app::{Action, App, Command, JobKey, MapLayer};
 use crate::ui::{ViewContext, text};
 use bathyscope_bottom::bathymetry::compare::Comparison;
 use bathyscope_bottom::cloud::Residuals;
@@ -28,7 +28,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
             context.push(Command::CompareWithReference);
         }
         reference::ui(ui, context);
-        let Some(agreement) = context.app.agreement().cloned() else {
+        let Some(agreement) = context.app.findings.reference_comparison.agreement().cloned() else {
             return parts::remark(ui, lack(context.app));
         };
         let figures = context.app.logs.shown.figures.as_ref();
@@ -64,8 +64,8 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 
 /// Returns the reason why there is nothing to show.
 fn lack(app: &App) -> &str {
-    match app.agreement_problem() {
-        _ if app.is_comparing_with_reference() => "Residuals are being compared.",
+    match app.findings.reference_comparison.problem() {
+        _ if app.jobs.is_running(&JobKey::CompareReference) => "Residuals are being compared.",
         Some(problem) => problem,
         None => "No side-scan point lies over the soundings.",
     }

@@ -49,7 +49,7 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 
 fn buttons(ui: &mut Ui, context: &mut ViewContext<'_>, is_open: bool) {
     let ready = context.app.logs.shown.products.is_some()
-        && !context.app.is_running(&JobKey::OpenReference);
+        && !context.app.jobs.is_running(&JobKey::OpenReference);
     ui.horizontal_wrapped(|ui| {
         for (action, enabled) in [(Action::CompareWith, ready), (Action::CloseReference, is_open)] {
             let button = ui.add_enabled(enabled, Button::new(action.label()));

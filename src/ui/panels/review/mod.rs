@@ -107,7 +107,7 @@ fn progress(ui: &mut Ui, context: &ViewContext<'_>) {
 
 /// Draws the number of objects, and a button that shows their table.
 fn objects(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let count = context.app.objects().len();
+    let count = context.app.objects.all().len();
     if count == 0 {
         return;
     }

@@ -62,7 +62,7 @@ impl ObjectPictures {
         let shown = object.boxes.iter().take(MOST_PICTURES);
         let boxes: Boxes = shown.filter_map(picture).collect();
         let (of, ctx) = (boxes.clone(), ui.ctx().clone());
-        self.chips.ask(boxes, app.workers(), move |progress| {
+        self.chips.ask(boxes, app.jobs.workers(), move |progress| {
             let mut chips = Vec::with_capacity(of.len());
             for (id, key) in &of {
                 progress.check().ok()?;

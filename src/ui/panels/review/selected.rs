@@ -46,7 +46,7 @@ impl ReviewPanel {
             return;
         };
         let (of, ctx) = (key.clone(), ui.ctx().clone());
-        self.chip.ask(key, app.workers(), move |_| BoxChip::new(&of, &ctx));
+        self.chip.ask(key, app.jobs.workers(), move |_| BoxChip::new(&of, &ctx));
         if let Some(picture) = self.chip.result() {
             picture.ui(ui, review_box, &app.logs.shown.reviewing.review, app.view.options.units);
         }
@@ -165,7 +165,7 @@ fn on_the_ground(ui: &mut Ui, context: &ViewContext<'_>, review_box: &Reviewed, 
 /// this box alone.
 fn object_height(app: &App, id: BoxId, target: &Target) -> ObjectHeight {
     let log = app.logs.shown.id;
-    match app.object_of(LogBox { log, id }) {
+    match app.objects.of_box(LogBox { log, id }) {
         Some(object) => object.height,
         None => ObjectHeight::of(std::iter::once(target)),
     }
@@ -174,8 +174,8 @@ fn object_height(app: &App, id: BoxId, target: &Target) -> ObjectHeight {
 /// Returns the source of the height in words.
 fn height_source(app: &App, id: BoxId, height: ObjectHeight) -> String {
     let log = app.logs.shown.id;
-    match app.object_of(LogBox { log, id }) {
-        Some(object) => app.listed_object(object).height_source(),
+    match app.objects.of_box(LogBox { log, id }) {
+        Some(object) => app.objects.listed_object(object).height_source(),
         None => height.source_in_words(None),
     }
 }

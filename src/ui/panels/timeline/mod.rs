@@ -75,7 +75,7 @@ impl TimeLine {
         let key = StripsKey::of(survey, app.logs.shown.products.as_ref());
         let (survey, products) = (survey.clone(), app.logs.shown.products.clone());
         let work = move |_: &_| Some(Strips::of(&survey, products.as_ref()));
-        self.strips.ask(key, app.workers(), work);
+        self.strips.ask(key, app.jobs.workers(), work);
     }
 
     /// Draws the panel.

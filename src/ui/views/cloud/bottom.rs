@@ -95,7 +95,7 @@ impl ShownBottom {
         };
         let key = (Same(bottom.clone()), origin_m);
         let (bottom, uploader) = (bottom.clone(), uploader.clone());
-        self.0.ask(key, app.workers(), move |progress| {
+        self.0.ask(key, app.jobs.workers(), move |progress| {
             let buffers = upload(&bottom, origin_m, &uploader);
             progress.check().ok()?;
             Some(Arc::new(BottomScene {

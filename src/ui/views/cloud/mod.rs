@@ -204,7 +204,7 @@ impl CloudView {
             scales: context.app.logs.point_scales(),
         };
         let key = (logs.clone(), ends, colours);
-        self.scene.ask(key, context.app.workers(), move |progress| {
+        self.scene.ask(key, context.app.jobs.workers(), move |progress| {
             let scene = CloudScene::new(logs, ends, &options, uploader.as_ref(), progress);
             scene.map(Arc::new)
         });

@@ -252,7 +252,7 @@ impl MapView {
         let range_m = context.app.logs.depth_range_m();
         let key = TrackKey::of(&logs, range_m, by_log);
         let tracked = logs.clone();
-        self.track.ask(key, context.app.workers(), move |progress| {
+        self.track.ask(key, context.app.jobs.workers(), move |progress| {
             let track = TrackLayer::new(&tracked, range_m, by_log, uploader.as_ref(), progress);
             track.map(Arc::new)
         });

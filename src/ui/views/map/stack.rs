@@ -12,7 +12,7 @@ use super::scene::MapScene;
 use super::tiles::{TileLayer, TilePainter};
 use super::transform::{GroundBounds, joined};
 use super::{objects, track};
-use crate::app::{DrawnIsobaths, LayerStack, MapLayer, VisibleLog};
+use crate::app::{DrawnIsobaths, JobKey, LayerStack, MapLayer, VisibleLog};
 use crate::ui::ViewContext;
 use bathyscope_bottom::mosaic::{Colours, MosaicSettings};
 use bathyscope_bottom::presentation::units::Units;
@@ -93,14 +93,14 @@ impl Layers {
         self.deriving = context.app.deriving().collect();
         self.take_depths(context.app.depth_map().flatten());
         let settings = logs.first().map(|shown| &shown.log.products.settings.mosaic);
-        self.take_mosaic(context.app.mosaic().flatten().zip(settings));
+        self.take_mosaic(context.app.pipeline.deriving.mosaic().flatten().zip(settings));
         if stack.is_visible(MapLayer::Isobaths) {
             self.ask_for_isobaths(context);
         }
         if stack.is_visible(MapLayer::Points) {
             let (logs, options) = (logs.to_vec(), context.options().clone());
             let key = PointKey::of(&logs, &options);
-            self.points.ask(key, context.app.workers(), move |progress| {
+            self.points.ask(key, context.app.jobs.workers(), move |progress| {
                 points::source(&logs, &options, progress)
             });
         }
@@ -111,12 +111,13 @@ impl Layers {
 
     fn ask_for_residuals(&mut self, context: &ViewContext<'_>) {
         let is_shown = (context.options().map.layers).is_visible(MapLayer::Residuals);
-        self.comparing = is_shown && context.app.is_comparing_with_reference();
-        let agreement = context.app.agreement().filter(|_| is_shown).cloned();
+        self.comparing = is_shown && context.app.jobs.is_running(&JobKey::CompareReference);
+        let agreement =
+            context.app.findings.reference_comparison.agreement().filter(|_| is_shown).cloned();
         match agreement {
             Some(agreement) => {
                 let key = Same(agreement.clone());
-                self.residuals.ask(key, context.app.workers(), move |progress| {
+                self.residuals.ask(key, context.app.jobs.workers(), move |progress| {
                     let layer = ResidualLayer::new(agreement, progress)?;
                     Some(layer.map(Arc::new))
                 });
@@ -138,7 +139,7 @@ impl Layers {
         };
         let key = BaseMapKey::new(map, survey, &products.navigation);
         let asked = key.clone();
-        let jobs = context.app.workers();
+        let jobs = context.app.jobs.workers();
         self.base_map.ask(key, jobs, |_| Some(asked.source()));
     }
 
@@ -193,14 +194,14 @@ impl Layers {
     }
 
     fn ask_for_isobaths(&mut self, context: &ViewContext<'_>) {
-        let Some(drawn) = context.app.isobaths().cloned() else {
+        let Some(drawn) = context.app.pipeline.deriving.isobaths().cloned() else {
             self.isobaths = Background::default();
             return;
         };
         let units = context.units();
         let key = (Same(drawn.clone()), units);
         let uploader = context.uploader();
-        self.isobaths.ask(key, context.app.workers(), move |progress| {
+        self.isobaths.ask(key, context.app.jobs.workers(), move |progress| {
             IsobathLayer::new(&drawn, units, uploader.as_ref(), progress).map(Arc::new)
         });
     }
@@ -268,7 +269,7 @@ impl Layers {
             | MapLayer::Mosaic
             | MapLayer::Points
             | MapLayer::Residuals => {
-                let jobs = context.app.workers();
+                let jobs = context.app.jobs.workers();
                 for (_, tiles) in self.tiles.iter_mut().filter(|(of, _)| *of == layer) {
                     tiles.show(painter, scene.rect, scene.transform, jobs);
                 }
@@ -288,7 +289,7 @@ impl Layers {
         let octave = isobaths::octave(scene.transform.metres_per_point);
         let lines = layer.clone();
         let key = (Same(layer.clone()), octave);
-        self.labels.ask(key, context.app.workers(), move |progress| {
+        self.labels.ask(key, context.app.jobs.workers(), move |progress| {
             IsobathLabels::place(lines, octave, progress)
         });
         let (picture, labels) = (&mut self.isobath_picture, self.labels.result());

@@ -92,7 +92,7 @@ pub(super) fn colour_of(state: ObjectState) -> State {
 
 /// Returns the text of a cell; empty if the value is not known.
 pub(super) fn cell_text(app: &App, object: &Object, column: &ObjectColumn) -> String {
-    let (of, units) = (app.listed_object(object), app.view.options.units);
+    let (of, units) = (app.objects.listed_object(object), app.view.options.units);
     let length =
         |value_m: f64| if value_m.is_finite() { units.number(value_m, 2) } else { String::new() };
     match column.values {

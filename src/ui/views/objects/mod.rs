@@ -60,7 +60,7 @@ impl ObjectsView {
         }
         ui.painter().rect_filled(rect, 0.0, ui.visuals().panel_fill);
         Frame::new().inner_margin(Margin::symmetric(8, 6)).show(ui, |ui| {
-            if context.app.objects().is_empty() {
+            if context.app.objects.all().is_empty() {
                 no_objects(ui, context)
             } else {
                 self.table(ui, context)
@@ -85,7 +85,7 @@ impl ObjectsView {
     fn rows(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>, columns: &ColumnWidths) {
         let app = context.app;
         let listed: Vec<&Object> =
-            (app.listed_objects().iter()).filter_map(|number| app.object(*number)).collect();
+            (app.objects.listed().iter()).filter_map(|number| app.objects.get(*number)).collect();
         let selected = app.selected_object().map(|object| object.number);
         let selected = listed.iter().position(|object| Some(object.number) == selected);
         let body = self.body(ui, listed.len(), selected);
@@ -193,8 +193,8 @@ fn filter(ui: &mut Ui, context: &mut ViewContext<'_>) {
                 }
             })
             .accessible_name("State of the objects");
-        let listed = context.app.listed_objects().len();
-        let all = context.app.objects().len();
+        let listed = context.app.objects.listed().len();
+        let all = context.app.objects.all().len();
         let objects = text::plural(all, "object", "objects");
         let count = if listed == all {
             objects

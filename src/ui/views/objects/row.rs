@@ -189,7 +189,7 @@ impl Thumbnails {
             return;
         }
         let (of, ctx) = (missing.clone(), ctx.clone());
-        self.making.ask(missing, app.workers(), move |progress| {
+        self.making.ask(missing, app.jobs.workers(), move |progress| {
             let mut made = Vec::with_capacity(of.len());
             for wanted in of {
                 progress.check().ok()?;

@@ -40,7 +40,7 @@ impl ScaleJob {
             dead_zone_m: settings.first_return.dead_zone_m,
         };
         let (requested, survey) = (key.clone(), survey.clone());
-        self.0.ask(key.clone(), context.app.workers(), move |progress| {
+        self.0.ask(key.clone(), context.app.jobs.workers(), move |progress| {
             let (image, dead_zone_m) = (&requested.image, requested.dead_zone_m);
             let measured = Normalisation::measure(&survey, image, dead_zone_m, progress).ok()?;
             Some((requested, measured))

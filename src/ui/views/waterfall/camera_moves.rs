@@ -94,7 +94,7 @@ impl NewestPing {
         app: &App,
     ) {
         let begins =
-            std::mem::replace(&mut self.serial, app.follow_serial()) != app.follow_serial();
+            std::mem::replace(&mut self.serial, app.following.serial) != app.following.serial;
         if !app.is_following() {
             return;
         }

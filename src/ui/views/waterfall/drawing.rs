@@ -53,7 +53,7 @@ impl WaterfallDrawing {
         let ctx = ctx.clone();
         let waker = move || ctx.request_repaint_after(std::time::Duration::from_millis(1));
         let tiler = Tiler::start(survey.clone(), waker);
-        let axis = match app.workers() {
+        let axis = match app.jobs.workers() {
             Jobs::Threads(_) => None,
             Jobs::Inline => tiler.wait_for_axis(),
         };

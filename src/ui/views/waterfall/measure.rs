@@ -107,7 +107,8 @@ impl MeasureTool {
         }
         self.cross.follow(ui, response, lens, context);
         let place = self.cross.or_pointer(response, lens);
-        let pick = |place: LensPlace| Some(context.app.on_one_ping(pick_at(survey, place)?));
+        let pick =
+            |place: LensPlace| Some(context.app.map.measuring.on_one_ping(pick_at(survey, place)?));
         self.next = place.and_then(pick);
         let set = |at: Option<Pos2>| pick(lens.place_at(at?));
         let mut picked = None;
