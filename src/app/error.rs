@@ -1,7 +1,8 @@
 //! Errors of operations that the analyst requests.
 
+use bathyscope_log::formats::OpenError;
 use bathyscope_log::formats::base_map::BaseMapError;
-use bathyscope_log::formats::{AreaError, GaugeError, OpenError, TrackError};
+use bathyscope_log::support::file_error::FileError;
 use bathyscope_log::support::progress::Cancelled;
 use bathyscope_objects::review::ReviewError;
 use bathyscope_objects::truth::{TruthError, TruthFileError};
@@ -34,15 +35,9 @@ pub(super) enum AppError {
     /// The settings cannot be used.
     #[error(transparent)]
     Settings(#[from] SettingsError),
-    /// The track of another receiver cannot be read.
+    /// The track of another receiver, the readings of a gauge or a polygon cannot be read.
     #[error(transparent)]
-    Track(#[from] TrackError),
-    /// The readings of a gauge cannot be read.
-    #[error(transparent)]
-    Gauge(#[from] GaugeError),
-    /// A polygon cannot be read.
-    #[error(transparent)]
-    Area(#[from] AreaError),
+    Unusable(#[from] FileError),
     /// A base map cannot be opened.
     #[error(transparent)]
     BaseMap(#[from] BaseMapError),

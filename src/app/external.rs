@@ -10,7 +10,8 @@ use super::logs_change::LogsChange;
 use super::{App, LogId, OpenLog};
 use bathyscope_bottom::cloud::Correction;
 use bathyscope_bottom::cloud::correction::WaterLevelSettings;
-use bathyscope_log::formats::{TrackError, TrackFile, read_gauge};
+use bathyscope_log::formats::{TrackFile, read_gauge};
+use bathyscope_log::support::file_error::FileError;
 use bathyscope_log::support::geo::{Crs, LocalFrame};
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::support::regular_file;
@@ -60,7 +61,7 @@ impl External {
     }
 
     /// Returns the track of a file, which is read unless it was read before.
-    fn track(&mut self, path: &Path) -> Result<Arc<TrackFile>, TrackError> {
+    fn track(&mut self, path: &Path) -> Result<Arc<TrackFile>, FileError> {
         if let Some(known) = self.tracks.iter().find(|track| track.path() == path) {
             return Ok(known.clone());
         }

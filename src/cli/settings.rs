@@ -4,7 +4,8 @@ use super::status_line::StatusLine;
 use super::{Failure, LONGEST_TEXT, output};
 use bathyscope_bottom::cloud::Correction;
 use bathyscope_bottom::first_return::BottomSettings;
-use bathyscope_log::formats::{self, TrackError, TrackFile};
+use bathyscope_log::formats::{self, TrackFile};
+use bathyscope_log::support::file_error::FileError;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::support::regular_file;
 use bathyscope_log::survey::Survey;
@@ -66,7 +67,7 @@ impl LogOpener {
     ///
     /// # Errors
     /// When the track cannot be read.
-    pub(super) fn new(settings: Settings) -> Result<Self, TrackError> {
+    pub(super) fn new(settings: Settings) -> Result<Self, FileError> {
         let track = settings.track.file.as_deref();
         Ok(Self { track: track.map(TrackFile::read).transpose()?, settings })
     }

@@ -1,7 +1,7 @@
 //! Reads the polygon of a water body from a GeoJSON, KML or GPX file.
 
 use super::xml::{attribute, is, text_of};
-use crate::support::file_error::FileError;
+use crate::support::file_error::{FaultText, FileError};
 use crate::support::geo::LonLat;
 use crate::support::regular_file;
 use crate::survey::WaterArea;
@@ -9,7 +9,6 @@ use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
 use serde_json::Value;
 use sha2::{Digest as _, Sha256};
-use std::io;
 use std::path::Path;
 
 /// Size of the largest area file that is read, bytes; enough for any shoreline that a boat follows.
@@ -19,48 +18,15 @@ const MOST_CORNERS: usize = 100_000;
 /// Fewest corners of a ring; a ring with fewer corners has no area and is left out.
 const LEAST_CORNERS: usize = 3;
 
-/// Error of a file from which no area can be read.
-pub type AreaError = FileError<AreaFault>;
-
-/// Fault of an area, as a sentence without the path.
-#[derive(Debug, thiserror::Error)]
-pub enum AreaFault {
-    /// The operating system cannot read the file.
-    #[error("cannot read the area: {0}")]
-    Io(#[from] io::Error),
-    /// The file is not JSON and does not begin with `<` as XML does.
-    #[error("the area is neither GeoJSON nor KML nor GPX: {0}")]
-    NotJson(#[from] serde_json::Error),
-    /// The file begins with `<` as XML does but is not well-formed.
-    #[error("the area is damaged at byte {at}: {source}")]
-    NotXml {
-        /// Offset of the damage, bytes.
-        at: u64,
-        /// Error of the parser.
-        source: quick_xml::Error,
-    },
-    /// A corner is outside the range of longitudes and latitudes.
-    #[error(
-        "a corner of the area is no longitude and latitude ({}, {}); write it in degrees of WGS84",
-        .0.lon_deg, .0.lat_deg
-    )]
-    NotOnEarth(LonLat),
-    /// No ring has enough corners.
-    #[error("the area has no polygon; draw one, and save it as GeoJSON, KML or GPX")]
-    NoPolygon,
-    /// The rings have more than `MOST_CORNERS` corners; the field is their number.
-    #[error("the area has {0} corners; simplify it to {MOST_CORNERS} at most")]
-    TooManyCorners(usize),
-}
-
 /// Reads the polygons of a GeoJSON or KML file, or the tracks and routes of a GPX file; each track
 /// segment and each route becomes a ring.
 ///
 /// # Errors
 /// When the file cannot be read, is damaged, contains no polygon or has too many corners.
-pub fn read_area(path: &Path) -> Result<WaterArea, AreaError> {
-    let fail = AreaError::at(path);
-    let text = regular_file::read_text(path, LONGEST).map_err(|error| fail(error.into()))?;
+pub fn read_area(path: &Path) -> Result<WaterArea, FileError> {
+    let fail = FileError::<FaultText>::at(path);
+    let text = regular_file::read_text(path, LONGEST)
+        .map_err(|error| fail(format!("cannot read the area: {error}").into()))?;
     let hash = Sha256::digest(text.as_bytes());
     let bytes = text.len();
     let text = text.trim_start_matches('\u{feff}').trim_start();
@@ -77,14 +43,18 @@ type Rings = Vec<Vec<[f64; 2]>>;
 
 /// Returns the rings that have enough corners, without repeated corners; fails where a corner is
 /// not on Earth, no ring is left or there are too many corners.
-fn checked(rings: Rings) -> Result<Vec<Vec<LonLat>>, AreaFault> {
+fn checked(rings: Rings) -> Result<Vec<Vec<LonLat>>, FaultText> {
     let mut made = Vec::new();
     for ring in rings {
         let mut corners: Vec<LonLat> = (ring.iter())
             .map(|[lon_deg, lat_deg]| LonLat { lon_deg: *lon_deg, lat_deg: *lat_deg })
             .collect();
         if let Some(bad) = corners.iter().find(|corner| !corner.is_on_earth()) {
-            return Err(AreaFault::NotOnEarth(*bad));
+            return Err(format!(
+                "a corner of the area is no longitude and latitude ({}, {}); write it in degrees of WGS84",
+                bad.lon_deg, bad.lat_deg
+            )
+            .into());
         }
         corners.dedup();
         if corners.len() > 1 && corners.first() == corners.last() {
@@ -95,15 +65,19 @@ fn checked(rings: Rings) -> Result<Vec<Vec<LonLat>>, AreaFault> {
         }
     }
     match made.iter().map(Vec::len).sum::<usize>() {
-        0 => Err(AreaFault::NoPolygon),
-        count if count > MOST_CORNERS => Err(AreaFault::TooManyCorners(count)),
+        0 => Err("the area has no polygon; draw one, and save it as GeoJSON, KML or GPX".into()),
+        count if count > MOST_CORNERS => {
+            Err(format!("the area has {count} corners; simplify it to {MOST_CORNERS} at most")
+                .into())
+        }
         _ => Ok(made),
     }
 }
 
 /// Returns the rings of all polygons in a GeoJSON text, at any level of its collections.
-fn of_geojson(text: &str) -> Result<Rings, AreaFault> {
-    let root: Value = serde_json::from_str(text)?;
+fn of_geojson(text: &str) -> Result<Rings, FaultText> {
+    let root: Value = serde_json::from_str(text)
+        .map_err(|error| format!("the area is neither GeoJSON nor KML nor GPX: {error}"))?;
     let mut rings = Vec::new();
     let mut left = vec![&root];
     while let Some(value) = left.pop() {
@@ -137,7 +111,7 @@ fn add_polygon(polygon: &Value, rings: &mut Rings) {
 }
 
 /// Returns the rings of a KML text, or the tracks and routes of a GPX text.
-fn of_xml(text: &str) -> Result<Rings, AreaFault> {
+fn of_xml(text: &str) -> Result<Rings, FaultText> {
     let mut reader = Reader::from_str(text);
     reader.config_mut().allow_dangling_amp = true;
     let mut rings: Rings = Vec::new();
@@ -145,9 +119,9 @@ fn of_xml(text: &str) -> Result<Rings, AreaFault> {
     let (mut in_ring, mut in_coordinates) = (false, false);
     let mut coordinates = String::new();
     loop {
-        let event = reader
-            .read_event()
-            .map_err(|source| AreaFault::NotXml { at: reader.error_position(), source })?;
+        let event = reader.read_event().map_err(|error| {
+            format!("the area is damaged at byte {}: {error}", reader.error_position())
+        })?;
         match &event {
             Event::Eof => return Ok(rings),
             Event::Start(element) if is(element, "LinearRing") => in_ring = true,
@@ -190,7 +164,7 @@ fn kml_places(text: &str) -> Vec<[f64; 2]> {
 mod tests {
     use super::*;
 
-    fn read(text: &str) -> Result<Vec<Vec<LonLat>>, AreaError> {
+    fn read(text: &str) -> Result<Vec<Vec<LonLat>>, FileError> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("area");
         std::fs::write(&path, text).unwrap();

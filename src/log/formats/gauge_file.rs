@@ -1,70 +1,24 @@
 //! Reads tables of water levels: CSV with the columns `time` and `level_m`.
 
 use crate::support::calendar::unix_from_text;
-use crate::support::file_error::FileError;
+use crate::support::file_error::{FaultText, FileError};
 use crate::support::regular_file;
 use crate::survey::{Gauge, WATER_LEVELS_M};
 use sha2::{Digest as _, Sha256};
-use std::io;
 use std::path::Path;
 
 /// Size of the largest table that is read, bytes; enough for a reading every second of a year.
 const LONGEST: u64 = 1 << 30;
-
-/// Error of a table of water levels that cannot be used.
-pub type GaugeError = FileError<GaugeFault>;
-
-/// Fault of a table of water levels, as a sentence without the path.
-#[derive(Debug, thiserror::Error)]
-pub enum GaugeFault {
-    /// The operating system cannot read the file.
-    #[error("cannot read the water levels: {0}")]
-    Io(#[from] io::Error),
-    /// The file is no CSV.
-    #[error("the water levels are no table: {0}")]
-    NotATable(#[from] csv::Error),
-    /// The table has no column of this name.
-    #[error("the water levels have no column `{0}`; name the columns time and level_m")]
-    NoColumn(&'static str),
-    /// A text in the column `time` is no time.
-    #[error(
-        "line {line} of the water levels: `{text}` is no time; write 2021-10-12T00:53:20Z or Unix seconds"
-    )]
-    NoTime {
-        /// Line number, counted from 1.
-        line: u64,
-        /// The text in the column `time`.
-        text: String,
-    },
-    /// A text in the column `level_m` is no plausible level.
-    #[error(
-        "line {line} of the water levels: `{text}` is no level in metres between -1000 and 10000"
-    )]
-    NoLevel {
-        /// Line number, counted from 1.
-        line: u64,
-        /// The text in the column `level_m`.
-        text: String,
-    },
-    /// The time in this line is not after the time of the reading before; the field is the line
-    /// number.
-    #[error(
-        "line {0} of the water levels: its time is not after the one before; sort the readings"
-    )]
-    Unsorted(u64),
-    /// The table has no reading.
-    #[error("the water levels hold no reading")]
-    Empty,
-}
 
 /// Reads a table with the columns `time` (ISO 8601, UTC unless a zone is given, or Unix seconds)
 /// and `level_m`, separated by commas or semicolons; other columns are ignored.
 ///
 /// # Errors
 /// When the file cannot be read, or is not such a table with readings in time order.
-pub fn read_gauge(path: &Path) -> Result<Gauge, GaugeError> {
-    let fail = GaugeError::at(path);
-    let bytes = regular_file::read(path, LONGEST).map_err(|error| fail(error.into()))?;
+pub fn read_gauge(path: &Path) -> Result<Gauge, FileError> {
+    let fail = FileError::<FaultText>::at(path);
+    let bytes = regular_file::read(path, LONGEST)
+        .map_err(|error| fail(format!("cannot read the water levels: {error}").into()))?;
     let readings = parse(&bytes).map_err(fail)?;
     let hash = Sha256::digest(&bytes);
     Ok(Gauge {
@@ -76,7 +30,8 @@ pub fn read_gauge(path: &Path) -> Result<Gauge, GaugeError> {
 }
 
 /// Returns the time (Unix seconds) and the level (metres) of every line.
-fn parse(bytes: &[u8]) -> Result<Vec<(f64, f64)>, GaugeFault> {
+fn parse(bytes: &[u8]) -> Result<Vec<(f64, f64)>, FaultText> {
+    let no_table = |error: csv::Error| format!("the water levels are no table: {error}");
     let mut lines = bytes.split(|byte| *byte == b'\n');
     let header = lines.find(|line| !line.starts_with(b"#"));
     let semicolons = header.is_some_and(|line| line.contains(&b';'));
@@ -85,31 +40,44 @@ fn parse(bytes: &[u8]) -> Result<Vec<(f64, f64)>, GaugeFault> {
         .comment(Some(b'#'))
         .trim(csv::Trim::All)
         .from_reader(bytes);
-    let header = table.headers()?.clone();
-    let column = |name: &'static str| {
+    let header = table.headers().map_err(no_table)?.clone();
+    let column = |name: &str| {
         let is = |field: &str| field.trim_start_matches('\u{feff}').eq_ignore_ascii_case(name);
         let found = header.iter().position(is);
-        found.ok_or(GaugeFault::NoColumn(name))
+        found.ok_or_else(|| {
+            format!("the water levels have no column `{name}`; name the columns time and level_m")
+        })
     };
     let [time, level] = [column("time")?, column("level_m")?];
     let mut readings: Vec<(f64, f64)> = Vec::new();
     for (index, row) in table.records().enumerate() {
-        let row = row?;
+        let row = row.map_err(no_table)?;
         let line = row.position().map_or(index as u64 + 2, |at| at.line());
         let field = |column| row.get(column).unwrap_or_default();
-        let time_s = unix_from_text(field(time))
-            .ok_or_else(|| GaugeFault::NoTime { line, text: field(time).to_owned() })?;
+        let time_s = unix_from_text(field(time)).ok_or_else(|| {
+            format!(
+                "line {line} of the water levels: `{}` is no time; write 2021-10-12T00:53:20Z or Unix seconds",
+                field(time)
+            )
+        })?;
         let level_m: Option<f64> = field(level).parse().ok();
-        let level_m = level_m
-            .filter(|level_m| WATER_LEVELS_M.contains(level_m))
-            .ok_or_else(|| GaugeFault::NoLevel { line, text: field(level).to_owned() })?;
+        let level_m = level_m.filter(|level_m| WATER_LEVELS_M.contains(level_m));
+        let level_m = level_m.ok_or_else(|| {
+            format!(
+                "line {line} of the water levels: `{}` is no level in metres between -1000 and 10000",
+                field(level)
+            )
+        })?;
         if readings.last().is_some_and(|(last_s, _)| *last_s >= time_s) {
-            return Err(GaugeFault::Unsorted(line));
+            return Err(format!(
+                "line {line} of the water levels: its time is not after the one before; sort the readings"
+            )
+            .into());
         }
         readings.push((time_s, level_m));
     }
     if readings.is_empty() {
-        return Err(GaugeFault::Empty);
+        return Err("the water levels hold no reading".into());
     }
     Ok(readings)
 }
@@ -118,7 +86,7 @@ fn parse(bytes: &[u8]) -> Result<Vec<(f64, f64)>, GaugeFault> {
 mod tests {
     use super::*;
 
-    fn read(text: &str) -> Result<Gauge, GaugeError> {
+    fn read(text: &str) -> Result<Gauge, FileError> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("levels.csv");
         std::fs::write(&path, text).unwrap();

@@ -13,31 +13,21 @@ pub(super) struct GpxPoint {
     pub time: String,
 }
 
-/// Error of a text that is no XML.
-#[derive(Debug, thiserror::Error)]
-#[error("the GPX is damaged at byte {at}: {source}")]
-pub struct GpxError {
-    /// Offset of the damage, bytes.
-    pub at: u64,
-    /// Error of the parser.
-    pub source: quick_xml::Error,
-}
-
 /// Reads the track points of a text one after the other, with any prefix of the elements. A file
 /// that ends early, because the receiver was switched off, gives its whole points.
 ///
 /// # Errors
 /// When the text is no XML.
-pub(super) fn gpx_points(text: &str) -> Result<Vec<GpxPoint>, GpxError> {
+pub(super) fn gpx_points(text: &str) -> Result<Vec<GpxPoint>, String> {
     let mut reader = Reader::from_str(text);
     // Receivers write names such as `Tom & Jerry` without escaping `&`.
     reader.config_mut().allow_dangling_amp = true;
     let mut points = Vec::new();
     let mut open: Option<Open> = None;
     loop {
-        let event = reader
-            .read_event()
-            .map_err(|source| GpxError { at: reader.error_position(), source })?;
+        let event = reader.read_event().map_err(|error| {
+            format!("the GPX is damaged at byte {}: {error}", reader.error_position())
+        })?;
         match (&event, &mut open) {
             (Event::Eof, _) => return Ok(points),
             (Event::Start(element), None) if is(element, "trkpt") => {
@@ -125,7 +115,6 @@ mod tests {
         assert_eq!(read(&format!("{whole}<trkpt lat='1' lon='2'><time>20")).len(), 1);
         for damaged in ["<trkpt lat='1' lon='2", "<a></b>"] {
             let error = gpx_points(&format!("{whole}{damaged}")).unwrap_err();
-            let error = error.to_string();
             assert!(error.starts_with("the GPX is damaged at byte 5"), "{error}");
         }
         let points = gpx_points("<gpx><trkpt lat='1'></trkpt></gpx>").unwrap();

@@ -62,15 +62,15 @@ mod track_file;
 mod xml;
 pub mod xtf;
 
-pub use area_file::{AreaError, read_area};
-pub use gauge_file::{GaugeError, read_gauge};
+pub use area_file::read_area;
+pub use gauge_file::read_gauge;
 pub use growing_log::{GrowingError, GrowingLog};
 pub use log_folders::{FoundLog, LogFolder, log_folders};
 pub(crate) use scalar::ByteOrder;
 pub use table::{
     FORMATS, FileRole, FormatEntry, endings_to_show, formats_to_open, role_by_name, writer_for,
 };
-pub use track_file::{TrackError, TrackFile};
+pub use track_file::TrackFile;
 
 use crate::support::file_error::FileError;
 use crate::support::mapped_file::FileFault;

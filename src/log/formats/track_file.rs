@@ -1,14 +1,12 @@
 //! Reads tracks of another receiver, such as RTK or an autopilot: CSV with named columns, or GPX.
 
-use super::gpx::{GpxError, gpx_points};
+use super::gpx::gpx_points;
 use crate::support::calendar::unix_from_text;
-use crate::support::file_error::FileError;
+use crate::support::file_error::{FaultText, FileError};
 use crate::support::geo::LonLat;
 use crate::support::regular_file;
 use crate::survey::{Bytes, ExternalTrack, Fix, Survey, Track, drop_false_fixes};
-use std::io;
 use std::path::Path;
-use std::str::Utf8Error;
 use std::sync::Arc;
 
 /// A track that was read from a file.
@@ -26,6 +24,8 @@ pub struct TrackFile {
 const LEAST_UNIX_S: f64 = 1e8;
 /// Size of the largest track that is read, bytes; enough for ten fixes a second for a month.
 const LONGEST: u64 = 1 << 31;
+/// Fault of a track that is too short.
+const TOO_SHORT: &str = "the track has fewer than two places with a time";
 /// Names of the columns, in lower case; the first name in the header is used.
 pub(super) const TIME: &[&str] = &["time", "timestamp", "utc", "unix_s", "time_s"];
 pub(super) const LON: &[&str] = &["lon", "longitude", "lon_deg", "lng"];
@@ -38,14 +38,16 @@ impl TrackFile {
     ///
     /// # Errors
     /// When the file cannot be read, or contains fewer than two fixes.
-    pub fn read(path: &Path) -> Result<Self, TrackError> {
-        let fail = TrackError::at(path);
-        let bytes = regular_file::read(path, LONGEST).map_err(|error| fail(error.into()))?;
-        let text = std::str::from_utf8(&bytes).map_err(|error| fail(error.into()))?;
+    pub fn read(path: &Path) -> Result<Self, FileError> {
+        let fail = FileError::<FaultText>::at(path);
+        let bytes = regular_file::read(path, LONGEST)
+            .map_err(|error| fail(format!("cannot read the track: {error}").into()))?;
+        let text = std::str::from_utf8(&bytes)
+            .map_err(|_| fail("the track is neither CSV nor GPX".into()))?;
         let gpx = text.trim_start_matches('\u{feff}').trim_start().starts_with('<');
         let mut fixes = if gpx { from_gpx(text) } else { from_csv(text) }.map_err(fail)?;
         if fixes.len() < 2 {
-            return Err(fail(TrackFault::TooShort));
+            return Err(fail(TOO_SHORT.into()));
         }
         fixes.sort_by(|a, b| a.0.total_cmp(&b.0));
         Ok(Self {
@@ -67,12 +69,14 @@ impl TrackFile {
     /// # Errors
     /// When the track covers no ping or sounding, has too few plausible fixes, or the start time of
     /// the log is needed but unknown.
-    pub fn apply(&self, survey: &mut Survey, offset_s: f64) -> Result<(), TrackError> {
-        let fail = TrackError::at(self.path());
+    pub fn apply(&self, survey: &mut Survey, offset_s: f64) -> Result<(), FileError> {
+        let fail = FileError::<FaultText>::at(self.path());
         let zero_s = match (self.fixes[0].0 < LEAST_UNIX_S, survey.start_unix_s) {
             (true, _) => 0.0,
             (false, Some(start_unix_s)) => start_unix_s,
-            (false, None) => return Err(fail(TrackFault::UnknownTime)),
+            (false, None) => {
+                return Err(fail("the log does not know the time, so the track cannot be applied to it; give its times in seconds of the log".into()));
+            }
         };
         let fix = |&(time_s, position, compass_rad): &(f64, LonLat, f32)| Fix {
             time_s: time_s - zero_s + offset_s,
@@ -85,7 +89,7 @@ impl TrackFile {
         let stray = drop_false_fixes(&mut fixes, true);
         // With two fixes far apart and a third between them, none is near another: no fix is left.
         let (Some(first), Some(last)) = (fixes.first(), fixes.last()) else {
-            return Err(fail(TrackFault::TooShort));
+            return Err(fail(TOO_SHORT.into()));
         };
         let span_s = [first.time_s, last.time_s];
         let inside = |time_s: f64| (span_s[0]..=span_s[1]).contains(&time_s);
@@ -94,7 +98,11 @@ impl TrackFile {
         let outside = times.clone().filter(|time_s| !inside(*time_s)).count();
         let count = times.count();
         if outside == count {
-            return Err(fail(TrackFault::Elsewhere(span_s)));
+            let [from_s, to_s] = span_s;
+            let what = format!(
+                "the track covers no ping of the log: it goes from {from_s:.1} to {to_s:.1} s of the log; set track.offset_s if its clock was wrong, mounting.clock_offset_s if that of the log was"
+            );
+            return Err(fail(what.into()));
         }
         let place = None;
         let stray = stray.into_iter().map(|what| format!("Of the external track {what}."));
@@ -118,55 +126,10 @@ impl TrackFile {
     }
 }
 
-/// Error of a track that cannot be used.
-pub type TrackError = FileError<TrackFault>;
-
-/// Reason why a track cannot be used, as a sentence without the path.
-#[derive(Debug, thiserror::Error)]
-pub enum TrackFault {
-    /// The operating system cannot read the file.
-    #[error("cannot read the track: {0}")]
-    Io(#[from] io::Error),
-    /// The file is no text.
-    #[error("the track is neither CSV nor GPX")]
-    NotText(#[from] Utf8Error),
-    /// The file does not begin with `<` as XML does and is no CSV.
-    #[error("the track is no table: {0}")]
-    NotATable(#[from] csv::Error),
-    /// The file begins with `<` as XML does but is damaged.
-    #[error(transparent)]
-    Gpx(#[from] GpxError),
-    /// The table lacks columns; the field is the names that it has.
-    #[error(
-        "the track has no columns time, lon and lat, only {}; name them so in the first line",
-        .0.join(", ")
-    )]
-    NoColumns(Vec<String>),
-    /// This line of the table has no readable time and position.
-    #[error("line {0} of the track has no time, longitude and latitude that can be read")]
-    NoFix(u64),
-    /// This track point of the GPX, counted from 1, has no readable position.
-    #[error("track point {0} has no place that can be read")]
-    NoPlace(usize),
-    /// The track has fewer than two fixes.
-    #[error("the track has fewer than two places with a time")]
-    TooShort,
-    /// The track has Unix times, but the start time of the log is unknown.
-    #[error(
-        "the log does not know the time, so the track cannot be applied to it; give its times in seconds of the log"
-    )]
-    UnknownTime,
-    /// The track covers no ping of the log; the field is its first and last time, seconds of the
-    /// log.
-    #[error(
-        "the track covers no ping of the log: it goes from {:.1} to {:.1} s of the log; set track.offset_s if its clock was wrong, mounting.clock_offset_s if that of the log was", .0[0], .0[1]
-    )]
-    Elsewhere([f64; 2]),
-}
-
-type Fixes = Result<Vec<(f64, LonLat, f32)>, TrackFault>;
+type Fixes = Result<Vec<(f64, LonLat, f32)>, FaultText>;
 
 fn from_csv(text: &str) -> Fixes {
+    let no_table = |error: csv::Error| format!("the track is no table: {error}");
     let header = text.lines().find(|line| !line.starts_with('#'));
     let semicolons = header.is_some_and(|line| line.contains(';'));
     let mut table = csv::ReaderBuilder::new()
@@ -174,26 +137,33 @@ fn from_csv(text: &str) -> Fixes {
         .comment(Some(b'#'))
         .trim(csv::Trim::All)
         .from_reader(text.trim_start_matches('\u{feff}').as_bytes());
-    let header = table.headers()?.clone();
+    let header = table.headers().map_err(no_table)?.clone();
     let find = |names: &[&str]| {
         let position =
             |name: &&str| header.iter().position(|field| field.eq_ignore_ascii_case(name));
         names.iter().find_map(position)
     };
     let [Some(time), Some(lon), Some(lat)] = [TIME, LON, LAT].map(find) else {
-        let names = header.iter().map(str::to_owned);
-        return Err(TrackFault::NoColumns(names.collect()));
+        let names: Vec<&str> = header.iter().collect();
+        return Err(format!(
+            "the track has no columns time, lon and lat, only {}; name them so in the first line",
+            names.join(", ")
+        )
+        .into());
     };
     let heading = find(HEADING);
     let mut fixes = Vec::new();
     for row in table.records() {
-        let row = row?;
+        let row = row.map_err(no_table)?;
         let line = row.position().map_or(0, csv::Position::line);
         let field = |column: usize| row.get(column).unwrap_or_default();
         let number = |column: usize| field(column).parse::<f64>().ok();
         let position = position(number(lon), number(lat));
         let (Some(time_s), Some(position)) = (unix_from_text(field(time)), position) else {
-            return Err(TrackFault::NoFix(line));
+            return Err(format!(
+                "line {line} of the track has no time, longitude and latitude that can be read"
+            )
+            .into());
         };
         let heading_deg = heading.and_then(number).unwrap_or(f64::NAN);
         fixes.push((time_s, position, heading_deg.to_radians() as f32));
@@ -213,7 +183,8 @@ fn from_gpx(text: &str) -> Fixes {
     let mut fixes = Vec::new();
     for (index, point) in gpx_points(text)?.into_iter().enumerate() {
         let [lon_deg, lat_deg] = point.lon_lat.map_or([None; 2], |at| at.map(Some));
-        let position = position(lon_deg, lat_deg).ok_or(TrackFault::NoPlace(index + 1))?;
+        let position = position(lon_deg, lat_deg)
+            .ok_or_else(|| format!("track point {} has no place that can be read", index + 1))?;
         let time_s = unix_from_text(point.time.trim());
         fixes.extend(time_s.map(|time_s| (time_s, position, f32::NAN)));
     }
@@ -234,7 +205,7 @@ mod tests {
         }
     }
 
-    fn read(name: &str, text: &str) -> Result<TrackFile, TrackError> {
+    fn read(name: &str, text: &str) -> Result<TrackFile, FileError> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join(name);
         std::fs::write(&path, text).unwrap();

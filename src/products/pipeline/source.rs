@@ -3,7 +3,8 @@
 
 use super::Settings;
 use super::settings::SourceSettings;
-use bathyscope_log::formats::{TrackError, TrackFile};
+use bathyscope_log::formats::TrackFile;
+use bathyscope_log::support::file_error::FileError;
 use bathyscope_log::support::geo::CrsError;
 use bathyscope_log::survey::{MountingSettings, Survey, TrackSettings};
 
@@ -15,7 +16,7 @@ pub enum SourceError {
     System(#[from] CrsError),
     /// The track of another receiver does not fit the log.
     #[error(transparent)]
-    Track(#[from] TrackError),
+    Track(#[from] FileError),
 }
 
 /// Settings on which a survey depends: equal keys give equal surveys.
