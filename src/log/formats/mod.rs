@@ -77,7 +77,7 @@ use crate::support::mapped_file::FileFault;
 use crate::support::progress::Progress;
 use crate::survey::{Bytes, Seam, Source, Survey};
 use log_format::{FileSource, Reading};
-use points::{Elevations, PointFileError, is_named_as_elevations, read_elevations};
+use points::{Elevations, is_named_as_elevations, read_elevations};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use xtf::read_multibeam;
@@ -402,7 +402,7 @@ pub enum ReferenceFile {
 pub enum ReferenceError {
     /// The points cannot be read.
     #[error(transparent)]
-    Points(#[from] PointFileError),
+    Points(#[from] FileError),
     /// The log cannot be opened, or the work was cancelled.
     #[error(transparent)]
     Log(#[from] OpenError),

@@ -2,8 +2,9 @@
 //! whether their values count up or down.
 
 use super::text_file::{ColumnRequest, KNOWN_NAMES};
-use super::{PointFault, PointFile, PointFileError, read_columns, split_columns, suffix};
+use super::{PointFile, read_columns, split_columns, suffix, unreadable};
 use crate::formats::geotiff;
+use crate::support::file_error::{FaultText, FileError};
 use crate::support::geo::UtmZone;
 use crate::support::regular_file;
 use serde_json::Value;
@@ -87,19 +88,19 @@ pub struct Elevations {
 /// # Errors
 /// When the file cannot be read or is of an unknown kind, has no such columns, or contains no
 /// point.
-pub fn read_elevations(argument: &OsStr) -> Result<Elevations, PointFileError> {
+pub fn read_elevations(argument: &OsStr) -> Result<Elevations, FileError> {
     let file = read(argument)?;
     if !file.points.is_empty() {
         return Ok(file);
     }
     let what = match file.blank {
-        0 => PointFault::Empty,
-        count => PointFault::AllBlank(count),
+        0 => "the file is empty: there is no point in it".into(),
+        count => format!("none of the {count} lines or features has all three coordinates").into(),
     };
-    Err(PointFileError::new(what, &file.path))
+    Err(FileError::new(what, &file.path))
 }
 
-fn read(argument: &OsStr) -> Result<Elevations, PointFileError> {
+fn read(argument: &OsStr) -> Result<Elevations, FileError> {
     let (path, mut names) = split_columns(argument);
     let downwards = names.as_mut().is_some_and(|[_, _, z]| match z.strip_prefix('-') {
         Some(name) => {
@@ -108,7 +109,7 @@ fn read(argument: &OsStr) -> Result<Elevations, PointFileError> {
         }
         None => false,
     });
-    let fail = PointFileError::at(&path);
+    let fail = FileError::<FaultText>::at(&path);
     match suffix(&path).as_str() {
         "tif" | "tiff" => return of_raster(&path, names.as_ref(), downwards).map_err(fail),
         "geojson" | "json" => return of_geojson(&path, names.as_ref(), downwards).map_err(fail),
@@ -170,11 +171,11 @@ fn of_raster(
     path: &Path,
     names: Option<&[String; 3]>,
     downwards: bool,
-) -> Result<Elevations, PointFault> {
+) -> Result<Elevations, FaultText> {
     if names.is_some_and(|names| names != &["x", "y", "z"]) {
-        return Err(PointFault::FixedColumns("GeoTIFF"));
+        return Err("the coordinates of a GeoTIFF are always x, y and z".into());
     }
-    let raster = geotiff::read_cells(path)?;
+    let raster = geotiff::read_cells(path).map_err(|error| error.to_string())?;
     let depths = raster.downwards && names.is_none();
     let note =
         depths.then(|| "the raster holds depths, which are turned into elevations".to_owned());
@@ -195,7 +196,7 @@ fn of_geojson(
     path: &Path,
     names: Option<&[String; 3]>,
     downwards: bool,
-) -> Result<Elevations, PointFault> {
+) -> Result<Elevations, FaultText> {
     let found = read_geojson(path, names.map(|[_, _, height]| height.as_str()))?;
     Ok(Elevations {
         path: path.to_owned(),
@@ -217,13 +218,16 @@ struct GeoJsonPoints {
 
 /// Reads the points; `height` names the property of the height. Without it, values of depth
 /// properties change their sign.
-fn read_geojson(path: &Path, height: Option<&str>) -> Result<GeoJsonPoints, PointFault> {
+fn read_geojson(path: &Path, height: Option<&str>) -> Result<GeoJsonPoints, FaultText> {
     let text = regular_file::read(path, LONGEST).map_err(|error| match error.kind() {
-        ErrorKind::FileTooLarge => PointFault::LongGeoJson,
-        _ => error.into(),
+        ErrorKind::FileTooLarge => {
+            "the GeoJSON is longer than 1 GiB; write the points as CSV".into()
+        }
+        _ => unreadable(&error),
     })?;
-    let root: Value = serde_json::from_slice(&text)?;
-    let features = root["features"].as_array().ok_or(PointFault::NoFeatures)?;
+    let root: Value = serde_json::from_slice(&text)
+        .map_err(|error| format!("the points are no GeoJSON: {error}"))?;
+    let features = root["features"].as_array().ok_or("the GeoJSON is no FeatureCollection")?;
     let points: Vec<[f64; 3]> =
         features.iter().filter_map(|feature| point(feature, height)).collect();
     Ok(GeoJsonPoints { left_out: features.len() - points.len(), points })
@@ -255,7 +259,7 @@ mod tests {
         try_read(text, columns).unwrap()
     }
 
-    fn try_read(text: &str, columns: &str) -> Result<Elevations, PointFileError> {
+    fn try_read(text: &str, columns: &str) -> Result<Elevations, FileError> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("points.csv");
         std::fs::write(&path, text).unwrap();

@@ -1,10 +1,11 @@
 //! Reads and writes points in LAS, LAZ and COPC.
 
+use super::PointFormat;
 use super::copc::{remove_packing, write_copc};
 use super::las_claims;
 use super::las_writer::{LasWriter, transforms};
-use super::{LasFault, PointFormat};
 use crate::support::catch_panic::catch_panic;
+use crate::support::file_error::FaultText;
 use las::point::Format;
 use las::{Builder, Header, Point, PointData, PointDataBuilder, Reader};
 use std::fs::File;
@@ -25,20 +26,23 @@ pub(super) struct LasFile {
 
 /// Reads all points. The las crate trusts some claims of a LAZ file: the file is checked first, and
 /// a panic of the crate becomes an error.
-pub(super) fn read(path: &Path) -> Result<(LasFile, Vec<[f64; 3]>), LasFault> {
-    las_claims::check(path)?;
-    catch_panic(|| read_checked(path)).unwrap_or(Err(LasFault::Damaged))
+pub(super) fn read(path: &Path) -> Result<(LasFile, Vec<[f64; 3]>), FaultText> {
+    let read = match las_claims::check(path) {
+        Ok(()) => catch_panic(|| read_checked(path)).unwrap_or(Err("it is damaged".to_owned())),
+        Err(error) => Err(error.to_string()),
+    };
+    read.map_err(|what| format!("the LAS file cannot be read: {what}").into())
 }
 
-fn read_checked(path: &Path) -> Result<(LasFile, Vec<[f64; 3]>), LasFault> {
-    let mut reader = Reader::from_path(path)?;
+fn read_checked(path: &Path) -> Result<(LasFile, Vec<[f64; 3]>), String> {
+    let mut reader = Reader::from_path(path).map_err(|error| error.to_string())?;
     let header = reader.header().clone();
     let (mut batches, mut points) = (Vec::new(), Vec::new());
     let length = u64::from(header.point_format().len()).max(1);
     let batch = (BATCH_BYTES / length).min(BATCH).min(header.number_of_points());
     loop {
         let batch = reader.read_points(batch.max(1));
-        let batch = batch.map_err(|source| LasFault::Point { read: points.len(), source })?;
+        let batch = batch.map_err(|error| format!("{error} after {} points", points.len()))?;
         if batch.is_empty() {
             break;
         }

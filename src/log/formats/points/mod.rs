@@ -8,7 +8,6 @@
 
 mod copc;
 mod elevations;
-mod error;
 mod las_claims;
 mod las_file;
 mod las_writer;
@@ -17,9 +16,9 @@ pub(super) mod text_file;
 
 pub use copc::write_copc;
 pub use elevations::{Elevations, PointPlane, read_elevations};
-pub use error::{LasFault, PlyFault, PointFault, PointFileError, PointLineFault, TextFault};
 pub use las_writer::{LasWriter, transforms};
 
+use crate::support::file_error::{FaultText, FileError};
 use copc::is_named_copc;
 use las_file::LasFile;
 use ply_file::PlyFile;
@@ -78,7 +77,7 @@ impl PointFormat {
     ///
     /// # Errors
     /// When the ending is that of no point file.
-    pub fn of(path: &Path) -> Result<Self, PointFileError> {
+    pub fn of(path: &Path) -> Result<Self, FileError> {
         match suffix(path).as_str() {
             "csv" => Ok(Self::Csv),
             "xyz" | "txt" => Ok(Self::Xyz),
@@ -86,7 +85,10 @@ impl PointFormat {
             "las" => Ok(Self::Las),
             "laz" if is_named_copc(path) => Ok(Self::Copc),
             "laz" => Ok(Self::Laz),
-            _ => Err(PointFileError::new(PointFault::Ending, path)),
+            _ => {
+                let what = "a point file ends in .xyz, .csv, .txt, .ply, .las or .laz";
+                Err(FileError::new(what.into(), path))
+            }
         }
     }
 
@@ -125,22 +127,22 @@ pub fn is_named_as_elevations(argument: impl AsRef<OsStr>) -> bool {
 ///
 /// # Errors
 /// When the ending is that of no point file, or the file cannot be read.
-pub fn read(path: &Path, columns: Option<&[String; 3]>) -> Result<PointFile, PointFileError> {
+pub fn read(path: &Path, columns: Option<&[String; 3]>) -> Result<PointFile, FileError> {
     read_columns(path, ColumnRequest { named: columns, known: &KNOWN_NAMES, skip_blank: false })
 }
 
-fn read_columns(path: &Path, requested: ColumnRequest<'_>) -> Result<PointFile, PointFileError> {
-    read_format(PointFormat::of(path)?, path, requested).map_err(PointFileError::at(path))
+fn read_columns(path: &Path, requested: ColumnRequest<'_>) -> Result<PointFile, FileError> {
+    read_format(PointFormat::of(path)?, path, requested).map_err(FileError::at(path))
 }
 
 fn read_format(
     format: PointFormat,
     path: &Path,
     requested: ColumnRequest<'_>,
-) -> Result<PointFile, PointFault> {
+) -> Result<PointFile, FaultText> {
     let named_otherwise = requested.named.is_some_and(|names| names != &["x", "y", "z"]);
     if !format.is_text() && named_otherwise {
-        return Err(PointFault::FixedColumns("PLY or LAS file"));
+        return Err("the coordinates of a PLY or LAS file are always x, y and z".into());
     }
     let bare = |rows, points| PointFile {
         points,
@@ -175,6 +177,11 @@ fn read_format(
             }
         }
     })
+}
+
+/// Returns the fault of a point file that the system cannot read.
+fn unreadable(error: &io::Error) -> FaultText {
+    format!("cannot read the points: {error}").into()
 }
 
 impl PointFile {

@@ -1,6 +1,7 @@
 //! Reads and writes points in PLY: text, little-endian and big-endian.
 
-use super::{PlyFault, PointFault};
+use super::unreadable;
+use crate::support::file_error::FaultText;
 use crate::support::regular_file;
 use std::fs::File;
 use std::io::{self, BufWriter, Write as _};
@@ -87,13 +88,13 @@ struct PlyLayout {
 }
 
 /// Reads the vertices; they must be the first element and have only scalar properties.
-pub(super) fn read(path: &Path) -> Result<(PlyFile, Vec<[f64; 3]>), PointFault> {
-    let bytes = regular_file::read(path, u64::MAX)?;
+pub(super) fn read(path: &Path) -> Result<(PlyFile, Vec<[f64; 3]>), FaultText> {
+    let bytes = regular_file::read(path, u64::MAX).map_err(|error| unreadable(&error))?;
     let layout = PlyLayout::parse(&bytes)?;
     let axes =
         ["x", "y", "z"].map(|axis| layout.properties.iter().position(|(name, _)| name == axis));
     let [Some(x), Some(y), Some(z)] = axes else {
-        return Err(PlyFault::Header("names no vertex properties x, y and z").into());
+        return Err("the PLY header names no vertex properties x, y and z".into());
     };
     let (vertices, points) = match layout.encoding {
         PlyEncoding::Text => read_text(&bytes, &layout, [x, y, z])?,
@@ -105,11 +106,11 @@ pub(super) fn read(path: &Path) -> Result<(PlyFile, Vec<[f64; 3]>), PointFault> 
 
 type Vertices = (Vec<Range<usize>>, Vec<[f64; 3]>);
 
-fn read_binary(bytes: &[u8], layout: &PlyLayout, axes: [usize; 3]) -> Result<Vertices, PlyFault> {
+fn read_binary(bytes: &[u8], layout: &PlyLayout, axes: [usize; 3]) -> Result<Vertices, String> {
     let size: usize = layout.properties.iter().map(|(_, scalar)| scalar.size()).sum();
     let whole = (bytes.len() - layout.data) / size;
     if whole < layout.count {
-        return Err(PlyFault::TooShort { found: whole, count: layout.count });
+        return Err(too_short(whole, layout.count));
     }
     let fields = axes.map(|axis| {
         let before = layout.properties[..axis].iter().map(|(_, scalar)| scalar.size());
@@ -128,7 +129,7 @@ fn read_binary(bytes: &[u8], layout: &PlyLayout, axes: [usize; 3]) -> Result<Ver
     Ok((vertices, points))
 }
 
-fn read_text(bytes: &[u8], layout: &PlyLayout, axes: [usize; 3]) -> Result<Vertices, PlyFault> {
+fn read_text(bytes: &[u8], layout: &PlyLayout, axes: [usize; 3]) -> Result<Vertices, String> {
     let (mut vertices, mut points) = (Vec::new(), Vec::new());
     let mut at = layout.data;
     for (index, line) in
@@ -138,20 +139,25 @@ fn read_text(bytes: &[u8], layout: &PlyLayout, axes: [usize; 3]) -> Result<Verti
         let fields: Vec<&str> = text.split_whitespace().collect();
         let value = |axis: usize| fields.get(axis).and_then(|field| field.parse::<f64>().ok());
         let [Some(x), Some(y), Some(z)] = axes.map(value) else {
-            return Err(PlyFault::NoNumbers(layout.lines + index + 1));
+            let line = layout.lines + index + 1;
+            return Err(format!("line {line}: this vertex has no numbers for x, y and z"));
         };
         points.push([x, y, z]);
         vertices.push(at..at + line.trim_ascii_end().len());
         at += line.len();
     }
     if points.len() < layout.count {
-        return Err(PlyFault::TooShort { found: points.len(), count: layout.count });
+        return Err(too_short(points.len(), layout.count));
     }
     Ok((vertices, points))
 }
 
+fn too_short(found: usize, count: usize) -> String {
+    format!("the PLY file ends after {found} of {count} vertices")
+}
+
 impl PlyLayout {
-    fn parse(bytes: &[u8]) -> Result<Self, PlyFault> {
+    fn parse(bytes: &[u8]) -> Result<Self, String> {
         let mut layout = Self {
             encoding: PlyEncoding::Text,
             count: 0,
@@ -164,28 +170,25 @@ impl PlyLayout {
         for line in bytes.split_inclusive(|&byte| byte == b'\n') {
             layout.data += line.len();
             layout.lines += 1;
-            let text =
-                std::str::from_utf8(line).map_err(|_| PlyFault::Header("is not text"))?.trim();
+            let text = std::str::from_utf8(line).map_err(|_| "the PLY header is not text")?.trim();
             if layout.lines == 1 {
                 if text != "ply" {
-                    return Err(PlyFault::NotPly);
+                    return Err("the file does not begin with `ply`".to_owned());
                 }
                 continue;
             }
             if text == "end_header" {
                 return if layout.properties.is_empty() {
-                    Err(PlyFault::Header("describes no vertices"))
+                    Err("the PLY header describes no vertices".to_owned())
                 } else {
                     Ok(layout)
                 };
             }
-            layout.take(text, &mut element).map_err(|what| PlyFault::HeaderLine {
-                line: layout.lines,
-                what,
-                text: text.to_owned(),
-            })?;
+            layout
+                .take(text, &mut element)
+                .map_err(|what| format!("line {}: {what}: `{text}`", layout.lines))?;
         }
-        Err(PlyFault::Header("has no end"))
+        Err("the PLY header has no end".to_owned())
     }
 
     /// Parses one header line, or returns its fault; `element` counts the elements so far.

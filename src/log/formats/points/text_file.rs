@@ -3,7 +3,8 @@
 //! Readers of other tables use the same functions to find the separator, the header and the numbers
 //! in the columns.
 
-use super::{PointFault, PointLineFault, TextFault};
+use super::unreadable;
+use crate::support::file_error::FaultText;
 use crate::support::printable::one_line;
 use crate::support::regular_file;
 use std::fs::File;
@@ -53,8 +54,8 @@ pub(super) const KNOWN_NAMES: [[&str; 3]; 4] = [
 pub(super) fn read(
     path: &Path,
     requested: ColumnRequest<'_>,
-) -> Result<(TextFile, Vec<[f64; 3]>), PointFault> {
-    let text = regular_file::read_text(path, u64::MAX)?;
+) -> Result<(TextFile, Vec<[f64; 3]>), FaultText> {
+    let text = regular_file::read_text(path, u64::MAX).map_err(|error| unreadable(&error))?;
     let mut file = TextFile {
         preamble: Vec::new(),
         lines: Vec::new(),
@@ -90,7 +91,8 @@ pub(super) fn read(
             file.blank += 1;
             continue;
         }
-        let point = layout.point(line).map_err(|what| TextFault::Line { line: index + 1, what })?;
+        let point = layout.point(line);
+        let point = point.map_err(|what| format!("line {}: {what}", index + 1))?;
         points.push(point);
         file.set_aside.extend(layout.is_set_aside(line));
         file.lines.push(line.to_owned());
@@ -132,7 +134,7 @@ struct ColumnLayout {
 impl ColumnLayout {
     /// Determines the columns from the first line, which is a header unless all its fields are
     /// numbers; the second value is true if it is a header.
-    fn of(line: &str, requested: ColumnRequest<'_>) -> Result<(Self, bool), TextFault> {
+    fn of(line: &str, requested: ColumnRequest<'_>) -> Result<(Self, bool), String> {
         let names = requested.named;
         let separator = separator_of(line);
         let fields = fields(line, separator);
@@ -150,16 +152,22 @@ impl ColumnLayout {
             names.iter().find(|name| times(name) > 2).cloned()
         };
         if let Some(name) = names.and_then(twice) {
-            return Err(TextFault::NamedTwice(name));
+            return Err(format!(
+                "`{name}` is named twice, so it does not say which column is meant"
+            ));
         }
         let found = match names {
-            Some(names @ [x, y, z]) if is_header => {
-                Some(find([x, y, z]).ok_or_else(|| TextFault::NoColumns {
-                    names: names.clone(),
-                    header: fields.iter().copied().map(str::to_owned).collect(),
-                })?)
+            Some([x, y, z]) if is_header => Some(find([x, y, z]).ok_or_else(|| {
+                let header = fields.join(", ");
+                format!(
+                    "there are no columns `{x}`, `{y}` and `{z}`; write FILE:x,y,z with three of {header}"
+                )
+            })?),
+            Some([x, y, z]) => {
+                return Err(format!(
+                    "there is no header line that could name `{x}`, `{y}` and `{z}`; write one, or name no columns: then the first three count"
+                ));
             }
-            Some(names) => return Err(TextFault::NoHeader(names.clone())),
             None if is_header => requested.known.iter().copied().find_map(find),
             None => None,
         };
@@ -201,15 +209,20 @@ impl ColumnLayout {
     }
 
     /// Returns the fault of a line with `fields` fields that has no field for the column `name`.
-    fn too_short(&self, name: &str, fields: usize) -> PointLineFault {
+    fn too_short(&self, name: &str, fields: usize) -> String {
+        let fields = if fields == 1 { "1 field".to_owned() } else { format!("{fields} fields") };
         if self.names == ["1", "2", "3"] {
-            PointLineFault::TooFewFields(fields)
+            format!(
+                "there are {fields}, and a point is x, y and z; put commas, semicolons or spaces between them, and name the columns in the first line where they are not the first three"
+            )
         } else {
-            PointLineFault::TooShort { column: name.to_owned(), fields }
+            format!(
+                "there are {fields}, so the column `{name}` of the header is missing; mend the line, or take it out"
+            )
         }
     }
 
-    fn point(&self, line: &str) -> Result<[f64; 3], PointLineFault> {
+    fn point(&self, line: &str) -> Result<[f64; 3], String> {
         let fields = fields(line, self.separator);
         let mut point = [0.0; 3];
         for (axis, value) in point.iter_mut().enumerate() {
@@ -217,9 +230,10 @@ impl ColumnLayout {
             let field =
                 fields.get(self.columns[axis]).ok_or_else(|| self.too_short(name, fields.len()))?;
             let read = number(field, self.separator);
-            *value = read.ok_or_else(|| PointLineFault::NotANumber {
-                field: (*field).to_owned(),
-                column: name.clone(),
+            *value = read.ok_or_else(|| {
+                format!(
+                    "`{field}` in column `{name}` is not a number; mend it, or leave it empty to pass over the line"
+                )
             })?;
         }
         Ok(point)
