@@ -69,11 +69,15 @@ impl Coding {
             ColorType::Multiband { bit_depth: 8, num_samples } => {
                 (Kind::Bands, usize::from(num_samples.max(1)))
             }
-            other => return Err(BaseMapFault::Colours(other)),
+            _ => {
+                let what = "the base map is no picture of 8 bits a colour (RGB, grey or paletted); make one with gdal_translate";
+                return Err(BaseMapFault::unsuitable(what));
+            }
         };
         let planar = decoder.find_tag_unsigned::<u16>(Tag::PlanarConfiguration).ok().flatten();
         if planar == Some(2) && bytes > 1 {
-            return Err(BaseMapFault::ColoursApart);
+            let what = "the base map keeps its colours apart; write it with INTERLEAVE=PIXEL";
+            return Err(BaseMapFault::unsuitable(what));
         }
         let nodata = decoder.get_tag_ascii_string(Tag::GdalNodata).ok();
         let nodata = nodata.and_then(|text| text.trim_matches(['\0', ' ']).parse::<f64>().ok());

@@ -44,15 +44,20 @@ impl Georeference {
     pub(crate) fn read<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Self, BaseMapFault> {
         let keys = GeoKeys::read(decoder);
         let code = if keys.is_geographic() { keys.geographic() } else { keys.projected() };
-        let Some(epsg) = code else {
-            return Err(BaseMapFault::Nowhere("a GeoTIFF with an EPSG number does"));
+        let nowhere = |what: &str| {
+            let what = format!("the picture does not say where on Earth it lies; {what}");
+            BaseMapFault::unsuitable(what)
         };
+        let epsg = code.ok_or_else(|| nowhere("a GeoTIFF with an EPSG number does"))?;
         // Coordinates in NAD83 and ETRS89 differ from WGS84 by less than 2 m.
         let known = if DEGREES.contains(&epsg) { WGS84 } else { epsg };
-        let crs = Crs::from_epsg(known).map_err(|_| BaseMapFault::UnknownSystem(epsg))?;
-        let Some(transform) = GeoTransform::read(decoder, &keys) else {
-            return Err(BaseMapFault::Nowhere("it has no transform"));
-        };
+        let crs = Crs::from_epsg(known).map_err(|_| {
+            BaseMapFault::unsuitable(format!(
+                "the base map is in EPSG:{epsg}, which is not known here; turn it into WGS84, web Mercator or a UTM zone with gdalwarp"
+            ))
+        })?;
+        let transform = GeoTransform::read(decoder, &keys);
+        let transform = transform.ok_or_else(|| nowhere("it has no transform"))?;
         let ([width, down], [across, height]) = (transform.per_column, transform.per_row);
         let is_turned = down != 0.0 || across != 0.0;
         let pixel = [width, -height];
@@ -60,6 +65,9 @@ impl Georeference {
         let numbers = [place.corner, place.pixel].concat();
         let usable =
             numbers.iter().all(|number| number.is_finite()) && pixel.iter().all(|side| *side > 0.0);
-        if usable && !is_turned { Ok(place) } else { Err(BaseMapFault::Turned) }
+        if usable && !is_turned {
+            return Ok(place);
+        }
+        Err(BaseMapFault::unsuitable("the base map is not north up; turn it with gdalwarp"))
     }
 }

@@ -23,9 +23,9 @@ use colours::{AsGrey, Coding, hide, masked_size};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
+use tiff::TiffError;
 use tiff::decoder::{Decoder, Limits};
 use tiff::tags::Tag;
-use tiff::{ColorType, TiffError};
 
 /// Most bytes of a block that is read.
 const MOST_BLOCK_BYTES: u64 = 64 << 20;
@@ -66,41 +66,15 @@ pub enum BaseMapFault {
     /// The file contradicts itself, or has no pixels.
     #[error("the base map cannot be read: {0}")]
     Damaged(&'static str),
-    /// The pixels have colours of a type that is not supported.
-    #[error(
-        "the base map is no picture of 8 bits a colour (RGB, grey or paletted); make one with gdal_translate"
-    )]
-    Colours(ColorType),
-    /// The file stores all reds before all greens.
-    #[error("the base map keeps its colours apart; write it with INTERLEAVE=PIXEL")]
-    ColoursApart,
-    /// The file has no coordinate system or no transform.
-    #[error("the picture does not say where on Earth it lies; {0}")]
-    Nowhere(&'static str),
-    /// The file names a coordinate system that is not supported.
-    #[error(
-        "the base map is in EPSG:{0}, which is not known here; turn it into WGS84, web Mercator or a UTM zone with gdalwarp"
-    )]
-    UnknownSystem(u16),
-    /// The rows do not run from west to east, or the first row is not the north.
-    #[error("the base map is not north up; turn it with gdalwarp")]
-    Turned,
-    /// The blocks are too large; the field is the bytes of one block.
-    #[error(
-        "the base map holds blocks of {} MB, more than is read at once; write it with TILED=YES",
-        .0 >> 20
-    )]
-    LargeBlocks(u64),
-    /// The picture has no overviews and is too large to make one.
-    #[error(
-        "the base map has {columns} by {rows} pixels and no overviews of them; add some with gdaladdo"
-    )]
-    NoOverviews {
-        /// Pixels from west to east.
-        columns: u32,
-        /// Pixels from north to south.
-        rows: u32,
-    },
+    /// The file is no base map that can be shown; the field is the sentence.
+    #[error("{0}")]
+    Unsuitable(String),
+}
+
+impl BaseMapFault {
+    fn unsuitable(what: impl Into<String>) -> Self {
+        Self::Unsuitable(what.into())
+    }
 }
 
 /// A base map.
@@ -298,7 +272,10 @@ fn level(tiff: &mut Tiff, coding: &Coding, directory: usize) -> Result<PictureLe
         return Err(BaseMapFault::Damaged("it is empty"));
     }
     if bytes > MOST_BLOCK_BYTES {
-        return Err(BaseMapFault::LargeBlocks(bytes));
+        return Err(BaseMapFault::unsuitable(format!(
+            "the base map holds blocks of {} MB, more than is read at once; write it with TILED=YES",
+            bytes >> 20
+        )));
     }
     Ok(PictureLevel {
         size: [columns, rows],
@@ -435,7 +412,10 @@ impl BaseMap {
             return Ok(());
         }
         if u64::from(columns) * u64::from(rows) > MOST_WITHOUT_OVERVIEWS {
-            return Err(BaseMapFault::NoOverviews { columns, rows }.into());
+            return Err(BaseMapFault::unsuitable(format!(
+                "the base map has {columns} by {rows} pixels and no overviews of them; add some with gdaladdo"
+            ))
+            .into());
         }
         let size = level.size.map(|cells| cells.div_ceil(factor));
         let mut sums = vec![[0u32; 4]; size[0] as usize * size[1] as usize];

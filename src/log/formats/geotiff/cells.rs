@@ -37,6 +37,9 @@ const MOST_POINTS: usize = 4_000_000;
 const LARGEST_BLOCK: usize = 256 << 20;
 /// Bytes of a decompressed block that are allowed in a file of any size.
 const SMALL_BLOCK: usize = 64 << 20;
+/// Fault of a raster with cells of another type of number.
+const NO_HEIGHTS: &str =
+    "the GeoTIFF holds no heights: its numbers have one or more than four bytes";
 /// TIFF tag in which GDAL stores additional data of a band.
 const GDAL_METADATA: u16 = 42_112;
 
@@ -86,38 +89,16 @@ pub enum CellsError {
     /// The file contradicts itself.
     #[error("the GeoTIFF cannot be read: {0}")]
     Damaged(&'static str),
-    /// The raster has more than `MOST_CELLS` cells.
-    #[error(
-        "the GeoTIFF has {columns} by {rows} cells, more than {MOST_CELLS}; make a coarser one"
-    )]
-    TooManyCells {
-        /// Cells from west to east.
-        columns: u32,
-        /// Cells from north to south.
-        rows: u32,
-    },
-    /// The raster has more than `MOST_POINTS` cells with a value.
-    #[error(
-        "the GeoTIFF has more than {MOST_POINTS} cells with a value; cut it to the survey, or make it coarser"
-    )]
-    TooManyPoints,
-    /// The raster has several bands.
-    #[error("the GeoTIFF is a picture, not one band of heights or depths")]
-    Picture,
-    /// The file has no transform.
-    #[error("the TIFF does not say where it lies; write a GeoTIFF")]
-    Nowhere,
-    /// The rows do not run from west to east, or the first row is not the north.
-    #[error(
-        "the GeoTIFF is turned or upside down; bring it into rows from west to east, north first"
-    )]
-    Turned,
-    /// The cells have a type of number that is not used for heights.
-    #[error("the GeoTIFF holds no heights: its numbers have one or more than four bytes")]
-    NoHeights,
+    /// The raster is none that is read; the field is the sentence.
+    #[error("{0}")]
+    Unsuitable(String),
 }
 
 impl CellsError {
+    fn unsuitable(what: impl Into<String>) -> Self {
+        Self::Unsuitable(what.into())
+    }
+
     /// Runs `read`; turns a panic of the decoder, which a damaged file can cause, into an error.
     pub(super) fn guard<T>(read: impl FnOnce() -> Result<T, Self>) -> Result<T, Self> {
         catch_panic(read).unwrap_or(Err(Self::Damaged("it is damaged")))
@@ -154,18 +135,22 @@ impl Open {
         let mut decoder = decoder.with_limits(limits);
         let (columns, rows) = decoder.dimensions()?;
         if u64::from(columns) * u64::from(rows) > MOST_CELLS {
-            return Err(CellsError::TooManyCells { columns, rows });
+            return Err(CellsError::unsuitable(format!(
+                "the GeoTIFF has {columns} by {rows} cells, more than {MOST_CELLS}; make a coarser one"
+            )));
         }
         let colours = decoder.colortype()?;
         if !matches!(colours, tiff::ColorType::Gray(_)) {
-            return Err(CellsError::Picture);
+            let what = "the GeoTIFF is a picture, not one band of heights or depths";
+            return Err(CellsError::unsuitable(what));
         }
         if is_jpeg(&mut decoder) {
-            return Err(CellsError::NoHeights);
+            return Err(CellsError::unsuitable(NO_HEIGHTS));
         }
         let keys = GeoKeys::read(&mut decoder);
-        let place =
-            GeoTransform::read(&mut decoder, &keys).ok_or(CellsError::Nowhere)?.of_middles();
+        let nowhere =
+            || CellsError::unsuitable("the TIFF does not say where it lies; write a GeoTIFF");
+        let place = GeoTransform::read(&mut decoder, &keys).ok_or_else(nowhere)?.of_middles();
         let nodata = decoder.get_tag_ascii_string(Tag::GdalNodata).ok();
         let nodata = nodata.and_then(|text| text.trim_matches(['\0', ' ']).parse::<f64>().ok());
         let metadata = decoder.get_tag_ascii_string(Tag::Unknown(GDAL_METADATA));
@@ -202,7 +187,12 @@ fn points(mut raster: Open) -> Result<RasterPoints, CellsError> {
     raster.each_known(|at, value| {
         let [x, y] = place.at(at.map(|index| index as f64));
         points.push([x, y, value]);
-        if points.len() > MOST_POINTS { Err(CellsError::TooManyPoints) } else { Ok(()) }
+        if points.len() > MOST_POINTS {
+            return Err(CellsError::unsuitable(format!(
+                "the GeoTIFF has more than {MOST_POINTS} cells with a value; cut it to the survey, or make it coarser"
+            )));
+        }
+        Ok(())
     })?;
     Ok(RasterPoints {
         points,
@@ -216,7 +206,8 @@ fn values(mut raster: Open) -> Result<RasterValues, CellsError> {
     let [columns, rows] = raster.size.map(|count| count as usize);
     let is_upright = raster.place.per_column[0] > 0.0 && raster.place.per_row[1] < 0.0;
     if !is_upright || raster.place.per_column[1] != 0.0 || raster.place.per_row[0] != 0.0 {
-        return Err(CellsError::Turned);
+        let what = "the GeoTIFF is turned or upside down; bring it into rows from west to east, north first";
+        return Err(CellsError::unsuitable(what));
     }
     let mut values = vec![f32::NAN; columns * rows];
     raster.each_known(|[column, row], value| {
@@ -285,6 +276,6 @@ fn numbers(block: &DecodingResult, range: Range<usize>) -> Result<Option<Vec<f64
         DecodingResult::I32(values) => wide(values, range),
         DecodingResult::U16(values) => wide(values, range),
         DecodingResult::U32(values) => wide(values, range),
-        _ => return Err(CellsError::NoHeights),
+        _ => return Err(CellsError::unsuitable(NO_HEIGHTS)),
     })
 }
