@@ -13,9 +13,8 @@ use crate::pipeline::{depth_points, log_echoes};
 use bathyscope_bottom::swath::{
     LaidOutLog, LearntLevels, LogEchoes, PingChunk, PingPlace, SampleSource, SideEchoes,
 };
-use bathyscope_log::formats::parquet_table::{
-    Column, ParquetError, ParquetFault, Values, read_parquet,
-};
+use bathyscope_log::formats::parquet_table::{Column, Values, read_parquet};
+use bathyscope_log::support::file_error::{FaultText, FileError};
 use bathyscope_log::support::geo::{LonLat, UtmZone};
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::Side;
@@ -252,8 +251,9 @@ const OTHERS: [&str; 7] =
 
 pub(super) fn read(path: &Path) -> Result<Vec<EchoRow>, ArchiveError> {
     let damaged = || {
-        let what = ParquetFault::Damaged("its columns are not those of echoes of an archive");
-        ArchiveError::from(ParquetError::new(what, path))
+        let what =
+            "cannot read the Parquet file: its columns are not those of echoes of an archive";
+        ArchiveError::from(FileError::<FaultText>::new(what.into(), path))
     };
     let numbers = (read_parquet(path, &NUMBERS)?.into_iter()).map(|values| match values {
         Values::Double(values) => Some(values),

@@ -62,7 +62,6 @@ pub use tile_map::{tile_map, tile_surface};
 
 use crate::export::{ExportError, NoFolder, RasterError};
 use crate::pipeline::Fingerprint;
-use bathyscope_log::formats::parquet_table::ParquetError;
 use bathyscope_log::support::file_error::FileError;
 use bathyscope_log::support::mapped_file::FileFault;
 use bathyscope_log::support::progress::{Cancelled, Progress};
@@ -110,7 +109,7 @@ pub enum ArchiveError {
     Log(#[from] FileError<FileFault>),
     /// Rows could not be read.
     #[error(transparent)]
-    Rows(#[from] ParquetError),
+    Rows(#[from] FileError),
     /// A raster could not be written.
     #[error(transparent)]
     Raster(#[from] RasterError),

@@ -7,9 +7,8 @@ use super::footprint::{Footprint, SideRange};
 use super::log_rows::{self, LogRows, RowsByTile, TileRow};
 use super::tile::TileId;
 use bathyscope_bottom::mosaic::joined_way_m;
-use bathyscope_log::formats::parquet_table::{
-    Column, ParquetError, ParquetFault, Values, read_parquet,
-};
+use bathyscope_log::formats::parquet_table::{Column, Values, read_parquet};
+use bathyscope_log::support::file_error::{FaultText, FileError};
 use bathyscope_log::support::geo::{LonLat, UtmZone};
 use bathyscope_log::survey::{Side, SideSpan};
 use std::collections::BTreeMap;
@@ -252,8 +251,8 @@ const OTHERS: [&str; 6] = ["port_samples", "starboard_samples", "ping", "halo", 
 /// When the file cannot be read, or its columns are not those of pings.
 pub(super) fn read(path: &Path) -> Result<Vec<PingRow>, ArchiveError> {
     let damaged = || {
-        let what = ParquetFault::Damaged("its columns are not those of pings of an archive");
-        ArchiveError::from(ParquetError::new(what, path))
+        let what = "cannot read the Parquet file: its columns are not those of pings of an archive";
+        ArchiveError::from(FileError::<FaultText>::new(what.into(), path))
     };
     let numbers = numbers(read_parquet(path, &NUMBERS)?).ok_or_else(damaged)?;
     let others = read_parquet(path, &OTHERS)?;

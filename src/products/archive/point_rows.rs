@@ -4,9 +4,8 @@ use super::ArchiveError;
 use super::log_rows::{self, LogRows, TileRow};
 use bathyscope_bottom::bathymetry::DepthPoint;
 use bathyscope_bottom::cloud::{CloudPoint, PointClass};
-use bathyscope_log::formats::parquet_table::{
-    Column, ParquetError, ParquetFault, Values, read_parquet,
-};
+use bathyscope_log::formats::parquet_table::{Column, Values, read_parquet};
+use bathyscope_log::support::file_error::{FaultText, FileError};
 use bathyscope_log::survey::Side;
 use std::path::Path;
 
@@ -82,8 +81,9 @@ pub(super) fn read(path: &Path) -> Result<Vec<PointRow>, ArchiveError> {
     ];
     let read = read_parquet(path, &NAMES)?;
     let damaged = || {
-        let what = ParquetFault::Damaged("its columns are not those of points of an archive");
-        ParquetError::new(what, path)
+        let what =
+            "cannot read the Parquet file: its columns are not those of points of an archive";
+        FileError::<FaultText>::new(what.into(), path)
     };
     let Ok(
         [

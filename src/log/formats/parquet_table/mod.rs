@@ -11,7 +11,7 @@ mod pages;
 mod read;
 mod write;
 
-pub use read::{ParquetError, ParquetFault, read_parquet};
+pub use read::read_parquet;
 pub use write::{ParquetWriter, write_parquet};
 
 use crate::support::geo::LonLat;

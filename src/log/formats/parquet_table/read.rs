@@ -8,47 +8,24 @@ use parquet::basic::Type as Physical;
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::DataType;
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
-use std::io::{self, BufReader};
+use std::error::Error;
+use std::io::BufReader;
 use std::path::Path;
-
-/// Error of a Parquet file that cannot be used.
-pub type ParquetError = FileError<ParquetFault>;
-
-/// Fault of a Parquet file, as a sentence without the path.
-#[derive(Debug, thiserror::Error)]
-pub enum ParquetFault {
-    /// The operating system cannot read the file.
-    #[error("cannot read the Parquet file: {0}")]
-    Io(#[from] io::Error),
-    /// The file is no Parquet, or of a kind that is not supported.
-    #[error("cannot read the Parquet file: {0}")]
-    Parquet(#[from] parquet::errors::ParquetError),
-    /// The file has no column of this name.
-    #[error("cannot read the Parquet file: it has no column {0}")]
-    NoColumn(String),
-    /// The column of this name has values of a type that is not supported.
-    #[error("cannot read the Parquet file: its column {0} holds no numbers")]
-    NoNumbers(String),
-    /// The file contradicts itself, or its content is not what it should be.
-    #[error("cannot read the Parquet file: {0}")]
-    Damaged(&'static str),
-}
 
 /// Returns the columns with these names, of numbers, times, flags or bytes, in the order of the
 /// names.
 ///
 /// # Errors
 /// When the file cannot be read, is damaged, or has no such column.
-pub fn read_parquet(path: &Path, names: &[&str]) -> Result<Vec<Values>, ParquetError> {
-    let fail = ParquetError::at(path);
+pub fn read_parquet(path: &Path, names: &[&str]) -> Result<Vec<Values>, FileError> {
     // The decoder panics on some damaged files.
-    match catch_panic(|| read(path, names)) {
-        Some(read) => read.map_err(fail),
-        None => Err(fail(ParquetFault::Damaged("the file is damaged"))),
-    }
+    let read = catch_panic(|| read(path, names).map_err(|error| error.to_string()));
+    read.unwrap_or(Err("the file is damaged".to_owned())).map_err(|what| {
+        FileError::new(format!("cannot read the Parquet file: {what}").into(), path)
+    })
 }
 
-fn read(path: &Path, names: &[&str]) -> Result<Vec<Values>, ParquetFault> {
+fn read(path: &Path, names: &[&str]) -> Result<Vec<Values>, Box<dyn Error>> {
     let mut pages = BufReader::new(regular_file::open(path)?);
     let reader = SerializedFileReader::new(regular_file::open(path)?)?;
     let schema = reader.metadata().file_metadata().schema_descr_ptr();
@@ -56,7 +33,7 @@ fn read(path: &Path, names: &[&str]) -> Result<Vec<Values>, ParquetFault> {
     let mut chosen = Vec::new();
     for name in names {
         let found = columns.clone().find(|(_, column)| column.name() == *name);
-        let (index, column) = found.ok_or_else(|| ParquetFault::NoColumn((*name).to_owned()))?;
+        let (index, column) = found.ok_or_else(|| format!("it has no column {name}"))?;
         chosen.push((index, empty(column.physical_type(), name)?));
     }
     for group in 0..reader.num_row_groups() {
@@ -65,7 +42,7 @@ fn read(path: &Path, names: &[&str]) -> Result<Vec<Values>, ParquetFault> {
         for (index, values) in &mut chosen {
             let (start, length) = group.metadata().column(*index).byte_range();
             if !pages::are_sound(&mut pages, start..start.saturating_add(length)) {
-                return Err(ParquetFault::Damaged("a page of it is damaged"));
+                return Err("a page of it is damaged".into());
             }
             let chunk = group.get_column_reader(*index)?;
             append(chunk, rows, values)?;
@@ -74,7 +51,7 @@ fn read(path: &Path, names: &[&str]) -> Result<Vec<Values>, ParquetFault> {
     Ok(chosen.into_iter().map(|(_, values)| values).collect())
 }
 
-fn empty(physical: Physical, name: &str) -> Result<Values, ParquetFault> {
+fn empty(physical: Physical, name: &str) -> Result<Values, String> {
     Ok(match physical {
         Physical::DOUBLE => Values::Double(Vec::new()),
         Physical::FLOAT => Values::Float(Vec::new()),
@@ -82,11 +59,11 @@ fn empty(physical: Physical, name: &str) -> Result<Values, ParquetFault> {
         Physical::INT64 => Values::Time(Vec::new()),
         Physical::BOOLEAN => Values::Flag(Vec::new()),
         Physical::BYTE_ARRAY => Values::Bytes(Vec::new()),
-        _ => return Err(ParquetFault::NoNumbers(name.to_owned())),
+        _ => return Err(format!("its column {name} holds no numbers")),
     })
 }
 
-fn append(chunk: ColumnReader, rows: usize, values: &mut Values) -> Result<(), ParquetFault> {
+fn append(chunk: ColumnReader, rows: usize, values: &mut Values) -> Result<(), Box<dyn Error>> {
     match (chunk, values) {
         (ColumnReader::DoubleColumnReader(chunk), Values::Double(all)) => {
             let read = nullable(chunk, rows)?.into_iter();
@@ -110,7 +87,7 @@ fn append(chunk: ColumnReader, rows: usize, values: &mut Values) -> Result<(), P
             let read = nullable(chunk, rows)?.into_iter();
             all.extend(read.map(|value| value.map_or(Vec::new(), |bytes| bytes.data().to_vec())));
         }
-        _ => return Err(ParquetFault::Damaged("its columns change their type")),
+        _ => return Err("its columns change their type".into()),
     }
     Ok(())
 }
@@ -119,14 +96,14 @@ fn append(chunk: ColumnReader, rows: usize, values: &mut Values) -> Result<(), P
 fn nullable<T: DataType>(
     mut chunk: ColumnReaderImpl<T>,
     rows: usize,
-) -> Result<Vec<Option<T::T>>, ParquetFault> {
+) -> Result<Vec<Option<T::T>>, Box<dyn Error>> {
     let (mut values, mut levels) = (Vec::new(), Vec::new());
     let (mut records, mut all) = (0, 0);
     while records < rows {
         let (read, _, _) =
             chunk.read_records(rows - records, Some(&mut levels), None, &mut values)?;
         if read == 0 {
-            return Err(ParquetFault::Damaged("it ends before its last row"));
+            return Err("it ends before its last row".into());
         }
         records += read;
         all += read;
@@ -138,6 +115,6 @@ fn nullable<T: DataType>(
             let value = |level: i16| (level > 0).then(|| known.next()).flatten();
             Ok(levels.into_iter().map(value).collect())
         }
-        false => Err(ParquetFault::Damaged("its columns are not of one length")),
+        false => Err("its columns are not of one length".into()),
     }
 }

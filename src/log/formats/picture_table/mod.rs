@@ -110,9 +110,8 @@ impl Pair {
         let mut log = Collected::new(source, files, reading);
         let mut rows = Reader::new(self.layout.clone(), TABLE);
         sounding_table::read_rows(&table.bytes, &mut rows, &mut log, reading, progress)?;
-        let pings = numbered(&mut rows, packed.height()).map_err(|fault| {
-            OpenError::Unsupported { path: picture.path.clone(), what: fault.to_string() }
-        })?;
+        let pings = numbered(&mut rows, packed.height())
+            .map_err(|what| OpenError::Unsupported { path: picture.path.clone(), what })?;
         let grey = packed.unpack().map_err(fail)?;
         progress.check()?;
         collect(&mut log, grey, &pings);
@@ -136,46 +135,26 @@ impl Pair {
     }
 }
 
-/// Reason why the rows of a table do not match those of a picture.
-#[derive(Debug, thiserror::Error)]
-enum RowFault {
-    /// No row of the table is a ping.
-    #[error(
-        "no row of the table beside the picture has a range that a sonar can have; write the slant range of the outermost sample, in metres, into the column range_m"
-    )]
-    None,
-    /// The numbers of rows differ: that of the picture, then that of the table.
-    #[error(
-        "the picture has {0} rows and the table beside it {1}; give every row of the picture a row of the table, from the top, or write its number into a column named row"
-    )]
-    Count(usize, usize),
-    /// A row of the table names a row that the picture does not have; `at` is its offset in the
-    /// table.
-    #[error(
-        "the table beside the picture names row {row} of it (at byte {at}), and the picture has {height} rows; correct the column of the rows, which counts from 0 at the top"
-    )]
-    Beyond { row: usize, at: usize, height: usize },
-    /// Two rows of the table name the same row of the picture; `at` are their offsets in the table.
-    #[error(
-        "the table beside the picture names row {row} of it twice (at bytes {} and {}); correct the column of the rows, or give it another name if it holds something else", .at[0], .at[1]
-    )]
-    Twice { row: usize, at: [usize; 2] },
-}
-
 /// Returns the pings of a table, with their rows in a picture with `height` rows.
-fn numbered(rows: &mut Reader, height: usize) -> Result<Vec<TablePing>, RowFault> {
+fn numbered(rows: &mut Reader, height: usize) -> Result<Vec<TablePing>, String> {
     let mut pings = std::mem::take(&mut rows.pings);
     if rows.names_rows() {
         number_rows(&mut pings, height)?;
     } else if rows.rows != height {
-        return Err(RowFault::Count(height, rows.rows));
+        return Err(format!(
+            "the picture has {height} rows and the table beside it {}; give every row of the picture a row of the table, from the top, or write its number into a column named row",
+            rows.rows
+        ));
     }
-    if pings.is_empty() { Err(RowFault::None) } else { Ok(pings) }
+    if pings.is_empty() {
+        return Err("no row of the table beside the picture has a range that a sonar can have; write the slant range of the outermost sample, in metres, into the column range_m".to_owned());
+    }
+    Ok(pings)
 }
 
 /// Converts the rows of the picture to count from 0, where the table counts from 1, and checks
 /// them.
-fn number_rows(pings: &mut [TablePing], height: usize) -> Result<(), RowFault> {
+fn number_rows(pings: &mut [TablePing], height: usize) -> Result<(), String> {
     let first = pings.iter().map(|ping| ping.row).min().unwrap_or(0);
     let last = pings.iter().map(|ping| ping.row).max().unwrap_or(0);
     let zero = usize::from(first > 0 && last == height);
@@ -184,13 +163,19 @@ fn number_rows(pings: &mut [TablePing], height: usize) -> Result<(), RowFault> {
         let (row, (at, _)) = (ping.row, ping.place);
         ping.row -= zero;
         if ping.row >= height {
-            return Err(RowFault::Beyond { row, at, height });
+            return Err(format!(
+                "the table beside the picture names row {row} of it (at byte {at}), and the picture has {height} rows; correct the column of the rows, which counts from 0 at the top"
+            ));
         }
         named.push((row, at));
     }
     named.sort_unstable();
-    let twice = named.windows(2).find(|two| two[0].0 == two[1].0);
-    twice.map_or(Ok(()), |two| Err(RowFault::Twice { row: two[0].0, at: [two[0].1, two[1].1] }))
+    match named.windows(2).find(|two| two[0].0 == two[1].0) {
+        Some(&[(row, at), (_, other)]) => Err(format!(
+            "the table beside the picture names row {row} of it twice (at bytes {at} and {other}); correct the column of the rows, or give it another name if it holds something else"
+        )),
+        _ => Ok(()),
+    }
 }
 
 /// Adds the pings to the log, with the samples of their rows of the picture.
