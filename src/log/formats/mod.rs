@@ -58,6 +58,8 @@ mod report;
 mod scalar;
 mod sounding_table;
 mod table;
+#[cfg(test)]
+mod test_logs;
 mod track_file;
 mod xml;
 pub mod xtf;

@@ -1,31 +1,22 @@
 //! Tests that generated svlog files, whole, damaged and growing, are read as they were written.
 
-use crate::formats::{self, OpenError, open_growing, open_tail};
+use crate::formats::test_logs::{
+    assert_bounded, beginnings, check_growing, claiming, garbled, outward, says,
+};
+use crate::formats::{self, OpenError};
 use crate::support::progress::Progress;
-use crate::survey::{Bytes, RangeSource, Side, Survey, SurveyVersions};
-use bathyscope_test_support::Random;
+use crate::survey::{RangeSource, Side, Survey};
 use bathyscope_test_support::cerulean::{BEGAN_S, SvlogOptions, decibels, packet, svlog};
-use std::path::PathBuf;
-use std::sync::Arc;
+
+/// Name of the log.
+const POND: &str = "pond.svlog";
 
 fn open(bytes: Vec<u8>) -> Result<Survey, OpenError> {
-    formats::open_bytes("pond.svlog", bytes, &Progress::new())
+    formats::open_bytes(POND, bytes, &Progress::new())
 }
 
 fn read(options: &SvlogOptions) -> Survey {
     open(svlog(options)).unwrap_or_else(|error| panic!("{error}"))
-}
-
-fn outward(survey: &Survey, ping: usize, side: Side) -> Vec<u8> {
-    let mut samples = Vec::new();
-    let side = survey.samples(ping, side).expect("samples");
-    side.copy_outward(&mut samples);
-    samples
-}
-
-fn says(survey: &Survey, words: &str) -> bool {
-    let mut warnings = survey.warnings.iter();
-    warnings.any(|warning| warning.text.contains(words))
 }
 
 /// Asserts levels on a scale from -85 to -45 dB, which contains all samples.
@@ -204,56 +195,22 @@ fn mended(mut bytes: Vec<u8>) -> Vec<u8> {
     bytes
 }
 
-fn assert_bounded(bytes: Vec<u8>) {
-    let length = bytes.len();
-    if let Ok(survey) = open(bytes) {
-        assert!(survey.side_scan.len() <= 6);
-        for ping in 0..survey.side_scan.len() {
-            for side in Side::BOTH {
-                if let Some(samples) = survey.samples(ping, side) {
-                    assert!(samples.len() <= length);
-                    let mut levels = Vec::new();
-                    samples.copy_outward(&mut levels);
-                }
-            }
-        }
-    }
-}
-
 #[test]
 fn hostile_bytes_neither_end_the_program_nor_make_up_pings() {
     for positions in [109, 150] {
         let small =
             svlog(&SvlogOptions { pings: 3, samples: 20, positions, ..SvlogOptions::default() });
-        for length in 0..small.len() {
-            assert_bounded(small[..length].to_vec());
-        }
-        let mut random = Random(20_260_304);
-        for _ in 0..3000 {
-            let mut bytes = small.clone();
-            for _ in 0..=random.below(4) {
-                let at = random.below(bytes.len());
-                bytes[at] = random.below(256) as u8;
-            }
-            assert_bounded(mended(bytes.clone()));
-            assert_bounded(bytes);
-        }
+        let harmed: Vec<Vec<u8>> = garbled(&small, 20_260_304, 3000).collect();
         // Every number in turn is set to 2^31, to the largest values, or to infinity.
-        for at in 0..small.len().saturating_sub(4) {
-            for claimed in [1_u32 << 31, i32::MAX as u32, u32::MAX, f32::INFINITY.to_bits()] {
-                let mut bytes = small.clone();
-                bytes[at..at + 4].copy_from_slice(&claimed.to_le_bytes());
-                assert_bounded(mended(bytes));
-            }
+        let claims = [1 << 31, i32::MAX as u32, u32::MAX, f32::INFINITY.to_bits()];
+        let claiming = claiming(&small, claims).map(mended);
+        let corrected = harmed.clone().into_iter().map(mended).chain(claiming);
+        for bytes in beginnings(&small).chain(harmed).chain(corrected) {
+            assert_bounded(POND, bytes, 6);
         }
     }
     // A marker at every other byte.
-    assert_bounded(b"BR".repeat(1 << 18));
-}
-
-fn held(bytes: &[u8]) -> Vec<(PathBuf, Bytes)> {
-    let bytes = Bytes::Held(Arc::new(bytes.to_vec()));
-    vec![(PathBuf::from("pond.svlog"), bytes)]
+    assert_bounded(POND, b"BR".repeat(1 << 18), 6);
 }
 
 #[test]
@@ -267,27 +224,14 @@ fn a_growing_log_is_what_the_whole_one_is() {
         SvlogOptions { positions: 150, in_a_row: 5, ..SvlogOptions::default() },
     ] {
         let bytes = svlog(&SvlogOptions { pings: 600, ..options });
-        let whole = open_growing(held(&bytes), &Progress::new()).expect("a log");
-        assert!(!says(&whole, "was cut"));
-        for share in [0.6, 0.75, 0.9, 0.999] {
-            let cut = (bytes.len() as f64 * share) as usize;
-            let known = open_growing(held(&bytes[..cut]), &Progress::new()).expect("a log");
-            assert!(!says(&known, "was cut"));
-            let seam = known.seam().expect("a seam");
-            assert!(seam.from[0] > 0, "{share}");
-            let tail = open_tail(&known, &seam, held(&bytes), &Progress::new()).expect("a tail");
-            let grown = known.extended(tail, &seam, &mut SurveyVersions::default());
-            let grown = grown.expect("a tail that continues");
+        check_growing(POND, &bytes, |_, grown, whole| {
             assert_eq!(grown.side_scan.len(), whole.side_scan.len());
-            let scales = |survey: &Survey, first: usize| -> Vec<_> {
-                let pings = survey.side_scan.iter().skip(first).step_by(3);
-                let sides = pings.flat_map(|ping| [ping.port, ping.starboard]).flatten();
-                sides.map(|span| span.encoding).collect()
-            };
             for first in 0..3 {
                 // Added pings are on the scale of the pings before, though they are louder.
-                let scales = scales(&grown, first);
-                assert!(scales.iter().all(|scale| *scale == scales[0]), "{share}");
+                let pings = grown.side_scan.iter().skip(first).step_by(3);
+                let sides = pings.flat_map(|ping| [ping.port, ping.starboard]).flatten();
+                let scales: Vec<_> = sides.map(|span| span.encoding).collect();
+                assert!(scales.iter().all(|scale| *scale == scales[0]));
             }
             for (a, b) in grown.side_scan.iter().zip(whole.side_scan.iter()) {
                 let places = [a, b].map(|ping| {
@@ -296,13 +240,11 @@ fn a_growing_log_is_what_the_whole_one_is() {
                 });
                 assert_eq!(places[0], places[1]);
             }
-            assert_eq!(grown.channels, whole.channels);
             assert_eq!(grown.source, whole.source);
-            assert_eq!(grown.start_unix_s, whole.start_unix_s);
             assert_eq!(grown.track.fixes.len(), whole.track.fixes.len());
             for (a, b) in grown.track.fixes.iter().zip(whole.track.fixes.iter()) {
                 assert!((a.time_s - b.time_s).abs() < 1e-6 && a.position == b.position);
             }
-        }
+        });
     }
 }

@@ -1,31 +1,22 @@
 //! Tests that generated JSF files, whole, damaged and growing, are read as they were written.
 
-use crate::formats::{self, OpenError, open_growing, open_tail};
+use crate::formats::test_logs::{
+    assert_bounded, beginnings, check_growing, claiming, garbled, outward, places, says,
+};
+use crate::formats::{self, OpenError};
 use crate::support::progress::Progress;
-use crate::survey::{Bytes, ChannelKind, RangeSource, Side, Survey, SurveyVersions};
-use bathyscope_test_support::Random;
+use crate::survey::{ChannelKind, RangeSource, Side, Survey};
 use bathyscope_test_support::edgetech::{JsfOptions, START_S, jsf, message, put, value};
-use std::path::PathBuf;
-use std::sync::Arc;
+
+/// Name of the log.
+const POND: &str = "pond.jsf";
 
 fn open(bytes: Vec<u8>) -> Result<Survey, OpenError> {
-    formats::open_bytes("pond.jsf", bytes, &Progress::new())
+    formats::open_bytes(POND, bytes, &Progress::new())
 }
 
 fn read(options: &JsfOptions) -> Survey {
     open(jsf(options)).unwrap_or_else(|error| panic!("{error}"))
-}
-
-fn outward(survey: &Survey, ping: usize, side: Side) -> Vec<u8> {
-    let mut samples = Vec::new();
-    let side = survey.samples(ping, side).expect("samples");
-    side.copy_outward(&mut samples);
-    samples
-}
-
-fn says(survey: &Survey, words: &str) -> bool {
-    let mut warnings = survey.warnings.iter();
-    warnings.any(|warning| warning.text.contains(words))
 }
 
 /// Returns the expected levels: values up to 999 take 10 bits, of which two are dropped.
@@ -201,44 +192,16 @@ fn hostile_bytes_neither_end_the_program_nor_make_up_pings() {
         [JsfOptions::default(), JsfOptions { old: true, data_format: 1, ..JsfOptions::default() }]
     {
         let small = jsf(&JsfOptions { pings: 3, samples: 20, ..options });
-        for length in 0..small.len() {
-            if let Ok(survey) = open(small[..length].to_vec()) {
-                assert!(survey.side_scan.len() <= 3);
-            }
-        }
-        let mut random = Random(20_210_605);
-        for _ in 0..3000 {
-            let mut bytes = small.clone();
-            for _ in 0..=random.below(4) {
-                let at = random.below(bytes.len());
-                bytes[at] = random.below(256) as u8;
-            }
-            if let Ok(survey) = open(bytes) {
-                assert!(survey.side_scan.len() <= 6);
-                for ping in 0..survey.side_scan.len() {
-                    for side in Side::BOTH {
-                        let samples = survey.samples(ping, side);
-                        assert!(samples.is_none_or(|samples| samples.len() <= small.len()));
-                    }
-                }
-            }
+        for bytes in beginnings(&small) {
+            assert_bounded(POND, bytes, 3);
         }
         // Every length and count in turn is set to 2^31 or to other very large numbers.
-        for at in 0..small.len().saturating_sub(4) {
-            for claimed in [i32::MAX as u32, 1 << 31, u32::MAX, 0xFF_FFF0] {
-                let mut bytes = small.clone();
-                put(&mut bytes, at, &claimed.to_le_bytes());
-                if let Ok(survey) = open(bytes) {
-                    assert!(survey.side_scan.len() <= 6);
-                }
-            }
+        let harmed = garbled(&small, 20_210_605, 3000)
+            .chain(claiming(&small, [i32::MAX as u32, 1 << 31, u32::MAX, 0xFF_FFF0]));
+        for bytes in harmed {
+            assert_bounded(POND, bytes, 6);
         }
     }
-}
-
-fn held(bytes: &[u8]) -> Vec<(PathBuf, Bytes)> {
-    let bytes = Bytes::Held(Arc::new(bytes.to_vec()));
-    vec![(PathBuf::from("pond.jsf"), bytes)]
 }
 
 #[test]
@@ -248,28 +211,12 @@ fn a_growing_log_is_what_the_whole_one_is() {
         JsfOptions { units: 1, ..JsfOptions::default() },
     ] {
         let bytes = jsf(&JsfOptions { pings: 200, ..options });
-        let whole = open_growing(held(&bytes), &Progress::new()).expect("a log");
-        assert!(!says(&whole, "was cut"));
-        for share in [0.6, 0.75, 0.9, 0.999] {
-            let cut = (bytes.len() as f64 * share) as usize;
-            let known = open_growing(held(&bytes[..cut]), &Progress::new()).expect("a log");
-            assert!(!says(&known, "was cut"));
-            let seam = known.seam().expect("a seam");
-            assert!(seam.from[0] > 0, "{share}");
-            let tail = open_tail(&known, &seam, held(&bytes), &Progress::new()).expect("a tail");
-            let grown = known.extended(tail, &seam, &mut SurveyVersions::default());
-            let grown = grown.expect("a tail that continues");
+        check_growing(POND, &bytes, |_, grown, whole| {
             assert_eq!(grown.side_scan, whole.side_scan);
             assert_eq!(grown.soundings, whole.soundings);
-            assert_eq!(grown.channels, whole.channels);
             assert_eq!(grown.source, whole.source);
-            assert_eq!(grown.start_unix_s, whole.start_unix_s);
-            let places = |survey: &Survey| -> Vec<_> {
-                let fixes = survey.track.fixes.iter();
-                fixes.map(|fix| (fix.time_s, fix.position)).collect()
-            };
-            assert_eq!(places(&grown), places(&whole));
-        }
+            assert_eq!(places(grown), places(whole));
+        });
     }
 }
 

@@ -1,35 +1,30 @@
 //! Tests that generated SDF files, whole, damaged and growing, are read as they were written.
 
-use crate::formats::{self, OpenError, open_growing, open_tail};
+use crate::formats::test_logs::{
+    assert_bounded, beginnings, check_growing, claiming, garbled, outward, places, says,
+};
+use crate::formats::{self, OpenError};
 use crate::support::progress::Progress;
-use crate::survey::{Bytes, RangeSource, Side, Survey, SurveyVersions};
-use bathyscope_test_support::Random;
+use crate::survey::{RangeSource, Side, Survey};
 use bathyscope_test_support::klein::{BEGAN_S, RANGE_M, SdfOptions, sdf, stored};
-use std::path::PathBuf;
-use std::sync::Arc;
+
+/// Name of the log.
+const LINE: &str = "line.sdf";
 
 fn open(bytes: Vec<u8>) -> Result<Survey, OpenError> {
-    formats::open_bytes("line.sdf", bytes, &Progress::new())
+    formats::open_bytes(LINE, bytes, &Progress::new())
 }
 
 fn read(options: &SdfOptions) -> Survey {
     open(sdf(options)).unwrap_or_else(|error| panic!("{error}"))
 }
 
-fn says(survey: &Survey, words: &str) -> bool {
-    let mut warnings = survey.warnings.iter();
-    warnings.any(|warning| warning.text.contains(words))
-}
-
 fn assert_samples(survey: &Survey, options: &SdfOptions, ping: usize, page: usize) {
     for side in Side::BOTH {
-        let mut samples = Vec::new();
-        let found = survey.samples(ping, side).expect("both sides");
-        found.copy_outward(&mut samples);
         let expected =
             (0..options.samples).map(|sample| stored(options, page, side as usize, sample));
         let expected: Vec<u8> = expected.map(|value| value.min(255) as u8).collect();
-        assert_eq!(samples, expected, "{ping}");
+        assert_eq!(outward(survey, ping, side), expected, "{ping}");
     }
 }
 
@@ -133,23 +128,6 @@ fn damage_costs_the_page_that_it_touched() {
     assert_eq!(cut.side_scan.len(), 39);
 }
 
-fn assert_bounded(bytes: Vec<u8>) {
-    let length = bytes.len();
-    if let Ok(survey) = open(bytes) {
-        assert!(survey.side_scan.len() <= 6);
-        for ping in 0..survey.side_scan.len() {
-            for side in Side::BOTH {
-                if let Some(samples) = survey.samples(ping, side) {
-                    assert!(samples.len() <= length);
-                    let mut levels = Vec::new();
-                    samples.copy_outward(&mut levels);
-                }
-            }
-        }
-        assert!(survey.track.fixes.iter().all(|fix| fix.position.is_on_earth()));
-    }
-}
-
 #[test]
 fn hostile_bytes_neither_end_the_program_nor_make_up_pings() {
     for version in [3000, 3001, 3502] {
@@ -160,28 +138,15 @@ fn hostile_bytes_neither_end_the_program_nor_make_up_pings() {
             has_low: true,
             ..SdfOptions::default()
         });
-        for length in 0..small.len() {
-            assert_bounded(small[..length].to_vec());
-        }
-        let mut random = Random(88_172_645_463_325_252);
-        for _ in 0..2000 {
-            let mut bytes = small.clone();
-            for _ in 0..=random.below(4) {
-                let at = random.below(bytes.len());
-                bytes[at] = random.below(256) as u8;
-            }
-            assert_bounded(bytes);
-        }
         // Every number in turn is set to 2^31, the largest value, infinity, or 0.
-        for at in 0..small.len().saturating_sub(4) {
-            for claimed in [1_u32 << 31, u32::MAX, f32::INFINITY.to_bits(), 0] {
-                let mut bytes = small.clone();
-                bytes[at..at + 4].copy_from_slice(&claimed.to_le_bytes());
-                assert_bounded(bytes);
-            }
+        let harmed = beginnings(&small)
+            .chain(garbled(&small, 88_172_645_463_325_252, 2000))
+            .chain(claiming(&small, [1 << 31, u32::MAX, f32::INFINITY.to_bits(), 0]));
+        for bytes in harmed {
+            assert_bounded(LINE, bytes, 6);
         }
     }
-    assert_bounded(b"\xFF\xFF\xFF\xFF\0\x01\0\0\xB9\x0B\0\0".repeat(1 << 15));
+    assert_bounded(LINE, b"\xFF\xFF\xFF\xFF\0\x01\0\0\xB9\x0B\0\0".repeat(1 << 15), 6);
 }
 
 #[test]
@@ -195,30 +160,10 @@ fn a_growing_log_is_what_the_whole_one_is() {
             versions,
             ..SdfOptions::default()
         };
-        let bytes = sdf(&options);
-        let held = |bytes: &[u8]| {
-            let bytes = Bytes::Held(Arc::new(bytes.to_vec()));
-            vec![(PathBuf::from("line.sdf"), bytes)]
-        };
-        let whole = open_growing(held(&bytes), &Progress::new()).expect("a log");
-        for share in [0.6, 0.75, 0.9, 0.999] {
-            let cut = (bytes.len() as f64 * share) as usize;
-            let known = open_growing(held(&bytes[..cut]), &Progress::new()).expect("a log");
-            assert!(!says(&known, "was cut"));
-            let seam = known.seam().expect("a seam");
-            assert!(seam.from[0] > 0, "{share}");
-            let tail = open_tail(&known, &seam, held(&bytes), &Progress::new()).expect("a tail");
-            let grown = known.extended(tail, &seam, &mut SurveyVersions::default());
-            let grown = grown.expect("a tail that continues");
-            assert!(grown.side_scan == whole.side_scan, "{share}");
-            assert_eq!(grown.channels, whole.channels);
-            assert!(grown.soundings == whole.soundings, "{share}");
-            let places = |survey: &Survey| -> Vec<_> {
-                let fixes = survey.track.fixes.iter();
-                fixes.map(|fix| (fix.time_s, fix.position)).collect()
-            };
-            assert_eq!(places(&grown), places(&whole));
-            assert_eq!(grown.start_unix_s, whole.start_unix_s);
-        }
+        check_growing(LINE, &sdf(&options), |_, grown, whole| {
+            assert!(grown.side_scan == whole.side_scan);
+            assert!(grown.soundings == whole.soundings);
+            assert_eq!(places(grown), places(whole));
+        });
     }
 }

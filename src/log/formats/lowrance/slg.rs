@@ -289,11 +289,10 @@ fn keep(log: &mut Collected, block: &Block, time_s: f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::formats::test_logs::held;
     use crate::formats::{self, OpenError, open_growing};
-    use crate::survey::{Bytes, SideScanState, Survey};
+    use crate::survey::{SideScanState, Survey};
     use bathyscope_test_support::Random;
-    use std::path::PathBuf;
-    use std::sync::Arc;
 
     const SIZE: usize = 300;
 
@@ -389,8 +388,7 @@ mod tests {
     fn a_growing_log_and_hostile_bytes_are_read_as_far_as_they_go() {
         let whole = slg(9);
         for length in 0..whole.len() {
-            let held = Bytes::Held(Arc::new(whole[..length].to_vec()));
-            let files = vec![(PathBuf::from("pond.slg"), held)];
+            let files = held("pond.slg", &whole[..length]);
             if let Ok(survey) = open_growing(files, &Progress::new()) {
                 assert!(!survey.warnings.iter().any(|warning| warning.place.is_some()), "{length}");
                 assert_eq!(survey.soundings.len(), (length - HEADER) / SIZE);

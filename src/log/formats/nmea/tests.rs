@@ -1,14 +1,12 @@
 //! Tests that generated NMEA logs, whole, damaged and growing, are read as they were written.
 
+use crate::formats::test_logs::{beginnings, garbled, held, says};
 use crate::formats::{self, OpenError, open_growing};
 use crate::support::progress::Progress;
-use crate::survey::{Bytes, ChannelKind, SideScanState, Survey};
-use bathyscope_test_support::Random;
+use crate::survey::{ChannelKind, SideScanState, Survey};
 use bathyscope_test_support::nmea::{
     DepthIn, MIDNIGHT_S, NmeaOptions, Stamp, depth_m, minutes, nmea, sentence,
 };
-use std::path::PathBuf;
-use std::sync::Arc;
 
 fn open(bytes: Vec<u8>) -> Result<Survey, OpenError> {
     formats::open_bytes("pond.nmea", bytes, &Progress::new())
@@ -16,11 +14,6 @@ fn open(bytes: Vec<u8>) -> Result<Survey, OpenError> {
 
 fn read(options: &NmeaOptions) -> Survey {
     open(nmea(options)).unwrap_or_else(|error| panic!("{error}"))
-}
-
-fn says(survey: &Survey, words: &str) -> bool {
-    let mut warnings = survey.warnings.iter();
-    warnings.any(|warning| warning.text.contains(words))
 }
 
 /// Asserts that the depths, and the positions one second apart, are those that were written.
@@ -245,8 +238,8 @@ fn hostile_bytes_neither_end_the_program_nor_make_up_depths() {
         stamp: Stamp::Clock,
         ..NmeaOptions::default()
     });
-    for length in 0..small.len() {
-        assert_bounded(small[..length].to_vec(), 8);
+    for bytes in beginnings(&small) {
+        assert_bounded(bytes, 8);
     }
     // Implausible numbers, dates and signs, in the place of every field.
     let text = String::from_utf8(small).expect("text");
@@ -277,13 +270,7 @@ fn hostile_bytes_neither_end_the_program_nor_make_up_depths() {
             }
         }
     }
-    let mut random = Random(88_172_645_463_325_252);
-    for _ in 0..3000 {
-        let mut bytes = text.clone().into_bytes();
-        for _ in 0..=random.below(4) {
-            let at = random.below(bytes.len());
-            bytes[at] = random.below(256) as u8;
-        }
+    for bytes in garbled(text.as_bytes(), 88_172_645_463_325_252, 3000) {
         assert_bounded(bytes, 9);
     }
     // The start of a sentence at every byte, and one line without an end.
@@ -296,8 +283,7 @@ fn hostile_bytes_neither_end_the_program_nor_make_up_depths() {
 fn a_growing_log_is_read_to_its_last_whole_line() {
     let bytes = nmea(&NmeaOptions::default());
     for length in (bytes.len() / 2..bytes.len()).step_by(7) {
-        let held = Bytes::Held(Arc::new(bytes[..length].to_vec()));
-        let files = vec![(PathBuf::from("pond.nmea"), held)];
+        let files = held("pond.nmea", &bytes[..length]);
         let survey = open_growing(files, &Progress::new()).expect("a log");
         assert!(!survey.warnings.iter().any(|warning| warning.place.is_some()), "{length}");
         // A longer log is read again as a whole: it has no pings at which a tail could begin.

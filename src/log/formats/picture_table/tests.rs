@@ -2,6 +2,7 @@
 //! together are refused in one sentence.
 
 use crate::formats::log_writer::LogToWrite;
+use crate::formats::test_logs::says;
 use crate::formats::{self, GrowingError, GrowingLog, OpenError};
 use crate::support::progress::Progress;
 use crate::survey::{
@@ -60,11 +61,6 @@ fn refusal(picture: Vec<u8>, table: &str) -> String {
 fn outward(survey: &Survey, ping: usize, side: Side) -> Vec<u16> {
     let samples = survey.samples(ping, side).expect("samples");
     (0..samples.len()).map(|at| samples.wide(at)).collect()
-}
-
-fn says(survey: &Survey, words: &str) -> bool {
-    let mut warnings = survey.warnings.iter();
-    warnings.any(|warning| warning.text.contains(words))
 }
 
 /// Asserts that the pings are rows of the small picture.

@@ -1,12 +1,10 @@
 //! Tests that tables are read correctly with all separators and names of columns, and that files
 //! that are no recordings are refused.
 
+use crate::formats::test_logs::{beginnings, garbled, held, says};
 use crate::formats::{self, OpenError, open_growing};
 use crate::support::progress::Progress;
-use crate::survey::{Bytes, SideScanState, Survey};
-use bathyscope_test_support::Random;
-use std::path::PathBuf;
-use std::sync::Arc;
+use crate::survey::{SideScanState, Survey};
 
 fn open(text: &str) -> Result<Survey, OpenError> {
     formats::open_bytes("pond.csv", text.into(), &Progress::new())
@@ -14,11 +12,6 @@ fn open(text: &str) -> Result<Survey, OpenError> {
 
 fn read(text: &str) -> Survey {
     open(text).unwrap_or_else(|error| panic!("{error}\n{text}"))
-}
-
-fn says(survey: &Survey, words: &str) -> bool {
-    let mut warnings = survey.warnings.iter();
-    warnings.any(|warning| warning.text.contains(words))
 }
 
 /// Returns time, longitude, latitude and depth of each row; every row must have all of them.
@@ -172,19 +165,9 @@ fn hostile_bytes_neither_end_the_program_nor_make_up_depths() {
         "easting;northing;depth_m;unix_s\n500000,5;5300000;2;1634000000\n500003;5300004;3;1634000001\n",
         "0.0,0.0,1.25,1634000000000,14.5\n48.1,11.5,1.5,1634000000066,14.5\n0.0,0.0,1.75,1634000000133,14.5\n",
     ];
-    let mut random = Random(88_172_645_463_325_252);
     for text in texts {
-        for length in 0..text.len() {
-            assert_bounded(text.as_bytes()[..length].to_vec());
-        }
-        for _ in 0..2000 {
-            let mut bytes = text.as_bytes().to_vec();
-            for _ in 0..=random.below(4) {
-                let at = random.below(bytes.len());
-                bytes[at] = random.below(256) as u8;
-            }
-            assert_bounded(bytes);
-        }
+        let garbled = garbled(text.as_bytes(), 88_172_645_463_325_252, 2000);
+        beginnings(text.as_bytes()).chain(garbled).for_each(assert_bounded);
         for number in ["1e308", "-1e308", "inf", "nan", "99999999999999999999", "0", "-0", "é"] {
             for (at, _) in text.match_indices(|letter: char| letter.is_ascii_digit()) {
                 assert_bounded([&text[..at], number, &text[at + 1..]].concat().into_bytes());
@@ -200,9 +183,8 @@ fn a_growing_table_is_read_to_its_last_whole_row() {
     let row = |index: usize| format!("{index},11.5,48.1,{}.25\n", index + 2);
     let text = "time_s,lon,lat,depth_m\n".to_owned() + &(0..20).map(row).collect::<String>();
     for length in 100..text.len() {
-        let held = Bytes::Held(Arc::new(text.as_bytes()[..length].to_vec()));
-        let survey = open_growing(vec![(PathBuf::from("pond.csv"), held)], &Progress::new());
-        let survey = survey.expect("a table");
+        let files = held("pond.csv", &text.as_bytes()[..length]);
+        let survey = open_growing(files, &Progress::new()).expect("a table");
         assert!(
             survey.soundings.iter().all(|sounding| sounding.depth_m.fract() == 0.25),
             "{length}"

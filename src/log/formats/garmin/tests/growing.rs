@@ -1,19 +1,17 @@
 //! Tests that reading the tail of a growing file gives the same survey as reading the whole file.
 
 use super::{file, pings, with_second_pair};
+use crate::formats::test_logs::{held, places};
 use crate::formats::{open_growing, open_tail};
 use crate::support::progress::Progress;
-use crate::survey::{Bytes, Encoding, Side, Survey, SurveyVersions};
+use crate::survey::{Encoding, Side, Survey, SurveyVersions};
 use bathyscope_test_support::garmin::Ping;
-use std::path::PathBuf;
-use std::sync::Arc;
 
-fn held(bytes: &[u8]) -> Vec<(PathBuf, Bytes)> {
-    vec![(PathBuf::from("log.rsd"), Bytes::Held(Arc::new(bytes.to_vec())))]
-}
+/// Name of the log.
+const LOG: &str = "log.rsd";
 
 fn whole(bytes: &[u8]) -> Option<Survey> {
-    open_growing(held(bytes), &Progress::new()).ok()
+    open_growing(held(LOG, bytes), &Progress::new()).ok()
 }
 
 fn assert_same(grown: &Survey, whole: &Survey) {
@@ -27,10 +25,6 @@ fn assert_same(grown: &Survey, whole: &Survey) {
     assert_eq!(grown.source, whole.source);
     assert_eq!(grown.start_unix_s, whole.start_unix_s);
     assert!(grown.echograms == whole.echograms, "echograms");
-    let places = |survey: &Survey| -> Vec<_> {
-        let fixes = survey.track.fixes.iter();
-        fixes.map(|fix| (fix.time_s, fix.position)).collect()
-    };
     assert_eq!(places(grown), places(whole));
     for (ping, side) in (0..whole.side_scan.len()).zip(Side::BOTH.into_iter().cycle()) {
         let levels = |survey: &Survey| {
@@ -63,7 +57,7 @@ fn split(bytes: &[u8], places: usize) -> usize {
             "a record that is cut is no damage"
         );
         let Some(seam) = known.seam() else { continue };
-        let tail = open_tail(&known, &seam, held(bytes), &Progress::new()).expect("a tail");
+        let tail = open_tail(&known, &seam, held(LOG, bytes), &Progress::new()).expect("a tail");
         let grown = known.extended(tail, &seam, &mut SurveyVersions::default());
         if let Some(grown) = grown {
             assert_same(&grown, &finished);
@@ -96,7 +90,7 @@ fn the_levels_of_a_log_stay_when_louder_pings_come() {
     let bytes = file(&some);
     let known = whole(&bytes[..bytes.len() * 6 / 10]).expect("a log");
     let seam = known.seam().expect("a seam");
-    let tail = open_tail(&known, &seam, held(&bytes), &Progress::new()).expect("a tail");
+    let tail = open_tail(&known, &seam, held(LOG, &bytes), &Progress::new()).expect("a tail");
     let grown = known.extended(tail, &seam, &mut SurveyVersions::default()).expect("a log");
     let sides = grown.side_scan.iter().flat_map(|ping| [ping.port, ping.starboard]).flatten();
     let down =

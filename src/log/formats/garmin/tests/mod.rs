@@ -3,6 +3,7 @@
 mod growing;
 mod hostile;
 
+use crate::formats::test_logs::{outward, says};
 use crate::formats::{OpenError, open_bytes};
 use crate::support::progress::Progress;
 use crate::survey::{ChannelKind, Side, Survey};
@@ -71,17 +72,6 @@ fn kinds(survey: &Survey) -> Vec<(String, ChannelKind, usize)> {
         (channel.recorder_name.clone(), channel.kind, channel.ping_count)
     };
     survey.channels.iter().map(of).collect()
-}
-
-fn outward(survey: &Survey, ping: usize, side: Side) -> Vec<u8> {
-    let mut levels = Vec::new();
-    let samples = survey.samples(ping, side).expect("samples");
-    samples.copy_outward(&mut levels);
-    levels
-}
-
-fn says(survey: &Survey, words: &str) -> bool {
-    survey.warnings.iter().any(|warning| warning.text.contains(words))
 }
 
 #[test]

@@ -3,16 +3,8 @@
 use super::pairs::two_frequencies;
 use super::places::raw_navigation;
 use super::*;
-use crate::formats::{open_growing, open_tail};
-use crate::survey::{Bytes, SurveyVersions};
+use crate::formats::test_logs::{assert_bounded, beginnings, check_growing, places};
 use bathyscope_test_support::Random;
-use std::path::PathBuf;
-use std::sync::Arc;
-
-fn held(bytes: &[u8]) -> Vec<(PathBuf, Bytes)> {
-    let bytes = Bytes::Held(Arc::new(bytes.to_vec()));
-    vec![(PathBuf::from("pond.xtf"), bytes)]
-}
 
 #[test]
 fn a_growing_log_is_what_the_whole_one_is() {
@@ -45,16 +37,7 @@ fn a_growing_log_is_what_the_whole_one_is() {
     };
     for file in [two_frequencies(), weighted, metres, sent, floating] {
         let bytes = written(&Xtf { pings: 400, ..file });
-        let whole = open_growing(held(&bytes), &Progress::new()).expect("a log");
-        for share in [0.6, 0.75, 0.9, 0.999] {
-            let cut = (bytes.len() as f64 * share) as usize;
-            let known = open_growing(held(&bytes[..cut]), &Progress::new()).expect("a log");
-            assert!(!says(&known, "was cut"));
-            let seam = known.seam().expect("a seam");
-            assert!(seam.from[0] > 0, "{share}");
-            let tail = open_tail(&known, &seam, held(&bytes), &Progress::new()).expect("a tail");
-            let grown = known.extended(tail, &seam, &mut SurveyVersions::default());
-            let grown = grown.expect("a tail that continues");
+        check_growing("pond.xtf", &bytes, |known, grown, whole| {
             // The scale remains that of the shorter log.
             let spans = |survey: &Survey| -> Vec<_> {
                 let pings = survey.pairs.iter().map(|pair| &pair.side_scan);
@@ -66,40 +49,17 @@ fn a_growing_log_is_what_the_whole_one_is() {
                     })
                     .collect()
             };
-            assert_eq!(spans(&grown), spans(&whole));
-            let before = outward(&known, 0, Side::Port);
-            assert_eq!(outward(&grown, 0, Side::Port), before);
+            assert_eq!(spans(grown), spans(whole));
+            assert_eq!(outward(grown, 0, Side::Port), outward(known, 0, Side::Port));
             let encodings = |ping: usize| grown.side_scan[ping].port.map(|span| span.encoding);
             assert_eq!(encodings(0), encodings(396));
-            assert_eq!(grown.channels, whole.channels);
-            assert_eq!(grown.start_unix_s, whole.start_unix_s);
-            let places = |survey: &Survey| -> Vec<_> {
-                let fixes = survey.track.fixes.iter();
-                fixes.map(|fix| (fix.time_s, fix.position)).collect()
-            };
-            assert_eq!(places(&grown), places(&whole));
-        }
+            assert_eq!(places(grown), places(whole));
+        });
     }
 }
 
 #[test]
 fn hostile_bytes_neither_end_the_program_nor_make_up_pings() {
-    let looked_at = |bytes: Vec<u8>| {
-        let length = bytes.len();
-        let Ok(survey) = open(bytes) else {
-            return;
-        };
-        assert!(survey.side_scan.len() <= 8);
-        for ping in 0..survey.side_scan.len() {
-            for side in Side::BOTH {
-                let samples = survey.samples(ping, side);
-                assert!(samples.is_none_or(|samples| samples.len() <= length));
-                if samples.is_some() {
-                    outward(&survey, ping, side);
-                }
-            }
-        }
-    };
     for file in [
         two_frequencies(),
         Xtf {
@@ -114,8 +74,8 @@ fn hostile_bytes_neither_end_the_program_nor_make_up_pings() {
         },
     ] {
         let small = written(&Xtf { pings: 2, ..file });
-        for length in 0..small.len() {
-            looked_at(small[..length].to_vec());
+        for bytes in beginnings(&small) {
+            assert_bounded("pond.xtf", bytes, 8);
         }
         let mut random = Random(20_210_605);
         // Only headers are damaged, not samples: headers are in the first bytes and at the
@@ -130,13 +90,13 @@ fn hostile_bytes_neither_end_the_program_nor_make_up_pings() {
                 let at = at.min(bytes.len() - 1);
                 bytes[at] = random.below(256) as u8;
             }
-            looked_at(bytes);
+            assert_bounded("pond.xtf", bytes, 8);
         }
         for at in (0..640).chain(1024..1024 + 330) {
             for claimed in [i32::MAX as u32, 1 << 31, u32::MAX, 0xFF_FFF0] {
                 let mut bytes = small.clone();
                 bytes[at..at + 4].copy_from_slice(&claimed.to_le_bytes());
-                looked_at(bytes);
+                assert_bounded("pond.xtf", bytes, 8);
             }
         }
     }

@@ -7,6 +7,7 @@ mod places;
 mod samples;
 
 use super::raw::{ChannelInfo, FileHeader, PacketHeader, PacketTime, PingChannel, PingHeader};
+use crate::formats::test_logs::{outward, says};
 use crate::formats::{self, OpenError};
 use crate::support::geo::LonLat;
 use crate::support::progress::Progress;
@@ -155,16 +156,4 @@ fn open(bytes: Vec<u8>) -> Result<Survey, OpenError> {
 
 fn read(file: &Xtf) -> Survey {
     open(written(file)).unwrap_or_else(|error| panic!("{error}"))
-}
-
-fn outward(survey: &Survey, ping: usize, side: Side) -> Vec<u8> {
-    let mut samples = Vec::new();
-    let side = survey.samples(ping, side).expect("samples");
-    side.copy_outward(&mut samples);
-    samples
-}
-
-fn says(survey: &Survey, words: &str) -> bool {
-    let mut warnings = survey.warnings.iter();
-    warnings.any(|warning| warning.text.contains(words))
 }
