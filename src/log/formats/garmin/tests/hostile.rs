@@ -2,18 +2,8 @@
 //! memory by a stated size.
 
 use super::{file, open, pings};
+use bathyscope_test_support::Random;
 use bathyscope_test_support::garmin::{HEADER, Ping, record, structure};
-
-/// A small generator of reproducible numbers.
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, end: usize) -> usize {
-        self.0 =
-            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 33) as usize % end.max(1)
-    }
-}
 
 /// Returns a file with two pings of each channel and few samples.
 fn small() -> Vec<u8> {
