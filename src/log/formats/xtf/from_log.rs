@@ -9,7 +9,9 @@ use super::HEADER_BLOCK;
 use super::Xtf;
 use super::channels;
 use super::navigation::DEGREES;
-use super::raw::{ChannelInfo, FileHeader, MAGIC, PacketHeader, PingChannel, PingHeader};
+use super::raw::{
+    ChannelInfo, FileHeader, MAGIC, PacketHeader, PacketTime, PingChannel, PingHeader,
+};
 use crate::formats::log_writer::{LogToWrite, LogWriter};
 use crate::support::calendar::moment;
 use crate::support::geo::MPS_PER_KNOT;
@@ -239,12 +241,14 @@ impl<'a> XtfWriter<'a> {
         let heading_rad = known(compass_rad, fitted_rad.filter(|_| !self.has_compass));
         let heading_deg = heading_rad.rem_euclid(TAU).to_degrees();
         PingHeader {
-            year: now.year() as u16,
-            month: now.month() as u8,
-            day: now.day() as u8,
-            hour: now.hour() as u8,
-            minute: now.minute() as u8,
-            second: now.second() as u8,
+            time: PacketTime {
+                year: now.year() as u16,
+                month: now.month() as u8,
+                day: now.day() as u8,
+                hour: now.hour() as u8,
+                minute: now.minute() as u8,
+                second: now.second() as u8,
+            },
             hundredths: (now.nanosecond() / 10_000_000) as u8,
             attitude_time_ms: now.num_seconds_from_midnight() * 1000 + now.nanosecond() / 1_000_000,
             ship_speed_kn: speed_kn,

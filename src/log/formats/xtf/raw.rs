@@ -124,18 +124,8 @@ pub(crate) struct PacketHeader {
 pub(crate) struct PingHeader {
     /// Offset 0: packet header.
     pub packet: PacketHeader,
-    /// 14: year of the ping.
-    pub year: u16,
-    /// 16: month, 1 to 12.
-    pub month: u8,
-    /// 17: day, 1 to 31.
-    pub day: u8,
-    /// 18: hour.
-    pub hour: u8,
-    /// 19: minute.
-    pub minute: u8,
-    /// 20: second.
-    pub second: u8,
+    /// 14: date and time to the second.
+    pub time: PacketTime,
     /// 21: hundredths of a second.
     pub hundredths: u8,
     /// 22: day of the year.
@@ -315,7 +305,7 @@ pub(crate) struct AttitudePacket {
     pub rest_63: u8,
 }
 
-/// Date and time in packets that are no pings.
+/// Date and time in packets.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, packed)]
 pub(crate) struct PacketTime {
@@ -386,13 +376,9 @@ pub(super) fn seconds(time: PacketTime) -> i64 {
 /// [`seconds`]. The time of day is in hundredths of a second; where the time for attitude packets
 /// is the same moment of the day, its milliseconds are used too.
 pub(super) fn unix_ms(ping: &PingHeader) -> i64 {
-    let &PingHeader {
-        year, month, day, hour, minute, second, hundredths, attitude_time_ms, ..
-    } = ping;
-    let time = PacketTime { year, month, day, hour, minute, second };
-    let unix_ms = seconds(time) * 1000 + i64::from(hundredths) * 10;
+    let unix_ms = seconds(ping.time) * 1000 + i64::from(ping.hundredths) * 10;
     let day_ms = unix_ms.rem_euclid(86_400_000);
-    let attitude_ms = i64::from(attitude_time_ms);
+    let attitude_ms = i64::from(ping.attitude_time_ms);
     let is_same = attitude_ms / 10 == day_ms / 10;
     unix_ms + if is_same { attitude_ms - day_ms } else { 0 }
 }
@@ -404,9 +390,8 @@ mod tests {
 
     #[test]
     fn dates_become_unix_seconds() {
-        let mut ping = PingHeader::zeroed();
-        (ping.year, ping.month, ping.day) = (2009, 11, 8);
-        (ping.hour, ping.minute, ping.second, ping.hundredths) = (12, 36, 34, 33);
+        let time = PacketTime { year: 2009, month: 11, day: 8, hour: 12, minute: 36, second: 34 };
+        let mut ping = PingHeader { time, hundredths: 33, ..PingHeader::zeroed() };
         // `date -u -d "2009-11-08 12:36:34" +%s`
         assert_eq!(unix_ms(&ping), 1_257_683_794_330);
         // Milliseconds of the same moment of the day, and of another moment.
@@ -414,25 +399,25 @@ mod tests {
         assert_eq!(unix_ms(&ping), 1_257_683_794_337);
         ping.attitude_time_ms = 45_394_340;
         assert_eq!(unix_ms(&ping), 1_257_683_794_330);
-        (ping.year, ping.month, ping.day) = (2024, 2, 29);
+        ping.time = PacketTime { year: 2024, month: 2, day: 29, ..time };
         assert_eq!(unix_ms(&ping) / 1000, 1_709_210_194);
-        (ping.year, ping.month, ping.day) = (1996, 7, 31);
+        ping.time = PacketTime { year: 1996, month: 7, day: 31, ..time };
         // `date -u -d "1996-07-31 12:36:34" +%s`
         assert_eq!(unix_s(unix_ms(&ping)), Some(838_816_594.33));
         for year in [200, 1970, 1979, 2101, u16::MAX] {
-            ping.year = year;
+            ping.time.year = year;
             assert_eq!(unix_s(unix_ms(&ping)), None, "{year}");
         }
         for (year, meant) in [(96, 1996), (80, 1980), (0, 2000), (9, 2009), (109, 2009)] {
             let of = |year| {
-                ping.year = year;
+                ping.time.year = year;
                 unix_s(unix_ms(&ping))
             };
             let [recorded, meant] = [year, meant].map(of);
             assert!(recorded.is_some() && recorded == meant, "{year}");
         }
         // A date that was never set is not read as the first of January.
-        (ping.year, ping.month, ping.day) = (0, 0, 0);
+        ping.time = PacketTime { year: 0, month: 0, day: 0, ..time };
         assert_eq!(unix_s(unix_ms(&ping)), None);
     }
 }

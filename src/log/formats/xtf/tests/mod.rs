@@ -121,12 +121,7 @@ fn ping(file: &Xtf, index: usize) -> Vec<u8> {
     let (time, hundredths) = time(index);
     let mut header = PingHeader {
         packet: PacketHeader { channels: file.channels.len() as u16, ..packet(0, size) },
-        year: time.year,
-        month: time.month,
-        day: time.day,
-        hour: time.hour,
-        minute: time.minute,
-        second: time.second,
+        time,
         hundredths,
         sensor_heading_deg: 90.0,
         ..PingHeader::zeroed()

@@ -35,12 +35,7 @@ fn bathymetry(index: usize) -> Vec<u8> {
     let (time, hundredths) = time(index);
     let header = PingHeader {
         packet: packet(2, size_of::<PingHeader>() + datagram.len()),
-        year: time.year,
-        month: time.month,
-        day: time.day,
-        hour: time.hour,
-        minute: time.minute,
-        second: time.second,
+        time,
         hundredths,
         sensor_x: START.lon_deg,
         sensor_y: latitude(index),
