@@ -5,9 +5,6 @@ use super::report::{WarningKind, WarningReport};
 use crate::support::progress::{Cancelled, Progress};
 use std::ops::Range;
 
-/// Number of messages between two updates of the progress.
-const MESSAGES_A_CHECK: usize = 1024;
-
 /// Marker and length of the messages of a format.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MessageFormat {
@@ -68,22 +65,13 @@ impl MessageWalk<'_> {
         start: usize,
         mut take: impl FnMut(Range<usize>),
     ) -> Result<(), Cancelled> {
-        let (mut at, mut reported, mut messages) = (start, start, 0_usize);
         let mut longest = 0;
-        while at < self.bytes.len() {
-            if messages.is_multiple_of(MESSAGES_A_CHECK) {
-                self.progress.check()?;
-                self.progress.advance((at - reported) as u64);
-                reported = at;
-            }
-            messages += 1;
-            at = match self.format.message(self.bytes, at) {
+        self.progress.walk(start, self.bytes.len(), |at| {
+            Ok(match self.format.message(self.bytes, at) {
                 Some(message) => self.step(message, &mut longest, &mut take),
                 None => self.over_gap(at),
-            };
-        }
-        self.progress.advance(self.bytes.len().saturating_sub(reported) as u64);
-        Ok(())
+            })
+        })
     }
 
     /// Passes a message to `take`, unless it is damaged or truncated; returns the offset at which

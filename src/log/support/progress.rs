@@ -3,6 +3,9 @@
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+/// Number of steps of a walk between two checks for cancellation.
+const STEPS_A_CHECK: usize = 1024;
+
 /// Error of a stage that was cancelled; its partial result is dropped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("cancelled")]
@@ -62,6 +65,31 @@ impl Progress {
     /// Counts `steps` more steps as done. Can be called from many threads.
     pub fn advance(&self, steps: u64) {
         self.shared.done.fetch_add(steps, Ordering::Relaxed);
+    }
+
+    /// Calls `step` with the offset `start`, and then with each offset that it returns, up to
+    /// `end`; counts the bytes between as done.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub(crate) fn walk(
+        &self,
+        start: usize,
+        end: usize,
+        mut step: impl FnMut(usize) -> Result<usize, Cancelled>,
+    ) -> Result<(), Cancelled> {
+        let (mut at, mut reported, mut steps) = (start, start, 0_usize);
+        while at < end {
+            if steps.is_multiple_of(STEPS_A_CHECK) {
+                self.check()?;
+                self.advance((at - reported) as u64);
+                reported = at;
+            }
+            steps += 1;
+            at = step(at)?;
+        }
+        self.advance(end.saturating_sub(reported) as u64);
+        Ok(())
     }
 
     /// Starts a stage of parts that run at the same time, one for each weight: the done share of

@@ -9,8 +9,6 @@ use crate::support::progress::{Cancelled, Progress};
 const TRAILER_MAGIC: u32 = 0xF98E_ACBC;
 /// Bytes of the trailer: the magic number, the record's length, a checksum.
 const TRAILER: usize = 12;
-/// Number of records between two updates of the progress.
-const RECORDS_A_CHECK: usize = 1024;
 
 /// A walk over the records of a file.
 pub(super) struct RecordWalk<'a> {
@@ -32,22 +30,12 @@ impl RecordWalk<'_> {
         start: usize,
         mut take: impl FnMut(usize, &RecordHeader),
     ) -> Result<(), Cancelled> {
-        let (mut at, mut reported, mut records) = (start, start, 0_usize);
-        while at < self.bytes.len() {
-            if records.is_multiple_of(RECORDS_A_CHECK) {
-                self.progress.check()?;
-                self.progress.advance((at - reported) as u64);
-                reported = at;
-            }
-            records += 1;
-            at = match RecordHeader::read(self.bytes, at) {
+        self.progress.walk(start, self.bytes.len(), |at| {
+            Ok(match RecordHeader::read(self.bytes, at) {
                 Some(header) => self.step(at, &header, &mut take),
                 None => self.over_gap(at),
-            };
-        }
-        let rest = self.bytes.len().saturating_sub(reported);
-        self.progress.advance(rest as u64);
-        Ok(())
+            })
+        })
     }
 
     /// Passes a record to `take` if another record follows it; where none follows, the size in its

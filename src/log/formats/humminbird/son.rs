@@ -6,8 +6,6 @@ use crate::formats::ByteOrder;
 use crate::formats::report::{WarningKind, WarningReport};
 use crate::support::progress::{Cancelled, Progress};
 
-/// Number of pings between two updates of the progress.
-const PINGS_A_CHECK: usize = 1024;
 /// Bytes in which the first pings of a file are searched.
 const SEARCHED_FOR_PINGS: usize = 1 << 20;
 
@@ -59,21 +57,12 @@ impl SonWalk<'_> {
         let len = self.bytes.len();
         let start = from.map_or(0, |from| next_magic(self.bytes, from).unwrap_or(len));
         self.progress.advance(start as u64);
-        let (mut at, mut reported, mut pings) = (start, start, 0_usize);
-        while at < self.bytes.len() {
-            if pings.is_multiple_of(PINGS_A_CHECK) {
-                self.progress.check()?;
-                self.progress.advance((at - reported) as u64);
-                reported = at;
-            }
-            pings += 1;
-            at = match PingHeader::parse(self.bytes, at, self.order) {
+        self.progress.walk(start, len, |at| {
+            Ok(match PingHeader::parse(self.bytes, at, self.order) {
                 Some(ping) => self.step(at, ping, &mut take),
                 None => self.over_gap(at),
-            };
-        }
-        self.progress.advance((self.bytes.len() - reported) as u64);
-        Ok(())
+            })
+        })
     }
 
     /// Passes a ping to `take` if another ping follows it; where none follows, the sample count may

@@ -41,8 +41,6 @@ const SPEED: u16 = 0x4000;
 
 /// Fewest bytes of a block; blocks with all fields are longer.
 const SMALLEST: usize = 64;
-/// Number of blocks between two updates of the progress.
-const BLOCKS_A_CHECK: usize = 1024;
 /// Time between blocks of a log without any time, seconds.
 const USUAL_STEP_S: f64 = 0.1;
 /// Longest time between blocks, seconds: in a longer pause the blocks without a time are placed at
@@ -128,18 +126,11 @@ pub(super) fn read_blocks(
     progress: &Progress,
 ) -> Result<(), Cancelled> {
     let mut reader = Reader::default();
-    let (mut at, mut reported, mut blocks) = (HEADER, 0, 0_usize);
-    while at < bytes.len() {
-        if blocks.is_multiple_of(BLOCKS_A_CHECK) {
-            progress.check()?;
-            progress.advance((at - reported) as u64);
-            reported = at;
-        }
-        blocks += 1;
+    progress.advance(HEADER.min(bytes.len()) as u64);
+    progress.walk(HEADER, bytes.len(), |at| {
         if let Some(block) = Block::at(bytes, at, size) {
             reader.take(log, block);
-            at = block.end;
-            continue;
+            return Ok(block.end);
         }
         let rest = bytes.len() - at;
         let found = next_block(bytes, at + 1, size);
@@ -156,9 +147,8 @@ pub(super) fn read_blocks(
             };
             log.report.at(WarningKind::Gap, 0, at, text);
         }
-        at = to;
-    }
-    progress.advance((bytes.len() - reported.min(bytes.len())) as u64);
+        Ok(to)
+    })?;
     reader.finish(log);
     Ok(())
 }

@@ -5,8 +5,6 @@ use crate::formats::report::{WarningKind, WarningReport};
 use crate::support::progress::{Cancelled, Progress};
 use std::ops::Range;
 
-/// Number of frames between two updates of the progress.
-const FRAMES_A_CHECK: usize = 1024;
 /// Number of bytes searched between two checks for cancellation.
 const BYTES_A_CHECK: usize = 1 << 20;
 /// Most bytes that may be missing (or inserted) in one place while the frames after it are still
@@ -34,24 +32,17 @@ impl FrameWalk<'_> {
         start: FrameStart,
         mut take: impl FnMut(LowranceFrame),
     ) -> Result<(), Cancelled> {
-        let mut here = start;
-        let mut reported = start.at;
-        let (mut frames, mut longest) = (0_usize, 0);
-        while here.at < self.bytes.len() {
-            if frames.is_multiple_of(FRAMES_A_CHECK) {
-                self.progress.check()?;
-                self.progress.advance((here.at - reported) as u64);
-                reported = here.at;
-            }
-            frames += 1;
-            here = match self.layout.look(self.bytes, here.at, here.lost) {
+        let (mut lost, mut longest) = (start.lost, 0);
+        self.progress.walk(start.at, self.bytes.len(), |at| {
+            let here = FrameStart { at, lost };
+            let next = match self.layout.look(self.bytes, at, lost) {
                 FrameCheck::Whole(frame) => self.step(here, frame, &mut longest, &mut take)?,
                 FrameCheck::Cut => self.over_cut(here)?,
                 FrameCheck::Nothing => self.over_gap(here)?,
             };
-        }
-        self.progress.advance((self.bytes.len() - reported) as u64);
-        Ok(())
+            lost = next.lost;
+            Ok(next.at)
+        })
     }
 
     /// Passes a frame to `take` if another frame follows it; where none follows, the frame's size

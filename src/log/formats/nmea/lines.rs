@@ -8,8 +8,6 @@ use crate::support::progress::{Cancelled, Progress};
 const LONGEST: usize = 256;
 /// Most bytes before a sentence in which the logger's time is searched.
 const LONGEST_STAMP: usize = 128;
-/// Number of bytes between two updates of the progress.
-const BYTES_A_CHECK: usize = 1 << 20;
 /// Plausible Unix times, 2001 to 2100, seconds.
 const UNIX_S: std::ops::Range<f64> = 1e9..4_102_444_800.0;
 const DAY_S: f64 = 86_400.0;
@@ -64,23 +62,16 @@ impl<'a> Lines<'a> {
     /// # Errors
     /// When the user cancelled the work.
     pub(super) fn each(
-        self,
+        mut self,
         progress: &Progress,
         mut take: impl FnMut(Found<'a>),
     ) -> Result<(), Cancelled> {
-        let length = self.bytes.len();
-        let mut reported = 0;
-        progress.check()?;
-        for found in self {
-            if found.at - reported >= BYTES_A_CHECK {
-                progress.check()?;
-                progress.advance((found.at - reported) as u64);
-                reported = found.at;
-            }
+        let end = self.bytes.len();
+        progress.walk(0, end, |_| {
+            let Some(found) = self.next() else { return Ok(end) };
             take(found);
-        }
-        progress.advance((length - reported) as u64);
-        Ok(())
+            Ok(self.at)
+        })
     }
 }
 

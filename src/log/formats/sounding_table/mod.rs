@@ -45,8 +45,6 @@ const HEAD: usize = 1 << 16;
 const ROWS_OF_HEAD: usize = 50;
 /// Most bytes of a line that are read.
 const LONGEST_LINE: usize = 1 << 12;
-/// Number of bytes between two updates of the progress.
-const BYTES_A_CHECK: usize = 1 << 20;
 
 /// Reader of the format.
 pub(super) struct SoundingTable;
@@ -124,30 +122,16 @@ pub(super) fn read_rows(
     progress: &Progress,
 ) -> Result<(), Cancelled> {
     progress.start(bytes.len() as u64);
-    let lines = Lines::new(bytes, reading.is_growing);
-    let rows = lines.skip(usize::from(reader.has_header()));
-    for_each(rows, bytes.len(), progress, |line| reader.take(log, &line))?;
-    reader.finish(log);
-    Ok(())
-}
-
-fn for_each(
-    lines: impl Iterator<Item = Line>,
-    length: usize,
-    progress: &Progress,
-    mut take: impl FnMut(Line),
-) -> Result<(), Cancelled> {
-    let mut reported = 0;
-    progress.check()?;
-    for line in lines {
-        if line.at - reported >= BYTES_A_CHECK {
-            progress.check()?;
-            progress.advance((line.at - reported) as u64);
-            reported = line.at;
-        }
-        take(line);
+    let mut lines = Lines::new(bytes, reading.is_growing);
+    if reader.has_header() {
+        lines.next();
     }
-    progress.advance((length - reported) as u64);
+    progress.walk(0, bytes.len(), |_| {
+        let Some(line) = lines.next() else { return Ok(bytes.len()) };
+        reader.take(log, &line);
+        Ok(lines.at)
+    })?;
+    reader.finish(log);
     Ok(())
 }
 
