@@ -1,6 +1,8 @@
 //! Walks from message to message through a log that consists of messages only: each begins with a
 //! marker and states its length.
 
+use super::collected::Collected;
+use super::log_format::Reading;
 use super::report::{WarningKind, WarningReport};
 use crate::support::progress::{Cancelled, Progress};
 use std::ops::Range;
@@ -41,6 +43,25 @@ impl MessageFormat {
             let message = self.message(bytes, at);
             message.is_some_and(|message| self.is_border(bytes, message.end))
         })
+    }
+
+    /// Calls `take` with the log and the range of every whole message of its file, or of the tail
+    /// from the offset `tail` on; fails only if cancelled.
+    pub(super) fn read(
+        self,
+        bytes: &[u8],
+        tail: Option<usize>,
+        log: &mut Collected,
+        (reading, progress): (&Reading<'_>, &Progress),
+        mut take: impl FnMut(&mut Collected, Range<usize>),
+    ) -> Result<(), Cancelled> {
+        let len = bytes.len();
+        let start = tail.map_or(0, |from| self.next(bytes, from, len).unwrap_or(len));
+        progress.start((len - start) as u64);
+        let report = &log.report.clone();
+        let is_growing = reading.is_growing;
+        let walk = MessageWalk { format: self, bytes, report, is_growing, progress };
+        walk.run(start, |message| take(log, message))
     }
 }
 

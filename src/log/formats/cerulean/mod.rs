@@ -38,7 +38,6 @@ mod scale;
 mod tests;
 
 use super::log_format::{FileSource, LogFormat, ReadRecording, Reading};
-use super::messages::MessageWalk;
 use super::{OpenError, Opened, assemble, collected::Collected};
 use crate::support::progress::Progress;
 use crate::survey::Survey;
@@ -86,21 +85,10 @@ fn read(opened: Opened, reading: &Reading<'_>, progress: &Progress) -> Result<Su
     source.device = "Omniscan 450".to_owned();
     let mut log = Collected::new(source, vec![opened.bytes], reading);
     let mut reader = decode::Reader::new(&bytes, reading);
-    let start = match reading.from(0).filter(|_| reader.knows_zero()) {
-        Some(from) => FORMAT.next(&bytes, from, bytes.len()),
-        None => Some(0),
-    };
-    let start = start.unwrap_or(bytes.len());
-    progress.start(bytes.len().saturating_sub(start) as u64);
-    let report = log.report.clone();
-    let walk = MessageWalk {
-        format: FORMAT,
-        bytes: &bytes,
-        report: &report,
-        is_growing: reading.is_growing,
-        progress,
-    };
-    walk.run(start, |packet| reader.take(&mut log, packet.start))?;
+    let tail = reading.from(0).filter(|_| reader.knows_zero());
+    FORMAT.read(&bytes, tail, &mut log, (reading, progress), |log, packet| {
+        reader.take(log, packet.start);
+    })?;
     reader.finish(&mut log);
     if log.channels.is_empty() {
         return Err(OpenError::Unsupported {

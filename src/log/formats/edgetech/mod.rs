@@ -33,7 +33,6 @@ mod tests;
 mod trace;
 
 use super::log_format::{FileSource, LogFormat, ReadRecording, Reading};
-use super::messages::MessageWalk;
 use super::{OpenError, Opened, assemble, collected::Collected};
 use crate::support::progress::Progress;
 use crate::survey::{ChannelKind, Survey};
@@ -81,21 +80,10 @@ fn read(
     let source = opened.source(NAME.to_owned());
     let mut log = Collected::new(source, vec![opened.bytes], reading);
     let mut reader = decode::Reader::new(&bytes, reading);
-    let start = match reading.from(0).filter(|_| reader.knows_zero()) {
-        Some(from) => FORMAT.next(&bytes, from, bytes.len()),
-        None => Some(0),
-    };
-    let start = start.unwrap_or(bytes.len());
-    progress.start(bytes.len().saturating_sub(start) as u64);
-    let report = log.report.clone();
-    let walk = MessageWalk {
-        format: FORMAT,
-        bytes: &bytes,
-        report: &report,
-        is_growing: reading.is_growing,
-        progress,
-    };
-    walk.run(start, |message| reader.take(&mut log, message))?;
+    let tail = reading.from(0).filter(|_| reader.knows_zero());
+    FORMAT.read(&bytes, tail, &mut log, (reading, progress), |log, message| {
+        reader.take(log, message);
+    })?;
     reader.finish(&mut log);
     let is_side = |kind| matches!(kind, ChannelKind::Port | ChannelKind::Starboard);
     let has_side_scan = log.channels.iter().any(|(_, channel)| is_side(channel.kind));
