@@ -241,6 +241,12 @@ impl SideSpan {
         }
     }
 
+    /// Returns the stored bytes of the samples in [`Bytes::samples`]; empty where the span is outside
+    /// of the bytes.
+    pub(crate) fn stored<'a>(&self, bytes: &'a [u8]) -> &'a [u8] {
+        Samples::new(bytes, self).map(|samples| samples.stored).unwrap_or_default()
+    }
+
     /// Returns the metres of slant range that one sample covers, as the recorder states them.
     pub fn metres_per_sample(&self) -> f64 {
         f64::from(self.far_m - self.near_m) / f64::from(self.count.max(1))

@@ -1,7 +1,7 @@
 //! Puts the samples of all pings of a file on one scale of decibels.
 
 use super::packet::Profile;
-use crate::survey::{Encoding, LEVEL_BITS, SampleOrder, Samples, SidePing, SideSpan};
+use crate::survey::{Encoding, LEVEL_BITS, SidePing, SideSpan};
 
 /// About how many pings are used to find the scale.
 const PINGS_LOOKED_AT: usize = 200;
@@ -88,14 +88,7 @@ fn decibels(value: u16, [least_db, most_db]: [f32; 2]) -> f32 {
 }
 
 /// Returns the stored samples of a span.
-fn values<'a>(bytes: &'a [u8], span: &SideSpan) -> impl Iterator<Item = u16> + 'a {
-    let raw = SideSpan {
-        count: span.count.saturating_mul(2),
-        encoding: Encoding::U8,
-        order: SampleOrder::NearToFar,
-        ..*span
-    };
-    let stored = Samples::new(bytes, &raw).and_then(|samples| samples.stored_u8());
-    let stored = stored.map_or(&[][..], |(stored, _)| stored);
-    stored.chunks_exact(2).map(|pair| u16::from_le_bytes([pair[0], pair[1]]))
+fn values<'a>(bytes: &'a [u8], span: &SideSpan) -> impl Iterator<Item = u16> + use<'a> {
+    let pairs = span.stored(bytes).chunks_exact(2);
+    pairs.map(|pair| u16::from_le_bytes([pair[0], pair[1]]))
 }

@@ -3,7 +3,7 @@
 
 use super::trace::Trace;
 use crate::formats::collected::{Collected, CollectedPair, HalfPing};
-use crate::survey::{Encoding, LEVEL_BITS, SampleOrder, Samples, Side, SideSpan, Survey};
+use crate::survey::{Encoding, LEVEL_BITS, Side, SideSpan, Survey};
 use std::collections::BTreeMap;
 
 /// Smallest share of the most pings of any subsystem that a subsystem of higher frequency needs to
@@ -159,15 +159,8 @@ fn bits_to_drop(bytes: &[u8], halves: &[Half]) -> i32 {
 
 /// Returns the number of samples of a span by the number of bits that they take.
 fn stored_bits(bytes: &[u8], span: &SideSpan) -> [u64; 18] {
-    let raw = SideSpan {
-        count: span.count.saturating_mul(span.encoding.width() as u32),
-        encoding: Encoding::U8,
-        order: SampleOrder::NearToFar,
-        ..*span
-    };
-    let stored = Samples::new(bytes, &raw).and_then(|samples| samples.stored_u8());
     let mut counts = [0; 18];
-    for sample in stored.map_or(&[][..], |(stored, _)| stored).chunks_exact(span.encoding.width()) {
+    for sample in span.stored(bytes).chunks_exact(span.encoding.width()) {
         let magnitude = match *sample {
             [a, b] => u32::from(u16::from_le_bytes([a, b])),
             [a, b, c, d] => {
