@@ -123,7 +123,21 @@ pub enum ChannelKind {
     Other(u16),
 }
 
+impl From<Side> for ChannelKind {
+    fn from(side: Side) -> Self {
+        match side {
+            Side::Port => ChannelKind::Port,
+            Side::Starboard => ChannelKind::Starboard,
+        }
+    }
+}
+
 impl ChannelKind {
+    /// Returns the side of a channel with one side only.
+    pub(crate) fn side(self) -> Option<Side> {
+        Side::BOTH.into_iter().find(|side| self == ChannelKind::from(*side))
+    }
+
     /// Returns the name for tables and messages.
     pub fn name(self) -> String {
         match self {

@@ -2,7 +2,7 @@
 //! the antenna, exchanged sides, errors of compass and clock) and of the error of its positions.
 
 use super::observations::give_depths;
-use super::{Channel, ChannelKind, SidePing, Survey};
+use super::{Channel, SidePing, Survey};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -162,11 +162,9 @@ impl Survey {
 }
 
 fn exchange_channel(channel: &mut Channel) {
-    channel.kind = match channel.kind {
-        ChannelKind::Port => ChannelKind::Starboard,
-        ChannelKind::Starboard => ChannelKind::Port,
-        other => other,
-    };
+    if let Some(side) = channel.kind.side() {
+        channel.kind = side.other().into();
+    }
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use crate::formats::log_format::Reading;
 use crate::formats::report::WarningKind;
 use crate::support::calendar::unix_from_iso;
 use crate::support::statistics::upper_median;
-use crate::survey::{ChannelKind, Encoding, RangeSource, SampleOrder, Side, SideSpan};
+use crate::survey::{Encoding, RangeSource, SampleOrder, Side, SideSpan};
 use std::collections::BTreeMap;
 
 /// Id of the packet that describes a session.
@@ -205,12 +205,8 @@ impl<'a> Reader<'a> {
         let number = side as u16;
         let [near_m, far_m] = profile.range_m;
         if !log.knows(number) {
-            let kind = match side {
-                Side::Port => ChannelKind::Port,
-                Side::Starboard => ChannelKind::Starboard,
-            };
             let name = format!("channel {} of device {}", profile.channel, profile.device);
-            log.introduce(number, kind, name, profile.frequency_khz);
+            log.introduce(number, side.into(), name, profile.frequency_khz);
         }
         let counted = Counted {
             record: (0, profile.end),

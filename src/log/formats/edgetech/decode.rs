@@ -8,9 +8,7 @@ use crate::formats::collected::{Collected, Counted, HalfPing, is_sound};
 use crate::formats::log_format::Reading;
 use crate::formats::report::WarningKind;
 use crate::support::calendar::moment;
-use crate::survey::{
-    ChannelKind, Fix, ProjectedTrack, RangeSource, SampleOrder, Side, SideSpan, Survey,
-};
+use crate::survey::{ChannelKind, Fix, ProjectedTrack, RangeSource, SampleOrder, SideSpan, Survey};
 use chrono::Datelike as _;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -182,11 +180,7 @@ impl<'a> Reader<'a> {
             range_m: Some((near_m, far_m)),
         };
         log.count(number, counted);
-        let side = match kind {
-            ChannelKind::Port => Side::Port,
-            ChannelKind::Starboard => Side::Starboard,
-            _ => return,
-        };
+        let Some(side) = kind.side() else { return };
         let Some(encoding) = trace.encoding() else {
             *self.unread.entry(trace.data_format).or_default() += 1;
             return;

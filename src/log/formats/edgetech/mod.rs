@@ -35,7 +35,7 @@ mod trace;
 use super::log_format::{FileSource, LogFormat, ReadRecording, Reading};
 use super::{OpenError, Opened, assemble, collected::Collected};
 use crate::support::progress::Progress;
-use crate::survey::{ChannelKind, Survey};
+use crate::survey::Survey;
 use trace::{FORMAT, MessageHeader};
 
 const NAME: &str = "EdgeTech JSF";
@@ -85,8 +85,7 @@ fn read(
         reader.take(log, message);
     })?;
     reader.finish(&mut log);
-    let is_side = |kind| matches!(kind, ChannelKind::Port | ChannelKind::Starboard);
-    let has_side_scan = log.channels.iter().any(|(_, channel)| is_side(channel.kind));
+    let has_side_scan = log.channels.iter().any(|(_, channel)| channel.kind.side().is_some());
     if !has_side_scan && reader.sensors().total() > 0 {
         return Err(OpenError::Unsupported {
             path,

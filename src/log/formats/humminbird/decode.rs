@@ -67,7 +67,7 @@ impl Reader {
     fn keep(&self, log: &mut Collected, offset: usize, ping: &PingHeader, time_s: f64) {
         let kind = self.channel_kind(ping);
         let span = self.span(offset, ping);
-        let is_side = matches!(kind, ChannelKind::Port | ChannelKind::Starboard);
+        let is_side = kind.side().is_some();
         let number = self.file as u16;
         if !log.knows(number) {
             let frequency_khz = (ping.frequency_hz > 0).then(|| ping.frequency_hz as f32 / 1000.0);

@@ -241,10 +241,7 @@ impl<'a> Reader<'a> {
     /// Returns the offset of the side-scan from the ship's reference point, forward and to
     /// starboard, metres.
     fn transducer_m(&self) -> [f32; 2] {
-        let is_side = |channel: &&XtfChannel| {
-            matches!(channel.kind, ChannelKind::Port | ChannelKind::Starboard)
-        };
-        let side = self.channels.iter().find(is_side);
+        let side = self.channels.iter().find(|channel| channel.kind.side().is_some());
         side.map_or([0.0; 2], |channel| channel.offset_m)
     }
 }

@@ -192,8 +192,8 @@ impl<'a> XtfWriter<'a> {
 
     fn frequency_khz(&self, side: Side) -> Option<f32> {
         let channels = self.log.survey.channels.iter();
-        let mut shown =
-            channels.filter(|channel| [kind(side), ChannelKind::Composite].contains(&channel.kind));
+        let mut shown = channels
+            .filter(|channel| [side.into(), ChannelKind::Composite].contains(&channel.kind));
         shown.find_map(|channel| channel.frequency_khz)
     }
 
@@ -294,7 +294,7 @@ impl<'a> XtfWriter<'a> {
         };
         packet.extend_from_slice(bytemuck::bytes_of(&header));
         for stored in 0..count {
-            let outward = match channels::order(kind(side)) {
+            let outward = match channels::order(side.into()) {
                 SampleOrder::FarToNear => count - 1 - stored,
                 SampleOrder::NearToFar => stored,
             };
@@ -303,14 +303,6 @@ impl<'a> XtfWriter<'a> {
             packet.extend_from_slice(&value.to_le_bytes()[..self.width]);
         }
         Some(())
-    }
-}
-
-/// Returns the kind of channel with only this side.
-fn kind(side: Side) -> ChannelKind {
-    match side {
-        Side::Port => ChannelKind::Port,
-        Side::Starboard => ChannelKind::Starboard,
     }
 }
 

@@ -6,7 +6,7 @@ use super::levels::{self, Stated};
 use super::raw::PingChannel;
 use crate::formats::collected::{Collected, CollectedPair, HalfPing, is_sound};
 use crate::formats::report::WarningKind;
-use crate::survey::{ChannelKind, Side, SidePing, SideSpan, Survey};
+use crate::survey::{Side, SidePing, SideSpan, Survey};
 use std::collections::BTreeMap;
 
 /// One channel of one ping.
@@ -53,11 +53,7 @@ impl SideChannels {
 
     /// Adds a channel of a ping if it is a side.
     pub(super) fn keep(&mut self, log: &mut Collected, channel: &XtfChannel, recorded: &Recorded) {
-        let side = match channel.kind {
-            ChannelKind::Port => Side::Port,
-            ChannelKind::Starboard => Side::Starboard,
-            _ => return,
-        };
+        let Some(side) = channel.kind.side() else { return };
         let Some(encoding) = channel.encoding(recorded.width) else {
             *self.unread.entry((recorded.width, channel.format)).or_default() += 1;
             return;
