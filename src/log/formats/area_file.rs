@@ -1,6 +1,6 @@
 //! Reads the polygon of a water body from a GeoJSON, KML or GPX file.
 
-use super::xml::{attribute, is, text_of};
+use super::gpx::{attribute, is, text_of};
 use crate::support::file_error::{FaultText, FileError};
 use crate::support::geo::LonLat;
 use crate::support::regular_file;

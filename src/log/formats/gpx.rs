@@ -1,8 +1,7 @@
-//! Reads the track points of GPX 1.0 and 1.1.
+//! Reads the track points of GPX 1.0 and 1.1, and provides functions for readers of XML.
 
-use super::xml::{attribute, is, text_of};
-use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
+use quick_xml::{Reader, XmlVersion};
 
 /// A track point as written in the file.
 #[derive(Clone, Debug, PartialEq)]
@@ -70,6 +69,29 @@ impl Open {
             in_time: false,
         }
     }
+}
+
+/// Returns true if an element has this name, with any prefix.
+pub(super) fn is(element: &BytesStart<'_>, name: &str) -> bool {
+    element.local_name().as_ref() == name.as_bytes()
+}
+
+/// Returns the value of an attribute without a prefix; `None` where it is missing or damaged.
+pub(super) fn attribute(element: &BytesStart<'_>, name: &str) -> Option<String> {
+    let found = element.try_get_attribute(name).ok()??;
+    let value = found.normalized_value(XmlVersion::Implicit1_0).ok()?;
+    Some(value.into_owned())
+}
+
+/// Returns the text that an event adds to the element around it: plain text or a CDATA section;
+/// `None` for other events, such as comments.
+pub(super) fn text_of(event: &Event<'_>) -> Option<String> {
+    let text = match event {
+        Event::Text(text) => text.decode(),
+        Event::CData(text) => text.decode(),
+        _ => return None,
+    };
+    text.ok().map(|text| text.into_owned())
 }
 
 #[cfg(test)]

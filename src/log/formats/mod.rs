@@ -61,7 +61,6 @@ mod table;
 #[cfg(test)]
 mod test_logs;
 mod track_file;
-mod xml;
 pub mod xtf;
 
 pub use area_file::read_area;

@@ -1,7 +1,7 @@
 //! Determines the kinds of the channels of an RSD file from the beam in the records, because the
 //! numbers of channels differ between units.
 
-use super::header::FileHeader;
+use super::FileHeader;
 use super::record::RecordBody;
 use crate::formats::report::WarningReport;
 use crate::survey::{ChannelKind, Survey};

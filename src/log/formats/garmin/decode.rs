@@ -1,8 +1,8 @@
 //! Decodes records of an RSD file to pings, depths and fixes in SI units. The samples of the pings
 //! become sides of the side-scan and echograms of channels that look down.
 
+use super::FileHeader;
 use super::channels::{self, SeenChannel, UNNUMBERED};
-use super::header::FileHeader;
 use super::record::{Ping, RecordBody, RecordHeader};
 use super::walk::next_record;
 use crate::formats::clock::{Clock, ClockVerdict};

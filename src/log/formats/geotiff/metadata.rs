@@ -2,7 +2,7 @@
 //! band in GDAL's own tag.
 
 use super::{Band, CellFormat, NODATA, RasterSpec};
-use crate::formats::xml::{attribute, is, text_of};
+use crate::formats::gpx::{attribute, is, text_of};
 use crate::support::printable::xml;
 use quick_xml::Reader;
 use quick_xml::events::Event;

@@ -1,7 +1,7 @@
 //! Tests that growing, damaged and hostile XTF files are read.
 
-use super::pairs::two_frequencies;
 use super::places::raw_navigation;
+use super::samples::two_frequencies;
 use super::*;
 use crate::formats::test_logs::{assert_bounded, beginnings, check_growing, places};
 use bathyscope_test_support::Random;

@@ -2,7 +2,6 @@
 
 mod damage;
 mod multibeam;
-mod pairs;
 mod places;
 mod samples;
 
