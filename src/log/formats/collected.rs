@@ -120,16 +120,34 @@ impl Collected {
     }
 
     /// Counts a ping of the channel with this number, which the recorder or the order of the files
-    /// gives.
-    pub(super) fn count(&mut self, number: u16, ping: Counted) {
+    /// gives. At its first ping, `describe` returns the kind of the channel, the recorder's name for
+    /// it, and its frequency, kHz.
+    pub(super) fn count(
+        &mut self,
+        number: u16,
+        ping: Counted,
+        describe: impl FnOnce() -> (ChannelKind, String, Option<f32>),
+    ) {
+        let known = self.channels.iter().position(|(known, _)| *known == number);
+        let index = known.unwrap_or_else(|| {
+            let (kind, recorder_name, frequency_khz) = describe();
+            let channel = Channel {
+                kind,
+                recorder_name,
+                frequency_khz,
+                ping_count: 0,
+                time_span_s: None,
+                sample_count: (0, 0),
+                range_m: None,
+            };
+            self.channels.push((number, channel));
+            self.channels.len() - 1
+        });
         let (file, end) = ping.record;
         if self.counted_to.get(file).is_some_and(|known| end as u64 <= *known) {
             return;
         }
-        let Some((_, channel)) = self.channels.iter_mut().find(|(known, _)| *known == number)
-        else {
-            return;
-        };
+        let (_, channel) = &mut self.channels[index];
         let time_s = (ping.time_s, ping.time_s);
         let samples = (ping.samples, ping.samples);
         channel.time_span_s = Some(widen(channel.time_span_s, time_s));
@@ -139,31 +157,6 @@ impl Collected {
         if let Some(range_m) = ping.range_m {
             channel.range_m = Some(widen(channel.range_m, range_m));
         }
-    }
-
-    /// Returns true if a channel with this number was introduced.
-    pub(super) fn knows(&self, number: u16) -> bool {
-        self.channels.iter().any(|(known, _)| *known == number)
-    }
-
-    /// Adds a channel; must be called before its first ping is counted.
-    pub(super) fn introduce(
-        &mut self,
-        number: u16,
-        kind: ChannelKind,
-        recorder_name: String,
-        frequency_khz: Option<f32>,
-    ) {
-        let channel = Channel {
-            kind,
-            recorder_name,
-            frequency_khz,
-            ping_count: 0,
-            time_span_s: None,
-            sample_count: (0, 0),
-            range_m: None,
-        };
-        self.channels.push((number, channel));
     }
 
     /// Adds a depth if it is plausible: recorders write 0 where there is none.

@@ -204,17 +204,16 @@ impl<'a> Reader<'a> {
         self.contradicted += usize::from(profile.channel_side().is_some_and(|other| other != side));
         let number = side as u16;
         let [near_m, far_m] = profile.range_m;
-        if !log.knows(number) {
-            let name = format!("channel {} of device {}", profile.channel, profile.device);
-            log.introduce(number, side.into(), name, profile.frequency_khz);
-        }
         let counted = Counted {
             record: (0, profile.end),
             time_s,
             samples: profile.samples.into(),
             range_m: Some((near_m, far_m)),
         };
-        log.count(number, counted);
+        log.count(number, counted, || {
+            let name = format!("channel {} of device {}", profile.channel, profile.device);
+            (side.into(), name, profile.frequency_khz)
+        });
         let span = SideSpan {
             file: 0,
             encoding: Encoding::ScaledU16 { base: 0, step: 0 },

@@ -169,17 +169,19 @@ impl<'a> Reader<'a> {
         let [near_m, far_m] = trace.range_m(sound_mps.unwrap_or(SOUND_MPS));
         let kind = trace.kind();
         let number = trace.number();
-        if !log.knows(number) && log.channels.len() < MOST_CHANNELS {
-            let name = format!("{}, channel {}", pair::name(trace.subsystem), trace.channel);
-            log.introduce(number, kind, name, trace.frequency_khz);
-        }
         let counted = Counted {
             record: (0, trace.samples_at + trace.room),
             time_s,
             samples: trace.samples as usize,
             range_m: Some((near_m, far_m)),
         };
-        log.count(number, counted);
+        let is_listed = log.channels.iter().any(|(known, _)| *known == number);
+        if is_listed || log.channels.len() < MOST_CHANNELS {
+            log.count(number, counted, || {
+                let name = format!("{}, channel {}", pair::name(trace.subsystem), trace.channel);
+                (kind, name, trace.frequency_khz)
+            });
+        }
         let Some(side) = kind.side() else { return };
         let Some(encoding) = trace.encoding() else {
             *self.unread.entry(trace.data_format).or_default() += 1;

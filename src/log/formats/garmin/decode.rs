@@ -158,12 +158,6 @@ impl<'a> Reader<'a> {
             log.report.log("depths and ranges of this file are stored as unsigned integers, which few files do; compare a depth with what the unit showed");
         }
         let kinds = channels::kinds(&self.channels, &self.header, known, &log.report);
-        for channel in &self.channels {
-            let number = channel.number;
-            let frequency_khz = self.header.frequency_khz(number);
-            let name = SeenChannel::name(number);
-            log.introduce(number, kinds[&number], name, frequency_khz);
-        }
         for (time_s, ping) in &self.pings {
             let (time_s, kind) = (*time_s, kinds[&ping.channel]);
             let range_m = range_m(ping, self.depths);
@@ -173,7 +167,10 @@ impl<'a> Reader<'a> {
                 samples: ping.body.stated_samples as usize,
                 range_m,
             };
-            log.count(ping.channel, counted);
+            log.count(ping.channel, counted, || {
+                let name = SeenChannel::name(ping.channel);
+                (kind, name, self.header.frequency_khz(ping.channel))
+            });
             if let Some(stored) = ping.body.bottom {
                 log.add_depth(kind, time_s, self.depths.metres(stored));
             }

@@ -69,17 +69,16 @@ impl Reader {
         let span = self.span(offset, ping);
         let is_side = kind.side().is_some();
         let number = self.file as u16;
-        if !log.knows(number) {
-            let frequency_khz = (ping.frequency_hz > 0).then(|| ping.frequency_hz as f32 / 1000.0);
-            log.introduce(number, kind, self.name.clone(), frequency_khz);
-        }
         let counted = Counted {
             record: (self.file, offset + ping.size()),
             time_s,
             samples: ping.sample_count as usize,
             range_m: is_side.then_some((span.near_m, span.far_m)),
         };
-        log.count(number, counted);
+        log.count(number, counted, || {
+            let frequency_khz = (ping.frequency_hz > 0).then(|| ping.frequency_hz as f32 / 1000.0);
+            (kind, self.name.clone(), frequency_khz)
+        });
         log.add_depth(kind, time_s, ping.depth_dm as f32 / 10.0);
         if ping.easting_m != 0 && ping.northing_m != 0 {
             log.add_fix(fix(ping, time_s));

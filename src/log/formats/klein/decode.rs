@@ -157,21 +157,20 @@ impl<'a> Reader<'a> {
     ) {
         let far_m = page.far_m(channel.count);
         let number = 2 * channel.band as u16 + channel.side as u16;
-        if !log.knows(number) {
-            let kind = [ChannelKind::Port, ChannelKind::Starboard][channel.side];
-            let band = match channel.band {
-                Band::Low => "low frequency",
-                Band::High => "high frequency",
-            };
-            log.introduce(number, kind, band.to_owned(), page.frequency_khz());
-        }
         let counted = Counted {
             record: (0, page.end),
             time_s,
             samples: channel.count,
             range_m: Some((0.0, far_m)),
         };
-        log.count(number, counted);
+        log.count(number, counted, || {
+            let kind = [ChannelKind::Port, ChannelKind::Starboard][channel.side];
+            let band = match channel.band {
+                Band::Low => "low frequency",
+                Band::High => "high frequency",
+            };
+            (kind, band.to_owned(), page.frequency_khz())
+        });
         let span = SideSpan {
             file: 0,
             encoding: match channel.width {

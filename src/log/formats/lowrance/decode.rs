@@ -66,17 +66,15 @@ impl Reader {
         if log.start_unix_s.is_none() && UNIX_S.contains(&frame.clock) {
             log.start_unix_s = Some(f64::from(frame.clock));
         }
-        if !log.knows(frame.channel) {
-            let name = frame.channel.to_string();
-            log.introduce(frame.channel, kind, name, frequency_khz(frame.frequency));
-        }
         let counted = Counted {
             record: (0, frame.offset + frame.size),
             time_s,
             samples: sides::samples_a_side(kind, frame),
             range_m: sides::range_m(kind, frame),
         };
-        log.count(frame.channel, counted);
+        log.count(frame.channel, counted, || {
+            (kind, frame.channel.to_string(), frequency_khz(frame.frequency))
+        });
         let is_sonar = !matches!(kind, ChannelKind::Swath | ChannelKind::Other(_));
         if is_sonar && frame.depth_ft > 0.0 {
             // Keel offsets above a metre are rare; ten metres are damage.

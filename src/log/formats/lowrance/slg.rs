@@ -253,11 +253,8 @@ impl Reader {
 }
 
 fn keep(log: &mut Collected, block: &Block, time_s: f64) {
-    if !log.knows(CHANNEL) {
-        log.introduce(CHANNEL, ChannelKind::Primary, CHANNEL.to_string(), None);
-    }
     let counted = Counted { record: (0, block.end), time_s, samples: 0, range_m: None };
-    log.count(CHANNEL, counted);
+    log.count(CHANNEL, counted, || (ChannelKind::Primary, CHANNEL.to_string(), None));
     log.add_depth(ChannelKind::Primary, time_s, metres(block.depth_ft));
     let Some([x_m, y_m]) = block.xy_m.filter(|[x_m, y_m]| *x_m != 0 && *y_m != 0) else {
         return;

@@ -267,11 +267,8 @@ impl<'a> Reader<'a> {
     }
 
     fn keep(&self, log: &mut Collected, depth: &Depth, time_s: f64) {
-        if !log.knows(CHANNEL) {
-            log.introduce(CHANNEL, ChannelKind::Primary, name(&self.depths_of), None);
-        }
         let counted = Counted { record: (0, depth.end), time_s, samples: 0, range_m: None };
-        log.count(CHANNEL, counted);
+        log.count(CHANNEL, counted, || (ChannelKind::Primary, name(&self.depths_of), None));
         log.add_depth(ChannelKind::Primary, time_s, depth.depth_m);
     }
 

@@ -204,8 +204,6 @@ fn collect(log: &mut Collected, grey: GreyPicture, pings: &[TablePing]) {
         }
     }
     if !pings.is_empty() {
-        let name = "picture".to_owned();
-        log.introduce(CHANNEL, ChannelKind::Composite, name, None);
         log.report.log("the picture is taken as slant ranges, with the water column in its middle; if it was corrected to ground range, its first returns and ranges are wrong: set surface.side_scan_weight to 0 and surface.swath to off");
     }
     for (ping, [port, starboard]) in pings.iter().zip(sides) {
@@ -215,7 +213,7 @@ fn collect(log: &mut Collected, grey: GreyPicture, pings: &[TablePing]) {
             samples: half,
             range_m: Some(ping.range_m),
         };
-        log.count(CHANNEL, counted);
+        log.count(CHANNEL, counted, || (ChannelKind::Composite, "picture".to_owned(), None));
         log.composite.push(SidePing {
             time_s: ping.time_s,
             depth_m: f32::NAN,

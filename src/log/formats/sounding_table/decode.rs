@@ -257,13 +257,11 @@ impl Reader {
         // Unix seconds in f64 have fewer decimals than are written.
         let time_s = ((time_s - zero_s) * 1e3).round() / 1e3;
         if let Some(depth_m) = row.depth_m {
-            if !log.knows(CHANNEL) {
-                let name = "column of depths".to_owned();
-                log.introduce(CHANNEL, ChannelKind::Primary, name, None);
-            }
             let counted =
                 Counted { record: (self.file, row.end), time_s, samples: 0, range_m: None };
-            log.count(CHANNEL, counted);
+            log.count(CHANNEL, counted, || {
+                (ChannelKind::Primary, "column of depths".to_owned(), None)
+            });
             log.add_depth(ChannelKind::Primary, time_s, depth_m as f32);
         }
         if let Some(fix) = row.fix {

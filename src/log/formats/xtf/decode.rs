@@ -276,17 +276,13 @@ fn range_m(ping: &PingHeader, header: &PingChannel) -> ([f32; 2], bool) {
 
 fn count(log: &mut Collected, channel: &XtfChannel, recorded: &Recorded, end: usize) {
     let number = recorded.header.channel;
-    if !log.knows(number) {
-        let name = channel.name.clone();
-        log.introduce(number, channel.kind, name, channel.frequency_khz);
-    }
     let counted = Counted {
         record: (0, end),
         time_s: recorded.time_s,
         samples: recorded.header.samples as usize,
         range_m: Some(recorded.range_m.into()),
     };
-    log.count(number, counted);
+    log.count(number, counted, || (channel.kind, channel.name.clone(), channel.frequency_khz));
 }
 
 /// Returns the bytes of a sample where the file header does not state them, from the size of the
