@@ -191,12 +191,11 @@ fn nearer(next: Option<&HalfPing>, other: &HalfPing, than_s: f64) -> bool {
 }
 
 fn ping(port: Option<&HalfPing>, starboard: Option<&HalfPing>) -> SidePing {
+    let time_s = port.or(starboard).map_or(f64::NAN, |half| half.time_s);
     SidePing {
-        time_s: port.or(starboard).map_or(f64::NAN, |half| half.time_s),
-        depth_m: f32::NAN,
-        depth_fault: None,
         port: port.map(|half| half.span),
         starboard: starboard.map(|half| half.span),
+        ..SidePing::with_depth(time_s, f32::NAN)
     }
 }
 
@@ -333,18 +332,10 @@ fn judge(pings: &[SidePing], log: &mut Collected) -> SideScanState {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::survey::{Encoding, SampleOrder, SideSpan};
+    use crate::survey::SideSpan;
 
     fn halves(times_s: &[f64]) -> Vec<HalfPing> {
-        let span = SideSpan {
-            file: 0,
-            encoding: Encoding::U8,
-            order: SampleOrder::NearToFar,
-            offset: 0,
-            count: 1,
-            near_m: 0.0,
-            far_m: 1.0,
-        };
+        let span = SideSpan::of_bytes(1, [0.0, 1.0]);
         times_s.iter().map(|&time_s| HalfPing { time_s, span }).collect()
     }
 

@@ -79,11 +79,8 @@ impl TrackFile {
             }
         };
         let fix = |&(time_s, position, compass_rad): &(f64, LonLat, f32)| Fix {
-            time_s: time_s - zero_s + offset_s,
-            position,
-            cog_rad: f32::NAN,
             compass_rad,
-            speed_mps: f32::NAN,
+            ..Fix::at(time_s - zero_s + offset_s, position)
         };
         let mut fixes: Vec<Fix> = self.fixes.iter().map(fix).collect();
         let stray = drop_false_fixes(&mut fixes, true);

@@ -228,7 +228,7 @@ pub struct SideSpan {
 
 impl SideSpan {
     /// Creates a span of `count` samples of one byte, nearest first, at the start of the first
-    /// file, as tests of ranges need.
+    /// file, over a slant range from its near to its far edge, metres.
     pub fn of_bytes(count: u32, [near_m, far_m]: [f32; 2]) -> Self {
         Self {
             file: 0,

@@ -111,13 +111,7 @@ impl Default for Track {
 impl Track {
     /// Returns the track with other fixes, in the same local coordinate frame.
     pub(crate) fn with_fixes(&self, fixes: impl Into<Arc<Vec<Fix>>>) -> Self {
-        Self {
-            fixes: fixes.into(),
-            frame: self.frame.clone(),
-            external: self.external.clone(),
-            projected: self.projected.clone(),
-            has_assumed_times: self.has_assumed_times,
-        }
+        Self { fixes: fixes.into(), ..self.clone() }
     }
 
     /// Creates the recorder's track of `fixes`, which are in time order.

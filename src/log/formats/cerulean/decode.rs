@@ -9,7 +9,7 @@ use crate::formats::log_format::Reading;
 use crate::formats::report::WarningKind;
 use crate::support::calendar::unix_from_iso;
 use crate::support::statistics::upper_median;
-use crate::survey::{Encoding, RangeSource, SampleOrder, Side, SideSpan};
+use crate::survey::{Encoding, RangeSource, Side, SideSpan};
 use std::collections::BTreeMap;
 
 /// Id of the packet that describes a session.
@@ -215,13 +215,9 @@ impl<'a> Reader<'a> {
             (side.into(), name, profile.frequency_khz)
         });
         let span = SideSpan {
-            file: 0,
             encoding: Encoding::ScaledU16 { base: 0, step: 0 },
-            order: SampleOrder::NearToFar,
             offset: profile.samples_at as u64,
-            count: profile.samples.into(),
-            near_m,
-            far_m,
+            ..SideSpan::of_bytes(profile.samples.into(), [near_m, far_m])
         };
         if !(profile.has_samples && profile.has_power() && is_sound(&span)) {
             let [least_db, most_db] = profile.power_db;

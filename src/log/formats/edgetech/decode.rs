@@ -8,7 +8,7 @@ use crate::formats::collected::{Collected, Counted, HalfPing, is_sound};
 use crate::formats::log_format::Reading;
 use crate::formats::report::WarningKind;
 use crate::support::calendar::moment;
-use crate::survey::{ChannelKind, Fix, ProjectedTrack, RangeSource, SampleOrder, SideSpan, Survey};
+use crate::survey::{ChannelKind, Fix, ProjectedTrack, RangeSource, SideSpan, Survey};
 use chrono::Datelike as _;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -188,13 +188,9 @@ impl<'a> Reader<'a> {
             return;
         };
         let span = SideSpan {
-            file: 0,
             encoding,
-            order: SampleOrder::NearToFar,
             offset: trace.samples_at as u64,
-            count: trace.samples,
-            near_m,
-            far_m,
+            ..SideSpan::of_bytes(trace.samples, [near_m, far_m])
         };
         let needed = (trace.samples as usize).saturating_mul(encoding.width());
         if needed > trace.room || !is_sound(&span) || !pair::is_weight(trace.weight) {

@@ -10,7 +10,7 @@ use crate::formats::collected::{Collected, Counted, HalfPing, is_range, is_sound
 use crate::formats::report::WarningKind;
 use crate::formats::xtf::shift_to_fit;
 use crate::support::geo::LonLat;
-use crate::survey::{ChannelKind, Encoding, Fix, SampleOrder, SideSpan, Survey};
+use crate::survey::{ChannelKind, Encoding, Fix, SideSpan, Survey};
 use std::sync::Arc;
 
 /// Most channels of a log; more channels are damage.
@@ -197,13 +197,7 @@ fn number(header: &RecordHeader, body: &RecordBody) -> Option<u16> {
 fn fix(ping: &Ping, time_s: f64) -> Option<Fix> {
     let place = ping.body.place.filter(|place| *place != [0, 0])?;
     let [lat_deg, lon_deg] = place.map(|units| f64::from(units) * (360.0 / UNITS_A_CIRCLE));
-    Some(Fix {
-        time_s,
-        position: LonLat { lon_deg, lat_deg },
-        cog_rad: f32::NAN,
-        compass_rad: f32::NAN,
-        speed_mps: f32::NAN,
-    })
+    Some(Fix::at(time_s, LonLat { lon_deg, lat_deg }))
 }
 
 /// Returns the near and far limit of a ping's samples, metres; `None` where they are missing or not
@@ -226,14 +220,10 @@ fn keep(
     }
     let (near_m, far_m) = range_m.unwrap_or((0.0, 0.0));
     let span = ping.body.samples.map(|samples| SideSpan {
-        file: 0,
         encoding: if samples.is_wide { Encoding::U16 { shift: 0 } } else { Encoding::U8 },
-        // Other readers show the first sample of both sides at the transducer.
-        order: SampleOrder::NearToFar,
         offset: samples.offset as u64,
-        count: samples.count,
-        near_m,
-        far_m,
+        // Other readers, too, show the first sample of both sides at the transducer.
+        ..SideSpan::of_bytes(samples.count, [near_m, far_m])
     });
     let Some(span) = span else {
         let text = format!(

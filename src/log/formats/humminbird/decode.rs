@@ -6,7 +6,7 @@ use crate::formats::clock::{Clock, ClockVerdict};
 use crate::formats::collected::{Collected, Counted, HalfPing, is_sound};
 use crate::formats::report::WarningKind;
 use crate::support::geo::{LonLat, humminbird_mercator_inverse};
-use crate::survey::{ChannelKind, Encoding, Fix, SampleOrder, SideSpan};
+use crate::survey::{ChannelKind, Fix, SideSpan};
 use std::f64::consts::PI;
 
 /// Length of the side-scan transducer, metres, and the frequency for which the formula of other
@@ -109,14 +109,11 @@ impl Reader {
     }
 
     fn span(&self, offset: usize, ping: &PingHeader) -> SideSpan {
+        let far_m = (f64::from(ping.sample_count) * self.sample_m) as f32;
         SideSpan {
             file: self.file as u8,
-            encoding: Encoding::U8,
-            order: SampleOrder::NearToFar,
             offset: (offset + ping.header_len) as u64,
-            count: ping.sample_count,
-            near_m: 0.0,
-            far_m: (f64::from(ping.sample_count) * self.sample_m) as f32,
+            ..SideSpan::of_bytes(ping.sample_count, [0.0, far_m])
         }
     }
 }

@@ -6,9 +6,7 @@ use crate::formats::collected::{Collected, Counted, HalfPing, is_sound};
 use crate::formats::log_format::Reading;
 use crate::formats::report::WarningKind;
 use crate::formats::xtf::shift_to_fit;
-use crate::survey::{
-    ChannelKind, Encoding, Fix, NumberKind, RangeSource, SampleOrder, SideSpan, Survey,
-};
+use crate::survey::{ChannelKind, Encoding, Fix, NumberKind, RangeSource, SideSpan, Survey};
 use std::collections::BTreeMap;
 
 /// Decodes pages and collects sides and fixes.
@@ -131,11 +129,9 @@ impl<'a> Reader<'a> {
         log.add_depth(ChannelKind::Primary, time_s, page.altitude_m());
         if let Some(position) = page.position() {
             log.add_fix(Fix {
-                time_s,
-                position,
-                cog_rad: f32::NAN,
                 compass_rad: page.heading_deg().to_radians(),
                 speed_mps: page.speed_mps(),
+                ..Fix::at(time_s, position)
             });
         }
         let channels = page.channels();
@@ -172,16 +168,12 @@ impl<'a> Reader<'a> {
             (kind, band.to_owned(), page.frequency_khz())
         });
         let span = SideSpan {
-            file: 0,
             encoding: match channel.width {
                 2 => Encoding::U16 { shift: 0 },
                 _ => Encoding::Number { kind: NumberKind::U32, exponent: 0 },
             },
-            order: SampleOrder::NearToFar,
             offset: channel.first as u64,
-            count: channel.count as u32,
-            near_m: 0.0,
-            far_m,
+            ..SideSpan::of_bytes(channel.count as u32, [0.0, far_m])
         };
         if is_sound(&span) {
             let half = HalfPing { time_s, span };

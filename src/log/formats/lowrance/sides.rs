@@ -5,7 +5,7 @@ use super::frame::{LowranceFrame, metres};
 use super::swath;
 use crate::formats::collected::{Collected, HalfPing, is_range, is_sound};
 use crate::formats::report::WarningKind;
-use crate::survey::{ChannelKind, Encoding, SampleOrder, SidePing, SideSpan};
+use crate::survey::{ChannelKind, SampleOrder, SidePing, SideSpan};
 use std::ops::Range;
 
 /// Adds the sides of a frame, or its ping of a channel that looks down, to the log; warns where it
@@ -29,13 +29,10 @@ pub(super) fn keep(log: &mut Collected, kind: ChannelKind, frame: &LowranceFrame
             );
             log.report.at(WarningKind::Value, 0, frame.offset, text);
         }
-        (ChannelKind::Composite, [port, starboard]) => log.composite.push(SidePing {
-            time_s,
-            depth_m: f32::NAN,
-            depth_fault: None,
-            port,
-            starboard,
-        }),
+        (ChannelKind::Composite, [port, starboard]) => {
+            let ping = SidePing::with_depth(time_s, f32::NAN);
+            log.composite.push(SidePing { port, starboard, ..ping });
+        }
         (_, [port, starboard]) => {
             log.port.extend(port.map(half));
             log.starboard.extend(starboard.map(half));
@@ -76,9 +73,9 @@ fn composite(frame: &LowranceFrame) -> [Option<SideSpan>; 2] {
     let port_m = if min_m < 0.0 { -min_m } else { starboard_m };
     let share = (port_m / (port_m + starboard_m)).clamp(0.0, 1.0);
     let middle = (frame.data_len as f32 * share) as usize;
-    let port = span(frame, 0..middle, SampleOrder::FarToNear, (0.0, port_m));
+    let port = span(frame, 0..middle, SampleOrder::FarToNear, [0.0, port_m]);
     let rest = middle..frame.data_len;
-    let starboard = span(frame, rest, SampleOrder::NearToFar, (0.0, starboard_m));
+    let starboard = span(frame, rest, SampleOrder::NearToFar, [0.0, starboard_m]);
     [Some(port), Some(starboard)]
 }
 
@@ -88,7 +85,7 @@ fn alone(frame: &LowranceFrame) -> SideSpan {
     let a_m = metres(frame.min_range_ft).abs();
     let b_m = metres(frame.max_range_ft).abs();
     let all = 0..frame.data_len;
-    span(frame, all, SampleOrder::NearToFar, (a_m.min(b_m), a_m.max(b_m)))
+    span(frame, all, SampleOrder::NearToFar, [a_m.min(b_m), a_m.max(b_m)])
 }
 
 /// Returns a part of a frame's samples, with their near and far limit in metres.
@@ -96,15 +93,11 @@ fn span(
     frame: &LowranceFrame,
     samples: Range<usize>,
     order: SampleOrder,
-    range_m: (f32, f32),
+    range_m: [f32; 2],
 ) -> SideSpan {
     SideSpan {
-        file: 0,
-        encoding: Encoding::U8,
         order,
         offset: (frame.data_offset + samples.start) as u64,
-        count: samples.len() as u32,
-        near_m: range_m.0,
-        far_m: range_m.1,
+        ..SideSpan::of_bytes(samples.len() as u32, range_m)
     }
 }

@@ -132,13 +132,8 @@ impl<'a> Reader<'a> {
                 at: found.at,
                 time_s,
                 stamp_s: found.stamp_s(),
-                fix: sentence.position.filter(|_| is_taken).map(|position| Fix {
-                    time_s,
-                    position,
-                    cog_rad: f32::NAN,
-                    compass_rad: f32::NAN,
-                    speed_mps: f32::NAN,
-                }),
+                fix: (sentence.position.filter(|_| is_taken))
+                    .map(|position| Fix::at(time_s, position)),
                 values: [f32::NAN; 3],
                 depths: std::mem::take(&mut self.waiting),
             });

@@ -215,11 +215,9 @@ fn collect(log: &mut Collected, grey: GreyPicture, pings: &[TablePing]) {
         };
         log.count(CHANNEL, counted, || (ChannelKind::Composite, "picture".to_owned(), None));
         log.composite.push(SidePing {
-            time_s: ping.time_s,
-            depth_m: f32::NAN,
-            depth_fault: None,
             port: Some(port),
             starboard: Some(starboard),
+            ..SidePing::with_depth(ping.time_s, f32::NAN)
         });
     }
     if let Some(file) = log.bytes.get_mut(usize::from(PICTURE)) {

@@ -224,13 +224,8 @@ impl Positions {
     }
 
     fn stand_in(&mut self, sent: &SentPosition) -> Fix {
-        Fix {
-            time_s: sent.time_s,
-            position: self.converter.place(sent.recorded),
-            cog_rad: f32::NAN,
-            compass_rad: sent.compass_rad,
-            speed_mps: f32::NAN,
-        }
+        let position = self.converter.place(sent.recorded);
+        Fix { compass_rad: sent.compass_rad, ..Fix::at(sent.time_s, position) }
     }
 
     /// Moves the ship's fixes to the sonar; returns how many were moved, and how many were not

@@ -58,15 +58,11 @@ impl SideChannels {
             *self.unread.entry((recorded.width, channel.format)).or_default() += 1;
             return;
         };
-        let [near_m, far_m] = recorded.range_m;
         let span = SideSpan {
-            file: 0,
             encoding,
             order: channels::order(channel.kind),
             offset: recorded.first as u64,
-            count: recorded.header.samples,
-            near_m,
-            far_m,
+            ..SideSpan::of_bytes(recorded.header.samples, recorded.range_m)
         };
         if is_sound(&span) {
             let time_s = recorded.time_s;
@@ -74,8 +70,8 @@ impl SideChannels {
             pair.halves[side as usize].push(HalfPing { time_s, span });
         } else {
             let text = format!(
-                "a side of a ping has {} samples over {far_m} m, which is no picture; it was dropped",
-                span.count
+                "a side of a ping has {} samples over {} m, which is no picture; it was dropped",
+                span.count, span.far_m
             );
             log.report.at(WarningKind::Value, 0, recorded.first, text);
         }
