@@ -32,18 +32,10 @@ pub fn read_gauge(path: &Path) -> Result<Gauge, FileError> {
 /// Returns the time (Unix seconds) and the level (metres) of every line.
 fn parse(bytes: &[u8]) -> Result<Vec<(f64, f64)>, FaultText> {
     let no_table = |error: csv::Error| format!("the water levels are no table: {error}");
-    let mut lines = bytes.split(|byte| *byte == b'\n');
-    let header = lines.find(|line| !line.starts_with(b"#"));
-    let semicolons = header.is_some_and(|line| line.contains(&b';'));
-    let mut table = csv::ReaderBuilder::new()
-        .delimiter(if semicolons { b';' } else { b',' })
-        .comment(Some(b'#'))
-        .trim(csv::Trim::All)
-        .from_reader(bytes);
+    let mut table = table(bytes);
     let header = table.headers().map_err(no_table)?.clone();
     let column = |name: &str| {
-        let is = |field: &str| field.trim_start_matches('\u{feff}').eq_ignore_ascii_case(name);
-        let found = header.iter().position(is);
+        let found = header.iter().position(|field| field.eq_ignore_ascii_case(name));
         found.ok_or_else(|| {
             format!("the water levels have no column `{name}`; name the columns time and level_m")
         })
@@ -80,6 +72,20 @@ fn parse(bytes: &[u8]) -> Result<Vec<(f64, f64)>, FaultText> {
         return Err("the water levels hold no reading".into());
     }
     Ok(readings)
+}
+
+/// Returns the reader of a table whose fields are separated by commas or semicolons, as in its first
+/// line, and in which lines that begin with `#` are comments.
+pub(super) fn table(bytes: &[u8]) -> csv::Reader<&[u8]> {
+    let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
+    let mut lines = bytes.split(|byte| *byte == b'\n');
+    let header = lines.find(|line| !line.starts_with(b"#"));
+    let semicolons = header.is_some_and(|line| line.contains(&b';'));
+    csv::ReaderBuilder::new()
+        .delimiter(if semicolons { b';' } else { b',' })
+        .comment(Some(b'#'))
+        .trim(csv::Trim::All)
+        .from_reader(bytes)
 }
 
 #[cfg(test)]

@@ -28,18 +28,12 @@ const LONGEST_DESCRIPTION: u64 = 1 << 17;
 /// Reason why a log cannot be followed any further. The part that was read before remains usable.
 #[derive(Debug, thiserror::Error)]
 pub enum GrowingError {
-    /// The file is shorter than before.
-    #[error("it became shorter: {path}")]
-    Shorter {
-        /// Path of the file.
-        path: PathBuf,
-    },
-    /// The file does not begin with the bytes that were read before.
-    #[error("another recording lies in its place: {path}")]
-    Replaced {
-        /// Path of the file.
-        path: PathBuf,
-    },
+    /// The file with this path is shorter than before.
+    #[error("it became shorter: {0}")]
+    Shorter(PathBuf),
+    /// The file with this path does not begin with the bytes that were read before.
+    #[error("another recording lies in its place: {0}")]
+    Replaced(PathBuf),
     /// The file cannot be read any more.
     #[error("it cannot be read any more: {source}: {path}")]
     Gone {
@@ -49,11 +43,8 @@ pub enum GrowingError {
         source: io::Error,
     },
     /// The copy cannot be written or read, for example because the disk is full.
-    #[error("there is no room for a copy of it in the folder for temporary files: {source}")]
-    NoRoom {
-        /// Error of the operating system.
-        source: io::Error,
-    },
+    #[error("there is no room for a copy of it in the folder for temporary files: {0}")]
+    NoRoom(#[source] io::Error),
     /// The log is no file, as the demo survey or a log in memory.
     #[error("only a log that is a file can be followed")]
     NoFile,
@@ -149,7 +140,7 @@ impl GrowingLog {
             file.look(progress)?;
             let before = known.iter().find(|(known, _)| *known == path);
             if before.is_some_and(|(_, bytes)| file.length() < bytes.len() as u64) {
-                return Err(GrowingError::Shorter { path });
+                return Err(GrowingError::Shorter(path));
             }
             files.push(file);
         }
@@ -187,10 +178,7 @@ impl GrowingFile {
         let copied = if role_by_name(path) == Some(FileRole::Description) {
             Copied::Whole(Arc::default())
         } else {
-            Copied::Log {
-                copy: tempfile::tempfile().map_err(|source| GrowingError::NoRoom { source })?,
-                length: 0,
-            }
+            Copied::Log { copy: tempfile::tempfile().map_err(GrowingError::NoRoom)?, length: 0 }
         };
         Ok(Self { path: path.to_owned(), copied, seen: None })
     }
@@ -201,7 +189,7 @@ impl GrowingFile {
         match &self.copied {
             Copied::Log { copy, length } => MappedFile::beginning(copy, most.min(*length))
                 .map(Bytes::from)
-                .map_err(|source| GrowingError::NoRoom { source }),
+                .map_err(GrowingError::NoRoom),
             Copied::Whole(bytes) => Ok(Bytes::Held(bytes.clone())),
         }
     }
@@ -233,10 +221,10 @@ impl GrowingFile {
             return Ok(0);
         }
         if found.len() < self.length() {
-            return Err(GrowingError::Shorter { path });
+            return Err(GrowingError::Shorter(path));
         }
         if !self.goes_on(&mut file).map_err(gone)? {
-            return Err(GrowingError::Replaced { path });
+            return Err(GrowingError::Replaced(path));
         }
         let added = self.take(file, progress)?;
         self.seen = seen;
@@ -260,26 +248,25 @@ impl GrowingFile {
         };
         let path = self.path.clone();
         if known.len() as u64 > *length {
-            return Err(GrowingError::Shorter { path });
+            return Err(GrowingError::Shorter(path));
         }
         let from = known.len().saturating_sub(COMPARED as usize);
         let mut copy = copy;
         let copied = part(&mut copy, from as u64, (known.len() - from) as u64);
-        let copied = copied.map_err(|source| GrowingError::NoRoom { source })?;
-        if copied == known[from..] { Ok(()) } else { Err(GrowingError::Replaced { path }) }
+        let copied = copied.map_err(GrowingError::NoRoom)?;
+        if copied == known[from..] { Ok(()) } else { Err(GrowingError::Replaced(path)) }
     }
 
     /// Copies the bytes after the known ones; returns their number.
     fn take(&mut self, mut file: File, progress: &Progress) -> Result<u64, GrowingError> {
         let path = self.path.clone();
         let gone = |source| GrowingError::Gone { path: path.clone(), source };
-        let no_room = |source| GrowingError::NoRoom { source };
         let Copied::Log { copy, length } = &mut self.copied else {
             return Ok(0);
         };
         let before = *length;
         file.seek(SeekFrom::Start(before)).map_err(gone)?;
-        copy.seek(SeekFrom::Start(before)).map_err(no_room)?;
+        copy.seek(SeekFrom::Start(before)).map_err(GrowingError::NoRoom)?;
         let mut chunk = Vec::new();
         loop {
             progress.check()?;
@@ -288,10 +275,10 @@ impl GrowingFile {
             if chunk.is_empty() {
                 break;
             }
-            copy.write_all(&chunk).map_err(no_room)?;
+            copy.write_all(&chunk).map_err(GrowingError::NoRoom)?;
             *length += chunk.len() as u64;
         }
-        copy.flush().map_err(no_room)?;
+        copy.flush().map_err(GrowingError::NoRoom)?;
         Ok(*length - before)
     }
 }
@@ -349,7 +336,7 @@ mod tests {
         assert_eq!(&last[0].1[..], &all[..]);
         fs::write(&path, &all[..200]).expect("a log");
         let error = log.look(&progress).expect_err("it is shorter");
-        assert!(matches!(error, GrowingError::Shorter { .. }), "{error}");
+        assert!(matches!(error, GrowingError::Shorter(_)), "{error}");
         // A memory map of the log itself would have lost its bytes here.
         assert_eq!(&last[0].1[..], &all[..]);
         assert_eq!(&first[0].1[..], &all[..100]);
@@ -370,7 +357,7 @@ mod tests {
         assert_eq!(log.look(&progress).expect("it grew"), 5_000);
         fs::write(&path, [3; 20_000]).expect("a log");
         let error = log.look(&progress).expect_err("it is another one");
-        assert!(matches!(error, GrowingError::Replaced { .. }), "{error}");
+        assert!(matches!(error, GrowingError::Replaced(_)), "{error}");
         fs::remove_file(&path).expect("a log");
         let error = log.look(&progress).expect_err("it is gone");
         assert!(matches!(error, GrowingError::Gone { .. }), "{error}");

@@ -88,11 +88,6 @@ impl FileSource {
         Self::Held(files.into_iter().map(hold).collect())
     }
 
-    /// Creates a source of files whose bytes are already available.
-    pub(super) fn at_hand(files: Vec<(PathBuf, Bytes)>) -> Self {
-        Self::Held(files)
-    }
-
     /// Returns the bytes of a file.
     pub(super) fn read(&self, path: &Path) -> io::Result<Bytes> {
         match self {

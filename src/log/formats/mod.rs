@@ -264,7 +264,7 @@ fn open_as(
     progress: &Progress,
 ) -> Result<Survey, OpenError> {
     let path = first_path(&files);
-    open_on(&FileSource::at_hand(files), &path, reading, progress)
+    open_on(&FileSource::Held(files), &path, reading, progress)
 }
 
 fn open_on(

@@ -1,5 +1,6 @@
 //! Reads tracks of another receiver, such as RTK or an autopilot: CSV with named columns, or GPX.
 
+use super::gauge_file::table;
 use super::gpx::gpx_points;
 use crate::support::calendar::unix_from_text;
 use crate::support::file_error::{FaultText, FileError};
@@ -127,13 +128,7 @@ type Fixes = Result<Vec<(f64, LonLat, f32)>, FaultText>;
 
 fn from_csv(text: &str) -> Fixes {
     let no_table = |error: csv::Error| format!("the track is no table: {error}");
-    let header = text.lines().find(|line| !line.starts_with('#'));
-    let semicolons = header.is_some_and(|line| line.contains(';'));
-    let mut table = csv::ReaderBuilder::new()
-        .delimiter(if semicolons { b';' } else { b',' })
-        .comment(Some(b'#'))
-        .trim(csv::Trim::All)
-        .from_reader(text.trim_start_matches('\u{feff}').as_bytes());
+    let mut table = table(text.as_bytes());
     let header = table.headers().map_err(no_table)?.clone();
     let find = |names: &[&str]| {
         let position =
