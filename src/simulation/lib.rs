@@ -37,7 +37,6 @@ mod bed;
 mod check;
 mod echo;
 mod ground;
-mod hull;
 mod limbs;
 mod listener;
 mod log;

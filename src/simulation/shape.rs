@@ -1,6 +1,5 @@
 //! Computes the shapes of objects, as heights above the ground that they cover.
 
-use super::hull::Hull;
 use super::limbs::Limbs;
 use super::random::{NoiseField, Random, RandomPurpose};
 use super::scene::{ObjectKind, ObjectSettings};
@@ -69,7 +68,7 @@ impl Shape {
             // The middle of the ring is at 0.7 of the outer radius, its half thickness is 0.3 of
             // the radius.
             Shape::Tyre => round(((u * u + v * v).sqrt() - 0.7) / 0.3),
-            Shape::Hull(hull) => hull.share(along_m, across_m, size_m, SIDE_M),
+            Shape::Hull(hull) => hull.share(along_m, across_m, size_m),
             Shape::Limbs(limbs) => limbs.share(along_m, across_m),
         }
     }
@@ -82,4 +81,88 @@ fn round(offset: f64) -> f64 {
         return 0.0;
     }
     0.5 + 0.5 * (1.0 - offset * offset).sqrt()
+}
+
+/// The hull of a sunken boat: an open hull on its keel, or one that lies keel up. Its bow points
+/// along the heading.
+pub(super) struct Hull {
+    keel_up: bool,
+    /// List of the hull: relative gain in height of one side and loss of the other; signed.
+    list: f64,
+    /// Height of the inner floor (planks, or mud that fills the hull) as a share of the height.
+    floor: f64,
+    /// Places of the thwarts along the hull, half lengths.
+    thwarts: [f64; 3],
+    /// Half width of the transom as a share of the greatest half width.
+    transom: f64,
+}
+
+/// Width of the rim of a hull (gunwale and planking), metres.
+const RIM_M: f64 = 0.08;
+/// Half of a thwart's width, metres.
+const THWART_M: f64 = 0.11;
+/// Height of a thwart as a share of the height.
+const THWART: f64 = 0.75;
+/// Half of a keel's width, metres.
+const KEEL_M: f64 = 0.05;
+
+impl Hull {
+    /// Creates a hull of random build and pose.
+    fn new(random: &mut Random) -> Self {
+        let keel_up = random.chance(0.4);
+        let forward = random.between(-0.1, 0.1);
+        Self {
+            keel_up,
+            list: random.between(-0.35, 0.35),
+            floor: random.between(0.1, 0.4),
+            thwarts: [-0.5, 0.0, 0.45].map(|at| at + forward),
+            transom: random.between(0.6, 0.9),
+        }
+    }
+
+    /// Returns the half width at a place along the hull (in half lengths, the bow at 1) as a share
+    /// of the greatest half width.
+    fn outline(&self, u: f64) -> f64 {
+        if u < 0.0 { 1.0 - (1.0 - self.transom) * u * u } else { 1.0 - u * u * (0.3 + 0.7 * u) }
+    }
+
+    /// Returns the height at a place as a share of the whole height.
+    fn share(&self, along_m: f64, across_m: f64, size_m: [f64; 2]) -> f64 {
+        let [half_length, half_width] = size_m.map(|size| 0.5 * size);
+        let (u, v) = (along_m / half_length, across_m / half_width);
+        let beam_m = self.outline(u.clamp(-1.0, 1.0)) * half_width;
+        let inside_m = (beam_m - across_m.abs()).min(half_length - along_m.abs());
+        let side = ((inside_m + SIDE_M) / SIDE_M).clamp(0.0, 1.0);
+        if side == 0.0 {
+            return 0.0;
+        }
+        let upright = if self.keel_up {
+            self.bottom(across_m, beam_m, inside_m, u)
+        } else {
+            self.open(along_m, half_length, inside_m, u)
+        };
+        let listing = 1.0 + self.list * v;
+        side * upright * listing / (1.0 + self.list.abs())
+    }
+
+    /// Returns the height of an upright hull (gunwale, thwarts or floor) as a share of the whole;
+    /// the gunwale is a little higher towards the ends.
+    fn open(&self, along_m: f64, half_length: f64, inside_m: f64, u: f64) -> f64 {
+        if inside_m < RIM_M {
+            return 0.85 + 0.15 * u * u;
+        }
+        let on_thwart = |at: &f64| (along_m - at * half_length).abs() < THWART_M;
+        if self.thwarts.iter().any(on_thwart) { THWART } else { self.floor }
+    }
+
+    /// Returns the height of a hull that lies keel up as a share of the whole: a vault with a
+    /// ridge.
+    fn bottom(&self, across_m: f64, beam_m: f64, inside_m: f64, u: f64) -> f64 {
+        if across_m.abs() < KEEL_M && inside_m > 0.0 {
+            return 1.0 - 0.25 * u * u;
+        }
+        let v = (across_m / beam_m.max(1e-9)).clamp(-1.0, 1.0);
+        let vault = 0.45 + 0.45 * (1.0 - v * v).sqrt();
+        vault * (1.0 - 0.3 * u * u)
+    }
 }
