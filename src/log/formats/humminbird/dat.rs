@@ -7,6 +7,8 @@ use crate::formats::scalar::take;
 const EARLIEST_UNIX_S: u32 = 946_684_800;
 /// Unix seconds of the year 2100; higher values are no times.
 const LATEST_UNIX_S: u32 = 4_102_444_800;
+/// Salinity of lakes and rivers, parts per thousand.
+pub(super) const FRESH: f64 = 1.0;
 /// Bytes of the shortest DAT that is no text, and offset of the recording's name in it.
 const SHORTEST: usize = 64;
 const NAME_AT: usize = 32;
@@ -37,19 +39,6 @@ pub(crate) struct Dat {
     pub start_unix_s: Option<u32>,
     /// Offset 44: number of pings in all channels.
     pub record_count: u32,
-    /// Offset 48: length of the recording, milliseconds.
-    pub length_ms: u32,
-}
-
-/// Kinds of water that a unit can be set to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum WaterKind {
-    /// Lakes and rivers.
-    Fresh,
-    /// Shallow salt water.
-    ShallowSalt,
-    /// Deep salt water.
-    DeepSalt,
 }
 
 impl Dat {
@@ -80,37 +69,34 @@ impl Dat {
             sonar: number(4).filter(|&number| number > 0),
             start_unix_s: number(20).filter(|&unix_s| unix_s > EARLIEST_UNIX_S),
             record_count: number(44)?,
-            length_ms: number(48)?,
         })
     }
 
     fn parse_onix(bytes: &[u8]) -> Option<Self> {
         let text = String::from_utf8_lossy(bytes.get(24..bytes.len().min(LONGEST_ONIX))?);
-        let number = |name: &str| {
+        let number = |name: &str| -> Option<u32> {
             let (_, after) = text.split_once(&format!("<{name}="))?;
             after.split_once('>')?.0.trim().parse().ok()
         };
+        // Every Onix states the length of the recording, too.
+        number("TotalTimeMs")?;
         Some(Self {
             family: DatFamily::Onix,
             water_code: *bytes.get(1)?,
             sonar: None,
             start_unix_s: None,
             record_count: number("NumberOfPings")?,
-            length_ms: number("TotalTimeMs")?,
         })
     }
 
-    /// Returns the kind of water, which each family numbers differently; `None` for an unknown
-    /// number.
-    pub(crate) fn water(&self) -> Option<WaterKind> {
+    /// Returns the salinity of the kind of water that the unit was set to, parts per thousand; each
+    /// family numbers the kinds differently. `None` for an unknown number.
+    pub(crate) fn salinity(&self) -> Option<f64> {
         match (self.family, self.water_code) {
-            (DatFamily::Classic | DatFamily::Onix, 0) | (DatFamily::Solix, 1) => {
-                Some(WaterKind::Fresh)
-            }
-            (_, 2) => Some(WaterKind::ShallowSalt),
-            (DatFamily::Classic | DatFamily::Onix, 1) | (DatFamily::Solix, 3) => {
-                Some(WaterKind::DeepSalt)
-            }
+            (DatFamily::Classic | DatFamily::Onix, 0) | (DatFamily::Solix, 1) => Some(FRESH),
+            // Shallow, then deep salt water.
+            (_, 2) => Some(30.0),
+            (DatFamily::Classic | DatFamily::Onix, 1) | (DatFamily::Solix, 3) => Some(35.0),
             _ => None,
         }
     }
@@ -137,8 +123,7 @@ mod tests {
         let dat = Dat::parse(&RIVER).unwrap();
         assert_eq!(dat.start_unix_s, Some(1_382_657_324));
         assert_eq!(dat.record_count, 2 * 3453 + 1726 + 1727);
-        assert_eq!(dat.length_ms, 150_617);
-        assert_eq!(dat.water(), Some(WaterKind::Fresh));
+        assert_eq!(dat.salinity(), Some(FRESH));
     }
 
     #[test]
@@ -150,7 +135,7 @@ mod tests {
         solix[44..48].copy_from_slice(&77_u32.to_le_bytes());
         let dat = Dat::parse(&solix).unwrap();
         assert_eq!((dat.start_unix_s, dat.record_count), (Some(1_600_000_000), 77));
-        assert_eq!(dat.water(), Some(WaterKind::DeepSalt));
+        assert_eq!(dat.salinity(), Some(35.0));
     }
 
     #[test]
@@ -180,10 +165,7 @@ mod tests {
             b"<Version=SonarRecordThumbVersion><NumberOfPings=11712><TotalTimeMs=143092>",
         );
         let dat = Dat::parse(&onix).unwrap();
-        assert_eq!(
-            (dat.family, dat.record_count, dat.length_ms),
-            (DatFamily::Onix, 11_712, 143_092)
-        );
+        assert_eq!((dat.family, dat.record_count), (DatFamily::Onix, 11_712));
     }
 
     #[test]

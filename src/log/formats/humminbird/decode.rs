@@ -1,6 +1,6 @@
 //! Decodes pings of SON files to sides, depths and fixes in SI units.
 
-use super::dat::{Dat, WaterKind};
+use super::dat::{Dat, FRESH};
 use super::ping::PingHeader;
 use crate::formats::clock::{Clock, ClockVerdict};
 use crate::formats::collected::{Collected, Counted, HalfPing, is_sound};
@@ -29,7 +29,7 @@ impl Reader {
         Self {
             file,
             name,
-            sample_m: sample_m(dat.and_then(|dat| dat.water()).unwrap_or(WaterKind::Fresh)),
+            sample_m: sample_m(dat.and_then(|dat| dat.salinity()).unwrap_or(FRESH)),
             clock: Clock::default(),
         }
     }
@@ -122,12 +122,7 @@ impl Reader {
 /// and PING-Mapper, it is computed from the transducer's beam width at 455 kHz and the speed of
 /// sound at 10 degrees Celsius (Medwin's simplified formula): `2/pi asin(c / (L f))`; 0.01877 m in
 /// fresh water.
-fn sample_m(water: WaterKind) -> f64 {
-    let salinity = match water {
-        WaterKind::Fresh => 1.0,
-        WaterKind::ShallowSalt => 30.0,
-        WaterKind::DeepSalt => 35.0,
-    };
+fn sample_m(salinity: f64) -> f64 {
     let t = 1.0_f64;
     let sound_mps = 1449.05 + 45.7 * t - 5.21 * t.powi(2)
         + 0.23 * t.powi(3)
@@ -169,7 +164,7 @@ mod tests {
 
     #[test]
     fn scale_and_position_match_the_peers() {
-        assert!((sample_m(WaterKind::Fresh) - 0.01877).abs() < 1e-5);
+        assert!((sample_m(FRESH) - 0.01877).abs() < 1e-5);
         // The start of the survey by its own notes: 36.877 N, 111.516 W.
         let start = lon_lat(-12_414_199, 4_396_652);
         assert!((start.lat_deg - 36.877).abs() < 0.003, "{start:?}");

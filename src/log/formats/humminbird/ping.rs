@@ -18,8 +18,6 @@ const MOST_SAMPLES: u32 = 1 << 16;
 /// the tags do not.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct PingHeader {
-    /// Tag 80: number of the record, counted over all channels.
-    pub record: u32,
     /// Tag 81: milliseconds since the recording's start.
     pub time_ms: u32,
     /// Tag 82: east, metres of a Mercator projection on the International 1924 sphere.
@@ -88,7 +86,6 @@ impl PingHeader {
     fn wide(&mut self, tag: u8, value: u32) {
         let halves = ((value >> 16) as u16, value as u16);
         match tag {
-            0x80 => self.record = value,
             0x81 => self.time_ms = value,
             0x82 => self.easting_m = value.cast_signed(),
             0x83 => self.northing_m = value.cast_signed(),
