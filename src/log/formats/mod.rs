@@ -140,6 +140,9 @@ pub enum OpenError {
     /// A file changed while it was read.
     #[error(transparent)]
     Changed(#[from] FileError<FileFault>),
+    /// A file of points cannot be read.
+    #[error(transparent)]
+    Points(#[from] FileError),
     /// The user cancelled the opening.
     #[error(transparent)]
     Cancelled(#[from] crate::support::progress::Cancelled),
@@ -398,17 +401,6 @@ pub enum ReferenceFile {
     Log(Box<Survey>),
 }
 
-/// Reason why the file to compare a survey with cannot be read, in one sentence.
-#[derive(Debug, thiserror::Error)]
-pub enum ReferenceError {
-    /// The points cannot be read.
-    #[error(transparent)]
-    Points(#[from] FileError),
-    /// The log cannot be opened, or the work was cancelled.
-    #[error(transparent)]
-    Log(#[from] OpenError),
-}
-
 /// Returns true if an argument names points: a file of points, or the multibeam depths of a log,
 /// `FILE.xtf:multibeam`.
 pub fn is_named_as_points(argument: &OsStr) -> bool {
@@ -425,7 +417,7 @@ pub fn multibeam_of(argument: &OsStr) -> Option<PathBuf> {
 ///
 /// # Errors
 /// When the points cannot be read, or there are none.
-pub fn read_points(argument: &OsStr, progress: &Progress) -> Result<Elevations, ReferenceError> {
+pub fn read_points(argument: &OsStr, progress: &Progress) -> Result<Elevations, OpenError> {
     Ok(match multibeam_of(argument) {
         Some(path) => read_multibeam(&path, progress)?,
         None => read_elevations(argument)?,
@@ -437,10 +429,7 @@ pub fn read_points(argument: &OsStr, progress: &Progress) -> Result<Elevations, 
 ///
 /// # Errors
 /// When the file cannot be read as the kind that its name indicates.
-pub fn open_reference(
-    argument: &OsStr,
-    progress: &Progress,
-) -> Result<ReferenceFile, ReferenceError> {
+pub fn open_reference(argument: &OsStr, progress: &Progress) -> Result<ReferenceFile, OpenError> {
     Ok(if is_named_as_points(argument) {
         ReferenceFile::Points(read_points(argument, progress)?)
     } else {

@@ -24,9 +24,9 @@ impl Survey {
         let spans: Vec<Range<f64>> =
             (records.iter()).map(|stretch| span_s(&times_s, stretch)).collect();
         let by_sides = !self.side_scan.is_empty();
-        let echogram = |echogram: &Echogram| Echogram {
-            kind: echogram.kind,
-            pings: Arc::new(select_by_time(&echogram.pings, &spans, |ping| ping.time_s)),
+        let echogram = |echogram: &Echogram| {
+            let chosen = indices(&echogram.pings, &spans, |ping| ping.time_s);
+            Echogram { kind: echogram.kind, pings: Arc::new(select(&echogram.pings, &chosen)) }
         };
         let mut fixes: Vec<Range<usize>> = Vec::new();
         for span in &spans {
@@ -84,14 +84,6 @@ fn indices<T>(items: &[T], spans: &[Range<f64>], time_s: impl Fn(&T) -> f64) -> 
     let before = |at_s: f64| items.partition_point(|item| time_s(item) < at_s);
     let stretches = spans.iter().map(|span| before(span.start)..before(span.end));
     stretches.collect()
-}
-
-fn select_by_time<T: Clone>(
-    items: &[T],
-    spans: &[Range<f64>],
-    time_s: impl Fn(&T) -> f64,
-) -> Vec<T> {
-    select(items, &indices(items, spans, time_s))
 }
 
 /// Returns the items of some index ranges; indices beyond the last item are ignored.

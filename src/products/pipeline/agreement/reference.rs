@@ -9,7 +9,7 @@ use bathyscope_bottom::cloud::correction::WaterLevelError;
 use bathyscope_bottom::first_return::BottomSettings;
 use bathyscope_bottom::presentation::text::way;
 use bathyscope_log::formats::points::{Elevations, PointPlane};
-use bathyscope_log::formats::{ReferenceError, ReferenceFile, open_reference};
+use bathyscope_log::formats::{OpenError, ReferenceFile, open_reference};
 use bathyscope_log::support::file_error::FileError;
 use bathyscope_log::support::geo::{Crs, CrsError, LocalFrame, LonLat};
 use bathyscope_log::support::outline;
@@ -28,7 +28,7 @@ pub enum AgreementError {
     Cancelled(#[from] Cancelled),
     /// The reference file cannot be opened.
     #[error(transparent)]
-    Open(#[from] ReferenceError),
+    Open(#[from] OpenError),
     /// There is no log to compare with the reference.
     #[error("there is no log to compare with the reference")]
     NoLog,
