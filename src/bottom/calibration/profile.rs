@@ -1,6 +1,7 @@
 //! Measures the slope and the variation of the recorded depth along the track.
 
 use bathyscope_log::survey::{Navigation, Survey};
+use std::array::from_fn;
 use std::ops::Range;
 
 /// Speed below which the boat is at rest, metres a second: its depth is flat whatever the bottom
@@ -14,18 +15,9 @@ const MAX_PAUSE_S: f64 = 2.0;
 pub(super) struct Profile {
     /// Distance sailed up to each ping, metres.
     along_m: Vec<f64>,
-    /// Sums over the usable pings before each index.
-    sums: Vec<Sums>,
-}
-
-#[derive(Clone, Copy, Default)]
-struct Sums {
-    usable: f64,
-    x: f64,
-    y: f64,
-    xx: f64,
-    xy: f64,
-    yy: f64,
+    /// Sums over the usable pings before each index: of 1, x, y, x², x y and y², of the distance x
+    /// and the depth y, metres.
+    sums: Vec<[f64; 6]>,
 }
 
 impl Profile {
@@ -46,11 +38,11 @@ impl Profile {
                 && pause_s < MAX_PAUSE_S
                 && navigation.pings[index].speed_mps >= MIN_SPEED_MPS
         };
-        let mut sums = vec![Sums::default()];
+        let mut sums = vec![[0.0; 6]];
         for index in 0..along_m.len() {
-            let last = sums[index];
             let (x, y) = (along_m[index], f64::from(pings[index].depth_m));
-            sums.push(if usable(index) { last.with(x, y) } else { last });
+            let (last, added) = (sums[index], [1.0, x, y, x * x, x * y, y * y]);
+            sums.push(if usable(index) { from_fn(|of| last[of] + added[of]) } else { last });
         }
         Self { along_m, sums }
     }
@@ -73,7 +65,7 @@ impl Profile {
     ) -> Option<Range<usize>> {
         let goal_m = self.along_m[start] + length_m;
         let end = self.along_m.partition_point(|&along_m| along_m < goal_m).max(start + min_pings);
-        let complete = end < self.len() && self.sums(&(start..end)).usable == (end - start) as f64;
+        let complete = end < self.len() && self.sums(&(start..end))[0] == (end - start) as f64;
         complete.then_some(start..end)
     }
 
@@ -87,22 +79,15 @@ impl Profile {
         place(from_m).min(pings.start)..place(to_m).max(pings.end)
     }
 
-    fn sums(&self, pings: &Range<usize>) -> Sums {
+    fn sums(&self, pings: &Range<usize>) -> [f64; 6] {
         let (a, b) = (self.sums[pings.start], self.sums[pings.end]);
-        Sums {
-            usable: b.usable - a.usable,
-            x: b.x - a.x,
-            y: b.y - a.y,
-            xx: b.xx - a.xx,
-            xy: b.xy - a.xy,
-            yy: b.yy - a.yy,
-        }
+        from_fn(|of| b[of] - a[of])
     }
 
     /// Returns the variation of the depth over a stretch, metres: the rise of its line plus twice
     /// the scatter about this line.
     pub(super) fn variation_m(&self, pings: &Range<usize>) -> f64 {
-        let (slope, scatter_m) = self.sums(pings).line();
+        let (slope, scatter_m) = line_of(self.sums(pings));
         let length_m = self.along_m[pings.end - 1] - self.along_m[pings.start];
         slope.abs() * length_m + 2.0 * scatter_m
     }
@@ -120,29 +105,17 @@ impl Profile {
         if pings.is_empty() {
             return (f64::NAN, f64::NAN);
         }
-        self.sums(pings).line()
+        line_of(self.sums(pings))
     }
 }
 
-impl Sums {
-    fn with(self, x: f64, y: f64) -> Self {
-        Self {
-            usable: self.usable + 1.0,
-            x: self.x + x,
-            y: self.y + y,
-            xx: self.xx + x * x,
-            xy: self.xy + x * y,
-            yy: self.yy + y * y,
-        }
-    }
-
-    /// Returns the least-squares slope, and the standard deviation about the line.
-    fn line(&self) -> (f64, f64) {
-        let n = self.usable.max(1.0);
-        let xx = (self.xx - self.x * self.x / n).max(0.0);
-        let xy = self.xy - self.x * self.y / n;
-        let yy = (self.yy - self.y * self.y / n).max(0.0);
-        let slope = if xx > 1e-6 * n { xy / xx } else { 0.0 };
-        (slope, ((yy - slope * xy).max(0.0) / n).sqrt())
-    }
+/// Returns the least-squares slope of the points that were summed, and the standard deviation about
+/// the line.
+fn line_of([usable, x, y, xx, xy, yy]: [f64; 6]) -> (f64, f64) {
+    let n = usable.max(1.0);
+    let xx = (xx - x * x / n).max(0.0);
+    let xy = xy - x * y / n;
+    let yy = (yy - y * y / n).max(0.0);
+    let slope = if xx > 1e-6 * n { xy / xx } else { 0.0 };
+    (slope, ((yy - slope * xy).max(0.0) / n).sqrt())
 }
