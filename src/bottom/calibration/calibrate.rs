@@ -1,9 +1,8 @@
 //! Computes all scales, chooses the one in force, and warns of disagreements.
 
 use super::objections::VERY_WIDE;
-use super::offset::{RangeOffset, TOLERANCE_M, blocks};
+use super::offset::{RangeOffset, TOLERANCE_M, blocks, robust_line};
 use super::overlap::{BeamWidths, beam_widths};
-use super::robust::robust_line;
 use super::scale::{Usable, header_scale, picks_at_depths, range_changes, usable_picks};
 use super::sounding_lag::SoundingLag;
 use super::{

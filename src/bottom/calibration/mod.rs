@@ -9,14 +9,11 @@
 //! `sounding_lag` finds the delay of soundings, `robust` fits the line over the log, and
 //! `calibrate` compares the scales and chooses one.
 
-mod agreement;
 mod calibrate;
 mod flat_spots;
 mod objections;
 mod offset;
 mod overlap;
-mod profile;
-mod robust;
 mod scale;
 mod sounding_lag;
 
