@@ -5,14 +5,11 @@
 //!
 //! `normalise` scales the picture, and `int32_image` reads it as the published int32 picture.
 //! `threshold` is the simple method, `tracker` the one that follows the bottom as a whole line.
-//! `confidence` computes the confidence of a pick and whether it is above the recorded depth.
-//! `false_soundings` finds the recorded depths that both sides contradict, and `beyond_depth`
-//! lowers the confidence of first returns beyond the depth. `manual_picks` holds the edits of the
-//! analyst, `accepted` those that accept first returns as they were found. `bottom_line` chooses
-//! the bottom that the picture is laid out by.
+//! `confidence` computes the confidence of a pick and whether it is above the recorded depth, and
+//! lowers it beyond the depth. `false_soundings` finds the recorded depths that both sides
+//! contradict. `manual_picks` holds the edits of the analyst, also those that accept first returns
+//! as they were found. `bottom_line` chooses the bottom that the picture is laid out by.
 
-mod accepted;
-mod beyond_depth;
 mod bottom_line;
 mod confidence;
 mod false_soundings;
@@ -267,7 +264,7 @@ fn track_again(
     progress: &Progress,
 ) -> Result<(), Cancelled> {
     if returns.false_soundings.is_empty() {
-        beyond_depth::doubt_by_own_scale(survey, returns);
+        confidence::doubt_by_own_scale(survey, returns);
         return Ok(());
     }
     let (explained, pings) = false_soundings::explained(survey, &returns.false_soundings);
@@ -277,7 +274,7 @@ fn track_again(
             returns.side_mut(side)[pings.clone()].copy_from_slice(found.side(side));
         }
     }
-    beyond_depth::doubt_by_own_scale(&explained, returns);
+    confidence::doubt_by_own_scale(&explained, returns);
     for ping in false_soundings::held_pings(survey, &returns.false_soundings) {
         for side in Side::BOTH {
             returns.side_mut(side)[ping].accept();
@@ -367,7 +364,7 @@ pub fn track_range(
         method: Method::Tracker,
     }
     .picks();
-    beyond_depth::doubt(survey, around.start, &mut sides);
+    confidence::doubt(survey, around.start, &mut sides);
     for picks in &mut sides {
         picks.truncate(pings.end - around.start);
         picks.drain(..pings.start - around.start);

@@ -5,8 +5,7 @@
 //! maxima are few (six to ten of 1400 samples), so they are kept for each side of a ping, and a
 //! level is searched among them alone.
 
-use super::beyond_depth::doubt;
-use super::confidence::{Gathering, MethodPick};
+use super::confidence::{Gathering, MethodPick, doubt};
 use super::normalise::{BLOCK, dead_samples};
 use super::{FirstReturns, ImageSettings, Method, Normalisation, SampleMode, Settled, int32_image};
 use bathyscope_log::support::progress::{Cancelled, Progress};

@@ -1,9 +1,9 @@
 //! Limits the place of the line by the recorded depth.
 
-use super::super::beyond_depth::farthest_m;
 use super::TUNING;
-use super::runs::TrackerChunk;
+use super::rows::TrackerChunk;
 use super::score::Scores;
+use crate::first_return::confidence::farthest_m;
 use bathyscope_log::survey::Survey;
 use std::ops::Range;
 

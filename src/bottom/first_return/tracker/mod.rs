@@ -4,20 +4,17 @@
 //! In: a survey, with the normalisation of its picture. Out: a first return with its evidence for
 //! each ping on both sides.
 //!
-//! `runs` divides the log where the line may break, and into chunks. `rows` loads the picture,
-//! `score` measures the step at every sample, `depth` limits the line by the recorded depth, and
-//! `viterbi` finds the best path. `refine` finds the edge within a fraction of a sample on the
-//! picture that `straight` aligns along the line, with the earlier echoes that `onset` finds just
-//! before it.
+//! `rows` divides the log where the line may break, and into chunks, and loads the picture. `score`
+//! measures the step at every sample, `depth` limits the line by the recorded depth, and `viterbi`
+//! finds the best path. `refine` finds the edge within a fraction of a sample on the picture that
+//! `grid` aligns along the line, with the earlier echoes that `onset` finds just before it.
 
 mod depth;
 mod grid;
 mod onset;
 mod refine;
 mod rows;
-mod runs;
 mod score;
-mod straight;
 mod viterbi;
 
 use super::confidence::MethodPick;
@@ -26,7 +23,7 @@ use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::{Side, Survey};
 use grid::TrackerGrid;
 use rayon::prelude::*;
-use runs::TrackerChunk;
+use rows::TrackerChunk;
 use score::Scores;
 use std::ops::Range;
 
@@ -109,7 +106,7 @@ pub(super) fn track(
     progress: &Progress,
 ) -> Result<[Vec<MethodPick>; 2], Cancelled> {
     let mut sides = [Vec::new(), Vec::new()];
-    let chunks = Side::BOTH.map(|side| runs::chunks(survey, side, &pings));
+    let chunks = Side::BOTH.map(|side| rows::chunks(survey, side, &pings));
     progress.start(chunks.iter().flatten().map(|chunk| chunk.kept.len() as u64).sum());
     for ((side, chunks), picks) in Side::BOTH.into_iter().zip(&chunks).zip(&mut sides) {
         let tracked = chunks

@@ -5,9 +5,8 @@
 //! first return. Each row is therefore read once more, with hardly any averaging, to find the place
 //! where the unbroken echo before the edge rises out of the water.
 
-use super::grid::TrackerGrid;
+use super::grid::{TrackerGrid, extract, gaussian, smooth_along};
 use super::rows::SampleRows;
-use super::straight::{extract, gaussian, smooth_along};
 use bathyscope_log::support::statistics::upper_median;
 use std::ops::Range;
 

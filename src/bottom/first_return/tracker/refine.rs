@@ -7,11 +7,10 @@
 //! fixed drop in bytes is a fixed drop in decibels, at which both edges are equally far from the
 //! true range.
 
-use super::grid::{TrackerGrid, peak_offset};
+use super::grid::{TrackerGrid, extract, gaussian, peak_offset, smooth, smooth_along, stretches};
 use super::onset::Onsets;
 use super::rows::SampleRows;
 use super::score::{FLOOR, MOST};
-use super::straight::{extract, gaussian, smooth, smooth_along, stretches};
 use super::viterbi::{MotionCost, Paths};
 use bathyscope_log::support::statistics::upper_median;
 use std::ops::Range;

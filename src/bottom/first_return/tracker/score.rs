@@ -3,8 +3,7 @@
 use super::super::{FirstReturnSettings, Normalisation, SampleMode};
 use super::TUNING;
 use super::grid::TrackerGrid;
-use super::rows::SampleRows;
-use super::runs::TrackerChunk;
+use super::rows::{SampleRows, TrackerChunk};
 use crate::vectors::{VectorLoop, vectorised};
 use std::ops::{Bound, RangeBounds};
 
