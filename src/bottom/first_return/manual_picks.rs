@@ -358,30 +358,15 @@ fn simplified(corners: &[[f64; 2]], tolerance_m: f64) -> Vec<[f64; 2]> {
     kept.map(|(corner, _)| *corner).collect()
 }
 
-impl BottomEdit {
-    /// Creates the edit that accepts the first returns of these pings as bottom where they were
-    /// found.
-    fn accepted(side: Side, pings: [usize; 2]) -> Self {
-        Self { side, pings, corners: Vec::new(), accepted: true }
-    }
-}
-
 impl BottomSettings {
     /// Returns the settings with the first returns of these pings accepted as bottom where they
     /// were found; manual picks in these pings stay.
     pub fn accepting(&self, side: Side, pings: [usize; 2]) -> Self {
         let drawn = self.lines.iter().filter(|line| !line.accepted && line.side == side);
-        let whole = vec![BottomEdit::accepted(side, pings)];
-        let parts = drawn.fold(whole, |parts, line| {
-            let cut = |part: BottomEdit| {
-                let meets = part.pings[0] <= line.pings[1] && part.pings[1] >= line.pings[0];
-                let rest = meets.then(|| part.outside(line.pings));
-                let whole = (!meets).then_some(part);
-                whole.into_iter().chain(rest.into_iter().flatten())
-            };
-            parts.into_iter().flat_map(cut).collect()
-        });
-        parts.into_iter().fold(self.clone(), |all, part| all.with(part))
+        let whole = BottomEdit { side, pings, corners: Vec::new(), accepted: true };
+        let whole = Self { lines: vec![whole], ..*self };
+        let rest = drawn.fold(whole, |rest, line| rest.without(side, line.pings));
+        rest.lines.into_iter().fold(self.clone(), |all, part| all.with(part))
     }
 
     /// Returns the settings with no first return of these pings accepted; manual picks in these
@@ -556,9 +541,10 @@ mod tests {
         let survey = Survey::of_pings(vec![recorded; 40]);
         let flagged = Pick { sample: 24.0, confidence: 0.02, above_bottom: true };
         let drawn = BottomSettings::of(&survey).with(BottomEdit {
+            side: Side::Port,
+            pings: [10, 12],
             corners: vec![[10.0, 2.0], [13.0, 2.0]],
             accepted: false,
-            ..BottomEdit::accepted(Side::Port, [10, 12])
         });
         let all = drawn.accepting(Side::Port, [5, 20]);
         assert_eq!(all.check(), Ok(()));
