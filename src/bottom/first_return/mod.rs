@@ -3,7 +3,7 @@
 //!
 //! In: a survey. Out: a first return for each ping and side, with or without the bottom edits.
 //!
-//! `normalise` scales the picture, and `int32_image` reads it as the published int32 picture.
+//! `normalise` reads and scales the picture, in bytes or as the published int32 picture.
 //! `threshold` is the simple method, `tracker` the one that follows the bottom as a whole line.
 //! `confidence` computes the confidence of a pick and whether it is above the recorded depth, and
 //! lowers it beyond the depth. `false_soundings` finds the recorded depths that both sides
@@ -13,7 +13,6 @@
 mod bottom_line;
 mod confidence;
 mod false_soundings;
-mod int32_image;
 mod manual_picks;
 mod normalise;
 mod threshold;

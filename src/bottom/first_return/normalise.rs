@@ -1,10 +1,15 @@
 //! Computes the normalised intensity as the paper does: the middle is set to zero, then the values
-//! are scaled from minimum to maximum of the whole picture.
+//! are scaled from minimum to maximum of the whole picture. It reads the picture in bytes, or as the
+//! published code does: four stored bytes as one little-endian int32.
+//!
+//! The rows of a composite picture run from far port over the middle to far starboard, and a word
+//! takes four neighbours in that order. Outward from the middle, the most significant byte of word
+//! `k` is therefore sample `4 k + 3` on starboard and sample `4 k` on port. A word is negative when
+//! that byte is 128 or more.
 
-use super::int32_image;
 use super::{ImageSettings, SampleMode};
 use bathyscope_log::support::progress::{Cancelled, Progress};
-use bathyscope_log::survey::{Side, SideSpan, Survey};
+use bathyscope_log::survey::{SampleOrder, Samples, Side, SideSpan, Survey};
 use rayon::prelude::*;
 
 /// Number of pings in one parallel step.
@@ -111,8 +116,8 @@ impl Normalisation {
                     }
                 })
                 .collect(),
-            SampleMode::Words => std::iter::repeat_n(masked, dead.div_ceil(int32_image::WORD))
-                .chain(int32_image::outward(samples, side, dead).map(|word| self.normalised(word)))
+            SampleMode::Words => std::iter::repeat_n(masked, dead.div_ceil(WORD))
+                .chain(words_outward(samples, side, dead).map(|word| self.normalised(word)))
                 .collect(),
         }
     }
@@ -172,13 +177,13 @@ fn ping_extremes(
         match mode {
             SampleMode::Bytes => match samples.stored_u8() {
                 Some((stored, order)) => {
-                    masked.and(byte_extremes(int32_image::beyond(stored, order, dead)))
+                    masked.and(byte_extremes(bytes_beyond(stored, order, dead)))
                 }
                 None => (dead..samples.len())
                     .fold(masked, |all, at| all.with(i32::from(samples.get(at)))),
             },
             SampleMode::Words => {
-                int32_image::outward(samples, side, dead).fold(masked, ValueExtremes::with)
+                words_outward(samples, side, dead).fold(masked, ValueExtremes::with)
             }
         }
     })
@@ -191,4 +196,33 @@ fn byte_extremes(bytes: &[u8]) -> ValueExtremes {
     let (lowest, highest) =
         bytes.iter().fold((u8::MAX, u8::MIN), |(low, high), &byte| (low.min(byte), high.max(byte)));
     ValueExtremes { lowest: i32::from(lowest), highest: i32::from(highest) }
+}
+
+/// Samples in a word.
+pub(super) const WORD: usize = 4;
+
+/// Returns the words of one side that lie completely beyond `dead` samples, nearest first.
+pub(super) fn words_outward<'a>(
+    samples: Samples<'a>,
+    side: Side,
+    dead: usize,
+) -> impl Iterator<Item = i32> + 'a {
+    (dead.div_ceil(WORD)..samples.len() / WORD).map(move |index| word(&samples, side, index))
+}
+
+fn word(samples: &Samples, side: Side, index: usize) -> i32 {
+    let outward: [u8; WORD] = std::array::from_fn(|byte| samples.get(WORD * index + byte));
+    match side {
+        Side::Starboard => i32::from_le_bytes(outward),
+        Side::Port => i32::from_be_bytes(outward),
+    }
+}
+
+/// Returns the stored bytes beyond `dead` samples outward, in stored order.
+fn bytes_beyond(stored: &[u8], order: SampleOrder, dead: usize) -> &[u8] {
+    let dead = dead.min(stored.len());
+    match order {
+        SampleOrder::NearToFar => &stored[dead..],
+        SampleOrder::FarToNear => &stored[..stored.len() - dead],
+    }
 }

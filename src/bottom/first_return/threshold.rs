@@ -6,8 +6,8 @@
 //! level is searched among them alone.
 
 use super::confidence::{Gathering, MethodPick, doubt};
-use super::normalise::{BLOCK, dead_samples};
-use super::{FirstReturns, ImageSettings, Method, Normalisation, SampleMode, Settled, int32_image};
+use super::normalise::{BLOCK, WORD, dead_samples, words_outward};
+use super::{FirstReturns, ImageSettings, Method, Normalisation, SampleMode, Settled};
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::{Side, Survey};
 use rayon::prelude::*;
@@ -283,8 +283,8 @@ fn climb_words(
     };
     let dead = dead_samples(span, dead_zone_m);
     let mut highest = None;
-    let first = dead.div_ceil(int32_image::WORD);
-    for (word, value) in (first..).zip(int32_image::outward(samples, side, dead)) {
-        out.step(word * int32_image::WORD, value, &mut highest);
+    let first = dead.div_ceil(WORD);
+    for (word, value) in (first..).zip(words_outward(samples, side, dead)) {
+        out.step(word * WORD, value, &mut highest);
     }
 }

@@ -1,7 +1,8 @@
 //! Splits the pings where the line may break, and into chunks that are tracked independently, and
 //! loads the picture of a chunk: one row of bytes for each ping, nearest cell first.
 
-use super::super::{Normalisation, SampleMode, int32_image};
+use super::super::normalise::{WORD, words_outward};
+use super::super::{Normalisation, SampleMode};
 use bathyscope_log::survey::{Side, SideSpan, Survey};
 use std::ops::Range;
 
@@ -9,7 +10,7 @@ use std::ops::Range;
 pub(super) fn cell(samples: SampleMode) -> usize {
     match samples {
         SampleMode::Bytes => 1,
-        SampleMode::Words => int32_image::WORD,
+        SampleMode::Words => WORD,
     }
 }
 
@@ -58,7 +59,7 @@ impl SampleRows {
                     out.copy_from_slice(&self.scratch[..out.len()]);
                 }
                 SampleMode::Words => {
-                    for (cell, word) in out.iter_mut().zip(int32_image::outward(samples, side, 0)) {
+                    for (cell, word) in out.iter_mut().zip(words_outward(samples, side, 0)) {
                         *cell = (255.0 * normalisation.normalised(word)) as u8;
                     }
                 }
