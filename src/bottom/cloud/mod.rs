@@ -4,44 +4,44 @@
 //! In: a survey with its navigation, first returns and calibration. Out: points with classes, and
 //! the depth under the boat at every ping.
 //!
-//! `build` makes the points, which `by_source` holds, decides which soundings with a fault count,
-//! and finds the properties of each first return (`above_bottom` or `clutter`, and how strong its
-//! echo is). It uses `specular` for the foot on a slope and the published feet, and `correction`
-//! for the reference of depths. `swath` makes points of depths across the track, `record`
-//! identifies the record that measured a point, `reduction` joins the correction to the calibration
+//! `build` makes the points, also those of depths across the track, decides which soundings with a
+//! fault count, and finds the properties of each first return (`above_bottom` or `clutter`, and how
+//! strong its echo is). It uses `specular` for the foot on a slope and the published feet, and
+//! `correction` for the reference of depths. `reduction` joins the correction to the calibration
 //! for every read-out; `class` decides the class of each point, `outliers` is the filter for any
 //! points; `ping_depth` finds the depth under the boat, `residuals` measures agreement with
 //! recorded depths and between clouds, and the ends of the scales by which points are coloured.
 
 mod above_bottom;
 mod build;
-mod by_source;
 mod class;
 mod clutter;
 pub mod correction;
 pub mod outliers;
 mod ping_depth;
-mod record;
 mod reduction;
 mod residuals;
 mod specular;
-mod swath;
 
 pub use build::{PickTraits, build, place};
-pub use by_source::BySource;
 pub use class::{ClassCounts, ClassRules, PointClass, classify};
 pub use clutter::Clutter;
 pub use correction::{Correction, DepthReference, DepthSettings};
 pub use ping_depth::{DepthSource, PingDepth, TrackShare, clear_excluded_depths, ping_depths};
-pub use record::{PointRecord, RecordIndex};
 pub use reduction::Reduction;
 pub use residuals::{DepthChange, PointScales, Residuals, residuals, same_ping_differences};
 pub use specular::{across_track, fixed_bottom_point};
 
 use crate::first_return::ground_confidence;
 use bathyscope_log::named;
-use bathyscope_log::survey::{Exclusions, SoundingFault};
+use bathyscope_log::survey::{
+    ExclusionReason, Exclusions, Navigation, PingNav, Side, SoundingFault, Survey, SwathSounding,
+};
 use serde::{Deserialize, Serialize};
+use std::iter::Chain;
+use std::num::NonZero;
+use std::ops::Index;
+use std::slice::Iter;
 use std::sync::Arc;
 
 /// Method that places a first return.
@@ -249,5 +249,217 @@ impl CloudPoint {
     /// depth, as in a long stretch; any other point has its own confidence.
     pub fn ground_confidence(&self) -> f32 {
         ground_confidence(self.confidence, self.above_bottom)
+    }
+}
+
+/// Entries by their source, in the order of [`PointSource`] and numbered through all parts. All
+/// copies share the parts; each part can grow without the others being moved.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BySource<T>([Arc<Vec<T>>; PointSource::ALL.len()]);
+
+/// Entries of all sources: soundings, both sides, the swath.
+type Entries<'a, T> = Chain<Chain<Iter<'a, T>, Chain<Iter<'a, T>, Iter<'a, T>>>, Iter<'a, T>>;
+
+impl<T> Default for BySource<T> {
+    fn default() -> Self {
+        Self(Default::default())
+    }
+}
+
+impl<T> BySource<T> {
+    /// Creates the list from the entries of each source, made by `part`.
+    pub fn from_parts(part: impl FnMut(PointSource) -> Arc<Vec<T>>) -> Self {
+        Self(PointSource::ALL.map(part))
+    }
+
+    /// Returns the entries of one source.
+    pub fn of(&self, source: PointSource) -> &Arc<Vec<T>> {
+        &self.0[source as usize]
+    }
+
+    /// Returns the number of the first entry of a source.
+    pub fn start(&self, source: PointSource) -> usize {
+        let before = &self.0[..source as usize];
+        before.iter().map(|part| part.len()).sum()
+    }
+
+    /// Returns the number of entries of all sources.
+    pub fn len(&self) -> usize {
+        self.0.iter().map(|part| part.len()).sum()
+    }
+
+    /// Returns true if there are no entries.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Returns the entry with a number.
+    pub fn get(&self, mut number: usize) -> Option<&T> {
+        for part in &self.0 {
+            match part.get(number) {
+                Some(entry) => return Some(entry),
+                None => number -= part.len(),
+            }
+        }
+        None
+    }
+
+    /// Returns all entries in the order of their numbers.
+    pub fn iter(&self) -> Entries<'_, T> {
+        let [down_scan, port, starboard, swath] = &self.0;
+        let sides = port.iter().chain(starboard.iter());
+        down_scan.iter().chain(sides).chain(swath.iter())
+    }
+}
+
+impl FromIterator<CloudPoint> for BySource<CloudPoint> {
+    fn from_iter<I: IntoIterator<Item = CloudPoint>>(points: I) -> Self {
+        let mut parts: [Vec<CloudPoint>; PointSource::ALL.len()] = Default::default();
+        for point in points {
+            parts[point.source as usize].push(point);
+        }
+        Self(parts.map(Arc::new))
+    }
+}
+
+impl<'a, T> IntoIterator for &'a BySource<T> {
+    type Item = &'a T;
+    type IntoIter = Entries<'a, T>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.iter()
+    }
+}
+
+impl<T> Index<usize> for BySource<T> {
+    type Output = T;
+
+    /// Returns the entry with a number.
+    ///
+    /// # Panics
+    /// When there is no entry with this number.
+    fn index(&self, number: usize) -> &T {
+        match self.get(number) {
+            Some(entry) => entry,
+            None => panic!("entry {number} of {}", self.len()),
+        }
+    }
+}
+
+/// Index of a record, stored so that an `Option` of it takes no more room.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RecordIndex(NonZero<u32>);
+
+impl RecordIndex {
+    /// Creates the index; `None` beyond four billion.
+    pub fn new(index: usize) -> Option<Self> {
+        let next = u32::try_from(index).ok()?.checked_add(1)?;
+        NonZero::new(next).map(Self)
+    }
+
+    /// Returns the index into [`Survey::soundings`] or [`Survey::swath`].
+    pub fn get(self) -> usize {
+        self.0.get() as usize - 1
+    }
+}
+
+/// Record of a log.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PointRecord {
+    /// A side-scan ping, by its index in [`Survey::side_scan`].
+    Ping(usize),
+    /// A sounding, by its index in [`Survey::soundings`].
+    Sounding(usize),
+    /// A ping of the swath, by its index in [`Survey::swath`].
+    Swath(usize),
+}
+
+impl CloudPoint {
+    /// Returns the record that measured the point.
+    pub fn record(&self) -> PointRecord {
+        match (self.source, self.record) {
+            (PointSource::DownScan, Some(index)) => PointRecord::Sounding(index.get()),
+            (PointSource::Swath, Some(index)) => PointRecord::Swath(index.get()),
+            _ => PointRecord::Ping(self.ping as usize),
+        }
+    }
+
+    /// Returns the side of the boat that the point was measured on; `None` for a sounding under the
+    /// boat, and where the log does not have the record of a swath point.
+    pub fn side(&self, survey: &Survey) -> Option<Side> {
+        match self.source {
+            PointSource::DownScan => None,
+            PointSource::Port => Some(Side::Port),
+            PointSource::Starboard => Some(Side::Starboard),
+            PointSource::Swath => self.swath_sounding(survey).map(|sounding| sounding.side),
+        }
+    }
+
+    /// Returns the depth across the track that the point was made of; `None` for other points.
+    pub fn swath_sounding(&self, survey: &Survey) -> Option<SwathSounding> {
+        let PointRecord::Swath(index) = self.record() else {
+            return None;
+        };
+        survey.swath_sounding(survey.swath.get(index)?, self.sample as usize)
+    }
+
+    /// Returns the index of the sounding that the point was made of; `None` for other points.
+    pub fn sounding(&self) -> Option<usize> {
+        match self.record() {
+            PointRecord::Sounding(index) => Some(index),
+            PointRecord::Ping(_) | PointRecord::Swath(_) => None,
+        }
+    }
+}
+
+impl PointRecord {
+    /// Returns the seconds after the log's time zero; `None` where the log does not have the
+    /// record.
+    pub fn time_s(self, survey: &Survey) -> Option<f64> {
+        match self {
+            Self::Ping(index) => survey.side_scan.get(index).map(|ping| ping.time_s),
+            Self::Sounding(index) => survey.soundings.get(index).map(|sounding| sounding.time_s),
+            Self::Swath(index) => survey.swath.get(index).map(|ping| ping.time_s),
+        }
+    }
+
+    /// Returns the place of the boat at the record; `None` where the navigation does not have the
+    /// record.
+    pub fn place(self, navigation: &Navigation) -> Option<&PingNav> {
+        match self {
+            Self::Ping(index) => navigation.pings.get(index),
+            Self::Sounding(index) => navigation.soundings.get(index),
+            Self::Swath(index) => navigation.swath.get(index),
+        }
+    }
+
+    /// Returns the reason why the record is excluded; `None` where it counts.
+    pub fn exclusion(self, exclusions: &Exclusions) -> Option<ExclusionReason> {
+        match self {
+            Self::Ping(index) => exclusions.ping(index),
+            Self::Sounding(index) => exclusions.sounding(index),
+            Self::Swath(index) => exclusions.swath(index),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn entries_are_numbered_through_all_parts() {
+        let list = BySource::from_parts(|source| match source {
+            PointSource::DownScan => Arc::new(vec!['a', 'b']),
+            PointSource::Port => Arc::default(),
+            PointSource::Starboard => Arc::new(vec!['c']),
+            PointSource::Swath => Arc::new(vec!['d', 'e']),
+        });
+        let all: Vec<char> = list.iter().copied().collect();
+        assert_eq!(all, ['a', 'b', 'c', 'd', 'e']);
+        assert_eq!((list.len(), list[2], list[4], list.get(5)), (5, 'c', 'e', None));
+        let starts = PointSource::ALL.map(|source| list.start(source));
+        assert_eq!(starts, [0, 2, 2, 3]);
+        assert_eq!(list.of(PointSource::Starboard)[0], 'c');
     }
 }
