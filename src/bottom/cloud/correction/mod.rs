@@ -50,35 +50,8 @@ pub struct DepthSettings {
 
 /// Reason why readings of the water's height are not in force: one sentence, the path last.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum WaterLevelError {
-    /// The settings name a file, but it has not been read.
-    #[error("the readings of the water level have not been read: {}", path.display())]
-    NotRead {
-        /// The file of the readings.
-        path: PathBuf,
-    },
-    /// The readings have dates and the log has none.
-    #[error(
-        "the log does not know the time, so readings of the water level cannot be applied to it; give one water_level_m instead: {}", path.display()
-    )]
-    UnknownTime {
-        /// The file of the readings.
-        path: PathBuf,
-    },
-    /// The log begins before the first reading, or ends after the last.
-    #[error(
-        "the readings of the water level go from {} to {} UTC, but the log from {} to {}; add the readings that are missing: {}",
-        moment(readings_s[0]), moment(readings_s[1]), moment(log_s[0]), moment(log_s[1]), path.display()
-    )]
-    NotCovered {
-        /// Times of the first and the last reading, Unix seconds.
-        readings_s: [f64; 2],
-        /// Start and end of the log, Unix seconds.
-        log_s: [f64; 2],
-        /// The file of the readings.
-        path: PathBuf,
-    },
-}
+#[error("{0}")]
+pub struct WaterLevelError(String);
 
 /// Correction of the depths of one survey.
 ///
@@ -219,18 +192,24 @@ fn over_survey(
     let Some(path) = &level.file else {
         return Ok(None);
     };
-    let path = || path.clone();
-    let unread = || WaterLevelError::NotRead { path: path() };
+    let refused = |why: &str| WaterLevelError(format!("{why}: {}", path.display()));
+    let unread = || refused("the readings of the water level have not been read");
     let gauge = level.gauge.as_ref().ok_or_else(unread)?;
     let Some(start_unix_s) = survey.start_unix_s else {
-        return Err(WaterLevelError::UnknownTime { path: path() });
+        return Err(refused(
+            "the log does not know the time, so readings of the water level cannot be applied to it; give one water_level_m instead",
+        ));
     };
     let Some((from_s, to_s)) = record_span_s(survey) else {
         return Ok(Some((start_unix_s, [0.0; 2])));
     };
     let (readings_s, log_s) = (gauge.span_s(), [from_s, to_s].map(|s| start_unix_s + s));
     if log_s[0] < readings_s[0] || log_s[1] > readings_s[1] {
-        return Err(WaterLevelError::NotCovered { readings_s, log_s, path: path() });
+        let [first, last, start, end] =
+            [readings_s[0], readings_s[1], log_s[0], log_s[1]].map(moment);
+        return Err(refused(&format!(
+            "the readings of the water level go from {first} to {last} UTC, but the log from {start} to {end}; add the readings that are missing"
+        )));
     }
     Ok(Some((start_unix_s, [from_s, to_s])))
 }
