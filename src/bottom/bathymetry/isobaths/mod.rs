@@ -5,7 +5,7 @@
 //!
 //! `lines` cuts the squares between the centres of cells, joins the cuts to isobaths and rounds
 //! these on request, `areas` joins the cuts to polygons, `levels` chooses the depths, `shoalest`
-//! keeps lines from understating a shoal, `clip` cuts lines at the edges of tiles, and `clip_area`
+//! keeps lines from understating a shoal and chooses the depths that a chart prints, `clip` cuts lines at the edges of tiles, and `clip_area`
 //! cuts lines and areas at a shoreline and computes area and volume.
 
 mod areas;
@@ -20,4 +20,4 @@ pub use clip::{clipped, joined};
 pub use clip_area::{ClipArea, Storage, storage};
 pub use levels::{DepthExtent, INDEX, IsobathSettings, NoIsobaths, evenly_apart_m};
 pub use lines::{Isobath, Smoothing, isobaths, smoothed};
-pub use shoalest::{shoalest_m, with_shoalest};
+pub use shoalest::{shoalest_m, spot_radius_m, spot_soundings, with_shoalest};

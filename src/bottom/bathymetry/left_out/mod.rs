@@ -9,12 +9,11 @@
 //! between the lines, and in strips of this width along the lines: whole lines are then predicted
 //! from their neighbours, as the ground between them is. Soundings on a bank along a line predict
 //! each other well. `by_distance` describes how the error grows with the distance to the nearest
-//! sounding, and `roughness` where it is larger or smaller than that. The same left-out soundings
+//! sounding, and where it is larger or smaller than that. The same left-out soundings
 //! decide whether triangles that bend by the slopes on the lines (`super::slopes`) predict the
 //! ground better than straight ones.
 
 mod by_distance;
-mod roughness;
 
 pub use by_distance::SigmaByDistance;
 
@@ -22,8 +21,8 @@ use super::slopes::{Bend, Bends, NodeSlopes};
 use super::{Between, DepthPoint, Grid, Node, Tin, merge_repeated, suited_cell_m};
 use crate::nearest::Nearest;
 use bathyscope_log::support::progress::{Cancelled, Progress};
+use by_distance::{Roughness, RoughnessSampler};
 use rayon::prelude::*;
-use roughness::{Roughness, RoughnessSampler};
 
 /// Number of times that soundings are left out, a quarter of all squares each time.
 const FOLDS: usize = 4;
