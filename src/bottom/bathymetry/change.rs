@@ -9,11 +9,9 @@
 //! that are larger than their range (Rolstad, Haug and Denby 2009, J. Glaciology 55, equation 8,
 //! for a spherical variogram), and the error of depths that are drawn between measured places.
 
-mod observed;
 mod regions;
 
-pub use observed::ObservedErrors;
-pub use regions::{ChangeField, ChangeRegion};
+pub use regions::{ChangeField, ChangeRegion, ObservedErrors};
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;

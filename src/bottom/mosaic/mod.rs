@@ -8,7 +8,7 @@
 //! Navigation --layout--> MosaicLayout: rays in the plane of the map, which tiles they cross
 //! Survey --gain--> GainTable: what level the ground has by range and angle
 //! MosaicLayout + GainTable --line--> levels of each ping at even steps on the ground
-//! lines --paint, canvas, overlap--> Tile of 256 x 256 cells
+//! lines --paint, canvas--> Tile of 256 x 256 cells
 //!                            '--part--> what one log shows of a tile, to be joined with those of others later
 //! ```
 //!
@@ -27,17 +27,16 @@ mod gain;
 mod joint;
 mod layout;
 mod line;
-mod overlap;
 mod paint;
 
 pub use altitude::altitudes_m;
+pub use canvas::Overlap;
 pub use footprint::footprint;
 pub use gain::{GainTable, gain_table};
 pub use joint::{
     LEVEL_CELL_M, joint_bounds, joint_grid, level_differences, level_factor, match_levels,
 };
 pub use layout::{Bounds, MosaicLayout, MosaicRay, TILE_CELLS, TileIndex, joined_way_m};
-pub use overlap::Overlap;
 pub use paint::{MosaicLog, MosaicPart, join_parts, joint_tile, joint_window, part, tile, window};
 
 use crate::presentation::colours;

@@ -2,10 +2,9 @@
 //! through its middle. The part of a tile that one log shows can be stored, and joined with those
 //! of other logs at any later time.
 
-use super::canvas::Canvas;
+use super::canvas::{Canvas, CellSum};
 use super::layout::{MosaicLayout, MosaicRay, TILE_CELLS, TileIndex};
 use super::line::{LineContext, MosaicLine};
-use super::overlap::CellSum;
 use super::{GainTable, MosaicSettings, Overlap};
 use crate::bathymetry::Grid;
 use bathyscope_log::support::progress::{Cancelled, Progress};

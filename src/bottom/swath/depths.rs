@@ -3,9 +3,9 @@
 
 use super::echoes::WeedPlaces;
 use super::layout::{LaidOutLog, PingChunk};
-use super::looks::SideChunk;
 use super::model::{FitPlace, Incidence, LawCurves};
 use super::nodes::{Blend, Nodes};
+use super::observations::SideChunk;
 use super::solve::{Prior, TileInput, TileSolution, learn};
 use super::tiling::{Resolution, Tiling};
 use crate::bathymetry::{Bends, DepthPoint, Node, merge_repeated};

@@ -2,9 +2,8 @@
 //! out and predicted with and without levels.
 
 use super::depths::{LEARNING_ROUNDS, Sample, SwathInput, merged};
-use super::looks::SeenOctants;
 use super::model::LawCurves;
-use super::observations::Bed;
+use super::observations::{Bed, SeenOctants};
 use super::solve::{Brightness, Prior, TileSolution};
 use super::tiling::Tiling;
 use crate::bathymetry::{BentSampler, DepthPoint, Tin};

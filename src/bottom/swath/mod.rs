@@ -12,8 +12,7 @@
 //!
 //! `echoes` defines the data that is read of a log, and finds weed; `layout` determines the
 //! properties of a whole log, such as its `law`, which converts levels into logarithms of power.
-//! `looks` are averaged levels, `observations` are looks placed on the bed; `model` predicts their
-//! levels. `tiling` divides a survey, or a part of a larger map, into tiles of `nodes`; `solve`
+//! `observations` are averaged levels (looks), placed on the bed; `model` predicts their levels. `tiling` divides a survey, or a part of a larger map, into tiles of `nodes`; `solve`
 //! solves a tile, `depths` runs the rounds, and `gate` decides by left-out soundings whether levels
 //! are used.
 
@@ -22,7 +21,6 @@ mod echoes;
 mod gate;
 mod law;
 mod layout;
-mod looks;
 mod model;
 mod nodes;
 mod observations;

@@ -7,10 +7,9 @@
 //! values `'` of the round before. The curves `c` occur in every observation, so they are solved
 //! for by the Schur complement.
 
-use super::looks::SideChunk;
 use super::model::{LawCurves, PARAMETERS};
 use super::nodes::{Nodes, Shares};
-use super::observations::{Bed, SlopeObservation};
+use super::observations::{Bed, SideChunk, SlopeObservation};
 use crate::bathymetry::{Bends, Node};
 use crate::sparse::{Equations, Factor, Normal, Pattern, solve_dense};
 use bathyscope_log::support::statistics::median;
