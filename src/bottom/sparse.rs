@@ -181,31 +181,24 @@ impl Pattern {
     /// Creates the pattern of some equations of this many unknowns; `None` where their matrix
     /// cannot be analysed.
     pub(crate) fn of(equations: &Equations, unknowns: usize) -> Option<Self> {
-        let of_unknown = Occurrences::new(equations, unknowns);
-        let neighbours = Neighbours::new(equations, &of_unknown, unknowns);
-        let order = neighbours.of_least_degree()?;
-        let places = places(&order, unknowns)?;
-        Self::new(of_unknown, neighbours, order, &places)
+        Self::new(equations, unknowns, None)
     }
 
     /// The same with unknowns eliminated in some order; `None` too where that is none.
     pub(crate) fn in_order(equations: &Equations, order: Vec<u32>) -> Option<Self> {
-        let unknowns = order.len();
-        let of_unknown = Occurrences::new(equations, unknowns);
-        let neighbours = Neighbours::new(equations, &of_unknown, unknowns);
-        let places = places(&order, unknowns)?;
-        Self::new(of_unknown, neighbours, order, &places)
+        Self::new(equations, order.len(), Some(order))
     }
 
-    fn new(
-        of_unknown: Occurrences,
-        neighbours: Neighbours,
-        order: Vec<u32>,
-        places: &[u32],
-    ) -> Option<Self> {
-        let unknowns = order.len();
+    fn new(equations: &Equations, unknowns: usize, order: Option<Vec<u32>>) -> Option<Self> {
+        let of_unknown = Occurrences::new(equations, unknowns);
+        let neighbours = Neighbours::new(equations, &of_unknown, unknowns);
+        let order = match order {
+            Some(order) => order,
+            None => neighbours.of_least_degree()?,
+        };
+        let places = places(&order, unknowns)?;
         // The analysis takes the upper triangle where nothing is to be put into another order.
-        let (starts, rows) = neighbours.triangle(&order, places, |row, column| row < column);
+        let (starts, rows) = neighbours.triangle(&order, &places, |row, column| row < column);
         let symbolic = factorize_symbolic_cholesky(
             SymbolicSparseColMatRef::new_unsorted_checked(unknowns, unknowns, &starts, None, &rows),
             Triangle::Upper,
@@ -213,7 +206,7 @@ impl Pattern {
             Default::default(),
         );
         let symbolic = symbolic.ok()?;
-        let (starts, rows) = neighbours.triangle(&order, places, |row, column| row > column);
+        let (starts, rows) = neighbours.triangle(&order, &places, |row, column| row > column);
         Some(Self {
             starts,
             rows,
