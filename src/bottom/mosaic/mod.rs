@@ -37,7 +37,7 @@ pub use joint::{
     LEVEL_CELL_M, joint_bounds, joint_grid, level_differences, level_factor, match_levels,
 };
 pub use layout::{Bounds, MosaicLayout, MosaicRay, TILE_CELLS, TileIndex, joined_way_m};
-pub use paint::{MosaicLog, MosaicPart, join_parts, joint_tile, joint_window, part, tile, window};
+pub use paint::{MosaicLog, MosaicPart, join_parts, joint_tile, joint_window, part, window};
 
 use crate::presentation::colours;
 use serde::{Deserialize, Serialize};

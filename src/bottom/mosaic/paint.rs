@@ -12,15 +12,6 @@ use bathyscope_log::survey::{Side, Survey};
 use std::convert::Infallible;
 use std::sync::Arc;
 
-/// Tile of the mosaic.
-#[derive(Clone, Debug, PartialEq)]
-pub struct MosaicTile {
-    /// Rows of [`TILE_CELLS`] levels: 0 where nothing was insonified, else 1 to 255.
-    pub levels: Vec<u8>,
-}
-
-impl MosaicTile {}
-
 /// Log in a mosaic.
 #[derive(Clone, Debug)]
 pub struct MosaicLog {
@@ -32,70 +23,22 @@ pub struct MosaicLog {
     pub gain: GainTable,
 }
 
-/// Log in a tile, borrowed.
-#[derive(Clone, Copy)]
-struct Part<'a> {
-    survey: &'a Survey,
-    layout: &'a MosaicLayout,
-    gain: &'a GainTable,
-    index: &'a TileIndex,
-}
-
-impl<'a> Part<'a> {
-    fn of(log: &'a MosaicLog, index: &'a TileIndex) -> Self {
-        Self { survey: &log.survey, layout: &log.layout, gain: &log.gain, index }
-    }
-}
-
-/// Draws the tile at a row and column of tiles, `place`. `gain` is used only where the settings
-/// require it.
-pub fn tile(
-    survey: &Survey,
-    layout: &MosaicLayout,
-    grid: &Grid,
-    index: &TileIndex,
-    gain: &GainTable,
-    settings: &MosaicSettings,
-    place: [usize; 2],
-) -> MosaicTile {
-    let part = Part { survey, layout, gain, index };
-    tile_of(std::iter::once(part), grid, settings, place)
-}
-
-/// Draws the tile as [`tile`] does, from several logs, each with its index. They are drawn one
-/// after the other by the rule of `mosaic.overlap`; the last log counts as the latest.
+/// Draws the tile at a row and column of tiles, `place`, of several logs, each with its index: rows
+/// of [`TILE_CELLS`] levels, 0 where nothing was insonified, else 1 to 255. The logs are drawn one
+/// after the other by the rule of `mosaic.overlap`; the last one counts as the latest. Their gain
+/// tables are used only where the settings require it.
 pub fn joint_tile(
     logs: &[(&MosaicLog, &TileIndex)],
     grid: &Grid,
     settings: &MosaicSettings,
     place: [usize; 2],
-) -> MosaicTile {
-    let parts = logs.iter().map(|(log, index)| Part::of(log, index));
-    tile_of(parts, grid, settings, place)
+) -> Vec<u8> {
+    painted(logs, grid, settings, place).finish()
 }
 
-fn tile_of<'a>(
-    parts: impl Iterator<Item = Part<'a>>,
-    grid: &Grid,
-    settings: &MosaicSettings,
-    place: [usize; 2],
-) -> MosaicTile {
-    MosaicTile { levels: painted(parts, grid, settings, place).finish() }
-}
-
-/// Paints a tile of one log on a canvas, without converting it to levels.
-fn painted_log(
-    log: &MosaicLog,
-    index: &TileIndex,
-    grid: &Grid,
-    settings: &MosaicSettings,
-    place: [usize; 2],
-) -> Canvas {
-    painted(std::iter::once(Part::of(log, index)), grid, settings, place)
-}
-
-fn painted<'a>(
-    parts: impl Iterator<Item = Part<'a>>,
+/// Paints a tile on a canvas, without converting it to levels.
+fn painted(
+    logs: &[(&MosaicLog, &TileIndex)],
     grid: &Grid,
     settings: &MosaicSettings,
     [row, column]: [usize; 2],
@@ -111,10 +54,10 @@ fn painted<'a>(
     };
     let mut canvas = Canvas::new(window, [TILE_CELLS; 2], settings);
     let go_on = || Ok::<(), Infallible>(());
-    for part in parts {
-        let strips = part.index.strips(row, column);
-        let lines = LineContext::new(part.survey, part.layout, part.gain, settings, grid.cell_m);
-        let Ok(()) = draw(&mut canvas, part.layout, &lines, strips, go_on);
+    for (log, index) in logs {
+        let strips = index.strips(row, column);
+        let lines = LineContext::new(&log.survey, &log.layout, &log.gain, settings, grid.cell_m);
+        let Ok(()) = draw(&mut canvas, &log.layout, &lines, strips, go_on);
     }
     canvas
 }
@@ -238,7 +181,7 @@ pub fn part(
     settings: &MosaicSettings,
     place: [usize; 2],
 ) -> MosaicPart {
-    let canvas = painted_log(log, index, grid, settings, place);
+    let canvas = painted(&[(log, index)], grid, settings, place);
     let sums = canvas.sums();
     let weights = if settings.overlap.is_weighted() {
         sums.iter().map(|sum| stepped(sum.weight())).collect()
@@ -256,14 +199,14 @@ fn stepped(weight: f32) -> f32 {
 }
 
 /// Joins the parts of several logs to a tile, one after the other by the rule of `mosaic.overlap`;
-/// the part of a single log gives the same tile as [`super::tile`].
+/// the part of a single log gives the same tile as [`joint_tile`].
 ///
 /// # Errors
 /// The first error of the parts.
 pub fn join_parts<E>(
     parts: impl Iterator<Item = Result<MosaicPart, E>>,
     overlap: Overlap,
-) -> Result<MosaicTile, E> {
+) -> Result<Vec<u8>, E> {
     let mut sums = vec![CellSum::default(); TILE_CELLS * TILE_CELLS];
     for part in parts {
         let MosaicPart { levels, weights } = part?;
@@ -274,7 +217,7 @@ pub fn join_parts<E>(
             }
         }
     }
-    Ok(MosaicTile { levels: sums.iter().map(CellSum::level).collect() })
+    Ok(sums.iter().map(CellSum::level).collect())
 }
 
 #[cfg(test)]
@@ -294,7 +237,7 @@ mod tests {
         let parts = parts.iter();
         let parts = parts.map(|cells| Ok::<_, Infallible>(part_of(cells, overlap.is_weighted())));
         let Ok(tile) = join_parts(parts, overlap);
-        tile.levels[..3].to_vec()
+        tile[..3].to_vec()
     }
 
     #[test]

@@ -65,7 +65,7 @@ pub(super) fn write_mosaic(
     let cells = AtomicUsize::new(0);
     let draw = |place: [usize; 2]| {
         let here = parts.iter().filter(|part| part.levels.may_hold(place));
-        let levels = join_parts(here.map(|part| part.read(place)), overlap)?.levels;
+        let levels = join_parts(here.map(|part| part.read(place)), overlap)?;
         let known = levels.iter().filter(|level| **level > 0).count();
         cells.fetch_add(known, Ordering::Relaxed);
         Ok(levels)

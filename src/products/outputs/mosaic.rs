@@ -24,7 +24,7 @@ pub(super) fn write(results: &Results<'_>, path: &Path) -> FileResult {
     let places: BTreeSet<(usize, usize)> = indices.iter().flat_map(TileIndex::tiles).collect();
     let places: Vec<[usize; 2]> = (places.into_iter()).map(|(row, column)| [row, column]).collect();
     let draw = |place: [usize; 2]| {
-        let levels = joint_tile(&parts, &grid, settings, place).levels;
+        let levels = joint_tile(&parts, &grid, settings, place);
         Ok(match settings.colours {
             Colours::Grey => levels,
             Colours::Copper => {

@@ -3,8 +3,8 @@
 use crate::detection_targets::trough;
 use bathyscope_bottom::bathymetry::Grid;
 use bathyscope_bottom::mosaic::{
-    Gain, GainTable, MosaicLayout, MosaicSettings, Overlap, TILE_CELLS, TileIndex, gain_table,
-    tile, window,
+    Gain, GainTable, MosaicLayout, MosaicLog, MosaicSettings, Overlap, TILE_CELLS, TileIndex,
+    gain_table, joint_tile, window,
 };
 use bathyscope_log::formats;
 use bathyscope_log::support::progress::Progress;
@@ -58,10 +58,12 @@ impl Drawn {
         gain: &GainTable,
     ) -> Self {
         let index: TileIndex = layout.index(&grid);
+        let (layout, gain) = (Arc::new(layout.clone()), gain.clone());
+        let log = MosaicLog { survey: sailed.survey.clone(), layout, gain };
         let mut levels = vec![0; grid.columns * grid.rows];
         for (row, column) in index.tiles() {
-            let drawn = tile(&sailed.survey, layout, &grid, &index, gain, settings, [row, column]);
-            for (cell, &level) in drawn.levels.iter().enumerate() {
+            let drawn = joint_tile(&[(&log, &index)], &grid, settings, [row, column]);
+            for (cell, &level) in drawn.iter().enumerate() {
                 let y = row * TILE_CELLS + cell / TILE_CELLS;
                 let x = column * TILE_CELLS + cell % TILE_CELLS;
                 if x < grid.columns && y < grid.rows {
