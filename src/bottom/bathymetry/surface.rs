@@ -3,15 +3,14 @@
 
 use super::from_levels::{FromLevels, SwathDepth};
 use super::grid::{CellSource, measured_cells, settle};
-use super::inverse_distance::inverse_distance;
 use super::left_out::{LeftOut, SurfaceCells, bend_and_state_error};
 use super::{
     Bends, Between, DepthPoint, Grid, Node, Tin, TinSampler, merge_repeated, suited_cell_m,
 };
 use crate::cloud::{CloudPoint, PointSource};
+use crate::nearest::Nearest;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::support::statistics::{ends, quantile};
-use kiddo::ImmutableKdTree;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
@@ -453,26 +452,13 @@ fn filled(
     Ok(known.then_some((made, field.tin)))
 }
 
-#[derive(Clone, Copy)]
-struct Cell {
-    depth_m: f32,
-    spread_m: f32,
-    distance_m: f32,
-}
-
-impl Cell {
-    /// Creates a cell from nodes with their shares: the mean depth, and the standard deviation of
-    /// the mixture of the nodes.
-    fn of(nodes: impl Iterator<Item = (Node, f64)> + Clone, distance_m: f64) -> Self {
-        let depth_m: f64 = nodes.clone().map(|(node, share)| share * node.depth_m).sum();
-        let variance = |node: Node| node.spread_m.powi(2) + (node.depth_m - depth_m).powi(2);
-        let variance: f64 = nodes.map(|(node, share)| share * variance(node)).sum();
-        Self {
-            depth_m: depth_m as f32,
-            spread_m: variance.max(0.0).sqrt() as f32,
-            distance_m: distance_m as f32,
-        }
-    }
+/// Returns the depth of a cell from nodes with their shares: the mean depth, and the standard
+/// deviation of the mixture of the nodes.
+fn mean_and_spread_m(nodes: impl Iterator<Item = (Node, f64)> + Clone) -> [f64; 2] {
+    let depth_m: f64 = nodes.clone().map(|(node, share)| share * node.depth_m).sum();
+    let variance = |node: Node| node.spread_m.powi(2) + (node.depth_m - depth_m).powi(2);
+    let variance: f64 = nodes.map(|(node, share)| share * variance(node)).sum();
+    [depth_m, variance.max(0.0).sqrt()]
 }
 
 /// Nodes, prepared for sampling.
@@ -481,12 +467,7 @@ pub(super) struct DepthField {
     gap_m: f64,
     tin: Tin,
     /// Nodes by place, for the inverse distance method only, which searches for many of them.
-    near: Option<Near>,
-}
-
-struct Near {
-    nodes: Vec<Node>,
-    index: ImmutableKdTree<f64, 2>,
+    near: Option<(Vec<Node>, Nearest)>,
 }
 
 /// Samples a [`DepthField`] in one thread.
@@ -501,7 +482,10 @@ impl DepthField {
         let gap_m = settings.max_gap_m;
         let tin = Tin::new(nodes)?.with_max_gap(gap_m);
         let near = match settings.method {
-            SurfaceMethod::InverseDistance => Some(Near::new(tin.nodes().collect())?),
+            SurfaceMethod::InverseDistance => {
+                let places: Vec<[f64; 2]> = tin.nodes().map(|node| node.place()).collect();
+                Some((tin.nodes().collect(), Nearest::of(&places)?))
+            }
             _ => None,
         };
         Some(Self { method: settings.method, gap_m, tin, near })
@@ -534,9 +518,7 @@ impl DepthField {
                 let mut sampler = self.sampler();
                 for column in 0..depths_m.len() {
                     if let Some(cell) = sampler.cell(grid.centre(row, column)) {
-                        depths_m[column] = cell.depth_m;
-                        spreads_m[column] = cell.spread_m;
-                        distances_m[column] = cell.distance_m;
+                        [depths_m[column], spreads_m[column], distances_m[column]] = cell;
                     }
                 }
                 progress.advance(1);
@@ -555,28 +537,24 @@ impl DepthField {
     }
 }
 
-impl Near {
-    fn new(nodes: Vec<Node>) -> Option<Self> {
-        let places: Vec<[f64; 2]> = nodes.iter().map(Node::place).collect();
-        let index = ImmutableKdTree::new_from_slice(&places).ok()?;
-        Some(Self { nodes, index })
-    }
-}
-
 impl Sampler<'_> {
-    fn cell(&mut self, place: [f64; 2]) -> Option<Cell> {
+    /// Returns the depth, its spread and the distance to the nearest sounding at a place, metres.
+    fn cell(&mut self, place: [f64; 2]) -> Option<[f32; 3]> {
         let gap_m = self.field.gap_m;
         drop(self.tin.nodes_at(place)?);
         let distance_m = self.tin.distance_m(place);
         if distance_m > gap_m {
             return None;
         }
-        let Some(Near { nodes, index }) = &self.field.near else {
-            return Some(Cell::of(self.tin.nodes(), distance_m));
+        let [depth_m, spread_m] = match &self.field.near {
+            Some((nodes, nearest)) => {
+                nearest.inverse_distance(place, gap_m, &mut self.weights);
+                let carried = self.weights.iter();
+                mean_and_spread_m(carried.map(|(index, share)| (nodes[*index], *share)))
+            }
+            None => mean_and_spread_m(self.tin.nodes()),
         };
-        inverse_distance(index, place, gap_m, &mut self.weights);
-        let carried = self.weights.iter();
-        Some(Cell::of(carried.map(|(index, share)| (nodes[*index], *share)), distance_m))
+        Some([depth_m, spread_m, distance_m].map(|metres| metres as f32))
     }
 }
 

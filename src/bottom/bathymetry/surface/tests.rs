@@ -1,6 +1,6 @@
 use super::*;
 use crate::bathymetry::local_surface;
-use crate::bathymetry::testing::golden_points;
+use crate::bathymetry::testing::{GOLDEN, golden_nodes, golden_points};
 use bathyscope_log::support::statistics::ends;
 
 fn line(north_m: f64, depth_m: f64) -> impl Iterator<Item = DepthPoint> {
@@ -243,4 +243,22 @@ fn depths_that_were_left_out_widen_the_error_of_deeper_cells_beside_them() {
     for elsewhere in [[10.0, 2.5], [12.0, 0.5], [30.0, 0.5]] {
         assert_eq!(widened_m(elsewhere), 0.0, "{elsewhere:?}");
     }
+}
+
+#[test]
+fn all_points_within_reach_give_the_golden_depths() {
+    let nodes = golden_nodes();
+    let places: Vec<[f64; 2]> = nodes.iter().map(|node| node.place()).collect();
+    let nearest = Nearest::of(&places).unwrap();
+    let mut weights = Vec::new();
+    let mut depth_at = |place, reach_m| {
+        nearest.inverse_distance(place, reach_m, &mut weights);
+        weights.iter().map(|(i, share)| share * nodes[*i].depth_m).sum::<f64>()
+    };
+    for golden in &GOLDEN {
+        let found = depth_at(golden.place, 100.0);
+        assert!((found - golden.inverse_distance).abs() < 1e-9, "{found}");
+    }
+    assert_eq!(depth_at(places[7], 100.0), nodes[7].depth_m);
+    assert_eq!(depth_at([50.0, 50.0], 10.0), 0.0);
 }
