@@ -123,20 +123,6 @@ pub(super) struct SlopeObservation {
     pub place_m: [f64; 2],
 }
 
-#[derive(Clone, Copy, Default)]
-struct Sums {
-    count: f64,
-    ground_m: f64,
-    range_m: f64,
-    phi_rad: f64,
-    slope: f64,
-    ln_power: f64,
-    over: f64,
-    share: f64,
-    per_slope: f64,
-    per_depth: f64,
-}
-
 /// Bed under a look: slope and slant range at even steps of ground range.
 struct Ray {
     /// Ground range of the first step, metres.
@@ -223,12 +209,12 @@ impl SideChunk {
             return;
         };
         let ray = Ray::new(self, bed, span_m);
-        let mut sums = Sums::default();
+        let mut sums = [0.0; 10];
         let mut cell = 0;
         let mut step = 0;
         let [flattest, steepest] = [FLATTEST_DEG, STEEPEST_DEG].map(f64::to_radians);
-        let mut finish = |sums: &mut Sums| {
-            let observation = self.observation(&std::mem::take(sums));
+        let mut finish = |sums: &mut [f64; 10]| {
+            let observation = self.observation(std::mem::take(sums));
             observation
                 .filter(|observation| nodes.holds(observation.place_m))
                 .into_iter()
@@ -262,55 +248,35 @@ impl SideChunk {
             }
             let at = Incidence { range_m, phi_rad, slope, side: self.side };
             let brightness = bed.nodes.value_at(&bed.ln_brightness, self.at(ground_m));
-            sums.add(&at, ground_m, f64::from(*ln_power), curves, brightness);
+            let ln_power = f64::from(*ln_power);
+            let [over, share, per_slope, per_depth] = curves.map_or([0.0; 4], |curves| {
+                let expected = curves.expected(&at, brightness);
+                let over = ln_power - expected.ln_power;
+                [over, expected.share, expected.per_slope, expected.per_depth]
+            });
+            let of_ground = [1.0, ground_m, range_m, phi_rad, slope, ln_power];
+            let added = of_ground.into_iter().chain([over, share, per_slope, per_depth]);
+            sums.iter_mut().zip(added).for_each(|(sum, value)| *sum += value);
         }
         finish(&mut sums);
     }
 
     /// Returns the observation of a level cell; `None` for too few samples.
-    fn observation(&self, sums: &Sums) -> Option<SlopeObservation> {
-        let mean = |sum: f64| sum / sums.count;
-        let independent = sums.count * self.independent;
+    fn observation(&self, sums: [f64; 10]) -> Option<SlopeObservation> {
+        let count = sums[0];
+        let [_, ground_m, range_m, phi_rad, slope, ln_power, over, share, per_slope, per_depth] =
+            sums.map(|sum| sum / count);
+        let independent = count * self.independent;
         (independent >= LEAST_INDEPENDENT).then(|| SlopeObservation {
-            over: mean(sums.over),
-            ln_power: mean(sums.ln_power),
+            over,
+            ln_power,
             independent,
-            at: Incidence {
-                range_m: mean(sums.range_m),
-                phi_rad: mean(sums.phi_rad),
-                slope: mean(sums.slope),
-                side: self.side,
-            },
-            share: mean(sums.share),
-            per_slope: mean(sums.per_slope),
-            per_depth: mean(sums.per_depth),
-            place_m: self.at(mean(sums.ground_m)),
+            at: Incidence { range_m, phi_rad, slope, side: self.side },
+            share,
+            per_slope,
+            per_depth,
+            place_m: self.at(ground_m),
         })
-    }
-}
-
-impl Sums {
-    fn add(
-        &mut self,
-        at: &Incidence,
-        ground_m: f64,
-        ln_power: f64,
-        curves: Option<&LawCurves>,
-        brightness: f64,
-    ) {
-        self.count += 1.0;
-        self.ground_m += ground_m;
-        self.range_m += at.range_m;
-        self.phi_rad += at.phi_rad;
-        self.slope += at.slope;
-        self.ln_power += ln_power;
-        if let Some(curves) = curves {
-            let expected = curves.expected(at, brightness);
-            self.over += ln_power - expected.ln_power;
-            self.share += expected.share;
-            self.per_slope += expected.per_slope;
-            self.per_depth += expected.per_depth;
-        }
     }
 }
 
