@@ -38,23 +38,16 @@ impl PlanSettings {
     /// # Errors
     /// When a number is out of bounds: a sentence about the first one.
     pub fn check(&self) -> Result<(), PlanError> {
-        let is_within = |value: f64, least: f64, most: f64| (least..=most).contains(&value);
-        let optional = |value: Option<f64>, least: f64, most: f64| {
-            value.is_none_or(|value| is_within(value, least, most))
-        };
-        if !is_within(self.minutes, 0.1, 1440.0) {
-            return Err(PlanError::Settings("a plan takes 0.1 to 1440 minutes"));
-        }
-        if !optional(self.speed_mps, 0.1, 20.0) {
-            return Err(PlanError::Settings("the boat's speed is 0.1 to 20 metres a second"));
-        }
-        if !is_within(self.turn_radius_m, 0.5, 500.0) {
-            return Err(PlanError::Settings("the turn radius is 0.5 to 500 metres"));
-        }
-        if !optional(self.spacing_m, 0.5, 1000.0) {
-            return Err(PlanError::Settings("lines are 0.5 to 1000 metres apart"));
-        }
-        Ok(())
+        let limits = [
+            (Some(self.minutes), 0.1..=1440.0, "a plan takes 0.1 to 1440 minutes"),
+            (self.speed_mps, 0.1..=20.0, "the boat's speed is 0.1 to 20 metres a second"),
+            (Some(self.turn_radius_m), 0.5..=500.0, "the turn radius is 0.5 to 500 metres"),
+            (self.spacing_m, 0.5..=1000.0, "lines are 0.5 to 1000 metres apart"),
+        ];
+        let wrong = limits
+            .into_iter()
+            .find(|(value, allowed, _)| value.is_some_and(|value| !allowed.contains(&value)));
+        wrong.map_or(Ok(()), |(_, _, why)| Err(PlanError::Settings(why)))
     }
 
     /// Returns the speed in the settings, or else that of the survey if it is possible, or else a
