@@ -327,13 +327,6 @@ fn line_starts_s(track: &[TrackDepth]) -> Vec<f64> {
     starts.collect()
 }
 
-/// Square that two logs measured: the depth by the first log, and the elevation by the second log
-/// minus that by the first.
-struct Shared {
-    depth_m: f64,
-    difference_m: f64,
-}
-
 /// Returns the blocks of 10 m in which two logs measured the same squares of 1 m, for the pairs of
 /// logs for which `is_wanted` is true, in the order of the pairs.
 ///
@@ -351,14 +344,13 @@ pub fn overlaps(
             squares.entry(square).or_default().push((log, depth_m));
         }
     }
-    let mut blocks: BTreeMap<([usize; 2], [i64; 2]), Vec<Shared>> = BTreeMap::new();
+    let mut blocks: BTreeMap<([usize; 2], [i64; 2]), Vec<[f64; 2]>> = BTreeMap::new();
     for (square, logs) in &squares {
         let block = square.map(|index| index.div_euclid(BLOCK_SQUARES));
         for (rank, &(first, first_m)) in logs.iter().enumerate() {
             let others = logs[rank + 1..].iter();
             for &(second, second_m) in others.filter(|(second, _)| is_wanted(&[first, *second])) {
-                let shared = Shared { depth_m: first_m, difference_m: first_m - second_m };
-                blocks.entry(([first, second], block)).or_default().push(shared);
+                blocks.entry(([first, second], block)).or_default().push([first_m, second_m]);
             }
         }
     }
@@ -377,10 +369,11 @@ fn by_square(depths: &[TrackDepth]) -> BTreeMap<[i64; 2], f64> {
     medians.map(|(square, mut depths)| (square, median(&mut depths))).collect()
 }
 
-fn log_overlap(logs: [usize; 2], block: [i64; 2], shared: &[Shared]) -> LogOverlap {
+fn log_overlap(logs: [usize; 2], block: [i64; 2], shared: &[[f64; 2]]) -> LogOverlap {
     let side_m = BLOCK_SQUARES as f64 * SQUARE_M;
-    let mut differences: Vec<f64> = shared.iter().map(|square| square.difference_m).collect();
-    let [least, most] = ends(shared.iter().map(|square| square.depth_m));
+    let mut differences: Vec<f64> =
+        shared.iter().map(|[first_m, second_m]| first_m - second_m).collect();
+    let [least, most] = ends(shared.iter().map(|[first_m, _]| *first_m));
     LogOverlap::new(
         logs,
         OverlapKind::Overlap,

@@ -81,8 +81,7 @@ pub fn adjust(count: usize, log_overlaps: &[LogOverlap], datum: Datum) -> Height
         let Some(solved) = LogNetwork::new(members, inside, datum).solve() else {
             continue;
         };
-        for (index, &log) in members.iter().enumerate() {
-            let (height_m, error_m) = (solved.heights_m[index], solved.errors_m[index]);
+        for (&log, [height_m, error_m]) in members.iter().zip(solved) {
             if error_m <= MOST_ERROR_M.max(MOST_ERROR_SHARE * height_m.abs()) {
                 logs[log].offset_m = height_m;
                 logs[log].standard_error_m = error_m;
@@ -166,11 +165,6 @@ struct Weighted {
     factor: Factor,
 }
 
-struct SolvedNetwork {
-    heights_m: Vec<f64>,
-    errors_m: Vec<f64>,
-}
-
 impl<'a> LogNetwork<'a> {
     fn new(members: &[usize], log_overlaps: &'a [LogOverlap], datum: Datum) -> Self {
         let place = |log: usize| members.partition_point(|member| *member < log);
@@ -191,8 +185,9 @@ impl<'a> LogNetwork<'a> {
         }
     }
 
-    /// Solves for the heights; `None` for a log alone, or where the equations have no solution.
-    fn solve(&self) -> Option<SolvedNetwork> {
+    /// Returns the height of each log and its standard error, metres; `None` for a log alone, or
+    /// where the equations have no solution.
+    fn solve(&self) -> Option<Vec<[f64; 2]>> {
         if self.size < 2 {
             return None;
         }
@@ -219,10 +214,8 @@ impl<'a> LogNetwork<'a> {
         let of_unknowns = at.factor.variances(self.unknowns());
         let own = self.variances(&at.factor, &of_unknowns).into_iter();
         let variance = self.variance(&at, &of_unknowns);
-        Some(SolvedNetwork {
-            errors_m: own.map(|own| (variance * own).sqrt()).collect(),
-            heights_m: at.heights_m,
-        })
+        let heights_m = at.heights_m.into_iter().zip(own);
+        Some(heights_m.map(|(height_m, own)| [height_m, (variance * own).sqrt()]).collect())
     }
 
     /// Returns the number of unknowns: the heights of all logs but the first, and the shifts, if
