@@ -63,44 +63,35 @@ pub(super) fn is_seen_from_two_sides(
     twice as f64 >= LEAST_TWICE * seen as f64
 }
 
-/// Measured depths, divided into those that are kept and those that are left out and predicted.
-struct Split {
-    kept: Vec<DepthPoint>,
-    asked: Vec<DepthPoint>,
-}
-
-impl Split {
-    /// Divides the depths by the distance that the boat had sailed up to the ping nearest to each;
-    /// `None` without placed pings.
-    fn of(input: &SwathInput<'_>, measured: &[DepthPoint]) -> Option<Self> {
-        let (mut places, mut ways_m) = (Vec::new(), Vec::new());
-        for log in input.logs {
-            let mut way_m = 0.0;
-            let mut last: Option<[f64; 2]> = None;
-            for ping in log.echoes.pings.iter().filter(|ping| ping.is_placed()) {
-                let step_m = last.map_or(0.0, |last| {
-                    (ping.place_m[0] - last[0]).hypot(ping.place_m[1] - last[1])
-                });
-                way_m += step_m;
-                last = Some(ping.place_m);
-                places.push(ping.place_m);
-                ways_m.push(way_m);
-            }
+/// Divides the depths, by the distance that the boat had sailed up to the ping nearest to each, into
+/// those that are kept and those that are left out and predicted; `None` without placed pings.
+fn split(input: &SwathInput<'_>, measured: &[DepthPoint]) -> Option<[Vec<DepthPoint>; 2]> {
+    let (mut places, mut ways_m) = (Vec::new(), Vec::new());
+    for log in input.logs {
+        let mut way_m = 0.0;
+        let mut last: Option<[f64; 2]> = None;
+        for ping in log.echoes.pings.iter().filter(|ping| ping.is_placed()) {
+            let step_m = last
+                .map_or(0.0, |last| (ping.place_m[0] - last[0]).hypot(ping.place_m[1] - last[1]));
+            way_m += step_m;
+            last = Some(ping.place_m);
+            places.push(ping.place_m);
+            ways_m.push(way_m);
         }
-        let nearest = Nearest::of(&places)?;
-        let mut split = Self { kept: Vec::new(), asked: Vec::new() };
-        for point in measured.iter().filter(|point| point.weight > 0.0) {
-            let (ping, _) = nearest.at(point.place());
-            let way_m = ways_m[ping];
-            let along_m = way_m % STRETCH_M;
-            if (way_m / STRETCH_M) as u64 % ONE_OF != 1 {
-                split.kept.push(*point);
-            } else if point.is_sounding && (END_M..STRETCH_M - END_M).contains(&along_m) {
-                split.asked.push(*point);
-            }
-        }
-        Some(split)
     }
+    let nearest = Nearest::of(&places)?;
+    let (mut kept, mut asked) = (Vec::new(), Vec::new());
+    for point in measured.iter().filter(|point| point.weight > 0.0) {
+        let (ping, _) = nearest.at(point.place());
+        let way_m = ways_m[ping];
+        let along_m = way_m % STRETCH_M;
+        if (way_m / STRETCH_M) as u64 % ONE_OF != 1 {
+            kept.push(*point);
+        } else if point.is_sounding && (END_M..STRETCH_M - END_M).contains(&along_m) {
+            asked.push(*point);
+        }
+    }
+    Some([kept, asked])
 }
 
 /// Relief between the lines as a multiple of the error of triangles, and its bounds, metres.
@@ -126,10 +117,10 @@ pub(super) fn choose(
     tiles: &[usize],
     progress: &Progress,
 ) -> Result<Option<PriorChoice>, Cancelled> {
-    let Some(split) = Split::of(input, measured) else {
+    let Some([kept, left_out]) = split(input, measured) else {
         return Ok(None);
     };
-    let kept = merged(&split.kept);
+    let kept = merged(&kept);
     let mut sample = Sample::new(input, tiling, tiles, &kept, None);
     let slopes = input.bends.map(|bends| bends.slopes(&kept));
     let Some(tin) = Tin::new(kept) else {
@@ -137,7 +128,7 @@ pub(super) fn choose(
     };
     let mut triangles = BentSampler::new(&tin, slopes.as_ref());
     let mut asked: Vec<Asked> = Vec::new();
-    for point in split.asked {
+    for point in left_out {
         let place = point.place();
         let is_in_core = |state: &TileSolution| tiling.tiles[state.tile].core_nodes().holds(place);
         if let Some(state) = sample.states.iter().position(is_in_core) {
