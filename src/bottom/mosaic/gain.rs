@@ -206,21 +206,11 @@ impl Curves {
     }
 }
 
-/// Sums over the bins of one value of a curve.
-#[derive(Clone, Copy, Default)]
-struct Weighed {
-    /// Sum of the levels.
-    sum: f64,
-    /// Sum of the levels if this curve were 1: each count times the value of the other curve.
-    expected: f64,
-    count: f64,
-}
-
-fn weighed(bins: impl Iterator<Item = ([f64; 2], f64)>) -> Weighed {
-    bins.fold(Weighed::default(), |total, ([sum, count], other)| Weighed {
-        sum: total.sum + sum,
-        expected: total.expected + count * other,
-        count: total.count + count,
+/// Sums over the bins of one value of a curve: of the levels, of the levels if this curve were 1
+/// (each count times the value of the other curve), and of the counts.
+fn weighed(bins: impl Iterator<Item = ([f64; 2], f64)>) -> [f64; 3] {
+    bins.fold([0.0; 3], |[sum, expected, all], ([level, count], other)| {
+        [sum + level, expected + count * other, all + count]
     })
 }
 
@@ -228,18 +218,19 @@ fn weighed(bins: impl Iterator<Item = ([f64; 2], f64)>) -> Weighed {
 /// the mean of the values on both sides.
 fn steadied<const COUNT: usize>(
     curve: [f64; COUNT],
-    at: impl Fn(usize) -> Weighed,
+    at: impl Fn(usize) -> [f64; 3],
 ) -> [f64; COUNT] {
-    let bins: [Weighed; COUNT] = std::array::from_fn(at);
-    let [expected, count] = (bins.iter())
-        .fold([0.0; 2], |[expected, count], bin| [expected + bin.expected, count + bin.count]);
+    let bins: [[f64; 3]; COUNT] = std::array::from_fn(at);
+    let [expected, count] =
+        (bins.iter()).fold([0.0; 2], |[expected, count], bin| [expected + bin[1], count + bin[2]]);
     if expected <= 0.0 {
         return curve;
     }
     let of_neighbours = NEIGHBOURS_COUNT * expected / count;
     std::array::from_fn(|at| {
         let beside = 0.5 * (curve[at.saturating_sub(1)] + curve[(at + 1).min(COUNT - 1)]);
-        (bins[at].sum + of_neighbours * beside) / (bins[at].expected + of_neighbours)
+        let [sum, expected, _] = bins[at];
+        (sum + of_neighbours * beside) / (expected + of_neighbours)
     })
 }
 
