@@ -213,7 +213,7 @@ fn square_of(place: [f64; 2], square_m: f64) -> [i64; 2] {
 }
 
 /// Sampler that keeps the corners of the last triangle and their slopes.
-pub(super) struct BendSampler<'a> {
+pub(crate) struct BendSampler<'a> {
     slopes: &'a NodeSlopes,
     triangles: TinSampler<'a>,
     corners: Vec<(Node, Option<[f64; 2]>)>,
@@ -275,11 +275,7 @@ impl BendSampler<'_> {
 }
 
 /// Sampler of the depth of triangles that may bend.
-pub(crate) struct BentSampler<'a> {
-    triangles: BentTriangles<'a>,
-}
-
-enum BentTriangles<'a> {
+pub(crate) enum BentSampler<'a> {
     Straight(TinSampler<'a>),
     Bent(BendSampler<'a>),
 }
@@ -288,18 +284,17 @@ impl<'a> BentSampler<'a> {
     /// Creates a sampler of bent triangles, or of straight ones without slopes.
     pub(crate) fn new(tin: &'a Tin, slopes: Option<&'a NodeSlopes>) -> Self {
         let triangles = tin.sampler(Between::Linear);
-        let triangles = match slopes {
-            Some(slopes) => BentTriangles::Bent(slopes.sampler(triangles)),
-            None => BentTriangles::Straight(triangles),
-        };
-        Self { triangles }
+        match slopes {
+            Some(slopes) => Self::Bent(slopes.sampler(triangles)),
+            None => Self::Straight(triangles),
+        }
     }
 
     /// Returns the depth at a place, metres; `None` where there is no triangle.
     pub(crate) fn depth_at(&mut self, place: [f64; 2]) -> Option<f64> {
-        match &mut self.triangles {
-            BentTriangles::Straight(triangles) => triangles.depth_at(place),
-            BentTriangles::Bent(bends) => {
+        match self {
+            Self::Straight(triangles) => triangles.depth_at(place),
+            Self::Bent(bends) => {
                 let bend = bends.at(place)?;
                 Some(bend.straight_m + bends.slopes.share * bend.deeper_m())
             }
