@@ -55,6 +55,7 @@ pub struct LogPicture {
     /// Factors of the stripe filter, by side, port first; `None` if the filter was not requested.
     factors: Option<[Vec<f32>; 2]>,
     echoes: Vec<PictureEcho>,
+    /// True if the side-scan shows the bottom, not only noise.
     has_bottom: bool,
 }
 
@@ -122,11 +123,6 @@ impl LogPicture {
             echo.level * gain * even * tone.factor(echo.side, echo.range_m, self.middle_m)
         })
     }
-
-    /// Returns true if the side-scan shows the bottom, not only noise.
-    fn has_bottom(&self) -> bool {
-        self.has_bottom
-    }
 }
 
 /// Samples the echoes beyond the transmit pulse in even steps, from pings that are evenly spread
@@ -192,13 +188,13 @@ impl LevelHistogram {
     pub fn of(picture: &LogPicture, tone: &Tone) -> Self {
         let levels: Vec<f32> = picture.levels(tone).collect();
         if tone.is_plain() {
-            let mut plain = Self::with_bins(&levels, 256, 256.0, picture.has_bottom());
+            let mut plain = Self::with_bins(&levels, 256, 256.0, picture.has_bottom);
             plain.automatic.white = plain.automatic.white.min(1.0);
             return plain;
         }
         let mut sorted = levels.clone();
         let reach = reach(&mut sorted);
-        Self::with_bins(&levels, BINS, reach, picture.has_bottom())
+        Self::with_bins(&levels, BINS, reach, picture.has_bottom)
     }
 
     fn with_bins(levels: &[f32], count: usize, reach: f32, has_bottom: bool) -> Self {
