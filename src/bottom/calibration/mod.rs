@@ -32,17 +32,18 @@ use std::ops::Range;
 use std::str::FromStr;
 
 /// Scale that turns samples into metres.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ScaleMode {
     /// Pixels per metre measured at a flat spot, `PPD = p / d`.
     FlatSpot,
     /// The range that the recorder states for each ping.
+    #[default]
     Header,
 }
 
 /// Meaning of a flat spot's scale for pings of another recorded range.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PpdReach {
     /// Pixels per metre, one constant for the whole log as published: wrong where the range was
@@ -50,17 +51,19 @@ pub enum PpdReach {
     Constant,
     /// A factor on the range that the log's header gives each ping. The same as the constant while
     /// the range stays, also where the header's is an estimate (Humminbird).
+    #[default]
     Factor,
 }
 
 /// Treatment of a constant between first-return ranges and recorded depths.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum OffsetMode {
     /// Ranges stay as they are.
     None,
     /// The same as [`OffsetMode::Fit`], but ranges of a survey-grade recorder are trusted as they
     /// are ([`RangeSource`]).
+    #[default]
     Auto,
     /// The constant that the log shows is subtracted, where it is one that an instrument causes
     /// ([`RangeOffset`]): the pulse's leading edge (a few centimetres early), and draft or keel
@@ -69,7 +72,7 @@ pub enum OffsetMode {
 }
 
 /// `calibration.*` settings.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct CalibrationSettings {
     /// Scale that turns samples into metres.
@@ -81,17 +84,6 @@ pub struct CalibrationSettings {
     /// Treatment of a constant offset. A scale from a flat spot contains the offset already, so
     /// this setting acts on the header's scale only.
     pub offset: OffsetMode,
-}
-
-impl Default for CalibrationSettings {
-    fn default() -> Self {
-        Self {
-            mode: ScaleMode::Header,
-            pings: None,
-            ppd: PpdReach::Factor,
-            offset: OffsetMode::Auto,
-        }
-    }
 }
 
 /// A range of side-scan pings, written `A..B` (B excluded).
@@ -236,8 +228,9 @@ pub struct DepthFit {
     pub picks: usize,
 }
 
-/// Conversion of picks to slant ranges.
-#[derive(Clone, Debug, PartialEq)]
+/// Conversion of picks to slant ranges. The default leaves ranges as the recorder wrote them,
+/// without measurements.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Calibration {
     /// Scale in force.
     pub mode: ScaleMode,
@@ -319,24 +312,5 @@ impl Calibration {
     pub fn pick_range_m(&self, survey: &Survey, ping: usize, side: Side, sample: f32) -> f64 {
         let span = survey.span(ping, side);
         span.map_or(f64::NAN, |span| self.range_m(span, f64::from(sample)))
-    }
-}
-
-impl Default for Calibration {
-    /// Creates a calibration that leaves ranges as the recorder wrote them, without measurements.
-    fn default() -> Self {
-        Self {
-            mode: ScaleMode::Header,
-            reach: PpdReach::Factor,
-            flat_spot: None,
-            header: None,
-            fit: None,
-            offset_m: 0.0,
-            measured_offset: None,
-            offset_note: None,
-            beams: BeamWidths::default(),
-            sounding_lag: None,
-            warnings: Vec::new(),
-        }
     }
 }
