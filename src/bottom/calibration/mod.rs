@@ -102,26 +102,22 @@ impl From<PingRange> for String {
     }
 }
 
-/// Error for a text that is no range of pings.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("a ping range is written A..B with A < B, for example 400..600; got `{0}`")]
-pub struct PingRangeError(String);
-
 impl FromStr for PingRange {
-    type Err = PingRangeError;
+    /// A sentence about a text that is no range of pings.
+    type Err = String;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let parsed = text.split_once("..").and_then(|(start, end)| {
             Some(PingRange { start: start.trim().parse().ok()?, end: end.trim().parse().ok()? })
         });
-        parsed
-            .filter(|range| range.start < range.end)
-            .ok_or_else(|| PingRangeError(text.to_owned()))
+        parsed.filter(|range| range.start < range.end).ok_or_else(|| {
+            format!("a ping range is written A..B with A < B, for example 400..600; got `{text}`")
+        })
     }
 }
 
 impl TryFrom<String> for PingRange {
-    type Error = PingRangeError;
+    type Error = String;
 
     fn try_from(text: String) -> Result<Self, Self::Error> {
         text.parse()
