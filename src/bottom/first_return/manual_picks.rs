@@ -120,17 +120,9 @@ impl BottomEdit {
 }
 
 /// Error for bottom edits that belong to another log.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "it belongs to a log of {} bytes and {} pings, this one has {} and {}",
-    drawn_on.0, drawn_on.1, log.0, log.1
-)]
-pub struct OtherLog {
-    /// Bytes and side-scan pings of the log that the edits were drawn on.
-    pub drawn_on: (u64, usize),
-    /// Bytes and side-scan pings of the log that the edits were compared with.
-    pub log: (u64, usize),
-}
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct OtherLog(String);
 
 impl BottomSettings {
     /// Extension of the sidecar file of the settings, in place of that of the log.
@@ -159,7 +151,10 @@ impl BottomSettings {
         if self.pings == pings && [log_bytes, with_track].contains(&self.log_bytes) {
             return Ok(());
         }
-        Err(OtherLog { drawn_on: (self.log_bytes, self.pings), log: (log_bytes, pings) })
+        Err(OtherLog(format!(
+            "it belongs to a log of {} bytes and {} pings, this one has {log_bytes} and {pings}",
+            self.log_bytes, self.pings
+        )))
     }
 
     /// Returns the edits of a sidecar file with the size and the sides of the log that it belongs
