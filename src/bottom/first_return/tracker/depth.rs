@@ -63,17 +63,9 @@ impl Depths {
         stretches
     }
 
-    /// Lowers the scores of cells beyond the recorded depth in some rows.
-    pub(super) fn forbid_beyond(&self, rows: &Range<usize>, scores: &mut Scores) {
-        self.lower_beyond(rows, TUNING.farther_cost, scores);
-    }
-
-    /// Reverses [`Depths::forbid_beyond`] in some rows.
-    pub(super) fn allow_beyond(&self, rows: &Range<usize>, scores: &mut Scores) {
-        self.lower_beyond(rows, -TUNING.farther_cost, scores);
-    }
-
-    fn lower_beyond(&self, rows: &Range<usize>, cost: f32, scores: &mut Scores) {
+    /// Lowers the scores of cells beyond the recorded depth in some rows by a cost; a cost below
+    /// zero raises them again.
+    pub(super) fn lower_beyond(&self, rows: &Range<usize>, cost: f32, scores: &mut Scores) {
         for (row, depth) in self.known().filter(|(row, _)| rows.contains(row)) {
             scores.lower(row, self.limit(depth).., cost);
         }

@@ -148,7 +148,7 @@ impl Workspace {
             return line;
         }
         if depths.bounds(&line) {
-            depths.forbid_beyond(&(0..line.len()), &mut self.scores);
+            depths.lower_beyond(&(0..line.len()), TUNING.farther_cost, &mut self.scores);
             return self.paths.line(self.scores.grid(), motion);
         }
         let leaps = depths.leaps(&line);
@@ -156,14 +156,14 @@ impl Workspace {
             return line;
         }
         for rows in &leaps {
-            depths.forbid_beyond(rows, &mut self.scores);
+            depths.lower_beyond(rows, TUNING.farther_cost, &mut self.scores);
         }
         let bounded_line = self.paths.line(self.scores.grid(), motion);
         let mut is_restored = false;
         for rows in &leaps {
             let evidence = mean_score(self.scores.grid(), &bounded_line, rows);
             if evidence < TUNING.within_evidence {
-                depths.allow_beyond(rows, &mut self.scores);
+                depths.lower_beyond(rows, -TUNING.farther_cost, &mut self.scores);
                 is_restored = true;
             }
         }
