@@ -245,18 +245,21 @@ impl Witnesses {
 /// Returns the stretches of false soundings, in order.
 fn find(soundings: &[Sounding], witnesses: &Witnesses) -> Vec<FalseSoundings> {
     let mut found = second_echoes(soundings, witnesses);
-    let is_known = |held: &Range<usize>, found: &[FalseSoundings]| {
-        found
-            .iter()
-            .any(|stretch| stretch.soundings.start < held.end && held.start < stretch.soundings.end)
-    };
-    for held in held_depths(soundings, witnesses) {
-        if !is_known(&held, &found) {
-            found.push(FalseSoundings { soundings: held, fault: SoundingFault::Held });
-        }
-    }
+    let fault = SoundingFault::Held;
+    let held = held_depths(soundings, witnesses).into_iter();
+    add_new(&mut found, held.map(|soundings| FalseSoundings { soundings, fault }));
     found.sort_by_key(|stretch| stretch.soundings.start);
     found
+}
+
+/// Adds the stretches that overlap none of those before them.
+fn add_new(found: &mut Vec<FalseSoundings>, more: impl Iterator<Item = FalseSoundings>) {
+    for stretch in more {
+        let Range { start, end } = stretch.soundings;
+        if !found.iter().any(|known| known.soundings.start < end && start < known.soundings.end) {
+            found.push(stretch);
+        }
+    }
 }
 
 /// Finds second echoes in three ways: by both sides together; by each side alone where the range of
@@ -273,15 +276,8 @@ fn second_echoes(soundings: &[Sounding], witnesses: &Witnesses) -> Vec<FalseSoun
         all.clone().map(range_m).collect()
     };
     let alone = Side::BOTH.map(|side| second_echoes_by(soundings, alone_m(side))).concat();
-    for alone in alone.into_iter().chain(unseen_second_echoes(soundings, witnesses)) {
-        let is_known = |stretch: &FalseSoundings| {
-            stretch.soundings.start < alone.soundings.end
-                && alone.soundings.start < stretch.soundings.end
-        };
-        if !found.iter().any(is_known) {
-            found.push(alone);
-        }
-    }
+    let unseen = unseen_second_echoes(soundings, witnesses);
+    add_new(&mut found, alone.into_iter().chain(unseen));
     found
 }
 
