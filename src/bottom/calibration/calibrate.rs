@@ -1,13 +1,12 @@
 //! Computes all scales, chooses the one in force, and warns of disagreements.
 
-use super::objections::VERY_WIDE;
 use super::offset::{RangeOffset, TOLERANCE_M, blocks, robust_line};
 use super::overlap::{BeamWidths, beam_widths};
 use super::scale::{Usable, header_scale, picks_at_depths, range_changes, usable_picks};
 use super::sounding_lag::SoundingLag;
 use super::{
     Calibration, CalibrationSettings, DepthFit, FlatSpot, OffsetMode, PpdReach, ScaleMode,
-    flat_spots,
+    VERY_WIDE, flat_spots,
 };
 use crate::first_return::FirstReturns;
 use bathyscope_log::support::progress::{Cancelled, Progress};

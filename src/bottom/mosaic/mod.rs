@@ -22,7 +22,6 @@
 
 mod altitude;
 mod canvas;
-mod footprint;
 mod gain;
 mod joint;
 mod layout;
@@ -31,10 +30,10 @@ mod paint;
 
 pub use altitude::altitudes_m;
 pub use canvas::Overlap;
-pub use footprint::footprint;
 pub use gain::{GainTable, gain_table};
 pub use joint::{
-    LEVEL_CELL_M, joint_bounds, joint_grid, level_differences, level_factor, match_levels,
+    LEVEL_CELL_M, footprint, joint_bounds, joint_grid, level_differences, level_factor,
+    match_levels,
 };
 pub use layout::{Bounds, MosaicLayout, MosaicRay, TILE_CELLS, TileIndex, joined_way_m};
 pub use paint::{MosaicLog, MosaicPart, join_parts, joint_tile, joint_window, part, window};

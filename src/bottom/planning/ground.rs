@@ -1,9 +1,9 @@
 //! Describes each cell of the ground: its distance to the nearest sounding, the number of passes
 //! that insonified it, and the uncertainty of its depth.
 
-use super::known::{Doubt, SeenObject, SigmaLaw, SurveyCoverage};
 use super::turns::apart_m;
 use super::water::{Water, thinned};
+use super::{Doubt, InsonifiedSide, SeenObject, SigmaLaw, SurveyCoverage};
 use crate::nearest::Nearest;
 use rayon::prelude::*;
 
@@ -189,7 +189,7 @@ fn across_m(range_m: f64, depth_m: f64) -> f64 {
 }
 
 /// Returns the number of passes that insonified each cell of the grid, up to 2.
-fn counted(water: &Water, looks: &[super::known::InsonifiedSide]) -> Vec<u8> {
+fn counted(water: &Water, looks: &[InsonifiedSide]) -> Vec<u8> {
     let grid = &water.grid;
     let mut counts = vec![0_u8; grid.len()];
     let mut last = vec![u32::MAX; grid.len()];

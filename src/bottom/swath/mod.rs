@@ -12,9 +12,10 @@
 //!
 //! `echoes` defines the data that is read of a log, and finds weed; `layout` determines the
 //! properties of a whole log, such as its `law`, which converts levels into logarithms of power.
-//! `observations` are averaged levels (looks), placed on the bed; `model` predicts their levels. `tiling` divides a survey, or a part of a larger map, into tiles of `nodes`; `solve`
-//! solves a tile, `depths` runs the rounds, and `gate` decides by left-out soundings whether levels
-//! are used.
+//! `observations` are averaged levels (looks) placed on the bed; `model` predicts their levels.
+//! `tiling` divides a survey, or a part of a larger map, into tiles of `nodes`; `solve` solves a
+//! tile, `depths` runs the rounds, and `gate` decides by left-out soundings whether levels are
+//! used.
 
 mod depths;
 mod echoes;

@@ -13,7 +13,6 @@
 
 mod axis;
 mod cache;
-mod coarse;
 mod levels;
 mod line;
 mod resample;

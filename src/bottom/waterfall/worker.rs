@@ -1,8 +1,7 @@
 //! Runs the worker that makes tiles and lines in a background thread: requested tiles first, then
 //! the store of the coarse levels.
 
-use super::coarse::{Coarse, size};
-use super::resample::resample;
+use super::resample::{Coarse, resample, size};
 use super::{Levels, PickLines, RangeAxis, RangeLine, Want, WaterfallTile, WaterfallTileKey};
 use crate::first_return::FirstReturns;
 use bathyscope_log::survey::Survey;

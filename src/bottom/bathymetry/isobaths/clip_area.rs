@@ -1,7 +1,7 @@
 //! Cuts lines and areas at the edges of an area, such as a shoreline with its islands, and computes
 //! the area and volume below a level in it.
 
-use super::clip::LEAST_LENGTH_M;
+use super::lines::LEAST_LENGTH_M;
 use super::{DepthArea, Isobath, Polygon};
 use crate::bathymetry::Surface;
 use bathyscope_log::support::outline::{between, edges, is_crossed};

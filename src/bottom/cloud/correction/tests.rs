@@ -115,3 +115,34 @@ fn readings_that_do_not_cover_the_log_are_refused() {
     assert!(with(Some(1_633_999_999.0)).refused().is_some());
     assert!(with(None).refused().expect("a reason").to_string().contains("does not know the time"));
 }
+
+#[test]
+fn speeds_are_those_of_unesco() {
+    // The check value of Fofonoff and Millard (1983), page 48: S 40, T 40 C, 10 000 dbar. The
+    // others by the Python package `seawater` 3.3.5 (`svel(s, t / 1.00024, p)`: it takes
+    // temperatures of 1990, the equation those of 1968).
+    for (t, s, bar, expected) in [
+        (40.0, 40.0, 1000.0, 1731.995),
+        (20.0, 0.0, 0.0, 1482.343308),
+        (5.0, 0.0, 0.0, 1426.162281),
+        (25.0, 0.0, 2.0, 1497.022935),
+        (10.0, 35.0, 0.0, 1489.822336),
+        (15.0, 35.0, 100.0, 1523.238609),
+        (28.0, 12.0, 5.0, 1518.005805),
+    ] {
+        let found = at_pressure(t, s, bar);
+        assert!((found - expected).abs() < 1e-3, "{t} {s} {bar}: {found}");
+    }
+}
+
+#[test]
+fn what_says_two_things_is_refused() {
+    let both = SoundSpeedSettings {
+        m_s: Some(1480.0),
+        temperature_c: Some(20.0),
+        ..SoundSpeedSettings::default()
+    };
+    assert!(both.check().is_err());
+    assert!(SoundSpeedSettings::default().check().is_ok());
+    assert_eq!(SoundSpeedSettings::default().water_m_s(), None);
+}
