@@ -1,12 +1,20 @@
 //! Limits the place of the line by the recorded depth.
 
-use super::TUNING;
 use super::rows::TrackerChunk;
 use super::score::Scores;
 use crate::first_return::confidence::farthest_m;
 use bathyscope_log::survey::Survey;
 use std::ops::Range;
 
+/// Cost in score of a place outside the window around the recorded depth.
+const DEPTH_COST: f32 = 1.2;
+/// Window around the recorded depth, as shares of the depth.
+const DEPTH_WINDOW: (f64, f64) = (0.65, 1.12);
+/// Share of the pings whose line must be within the limits of the depth for the depth to be
+/// believed everywhere.
+const DEPTH_TRUST: f64 = 0.9;
+/// Multiple of the recorded depth beyond which the line has leapt.
+const LEAP_SHARE: f64 = 1.25;
 /// Largest number of consecutive rows within a stretch that are not far beyond the depth.
 const PAUSE: usize = 8;
 
@@ -33,10 +41,10 @@ impl Depths {
     /// Lowers the scores of cells far from the recorded depth. The cost is small, since that depth
     /// may be wrong; without a depth nothing changes.
     pub(super) fn weigh(&self, scores: &mut Scores) {
-        let (near, far) = TUNING.depth_window;
+        let (near, far) = DEPTH_WINDOW;
         for (row, depth) in self.known() {
-            scores.lower(row, ..self.cell(near * depth), TUNING.depth_cost);
-            scores.lower(row, self.cell(far * depth).., TUNING.depth_cost);
+            scores.lower(row, ..self.cell(near * depth), DEPTH_COST);
+            scores.lower(row, self.cell(far * depth).., DEPTH_COST);
         }
     }
 
@@ -52,8 +60,7 @@ impl Depths {
     /// where the depth is late or rounded.
     pub(super) fn leaps(&self, line: &[usize]) -> Vec<Range<usize>> {
         let mut stretches: Vec<Range<usize>> = Vec::new();
-        let is_far =
-            |&(row, depth): &(usize, f64)| line[row] > self.cell(TUNING.leap_share * depth);
+        let is_far = |&(row, depth): &(usize, f64)| line[row] > self.cell(LEAP_SHARE * depth);
         for (row, _) in self.known().filter(is_far) {
             match stretches.last_mut() {
                 Some(last) if row - last.end <= PAUSE => last.end = row + 1,
@@ -74,13 +81,13 @@ impl Depths {
     /// Returns true if the line is within the limits of the depth on nearly all pings of the chunk,
     /// so that the depth can be believed at every ping.
     pub(super) fn bounds(&self, line: &[usize]) -> bool {
-        let nearest = |depth: f64| self.cell(TUNING.depth_window.0 * depth);
+        let nearest = |depth: f64| self.cell(DEPTH_WINDOW.0 * depth);
         let (mut known, mut agreeing) = (0, 0);
         for (row, depth) in self.known() {
             known += 1;
             agreeing += usize::from((nearest(depth)..=self.limit(depth)).contains(&line[row]));
         }
-        agreeing as f64 >= TUNING.depth_trust * f64::from(known)
+        agreeing as f64 >= DEPTH_TRUST * f64::from(known)
     }
 
     /// Returns the farthest cell at which the bottom below the boat returns; `depth` is in cells.

@@ -8,6 +8,10 @@
 //! measures the step at every sample, `depth` limits the line by the recorded depth, and `viterbi`
 //! finds the best path. `refine` finds the edge within a fraction of a sample on the picture that
 //! `grid` aligns along the line, with the earlier echoes that `onset` finds just before it.
+//!
+//! The settings were chosen on simulated ponds and verified on real recordings. Lengths that depend
+//! on the bottom are in metres, with limits in cells of the picture where they depend on the
+//! recorder's grid: a range of 37 m in 512 samples is coarser than any step.
 
 mod depth;
 mod grid;
@@ -27,69 +31,12 @@ use rows::TrackerChunk;
 use score::Scores;
 use std::ops::Range;
 
-/// Settings of the tracker, chosen on simulated ponds and verified on real recordings.
-///
-/// Lengths that depend on the bottom are in metres, with limits in cells of the picture where they
-/// depend on the recorder's grid: a range of 37 m in 512 samples is coarser than any step.
-struct Tuning {
-    /// Length of the windows that are compared before and after a step, metres.
-    window_m: f64,
-    /// Least number of cells in such a window: a bright line one or two cells wide must not fill
-    /// it.
-    window_cells: usize,
-    /// Largest movement of the line from ping to ping without a leap, metres.
-    move_m: f64,
-    /// Cost in score of a metre of such a movement, limited to `move_cost_per_cell` for each cell.
-    /// The cost is low because a bottom that slopes 20 degrees along the track moves 5 cm at every
-    /// ping, and the line must follow it.
-    move_cost_per_m: f64,
-    /// See `move_cost_per_m`.
-    move_cost_per_cell: f64,
-    /// Largest rise of the echo before a step above quiet water, in standard deviations of the
-    /// noise, without a cost. Over the boulders of the real river the step from a boulder to the
-    /// ground behind it is often the greater one; the first is the one from the water.
-    quiet: f32,
-    /// Cost in score of each further standard deviation. On the river any cost from 0.3 on finds
-    /// the boulders; on ponds none up to 1 changes the error by more than a tenth of a millimetre.
-    loud_cost: f32,
-    /// Largest growth of the water's brightness with range, bytes a metre.
-    water_grows_per_m: f64,
-    /// Cost in score of a leap to any cell: at the edge of a boulder, a weed bed or a wall.
-    leap_cost: f32,
-    /// Cost in score of a place outside the window around the recorded depth.
-    depth_cost: f32,
-    /// Window around the recorded depth, as shares of the depth.
-    depth_window: (f64, f64),
-    /// Share of the pings whose line must be within the limits of the depth for the depth to be
-    /// believed everywhere.
-    depth_trust: f64,
-    /// Cost in score of a place beyond the limit of a believed depth: more than any step gathers.
-    farther_cost: f32,
-    /// Least mean score at which a line before the recorded depth is the bottom, whatever is
-    /// beyond: beside walls, and over ground beside boulders, the mean is 2.2 to 3.5 where the
-    /// bottom is before the depth, and below 1.2 where it is not (a slope, a depth that is late).
-    within_evidence: f32,
-    /// Multiple of the recorded depth beyond which the line has leapt.
-    leap_share: f64,
-}
-
-const TUNING: Tuning = Tuning {
-    window_m: 0.20,
-    window_cells: 10,
-    move_m: 0.08,
-    move_cost_per_m: 35.0,
-    move_cost_per_cell: 0.3,
-    quiet: 1.0,
-    loud_cost: 0.5,
-    water_grows_per_m: 8.0,
-    leap_cost: 7.0,
-    depth_cost: 1.2,
-    depth_window: (0.65, 1.12),
-    depth_trust: 0.9,
-    farther_cost: 8.0,
-    within_evidence: 1.7,
-    leap_share: 1.25,
-};
+/// Cost in score of a place beyond the limit of a believed depth: more than any step gathers.
+const FARTHER_COST: f32 = 8.0;
+/// Least mean score at which a line before the recorded depth is the bottom, whatever is beyond:
+/// beside walls, and over ground beside boulders, the mean is 2.2 to 3.5 where the bottom is before
+/// the depth, and below 1.2 where it is not (a slope, a depth that is late).
+const WITHIN_EVIDENCE: f32 = 1.7;
 /// Least mean score of a line over [`ALONG`] rows to both sides; a line with less is no bottom.
 const LEAST_EVIDENCE: f32 = 0.8;
 /// Number of rows before and after a row that its evidence is averaged over.
@@ -148,7 +95,7 @@ impl Workspace {
             return line;
         }
         if depths.bounds(&line) {
-            depths.lower_beyond(&(0..line.len()), TUNING.farther_cost, &mut self.scores);
+            depths.lower_beyond(&(0..line.len()), FARTHER_COST, &mut self.scores);
             return self.paths.line(self.scores.grid(), motion);
         }
         let leaps = depths.leaps(&line);
@@ -156,14 +103,14 @@ impl Workspace {
             return line;
         }
         for rows in &leaps {
-            depths.lower_beyond(rows, TUNING.farther_cost, &mut self.scores);
+            depths.lower_beyond(rows, FARTHER_COST, &mut self.scores);
         }
         let bounded_line = self.paths.line(self.scores.grid(), motion);
         let mut is_restored = false;
         for rows in &leaps {
             let evidence = mean_score(self.scores.grid(), &bounded_line, rows);
-            if evidence < TUNING.within_evidence {
-                depths.lower_beyond(rows, -TUNING.farther_cost, &mut self.scores);
+            if evidence < WITHIN_EVIDENCE {
+                depths.lower_beyond(rows, -FARTHER_COST, &mut self.scores);
                 is_restored = true;
             }
         }

@@ -1,11 +1,24 @@
 //! Scores how much every cell of every row looks like the step from water to bottom.
 
 use super::super::{FirstReturnSettings, Normalisation, SampleMode};
-use super::TUNING;
 use super::grid::TrackerGrid;
 use super::rows::{SampleRows, TrackerChunk};
 use crate::vectors::{VectorLoop, vectorised};
 use std::ops::{Bound, RangeBounds};
+
+/// Length of the windows that are compared before and after a step, metres.
+const WINDOW_M: f64 = 0.20;
+/// Least number of cells in such a window: a bright line one or two cells wide must not fill it.
+const WINDOW_CELLS: usize = 10;
+/// Largest rise of the echo before a step above quiet water, in standard deviations of the noise,
+/// without a cost. Over the boulders of the real river the step from a boulder to the ground behind
+/// it is often the greater one; the first is the one from the water.
+const QUIET: f32 = 1.0;
+/// Cost in score of each further standard deviation. On the river any cost from 0.3 on finds the
+/// boulders; on ponds none up to 1 changes the error by more than a tenth of a millimetre.
+const LOUD_COST: f32 = 0.5;
+/// Largest growth of the water's brightness with range, bytes a metre.
+const WATER_GROWS_PER_M: f64 = 8.0;
 
 /// Weights of the smoothing along the track: a gaussian of 1.2 pings that sums to 64.
 const ALONG: [u16; 4] = [22, 15, 5, 1];
@@ -54,12 +67,12 @@ impl Kernel {
             SampleMode::Words => settings.threshold * 255.0,
         };
         Self {
-            window: ((TUNING.window_m / cell_m).round() as usize).clamp(TUNING.window_cells, 255),
+            window: ((WINDOW_M / cell_m).round() as usize).clamp(WINDOW_CELLS, 255),
             // The limit is far beyond any row: sums of indices must not wrap where the range of a
             // header is close to 0.
             first: ((settings.dead_zone_m - chunk.near_m) / cell_m).ceil().clamp(0.0, 1e9) as usize,
             level: level.ceil().clamp(0.0, 256.0) as u16,
-            creep: FINE * (TUNING.water_grows_per_m * cell_m).min(255.0) as f32,
+            creep: FINE * (WATER_GROWS_PER_M * cell_m).min(255.0) as f32,
         }
     }
 }
@@ -342,8 +355,8 @@ impl Moments {
         let dark = if before > near.mean { before } else { near.mean };
         let score = (self.mean - dark) / noise;
         let score = if score < MOST { score } else { MOST };
-        let level = (near.mean - quiet) / noise - TUNING.quiet;
-        let cost = if level > 0.0 { TUNING.loud_cost * level } else { 0.0 };
+        let level = (near.mean - quiet) / noise - QUIET;
+        let cost = if level > 0.0 { LOUD_COST * level } else { 0.0 };
         score - cost
     }
 }

@@ -1,9 +1,19 @@
 //! Finds the best path through the scores, from the largest score that a path through each cell can
 //! gather.
 
-use super::TUNING;
 use super::grid::{TrackerGrid, highest, larger, maximum};
 use crate::vectors::{VectorLoop, vectorised};
+
+/// Largest movement of the line from ping to ping without a leap, metres.
+const MOVE_M: f64 = 0.08;
+/// Cost in score of a metre of such a movement, limited to [`MOVE_COST_PER_CELL`] for each cell.
+/// The cost is low because a bottom that slopes 20 degrees along the track moves 5 cm at every
+/// ping, and the line must follow it.
+const MOVE_COST_PER_M: f64 = 35.0;
+/// Largest cost of a cell of such a movement.
+const MOVE_COST_PER_CELL: f64 = 0.3;
+/// Cost in score of a leap to any cell: at the edge of a boulder, a weed bed or a wall.
+const LEAP_COST: f32 = 7.0;
 
 /// Cost of moving the line from one ping to the next.
 pub(super) struct MotionCost {
@@ -19,9 +29,9 @@ impl MotionCost {
     /// Creates the cost of motion on a grid with cells of this length in metres.
     pub(super) fn at(cell_m: f64) -> Self {
         Self {
-            limit: ((TUNING.move_m / cell_m).ceil() as usize).clamp(6, 64),
-            cost: (TUNING.move_cost_per_m * cell_m).min(TUNING.move_cost_per_cell) as f32,
-            leap: TUNING.leap_cost,
+            limit: ((MOVE_M / cell_m).ceil() as usize).clamp(6, 64),
+            cost: (MOVE_COST_PER_M * cell_m).min(MOVE_COST_PER_CELL) as f32,
+            leap: LEAP_COST,
         }
     }
 }
