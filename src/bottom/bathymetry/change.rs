@@ -19,19 +19,15 @@ use std::f64::consts::PI;
 /// Standard deviations that 95 % of normal errors do not exceed.
 const WITHIN_95: f64 = 1.96;
 
-/// Errors that the cells of a difference have in common.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Errors that the cells of a difference have in common; 0 by default, where only the depths' own
+/// errors count.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ChangeErrors {
     /// Standard deviation of the error that is the same in all cells (draft, water level, sound
     /// speed), metres.
     pub systematic_m: f64,
     /// Distance beyond which the errors of two depths are independent, metres.
     pub range_m: f64,
-}
-
-impl ChangeErrors {
-    /// No errors in common, only the depths' own errors.
-    const NONE: Self = Self { systematic_m: 0.0, range_m: 0.0 };
 }
 
 /// Change of a cell that has a depth in both maps.

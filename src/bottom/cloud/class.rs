@@ -49,11 +49,6 @@ impl PointClass {
     pub fn is_kept(self) -> bool {
         self == PointClass::Bottom
     }
-
-    /// Returns true if the outlier filter removed the point.
-    pub fn is_noise(self) -> bool {
-        matches!(self, PointClass::LowNoise | PointClass::HighNoise)
-    }
 }
 
 /// Rules that decide the class of a point.

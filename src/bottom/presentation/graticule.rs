@@ -348,12 +348,6 @@ mod tests {
     }
 
     #[test]
-    fn the_date_line_has_no_side() {
-        let found = labels(Degrees, 1.0, 178.5, 181.5, DegreeAxis::Longitude);
-        assert_eq!(found, ["179° E", "180°", "179° W"]);
-    }
-
-    #[test]
     fn steps_grow_and_are_never_smaller_than_asked() {
         for format in [Degrees, Minutes, Seconds, Utm] {
             let all = steps(format);

@@ -142,13 +142,6 @@ mod tests {
     }
 
     #[test]
-    fn a_scale_ends_just_beyond_what_it_holds() {
-        for (least, end) in [(0.0821, 0.1), (0.212, 0.25), (0.3, 0.3), (37.0, 40.0)] {
-            assert_eq!(scale_end(least), end);
-        }
-    }
-
-    #[test]
     fn times_are_round_and_never_too_close() {
         assert_eq!(time_step_s(0.3), 1.0);
         assert_eq!(time_step_s(12.0), 30.0);

@@ -248,12 +248,6 @@ pub fn correct_part(
     Ok(())
 }
 
-/// Returns the weight of depths from levels against the surface without them, 0 to 1, at a distance
-/// from the nearest measured depth, metres.
-fn share_of_levels(distance_m: f64) -> f64 {
-    rise(distance_m, HELD_M)
-}
-
 /// Returns a smooth step from 0 at the first of two values to 1 at the second.
 fn rise(value: f64, [from, to]: [f64; 2]) -> f64 {
     let along = ((value - from) / (to - from)).clamp(0.0, 1.0);
@@ -298,7 +292,7 @@ fn add(found: &NodeDepths, stated: StatedByLevels, surface: &mut Surface) {
         let unusual = rise(without_error_m / usual_without_m, UNUSUAL_ERRORS);
         let least_m = unusual * stated.least_share * without_error_m;
         let error_m = (stated.error_sds * sd_m).max(least_m);
-        let mut share = share_of_levels(f64::from(surface.distance_m[cell]))
+        let mut share = rise(f64::from(surface.distance_m[cell]), HELD_M)
             * (1.0 - rise(sd_m / usual_sd_m, UNSURE_SDS))
             * nodes.value_at(&found.seen, centre);
         if surface.spread_is == Spread::OfError {
@@ -409,8 +403,8 @@ mod tests {
 
     #[test]
     fn levels_count_for_nothing_beside_a_measured_depth_and_in_full_away_from_it() {
-        assert_eq!(share_of_levels(0.4), 0.0);
-        assert_eq!(share_of_levels(1.6), 1.0);
-        assert!((share_of_levels(1.0) - 0.5).abs() < 1e-12);
+        assert_eq!(rise(0.4, HELD_M), 0.0);
+        assert_eq!(rise(1.6, HELD_M), 1.0);
+        assert!((rise(1.0, HELD_M) - 0.5).abs() < 1e-12);
     }
 }

@@ -103,7 +103,7 @@ impl ChangeField<'_> {
         let is_seed = |index: usize| {
             self.cell(index).is_some_and(|cell| {
                 let from_others = CellChange { rise_m: cell.rise_m - offset_m, ..cell };
-                cell.is_detected(errors) && from_others.is_detected(&ChangeErrors::NONE)
+                cell.is_detected(errors) && from_others.is_detected(&ChangeErrors::default())
             })
         };
         let away_m = self.away_m();
