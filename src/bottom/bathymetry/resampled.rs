@@ -23,6 +23,17 @@ impl Grid {
             cell_m: self.cell_m,
         }
     }
+
+    /// Returns the grid with `times` cells along the side of each cell.
+    #[must_use]
+    pub fn finer(&self, times: usize) -> Self {
+        Self {
+            cell_m: self.cell_m / times as f64,
+            columns: self.columns * times,
+            rows: self.rows * times,
+            ..*self
+        }
+    }
 }
 
 impl Surface {
@@ -44,22 +55,7 @@ impl Surface {
         });
         made
     }
-}
 
-impl Grid {
-    /// Returns the grid with `times` cells along the side of each cell.
-    #[must_use]
-    pub fn finer(&self, times: usize) -> Self {
-        Self {
-            cell_m: self.cell_m / times as f64,
-            columns: self.columns * times,
-            rows: self.rows * times,
-            ..*self
-        }
-    }
-}
-
-impl Surface {
     /// Returns the surface with `times` cells along the side of each cell: depths are bilinear
     /// between the centres of the cells, where they are known; all other values are those of the
     /// cell.
@@ -86,6 +82,37 @@ impl Surface {
             }
         });
         made
+    }
+
+    /// Returns the surface in cells `times` as long: each holds the mean of the known values of its
+    /// parts, and the best of their sources.
+    #[must_use]
+    pub fn coarser(&self, times: usize) -> Self {
+        let grid = self.grid.coarser(times);
+        let means = |values: &[f32]| means(&self.grid, values, &grid, times);
+        let best = best(&self.grid, &self.source, &grid, times);
+        self.on_grid(grid, means, best)
+    }
+
+    /// Returns the unit vector perpendicular to the bottom at the centre of a cell: east, north,
+    /// up. Differences are taken between known neighbours only; where there are none, and outside
+    /// of the grid, the bottom counts as level.
+    pub fn normal(&self, row: usize, column: usize) -> [f32; 3] {
+        let at = |row: Option<usize>, column: Option<usize>| {
+            let (row, column) = (row?, column?);
+            let is_inside = row < self.grid.rows && column < self.grid.columns;
+            let depth_m = is_inside.then(|| self.depth_m[row * self.grid.columns + column])?;
+            (!depth_m.is_nan()).then_some(f64::from(depth_m))
+        };
+        let (up, down) = (row.checked_sub(1), row.checked_add(1));
+        let (left, right) = (column.checked_sub(1), column.checked_add(1));
+        let here = at(Some(row), Some(column));
+        let cell_m = self.grid.cell_m;
+        // Depths grow downwards: a bottom that falls towards the east faces east.
+        let east = slope(at(Some(row), left), here, at(Some(row), right), cell_m);
+        let north = slope(at(down, Some(column)), here, at(up, Some(column)), cell_m);
+        let length = (1.0 + east * east + north * north).sqrt();
+        [east / length, north / length, 1.0 / length].map(|part| part as f32)
     }
 }
 
@@ -123,39 +150,6 @@ fn held(grid: &Grid, depth_m: &[f32]) -> Vec<f32> {
         |(cell, depth_m)| if depth_m.is_nan() { around(grid.centre_of(cell)) } else { *depth_m },
     );
     cells.collect()
-}
-
-impl Surface {
-    /// Returns the surface in cells `times` as long: each holds the mean of the known values of its
-    /// parts, and the best of their sources.
-    #[must_use]
-    pub fn coarser(&self, times: usize) -> Self {
-        let grid = self.grid.coarser(times);
-        let means = |values: &[f32]| means(&self.grid, values, &grid, times);
-        let best = best(&self.grid, &self.source, &grid, times);
-        self.on_grid(grid, means, best)
-    }
-
-    /// Returns the unit vector perpendicular to the bottom at the centre of a cell: east, north,
-    /// up. Differences are taken between known neighbours only; where there are none, and outside
-    /// of the grid, the bottom counts as level.
-    pub fn normal(&self, row: usize, column: usize) -> [f32; 3] {
-        let at = |row: Option<usize>, column: Option<usize>| {
-            let (row, column) = (row?, column?);
-            let is_inside = row < self.grid.rows && column < self.grid.columns;
-            let depth_m = is_inside.then(|| self.depth_m[row * self.grid.columns + column])?;
-            (!depth_m.is_nan()).then_some(f64::from(depth_m))
-        };
-        let (up, down) = (row.checked_sub(1), row.checked_add(1));
-        let (left, right) = (column.checked_sub(1), column.checked_add(1));
-        let here = at(Some(row), Some(column));
-        let cell_m = self.grid.cell_m;
-        // Depths grow downwards: a bottom that falls towards the east faces east.
-        let east = slope(at(Some(row), left), here, at(Some(row), right), cell_m);
-        let north = slope(at(down, Some(column)), here, at(up, Some(column)), cell_m);
-        let length = (1.0 + east * east + north * north).sqrt();
-        [east / length, north / length, 1.0 / length].map(|part| part as f32)
-    }
 }
 
 /// Returns the growth of a value per metre, from its known values before, here and behind; 0 where

@@ -195,6 +195,84 @@ impl FlatSpot {
         let ppd = self.ppd?;
         Some(ppd.spread_px_per_m / ppd.px_per_m)
     }
+
+    /// Returns the reasons why the stretch is a worse place for a calibration than `best`, or no
+    /// place at all; empty where there is no objection.
+    pub fn objections(&self, survey: &Survey, best: Option<&FlatSpot>) -> Vec<String> {
+        if self.depth_m.is_nan() {
+            return vec![
+                "The log has no recorded depth over these pings, so they give no scale.".to_owned(),
+            ];
+        }
+        let pings = self.pings.len();
+        if self.lost >= pings {
+            return vec![
+                "The recorder had lost the bottom over all of these pings, so they give no scale."
+                    .to_owned(),
+            ];
+        }
+        let mut found = Vec::new();
+        if self.lost as f64 > LOST * pings as f64 {
+            found.push(format!(
+                "The recorder had lost the bottom at {} of {pings} pings.",
+                self.lost
+            ));
+        }
+        found.extend(self.few_returns(survey));
+        if self.length_m < SHORT_M {
+            found.push(format!("The stretch is short: {:.1} m along the track.", self.length_m));
+        }
+        if self.slope.abs() > SLOPING {
+            found.push(format!(
+                "The bottom slopes by {:.1} % along the track.",
+                100.0 * self.slope.abs()
+            ));
+        }
+        if self.is_tilted() {
+            found.push(format!(
+                "The bottom slopes across the track: the sides differ by {:.1} %.",
+                100.0 * self.tilt
+            ));
+        }
+        if self.relief_m > UNEVEN * self.depth_m {
+            found.push(format!("The recorded depth varies by {:.0} cm.", 100.0 * self.relief_m));
+        }
+        found.extend(self.wide_spread(best));
+        found
+    }
+
+    /// Returns a sentence where more than half the pings give no usable first return on a side that
+    /// was recorded.
+    fn few_returns(&self, survey: &Survey) -> Option<String> {
+        let recorded = survey.side_scan.get(self.pings.start)?;
+        let poorer = Side::BOTH
+            .into_iter()
+            .zip(self.picks)
+            .filter(|(side, _)| recorded.side(*side).is_some())
+            .min_by_key(|(_, picks)| *picks);
+        let (side, picks) = poorer.filter(|(_, picks)| 2 * picks < self.pings.len())?;
+        Some(format!(
+            "Only {picks} of {} pings have a usable first return to {}.",
+            self.pings.len(),
+            side.name(),
+        ))
+    }
+
+    /// Returns a sentence where the scales of single pings scatter by much, by themselves or
+    /// compared with those of the best stretch.
+    fn wide_spread(&self, best: Option<&FlatSpot>) -> Option<String> {
+        let spread = self.spread()?;
+        let percent = 100.0 * spread;
+        let best = best.filter(|best| best.pings != self.pings);
+        let of_best = best.and_then(FlatSpot::spread);
+        match of_best.filter(|best| spread > WIDE.max(WIDER * best)) {
+            Some(best) => Some(format!(
+                "Pings scatter by {percent:.1} %, by {:.1} % on the best stretch.",
+                100.0 * best
+            )),
+            None => (spread > VERY_WIDE).then(|| format!("Pings scatter by {percent:.1} %.")),
+        }
+    }
 }
 
 /// A scale with its spread, in u8 samples a metre.
@@ -323,86 +401,6 @@ const WIDER: f64 = 1.5;
 const WIDE: f64 = 0.01;
 /// Share of the scale above which a spread is large without comparison: at 2 m of depth it is 6 cm.
 const VERY_WIDE: f64 = 0.03;
-
-impl FlatSpot {
-    /// Returns the reasons why the stretch is a worse place for a calibration than `best`, or no
-    /// place at all; empty where there is no objection.
-    pub fn objections(&self, survey: &Survey, best: Option<&FlatSpot>) -> Vec<String> {
-        if self.depth_m.is_nan() {
-            return vec![
-                "The log has no recorded depth over these pings, so they give no scale.".to_owned(),
-            ];
-        }
-        let pings = self.pings.len();
-        if self.lost >= pings {
-            return vec![
-                "The recorder had lost the bottom over all of these pings, so they give no scale."
-                    .to_owned(),
-            ];
-        }
-        let mut found = Vec::new();
-        if self.lost as f64 > LOST * pings as f64 {
-            found.push(format!(
-                "The recorder had lost the bottom at {} of {pings} pings.",
-                self.lost
-            ));
-        }
-        found.extend(self.few_returns(survey));
-        if self.length_m < SHORT_M {
-            found.push(format!("The stretch is short: {:.1} m along the track.", self.length_m));
-        }
-        if self.slope.abs() > SLOPING {
-            found.push(format!(
-                "The bottom slopes by {:.1} % along the track.",
-                100.0 * self.slope.abs()
-            ));
-        }
-        if self.is_tilted() {
-            found.push(format!(
-                "The bottom slopes across the track: the sides differ by {:.1} %.",
-                100.0 * self.tilt
-            ));
-        }
-        if self.relief_m > UNEVEN * self.depth_m {
-            found.push(format!("The recorded depth varies by {:.0} cm.", 100.0 * self.relief_m));
-        }
-        found.extend(self.wide_spread(best));
-        found
-    }
-
-    /// Returns a sentence where more than half the pings give no usable first return on a side that
-    /// was recorded.
-    fn few_returns(&self, survey: &Survey) -> Option<String> {
-        let recorded = survey.side_scan.get(self.pings.start)?;
-        let poorer = Side::BOTH
-            .into_iter()
-            .zip(self.picks)
-            .filter(|(side, _)| recorded.side(*side).is_some())
-            .min_by_key(|(_, picks)| *picks);
-        let (side, picks) = poorer.filter(|(_, picks)| 2 * picks < self.pings.len())?;
-        Some(format!(
-            "Only {picks} of {} pings have a usable first return to {}.",
-            self.pings.len(),
-            side.name(),
-        ))
-    }
-
-    /// Returns a sentence where the scales of single pings scatter by much, by themselves or
-    /// compared with those of the best stretch.
-    fn wide_spread(&self, best: Option<&FlatSpot>) -> Option<String> {
-        let spread = self.spread()?;
-        let percent = 100.0 * spread;
-        let best = best.filter(|best| best.pings != self.pings);
-        let of_best = best.and_then(FlatSpot::spread);
-        match of_best.filter(|best| spread > WIDE.max(WIDER * best)) {
-            Some(best) => Some(format!(
-                "Pings scatter by {percent:.1} %, by {:.1} % on the best stretch.",
-                100.0 * best
-            )),
-            None => (spread > VERY_WIDE).then(|| format!("Pings scatter by {percent:.1} %.")),
-        }
-    }
-}
 
 #[cfg(test)]
 mod tests {

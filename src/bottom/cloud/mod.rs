@@ -250,6 +250,42 @@ impl CloudPoint {
     pub fn ground_confidence(&self) -> f32 {
         ground_confidence(self.confidence, self.above_bottom)
     }
+
+    /// Returns the record that measured the point.
+    pub fn record(&self) -> PointRecord {
+        match (self.source, self.record) {
+            (PointSource::DownScan, Some(index)) => PointRecord::Sounding(index.get()),
+            (PointSource::Swath, Some(index)) => PointRecord::Swath(index.get()),
+            _ => PointRecord::Ping(self.ping as usize),
+        }
+    }
+
+    /// Returns the side of the boat that the point was measured on; `None` for a sounding under the
+    /// boat, and where the log does not have the record of a swath point.
+    pub fn side(&self, survey: &Survey) -> Option<Side> {
+        match self.source {
+            PointSource::DownScan => None,
+            PointSource::Port => Some(Side::Port),
+            PointSource::Starboard => Some(Side::Starboard),
+            PointSource::Swath => self.swath_sounding(survey).map(|sounding| sounding.side),
+        }
+    }
+
+    /// Returns the depth across the track that the point was made of; `None` for other points.
+    pub fn swath_sounding(&self, survey: &Survey) -> Option<SwathSounding> {
+        let PointRecord::Swath(index) = self.record() else {
+            return None;
+        };
+        survey.swath_sounding(survey.swath.get(index)?, self.sample as usize)
+    }
+
+    /// Returns the index of the sounding that the point was made of; `None` for other points.
+    pub fn sounding(&self) -> Option<usize> {
+        match self.record() {
+            PointRecord::Sounding(index) => Some(index),
+            PointRecord::Ping(_) | PointRecord::Swath(_) => None,
+        }
+    }
 }
 
 /// Entries by their source, in the order of [`PointSource`] and numbered through all parts. All
@@ -372,44 +408,6 @@ pub enum PointRecord {
     Sounding(usize),
     /// A ping of the swath, by its index in [`Survey::swath`].
     Swath(usize),
-}
-
-impl CloudPoint {
-    /// Returns the record that measured the point.
-    pub fn record(&self) -> PointRecord {
-        match (self.source, self.record) {
-            (PointSource::DownScan, Some(index)) => PointRecord::Sounding(index.get()),
-            (PointSource::Swath, Some(index)) => PointRecord::Swath(index.get()),
-            _ => PointRecord::Ping(self.ping as usize),
-        }
-    }
-
-    /// Returns the side of the boat that the point was measured on; `None` for a sounding under the
-    /// boat, and where the log does not have the record of a swath point.
-    pub fn side(&self, survey: &Survey) -> Option<Side> {
-        match self.source {
-            PointSource::DownScan => None,
-            PointSource::Port => Some(Side::Port),
-            PointSource::Starboard => Some(Side::Starboard),
-            PointSource::Swath => self.swath_sounding(survey).map(|sounding| sounding.side),
-        }
-    }
-
-    /// Returns the depth across the track that the point was made of; `None` for other points.
-    pub fn swath_sounding(&self, survey: &Survey) -> Option<SwathSounding> {
-        let PointRecord::Swath(index) = self.record() else {
-            return None;
-        };
-        survey.swath_sounding(survey.swath.get(index)?, self.sample as usize)
-    }
-
-    /// Returns the index of the sounding that the point was made of; `None` for other points.
-    pub fn sounding(&self) -> Option<usize> {
-        match self.record() {
-            PointRecord::Sounding(index) => Some(index),
-            PointRecord::Ping(_) | PointRecord::Swath(_) => None,
-        }
-    }
 }
 
 impl PointRecord {

@@ -326,34 +326,7 @@ impl BottomSettings {
             }
         }
     }
-}
 
-/// Returns corners whose line stays within a tolerance of all given corners, by the algorithm of D.
-/// Douglas and T. Peucker (1973), measured along the range.
-fn simplified(corners: &[[f64; 2]], tolerance_m: f64) -> Vec<[f64; 2]> {
-    let Some(last) = corners.len().checked_sub(1) else {
-        return Vec::new();
-    };
-    let mut kept = vec![false; corners.len()];
-    (kept[0], kept[last]) = (true, true);
-    let mut open = vec![(0, last)];
-    while let Some((from, to)) = open.pop() {
-        let ([a, a_m], [b, b_m]) = (corners[from], corners[to]);
-        let off_m = |index: usize| {
-            let [at, at_m] = corners[index];
-            (at_m - a_m - (b_m - a_m) * (at - a) / (b - a)).abs()
-        };
-        let farthest = (from + 1..to).max_by(|&one, &other| off_m(one).total_cmp(&off_m(other)));
-        if let Some(index) = farthest.filter(|&index| off_m(index) > tolerance_m) {
-            kept[index] = true;
-            open.extend([(from, index), (index, to)]);
-        }
-    }
-    let kept = corners.iter().zip(kept).filter(|(_, kept)| *kept);
-    kept.map(|(corner, _)| *corner).collect()
-}
-
-impl BottomSettings {
     /// Returns the settings with the first returns of these pings accepted as bottom where they
     /// were found; manual picks in these pings stay.
     pub fn accepting(&self, side: Side, pings: [usize; 2]) -> Self {
@@ -390,6 +363,31 @@ impl BottomSettings {
     pub fn accepted_count(&self) -> usize {
         self.count(true)
     }
+}
+
+/// Returns corners whose line stays within a tolerance of all given corners, by the algorithm of D.
+/// Douglas and T. Peucker (1973), measured along the range.
+fn simplified(corners: &[[f64; 2]], tolerance_m: f64) -> Vec<[f64; 2]> {
+    let Some(last) = corners.len().checked_sub(1) else {
+        return Vec::new();
+    };
+    let mut kept = vec![false; corners.len()];
+    (kept[0], kept[last]) = (true, true);
+    let mut open = vec![(0, last)];
+    while let Some((from, to)) = open.pop() {
+        let ([a, a_m], [b, b_m]) = (corners[from], corners[to]);
+        let off_m = |index: usize| {
+            let [at, at_m] = corners[index];
+            (at_m - a_m - (b_m - a_m) * (at - a) / (b - a)).abs()
+        };
+        let farthest = (from + 1..to).max_by(|&one, &other| off_m(one).total_cmp(&off_m(other)));
+        if let Some(index) = farthest.filter(|&index| off_m(index) > tolerance_m) {
+            kept[index] = true;
+            open.extend([(from, index), (index, to)]);
+        }
+    }
+    let kept = corners.iter().zip(kept).filter(|(_, kept)| *kept);
+    kept.map(|(corner, _)| *corner).collect()
 }
 
 #[cfg(test)]

@@ -278,61 +278,7 @@ impl SideChunk {
             place_m: self.at(ground_m),
         })
     }
-}
 
-/// Share of clipped samples above which a range is not used.
-const MOST_CLIPPED: f64 = 0.1;
-/// Least length of the mean of the unit vectors outward: below it the boat turns.
-const LEAST_STRAIGHT: f64 = 0.997;
-
-/// Averaged levels of a chunk of pings on one side: a look.
-#[derive(Clone, Debug)]
-pub(super) struct SideChunk {
-    /// Index of the log, and number of the stretch in the log.
-    pub stretch: (u32, u32),
-    /// Index of the set of curves.
-    pub curves: usize,
-    /// Side of the boat: -1 is port, 1 is starboard.
-    pub side: f64,
-    /// Mean place of the pings, east and north, metres.
-    pub place_m: [f64; 2],
-    /// Unit vector outward, east and north.
-    pub outward: [f64; 2],
-    /// Mean depth of the transducer, metres.
-    pub transducer_m: f64,
-    /// Slant range of the middle of the first range, and length of each range, metres.
-    pub first_m: f64,
-    /// See `first_m`.
-    pub step_m: f64,
-    /// Number of independent samples in a range.
-    pub independent: f64,
-    /// Mean logarithm of power of each range less the gain; NaN where the range is not used.
-    pub ln_power: Vec<f32>,
-}
-
-/// Eighths of the circle from which a place is seen, with one bit for each.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct SeenOctants(u8);
-
-impl SeenOctants {
-    /// Adds the direction of a look, a unit vector east and north.
-    pub(super) fn add(&mut self, [east, north]: [f64; 2]) {
-        let eighth = (east.atan2(north) / std::f64::consts::FRAC_PI_4).round() as i32;
-        self.0 |= 1 << eighth.rem_euclid(8);
-    }
-
-    /// Returns true if the place is seen from any eighth.
-    pub(super) fn is_any(&self) -> bool {
-        self.0 != 0
-    }
-
-    /// Returns true if the place is seen from two eighths that are about opposite to each other.
-    pub(super) fn are_two(&self) -> bool {
-        [3, 4, 5].iter().any(|by| self.0 & self.0.rotate_left(*by) != 0)
-    }
-}
-
-impl SideChunk {
     /// Creates the look of a side of a chunk, in ranges of `length_m` metres, or of one sample
     /// where samples are longer; `None` where nothing was recorded, or the boat turns.
     pub(super) fn new(
@@ -395,5 +341,57 @@ impl SideChunk {
             // Collected anew, since the sums take three times the memory.
             ln_power: sums.iter().copied().map(mean).collect(),
         })
+    }
+}
+
+/// Share of clipped samples above which a range is not used.
+const MOST_CLIPPED: f64 = 0.1;
+/// Least length of the mean of the unit vectors outward: below it the boat turns.
+const LEAST_STRAIGHT: f64 = 0.997;
+
+/// Averaged levels of a chunk of pings on one side: a look.
+#[derive(Clone, Debug)]
+pub(super) struct SideChunk {
+    /// Index of the log, and number of the stretch in the log.
+    pub stretch: (u32, u32),
+    /// Index of the set of curves.
+    pub curves: usize,
+    /// Side of the boat: -1 is port, 1 is starboard.
+    pub side: f64,
+    /// Mean place of the pings, east and north, metres.
+    pub place_m: [f64; 2],
+    /// Unit vector outward, east and north.
+    pub outward: [f64; 2],
+    /// Mean depth of the transducer, metres.
+    pub transducer_m: f64,
+    /// Slant range of the middle of the first range, and length of each range, metres.
+    pub first_m: f64,
+    /// See `first_m`.
+    pub step_m: f64,
+    /// Number of independent samples in a range.
+    pub independent: f64,
+    /// Mean logarithm of power of each range less the gain; NaN where the range is not used.
+    pub ln_power: Vec<f32>,
+}
+
+/// Eighths of the circle from which a place is seen, with one bit for each.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct SeenOctants(u8);
+
+impl SeenOctants {
+    /// Adds the direction of a look, a unit vector east and north.
+    pub(super) fn add(&mut self, [east, north]: [f64; 2]) {
+        let eighth = (east.atan2(north) / std::f64::consts::FRAC_PI_4).round() as i32;
+        self.0 |= 1 << eighth.rem_euclid(8);
+    }
+
+    /// Returns true if the place is seen from any eighth.
+    pub(super) fn is_any(&self) -> bool {
+        self.0 != 0
+    }
+
+    /// Returns true if the place is seen from two eighths that are about opposite to each other.
+    pub(super) fn are_two(&self) -> bool {
+        [3, 4, 5].iter().any(|by| self.0 & self.0.rotate_left(*by) != 0)
     }
 }

@@ -177,97 +177,7 @@ impl Correction {
         };
         self.settings.water_level_m + reading_m
     }
-}
 
-/// Returns the Unix seconds of the log's time zero, and the times of its start and end, where
-/// readings cover the survey; `None` without readings.
-fn over_survey(
-    level: &WaterLevelSettings,
-    survey: &Survey,
-) -> Result<Option<(f64, [f64; 2])>, WaterLevelError> {
-    let Some(path) = &level.file else {
-        return Ok(None);
-    };
-    let refused = |why: &str| WaterLevelError(format!("{why}: {}", path.display()));
-    let unread = || refused("the readings of the water level have not been read");
-    let gauge = level.gauge.as_ref().ok_or_else(unread)?;
-    let Some(start_unix_s) = survey.start_unix_s else {
-        return Err(refused(
-            "the log does not know the time, so readings of the water level cannot be applied to it; give one water_level_m instead",
-        ));
-    };
-    let Some((from_s, to_s)) = record_span_s(survey) else {
-        return Ok(Some((start_unix_s, [0.0; 2])));
-    };
-    let (readings_s, log_s) = (gauge.span_s(), [from_s, to_s].map(|s| start_unix_s + s));
-    if log_s[0] < readings_s[0] || log_s[1] > readings_s[1] {
-        let [first, last, start, end] =
-            [readings_s[0], readings_s[1], log_s[0], log_s[1]].map(moment);
-        return Err(refused(&format!(
-            "the readings of the water level go from {first} to {last} UTC, but the log from {start} to {end}; add the readings that are missing"
-        )));
-    }
-    Ok(Some((start_unix_s, [from_s, to_s])))
-}
-
-/// Returns the first and last time of the records that give points; `None` without any.
-fn record_span_s(survey: &Survey) -> Option<(f64, f64)> {
-    let pings = survey.side_scan.iter().map(|ping| ping.time_s);
-    let times = pings.chain(survey.soundings.iter().map(|sounding| sounding.time_s));
-    let times = times.chain(survey.swath.iter().map(|ping| ping.time_s));
-    times.fold(None, |span, time_s| {
-        let (from_s, to_s) = span.unwrap_or((time_s, time_s));
-        Some((time_s.min(from_s), time_s.max(to_s)))
-    })
-}
-
-/// Returns the date and time of day, UTC.
-fn moment(unix_s: f64) -> String {
-    format!("{} {}", calendar::date(unix_s), calendar::time_of_day(unix_s))
-}
-
-/// Reference that depths count from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum DepthReference {
-    /// The transducer: no draft is known.
-    Transducer,
-    /// The water's surface as it was.
-    Surface,
-    /// The level that the water level counts from.
-    Level,
-}
-
-impl DepthReference {
-    /// Returns the reference in words for a label, after a depth.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Transducer => "below transducer",
-            Self::Surface => "below surface",
-            Self::Level => "below water level zero",
-        }
-    }
-
-    /// Returns the title of a scale of depths in some unit, such as `m`; short where nothing was
-    /// corrected, as is usual.
-    pub fn title(self, unit: &str) -> String {
-        match self {
-            Self::Transducer => format!("depth, {unit}"),
-            Self::Surface => format!("{unit} below surface"),
-            Self::Level => format!("{unit} below level"),
-        }
-    }
-
-    /// Returns the reference in words for a sentence.
-    fn in_words(self) -> &'static str {
-        match self {
-            Self::Transducer => "the transducer",
-            Self::Surface => "the water's surface as it was",
-            Self::Level => "the level that the water level counts from",
-        }
-    }
-}
-
-impl Correction {
     /// Returns sentences about what depths count from, what was applied, and what was not.
     pub fn statement(&self) -> String {
         self.sentences().join(" ")
@@ -370,6 +280,94 @@ impl Correction {
         ];
         let unknown = known.iter().filter(|(known, _)| !known);
         unknown.map(|(_, name)| *name).chain(["roll and pitch"]).collect()
+    }
+}
+
+/// Returns the Unix seconds of the log's time zero, and the times of its start and end, where
+/// readings cover the survey; `None` without readings.
+fn over_survey(
+    level: &WaterLevelSettings,
+    survey: &Survey,
+) -> Result<Option<(f64, [f64; 2])>, WaterLevelError> {
+    let Some(path) = &level.file else {
+        return Ok(None);
+    };
+    let refused = |why: &str| WaterLevelError(format!("{why}: {}", path.display()));
+    let unread = || refused("the readings of the water level have not been read");
+    let gauge = level.gauge.as_ref().ok_or_else(unread)?;
+    let Some(start_unix_s) = survey.start_unix_s else {
+        return Err(refused(
+            "the log does not know the time, so readings of the water level cannot be applied to it; give one water_level_m instead",
+        ));
+    };
+    let Some((from_s, to_s)) = record_span_s(survey) else {
+        return Ok(Some((start_unix_s, [0.0; 2])));
+    };
+    let (readings_s, log_s) = (gauge.span_s(), [from_s, to_s].map(|s| start_unix_s + s));
+    if log_s[0] < readings_s[0] || log_s[1] > readings_s[1] {
+        let [first, last, start, end] =
+            [readings_s[0], readings_s[1], log_s[0], log_s[1]].map(moment);
+        return Err(refused(&format!(
+            "the readings of the water level go from {first} to {last} UTC, but the log from {start} to {end}; add the readings that are missing"
+        )));
+    }
+    Ok(Some((start_unix_s, [from_s, to_s])))
+}
+
+/// Returns the first and last time of the records that give points; `None` without any.
+fn record_span_s(survey: &Survey) -> Option<(f64, f64)> {
+    let pings = survey.side_scan.iter().map(|ping| ping.time_s);
+    let times = pings.chain(survey.soundings.iter().map(|sounding| sounding.time_s));
+    let times = times.chain(survey.swath.iter().map(|ping| ping.time_s));
+    times.fold(None, |span, time_s| {
+        let (from_s, to_s) = span.unwrap_or((time_s, time_s));
+        Some((time_s.min(from_s), time_s.max(to_s)))
+    })
+}
+
+/// Returns the date and time of day, UTC.
+fn moment(unix_s: f64) -> String {
+    format!("{} {}", calendar::date(unix_s), calendar::time_of_day(unix_s))
+}
+
+/// Reference that depths count from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DepthReference {
+    /// The transducer: no draft is known.
+    Transducer,
+    /// The water's surface as it was.
+    Surface,
+    /// The level that the water level counts from.
+    Level,
+}
+
+impl DepthReference {
+    /// Returns the reference in words for a label, after a depth.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Transducer => "below transducer",
+            Self::Surface => "below surface",
+            Self::Level => "below water level zero",
+        }
+    }
+
+    /// Returns the title of a scale of depths in some unit, such as `m`; short where nothing was
+    /// corrected, as is usual.
+    pub fn title(self, unit: &str) -> String {
+        match self {
+            Self::Transducer => format!("depth, {unit}"),
+            Self::Surface => format!("{unit} below surface"),
+            Self::Level => format!("{unit} below level"),
+        }
+    }
+
+    /// Returns the reference in words for a sentence.
+    fn in_words(self) -> &'static str {
+        match self {
+            Self::Transducer => "the transducer",
+            Self::Surface => "the water's surface as it was",
+            Self::Level => "the level that the water level counts from",
+        }
     }
 }
 
