@@ -2,8 +2,7 @@
 
 mod thinned;
 
-use super::MosaicSettings;
-use super::altitude::altitudes_m;
+use super::{MosaicSettings, altitudes_m};
 use crate::bathymetry::Grid;
 use crate::calibration::Calibration;
 use crate::first_return::FirstReturns;

@@ -4,7 +4,7 @@
 //! layouts, and tiles of the mosaic.
 //!
 //! ```text
-//! FirstReturns --altitude--> height over the ground of every ping and side
+//! FirstReturns --altitudes_m--> height over the ground of every ping and side
 //! Navigation --layout--> MosaicLayout: rays in the plane of the map, which tiles they cross
 //! Survey --gain--> GainTable: what level the ground has by range and angle
 //! MosaicLayout + GainTable --line--> levels of each ping at even steps on the ground
@@ -20,7 +20,6 @@
 //! The time and memory for a tile are in proportion to the ground that it shows; nothing grows with
 //! the area of the mosaic.
 
-mod altitude;
 mod canvas;
 mod gain;
 mod joint;
@@ -28,7 +27,6 @@ mod layout;
 mod line;
 mod paint;
 
-pub use altitude::altitudes_m;
 pub use canvas::Overlap;
 pub use gain::{GainTable, gain_table};
 pub use joint::{
@@ -38,7 +36,12 @@ pub use joint::{
 pub use layout::{Bounds, MosaicLayout, MosaicRay, TILE_CELLS, TileIndex, joined_way_m};
 pub use paint::{MosaicLog, MosaicPart, join_parts, joint_tile, joint_window, part, window};
 
+use crate::calibration::Calibration;
+use crate::first_return::FirstReturns;
 use crate::presentation::colours;
+use bathyscope_log::support::statistics::median;
+use bathyscope_log::survey::{Side, Survey};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// Method of evening out the levels across the track.
@@ -112,9 +115,75 @@ impl Default for MosaicSettings {
     }
 }
 
+/// Number of pings before and after a ping that the median is taken over, so that a fish or a lost
+/// pick does not change the ground.
+const HALF_PINGS: usize = 6;
+
+/// Returns the altitude of every ping on one side, metres: the median over nearby pings of the
+/// first returns, or of the recorded depth where there is no first return or it is an above-bottom
+/// return. Gaps are filled by linear interpolation over the pings. NaN for all pings where none has
+/// a first return or a depth.
+pub fn altitudes_m(
+    survey: &Survey,
+    returns: &FirstReturns,
+    calibration: &Calibration,
+    side: Side,
+) -> Vec<f32> {
+    let measured: Vec<f64> = (0..survey.side_scan.len())
+        .map(|ping| altitude_m(survey, returns, calibration, side, ping))
+        .collect();
+    let mut steady: Vec<f32> = (0..measured.len())
+        .into_par_iter()
+        .map(|ping| {
+            let near = ping.saturating_sub(HALF_PINGS)..(ping + HALF_PINGS + 1).min(measured.len());
+            let mut known: Vec<f64> =
+                measured[near].iter().copied().filter(|m| m.is_finite()).collect();
+            median(&mut known) as f32
+        })
+        .collect();
+    bridge(&mut steady);
+    steady
+}
+
+/// Returns the slant range of the first return, or the recorded depth; NaN without either.
+fn altitude_m(
+    survey: &Survey,
+    returns: &FirstReturns,
+    calibration: &Calibration,
+    side: Side,
+    ping: usize,
+) -> f64 {
+    let picked = returns.side(side).get(ping);
+    let picked_m = match (picked, survey.span(ping, side)) {
+        (Some(pick), Some(span)) if pick.is_some() && !pick.above_bottom => {
+            calibration.range_m(span, f64::from(pick.sample))
+        }
+        _ => f64::NAN,
+    };
+    if picked_m > 0.0 { picked_m } else { f64::from(survey.good_depth_m(ping)) }
+}
+
+/// Fills NaN linearly between its neighbours, and with the nearest value at both ends.
+fn bridge(values: &mut [f32]) {
+    let known: Vec<usize> = (0..values.len()).filter(|&i| !values[i].is_nan()).collect();
+    let (Some(&first), Some(&last)) = (known.first(), known.last()) else {
+        return;
+    };
+    let (head, tail) = (values[first], values[last]);
+    values[..first].fill(head);
+    values[last..].fill(tail);
+    for pair in known.windows(2) {
+        let (from, to) = (values[pair[0]], values[pair[1]]);
+        let steps = (pair[1] - pair[0]) as f32;
+        for (step, value) in values[pair[0]..pair[1]].iter_mut().enumerate().skip(1) {
+            *value = from + (to - from) * step as f32 / steps;
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::Colours;
+    use super::{Colours, bridge};
 
     #[test]
     fn the_mosaic_is_coloured_as_the_waterfall_is() {
@@ -122,5 +191,16 @@ mod tests {
         assert_eq!(Colours::Copper.rgba(206), [254, 161, 102, 255]);
         assert_eq!(Colours::Grey.rgba(206), [206, 206, 206, 255]);
         assert_eq!(Colours::Copper.rgba(0), [0; 4]);
+    }
+
+    #[test]
+    fn gaps_are_bridged_and_ends_held() {
+        let nan = f32::NAN;
+        let mut values = [nan, 2.0, nan, nan, 5.0, nan];
+        bridge(&mut values);
+        assert_eq!(values, [2.0, 2.0, 3.0, 4.0, 5.0, 5.0]);
+        let mut none = [nan, nan];
+        bridge(&mut none);
+        assert!(none.iter().all(|value| value.is_nan()));
     }
 }

@@ -1,11 +1,10 @@
 //! Tests whether levels determine depths, by cross-validation: stretches of the soundings are left
 //! out and predicted with and without levels.
 
-use super::depths::{LEARNING_ROUNDS, Sample, SwathInput, merged};
+use super::depths::{LEARNING_ROUNDS, Sample, SwathInput, Tiling, merged};
 use super::model::LawCurves;
 use super::observations::{Bed, SeenOctants};
 use super::solve::{Brightness, Prior, TileSolution};
-use super::tiling::Tiling;
 use crate::bathymetry::{BentSampler, DepthPoint, Tin};
 use crate::nearest::Nearest;
 use bathyscope_log::support::progress::{Cancelled, Progress};

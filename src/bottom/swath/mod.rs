@@ -13,9 +13,8 @@
 //! `echoes` defines the data that is read of a log, and finds weed; `layout` determines the
 //! properties of a whole log, such as its `law`, which converts levels into logarithms of power.
 //! `observations` are averaged levels (looks) placed on the bed; `model` predicts their levels.
-//! `tiling` divides a survey, or a part of a larger map, into tiles of `nodes`; `solve` solves a
-//! tile, `depths` runs the rounds, and `gate` decides by left-out soundings whether levels are
-//! used.
+//! `depths` divides a survey, or a part of a larger map, into tiles of `nodes`, and runs the rounds;
+//! `solve` solves a tile, and `gate` decides by left-out soundings whether levels are used.
 
 mod depths;
 mod echoes;
@@ -26,22 +25,20 @@ mod model;
 mod nodes;
 mod observations;
 mod solve;
-mod tiling;
 
+pub use depths::{PART_DEPTHS_M, PART_PINGS_M, PART_STEP_M};
 pub use echoes::{LogEchoes, PingPlace, SampleSource, SideEchoes};
 pub use layout::{LaidOutLog, PingChunk};
-pub use tiling::{PART_DEPTHS_M, PART_PINGS_M, PART_STEP_M};
 
 use crate::bathymetry::{
     CellSource, DepthPoint, FromLevels, Grid, LevelsRefused, Spread, Surface, SwathDepth,
 };
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::support::statistics::median;
-use depths::{NodeDepths, Sample, SwathInput};
+use depths::{NodeDepths, Resolution, Sample, SwathInput, Tiling};
 use model::LawCurves;
 use serde::{Deserialize, Serialize};
 use solve::{Brightness, Prior};
-use tiling::{Resolution, Tiling};
 
 /// Largest number of tiles on which curves are learnt and left-out soundings predicted.
 const MOST_LEARNT: usize = 2;

@@ -5,17 +5,15 @@
 //! each ping on both sides.
 //!
 //! `rows` divides the log where the line may break, and into chunks, and loads the picture. `score`
-//! measures the step at every sample, `depth` limits the line by the recorded depth, and `viterbi`
-//! finds the best path. `refine` finds the edge within a fraction of a sample on the picture that
-//! `grid` aligns along the line, with the earlier echoes that `onset` finds just before it.
+//! measures the step at every sample and limits the line by the recorded depth, and `viterbi` finds
+//! the best path. `refine` finds the edge within a fraction of a sample on the picture that `grid`
+//! aligns along the line, with the earlier echoes just before it.
 //!
 //! The settings were chosen on simulated ponds and verified on real recordings. Lengths that depend
 //! on the bottom are in metres, with limits in cells of the picture where they depend on the
 //! recorder's grid: a range of 37 m in 512 samples is coarser than any step.
 
-mod depth;
 mod grid;
-mod onset;
 mod refine;
 mod rows;
 mod score;
@@ -89,7 +87,7 @@ struct Workspace {
 impl Workspace {
     /// Returns the best line. It stays before the recorded depth where the echo shows a bottom
     /// there too.
-    fn line_within(&mut self, depths: &depth::Depths, motion: &viterbi::MotionCost) -> Vec<usize> {
+    fn line_within(&mut self, depths: &score::Depths, motion: &viterbi::MotionCost) -> Vec<usize> {
         let line = self.paths.line(self.scores.grid(), motion);
         if !depths.is_passed(&line) {
             return line;
@@ -129,7 +127,7 @@ impl Workspace {
         self.rows.load(survey, normalisation, side, chunk);
         self.scores
             .measure(&self.rows, &score::Kernel::new(normalisation, settings, chunk, cell_m));
-        let depths = depth::Depths::of(survey, chunk, cell_m);
+        let depths = score::Depths::of(survey, chunk, cell_m);
         depths.weigh(&mut self.scores);
         let motion = viterbi::MotionCost::at(cell_m);
         let line = self.line_within(&depths, &motion);
