@@ -23,7 +23,7 @@ const LEAST_WIDTH: f64 = 1e-9;
 /// Sorts nodes for their insertion, with three nodes that form a triangle first. Returns `false`
 /// where the nodes span no surface: fewer than three places, or all on one line.
 pub(super) fn sort(nodes: &mut [Node]) -> bool {
-    if !put_triangle_first(nodes) {
+    if put_triangle_first(nodes).is_none() {
         return false;
     }
     let (low, scale) = extent(nodes);
@@ -43,28 +43,19 @@ pub(super) fn sort(nodes: &mut [Node]) -> bool {
 }
 
 /// Moves three nodes that form a triangle to the front: two that are about the farthest apart, and
-/// the one farthest from their line. Returns `false` where the nodes span no surface.
-fn put_triangle_first(nodes: &mut [Node]) -> bool {
+/// the one farthest from their line. Returns `None` where the nodes span no surface.
+fn put_triangle_first(nodes: &mut [Node]) -> Option<()> {
     let farthest = |nodes: &[Node], off: &dyn Fn(&Node) -> f64| {
         let offs = nodes.iter().map(off).enumerate();
         offs.max_by(|a, b| a.1.total_cmp(&b.1))
     };
-    let Some(&any) = nodes.first() else {
-        return false;
-    };
+    let any = *nodes.first()?;
     let from = |start: Node| {
         move |node: &Node| (node.east_m - start.east_m).hypot(node.north_m - start.north_m)
     };
-    let Some((index, _)) = farthest(nodes, &from(any)) else {
-        return false;
-    };
+    let (index, _) = farthest(nodes, &from(any))?;
     nodes.swap(0, index);
-    let Some((index, length_m)) = farthest(nodes, &from(nodes[0])) else {
-        return false;
-    };
-    if index == 0 {
-        return false;
-    }
+    let (index, length_m) = farthest(nodes, &from(nodes[0])).filter(|(index, _)| *index > 0)?;
     nodes.swap(1, index);
     let [start, end] = [nodes[0], nodes[1]];
     let along = [(end.east_m - start.east_m) / length_m, (end.north_m - start.north_m) / length_m];
@@ -72,13 +63,11 @@ fn put_triangle_first(nodes: &mut [Node]) -> bool {
         let way = [node.east_m - start.east_m, node.north_m - start.north_m];
         (along[0] * way[1] - along[1] * way[0]).abs()
     };
-    let Some((index, width_m)) = farthest(&nodes[2..], &off_line) else {
-        return false;
-    };
+    let (index, width_m) = farthest(&nodes[2..], &off_line)?;
     nodes.swap(2, index + 2);
     let coordinates = [start.east_m, start.north_m, end.east_m, end.north_m];
     let size_m = coordinates.map(f64::abs).into_iter().fold(0.0, f64::max);
-    width_m > LEAST_WIDTH * size_m
+    (width_m > LEAST_WIDTH * size_m).then_some(())
 }
 
 /// Returns the south-west corner, and the number of steps of the curve per metre.

@@ -153,13 +153,9 @@ fn altitude_m(
     side: Side,
     ping: usize,
 ) -> f64 {
-    let picked = returns.side(side).get(ping);
-    let picked_m = match (picked, survey.span(ping, side)) {
-        (Some(pick), Some(span)) if pick.is_some() && !pick.above_bottom => {
-            calibration.range_m(span, f64::from(pick.sample))
-        }
-        _ => f64::NAN,
-    };
+    let pick = returns.side(side).get(ping).filter(|pick| pick.is_some() && !pick.above_bottom);
+    let picked_m =
+        pick.map_or(f64::NAN, |pick| calibration.pick_range_m(survey, ping, side, pick.sample));
     if picked_m > 0.0 { picked_m } else { f64::from(survey.good_depth_m(ping)) }
 }
 

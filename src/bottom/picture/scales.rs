@@ -176,11 +176,10 @@ impl PingScales {
 
     /// Returns the smallest and largest altitude, scale and offset over both sides.
     pub fn extremes(&self) -> Extremes {
-        let all = self.sides.iter().flatten();
-        let mut found: Option<Extremes> = None;
-        for ping in all {
-            let Extremes { least, most } =
-                found.get_or_insert(Extremes { least: *ping, most: *ping });
+        let mut pings = self.sides.iter().flatten();
+        let first = pings.next().copied().unwrap_or_default();
+        let (mut least, mut most) = (first, first);
+        for ping in pings {
             least.altitude_m = least.altitude_m.min(ping.altitude_m);
             least.scale = least.scale.min(ping.scale);
             least.offset_m = least.offset_m.min(ping.offset_m);
@@ -188,7 +187,7 @@ impl PingScales {
             most.scale = most.scale.max(ping.scale);
             most.offset_m = most.offset_m.max(ping.offset_m);
         }
-        found.unwrap_or(Extremes { least: PingScale::default(), most: PingScale::default() })
+        Extremes { least, most }
     }
 }
 

@@ -35,34 +35,30 @@ pub(super) struct NodeTile {
 }
 
 /// Joined values of several tiles: where tiles overlap, their mean, weighted towards the nearer
-/// core, so that no seam shows.
+/// core, so that no seam shows. Each node has a weighted sum and the sum of the weights.
 #[derive(Clone, Debug)]
-pub(super) struct Blend {
-    sums: Vec<f64>,
-    weights: Vec<f64>,
-}
+pub(super) struct Blend(Vec<[f64; 2]>);
 
 impl Blend {
     /// Creates a blend at some nodes without any tile.
     pub(super) fn none(nodes: &Nodes) -> Self {
-        Self { sums: vec![0.0; nodes.len()], weights: vec![0.0; nodes.len()] }
+        Self(vec![[0.0; 2]; nodes.len()])
     }
 
     /// Adds the values of a tile.
     pub(super) fn add(&mut self, all: &Nodes, tile: &NodeTile, values: &[f64]) {
         for (node, value) in values.iter().enumerate() {
             let weight = tile.weight(node);
-            let place = tile.index_in(all, node);
-            self.sums[place] += weight * value;
-            self.weights[place] += weight;
+            let [sum, weights] = &mut self.0[tile.index_in(all, node)];
+            *sum += weight * value;
+            *weights += weight;
         }
     }
 
     /// Returns the values at all nodes; 0 where no tile was added.
     pub(super) fn values(self) -> Vec<f64> {
-        let both = self.sums.into_iter().zip(self.weights);
-        let value = |(sum, weight)| if weight > 0.0 { sum / weight } else { 0.0 };
-        both.map(value).collect()
+        let value = |[sum, weight]: [f64; 2]| if weight > 0.0 { sum / weight } else { 0.0 };
+        self.0.into_iter().map(value).collect()
     }
 }
 
