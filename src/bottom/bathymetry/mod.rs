@@ -4,18 +4,18 @@
 //! In: depths with their places. Out: surfaces, and what is derived from them: isobaths,
 //! comparisons, offsets between logs.
 //!
-//! `nodes` defines depths with their places and merges those of one place, `tin` (with
-//! `insertion_order`) finds the depth between them, `left_out` estimates its error, `grid` chooses
-//! the cells and records the source of the depth in each, and `surface` fills them; `slopes` bends
-//! the surface between the lines; `local` fills a part of a larger map. `hill_shade` lights
-//! surfaces, `isobaths` draws lines on them and chooses the depths that a chart prints, `compare`
-//! compares points with a reference, `crosslines` compares the passes of a survey with each other
-//! and `crossing_error` estimates the error of a depth from that, `contradicted` finds the
-//! stretches that other logs show to be false, `height_offsets` finds the height offsets between
-//! the depths of logs, `position_offsets` finds the offsets and delays of their positions,
-//! `transect` samples surfaces along a line, `resampled` resamples them to other cells and extends
-//! them over more ground, `change` finds what changed between two of them, and `from_levels`
-//! defines the setting and result of depths from echo levels.
+//! `nodes` defines depths with their places and merges and sorts them, `tin` finds the depth
+//! between them, `left_out` estimates its error, `grid` chooses the cells and records the source of
+//! the depth in each, and `surface` fills them; `slopes` bends the surface between the lines;
+//! `local` fills a part of a larger map. `hill_shade` lights surfaces, `isobaths` draws lines on
+//! them and chooses the depths that a chart prints, `compare` compares points with a reference,
+//! `crosslines` compares the passes of a survey with each other and `crossing_error` estimates the
+//! error of a depth from that, `contradicted` finds the stretches that other logs show to be false,
+//! `height_offsets` finds the height offsets between the depths of logs, `position_offsets` finds
+//! the offsets and delays of their positions, `transect` samples surfaces along a line, `resampled`
+//! resamples them to other cells and extends them over more ground, `change` finds what changed
+//! between two of them, and `from_levels` defines the setting and result of depths from echo
+//! levels.
 
 pub mod change;
 pub mod compare;
@@ -26,7 +26,6 @@ mod from_levels;
 mod grid;
 pub mod height_offsets;
 mod hill_shade;
-mod insertion_order;
 pub mod isobaths;
 mod left_out;
 mod local;

@@ -1,6 +1,7 @@
 //! Triangulates soundings, and finds the depth between them.
 
-use super::{Node, insertion_order};
+use super::Node;
+use super::nodes::sort_for_insertion;
 use spade::handles::{FixedFaceHandle, FixedVertexHandle, InnerTag};
 use spade::{
     DelaunayTriangulation, HasPosition, LastUsedVertexHintGenerator, NaturalNeighbor, Point2,
@@ -72,7 +73,7 @@ impl Tin {
                 }
             }
         }
-        if !insertion_order::sort(&mut nodes) {
+        if !sort_for_insertion(&mut nodes) {
             return None;
         }
         let count = nodes.len();
