@@ -73,12 +73,6 @@ impl<K: Copy + Eq + Hash, V> Lru<K, V> {
     pub fn peek(&self, key: &K) -> Option<&V> {
         self.entries.get(key).map(|entry| &entry.value)
     }
-
-    /// Returns the size of all values in bytes.
-    #[cfg(test)]
-    pub fn byte_count(&self) -> usize {
-        self.bytes
-    }
 }
 
 #[cfg(test)]
@@ -104,7 +98,7 @@ mod tests {
         cache.begin_frame();
         let kept: Vec<u32> = (0..4).filter_map(|n| cache.peek(&key(n)).copied()).collect();
         assert_eq!(kept, [0, 2, 3]);
-        assert_eq!(cache.byte_count(), 30);
+        assert_eq!(cache.bytes, 30);
     }
 
     #[test]
@@ -117,6 +111,6 @@ mod tests {
         cache.begin_frame();
         assert_eq!((0..5).filter(|n| cache.peek(&key(*n)).is_some()).count(), 5);
         cache.begin_frame();
-        assert_eq!(cache.byte_count(), 10);
+        assert_eq!(cache.bytes, 10);
     }
 }
