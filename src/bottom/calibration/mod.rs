@@ -122,6 +122,21 @@ impl TryFrom<String> for PingRange {
     }
 }
 
+/// Length below which a stretch is short, metres: it is based on a handful of soundings.
+const SHORT_M: f64 = 5.0;
+/// Slope along the track above which a bottom is not level, metres a metre.
+const SLOPING: f64 = 0.03;
+/// Relief above which the scale mixes several depths, as a share of the depth.
+const UNEVEN: f64 = 0.15;
+/// Share of the pings at which the recorder had lost the bottom, above which there is an objection.
+const LOST: f64 = 0.1;
+/// A spread counts as larger than that of the best stretch when it is this many times as large, and
+/// above this share of the scale.
+const WIDER: f64 = 1.5;
+const WIDE: f64 = 0.01;
+/// Share of the scale above which a spread is large without comparison: at 2 m of depth it is 6 cm.
+const VERY_WIDE: f64 = 0.03;
+
 /// Stretch of the track where the recorded depth hardly changes, and what its first returns show.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlatSpot {
@@ -386,21 +401,6 @@ impl Calibration {
         span.map_or(f64::NAN, |span| self.range_m(span, f64::from(sample)))
     }
 }
-
-/// Length below which a stretch is short, metres: it is based on a handful of soundings.
-const SHORT_M: f64 = 5.0;
-/// Slope along the track above which a bottom is not level, metres a metre.
-const SLOPING: f64 = 0.03;
-/// Relief above which the scale mixes several depths, as a share of the depth.
-const UNEVEN: f64 = 0.15;
-/// Share of the pings at which the recorder had lost the bottom, above which there is an objection.
-const LOST: f64 = 0.1;
-/// A spread counts as larger than that of the best stretch when it is this many times as large, and
-/// above this share of the scale.
-const WIDER: f64 = 1.5;
-const WIDE: f64 = 0.01;
-/// Share of the scale above which a spread is large without comparison: at 2 m of depth it is 6 cm.
-const VERY_WIDE: f64 = 0.03;
 
 #[cfg(test)]
 mod tests {

@@ -31,6 +31,10 @@ const KNOWN_M: f64 = 20.0;
 const MOST_STEP_M: f64 = 0.4;
 /// Least altitude over the bed at which slant ranges are converted to angles, metres.
 const LEAST_ALTITUDE_M: f64 = 0.1;
+/// Share of clipped samples above which a range is not used.
+const MOST_CLIPPED: f64 = 0.1;
+/// Least length of the mean of the unit vectors outward: below it the boat turns.
+const LEAST_STRAIGHT: f64 = 0.997;
 
 /// Depth and brightness of the bed at nodes.
 #[derive(Clone, Debug)]
@@ -167,6 +171,31 @@ impl Ray {
         }
         ray
     }
+}
+
+/// Averaged levels of a chunk of pings on one side: a look.
+#[derive(Clone, Debug)]
+pub(super) struct SideChunk {
+    /// Index of the log, and number of the stretch in the log.
+    pub stretch: (u32, u32),
+    /// Index of the set of curves.
+    pub curves: usize,
+    /// Side of the boat: -1 is port, 1 is starboard.
+    pub side: f64,
+    /// Mean place of the pings, east and north, metres.
+    pub place_m: [f64; 2],
+    /// Unit vector outward, east and north.
+    pub outward: [f64; 2],
+    /// Mean depth of the transducer, metres.
+    pub transducer_m: f64,
+    /// Slant range of the middle of the first range, and length of each range, metres.
+    pub first_m: f64,
+    /// See `first_m`.
+    pub step_m: f64,
+    /// Number of independent samples in a range.
+    pub independent: f64,
+    /// Mean logarithm of power of each range less the gain; NaN where the range is not used.
+    pub ln_power: Vec<f32>,
 }
 
 impl SideChunk {
@@ -342,36 +371,6 @@ impl SideChunk {
             ln_power: sums.iter().copied().map(mean).collect(),
         })
     }
-}
-
-/// Share of clipped samples above which a range is not used.
-const MOST_CLIPPED: f64 = 0.1;
-/// Least length of the mean of the unit vectors outward: below it the boat turns.
-const LEAST_STRAIGHT: f64 = 0.997;
-
-/// Averaged levels of a chunk of pings on one side: a look.
-#[derive(Clone, Debug)]
-pub(super) struct SideChunk {
-    /// Index of the log, and number of the stretch in the log.
-    pub stretch: (u32, u32),
-    /// Index of the set of curves.
-    pub curves: usize,
-    /// Side of the boat: -1 is port, 1 is starboard.
-    pub side: f64,
-    /// Mean place of the pings, east and north, metres.
-    pub place_m: [f64; 2],
-    /// Unit vector outward, east and north.
-    pub outward: [f64; 2],
-    /// Mean depth of the transducer, metres.
-    pub transducer_m: f64,
-    /// Slant range of the middle of the first range, and length of each range, metres.
-    pub first_m: f64,
-    /// See `first_m`.
-    pub step_m: f64,
-    /// Number of independent samples in a range.
-    pub independent: f64,
-    /// Mean logarithm of power of each range less the gain; NaN where the range is not used.
-    pub ln_power: Vec<f32>,
 }
 
 /// Eighths of the circle from which a place is seen, with one bit for each.
