@@ -7,8 +7,9 @@ use super::reference_comparison::Of;
 use super::{App, MapLayer};
 use bathyscope_bottom::bathymetry::compare::Matching;
 use bathyscope_log::support::progress::Progress;
+use bathyscope_products::Error;
 use bathyscope_products::outputs::finish_killed_run;
-use bathyscope_products::pipeline::{Agreement, AgreementError, ProcessedLog, Reference, Settings};
+use bathyscope_products::pipeline::{Agreement, ProcessedLog, Reference, Settings};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -125,9 +126,9 @@ fn open(
     logs: &[ProcessedLog],
     matching: Matching,
     progress: &Progress,
-) -> Result<Opened, AgreementError> {
+) -> Result<Opened, Error> {
     let Some(first) = logs.first() else {
-        return Err(AgreementError::NoLog);
+        return Err("there is no log to compare with the reference".into());
     };
     let settings = &first.products.settings;
     let reference = Reference::open(path.as_os_str(), &first.survey, settings, progress)?;

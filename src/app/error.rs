@@ -8,8 +8,7 @@ use bathyscope_objects::review::ReviewError;
 use bathyscope_objects::truth::{TruthError, TruthFileError};
 use bathyscope_objects::{DetectError, ModelError};
 use bathyscope_products::export::{ExportError, PlanFormatError};
-use bathyscope_products::outputs::OutputError;
-use bathyscope_products::pipeline::{AgreementError, SettingsError, SourceError};
+use bathyscope_products::pipeline::{SettingsError, SourceError};
 use bathyscope_products::project::StoreError;
 use std::io;
 use std::path::PathBuf;
@@ -41,9 +40,6 @@ pub(super) enum AppError {
     /// A base map cannot be opened.
     #[error(transparent)]
     BaseMap(#[from] BaseMapError),
-    /// The survey cannot be compared with a reference.
-    #[error(transparent)]
-    Agreement(#[from] AgreementError),
     /// A model cannot be used.
     #[error(transparent)]
     Model(#[from] ModelError),
@@ -83,7 +79,7 @@ pub(super) enum AppError {
     /// A file cannot be written.
     #[error(transparent)]
     Export(#[from] ExportError),
-    /// The files of a run that was killed cannot be completed.
+    /// The survey cannot be compared with a reference, or files cannot be written.
     #[error(transparent)]
-    Run(#[from] OutputError),
+    Products(#[from] bathyscope_products::Error),
 }

@@ -45,6 +45,7 @@
 #![cfg_attr(test, allow(clippy::expect_used, clippy::unwrap_used))]
 
 pub mod archive;
+mod error;
 pub mod export;
 pub mod file_in_use;
 pub mod file_name;
@@ -53,3 +54,5 @@ pub mod map_tiles;
 pub mod outputs;
 pub mod pipeline;
 pub mod project;
+
+pub use error::Error;

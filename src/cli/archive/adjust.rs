@@ -6,7 +6,8 @@ use crate::cli::{Failure, output};
 use bathyscope_bottom::bathymetry::position_offsets::Wanted;
 use bathyscope_bottom::presentation::text;
 use bathyscope_log::support::progress::Progress;
-use bathyscope_products::archive::{Adjusted, Archive, ArchiveError, OffsetRow, adjust};
+use bathyscope_products::Error;
+use bathyscope_products::archive::{Adjusted, Archive, OffsetRow, adjust};
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -79,7 +80,7 @@ pub(crate) fn run(args: &AdjustArgs) -> Result<(), Failure> {
 }
 
 /// Finds the offsets of an archive and writes its table.
-pub(super) fn adjusted(archive: &Archive, wanted: Wanted) -> Result<Adjusted, ArchiveError> {
+pub(super) fn adjusted(archive: &Archive, wanted: Wanted) -> Result<Adjusted, Error> {
     let progress = Progress::new();
     let _status = StatusLine::at("height offsets", &progress);
     adjust(archive, wanted, &progress)

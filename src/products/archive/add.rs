@@ -7,9 +7,8 @@ use super::log_rows::{self, LogRows, RowsByTile, TileRow, track};
 use super::ping_rows::{self, PingsByTile};
 use super::record::Archive;
 use super::tile::TileId;
-use super::{
-    ArchiveError, ECHOES, KINDS, LOGS, PINGS, POINTS, fingerprint, names_in, point_rows, remove,
-};
+use super::{ECHOES, KINDS, LOGS, PINGS, POINTS, fingerprint, names_in, point_rows, remove};
+use crate::Error;
 use crate::export::{make_folder, write_atomically, write_json};
 use crate::pipeline::{self, Fingerprint, LogFiles, ProcessedLog, Settings};
 use bathyscope_bottom::bathymetry::SwathDepth;
@@ -43,7 +42,7 @@ pub fn add(
     survey: &Arc<Survey>,
     settings: &Settings,
     progress: &Progress,
-) -> Result<Added, ArchiveError> {
+) -> Result<Added, Error> {
     let files = LogFiles::of(survey, settings, progress)?;
     if !archive.begins(&files.sha256) {
         return Ok(Added::Twice);
@@ -57,7 +56,7 @@ pub fn add(
         return Ok(Added::UpToDate(there));
     }
     if !survey.has_place() {
-        return Err(ArchiveError::Refused(format!(
+        return Err(Error::from(format!(
             "the log has no positions, so nothing of it has a place in an archive; give those of another receiver with --track: {}",
             survey.name()
         )));
@@ -95,7 +94,7 @@ fn write_rows(
     log: &ProcessedLog,
     mut record: LogRecord,
     progress: &Progress,
-) -> Result<LogRecord, ArchiveError> {
+) -> Result<LogRecord, Error> {
     let rows = LogRows {
         survey: &log.survey,
         products: &log.products,
@@ -148,13 +147,13 @@ impl LogTiles<'_> {
         archive: &Archive,
         tile: TileId,
         progress: &Progress,
-    ) -> Result<(TileRows, usize), ArchiveError> {
+    ) -> Result<(TileRows, usize), Error> {
         let log = self.log;
         let mut files = Vec::new();
         let mut write = |kind: &str, columns: Vec<Column>| {
             let name = Archive::rows_name(kind, tile, log.sha256);
             files.push(write_file(archive, &name, &columns, &self.made)?);
-            Ok::<_, ArchiveError>(())
+            Ok::<_, Error>(())
         };
         let of_tile = self.points.get(&tile);
         if let Some(points) = of_tile {
@@ -203,7 +202,7 @@ impl LogTiles<'_> {
         archive: &Archive,
         tile: TileId,
         progress: &Progress,
-    ) -> Result<(usize, Vec<Fingerprint>), ArchiveError> {
+    ) -> Result<(usize, Vec<Fingerprint>), Error> {
         let cells = self.mosaic.write(archive, tile, self.log.sha256, progress)?;
         let mut files = Vec::new();
         for kind in self.mosaic.kinds().iter().filter(|_| cells > 0) {
@@ -219,7 +218,7 @@ fn write_file(
     name: &str,
     columns: &[Column],
     made: &str,
-) -> Result<Fingerprint, ArchiveError> {
+) -> Result<Fingerprint, Error> {
     let path = archive.folder().join(name);
     make_folder(path.parent().unwrap_or(archive.folder()))?;
     let places = columns.iter().find_map(|column| match &column.values {
@@ -233,7 +232,7 @@ fn write_file(
 }
 
 /// Removes the files of the log in tiles where it has no rows any more.
-fn remove_others(archive: &Archive, record: &LogRecord) -> Result<(), ArchiveError> {
+fn remove_others(archive: &Archive, record: &LogRecord) -> Result<(), Error> {
     let files: BTreeSet<&str> = (record.tiles.iter())
         .flat_map(|rows| rows.files.iter().map(|file| file.file.as_str()))
         .collect();

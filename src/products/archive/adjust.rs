@@ -2,13 +2,13 @@
 //! their tracks within tiles; on request also in position and latency; and, by `level_factors`, in
 //! brightness of their echoes.
 
-use super::ArchiveError;
 use super::level_factors::level_factors;
 use super::log_overlaps::log_overlaps;
 use super::log_record::LogRecord;
 use super::offsets::{OffsetRow, Offsets, solve};
 use super::positions::shifts;
 use super::record::Archive;
+use crate::Error;
 use bathyscope_bottom::bathymetry::height_offsets::{HeightOffsets, PairDifference};
 use bathyscope_bottom::bathymetry::position_offsets::Wanted;
 use bathyscope_log::support::progress::Progress;
@@ -41,11 +41,7 @@ pub struct Adjusted {
 /// # Errors
 /// When the rows of a log or the table of offsets cannot be read or written, or the work was
 /// cancelled.
-pub fn adjust(
-    archive: &Archive,
-    wanted: Wanted,
-    progress: &Progress,
-) -> Result<Adjusted, ArchiveError> {
+pub fn adjust(archive: &Archive, wanted: Wanted, progress: &Progress) -> Result<Adjusted, Error> {
     let logs = archive.logs()?;
     let known = Offsets::read(archive)?;
     let levels = level_factors(archive, &logs, &known, progress)?;

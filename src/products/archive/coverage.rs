@@ -1,6 +1,7 @@
 //! Finds the recordings that cover a place: every log, ping, side and sample, from the rows of
 //! pings of the tiles concerned.
 
+use super::PINGS;
 use super::area::Area;
 use super::footprint::{CoveredSamples, Footprint};
 use super::log_record::LogRecord;
@@ -9,7 +10,7 @@ use super::ping_rows::{self, PingRow};
 use super::positions::moved;
 use super::record::{Archive, MOST_MOVED_M};
 use super::tile::TileId;
-use super::{ArchiveError, PINGS};
+use crate::Error;
 use bathyscope_bottom::bathymetry::crosslines::{TrackDepth, velocity_mps};
 use bathyscope_bottom::bathymetry::position_offsets::Shift;
 use bathyscope_log::support::geo::{LonLat, UtmZone};
@@ -115,7 +116,7 @@ pub fn coverage_at(
     archive: &Archive,
     asked: CoverageQuery<'_>,
     progress: &Progress,
-) -> Result<Vec<PingCoverage>, ArchiveError> {
+) -> Result<Vec<PingCoverage>, Error> {
     let zones = asked.in_zones();
     // Rows are stored in the tiles of the ground at the positions as recorded, without the
     // correction.
@@ -153,7 +154,7 @@ pub fn coverage_at(
         progress.advance(1);
         Ok(sightings(search, &pings))
     });
-    let found: Vec<Vec<PingCoverage>> = found.collect::<Result<_, ArchiveError>>()?;
+    let found: Vec<Vec<PingCoverage>> = found.collect::<Result<_, Error>>()?;
     // A ping has a row in every tile whose ground it insonified, with the same footprint.
     let mut nearest: BTreeMap<(String, String, i32, Side), PingCoverage> = BTreeMap::new();
     for sighting in found.into_iter().flatten() {

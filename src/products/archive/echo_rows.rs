@@ -3,12 +3,12 @@
 //! all that the correction by echo levels reads of the log, so that a map of a tile is made without
 //! the log.
 
-use super::ArchiveError;
 use super::log_record::LogRecord;
 use super::log_rows::{self, LogRows, RowsByTile, TileRow};
 use super::offsets::Offsets;
 use super::positions::moved;
 use super::tile::TileId;
+use crate::Error;
 use crate::pipeline::{depth_points, log_echoes};
 use bathyscope_bottom::swath::{
     LaidOutLog, LearntLevels, LogEchoes, PingChunk, PingPlace, SampleSource, SideEchoes,
@@ -187,7 +187,7 @@ impl StoredEchoes {
         log: &LogRecord,
         offsets: &Offsets,
         [west_m, south_m, east_m, north_m]: [f64; 4],
-    ) -> Result<Self, ArchiveError> {
+    ) -> Result<Self, Error> {
         let (shift, offset_m) = (offsets.shift_of(&log.log), offsets.of(&log.log));
         let mut rows = Vec::new();
         for path in paths {
@@ -249,11 +249,11 @@ const NUMBERS: [&str; 13] = [
 const OTHERS: [&str; 7] =
     ["ping", "chunk", "range_setting", "gain_segment", "weed", "port", "starboard"];
 
-pub(super) fn read(path: &Path) -> Result<Vec<EchoRow>, ArchiveError> {
+pub(super) fn read(path: &Path) -> Result<Vec<EchoRow>, Error> {
     let damaged = || {
         let what =
             "cannot read the Parquet file: its columns are not those of echoes of an archive";
-        ArchiveError::from(FileError::<FaultText>::new(what.into(), path))
+        Error::from(FileError::<FaultText>::new(what.into(), path))
     };
     let numbers = (read_parquet(path, &NUMBERS)?.into_iter()).map(|values| match values {
         Values::Double(values) => Some(values),

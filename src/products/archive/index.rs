@@ -7,7 +7,8 @@ use super::log_record::LogRecord;
 use super::record::Archive;
 use super::tile::{TILE_M, TileId, ring, tile_bounds_deg};
 use super::tile_files::{DEPTH, ISOBATHS, MOSAIC_FILE, SOURCE, TILES, TileRecord, UNCERTAINTY};
-use super::{ArchiveError, names_in, remove};
+use super::{names_in, remove};
+use crate::Error;
 use crate::export::{make_folder, qgis_classes, qgis_style, write_bytes, write_json};
 use bathyscope_bottom::bathymetry::CellSource;
 use bathyscope_bottom::presentation::colours::{depth_colour, uncertainty_colour};
@@ -33,11 +34,7 @@ const UNCERTAIN_M: [f64; 2] = [0.0, 0.25];
 ///
 /// # Errors
 /// When a file cannot be written.
-pub fn write_index(
-    archive: &Archive,
-    logs: &[LogRecord],
-    tiles: &[TileId],
-) -> Result<(), ArchiveError> {
+pub fn write_index(archive: &Archive, logs: &[LogRecord], tiles: &[TileId]) -> Result<(), Error> {
     let folder = archive.folder().join(INDEX);
     make_folder(&folder)?;
     let with_map = tiles.iter().filter_map(|tile| {
@@ -102,7 +99,7 @@ fn write_style(
     path: &Path,
     layer: &IndexLayer,
     maps: &BTreeMap<TileId, TileRecord>,
-) -> Result<bool, ArchiveError> {
+) -> Result<bool, Error> {
     match layer.file {
         DEPTH => {
             let depths_m = maps.values().flat_map(|map| map.depth_m.iter().copied());

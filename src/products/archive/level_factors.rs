@@ -1,12 +1,13 @@
 //! Computes the brightness of the echoes of each log relative to the others, from places that
 //! several parts of the mosaic show.
 
+use super::MOSAIC;
 use super::log_mosaic::{in_words, open_part};
 use super::log_record::LogRecord;
 use super::offsets::{LevelFactor, Offsets, solve};
 use super::record::Archive;
 use super::tile::TileId;
-use super::{ArchiveError, MOSAIC};
+use crate::Error;
 use bathyscope_bottom::bathymetry::Grid;
 use bathyscope_bottom::bathymetry::height_offsets::LogOverlap;
 use bathyscope_bottom::mosaic::{Gain, LEVEL_CELL_M, level_differences, level_factor};
@@ -26,7 +27,7 @@ pub(super) fn level_factors(
     logs: &[LogRecord],
     known: &Offsets,
     progress: &Progress,
-) -> Result<Vec<LevelFactor>, ArchiveError> {
+) -> Result<Vec<LevelFactor>, Error> {
     if archive.record.settings()?.mosaic.gain == Gain::Recorded {
         return Ok(vec![LevelFactor::NONE; logs.len()]);
     }
@@ -51,7 +52,7 @@ pub(super) fn level_factors(
         Ok(found)
     };
     let found = tiles.par_iter().map(of_tile);
-    let found: Vec<Vec<LogOverlap>> = found.collect::<Result<_, ArchiveError>>()?;
+    let found: Vec<Vec<LogOverlap>> = found.collect::<Result<_, Error>>()?;
     let mut log_overlaps: Vec<LogOverlap> = found.into_iter().flatten().collect();
     log_overlaps.sort_by_key(|log_overlap| log_overlap.logs);
     let mut ties = vec![0; logs.len()];
@@ -76,7 +77,7 @@ fn log_overlaps<'a>(
     archive: &Archive,
     tile: TileId,
     logs: impl Iterator<Item = &'a LogRecord>,
-) -> Result<Vec<LogOverlap>, ArchiveError> {
+) -> Result<Vec<LogOverlap>, Error> {
     let fine = archive.record.mosaic_grid(tile)?;
     let halvings = halvings(fine.cell_m, fine.columns);
     let cells = (0..halvings).fold(fine.columns, |cells, _| cells.div_ceil(2));
@@ -89,9 +90,9 @@ fn log_overlaps<'a>(
     let levels = logs.map(|log| {
         let (part, path) = open_part(archive, MOSAIC, tile, &log.log)?;
         let levels = part.overview(halvings);
-        levels.map_err(|error| ArchiveError::Refused(in_words(&error, &path)))
+        levels.map_err(|error| Error::from(in_words(&error, &path)))
     });
-    let levels: Vec<Vec<u8>> = levels.collect::<Result<_, ArchiveError>>()?;
+    let levels: Vec<Vec<u8>> = levels.collect::<Result<_, Error>>()?;
     Ok(level_differences(&levels, &grid))
 }
 

@@ -5,7 +5,8 @@
 
 use super::record::Archive;
 use super::tile::TileId;
-use super::{ArchiveError, MOSAIC, WEIGHTS};
+use super::{MOSAIC, WEIGHTS};
+use crate::Error;
 use crate::export::{geotiff, make_folder};
 use crate::pipeline::{Derived, ProcessedLog, mosaic_layout};
 use bathyscope_bottom::bathymetry::Grid;
@@ -80,7 +81,7 @@ impl LogMosaic {
         tile: TileId,
         log: &str,
         progress: &Progress,
-    ) -> Result<usize, ArchiveError> {
+    ) -> Result<usize, Error> {
         let Some(of_zone) = self.zones.get(&tile.zone) else {
             return Ok(0);
         };
@@ -95,7 +96,7 @@ impl LogMosaic {
         let path = |kind: &str| {
             let path = archive.rows_path(kind, tile, log);
             make_folder(path.parent().unwrap_or(archive.folder()))?;
-            Ok::<_, ArchiveError>(path)
+            Ok::<_, Error>(path)
         };
         let description = format!("side-scan mosaic of {}; tile {tile} of an archive", self.name);
         if self.settings.overlap.is_weighted() {
@@ -153,7 +154,7 @@ impl TilePart<'_> {
         places: &[[usize; 2]],
         description: &str,
         progress: &Progress,
-    ) -> Result<usize, ArchiveError> {
+    ) -> Result<usize, Error> {
         let cells = AtomicUsize::new(0);
         let draw = |place| {
             let levels = self.draw(place).levels;
@@ -172,7 +173,7 @@ impl TilePart<'_> {
         places: &[[usize; 2]],
         description: &str,
         progress: &Progress,
-    ) -> Result<(), ArchiveError> {
+    ) -> Result<(), Error> {
         let draw = |place| {
             let weights = self.draw(place).weights.into_iter();
             let stored = weights.map(|weight| if weight > 0.0 { weight } else { NODATA });
@@ -183,7 +184,7 @@ impl TilePart<'_> {
             band: Some(WEIGHT),
             ..levels_spec(self.tile, &self.grid, format!("What levels count in the {description}"))
         };
-        Ok(geotiff(path, &spec, places, draw, progress)?)
+        geotiff(path, &spec, places, draw, progress)
     }
 }
 
@@ -193,10 +194,10 @@ pub(super) fn open_part(
     kind: &str,
     tile: TileId,
     log: &str,
-) -> Result<(RasterTiles, PathBuf), ArchiveError> {
+) -> Result<(RasterTiles, PathBuf), Error> {
     let path = archive.rows_path(kind, tile, log);
     let opened = RasterTiles::open(&path);
-    let opened = opened.map_err(|error| ArchiveError::Refused(in_words(&error, &path)))?;
+    let opened = opened.map_err(|error| Error::from(in_words(&error, &path)))?;
     Ok((opened, path))
 }
 

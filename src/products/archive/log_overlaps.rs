@@ -3,7 +3,8 @@
 use super::log_record::LogRecord;
 use super::record::Archive;
 use super::tile::TileId;
-use super::{ArchiveError, PINGS, POINTS, ping_rows, point_rows};
+use super::{PINGS, POINTS, ping_rows, point_rows};
+use crate::Error;
 use bathyscope_bottom::bathymetry::crosslines::TrackDepth;
 use bathyscope_bottom::bathymetry::height_offsets::{
     FEW_CROSSINGS, LogOverlap, crossing_overlaps, overlaps,
@@ -20,7 +21,7 @@ pub(super) fn log_overlaps(
     logs: &[LogRecord],
     shifts: &[FoundShift],
     progress: &Progress,
-) -> Result<Vec<LogOverlap>, ArchiveError> {
+) -> Result<Vec<LogOverlap>, Error> {
     let shifts = shifts.iter().map(|found| found.shift).collect();
     let search = OverlapSearch::new(archive, logs, shifts, false, progress);
     let relabelled = |found: Vec<LogOverlap>, inside: &[usize]| -> Vec<LogOverlap> {
@@ -103,7 +104,7 @@ impl<'a> OverlapSearch<'a> {
         is_wanted: impl Fn(&[usize]) -> bool + Sync,
         find: impl Fn(&[Vec<TrackDepth>], &[usize]) -> Result<Vec<T>, Cancelled> + Sync,
         place: impl Fn(&T) -> [f64; 2] + Sync,
-    ) -> Result<Vec<T>, ArchiveError> {
+    ) -> Result<Vec<T>, Error> {
         let of_tile = |(tile, inside): (&TileId, &Vec<usize>)| {
             self.progress.check()?;
             self.progress.advance(1);
@@ -115,24 +116,20 @@ impl<'a> OverlapSearch<'a> {
                 let shift = self.shifts[*log];
                 Ok(if shift == Shift::default() { track } else { shifted(&track, &shift) })
             });
-            let tracks: Vec<Vec<TrackDepth>> = tracks.collect::<Result<_, ArchiveError>>()?;
+            let tracks: Vec<Vec<TrackDepth>> = tracks.collect::<Result<_, Error>>()?;
             let mut found = find(&tracks, inside)?;
             found.retain(|item| tile.holds(place(item), 0.0));
             Ok(found)
         };
         let found = self.tiles.par_iter().map(of_tile);
-        let found: Vec<Vec<T>> = found.collect::<Result<_, ArchiveError>>()?;
+        let found: Vec<Vec<T>> = found.collect::<Result<_, Error>>()?;
         Ok(found.into_iter().flatten().collect())
     }
 }
 
 /// Returns the depths under the boat of a log in a tile and its halo, by time: its soundings or, if
 /// the log has none, the depths at its first returns.
-fn track(
-    archive: &Archive,
-    tile: TileId,
-    log: &LogRecord,
-) -> Result<Vec<TrackDepth>, ArchiveError> {
+fn track(archive: &Archive, tile: TileId, log: &LogRecord) -> Result<Vec<TrackDepth>, Error> {
     let Some(rows) = log.rows_in(tile) else {
         return Ok(Vec::new());
     };

@@ -1,8 +1,9 @@
 //! Reads and writes the record of one log of an archive: `logs/SHA256.json`, written when all rows
 //! of the log are in place.
 
+use super::LONGEST_RECORD;
 use super::tile::TileId;
-use super::{ArchiveError, LONGEST_RECORD};
+use crate::Error;
 use crate::pipeline::{
     Fingerprint, LogFiles, SettingValues, Settings, deserialize_values, in_hexadecimal,
     setting_values,
@@ -165,7 +166,7 @@ impl LogRecord {
     ///
     /// # Errors
     /// When the file cannot be read or is no such record.
-    pub(super) fn read(path: &Path) -> Result<Self, ArchiveError> {
+    pub(super) fn read(path: &Path) -> Result<Self, Error> {
         let fail = |error: String| {
             format!(
                 "the record of a log cannot be used: {error}; remove it and process the log again: {}",

@@ -3,7 +3,8 @@
 //! give the same part.
 
 use super::tile::TileId;
-use super::{ArchiveError, names_in, remove};
+use super::{names_in, remove};
+use crate::Error;
 use crate::export::{make_folder, write_atomically};
 use crate::map_tiles::{KnownTile, MapPart, Pixels, TileStyle, WebTile};
 use crate::pipeline::{Fingerprint, in_hexadecimal};
@@ -92,7 +93,7 @@ impl MapParts {
     ///
     /// # Errors
     /// When a file cannot be removed.
-    pub(super) fn remove_others(&self) -> Result<(), ArchiveError> {
+    pub(super) fn remove_others(&self) -> Result<(), Error> {
         let used = self.used.lock().unwrap_or_else(PoisonError::into_inner);
         remove_parts(&self.folder, |name| !used.contains(name))
     }
@@ -115,7 +116,7 @@ impl MapParts {
 ///
 /// # Errors
 /// When a file cannot be removed.
-pub(super) fn remove_parts(folder: &Path, goes: impl Fn(&str) -> bool) -> Result<(), ArchiveError> {
+pub(super) fn remove_parts(folder: &Path, goes: impl Fn(&str) -> bool) -> Result<(), Error> {
     for name in names_in(folder)? {
         if name.ends_with(ENDING) && goes(&name) {
             remove(&folder.join(&name))?;

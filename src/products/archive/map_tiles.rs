@@ -8,7 +8,8 @@ use super::tile::{TileId, beside, zone_bounds_deg};
 use super::tile_content::TileContents;
 use super::tile_files::{DEPTH, DEPTH_FILES, TileRecord};
 use super::tile_map::{isobath_settings, without_error};
-use super::{ArchiveError, LONGEST_RECORD, fingerprint, remove};
+use super::{LONGEST_RECORD, fingerprint, remove};
+use crate::Error;
 use crate::export::tile_sets::{TileSet, TileStore, map_page, mbtiles, pmtiles};
 use crate::export::{make_folder, write_json};
 use crate::map_tiles::{
@@ -84,7 +85,7 @@ pub fn write_map_tiles(
     archive: &Archive,
     tiles: &[TileId],
     progress: &Progress,
-) -> Result<MapTilesState, ArchiveError> {
+) -> Result<MapTilesState, Error> {
     let folder = archive.folder().join(FOLDER);
     let maps = tiles.iter().filter_map(|tile| {
         let record = TileRecord::read(archive, *tile)?;
@@ -111,7 +112,7 @@ pub fn write_map_tiles(
     write_files(archive, &maps, &folder, progress)?;
     let files = FILES.iter().skip(1);
     let files = files.map(|name| fingerprint(&folder, name, progress));
-    let files = files.collect::<Result<_, ArchiveError>>()?;
+    let files = files.collect::<Result<_, Error>>()?;
     write_json(&folder.join(RECORD), &Record { made, files })?;
     Ok(MapTilesState::Made)
 }
@@ -141,7 +142,7 @@ fn write_files(
     maps: &BTreeMap<TileId, TileRecord>,
     folder: &Path,
     progress: &Progress,
-) -> Result<(), ArchiveError> {
+) -> Result<(), Error> {
     let source = ArchiveTiles::new(archive, maps)?;
     let store = TileStore::draw(folder, &source, progress)?;
     let set = TileSet {
@@ -173,7 +174,7 @@ struct ArchiveTiles {
 }
 
 impl ArchiveTiles {
-    fn new(archive: &Archive, maps: &BTreeMap<TileId, TileRecord>) -> Result<Self, ArchiveError> {
+    fn new(archive: &Archive, maps: &BTreeMap<TileId, TileRecord>) -> Result<Self, Error> {
         let cell_m = archive.record.cell_m;
         let boxes = || {
             let maps = maps.iter();
@@ -280,7 +281,7 @@ fn cells_around(zone: UtmZone, tile: WebTile, cell_m: f64) -> Grid {
 
 /// Returns a light for the whole map: the one of median exaggeration among those suited to some
 /// tiles of the archive.
-fn light(contents: &TileContents, tiles: &[TileId]) -> Result<Light, ArchiveError> {
+fn light(contents: &TileContents, tiles: &[TileId]) -> Result<Light, Error> {
     let mut lights = Vec::new();
     for tile in tiles.iter().step_by(tiles.len().div_ceil(LIT_BY).max(1)) {
         let content = contents.of(*tile).map_err(|error| error.to_string())?;
@@ -288,9 +289,7 @@ fn light(contents: &TileContents, tiles: &[TileId]) -> Result<Light, ArchiveErro
     }
     lights.sort_by(|a, b| a.exaggeration.total_cmp(&b.exaggeration));
     let middle = lights.get(lights.len() / 2);
-    middle
-        .copied()
-        .ok_or_else(|| ArchiveError::Refused("no tile of the archive has a map".to_owned()))
+    middle.copied().ok_or_else(|| Error::from("no tile of the archive has a map".to_owned()))
 }
 
 impl PyramidSource for ArchiveTiles {

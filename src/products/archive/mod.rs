@@ -60,11 +60,9 @@ pub use tile::{TILE_M, TileId};
 pub use tile_files::{TileRecord, TileState, remove_left_over, tile_state, write_tile};
 pub use tile_map::{tile_map, tile_surface};
 
-use crate::export::{ExportError, NoFolder, RasterError};
+use crate::Error;
 use crate::pipeline::Fingerprint;
-use bathyscope_log::support::file_error::FileError;
-use bathyscope_log::support::mapped_file::FileFault;
-use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::support::progress::Progress;
 use std::fs;
 use std::io::ErrorKind;
 use std::path::Path;
@@ -92,40 +90,8 @@ const KINDS: [(&str, &str); 5] = [
 /// Largest size of a record that is read, bytes.
 const LONGEST_RECORD: u64 = 1 << 26;
 
-/// Error of an operation on an archive.
-#[derive(Debug, thiserror::Error)]
-pub enum ArchiveError {
-    /// The work was cancelled.
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
-    /// A file could not be written.
-    #[error(transparent)]
-    Write(#[from] ExportError),
-    /// A folder could not be made.
-    #[error(transparent)]
-    Folder(#[from] FileError<NoFolder>),
-    /// A file of a log was cut or has changed meanwhile.
-    #[error(transparent)]
-    Log(#[from] FileError<FileFault>),
-    /// Rows could not be read.
-    #[error(transparent)]
-    Rows(#[from] FileError),
-    /// A raster could not be written.
-    #[error(transparent)]
-    Raster(#[from] RasterError),
-    /// Anything else, in a sentence that names the problem, the place and the remedy.
-    #[error("{0}")]
-    Refused(String),
-}
-
-impl From<String> for ArchiveError {
-    fn from(sentence: String) -> Self {
-        Self::Refused(sentence)
-    }
-}
-
 /// Returns the names in a folder; none where there is no folder.
-fn names_in(folder: &Path) -> Result<Vec<String>, ArchiveError> {
+fn names_in(folder: &Path) -> Result<Vec<String>, Error> {
     if !folder.exists() {
         return Ok(Vec::new());
     }
@@ -139,7 +105,7 @@ fn names_in(folder: &Path) -> Result<Vec<String>, ArchiveError> {
 }
 
 /// Removes a file; a missing file is no error.
-fn remove(path: &Path) -> Result<(), ArchiveError> {
+fn remove(path: &Path) -> Result<(), Error> {
     match fs::remove_file(path) {
         Err(error) if error.kind() != ErrorKind::NotFound => {
             Err(format!("cannot remove the file: {error}: {}", path.display()).into())
@@ -149,11 +115,7 @@ fn remove(path: &Path) -> Result<(), ArchiveError> {
 }
 
 /// Computes the fingerprint of a file in a folder.
-fn fingerprint(
-    folder: &Path,
-    name: &str,
-    progress: &Progress,
-) -> Result<Fingerprint, ArchiveError> {
+fn fingerprint(folder: &Path, name: &str, progress: &Progress) -> Result<Fingerprint, Error> {
     let fail = |error| format!("cannot read the file: {error}: {}", folder.join(name).display());
     Ok(Fingerprint::of(folder, name, progress).map_err(fail)?)
 }

@@ -2,9 +2,9 @@
 //! height, position and the levels of their echoes. `offsets.csv` is a table that people read, edit
 //! and pin; pinned offsets are kept.
 
-use super::ArchiveError;
 use super::log_record::LogRecord;
 use super::record::Archive;
+use crate::Error;
 use crate::export::write_bytes;
 use bathyscope_bottom::bathymetry::height_offsets as solver;
 use bathyscope_bottom::bathymetry::height_offsets::{Datum, HeightOffsets, LogOverlap};
@@ -127,7 +127,7 @@ impl Offsets {
     ///
     /// # Errors
     /// When the file cannot be read, or a line cannot be used; the sentence names the line.
-    pub fn read(archive: &Archive) -> Result<Self, ArchiveError> {
+    pub fn read(archive: &Archive) -> Result<Self, Error> {
         let path = path_of(archive);
         if path.exists() { Ok(Self::new(rows_of(&path)?)) } else { Ok(Self::default()) }
     }
@@ -136,7 +136,7 @@ impl Offsets {
     ///
     /// # Errors
     /// When the file cannot be written.
-    pub(super) fn write(&self, archive: &Archive) -> Result<(), ArchiveError> {
+    pub(super) fn write(&self, archive: &Archive) -> Result<(), Error> {
         let path = path_of(archive);
         let fail = |error: String| {
             format!("cannot write the table of offsets: {error}: {}", path.display())
@@ -221,8 +221,8 @@ fn fields(row: &OffsetRow) -> [String; COLUMNS.len()] {
     ]
 }
 
-pub(super) fn rows_of(path: &Path) -> Result<Vec<OffsetRow>, ArchiveError> {
-    let fail = |what: String| ArchiveError::Refused(format!("{what}: {}", path.display()));
+pub(super) fn rows_of(path: &Path) -> Result<Vec<OffsetRow>, Error> {
+    let fail = |what: String| Error::from(format!("{what}: {}", path.display()));
     let text = regular_file::read_text(path, LONGEST)
         .map_err(|error| fail(format!("cannot read the table of offsets: {error}")))?;
     let mut table = csv::ReaderBuilder::new()

@@ -2,10 +2,10 @@
 //! insonified: `pings/tile=.../SHA256.parquet`. From these rows the ping, side and sample that
 //! insonified a place are found without the log.
 
-use super::ArchiveError;
 use super::footprint::{Footprint, SideRange};
 use super::log_rows::{self, LogRows, RowsByTile, TileRow};
 use super::tile::TileId;
+use crate::Error;
 use bathyscope_bottom::mosaic::joined_way_m;
 use bathyscope_log::formats::parquet_table::{Column, Values, read_parquet};
 use bathyscope_log::support::file_error::{FaultText, FileError};
@@ -249,10 +249,10 @@ const OTHERS: [&str; 6] = ["port_samples", "starboard_samples", "ping", "halo", 
 ///
 /// # Errors
 /// When the file cannot be read, or its columns are not those of pings.
-pub(super) fn read(path: &Path) -> Result<Vec<PingRow>, ArchiveError> {
+pub(super) fn read(path: &Path) -> Result<Vec<PingRow>, Error> {
     let damaged = || {
         let what = "cannot read the Parquet file: its columns are not those of pings of an archive";
-        ArchiveError::from(FileError::<FaultText>::new(what.into(), path))
+        Error::from(FileError::<FaultText>::new(what.into(), path))
     };
     let numbers = numbers(read_parquet(path, &NUMBERS)?).ok_or_else(damaged)?;
     let others = read_parquet(path, &OTHERS)?;

@@ -1,7 +1,7 @@
 //! Writes and reads the points of a log, a row for each point: `points/tile=.../SHA256.parquet`.
 
-use super::ArchiveError;
 use super::log_rows::{self, LogRows, TileRow};
+use crate::Error;
 use bathyscope_bottom::bathymetry::DepthPoint;
 use bathyscope_bottom::cloud::{CloudPoint, PointClass};
 use bathyscope_log::formats::parquet_table::{Column, Values, read_parquet};
@@ -67,7 +67,7 @@ pub(super) struct PointRow {
 ///
 /// # Errors
 /// When the file cannot be read, or its columns are not those of points.
-pub(super) fn read(path: &Path) -> Result<Vec<PointRow>, ArchiveError> {
+pub(super) fn read(path: &Path) -> Result<Vec<PointRow>, Error> {
     const NAMES: [&str; 9] = [
         "x",
         "y",

@@ -1,11 +1,11 @@
 //! Computes corrections of position and latency of the logs of an archive, from crossings of tracks
 //! within tiles.
 
-use super::ArchiveError;
 use super::log_overlaps::OverlapSearch;
 use super::log_record::LogRecord;
 use super::offsets::{Offsets, as_written};
 use super::record::{Archive, MOST_MOVED_M};
+use crate::Error;
 use bathyscope_bottom::bathymetry::crosslines::{Crossing, crossings};
 use bathyscope_bottom::bathymetry::position_offsets::{
     CorrectedLog, FoundShift, Shift, Wanted, settled_offsets,
@@ -26,7 +26,7 @@ pub(super) fn shifts(
     pinned: &[Option<f64>],
     wanted: Wanted,
     progress: &Progress,
-) -> Result<Vec<FoundShift>, ArchiveError> {
+) -> Result<Vec<FoundShift>, Error> {
     let before = logs.iter().map(|log| match known.row(&log.log) {
         Some(row) => FoundShift {
             shift: row.shift,
@@ -62,7 +62,7 @@ pub(super) fn shifts(
             |crossing: &Crossing| crossing.place,
         )?;
         found.sort_by_key(|crossing| crossing.passes.map(|pass| pass.track));
-        Ok::<_, ArchiveError>(found)
+        Ok::<_, Error>(found)
     })?;
     let mut found = found
         .ok_or_else(|| "the equations for the positions of the logs have no solution".to_owned())?;

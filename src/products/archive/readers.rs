@@ -3,7 +3,8 @@
 use super::log_record::LogRecord;
 use super::record::ArchiveRecord;
 use super::tile_files::TileRecord;
-use super::{ArchiveError, echo_rows, offsets, ping_rows, point_rows};
+use super::{echo_rows, offsets, ping_rows, point_rows};
+use crate::Error;
 use crate::pipeline::{LogFiles, Settings};
 use bathyscope_log::support::regular_file;
 use bathyscope_log::survey::Survey;
@@ -11,7 +12,7 @@ use std::path::Path;
 
 /// Reads a file as rows of points, of pings and of echoes; returns the errors of the readers that
 /// fail.
-pub fn rows(path: &Path) -> Vec<ArchiveError> {
+pub fn rows(path: &Path) -> Vec<Error> {
     let points = point_rows::read(path).map(drop);
     let pings = ping_rows::read(path).map(drop);
     let echoes = echo_rows::read(path).map(drop);
@@ -20,9 +21,9 @@ pub fn rows(path: &Path) -> Vec<ArchiveError> {
 
 /// Reads a file as the record of an archive, of a log and of a tile, and as a table of offsets;
 /// returns the errors of the readers that fail.
-pub fn records(path: &Path) -> Vec<ArchiveError> {
+pub fn records(path: &Path) -> Vec<Error> {
     let text = regular_file::read_text(path, u64::MAX).unwrap_or_default();
-    let refused = |error: serde_json::Error| ArchiveError::Refused(error.to_string());
+    let refused = |error: serde_json::Error| Error::from(error.to_string());
     let archive = serde_json::from_str::<ArchiveRecord>(&text).map_err(refused);
     let archive = archive.and_then(|record| record.settings());
     let tile = serde_json::from_str::<TileRecord>(&text).map_err(refused);

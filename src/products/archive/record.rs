@@ -3,7 +3,8 @@
 
 use super::log_record::{AREA, LogRecord};
 use super::tile::{TILE_M, TileId, tiles_read};
-use super::{ArchiveError, KINDS, LOGS, LONGEST_RECORD, names_in};
+use super::{KINDS, LOGS, LONGEST_RECORD, names_in};
+use crate::Error;
 use crate::export::{make_folder, write_bytes, write_json};
 use crate::pipeline::{
     Fingerprint, SettingValues, Settings, deserialize_values, is_of_one_log, setting_values,
@@ -77,17 +78,17 @@ impl ArchiveRecord {
     /// # Errors
     /// When `surface.cell_m` or `mosaic.cell_m` is no size for the cells of an archive, or the
     /// settings need rows from too far around a tile.
-    pub fn new(settings: &Settings) -> Result<Self, ArchiveError> {
+    pub fn new(settings: &Settings) -> Result<Self, Error> {
         let cell_m = settings.surface.cell_m.unwrap_or(USUAL_CELL_M);
         let is_power = cell_m.log2().fract() == 0.0;
         if !is_power || !(CELLS_M[0]..=CELLS_M[1]).contains(&cell_m) {
-            return Err(ArchiveError::Refused(format!(
+            return Err(Error::from(format!(
                 "surface.cell_m is {cell_m}, but the tiles of an archive have cells of 0.125, 0.25, 0.5, 1, 2, 4 or 8 m; choose one of them"
             )));
         }
         let mosaic_m = settings.mosaic.cell_m;
         if !divides_tiles(mosaic_m) {
-            return Err(ArchiveError::Refused(format!(
+            return Err(Error::from(format!(
                 "mosaic.cell_m is {mosaic_m}, which does not divide the 512 m of a tile into whole cells; choose 0.1, 0.125, 0.2, 0.25, 0.5 or 1"
             )));
         }
@@ -95,7 +96,7 @@ impl ArchiveRecord {
         let least_m = local_reach_m(settings.surface.max_gap_m) + margin_m + MOST_MOVED_M;
         let halo_m = (least_m / HALO_STEP_M).ceil() * HALO_STEP_M;
         if halo_m.is_nan() || halo_m > TILE_M {
-            return Err(ArchiveError::Refused(format!(
+            return Err(Error::from(format!(
                 "surface.max_gap_m is {}, which reaches across whole tiles of an archive; choose at most 200",
                 settings.surface.max_gap_m
             )));
@@ -119,12 +120,12 @@ impl ArchiveRecord {
     /// # Errors
     /// As [`ArchiveRecord::settings`], or when the recorded `mosaic.cell_m` does not divide a tile
     /// into whole cells.
-    pub(crate) fn mosaic_grid(&self, tile: TileId) -> Result<Grid, ArchiveError> {
+    pub(crate) fn mosaic_grid(&self, tile: TileId) -> Result<Grid, Error> {
         let cell_m = self.settings()?.mosaic.cell_m;
         if divides_tiles(cell_m) {
             Ok(tile.grid(0.0, cell_m))
         } else {
-            Err(ArchiveError::Refused(format!(
+            Err(Error::from(format!(
                 "mosaic.cell_m is {cell_m}, which is no size for an archive: {RECORD}"
             )))
         }
@@ -135,9 +136,9 @@ impl ArchiveRecord {
     ///
     /// # Errors
     /// When the recorded settings are not valid because a person has changed the record.
-    pub fn settings(&self) -> Result<Settings, ArchiveError> {
+    pub fn settings(&self) -> Result<Settings, Error> {
         let settings = with_values(&Settings::default(), &self.settings);
-        settings.map_err(|error| ArchiveError::Refused(format!("{error}: {RECORD}")))
+        settings.map_err(|error| Error::from(format!("{error}: {RECORD}")))
     }
 
     /// Describes the first setting that differs from another record, with both values; `None` where
@@ -168,17 +169,17 @@ impl ArchiveRecord {
 ///
 /// # Errors
 /// When cells are too large or `surface.max_gap_m` reaches too far for depths from echo levels.
-fn check_reach(settings: &Settings, cell_m: f64, halo_m: f64) -> Result<(), ArchiveError> {
+fn check_reach(settings: &Settings, cell_m: f64, halo_m: f64) -> Result<(), Error> {
     if settings.surface.swath != SwathDepth::Always {
         return Ok(());
     }
     if cell_m > MOST_CELL_M {
-        return Err(ArchiveError::Refused(format!(
+        return Err(Error::from(format!(
             "surface.cell_m is {cell_m}, but depths from echo levels need cells of {MOST_CELL_M} m at most; choose smaller ones, or surface.swath = off"
         )));
     }
     if PART_DEPTHS_M + halo_m > TILE_M {
-        return Err(ArchiveError::Refused(format!(
+        return Err(Error::from(format!(
             "surface.max_gap_m is {}, which is too far for depths from echo levels; choose at most 190, or surface.swath = off",
             settings.surface.max_gap_m
         )));
@@ -235,7 +236,7 @@ impl Archive {
     ///
     /// # Errors
     /// When the folder holds no archive, or one of another version, or its record cannot be used.
-    pub fn open(folder: &Path) -> Result<Self, ArchiveError> {
+    pub fn open(folder: &Path) -> Result<Self, Error> {
         let path = folder.join(RECORD);
         let text = regular_file::read_text(&path, LONGEST_RECORD).map_err(|error| {
             format!(
@@ -247,7 +248,7 @@ impl Archive {
             format!("the record of the archive cannot be used: {error}: {}", path.display())
         })?;
         if record.format != FORMAT || record.tile_m != TILE_M {
-            return Err(ArchiveError::Refused(format!(
+            return Err(Error::from(format!(
                 "another version of the program laid this archive out; process its logs into a new folder: {}",
                 folder.display()
             )));
@@ -262,7 +263,7 @@ impl Archive {
     /// # Errors
     /// When the folder holds something else or an archive of other settings, or cannot be written
     /// into.
-    pub fn open_for(folder: &Path, settings: &Settings) -> Result<Self, ArchiveError> {
+    pub fn open_for(folder: &Path, settings: &Settings) -> Result<Self, Error> {
         let record = ArchiveRecord::new(settings)?;
         if !folder.join(RECORD).exists() {
             refuse_other_content(folder)?;
@@ -280,10 +281,10 @@ impl Archive {
     ///
     /// # Errors
     /// When a setting differs: the sentence names the first one, with both values.
-    pub fn check(&self, settings: &Settings) -> Result<(), ArchiveError> {
+    pub fn check(&self, settings: &Settings) -> Result<(), Error> {
         match self.record.difference(&ArchiveRecord::new(settings)?) {
             None => Ok(()),
-            Some(what) => Err(ArchiveError::Refused(format!(
+            Some(what) => Err(Error::from(format!(
                 "the archive was made with other settings: {what}; give the same, or choose another folder: {}",
                 self.folder.display()
             ))),
@@ -292,7 +293,7 @@ impl Archive {
 
     /// Copies the area of the isobaths into the archive, unless the copy is there: the run that
     /// created the archive may have ended before.
-    fn keep_area(&self, settings: &Settings) -> Result<(), ArchiveError> {
+    fn keep_area(&self, settings: &Settings) -> Result<(), Error> {
         let (Some(kept), Some(area)) = (&self.record.isobath_area, &settings.isobaths.area) else {
             return Ok(());
         };
@@ -309,7 +310,7 @@ impl Archive {
     /// # Errors
     /// When the recorded settings are not valid, or the copy of the area of the isobaths has
     /// changed or cannot be read.
-    pub fn settings(&self) -> Result<Settings, ArchiveError> {
+    pub fn settings(&self) -> Result<Settings, Error> {
         let mut settings = self.record.settings()?;
         let Some(kept) = &self.record.isobath_area else {
             return Ok(settings);
@@ -326,13 +327,13 @@ impl Archive {
         Ok(settings)
     }
 
-    fn read_area(&self, kept: &Fingerprint) -> Result<Arc<WaterArea>, ArchiveError> {
+    fn read_area(&self, kept: &Fingerprint) -> Result<Arc<WaterArea>, Error> {
         let path = self.folder.join(&kept.file);
         let area = read_area(&path).map_err(|error| error.to_string())?;
         if area.sha256 == kept.sha256 {
             Ok(Arc::new(area))
         } else {
-            Err(ArchiveError::Refused(format!(
+            Err(Error::from(format!(
                 "the area of the archive's isobaths is not the one that it was made with; put that one back: {}",
                 path.display()
             )))
@@ -367,7 +368,7 @@ impl Archive {
     ///
     /// # Errors
     /// When a record cannot be used.
-    pub fn logs_of_maps(&self, tiles: &[TileId]) -> Result<Vec<LogRecord>, ArchiveError> {
+    pub fn logs_of_maps(&self, tiles: &[TileId]) -> Result<Vec<LogRecord>, Error> {
         let swath = self.record.settings()?.surface.swath;
         let read = tiles.iter().flat_map(|tile| tiles_read(swath, *tile));
         self.logs_in(read)
@@ -378,10 +379,7 @@ impl Archive {
     ///
     /// # Errors
     /// When a record cannot be used.
-    pub fn logs_in(
-        &self,
-        tiles: impl Iterator<Item = TileId>,
-    ) -> Result<Vec<LogRecord>, ArchiveError> {
+    pub fn logs_in(&self, tiles: impl Iterator<Item = TileId>) -> Result<Vec<LogRecord>, Error> {
         let mut logs = BTreeSet::new();
         for tile in tiles {
             for (kind, ending) in KINDS {
@@ -402,7 +400,7 @@ impl Archive {
     ///
     /// # Errors
     /// When a record cannot be used.
-    pub fn logs(&self) -> Result<Vec<LogRecord>, ArchiveError> {
+    pub fn logs(&self) -> Result<Vec<LogRecord>, Error> {
         let mut names = names_in(&self.folder.join(LOGS))?;
         names.retain(|name| name.ends_with(".json") && !name.starts_with('.'));
         names.sort_unstable();
@@ -413,12 +411,12 @@ impl Archive {
 
 /// Refuses a folder with content of a run or of anything else, because an archive is not mixed with
 /// it. Another job may have created the archive at this moment.
-fn refuse_other_content(folder: &Path) -> Result<(), ArchiveError> {
+fn refuse_other_content(folder: &Path) -> Result<(), Error> {
     let names = names_in(folder)?;
     let other = names.iter().find(|name| !name.starts_with('.'));
     match other.filter(|_| !names.iter().any(|name| name == RECORD)) {
         None => Ok(()),
-        Some(name) => Err(ArchiveError::Refused(format!(
+        Some(name) => Err(Error::from(format!(
             "the folder holds {name} and no archive; choose an empty or a new one: {}",
             folder.display()
         ))),
@@ -442,7 +440,7 @@ pub struct TileRowCounts {
 ///
 /// # Errors
 /// When a record cannot be used.
-pub fn contents(archive: &Archive) -> Result<BTreeMap<TileId, TileRowCounts>, ArchiveError> {
+pub fn contents(archive: &Archive) -> Result<BTreeMap<TileId, TileRowCounts>, Error> {
     let mut tiles: BTreeMap<TileId, TileRowCounts> = BTreeMap::new();
     for log in archive.logs()? {
         for rows in &log.tiles {

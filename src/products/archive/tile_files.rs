@@ -7,9 +7,8 @@ use super::record::{Archive, ArchiveRecord};
 use super::tile::{TileId, tiles_read};
 use super::tile_map::{TileMap, tile_map};
 use super::tile_mosaic::{logs_in_order, write_mosaic};
-use super::{
-    ArchiveError, ECHOES, LONGEST_RECORD, MOSAIC, POINTS, WEIGHTS, fingerprint, names_in, remove,
-};
+use super::{ECHOES, LONGEST_RECORD, MOSAIC, POINTS, WEIGHTS, fingerprint, names_in, remove};
+use crate::Error;
 use crate::export::{
     DrawnLines, isobaths_geojson, make_folder, metres_raster, source_raster, write_json,
 };
@@ -203,7 +202,7 @@ pub fn tile_state(
 ///
 /// # Errors
 /// When a file cannot be removed.
-pub fn remove_left_over(archive: &Archive, tiles: &[TileId]) -> Result<Vec<TileId>, ArchiveError> {
+pub fn remove_left_over(archive: &Archive, tiles: &[TileId]) -> Result<Vec<TileId>, Error> {
     let names = names_in(&archive.folder().join(TILES))?;
     let found = names.iter().filter_map(|name| name.parse::<TileId>().ok());
     let mut left: Vec<TileId> = found.filter(|tile| !tiles.contains(tile)).collect();
@@ -230,9 +229,9 @@ pub fn write_tile(
     logs: &[LogRecord],
     offsets: &Offsets,
     progress: &Progress,
-) -> Result<TileRecord, ArchiveError> {
+) -> Result<TileRecord, Error> {
     if logs.iter().all(|log| log.rows_in(tile).is_none()) {
-        return Err(ArchiveError::Refused(format!(
+        return Err(Error::from(format!(
             "no log of this archive has rows in tile {tile}; `bathyscope tiles` lists those that have: {}",
             archive.folder().display()
         )));
@@ -285,7 +284,7 @@ fn write_files(
     tile: TileId,
     made: &TileMap,
     progress: &Progress,
-) -> Result<(), ArchiveError> {
+) -> Result<(), Error> {
     let folder = folder_of(archive, tile);
     let surface = &made.surface;
     let how = how(archive, surface)?;
@@ -325,7 +324,7 @@ fn write_files(
 }
 
 /// Describes the interpolation of the cells, and a requested method that cannot be used.
-fn how(archive: &Archive, surface: &Surface) -> Result<String, ArchiveError> {
+fn how(archive: &Archive, surface: &Surface) -> Result<String, Error> {
     let settings = archive.record.settings()?.surface;
     let method = surface.method_in_words();
     let instead = match settings.method {

@@ -10,7 +10,8 @@ use super::point_rows::{self, PointRow};
 use super::positions::moved;
 use super::record::Archive;
 use super::tile::{TileId, beside, tile_bounds_deg, tiles_read};
-use super::{ArchiveError, ECHOES, POINTS};
+use super::{ECHOES, POINTS};
+use crate::Error;
 use crate::pipeline::clip_area;
 use bathyscope_bottom::bathymetry::isobaths::{
     DepthExtent, Isobath, IsobathSettings, clipped, isobaths, smoothed, with_shoalest,
@@ -47,7 +48,7 @@ pub fn tile_map(
     logs: &[LogRecord],
     offsets: &Offsets,
     progress: &Progress,
-) -> Result<Option<TileMap>, ArchiveError> {
+) -> Result<Option<TileMap>, Error> {
     let settings = archive.settings()?;
     let cell_m = archive.record.cell_m;
     // The isobaths depend on some cells beyond the edges of the tile.
@@ -79,7 +80,7 @@ pub fn tile_surface(
     logs: &[LogRecord],
     offsets: &Offsets,
     progress: &Progress,
-) -> Result<Surface, ArchiveError> {
+) -> Result<Surface, Error> {
     let settings = archive.settings()?.surface;
     match settings.swath {
         // The test of levels by cross-validation needs the whole archive, not one tile.
@@ -127,7 +128,7 @@ fn lines(
     settings: &IsobathSettings,
     tile: TileId,
     progress: &Progress,
-) -> Result<Vec<Isobath>, ArchiveError> {
+) -> Result<Vec<Isobath>, Error> {
     let levels_m = isobath_settings(settings)
         .levels_m(without_error(window.range_m()))
         .map_err(|error| error.to_string())?;
@@ -166,7 +167,7 @@ fn depth_points(
     logs: &[LogRecord],
     offsets: &Offsets,
     progress: &Progress,
-) -> Result<Vec<DepthPoint>, ArchiveError> {
+) -> Result<Vec<DepthPoint>, Error> {
     let mut points = Vec::new();
     for log in logs {
         progress.check()?;
@@ -186,7 +187,7 @@ fn moved_points(
     log: &LogRecord,
     offsets: &Offsets,
     lies_there: impl Fn([f64; 2]) -> bool,
-) -> Result<Vec<DepthPoint>, ArchiveError> {
+) -> Result<Vec<DepthPoint>, Error> {
     if log.rows_in(tile).is_none_or(|rows| rows.points == 0) {
         return Ok(Vec::new());
     }
@@ -219,7 +220,7 @@ fn surface_from_levels(
     logs: &[LogRecord],
     offsets: &Offsets,
     progress: &Progress,
-) -> Result<Surface, ArchiveError> {
+) -> Result<Surface, Error> {
     let settings = archive.settings()?.surface;
     let tiles = tiles_read(SwathDepth::Always, tile);
     let points_m = beside(tile.bounds_m(), PART_DEPTHS_M + archive.record.halo_m);
@@ -249,7 +250,7 @@ fn echoes_around(
     logs: &[LogRecord],
     offsets: &Offsets,
     progress: &Progress,
-) -> Result<Vec<StoredEchoes>, ArchiveError> {
+) -> Result<Vec<StoredEchoes>, Error> {
     let within_m = beside(tile.bounds_m(), PART_PINGS_M);
     let mut stored = Vec::new();
     for log in logs {

@@ -5,7 +5,8 @@ use super::log_record::LogRecord;
 use super::offsets::Offsets;
 use super::record::Archive;
 use super::tile::TileId;
-use super::{ArchiveError, MOSAIC, WEIGHTS};
+use super::{MOSAIC, WEIGHTS};
+use crate::Error;
 use crate::export::geotiff;
 use bathyscope_bottom::mosaic::{MosaicPart, join_parts};
 use bathyscope_log::formats::geotiff::{CellsError, RasterTiles};
@@ -41,7 +42,7 @@ pub(super) fn write_mosaic(
     offsets: &Offsets,
     path: &Path,
     progress: &Progress,
-) -> Result<usize, ArchiveError> {
+) -> Result<usize, Error> {
     let overlap = archive.record.settings()?.mosaic.overlap;
     let grid = archive.record.mosaic_grid(tile)?;
     let parts = (logs_in_order(tile, logs).into_iter())
@@ -52,7 +53,7 @@ pub(super) fn write_mosaic(
         .collect::<Result<Vec<_>, _>>()?;
     if let Some(other) = (parts.iter()).find(|part| part.levels.size() != [grid.columns, grid.rows])
     {
-        return Err(ArchiveError::Refused(format!(
+        return Err(Error::from(format!(
             "this part of the mosaic has other cells than the archive; process its log again: {}",
             other.path.display()
         )));
@@ -92,7 +93,7 @@ impl StoredPart {
         log: &str,
         is_weighted: bool,
         factor: f64,
-    ) -> Result<Self, ArchiveError> {
+    ) -> Result<Self, Error> {
         let (levels, path) = open_part(archive, MOSAIC, tile, log)?;
         let weights = is_weighted.then(|| open_part(archive, WEIGHTS, tile, log));
         Ok(Self {

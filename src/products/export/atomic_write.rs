@@ -1,7 +1,7 @@
 //! Writes files so that each is either complete or missing.
 
+use crate::Error;
 use crate::file_in_use::patiently;
-use bathyscope_log::support::file_error::FileError;
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::ffi::OsString;
@@ -32,6 +32,12 @@ impl ExportError {
     pub(super) fn at(path: &Path) -> impl Fn(io::Error) -> Self {
         let path = path.to_path_buf();
         move |source| Self { path: path.clone(), source }
+    }
+}
+
+impl From<ExportError> for Error {
+    fn from(error: ExportError) -> Self {
+        error.to_string().into()
     }
 }
 
@@ -79,14 +85,10 @@ pub(super) fn write_atomically_at<T>(
     written.and_then(|made| patiently(|| fs::rename(&passing, path)).map(|()| made)).map_err(fail)
 }
 
-/// Error of making a folder.
-#[derive(Debug, thiserror::Error)]
-#[error("cannot make the folder: {0}")]
-pub struct NoFolder(io::Error);
-
 /// Makes a folder and its missing parents.
-pub fn make_folder(folder: &Path) -> Result<(), FileError<NoFolder>> {
-    fs::create_dir_all(folder).map_err(|error| FileError::new(NoFolder(error), folder))
+pub fn make_folder(folder: &Path) -> Result<(), Error> {
+    let fail = |error| format!("cannot make the folder: {error}: {}", folder.display());
+    Ok(fs::create_dir_all(folder).map_err(fail)?)
 }
 
 /// Writes bytes, as [`write_atomically`] does.

@@ -1,24 +1,14 @@
 //! Cuts a small picture of each object found.
 
 use super::{ChipFolder, ExportError};
-use bathyscope_log::support::progress::{Cancelled, Progress};
+use crate::Error;
+use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::Survey;
 use bathyscope_objects::{Detection, Mark, Picture, Raster, Rect, Scored, TILE_PX, level};
 use std::path::Path;
 
 /// Pixels around a box, so that the object is seen against its surroundings.
 const AROUND_PX: f32 = 24.0;
-
-/// Error of writing chips.
-#[derive(Debug, thiserror::Error)]
-pub enum ChipError {
-    /// A file could not be written.
-    #[error(transparent)]
-    Export(#[from] ExportError),
-    /// The work was cancelled.
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
-}
 
 /// The boxes of a log, and the recording and raster that their chips are cut from.
 pub struct ChipLog<'a> {
@@ -40,7 +30,7 @@ pub fn chips(
     names: &[String],
     logs: &[ChipLog<'_>],
     progress: &Progress,
-) -> Result<ChipFolder, ChipError> {
+) -> Result<ChipFolder, Error> {
     let count: usize = logs.iter().map(|log| log.found.len()).sum();
     progress.start(count as u64);
     let mut chips = ChipFolder::begin(folder, names)?;

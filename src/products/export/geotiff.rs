@@ -1,22 +1,12 @@
 //! Writes rasters as GeoTIFF files: any raster, and the cells of a grid.
 
-use super::atomic_write::{ExportError, scratch_near, write_atomically};
+use super::atomic_write::{scratch_near, write_atomically};
+use crate::Error;
 use bathyscope_bottom::bathymetry::{CellSource, Grid, Surface};
 use bathyscope_log::formats::geotiff::{self, Band, CellFormat, NODATA, RASTER_TILE, RasterSpec};
-use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::support::progress::Progress;
 use std::io;
 use std::path::Path;
-
-/// Error of writing a raster.
-#[derive(Debug, thiserror::Error)]
-pub enum RasterError {
-    /// The file could not be written.
-    #[error(transparent)]
-    Write(#[from] ExportError),
-    /// The work was cancelled.
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
-}
 
 /// Writes a GeoTIFF in the layout of [`geotiff::write`]. During the work the tiles are stored in a
 /// second file in the same folder, where there is room for them.
@@ -30,7 +20,7 @@ pub fn geotiff(
     tiles: &[[usize; 2]],
     draw: impl Fn([usize; 2]) -> io::Result<Vec<u8>> + Sync,
     progress: &Progress,
-) -> Result<(), RasterError> {
+) -> Result<(), Error> {
     let written = write_atomically(path, |file| {
         geotiff::write(file, scratch_near(path)?, spec, tiles, draw, progress)
     });
@@ -50,7 +40,7 @@ fn grid_raster<const BYTES: usize>(
     is_known: impl Fn(usize) -> bool,
     stored: impl Fn(Option<usize>) -> [u8; BYTES] + Sync,
     progress: &Progress,
-) -> Result<(), RasterError> {
+) -> Result<(), Error> {
     let draw = |tile| Ok(draw(grid, tile, &stored));
     geotiff(path, spec, &tiles(grid, is_known), draw, progress)
 }
@@ -65,7 +55,7 @@ pub fn metres_raster(
     grid: &Grid,
     values_m: &[f32],
     progress: &Progress,
-) -> Result<(), RasterError> {
+) -> Result<(), Error> {
     let stored = |cell: Option<usize>| {
         let value_m = cell.map_or(f32::NAN, |cell| values_m[cell]);
         let stored = if value_m.is_nan() { NODATA } else { value_m };
@@ -85,7 +75,7 @@ pub(crate) fn source_raster(
     surface: &Surface,
     about: &str,
     progress: &Progress,
-) -> Result<(), RasterError> {
+) -> Result<(), Error> {
     let names = CellSource::KNOWN.map(|source| format!("{} {}", source as u8, source.name()));
     let spec = RasterSpec {
         cells: CellFormat::Class,
@@ -131,6 +121,7 @@ fn draw<const BYTES: usize>(
 mod tests {
     use super::*;
     use bathyscope_log::support::geo::Crs;
+    use bathyscope_log::support::progress::Cancelled;
 
     #[test]
     fn a_raster_is_one_file_and_a_cancelled_one_is_none() {
@@ -152,7 +143,7 @@ mod tests {
         let cancelled = Progress::new();
         cancelled.cancel();
         let stopped = geotiff(&path, &spec, &[[0, 0]], draw, &cancelled);
-        assert!(matches!(stopped, Err(RasterError::Cancelled(_))));
+        assert_eq!(stopped, Err(Error::from(Cancelled)));
         assert_eq!(files(), 0);
         geotiff(&path, &spec, &[[0, 0]], draw, &Progress::new()).unwrap();
         assert!(path.is_file());

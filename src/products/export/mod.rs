@@ -41,20 +41,19 @@ mod vector;
 
 pub(crate) use atomic_write::remove_leftovers;
 pub use atomic_write::{
-    ExportError, NoFolder, is_same_file, make_folder, rename_older, write_atomically, write_bytes,
-    write_json,
+    ExportError, is_same_file, make_folder, rename_older, write_atomically, write_bytes, write_json,
 };
 pub(crate) use bottom_las::{BottomCell, bottom_las};
 pub use chip_folder::ChipFolder;
 pub(crate) use chip_folder::{earlier_chips, remove_passing_chips};
 pub(crate) use chips::picture_chips;
-pub use chips::{ChipError, ChipLog, chip, chips};
+pub use chips::{ChipLog, chip, chips};
 pub(crate) use cloud_las::cloud_las;
 pub use dataset::{DatasetFolder, DatasetPart, PartSummary};
 pub use figure::{MeasuredFigure, figure_csv, figure_geojson, profile_csv, write_profile_csv};
 pub(crate) use geopackage::geopackage;
 pub(crate) use geotiff::source_raster;
-pub use geotiff::{RasterError, geotiff, metres_raster};
+pub use geotiff::{geotiff, metres_raster};
 pub use glb::{TexturedMesh, glb};
 pub(crate) use isobaths::{
     DrawnLines, depth_areas_geojson, isobaths_geojson, spot_soundings_geojson, storage_csv,

@@ -4,9 +4,9 @@
 use super::objects::{find_shapes, listed};
 use super::order::{check_logs, log_names, survey_name};
 use super::training_tiles::TrainingTiles;
+use crate::Error;
 use crate::export::{self, DatasetPart, ObjectLog, make_folder};
 use crate::file_name::file_name;
-use crate::outputs::OutputError;
 use crate::pipeline::ProcessedLog;
 use crate::pipeline::list_objects;
 use bathyscope_log::support::progress::Progress;
@@ -75,7 +75,7 @@ pub fn write_boxes(
     part: DatasetPart,
     folder: &Path,
     progress: &Progress,
-) -> Result<BoxesWritten, OutputError> {
+) -> Result<BoxesWritten, Error> {
     let of_log = |(index, (log, review))| {
         let (log, review): (&ProcessedLog, &Option<LogReview>) = (log, review);
         let review = &*review.as_ref()?.review;
@@ -127,7 +127,7 @@ fn tables(
     list: &ObjectList,
     folder: &Path,
     progress: &Progress,
-) -> Result<(), OutputError> {
+) -> Result<(), Error> {
     let named: Vec<ObjectLog<'_>> = (names.iter().zip(logs))
         .map(|(name, log)| ObjectLog { name, survey: &log.survey })
         .collect();

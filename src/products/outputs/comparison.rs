@@ -4,8 +4,8 @@
 use super::content::{FileContent, FileResult};
 use super::order::{log_names, log_points};
 use super::results::Results;
+use crate::Error;
 use crate::export::{self, Summary};
-use crate::outputs::OutputError;
 use crate::pipeline::{Agreement, Input, NamedComparison, ProcessedLog, ResidualTables, Settings};
 use bathyscope_bottom::bathymetry::compare::{Comparison, Match};
 use serde::Serialize;
@@ -69,7 +69,7 @@ impl<'a> ComparisonRecord<'a> {
         logs: &'a [ProcessedLog],
         agreement: &'a Agreement,
         inputs: &'a [Input],
-    ) -> Result<Self, OutputError> {
+    ) -> Result<Self, Error> {
         let (Some(first), Some(reference)) = (logs.first(), &agreement.reference) else {
             return Err(NO_REFERENCE.into());
         };
@@ -143,7 +143,7 @@ pub fn write_differences(
     path: &Path,
     logs: &[ProcessedLog],
     agreement: &Agreement,
-) -> Result<Summary, OutputError> {
+) -> Result<Summary, Error> {
     let names = log_names(logs);
     let points = log_points(logs, &names);
     let found = agreement.logs.iter().map(|log| log.differences.as_slice());

@@ -1,7 +1,7 @@
 //! Describes the content of a file of a run, as in the manifest, and the inputs without which a
 //! file cannot be made.
 
-use super::error::OutputError;
+use crate::Error;
 use crate::export::Summary;
 use bathyscope_log::support::geo::{Crs, LonLat};
 
@@ -31,7 +31,7 @@ pub(super) struct FileContent {
 }
 
 /// Result of writing a file.
-pub(super) type FileResult = Result<FileContent, OutputError>;
+pub(super) type FileResult = Result<FileContent, Error>;
 
 impl FileContent {
     fn new(coordinates: Coordinates, summary: Summary) -> Self {

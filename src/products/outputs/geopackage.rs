@@ -4,8 +4,8 @@ use super::content::{FileContent, FileResult, Need};
 use super::depth::contours::DrawnContours;
 use super::object_files::targets;
 use super::results::Results;
+use crate::Error;
 use crate::export::{self, MapGeometry};
-use crate::outputs::OutputError;
 use bathyscope_bottom::presentation::colours::depth_colour;
 use std::path::Path;
 
@@ -15,7 +15,7 @@ use std::path::Path;
 pub(super) fn write(results: &Results<'_>, path: &Path) -> FileResult {
     let map = &results.plane.map;
     let placed = MapGeometry::new(map);
-    let has = |need| Ok::<bool, OutputError>(results.missing(need)?.is_none());
+    let has = |need| Ok::<bool, Error>(results.missing(need)?.is_none());
     let mut layers = Vec::new();
     if has(Need::Surface)? && has(Need::Levels)? {
         let drawn = DrawnContours::of(results)?;

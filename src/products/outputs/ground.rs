@@ -1,6 +1,7 @@
 //! Computes the ground of a run on the map: the ground that the side-scan insonified, the cells of
 //! the mosaic, and the place of a raster.
 
+use crate::Error;
 use crate::pipeline::Mosaic;
 use bathyscope_bottom::bathymetry::Grid;
 use bathyscope_bottom::bathymetry::isobaths::Polygon;
@@ -32,34 +33,21 @@ impl SideScanCoverage {
     }
 }
 
-/// Reason why there is no mosaic.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum NoMosaic {
-    /// No echo has a place.
-    #[error("no mosaic: no ping has side-scan, a place, a heading and an altitude")]
-    NoPings,
-    /// The mosaic would have too many cells for a file.
-    #[error(
-        "no mosaic: it would have {columns} by {rows} cells; choose a larger mosaic.cell_m, or look for positions that are far off"
-    )]
-    TooManyCells {
-        /// Number of cells from west to east.
-        columns: usize,
-        /// Number of cells from north to south.
-        rows: usize,
-    },
-}
-
 /// Returns the grid of the file with the mosaic.
 ///
 /// # Errors
 /// When no echo has a place, or the mosaic would have too many cells.
-pub(super) fn mosaic_grid(mosaic: Option<&Mosaic>, cell_m: f64) -> Result<Grid, NoMosaic> {
+pub(super) fn mosaic_grid(mosaic: Option<&Mosaic>, cell_m: f64) -> Result<Grid, Error> {
     let grid = mosaic.and_then(|mosaic| joint_grid(&mosaic.logs, cell_m));
-    let grid = grid.ok_or(NoMosaic::NoPings)?;
+    let grid =
+        grid.ok_or("no mosaic: no ping has side-scan, a place, a heading and an altitude")?;
     let [down, across] = [grid.rows, grid.columns].map(|cells| cells.div_ceil(TILE_CELLS));
     if down.saturating_mul(across) > MOST_TILES {
-        return Err(NoMosaic::TooManyCells { columns: grid.columns, rows: grid.rows });
+        return Err(format!(
+            "no mosaic: it would have {} by {} cells; choose a larger mosaic.cell_m, or look for positions that are far off",
+            grid.columns, grid.rows
+        )
+        .into());
     }
     Ok(grid)
 }

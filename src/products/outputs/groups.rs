@@ -4,8 +4,8 @@ use super::content::{FileContent, Missing};
 use super::order::{Product, When};
 use super::registry::{FileWriter, OUTPUT_FILES, OutputFile, WriteFile};
 use super::results::Results;
+use crate::Error;
 use crate::export::make_folder;
-use crate::outputs::OutputError;
 use bathyscope_log::support::progress::Progress;
 use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
@@ -35,7 +35,7 @@ pub(super) fn write_groups(
     results: &Results<'_>,
     folder: &Path,
     asked: impl Fn(When) -> bool,
-) -> Result<Vec<RowFile>, OutputError> {
+) -> Result<Vec<RowFile>, Error> {
     let groups = groups(asked);
     let parts = (results.progress).start_parts(groups.iter().map(|group| share_of_time(group)));
     let next = AtomicUsize::new(0);
@@ -57,7 +57,7 @@ pub(super) fn write_groups(
         }
     };
     let threads = rayon::current_num_threads().min(MOST_AT_ONCE);
-    let mut written: Vec<(usize, Result<Vec<RowFile>, OutputError>)> = thread::scope(|scope| {
+    let mut written: Vec<(usize, Result<Vec<RowFile>, Error>)> = thread::scope(|scope| {
         let others: Vec<_> = (1..threads).map(|_| scope.spawn(work)).collect();
         let own = work();
         let others = others.into_iter().map(|other| other.join());
@@ -98,7 +98,7 @@ fn write_group(
     folder: &Path,
     group: &Group,
     part: &Progress,
-) -> Result<Vec<RowFile>, OutputError> {
+) -> Result<Vec<RowFile>, Error> {
     let parts = part.start_parts(group.iter().map(|_| 1.0));
     let files = group.iter().zip(&parts).map(|(&(row, write), part)| {
         let results = results.with_progress(part);
@@ -118,7 +118,7 @@ fn write_group(
 pub(super) fn first_missing(
     row: &OutputFile,
     results: &Results<'_>,
-) -> Result<Option<Missing>, OutputError> {
+) -> Result<Option<Missing>, Error> {
     for &need in row.needs {
         if let Some(missing) = results.missing(need)? {
             return Ok(Some(missing));
@@ -128,7 +128,7 @@ pub(super) fn first_missing(
 }
 
 /// Returns the path of a file, after making its subfolder.
-pub(super) fn place(folder: &Path, row: &OutputFile) -> Result<PathBuf, OutputError> {
+pub(super) fn place(folder: &Path, row: &OutputFile) -> Result<PathBuf, Error> {
     let path = folder.join(row.name);
     let parent = path.parent().unwrap_or(folder);
     make_folder(parent)?;

@@ -3,8 +3,8 @@
 
 use super::content::{Coordinates, FileContent, Need};
 use super::registry::{Described, OutputFile, row_of};
+use crate::Error;
 use crate::export::{Summary, write_json};
-use crate::outputs::OutputError;
 use crate::pipeline::{Fingerprint, Input, Report, Settings};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
@@ -65,7 +65,7 @@ pub(super) fn write_manifest(
     made: &[(&'static OutputFile, FileContent)],
     files: &[Fingerprint],
     more_inputs: &[Input],
-) -> Result<(), OutputError> {
+) -> Result<(), Error> {
     let entry = |file| entry(file, made, more_inputs);
     let manifest = Manifest {
         program: &report.program,

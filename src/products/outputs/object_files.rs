@@ -2,10 +2,10 @@
 //! written with a run or into a folder that may hold the files of a run; `targets.*`, the objects
 //! that an analyst accepted or drew, are written in every run of a survey with a review.
 
-use super::OutputError;
 use super::content::{FileContent, FileResult};
 use super::objects::{Shapes, listed, target_boxes};
 use super::results::Results;
+use crate::Error;
 use crate::export::{self, ChipLog, Summary};
 use bathyscope_objects::objects::{ListedObject, ObjectBox};
 use bathyscope_objects::{Detection, Raster};
@@ -25,7 +25,7 @@ pub struct Proposed {
 
 impl Proposed {
     /// Returns the result of the search of a run; `None` where the run did not search.
-    pub(super) fn of(results: &Results<'_>) -> Result<Option<Self>, OutputError> {
+    pub(super) fn of(results: &Results<'_>) -> Result<Option<Self>, Error> {
         let Some((list, found)) = results.found_objects()?.zip(results.found()?) else {
             return Ok(None);
         };
@@ -38,7 +38,7 @@ impl Proposed {
 }
 
 /// Returns the objects that a search found.
-fn objects<'a>(results: &'a Results<'_>) -> Result<Vec<ListedObject<'a>>, OutputError> {
+fn objects<'a>(results: &'a Results<'_>) -> Result<Vec<ListedObject<'a>>, Error> {
     let found = results.shaped_found()?;
     Ok(listed(found.0.objects().iter(), found, results.order.logs, &results.names))
 }
@@ -131,7 +131,7 @@ pub(super) fn targets_kml(results: &Results<'_>, path: &Path) -> FileResult {
 }
 
 /// Returns the targets; none without a search or a review.
-pub(super) fn targets<'a>(results: &'a Results<'_>) -> Result<Vec<ListedObject<'a>>, OutputError> {
+pub(super) fn targets<'a>(results: &'a Results<'_>) -> Result<Vec<ListedObject<'a>>, Error> {
     if results.objects()?.is_none() {
         return Ok(Vec::new());
     }

@@ -1,7 +1,7 @@
 //! Describes requests for the files of a run: the products of `bathyscope process --products`, the
 //! conditions under which each file is written, and the logs whose files are written.
 
-use super::error::OutputError;
+use crate::Error;
 use crate::export::LogPoints;
 use crate::pipeline::joint::RequestedCorrection;
 use crate::pipeline::{Derived, ProcessedLog, Reference};
@@ -135,7 +135,7 @@ impl Order<'_> {
 ///
 /// # Errors
 /// Names a log that does not.
-pub(super) fn check_logs(logs: &[ProcessedLog]) -> Result<(), OutputError> {
+pub(super) fn check_logs(logs: &[ProcessedLog]) -> Result<(), Error> {
     let mut surveys = logs.iter().map(|log| &log.survey);
     Ok(surveys.try_for_each(|survey| survey.check_files())?)
 }

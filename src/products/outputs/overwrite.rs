@@ -4,8 +4,8 @@ use super::MANIFEST;
 use super::order::Order;
 use super::registry::{OUTPUT_FILES, OutputFile};
 use super::run_folder::{RunFolder, has_foreign_manifest, is_stem_of_output};
+use crate::Error;
 use crate::export::is_same_file;
-use crate::outputs::OutputError;
 use crate::pipeline::Reference;
 use bathyscope_log::survey::Survey;
 use std::path::{Path, PathBuf};
@@ -21,7 +21,7 @@ fn folders_of(stem: &str) -> impl Iterator<Item = &'static str> {
 ///
 /// # Errors
 /// When an input would be written over; the sentence names the input.
-pub(super) fn refuse_overwrite(order: &Order<'_>, folder: &Path) -> Result<(), OutputError> {
+pub(super) fn refuse_overwrite(order: &Order<'_>, folder: &Path) -> Result<(), Error> {
     let reference = order.reference.map(|(reference, _)| reference.path());
     let gauges = order.logs.iter().filter_map(|log| log.products.correction.gauge());
     let gauges = gauges.map(|gauge| gauge.path.as_path());
@@ -50,7 +50,7 @@ pub fn begin<'a>(
     folder: &Path,
     surveys: impl IntoIterator<Item = &'a Survey>,
     reference: Option<&'a Reference>,
-) -> Result<RunFolder, OutputError> {
+) -> Result<RunFolder, Error> {
     let reference = reference.map(Reference::path);
     refuse(files_of(surveys).chain(reference), folder)?;
     if has_foreign_manifest(folder) {
@@ -63,10 +63,7 @@ pub fn begin<'a>(
     RunFolder::begin(folder)
 }
 
-fn refuse<'a>(
-    mut inputs: impl Iterator<Item = &'a Path>,
-    folder: &Path,
-) -> Result<(), OutputError> {
+fn refuse<'a>(mut inputs: impl Iterator<Item = &'a Path>, folder: &Path) -> Result<(), Error> {
     let at_risk = |input: &&Path| {
         let stem = input.file_stem().unwrap_or_default().to_string_lossy();
         // The ending of `cloud.copc.laz` has two parts.

@@ -1,6 +1,5 @@
 //! Writes `report.html`, the results of a run on one page, while the files of the run are written.
 
-use super::OutputError;
 use super::content::FileContent;
 use super::object_files::targets;
 use super::objects::target_boxes;
@@ -8,6 +7,7 @@ use super::order::When;
 use super::registry::{FileWriter, OUTPUT_FILES, OutputFile};
 use super::results::Results;
 use super::run_folder::RunFolder;
+use crate::Error;
 use crate::export::write_bytes;
 use crate::html_report::{self, FileLine, ReportData, ReportObjects};
 use crate::pipeline::{Crosslines, Fingerprint, ProcessedLog, Report};
@@ -44,7 +44,7 @@ impl OutputRun<'_> {
 }
 
 /// Writes the page to a file.
-pub(super) fn write(run: &OutputRun<'_>, path: &Path) -> Result<(), OutputError> {
+pub(super) fn write(run: &OutputRun<'_>, path: &Path) -> Result<(), Error> {
     let results = &run.results;
     let (products, order) = (results.products, results.order);
     let boxes = Boxes::of(results)?;
@@ -99,7 +99,7 @@ struct Boxes<'a> {
 
 impl<'a> Boxes<'a> {
     /// Collects the boxes of the list of objects; `None` without a search or a review.
-    fn of(results: &'a Results<'_>) -> Result<Option<Self>, OutputError> {
+    fn of(results: &'a Results<'_>) -> Result<Option<Self>, Error> {
         let order = results.order;
         let model = order.search.filter(|_| order.asks_for(When::Searched));
         if results.objects()?.is_none() {

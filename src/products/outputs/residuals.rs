@@ -3,8 +3,8 @@
 
 use super::content::{FileContent, FileResult};
 use super::results::Results;
+use crate::Error;
 use crate::export::write_json;
-use crate::outputs::OutputError;
 use crate::pipeline::{
     Agreement, Crosslines, GeometryChoice, NamedComparison, ProcessedLog, ResidualTables, Settings,
     choices, comparisons, crosslines,
@@ -71,7 +71,7 @@ pub(super) fn write(results: &Results<'_>, path: &Path) -> FileResult {
             let each = logs.iter().zip(&results.names);
             let each = each.map(|(log, name)| log_record(results, log, name));
             let statement = format!("{STATEMENT} {STATEMENT_OF_LOGS}");
-            (statement, None, each.collect::<Result<_, OutputError>>()?)
+            (statement, None, each.collect::<Result<_, Error>>()?)
         }
     };
     let record = Record {
@@ -105,7 +105,7 @@ fn log_record(
     results: &Results<'_>,
     log: &ProcessedLog,
     name: &str,
-) -> Result<LogResiduals, OutputError> {
+) -> Result<LogResiduals, Error> {
     let (alone, map, progress) = (slice::from_ref(log), &results.plane.map, results.progress);
     Ok(LogResiduals {
         log: name.to_owned(),

@@ -4,12 +4,11 @@
 use super::content::{Missing, Need};
 use super::depth::NO_SURFACE;
 use super::depth::map_tiles::MapTiles;
-use super::error::NoContours;
 use super::ground::{SideScanCoverage, mosaic_grid};
 use super::objects::{Shapes, find_shapes};
 use super::order::{Order, When, log_names, log_points, survey_name};
+use crate::Error;
 use crate::export::{self, LogPoints, ObjectLog, TrackPiece};
-use crate::outputs::OutputError;
 use crate::pipeline::list_objects;
 use crate::pipeline::{
     Agreement, Bottom, BottomColour, CloudPlane, Contours, Crosslines, DepthMap, Input, Isobaths,
@@ -46,7 +45,7 @@ pub(super) struct Results<'a> {
 struct Computed {
     track: OnceLock<Vec<TrackPiece>>,
     ground: Once<SideScanCoverage>,
-    contours: Once<Result<Contours, NoContours>>,
+    contours: Once<Result<Contours, Error>>,
     map_tiles: Once<MapTiles>,
     spot_soundings: Once<Vec<DepthPoint>>,
     depth_map: Once<Option<Arc<DepthMap>>>,
@@ -74,10 +73,7 @@ impl<T> Default for Once<T> {
 }
 
 /// Returns the value and computes it first if necessary.
-fn once<T>(
-    once: &Once<T>,
-    make: impl FnOnce() -> Result<T, OutputError>,
-) -> Result<&T, OutputError> {
+fn once<T>(once: &Once<T>, make: impl FnOnce() -> Result<T, Error>) -> Result<&T, Error> {
     if let Some(made) = once.made.get() {
         return Ok(made);
     }
@@ -95,7 +91,7 @@ impl<'a> Results<'a> {
     /// # Errors
     /// When there is no log, or the coordinate system of the setting `crs` does not fit the first
     /// log.
-    pub(super) fn new(order: &'a Order<'a>, progress: &'a Progress) -> Result<Self, OutputError> {
+    pub(super) fn new(order: &'a Order<'a>, progress: &'a Progress) -> Result<Self, Error> {
         let Some(ProcessedLog { survey, products }) = order.logs.first() else {
             return Err("there is no log whose files could be written".into());
         };
@@ -122,7 +118,7 @@ impl<'a> Results<'a> {
     }
 
     /// Returns the reason if a need is not met; `None` if it is met.
-    pub(super) fn missing(&self, need: Need) -> Result<Option<Missing>, OutputError> {
+    pub(super) fn missing(&self, need: Need) -> Result<Option<Missing>, Error> {
         let with_reason = |why: &str| Some(Missing(Some(why.to_owned())));
         let silent = || Some(Missing(None));
         Ok(match need {
@@ -259,7 +255,7 @@ impl<'a> Results<'a> {
     }
 
     /// Returns the ground that the side-scan insonified.
-    pub(super) fn ground(&self) -> Result<&SideScanCoverage, OutputError> {
+    pub(super) fn ground(&self) -> Result<&SideScanCoverage, Error> {
         once(&self.computed.ground, || {
             let map = &self.plane.map;
             let layouts: Vec<MosaicLayout> = self
@@ -278,16 +274,16 @@ impl<'a> Results<'a> {
     }
 
     /// Returns the depth map; `None` where the depths span no surface.
-    pub(super) fn depth_map(&self) -> Result<Option<&Arc<DepthMap>>, OutputError> {
+    pub(super) fn depth_map(&self) -> Result<Option<&Arc<DepthMap>>, Error> {
         let made = once(&self.computed.depth_map, || {
             let made = self.order.derived.depth_map(self.order.logs, self.progress);
-            made.map_err(OutputError::from)
+            made.map_err(Error::from)
         });
         made.map(Option::as_ref)
     }
 
     /// Returns the surface of the depth map; `None` where there is no map.
-    pub(super) fn surface(&self) -> Result<Option<&Surface>, OutputError> {
+    pub(super) fn surface(&self) -> Result<Option<&Surface>, Error> {
         Ok(self.depth_map()?.map(|depth_map| &depth_map.surface))
     }
 
@@ -296,41 +292,38 @@ impl<'a> Results<'a> {
         &self,
         colour: BottomColour,
         most_corners: usize,
-    ) -> Result<Option<Arc<Bottom>>, OutputError> {
+    ) -> Result<Option<Arc<Bottom>>, Error> {
         let (derived, logs) = (self.order.derived, self.order.logs);
         let made = derived.bottom(logs, colour, most_corners, self.progress);
-        made.map_err(OutputError::from)
+        made.map_err(Error::from)
     }
 
     /// Returns the isobaths, or the reason why there are none.
-    pub(super) fn isobaths(&self) -> Result<Result<Arc<Isobaths>, NoContours>, OutputError> {
+    pub(super) fn isobaths(&self) -> Result<Result<Arc<Isobaths>, Error>, Error> {
         let Some(depth_map) = self.depth_map()? else {
-            return Ok(Err(NoContours::NoDepthMap));
+            return Ok(Err(NO_SURFACE.into()));
         };
         let settings = &self.products.settings.isobaths;
         let made = (self.order.derived).isobaths(depth_map, settings, self.progress);
-        Ok(made?.map_err(NoContours::from))
+        Ok(made?.map_err(Error::from))
     }
 
     /// Returns the isobaths, the areas between them and the storage below each level, or the reason
     /// why there are none.
-    pub(super) fn contours(&self) -> Result<&Result<Contours, NoContours>, OutputError> {
+    pub(super) fn contours(&self) -> Result<&Result<Contours, Error>, Error> {
         once(&self.computed.contours, || {
-            let (depth_map, isobaths) = (self.depth_map()?, self.isobaths()?);
-            match (depth_map, isobaths) {
-                (Some(depth_map), Ok(isobaths)) => {
-                    let made = Contours::new(depth_map, isobaths, self.progress);
-                    made.map(Ok).map_err(OutputError::from)
-                }
-                (_, Err(why)) => Ok(Err(why)),
-                (None, Ok(_)) => Ok(Err(NoContours::NoDepthMap)),
-            }
+            let isobaths = match self.isobaths()? {
+                Ok(isobaths) => isobaths,
+                Err(why) => return Ok(Err(why)),
+            };
+            let depth_map = self.depth_map()?.ok_or(NO_SURFACE)?;
+            Ok(Ok(Contours::new(depth_map, isobaths, self.progress)?))
         })
     }
 
     /// Returns the tiles of the depth map; they take room in the folder of `file` until they are
     /// dropped.
-    pub(super) fn map_tiles(&self, file: &Path) -> Result<&MapTiles, OutputError> {
+    pub(super) fn map_tiles(&self, file: &Path) -> Result<&MapTiles, Error> {
         let folder = file.parent().unwrap_or(file);
         once(&self.computed.map_tiles, || {
             let depth_map = self.depth_map()?.ok_or(NO_SURFACE)?;
@@ -343,7 +336,7 @@ impl<'a> Results<'a> {
     }
 
     /// Returns the depths that a chart prints, in the plane of the map; none without a depth map.
-    pub(super) fn spot_soundings(&self) -> Result<&[DepthPoint], OutputError> {
+    pub(super) fn spot_soundings(&self) -> Result<&[DepthPoint], Error> {
         let made = once(&self.computed.spot_soundings, || {
             let Some(depth_map) = self.depth_map()? else {
                 return Ok(Vec::new());
@@ -362,7 +355,7 @@ impl<'a> Results<'a> {
     }
 
     /// Compares side-scan with the soundings, over all logs.
-    pub(super) fn comparisons(&self) -> Result<&[NamedComparison], OutputError> {
+    pub(super) fn comparisons(&self) -> Result<&[NamedComparison], Error> {
         let made = once(&self.computed.comparisons, || {
             Ok(comparisons(self.order.logs, &self.plane.map, self.progress)?)
         });
@@ -370,7 +363,7 @@ impl<'a> Results<'a> {
     }
 
     /// Returns the crossings of tracks with themselves and with each other.
-    pub(super) fn crossings(&self) -> Result<Option<&Crosslines>, OutputError> {
+    pub(super) fn crossings(&self) -> Result<Option<&Crosslines>, Error> {
         let made = once(&self.computed.crossings, || {
             Ok(crosslines(self.order.logs, &self.names, self.progress)?)
         });
@@ -378,14 +371,14 @@ impl<'a> Results<'a> {
     }
 
     /// Returns the mosaic in the plane of the map; `None` where no log has echoes with a place.
-    pub(super) fn mosaic(&self) -> Result<Option<Arc<Mosaic>>, OutputError> {
+    pub(super) fn mosaic(&self) -> Result<Option<Arc<Mosaic>>, Error> {
         let plane = MosaicPlane::Map(self.plane.map.clone());
         let made = (self.order.derived).mosaic(self.order.logs, plane, self.progress);
-        made.map_err(OutputError::from)
+        made.map_err(Error::from)
     }
 
     /// Returns the agreement of the survey with the reference; `None` without a reference.
-    pub(super) fn agreement(&self) -> Result<Option<&Agreement>, OutputError> {
+    pub(super) fn agreement(&self) -> Result<Option<&Agreement>, Error> {
         let made = once(&self.computed.agreement, || {
             let Some((reference, matching)) = self.order.reference else {
                 return Ok(None);
@@ -397,9 +390,9 @@ impl<'a> Results<'a> {
     }
 
     /// Returns the files that the reference was read from; none without a reference.
-    pub(super) fn reference_inputs(&self) -> Result<&[Input], OutputError> {
+    pub(super) fn reference_inputs(&self) -> Result<&[Input], Error> {
         let made = once(&self.computed.reference_inputs, || match self.order.reference {
-            Some((reference, _)) => Ok(reference.inputs(self.progress)?),
+            Some((reference, _)) => reference.inputs(self.progress),
             None => Ok(Vec::new()),
         });
         made.map(Vec::as_slice)
@@ -407,7 +400,7 @@ impl<'a> Results<'a> {
 
     /// Returns the boxes that the model finds in each log outside of excluded stretches; `None`
     /// without a model.
-    pub(super) fn found(&self) -> Result<Option<&[Vec<Detection>]>, OutputError> {
+    pub(super) fn found(&self) -> Result<Option<&[Vec<Detection>]>, Error> {
         let Some(model) = self.order.search else {
             return Ok(None);
         };
@@ -427,7 +420,7 @@ impl<'a> Results<'a> {
 
     /// Returns the review with proposals from the search added for the logs that satisfy
     /// `is_asked`, none of them decided; numbers of boxes continue from log to log.
-    fn found_review(&self, is_asked: impl Fn(usize) -> bool) -> Result<SurveyReview, OutputError> {
+    fn found_review(&self, is_asked: impl Fn(usize) -> bool) -> Result<SurveyReview, Error> {
         let mut review = self.order.review.clone();
         review.logs.resize(self.order.logs.len(), None);
         let Some((model, found)) = self.order.search.zip(self.found()?) else {
@@ -450,7 +443,7 @@ impl<'a> Results<'a> {
     }
 
     /// Returns the objects that a search found in all logs; `None` without a search.
-    pub(super) fn found_objects(&self) -> Result<Option<&ObjectList>, OutputError> {
+    pub(super) fn found_objects(&self) -> Result<Option<&ObjectList>, Error> {
         if self.found()?.is_none() {
             return Ok(None);
         }
@@ -465,7 +458,7 @@ impl<'a> Results<'a> {
     ///
     /// # Errors
     /// When there was no search, or the objects cannot be computed.
-    pub(super) fn shaped_found(&self) -> Result<(&ObjectList, &Shapes), OutputError> {
+    pub(super) fn shaped_found(&self) -> Result<(&ObjectList, &Shapes), Error> {
         let list = self.found_objects()?;
         let list = list.ok_or("nothing searched for objects")?;
         let shapes = once(&self.computed.found_shapes, || self.shapes_of(list))?;
@@ -474,7 +467,7 @@ impl<'a> Results<'a> {
 
     /// Returns the objects of the survey: for each log those of its review, or else those that a
     /// search found; `None` without a search or a review.
-    pub(super) fn objects(&self) -> Result<Option<&ObjectList>, OutputError> {
+    pub(super) fn objects(&self) -> Result<Option<&ObjectList>, Error> {
         let is_searched = self.order.asks_for(When::Searched);
         match (self.order.review.has_boxes(), is_searched) {
             (false, false) => return Ok(None),
@@ -493,7 +486,7 @@ impl<'a> Results<'a> {
     ///
     /// # Errors
     /// When there was neither a search nor a review, or the objects cannot be computed.
-    pub(super) fn shaped_objects(&self) -> Result<(&ObjectList, &Shapes), OutputError> {
+    pub(super) fn shaped_objects(&self) -> Result<(&ObjectList, &Shapes), Error> {
         if !self.order.review.has_boxes() {
             return self.shaped_found();
         }
@@ -503,7 +496,7 @@ impl<'a> Results<'a> {
         Ok((list, shapes))
     }
 
-    fn shapes_of(&self, list: &ObjectList) -> Result<Shapes, OutputError> {
+    fn shapes_of(&self, list: &ObjectList) -> Result<Shapes, Error> {
         Ok(find_shapes(list, self.order.logs, self.progress)?)
     }
 

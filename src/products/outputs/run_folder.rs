@@ -14,9 +14,9 @@
 mod earlier;
 mod journal;
 
+use crate::Error;
 use crate::export::{earlier_chips, make_folder, remove_passing_chips};
 use crate::file_in_use::{for_one_writer, is_held, is_in_use};
-use crate::outputs::OutputError;
 use crate::pipeline::Fingerprint;
 use bathyscope_log::support::progress::Progress;
 use earlier::EarlierFiles;
@@ -81,7 +81,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// When the folder cannot be written into, or another run is writing into it.
-    pub fn begin(folder: &Path) -> Result<Self, OutputError> {
+    pub fn begin(folder: &Path) -> Result<Self, Error> {
         let is_ours = !folder.exists();
         let fail = |error: io::Error| {
             format!("cannot write into the folder: {error}: {}", folder.display())
@@ -131,12 +131,12 @@ impl RunFolder {
         &self,
         known: &[Fingerprint],
         progress: &Progress,
-    ) -> Result<Vec<Fingerprint>, OutputError> {
+    ) -> Result<Vec<Fingerprint>, Error> {
         let new = self.path();
         let read = |file: String| match known.iter().find(|fingerprint| fingerprint.file == file) {
             Some(known) => Ok(known.clone()),
             None => Fingerprint::of(&new, &file, progress)
-                .map_err(|error| OutputError::from(format!("{error}: {file}"))),
+                .map_err(|error| Error::from(format!("{error}: {file}"))),
         };
         let names = names_in(&new)?;
         names.into_iter().map(read).collect()
@@ -148,7 +148,7 @@ impl RunFolder {
     /// # Errors
     /// When something is in the way. The folder is then unchanged, or the next run finishes the
     /// renames.
-    pub(crate) fn commit(self, manifest: &str) -> Result<Replaced, OutputError> {
+    pub(crate) fn commit(self, manifest: &str) -> Result<Replaced, Error> {
         self.swap(Some(manifest), |_| true)
     }
 
@@ -157,10 +157,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// As [`RunFolder::commit`].
-    pub(crate) fn commit_group(
-        self,
-        group: impl Fn(&str) -> bool,
-    ) -> Result<Replaced, OutputError> {
+    pub(crate) fn commit_group(self, group: impl Fn(&str) -> bool) -> Result<Replaced, Error> {
         let manifest = earlier::without_group(&self.folder, &self.path(), &group)?;
         self.swap(manifest, group)
     }
@@ -169,7 +166,7 @@ impl RunFolder {
         mut self,
         manifest: Option<&str>,
         is_of_ours: impl Fn(&str) -> bool,
-    ) -> Result<Replaced, OutputError> {
+    ) -> Result<Replaced, Error> {
         let new = self.path();
         let fail = |error: io::Error| {
             format!("cannot put the files in place: {error}: {}", self.folder.display())
@@ -216,11 +213,11 @@ impl RunFolder {
 
     /// Refuses to write where a folder has the name of a file to be written, or a file has the name
     /// of a folder.
-    fn refuse_in_the_way(&self, files: &[String]) -> Result<(), OutputError> {
+    fn refuse_in_the_way(&self, files: &[String]) -> Result<(), Error> {
         let named = |what: &str, name: &Path| {
             let path = self.destination_of(name);
             let sentence = format!("{what} that is to be written; rename it: {}", path.display());
-            Err(OutputError::from(sentence))
+            Err(Error::from(sentence))
         };
         for name in files {
             let name = Path::new(name);
@@ -241,7 +238,7 @@ impl RunFolder {
 
     /// Refuses to replace or remove a file that another program holds open on Windows, as long as
     /// the folder is unchanged.
-    fn refuse_held<'a>(&self, names: impl Iterator<Item = &'a String>) -> Result<(), OutputError> {
+    fn refuse_held<'a>(&self, names: impl Iterator<Item = &'a String>) -> Result<(), Error> {
         let mut paths = names.map(|name| self.destination_of(Path::new(name)));
         match paths.find(|path| is_held(path)) {
             Some(path) => Err(format!(
@@ -288,7 +285,7 @@ impl Drop for RunFolder {
 ///
 /// # Errors
 /// When a file cannot be renamed or removed; the sentence names the folder.
-pub fn finish_killed_run(path: &Path) -> Result<(), OutputError> {
+pub fn finish_killed_run(path: &Path) -> Result<(), Error> {
     // A file of a run is at most in a subfolder.
     for folder in path.ancestors().take(3) {
         let side = folder.join(SIDE);

@@ -1,7 +1,7 @@
 //! Writes reviewed boxes as pictures with labels, for training.
 
+use crate::Error;
 use crate::export::{DatasetFolder, DatasetPart, PartSummary};
-use crate::outputs::OutputError;
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::{Identity, Survey};
 use bathyscope_objects::dataset::{Chip, PictureBoxes};
@@ -49,17 +49,17 @@ struct Earlier {
 
 impl TrainingTiles<'_> {
     /// Writes the pictures with their labels; returns the number of hard negatives.
-    pub(super) fn write(&self, root: &Path, progress: &Progress) -> Result<usize, OutputError> {
+    pub(super) fn write(&self, root: &Path, progress: &Progress) -> Result<usize, Error> {
         self.clear(root)?;
         let (classes, places) = self.review.training_classes(self.classes);
-        let folder = DatasetFolder::new(root, &classes).map_err(OutputError::from)?;
+        let folder = DatasetFolder::new(root, &classes)?;
         let (mut all, mut hard_negatives) = (Vec::with_capacity(self.tiles.len()), 0);
         for (number, tile) in self.tiles.iter().enumerate() {
             progress.check()?;
             let chip = self.chip(tile, &places);
             hard_negatives += usize::from(chip.boxes.labels.is_empty() && tile.rejected > 0);
-            folder.chip(self.part, number, &chip).map_err(OutputError::from)?;
-            folder.voc(self.part, number, &chip.boxes).map_err(OutputError::from)?;
+            folder.chip(self.part, number, &chip)?;
+            folder.voc(self.part, number, &chip.boxes)?;
             all.push(chip.boxes);
             progress.advance(1);
         }
@@ -75,13 +75,9 @@ impl TrainingTiles<'_> {
             tile_px: TILE_PX,
             classes: &classes,
             hard_negatives,
-            parts: [
-                train.map_err(OutputError::from)?,
-                val.map_err(OutputError::from)?,
-                test.map_err(OutputError::from)?,
-            ],
+            parts: [train?, val?, test?],
         };
-        folder.manifest(&manifest).map_err(OutputError::from)?;
+        folder.manifest(&manifest)?;
         Ok(hard_negatives)
     }
 
@@ -108,7 +104,7 @@ impl TrainingTiles<'_> {
 
     /// Removes the pictures of an earlier export of this log, which may have had more pictures;
     /// refuses a folder of other pictures.
-    fn clear(&self, root: &Path) -> Result<(), OutputError> {
+    fn clear(&self, root: &Path) -> Result<(), Error> {
         if !fs::read_dir(root).is_ok_and(|mut entries| entries.next().is_some()) {
             return Ok(());
         }

@@ -8,10 +8,11 @@ use super::object_files::Proposed;
 use super::order::{Order, Product, When, check_logs};
 use super::overwrite::refuse_overwrite;
 use super::registry::{FileWriter, OUTPUT_FILES, OutputFile, RunFile, row_of, row_of_beside};
+use super::report_page;
 use super::report_page::OutputRun;
 use super::results::Results;
 use super::run_folder::{Replaced, RunFolder};
-use super::{OutputError, report_page};
+use crate::Error;
 use crate::export;
 use crate::export::write_json;
 use crate::pipeline::joint::joint_report;
@@ -66,7 +67,7 @@ pub fn write(
     folder: RunFolder,
     progress: &Progress,
     mut on_step: impl FnMut(&'static str),
-) -> Result<Written, OutputError> {
+) -> Result<Written, Error> {
     // This is checked first: an unsuitable coordinate system should be reported before all inputs
     // are hashed.
     let results = Results::new(order, progress)?;
@@ -144,7 +145,7 @@ fn write_rows(
     folder: &Path,
     asked: impl Fn(When) -> bool,
     on_step: &mut impl FnMut(&'static str),
-) -> Result<MadeFiles, OutputError> {
+) -> Result<MadeFiles, Error> {
     if asked(When::Searched) {
         on_step("objects");
         results.shaped_found()?;
@@ -168,7 +169,7 @@ fn write_rows(
 }
 
 /// Writes `manifest.json`, which lists every other file of the run.
-fn manifest(run: &OutputRun<'_>, path: &Path) -> Result<(), OutputError> {
+fn manifest(run: &OutputRun<'_>, path: &Path) -> Result<(), Error> {
     let files = (run.folder).files(&run.hashed, run.results.progress)?;
     let compared = run.made.iter().any(|(row, _)| row.needs.contains(&Need::Reference));
     let more_inputs = if compared { run.results.reference_inputs()? } else { &[] };
@@ -186,7 +187,7 @@ pub fn write_detected(
     model: &Model,
     run: RunFolder,
     progress: &Progress,
-) -> Result<(Proposed, Replaced), OutputError> {
+) -> Result<(Proposed, Replaced), Error> {
     let order = Order {
         logs: std::slice::from_ref(log),
         derived: &Derived::default(),
@@ -216,7 +217,7 @@ pub fn write_detected_in_picture(
     settings: &DetectorSettings,
     run: RunFolder,
     progress: &Progress,
-) -> Result<(Vec<Scored>, Replaced), OutputError> {
+) -> Result<(Vec<Scored>, Replaced), Error> {
     let found = find_in_picture(picture, model, settings, progress)?;
     let folder = run.path().join("objects");
     // The chips are written first, because this makes the folder.

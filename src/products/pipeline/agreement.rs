@@ -8,17 +8,18 @@
 
 mod reference;
 
-pub use reference::{AgreementError, MissionLog, Reference, positions};
+pub use reference::{MissionLog, Reference, positions};
 
 use super::{NamedComparison, ProcessedLog, Products};
+use crate::Error;
 use bathyscope_bottom::bathymetry::compare::{
     self, Bin, Comparison, DifferenceHistogram, Match, Matching, binned, suited_width,
 };
 use bathyscope_bottom::cloud::{CloudPoint, PointCloud, PointSource};
-use bathyscope_log::support::file_error::FileError;
+use bathyscope_bottom::presentation::text::way;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::PingNav;
-use reference::{ReferenceFault, bounds, distance_m};
+use reference::{bounds, distance_m};
 use serde::Serialize;
 use std::sync::Arc;
 
@@ -124,9 +125,9 @@ impl Agreement {
         reference: &Arc<Reference>,
         matching: Matching,
         progress: &Progress,
-    ) -> Result<Self, AgreementError> {
+    ) -> Result<Self, Error> {
         let Some(first) = logs.first() else {
-            return Err(AgreementError::NoLog);
+            return Err("there is no log to compare with the reference".into());
         };
         let counted = chosen(logs, counted);
         let points = counted.iter().map(|chosen_point| point(logs, *chosen_point));
@@ -146,7 +147,7 @@ impl Agreement {
             Some(agreement) => Ok(Self { reference: Some(reference.clone()), ..agreement }),
             None => {
                 let what = unmatched(matching, distance_m(there, all));
-                Err(FileError::new(what, reference.path()).into())
+                Err(format!("{what}: {}", reference.path().display()).into())
             }
         }
     }
@@ -275,14 +276,20 @@ fn by_log(logs: &[ProcessedLog], chosen: &[Chosen], differences: &[Match]) -> Ve
     (0..).zip(logs).map(with).collect()
 }
 
-fn unmatched(matching: Matching, away_m: f64) -> ReferenceFault {
+/// Returns the reason why no point has a reference, which is this distance away from the survey.
+fn unmatched(matching: Matching, away_m: f64) -> String {
     if !away_m.is_finite() || away_m > f64::MAX / 4.0 {
-        return ReferenceFault::NoPlace;
-    }
-    if away_m >= 1.0 {
-        ReferenceFault::Elsewhere(away_m)
+        "the reference holds no point with a place".to_owned()
+    } else if away_m >= 1.0 {
+        format!(
+            "the reference lies {} from this survey; see whether both are of one water and whether its columns are named right",
+            way(away_m)
+        )
     } else {
-        ReferenceFault::Unmatched(matching)
+        format!(
+            "no point of this survey has a reference ({}); take a larger distance",
+            matching.in_words()
+        )
     }
 }
 

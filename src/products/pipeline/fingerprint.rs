@@ -1,8 +1,7 @@
 //! Identifies a version of a file by its name, size and hash.
 
 use super::Settings;
-use bathyscope_log::support::file_error::FileError;
-use bathyscope_log::support::mapped_file::FileFault;
+use crate::Error;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::support::regular_file;
 use bathyscope_log::survey::Survey;
@@ -10,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest as _, Sha256};
 use std::fs::File;
 use std::io::{self, Read};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Bytes hashed between two checks for cancellation.
 const CHUNK: usize = 1 << 20;
@@ -127,30 +126,11 @@ impl LogFiles {
     }
 }
 
-/// Reason why a file cannot be read for its hash, in one sentence.
-#[derive(Debug, thiserror::Error)]
-pub enum InputError {
-    /// The work was cancelled.
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
-    /// A file of the log has changed.
-    #[error(transparent)]
-    Log(#[from] FileError<FileFault>),
-    /// The system cannot read the file.
-    #[error("cannot read the file: {source}: {}", path.display())]
-    Unreadable {
-        /// The system's error.
-        source: io::Error,
-        /// Path of the file.
-        path: PathBuf,
-    },
-}
-
 /// Hashes a file that is not a log.
-pub(super) fn hash_file(path: &Path, progress: &Progress) -> Result<Input, InputError> {
+pub(super) fn hash_file(path: &Path, progress: &Progress) -> Result<Input, Error> {
     let fail = |source: io::Error| match progress.check() {
-        Err(cancelled) => InputError::from(cancelled),
-        Ok(()) => InputError::Unreadable { source, path: path.to_owned() },
+        Err(cancelled) => Error::from(cancelled),
+        Ok(()) => format!("cannot read the file: {source}: {}", path.display()).into(),
     };
     let from = regular_file::open(path).map_err(fail)?;
     progress.start(from.metadata().map_err(fail)?.len());

@@ -38,7 +38,7 @@ mod survey_coverage;
 mod task;
 
 pub use agreement::LogDifferences;
-pub use agreement::{Agreement, AgreementError, MissionLog, Reference, ResidualTables, positions};
+pub use agreement::{Agreement, MissionLog, Reference, ResidualTables, positions};
 pub use clip_area::clip_area;
 pub(crate) use depth::CloudPlane;
 pub(crate) use depth::NamedComparison;
@@ -54,7 +54,7 @@ pub use derived::{
 pub use derived::{
     Contours, DepthMap, Derived, Mosaic, MosaicPlane, mosaic_layout, mosaic_layout_by,
 };
-pub use fingerprint::{Fingerprint, Input, InputError, in_hexadecimal};
+pub use fingerprint::{Fingerprint, Input, in_hexadecimal};
 pub(crate) use fingerprint::{LogFiles, sha256_of};
 pub use growing::{GrowingResults, extend};
 pub use log_report::CalibrationReport;

@@ -21,8 +21,9 @@ use bathyscope_bottom::presentation::colours::{
 use bathyscope_log::formats::geotiff::{Band, RasterSpec};
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::support::statistics::median;
+use bathyscope_products::Error;
 use bathyscope_products::export::{
-    ExportError, RasterError, make_folder, metres_raster, qgis_style, write_bytes, write_json,
+    ExportError, make_folder, metres_raster, qgis_style, write_bytes, write_json,
 };
 use maps::{DepthMaps, DepthPart};
 use rayon::prelude::*;
@@ -223,7 +224,7 @@ impl<'a> PartChange<'a> {
         errors: &ChangeErrors,
         regions: &[ChangeRegion],
         progress: &Progress,
-    ) -> Result<[PathBuf; 3], RasterError> {
+    ) -> Result<[PathBuf; 3], Error> {
         let named = |what: &str| match self.part.name.as_str() {
             "" => folder.join(format!("{what}.tif")),
             tile => folder.join(format!("{tile}_{what}.tif")),

@@ -1,7 +1,8 @@
 //! Stores the pictures of tiles after drawing, until they are written in the order of a file
 //! format.
 
-use crate::export::{ExportError, RasterError};
+use crate::Error;
+use crate::export::ExportError;
 use crate::map_tiles::{PyramidSource, TileStyle, WebTile, pyramid};
 use bathyscope_log::support::progress::Progress;
 use std::collections::BTreeMap;
@@ -57,7 +58,7 @@ impl TileStore {
         folder: &Path,
         source: &impl PyramidSource,
         progress: &Progress,
-    ) -> Result<Self, RasterError> {
+    ) -> Result<Self, Error> {
         let fail = ExportError::at(folder);
         let store = Self::in_folder(folder).map_err(&fail)?;
         let keep = |picture, tile, bytes: Vec<u8>| store.keep(picture, tile, &bytes);

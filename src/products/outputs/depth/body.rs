@@ -1,8 +1,8 @@
 //! Writes the bottom as a body, `bottom.glb`: the depth map as a mesh with the depth colours and
 //! the mosaic as pictures over it.
 
+use crate::Error;
 use crate::export::{Summary, TexturedMesh, glb};
-use crate::outputs::OutputError;
 use crate::outputs::content::{FileContent, FileResult};
 use crate::outputs::results::Results;
 use crate::pipeline::{Bottom, BottomColour};
@@ -98,7 +98,7 @@ fn square(corners: [Option<u32>; 4]) -> Vec<[u32; 3]> {
 
 /// Returns the mosaic over the area of the bottom as PNG, with cells as fine as those of the mosaic
 /// if the picture does not become too large; `None` without side-scan.
-fn mosaic(results: &Results<'_>, bottom: &Bottom) -> Result<Option<Vec<u8>>, OutputError> {
+fn mosaic(results: &Results<'_>, bottom: &Bottom) -> Result<Option<Vec<u8>>, Error> {
     let Some(mosaic) = results.mosaic()? else {
         return Ok(None);
     };
@@ -112,7 +112,7 @@ fn mosaic(results: &Results<'_>, bottom: &Bottom) -> Result<Option<Vec<u8>>, Out
     png(&grid, &colours).map(Some)
 }
 
-fn png(grid: &Grid, rgb: &[Rgb]) -> Result<Vec<u8>, OutputError> {
+fn png(grid: &Grid, rgb: &[Rgb]) -> Result<Vec<u8>, Error> {
     let mut bytes = Vec::new();
     let (columns, rows) = (grid.columns as u32, grid.rows as u32);
     PngEncoder::new(&mut bytes)

@@ -1,8 +1,8 @@
 //! Writes isobaths, the areas between them and the volumes below each level, in the formats of
 //! other programs.
 
+use crate::Error;
 use crate::export::{self, DrawnLines, LabelledLine};
-use crate::outputs::OutputError;
 use crate::outputs::content::{FileContent, FileResult};
 use crate::outputs::results::Results;
 use crate::pipeline::Contours;
@@ -28,7 +28,7 @@ impl<'a> DrawnContours<'a> {
     ///
     /// # Errors
     /// When the survey has no depth map, or its isobaths cannot be drawn.
-    pub(crate) fn of(results: &'a Results<'_>) -> Result<Self, OutputError> {
+    pub(crate) fn of(results: &'a Results<'_>) -> Result<Self, Error> {
         let grid = &results.surface()?.ok_or(super::NO_SURFACE)?.grid;
         let middle = grid.centre(grid.rows / 2, grid.columns / 2);
         let settings = &results.products.settings.isobaths;

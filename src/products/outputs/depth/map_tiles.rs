@@ -1,11 +1,11 @@
 //! Draws the tiles of a depth map, which several files share.
 
 use super::applied;
+use crate::Error;
 use crate::export::tile_sets::{TileSet, TileStore};
 use crate::map_tiles::{
     LitSurface, MapScales, PixelPlaces, Pixels, PyramidSource, WebTile, ZoomRange, web_line,
 };
-use crate::outputs::OutputError;
 use crate::pipeline::{DepthMap, Isobaths, Products};
 use bathyscope_bottom::bathymetry::isobaths::{Isobath, IsobathSettings};
 use bathyscope_log::support::geo::{MapPlane, boxes_meet};
@@ -32,7 +32,7 @@ impl MapTiles {
         (survey, products): (&Survey, &Products),
         folder: &Path,
         progress: &Progress,
-    ) -> Result<Self, OutputError> {
+    ) -> Result<Self, Error> {
         let settings = &products.settings.isobaths;
         let source = RunTiles::new(
             depth_map,

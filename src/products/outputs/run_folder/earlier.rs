@@ -2,9 +2,10 @@
 
 use super::journal::is_plain;
 use super::{EARLIER_MANIFESTS, Fingerprint};
+use crate::Error;
 use crate::export::remove_leftovers;
+use crate::outputs::MANIFEST;
 use crate::outputs::registry::{OUTPUT_FILES, OutputFile, file_part, row_of, row_of_beside};
-use crate::outputs::{MANIFEST, OutputError};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -103,7 +104,7 @@ pub(super) fn without_group(
     folder: &Path,
     new: &Path,
     group: &impl Fn(&str) -> bool,
-) -> Result<Option<&'static str>, OutputError> {
+) -> Result<Option<&'static str>, Error> {
     for (manifest, mut record) in manifests(folder) {
         let Some(files) = record.get_mut(FILES).and_then(Value::as_array_mut) else {
             continue;

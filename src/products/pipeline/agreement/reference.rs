@@ -1,79 +1,21 @@
-//! References of a survey: points of a file, or another mission over the same water; and the errors
-//! when a survey cannot be compared with one.
+//! References of a survey: points of a file, or another mission over the same water.
 
-use crate::pipeline::fingerprint::{Input, InputError, hash_file, hash_inputs};
-use crate::pipeline::{ProcessedLog, Products, Settings, SourceError, as_mounted, run};
-use bathyscope_bottom::bathymetry::compare::Matching;
+use crate::Error;
+use crate::pipeline::fingerprint::{Input, hash_file, hash_inputs};
+use crate::pipeline::{ProcessedLog, Products, Settings, as_mounted, run};
 use bathyscope_bottom::cloud::Correction;
-use bathyscope_bottom::cloud::correction::WaterLevelError;
 use bathyscope_bottom::first_return::BottomSettings;
-use bathyscope_bottom::presentation::text::way;
 use bathyscope_log::formats::points::{Elevations, PointPlane};
-use bathyscope_log::formats::{OpenError, ReferenceFile, open_reference};
+use bathyscope_log::formats::{ReferenceFile, open_reference};
 use bathyscope_log::support::file_error::FileError;
-use bathyscope_log::support::geo::{Crs, CrsError, LocalFrame, LonLat};
+use bathyscope_log::support::geo::{Crs, LocalFrame, LonLat};
 use bathyscope_log::support::outline;
-use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::Survey;
 use rayon::prelude::*;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
-
-/// Reason why a survey cannot be compared with a reference, in one sentence.
-#[derive(Debug, thiserror::Error)]
-pub enum AgreementError {
-    /// The work was cancelled.
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
-    /// The reference file cannot be opened.
-    #[error(transparent)]
-    Open(#[from] OpenError),
-    /// There is no log to compare with the reference.
-    #[error("there is no log to compare with the reference")]
-    NoLog,
-    /// The reference was read but does not fit the survey.
-    #[error(transparent)]
-    Unusable(#[from] FileError<ReferenceFault>),
-}
-
-/// Fault of a reference, as a sentence without the path.
-#[derive(Debug, thiserror::Error)]
-pub enum ReferenceFault {
-    /// The points are in an unknown coordinate system.
-    #[error(transparent)]
-    System(#[from] CrsError),
-    /// The points are in metres that are over the survey neither in this system nor as metres from
-    /// the first fix.
-    #[error(
-        "the file does not say which system its metres are in, and they lie over this survey neither as {0} nor as metres from its first fix; give longitude and latitude, or set crs to the file's system"
-    )]
-    UnknownMetres(Crs),
-    /// The settings cannot be applied to a log of the other mission.
-    #[error(transparent)]
-    Source(#[from] SourceError),
-    /// The water levels do not fit a log of the other mission.
-    #[error(transparent)]
-    WaterLevels(WaterLevelError),
-    /// The work was cancelled while a log of the other mission was processed.
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
-    /// No point of the reference has a place.
-    #[error("the reference holds no point with a place")]
-    NoPlace,
-    /// The reference is this distance away from the survey, metres.
-    #[error(
-        "the reference lies {} from this survey; see whether both are of one water and whether its columns are named right",
-        way(*.0)
-    )]
-    Elsewhere(f64),
-    /// The reference is over the survey, but no point is as near as required.
-    #[error(
-        "no point of this survey has a reference ({}); take a larger distance",
-        (*.0).in_words()
-    )]
-    Unmatched(Matching),
-}
 
 /// Reference that a survey is compared with.
 #[derive(Debug)]
@@ -120,7 +62,7 @@ impl Reference {
         survey: &Survey,
         settings: &Settings,
         progress: &Progress,
-    ) -> Result<Self, AgreementError> {
+    ) -> Result<Self, Error> {
         match open_reference(argument, progress)? {
             ReferenceFile::Points(file) => Self::of_points(file, survey, settings),
             ReferenceFile::Log(log) => Ok(Self::of_mission(*log)),
@@ -130,11 +72,7 @@ impl Reference {
     /// Creates a reference of the points of a file. If the file does not name the coordinate system
     /// of its metres, they are taken as metres in the system that `crs` names, or else as metres
     /// east and north of the survey's first fix, whichever is over the survey.
-    fn of_points(
-        file: Elevations,
-        survey: &Survey,
-        settings: &Settings,
-    ) -> Result<Self, AgreementError> {
+    fn of_points(file: Elevations, survey: &Survey, settings: &Settings) -> Result<Self, Error> {
         let system = System::of(&file, survey, settings);
         let (system, guess) = system.map_err(FileError::at(&file.path))?;
         let blank = (file.blank > 0).then(|| {
@@ -204,7 +142,7 @@ impl Reference {
         &self,
         log: &ProcessedLog,
         progress: &Progress,
-    ) -> Result<Vec<[f64; 3]>, AgreementError> {
+    ) -> Result<Vec<[f64; 3]>, Error> {
         let ProcessedLog { survey, products } = log;
         let place = |&[lon_deg, lat_deg, z_m]: &Position| {
             let at = LonLat { lon_deg, lat_deg };
@@ -235,7 +173,7 @@ impl Reference {
     ///
     /// # Errors
     /// When a file can no longer be read or has changed, or the work was cancelled.
-    pub fn inputs(&self, progress: &Progress) -> Result<Vec<Input>, InputError> {
+    pub fn inputs(&self, progress: &Progress) -> Result<Vec<Input>, Error> {
         match &self.held {
             Held::Points(_) => Ok(vec![hash_file(&self.path, progress)?]),
             Held::Mission { logs, .. } => {
@@ -244,7 +182,7 @@ impl Reference {
                     log.survey.check_files()?;
                     Ok(hashed)
                 });
-                let inputs: Result<Vec<_>, InputError> = inputs.collect();
+                let inputs: Result<Vec<_>, Error> = inputs.collect();
                 Ok(inputs?.concat())
             }
         }
@@ -261,7 +199,7 @@ impl MissionLog {
         settings: &Settings,
         before: Option<&Products>,
         progress: &Progress,
-    ) -> Result<(Arc<Survey>, Products), ReferenceFault> {
+    ) -> Result<(Arc<Survey>, Products), Error> {
         let mut survey = self.survey.clone();
         let settings = self.settings.clone().unwrap_or_else(|| {
             let mut settings = settings.clone();
@@ -275,10 +213,10 @@ impl MissionLog {
         if self.settings.is_none() {
             let recorded = Survey::clone(&survey);
             let mounted = as_mounted(recorded, &settings.mounting, &settings.source);
-            survey = Arc::new(mounted?);
+            survey = Arc::new(mounted.map_err(|error| error.to_string())?);
         }
         if let Some(why) = Correction::new(settings.depth(), &survey).refused() {
-            return Err(ReferenceFault::WaterLevels(why.clone()));
+            return Err(why.to_string().into());
         }
         let made = run(&survey, &settings, before, progress, |_| ())?;
         Ok((survey, made))
@@ -311,7 +249,7 @@ impl System {
         file: &Elevations,
         survey: &Survey,
         settings: &Settings,
-    ) -> Result<(Self, Option<String>), ReferenceFault> {
+    ) -> Result<(Self, Option<String>), Error> {
         let named = |epsg: u16| Ok((Self::Crs(Crs::from_epsg(epsg)?), None));
         match file.plane {
             PointPlane::Degrees => named(4326),
@@ -325,7 +263,7 @@ impl System {
         file: &Elevations,
         survey: &Survey,
         settings: &Settings,
-    ) -> Result<(Self, Option<String>), ReferenceFault> {
+    ) -> Result<(Self, Option<String>), Error> {
         let frame = &survey.track.frame;
         let map = settings.crs.at(frame.origin()).ok();
         let map = map.unwrap_or_else(|| Crs::utm(frame.origin()));
@@ -343,7 +281,10 @@ impl System {
                 return Ok((system, Some(words)));
             }
         }
-        Err(ReferenceFault::UnknownMetres(map))
+        Err(format!(
+            "the file does not say which system its metres are in, and they lie over this survey neither as {map} nor as metres from its first fix; give longitude and latitude, or set crs to the file's system"
+        )
+        .into())
     }
 
     fn to_lon_lat(&self, [x, y]: [f64; 2]) -> LonLat {
