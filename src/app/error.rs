@@ -7,7 +7,7 @@ use bathyscope_log::support::progress::Cancelled;
 use bathyscope_objects::review::ReviewError;
 use bathyscope_objects::truth::{TruthError, TruthFileError};
 use bathyscope_objects::{DetectError, ModelError};
-use bathyscope_products::export::{ExportError, PlanFormatError};
+use bathyscope_products::export::ExportError;
 use bathyscope_products::pipeline::{SettingsError, SourceError};
 use bathyscope_products::project::StoreError;
 use std::io;
@@ -70,9 +70,6 @@ pub(super) enum AppError {
     /// A project cannot be opened.
     #[error(transparent)]
     Project(#[from] StoreError),
-    /// The file name of a plan has no known format.
-    #[error(transparent)]
-    PlanFormat(#[from] PlanFormatError),
     /// The file name of a measurement has no known format.
     #[error("a measurement's name ends in .geojson or .csv: {}", .0.display())]
     FigureFormat(PathBuf),

@@ -4,7 +4,7 @@ use super::jobs::JobKey;
 use super::{Action, App, LogId, OpenLogs};
 use bathyscope_bottom::calibration::PingRange;
 use bathyscope_log::support::progress::Progress;
-use bathyscope_products::export::{CopyError, LogPartChoice, copy_log};
+use bathyscope_products::export::{LogPartChoice, copy_log};
 use bathyscope_products::outputs::{self, Amounts, EarlierRun, Order, OutputFile, Product};
 use bathyscope_products::pipeline::map_plane;
 use std::error::Error;
@@ -139,7 +139,10 @@ impl App {
             let losses = copied.losses.iter().map(|loss| format!("; {loss}"));
             let losses: String = losses.collect();
             let path = path.display();
-            Ok::<_, CopyError>(format!("Wrote {} to {path}{losses}", copied.summary()))
+            Ok::<_, bathyscope_products::Error>(format!(
+                "Wrote {} to {path}{losses}",
+                copied.summary()
+            ))
         });
     }
 

@@ -59,12 +59,12 @@ pub(crate) use isobaths::{
     DrawnLines, depth_areas_geojson, isobaths_geojson, spot_soundings_geojson, storage_csv,
 };
 pub(crate) use las::LasPacking;
-pub use log_copy::{CopyError, LogPartChoice, TimeBound, check_copy, copy_log};
+pub use log_copy::{LogPartChoice, TimeBound, check_copy, copy_log};
 pub(crate) use objects::{
     ObjectLog, box_table, object_layers, object_places, object_table, objects_geojson,
     objects_gpkg, objects_gpx, objects_kml, picture_boxes_csv, shapes_ply,
 };
-pub use plan::{PlanFormat, PlanFormatError, PlannedWay};
+pub use plan::{PlanFormat, PlannedWay};
 pub use points::kept_points;
 pub(crate) use points::{
     LogPoints, cloud_csv, cloud_ply, cloud_xyz, depth_xyz, differences_csv, first_returns_csv,

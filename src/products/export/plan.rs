@@ -6,11 +6,12 @@
 //! Planner hold the way as a mission.
 
 use super::{ExportError, write_bytes};
+use crate::Error;
 use bathyscope_bottom::planning::{Plan, WaypointKind};
 use bathyscope_log::support::geo::{LocalFrame, LonLat};
 use bathyscope_log::support::printable::xml;
 use serde_json::{Value, json};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// `MAV_CMD_NAV_WAYPOINT` of MAVLink.
 const NAV_WAYPOINT: u16 = 16;
@@ -41,13 +42,6 @@ bathyscope_log::listed! {
     }
 }
 
-/// Error of a file name without the ending of a format.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "lines are written as .gpx, .kml, .plan (QGroundControl) or .waypoints (Mission Planner); name the file so: {}", .0.display()
-)]
-pub struct PlanFormatError(pub PathBuf);
-
 impl PlanFormat {
     /// Returns the ending of the files of the format.
     fn ending(self) -> &'static str {
@@ -63,11 +57,17 @@ impl PlanFormat {
     ///
     /// # Errors
     /// When there is no format for this ending.
-    pub fn of(path: &Path) -> Result<Self, PlanFormatError> {
+    pub fn of(path: &Path) -> Result<Self, Error> {
         let ending = path.extension().unwrap_or_default();
         let format =
             Self::ALL.into_iter().find(|format| ending.eq_ignore_ascii_case(format.ending()));
-        format.ok_or_else(|| PlanFormatError(path.to_owned()))
+        let refused = || {
+            format!(
+                "lines are written as .gpx, .kml, .plan (QGroundControl) or .waypoints (Mission Planner); name the file so: {}",
+                path.display()
+            )
+        };
+        Ok(format.ok_or_else(refused)?)
     }
 }
 

@@ -6,48 +6,20 @@
 mod part;
 mod traces;
 
-pub(crate) use part::PartError;
 pub use part::{LogPartChoice, TimeBound};
 
 use super::track::write_track_gpx;
-use super::{ExportError, is_same_file, track, write_atomically};
+use super::{is_same_file, track, write_atomically};
+use crate::Error;
 use bathyscope_log::formats::log_writer::{LogToWrite, LogWriter};
 use bathyscope_log::formats::{FORMATS, writer_for};
-use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::{PositionSettings, Projection, Survey, navigate_with};
 use std::io::{self, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
 /// Endings of the formats that are not those of recorders, without the dot.
 const TABLES: [&str; 3] = ["csv", "parquet", "gpx"];
-
-/// Reason why a log cannot be copied: one sentence.
-#[derive(Debug, thiserror::Error)]
-pub enum CopyError {
-    /// No format has the ending of the file.
-    #[error(
-        "the ending of the file names no format that is written; end it in {endings}: {}",
-        .path.display()
-    )]
-    Ending {
-        /// Path of the file.
-        path: PathBuf,
-        /// Endings for which there is a format, in words.
-        endings: String,
-    },
-    /// The copy would replace the log.
-    #[error("that is the log itself, which is never changed; name another file: {}", .0.display())]
-    IsLog(PathBuf),
-    /// The part of the log cannot be chosen.
-    #[error(transparent)]
-    Part(#[from] PartError),
-    /// The work was cancelled.
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
-    /// The file cannot be written, or the format cannot hold the log.
-    #[error(transparent)]
-    Export(#[from] ExportError),
-}
 
 /// Format of a copy.
 #[derive(Clone, Copy)]
@@ -67,7 +39,7 @@ impl CopyFormat {
     ///
     /// # Errors
     /// When there is no format for this ending.
-    pub(crate) fn of(path: &Path) -> Result<Self, CopyError> {
+    pub(crate) fn of(path: &Path) -> Result<Self, Error> {
         let ending = path.extension().unwrap_or_default();
         let is = |name: &str| ending.eq_ignore_ascii_case(name);
         match writer_for(ending) {
@@ -75,7 +47,12 @@ impl CopyFormat {
             None if is("csv") => Ok(Self::Csv),
             None if is("parquet") => Ok(Self::Parquet),
             None if is("gpx") => Ok(Self::Gpx),
-            None => Err(CopyError::Ending { path: path.to_owned(), endings: endings_in_words() }),
+            None => Err(format!(
+                "the ending of the file names no format that is written; end it in {}: {}",
+                endings_in_words(),
+                path.display()
+            )
+            .into()),
         }
     }
 }
@@ -95,10 +72,12 @@ fn endings_in_words() -> String {
 ///
 /// # Errors
 /// When no format has the ending of the file, or the file is one of `log_files`.
-pub fn check_copy(path: &Path, log_files: &[PathBuf]) -> Result<(), CopyError> {
+pub fn check_copy(path: &Path, log_files: &[PathBuf]) -> Result<(), Error> {
     CopyFormat::of(path)?;
     if log_files.iter().any(|file| is_same_file(file, path)) {
-        Err(CopyError::IsLog(path.to_owned()))
+        let path = path.display();
+        let refusal = "that is the log itself, which is never changed; name another file";
+        Err(format!("{refusal}: {path}").into())
     } else {
         Ok(())
     }
@@ -135,7 +114,7 @@ pub fn copy_log(
     positions: PositionSettings<'_>,
     choice: &LogPartChoice,
     progress: &Progress,
-) -> Result<Copied, CopyError> {
+) -> Result<Copied, Error> {
     check_copy(path, &survey.source.files)?;
     let positions = PositionSettings { projection: Projection::Enu, ..positions };
     let navigation = navigate_with(survey, positions, progress)?;
@@ -149,7 +128,7 @@ pub fn copy_log(
     })
 }
 
-fn write(path: &Path, log: &LogToWrite<'_>, progress: &Progress) -> Result<Vec<String>, CopyError> {
+fn write(path: &Path, log: &LogToWrite<'_>, progress: &Progress) -> Result<Vec<String>, Error> {
     let format = CopyFormat::of(path)?;
     let losses = write_atomically(path, |file| {
         let mut losses = Vec::new();

@@ -1,37 +1,14 @@
 //! Chooses the part of a log that is copied.
 
+use crate::Error;
 use bathyscope_bottom::calibration::PingRange;
 use bathyscope_log::support::calendar::unix_from_iso;
 use bathyscope_log::survey::{Navigation, Survey, WaterArea};
 use std::ops::Range;
 use std::str::FromStr;
 
-/// Reason why a part cannot be chosen: one sentence.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum PartError {
-    /// A time is neither a number of seconds nor a date with a time.
-    #[error(
-        "a time is written in seconds of the log, 60, or as a date with the time of day in UTC, 2024-05-01T10:00:00; got {0}"
-    )]
-    NoTime(String),
-    /// A span of time has no two ends.
-    #[error("a span of time is written FROM..TO; got {0}")]
-    NoSpan(String),
-    /// A date was given, and the log has none.
-    #[error("the log names no date; give the time in seconds of the log")]
-    NoDate,
-    /// The log has fewer records than were requested.
-    #[error("the log has {count} pings; {}..{} were asked for", .asked.start, .asked.end)]
-    TooFew {
-        /// Number of records of the log.
-        count: usize,
-        /// Records that were requested.
-        asked: Range<usize>,
-    },
-    /// The part has no record of the log.
-    #[error("nothing of the log lies in the part that was asked for")]
-    Empty,
-}
+const NO_DATE: &str = "the log names no date; give the time in seconds of the log";
+const EMPTY: &str = "nothing of the log lies in the part that was asked for";
 
 /// A moment of a log.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,14 +20,19 @@ pub enum TimeBound {
 }
 
 impl FromStr for TimeBound {
-    type Err = PartError;
+    type Err = Error;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let seconds = text.trim().parse().ok();
         let seconds = seconds.filter(|seconds: &f64| seconds.is_finite());
         let log = seconds.map(Self::Log);
         let unix = || unix_from_iso(text).map(Self::Unix);
-        log.or_else(unix).ok_or_else(|| PartError::NoTime(text.to_owned()))
+        let refused = || {
+            format!(
+                "a time is written in seconds of the log, 60, or as a date with the time of day in UTC, 2024-05-01T10:00:00; got {text}"
+            )
+        };
+        Ok(log.or_else(unix).ok_or_else(refused)?)
     }
 }
 
@@ -59,19 +41,17 @@ impl TimeBound {
     ///
     /// # Errors
     /// When the text is not of this form.
-    pub fn span(text: &str) -> Result<[Self; 2], PartError> {
-        let (from, to) = text.split_once("..").ok_or_else(|| PartError::NoSpan(text.to_owned()))?;
+    pub fn span(text: &str) -> Result<[Self; 2], Error> {
+        let refused = || format!("a span of time is written FROM..TO; got {text}");
+        let (from, to) = text.split_once("..").ok_or_else(refused)?;
         Ok([from.parse()?, to.parse()?])
     }
 
     /// Converts the moment to seconds after the time zero of a log.
-    fn of_log(self, survey: &Survey) -> Result<f64, PartError> {
+    fn of_log(self, survey: &Survey) -> Result<f64, Error> {
         match self {
             Self::Log(time_s) => Ok(time_s),
-            Self::Unix(unix_s) => {
-                let start_s = survey.start_unix_s.ok_or(PartError::NoDate)?;
-                Ok(unix_s - start_s)
-            }
+            Self::Unix(unix_s) => Ok(unix_s - survey.start_unix_s.ok_or(NO_DATE)?),
         }
     }
 }
@@ -97,12 +77,13 @@ impl LogPartChoice {
         &self,
         survey: &Survey,
         navigation: &Navigation,
-    ) -> Result<Vec<Range<usize>>, PartError> {
+    ) -> Result<Vec<Range<usize>>, Error> {
         let times_s = survey.record_times_s();
         let count = times_s.len();
         let asked = self.pings.map_or(0..count, |pings| pings.start..pings.end);
         if asked.end > count {
-            return Err(PartError::TooFew { count, asked });
+            let Range { start, end } = asked;
+            return Err(format!("the log has {count} pings; {start}..{end} were asked for").into());
         }
         let span_s = match self.time {
             Some([from, to]) => [from.of_log(survey)?, to.of_log(survey)?],
@@ -127,7 +108,7 @@ impl LogPartChoice {
                 _ => stretches.push(record..record + 1),
             }
         }
-        if stretches.is_empty() { Err(PartError::Empty) } else { Ok(stretches) }
+        if stretches.is_empty() { Err(EMPTY.into()) } else { Ok(stretches) }
     }
 }
 
@@ -175,12 +156,13 @@ mod tests {
             time: Some([TimeBound::Log(50.0), TimeBound::Log(60.0)]),
             ..LogPartChoice::default()
         };
-        assert_eq!(of(none), Err(PartError::Empty));
+        assert_eq!(of(none), Err(Error::from(EMPTY)));
         let beyond = LogPartChoice {
             pings: Some(PingRange { start: 1, end: 11 }),
             ..LogPartChoice::default()
         };
-        assert_eq!(of(beyond), Err(PartError::TooFew { count: 10, asked: 1..11 }));
+        let too_few = "the log has 10 pings; 1..11 were asked for";
+        assert_eq!(of(beyond), Err(Error::from(too_few)));
     }
 
     #[test]
@@ -192,6 +174,6 @@ mod tests {
         survey.start_unix_s = None;
         let time = Some([TimeBound::Unix(0.0), TimeBound::Log(5.0)]);
         let choice = LogPartChoice { time, ..LogPartChoice::default() };
-        assert_eq!(choice.stretches(&survey, &navigation), Err(PartError::NoDate));
+        assert_eq!(choice.stretches(&survey, &navigation), Err(Error::from(NO_DATE)));
     }
 }
