@@ -6,8 +6,8 @@ use super::{Action, App, LogId, LogPlace, OpenLog};
 use bathyscope_bottom::first_return::{BottomEdit, BottomSettings};
 use bathyscope_log::support::printable::quoted;
 use bathyscope_log::survey::{Side, Survey};
+use bathyscope_products::Error;
 use bathyscope_products::pipeline::Settings;
-use bathyscope_products::project::BottomFileError;
 use std::sync::Arc;
 
 /// Name of undo steps that edit the bottom.
@@ -172,7 +172,7 @@ impl App {
 
 impl OpenLog {
     /// Takes bottom edits; returns the text of a notice about them.
-    fn take_bottom(&mut self, read: ReadBottom) -> Result<String, BottomFileError> {
+    fn take_bottom(&mut self, read: ReadBottom) -> Result<String, Error> {
         let swapped = self.survey.as_ref().is_some_and(|survey| survey.swapped_sides);
         let kept = read?.with_sides(swapped);
         let pings = kept.edited_count();

@@ -10,7 +10,8 @@ use bathyscope_log::formats;
 use bathyscope_log::support::printable::quoted;
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::{Identity, Survey};
-use bathyscope_products::project::{BottomFileError, read_bottom};
+use bathyscope_products::Error;
+use bathyscope_products::project::read_bottom;
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -80,7 +81,7 @@ impl OpenRequest {
 }
 
 /// The bottom edits of a sidecar file, or the error if they cannot be used.
-pub(super) type ReadBottom = Result<BottomSettings, BottomFileError>;
+pub(super) type ReadBottom = Result<BottomSettings, Error>;
 
 /// Contents of a path that was opened.
 enum OpenedPath {

@@ -3,11 +3,11 @@
 
 use super::find::{LogLocation, find};
 use super::log::ProjectLog;
-use super::store::{StoreError, read};
-use crate::pipeline::{Settings, SettingsError};
-use bathyscope_log::support::file_error::FileError;
+use super::store::read;
+use crate::Error;
+use crate::pipeline::Settings;
 use bathyscope_log::support::geo::LocalFrame;
-use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::support::progress::Progress;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -28,50 +28,15 @@ pub struct ProjectInput {
     pub warning: Option<String>,
 }
 
-/// Reason why a project gives no logs to process, in one sentence that ends with the file.
-#[derive(Debug, thiserror::Error)]
-pub enum ProjectInputError {
-    /// The project cannot be read.
-    #[error(transparent)]
-    Store(#[from] StoreError),
-    /// Settings of a log cannot be used, or name a file that cannot be read.
-    #[error(transparent)]
-    Settings(#[from] SettingsError),
-    /// The work was cancelled.
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
-    /// A log is not at its place, or no log is visible.
-    #[error(transparent)]
-    Logs(#[from] FileError<LogsFault>),
-}
-
-/// Reason why the logs of a project cannot be processed, in a sentence without the file.
-#[derive(Debug, thiserror::Error)]
-pub enum LogsFault {
-    /// Another recording is at the place of the log of this name.
-    #[error(
-        "another recording lies where the log `{0}` of the project was; put it back beside the project"
-    )]
-    Replaced(String),
-    /// The log of this name was not found.
-    #[error(
-        "the log `{0}` of the project is not there; put it back, or anywhere below the project's folder"
-    )]
-    Missing(String),
-    /// No log of the project is visible.
-    #[error("the project has no log that is shown")]
-    NoneShown,
-}
-
 /// Returns the visible logs of a project, in their order.
 ///
 /// # Errors
 /// When the project cannot be read, contains no visible log, or a log or a file that its settings
 /// name is missing.
-pub fn inputs(path: &Path, progress: &Progress) -> Result<Vec<ProjectInput>, ProjectInputError> {
+pub fn inputs(path: &Path, progress: &Progress) -> Result<Vec<ProjectInput>, Error> {
     let mut project = read(path)?;
     // Loaded once for all logs.
-    project.settings.load_area()?;
+    project.settings.load_area().map_err(|error| error.0)?;
     let folder = super::store::folder_of(path);
     let places = find(&project, &folder, progress)?;
     let mut inputs = Vec::new();
@@ -79,16 +44,26 @@ pub fn inputs(path: &Path, progress: &Progress) -> Result<Vec<ProjectInput>, Pro
         if !log.is_visible {
             continue;
         }
-        let fail = FileError::at(&log.file.path);
+        let (name, file) = (&log.name, log.file.path.display());
         let warning = (found == LogLocation::Changed).then(|| log.is_changed());
         let log = match found {
             LogLocation::Here | LogLocation::Changed => log.clone(),
             LogLocation::Moved(path) => Arc::new(log.at(&path)),
-            LogLocation::Replaced => return Err(fail(LogsFault::Replaced(log.name.clone())).into()),
-            LogLocation::Missing => return Err(fail(LogsFault::Missing(log.name.clone())).into()),
+            LogLocation::Replaced => {
+                return Err(format!(
+                    "another recording lies where the log `{name}` of the project was; put it back beside the project: {file}"
+                )
+                .into());
+            }
+            LogLocation::Missing => {
+                return Err(format!(
+                    "the log `{name}` of the project is not there; put it back, or anywhere below the project's folder: {file}"
+                )
+                .into());
+            }
         };
-        let mut settings = project.settings_of(&log)?;
-        settings.load_files()?;
+        let mut settings = project.settings_of(&log).map_err(|error| error.0)?;
+        settings.load_files().map_err(|error| error.0)?;
         let frame = project.origin.map(LocalFrame::new);
         inputs.push(ProjectInput {
             log,
@@ -99,7 +74,7 @@ pub fn inputs(path: &Path, progress: &Progress) -> Result<Vec<ProjectInput>, Pro
         });
     }
     if inputs.is_empty() {
-        return Err(FileError::new(LogsFault::NoneShown, path).into());
+        return Err(format!("the project has no log that is shown: {}", path.display()).into());
     }
     Ok(inputs)
 }

@@ -101,7 +101,7 @@ pub use log::{LogFile, LogKey, ProjectLog};
 pub use measurement::{Measurement, MeasurementKind, Pick};
 pub use past::{PastStep, UNDONE};
 pub use row::Key;
-pub use sidecar::{BottomFileError, read_bottom};
+pub use sidecar::read_bottom;
 pub use store::{ENDING, OpenedProject, SavingOutcome, Store, StoreError, read, with_journal};
 pub use untitled::{NAMED, UntitledProject, find_untitled, unused_path};
 

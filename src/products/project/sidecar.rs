@@ -2,14 +2,13 @@
 //! are read when the log is opened and no project has decisions about it; the sidecar file is not
 //! changed.
 
-use bathyscope_bottom::first_return::{BottomSettings, OtherLog};
-use bathyscope_log::support::file_error::FileError;
+use crate::Error;
+use bathyscope_bottom::first_return::BottomSettings;
 use bathyscope_log::support::regular_file;
 use bathyscope_log::survey::Survey;
 use serde::Deserialize;
 use std::fs;
-use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Largest size of a file of bottom edits, bytes: this program does not write a longer one.
 const LONGEST: u64 = 64 << 20;
@@ -19,40 +18,17 @@ struct BottomFile {
     bottom: BottomSettings,
 }
 
-fn bottom_path(log: &Path) -> PathBuf {
-    log.with_extension(BottomSettings::SIDECAR)
-}
-
-/// Error of bottom edits beside a log that cannot be used.
-pub type BottomFileError = FileError<BottomFault>;
-
-/// Fault of bottom edits in a file.
-#[derive(Debug, thiserror::Error)]
-pub enum BottomFault {
-    /// The file cannot be read.
-    #[error("cannot use the bottom edits: {0}")]
-    Io(#[from] io::Error),
-    /// The file is not TOML of bottom edits.
-    #[error("cannot use the bottom edits: {}", .0.message())]
-    NotToml(#[from] toml::de::Error),
-    /// The edits contain values that are not possible.
-    #[error("cannot use the bottom edits: {0}")]
-    Impossible(&'static str),
-    /// The edits were made on another log.
-    #[error("cannot use the bottom edits: {0}")]
-    OtherLog(#[from] OtherLog),
-}
-
 /// Reads the bottom edits of a log; `None` if it has no sidecar file.
-pub fn read_bottom(log: &Path, survey: &Survey) -> Option<Result<BottomSettings, BottomFileError>> {
-    let path = bottom_path(log);
+pub fn read_bottom(log: &Path, survey: &Survey) -> Option<Result<BottomSettings, Error>> {
+    let path = log.with_extension(BottomSettings::SIDECAR);
     let found = fs::metadata(&path).ok();
     found.filter(|found| found.is_file())?;
-    let parsed = || -> Result<BottomSettings, BottomFault> {
-        let text = regular_file::read_text(&path, LONGEST)?;
-        let kept: BottomFile = toml::from_str(&text)?;
-        kept.bottom.check().map_err(BottomFault::Impossible)?;
-        Ok(kept.bottom.adopted(survey)?)
+    let parsed = || -> Result<BottomSettings, String> {
+        let text = regular_file::read_text(&path, LONGEST).map_err(|error| error.to_string())?;
+        let kept: BottomFile = toml::from_str(&text).map_err(|error| error.message().to_owned())?;
+        kept.bottom.check()?;
+        kept.bottom.adopted(survey).map_err(|other| other.to_string())
     };
-    Some(parsed().map_err(BottomFileError::at(&path)))
+    let refused = |why| format!("cannot use the bottom edits: {why}: {}", path.display());
+    Some(parsed().map_err(|why| refused(why).into()))
 }
