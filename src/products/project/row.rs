@@ -1,8 +1,10 @@
 //! Defines the lines of a project: keys in a fixed order, values on one line.
 
+use super::ProjectError;
+use crate::pipeline::settings::in_one_line;
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
-use std::fmt::{self, Write as _};
+use std::fmt::{self, Display, Write as _};
 use toml::Value;
 
 /// Most parts of a key that is read.
@@ -48,8 +50,13 @@ impl Row {
     ///
     /// # Errors
     /// When the text is not a value.
-    pub(super) fn value(&self) -> Result<Value, ValueError> {
-        parse_value(&self.text)
+    pub(super) fn value(&self) -> Result<Value, ProjectError> {
+        parse_value(&self.text).map_err(|what| self.wrong(what))
+    }
+
+    /// Returns the error that the line breaks a rule.
+    pub(super) fn wrong(&self, what: impl Display) -> ProjectError {
+        ProjectError::line(self.line, what)
     }
 }
 
@@ -157,7 +164,7 @@ fn joined(parts: &[String]) -> String {
     shown.collect::<Vec<_>>().join(".")
 }
 
-impl fmt::Display for Key {
+impl Display for Key {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&joined(&self.parts))
     }
@@ -210,22 +217,11 @@ fn by_part(one: &str, other: &str) -> Ordering {
     }
 }
 
-/// Error of a text that is not a value.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub(super) enum ValueError {
-    /// The text has too many levels of tables and lists for the recursive parser.
-    #[error("it holds lists within lists")]
-    TooDeep,
-    /// The text is not TOML.
-    #[error("{}", .0.message().lines().collect::<Vec<_>>().join(" "))]
-    NotToml(#[from] toml::de::Error),
-}
-
 /// Parses a value that is on one line.
 ///
 /// # Errors
 /// When the text is not TOML, or has too many levels.
-pub(super) fn parse_value(text: &str) -> Result<Value, ValueError> {
+pub(super) fn parse_value(text: &str) -> Result<Value, String> {
     // The parser of TOML is recursive.
     let opened = text.bytes().scan(0_usize, |depth, byte| {
         match byte {
@@ -236,9 +232,9 @@ pub(super) fn parse_value(text: &str) -> Result<Value, ValueError> {
         Some(*depth)
     });
     if opened.max().unwrap_or(0) > DEEPEST {
-        return Err(ValueError::TooDeep);
+        return Err("it holds lists within lists".to_owned());
     }
-    Ok(text.parse()?)
+    text.parse().map_err(|error: toml::de::Error| in_one_line(error.message()))
 }
 
 /// Returns a value as TOML on one line; equal values give equal texts.

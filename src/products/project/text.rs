@@ -102,7 +102,7 @@ pub(super) fn read_as_written(text: &str) -> Result<(Rows, u32), ProjectError> {
         };
         let value = match parse_value(value) {
             Ok(value) => value,
-            Err(error) => return wrong(error.to_string()),
+            Err(what) => return wrong(what),
         };
         let key = Key::new(section.iter().cloned().chain(parts));
         if key.to_string() == MARK {

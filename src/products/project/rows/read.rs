@@ -8,7 +8,7 @@ use super::{
     BOTTOM_FIELDS, BOX_FIELDS, EXCLUDED, EXCLUDED_FIELDS, EXCLUDED_LOG, PATH_KEYS, SEARCHED_FIELDS,
     value_of,
 };
-use crate::pipeline::settings::renamed;
+use crate::pipeline::settings::{in_one_line, renamed};
 use crate::pipeline::{LogSettings, SettingValues, Settings, from_values, is_setting};
 use bathyscope_bottom::first_return::{BottomEdit, BottomSettings};
 use bathyscope_log::support::geo::LonLat;
@@ -69,7 +69,7 @@ pub(crate) fn read(rows: Rows, folder: &Path) -> Result<Project, ProjectError> {
                 let origin = LonLat { lon_deg, lat_deg };
                 if !origin.is_on_earth() {
                     let what = "the origin is no longitude and latitude in degrees";
-                    return Err(ProjectError::line(row.line, what));
+                    return Err(row.wrong(what));
                 }
                 project.origin = Some(origin);
             }
@@ -86,12 +86,11 @@ pub(crate) fn read(rows: Rows, folder: &Path) -> Result<Project, ProjectError> {
             ["measure", number] if is_number(number) => {
                 let number = number.parse().unwrap_or_default();
                 let known: MeasurementRow = reading.fields(&key, &row, &MeasurementRow::FIELDS)?;
-                let read = known.read().map_err(|what| ProjectError::line(row.line, what))?;
+                let read = known.read().map_err(|what| row.wrong(what))?;
                 project.measurements.insert(number, read);
             }
             ["view", name] => {
-                let value = row.value().map_err(|what| ProjectError::line(row.line, what))?;
-                project.views.insert((*name).to_owned(), value);
+                project.views.insert((*name).to_owned(), row.value()?);
             }
             _ => {
                 reading.unknown.rows.insert(key, row);
@@ -285,14 +284,13 @@ impl RowReading<'_> {
             let start = ["log", log, "excluded"].map(str::to_owned);
             let key = Key::new(start.into_iter().chain(parts.iter().cloned()));
             let mut fields: Table = self.fields(&key, row, &EXCLUDED_FIELDS)?;
-            let wrong = |what: String| ProjectError::line(row.line, what);
             let [unit, first] = parts.as_slice() else {
                 continue;
             };
             // The second of two stretches that begin at 30 has the key `30 2`.
             let first = first.split(' ').next().unwrap_or_default();
-            let first = parse_value(first).map_err(|error| wrong(error.to_string()))?;
-            let missing = || wrong("a stretch that is excluded has no `last`".to_owned());
+            let first = parse_value(first).map_err(|what| row.wrong(what))?;
+            let missing = || row.wrong("a stretch that is excluded has no `last`");
             let last = fields.remove("last").ok_or_else(missing)?;
             fields.insert(unit.clone(), Value::Array(vec![first, last]));
             let value = Value::Table(fields);
@@ -300,7 +298,7 @@ impl RowReading<'_> {
             let stretch: Stretch = into(value.clone(), row.line)?;
             let alone =
                 ExclusionSettings { stretches: vec![stretch], ..ExclusionSettings::default() };
-            alone.check().map_err(|what| wrong(what.to_owned()))?;
+            alone.check().map_err(|what| row.wrong(what))?;
             stretches.push(value);
         }
         Ok(stretches)
@@ -344,10 +342,10 @@ impl RowReading<'_> {
             if all.lines.last().filter(meets).is_some() {
                 let what =
                     "this stretch of the bottom lies over the one before; change one of them";
-                return Err(ProjectError::line(row.line, what));
+                return Err(row.wrong(what));
             }
             let alone = BottomSettings { lines: vec![line], ..all };
-            alone.check().map_err(|what| ProjectError::line(row.line, what))?;
+            alone.check().map_err(|what| row.wrong(what))?;
             all.lines.extend(alone.lines);
         }
         let line = lines.last().map_or(0, |(_, row)| row.line);
@@ -410,14 +408,13 @@ fn at(lines: &[Line], what: &str) -> ProjectError {
 }
 
 fn as_is<T: DeserializeOwned>(row: &Row) -> Result<T, ProjectError> {
-    let value = row.value().map_err(|what| ProjectError::line(row.line, what))?;
-    into(value, row.line)
+    into(row.value()?, row.line)
 }
 
 fn into<T: DeserializeOwned>(value: Value, line: usize) -> Result<T, ProjectError> {
-    value.try_into().map_err(|error: toml::de::Error| {
-        ProjectError::line(line, error.message().lines().collect::<Vec<_>>().join(" "))
-    })
+    value
+        .try_into()
+        .map_err(|error: toml::de::Error| ProjectError::line(line, in_one_line(error.message())))
 }
 
 fn is_number(text: &str) -> bool {
