@@ -77,14 +77,9 @@ fn full() -> Project {
     let logs = [first, second].into_iter();
     let mut project = logs.fold(project, |project, log| project.with_log(log).expect("a log"));
     project.files.insert("base_map".to_owned(), PathBuf::from("/maps/aerial.tif"));
-    let corners =
-        [[-111.5, 36.8], [-111.25, 36.9]].map(|[lon_deg, lat_deg]| LonLat { lon_deg, lat_deg });
-    let measurement = Measurement {
-        kind: MeasurementKind::Distance,
-        corners: corners.to_vec(),
-        picks: std::collections::BTreeMap::new(),
-        note: String::new(),
-    };
+    let at = |lon_deg, lat_deg| LonLat { lon_deg, lat_deg };
+    let measurement = Measurement::new(MeasurementKind::Distance);
+    let measurement = measurement.with(at(-111.5, 36.8), None).with(at(-111.25, 36.9), None);
     project.measurements.insert(1, measurement);
     project.origin = Some(LonLat { lon_deg: -82.110_223, lat_deg: 29.409_962 });
     project.set_view("map", &["depth", "track"]);
@@ -318,7 +313,7 @@ fn git_merges_what_two_people_decided() {
     let settings = |key: &str, value: f64| {
         let text = format!("{key}={value}");
         let after = base.settings.with_assignment(&text).expect("a setting");
-        Change::Settings { log: None, after: Box::new(after), label: "setting" }
+        Change::Settings { log: None, after: Box::new(after) }
     };
     // Neighbouring lines, and additions at different places.
     let ours = [

@@ -19,8 +19,6 @@ pub enum Change {
         log: Option<LogKey>,
         /// Settings after the change, as composed.
         after: Box<Settings>,
-        /// Name of the change, such as `threshold`.
-        label: &'static str,
     },
     /// Change of a setting to the log's own value, or back to the shared one.
     Own {
@@ -51,8 +49,6 @@ pub enum Change {
         log: LogKey,
         /// Review of all boxes of the log after the change.
         after: Arc<Review>,
-        /// Name of the change, such as `search for objects`.
-        label: &'static str,
     },
     /// Log that is added.
     Add(Box<ProjectLog>),
@@ -84,7 +80,7 @@ impl Project {
     /// not exist.
     pub fn apply(&self, change: &Change) -> Option<Self> {
         match change {
-            Change::Settings { log, after, .. } => self.with_settings(log.as_ref(), after),
+            Change::Settings { log, after } => self.with_settings(log.as_ref(), after),
             Change::Own { log, key, own } => self.change_log(log, |log| {
                 log.settings = log.settings.owning(&self.settings, key, *own)?;
                 Some(())
@@ -97,7 +93,7 @@ impl Project {
                 log.review = Arc::new(log.review.apply(edit)?);
                 Some(())
             }),
-            Change::Review { log, after, .. } => self.change_log(log, |log| {
+            Change::Review { log, after } => self.change_log(log, |log| {
                 let is_of_log = after.identity().is_same_log(&log.file.identity());
                 log.review = is_of_log.then(|| after.clone())?;
                 Some(())

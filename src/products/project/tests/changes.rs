@@ -27,11 +27,7 @@ fn change_from((kind, a, b): (u8, usize, usize), project: &Project) -> Option<Ch
         8 | 9 => bottom_change(project.log(&key()?)?, kind == 8, a, b),
         10 => {
             let log = project.log(&key()?)?.clone();
-            Change::Review {
-                after: with_boxes(&log, b % 20),
-                log: log.key.clone(),
-                label: "search",
-            }
+            Change::Review { after: with_boxes(&log, b % 20), log: log.key.clone() }
         }
         11 | 12 => Change::Box { log: key()?, edit: box_edit(a, b) },
         _ => change_of_survey(a, b),
@@ -43,7 +39,7 @@ fn setting_change(project: &Project, log: LogKey, b: usize) -> Option<Change> {
     let settings = project.settings_of(project.log(&log)?).ok()?;
     let text = ["draft_m=", "outliers.min_neighbors=", "water_level_m="][b % 3];
     let after = settings.with_assignment(&format!("{text}{}", 1 + b % 7)).ok()?;
-    Some(Change::Settings { log: Some(log), after: Box::new(after), label: "setting" })
+    Some(Change::Settings { log: Some(log), after: Box::new(after) })
 }
 
 /// Returns a change that draws, accepts or removes a stretch of the bottom line.
@@ -90,12 +86,9 @@ fn box_edit(a: usize, b: usize) -> Edit {
 /// Returns a change of data that belong to no log: measurements and files.
 fn change_of_survey(a: usize, b: usize) -> Change {
     let at = |step: f64| LonLat { lon_deg: a as f64 / 10.0 + step, lat_deg: b as f64 / 10.0 };
-    let measurement = Measurement {
-        kind: [MeasurementKind::Area, MeasurementKind::Profile][a % 2],
-        corners: vec![at(0.0), at(0.5), at(0.25)],
-        picks: std::collections::BTreeMap::new(),
-        note: String::new(),
-    };
+    let empty = Measurement::new([MeasurementKind::Area, MeasurementKind::Profile][a % 2]);
+    let corners = [0.0, 0.5, 0.25].into_iter().map(at);
+    let measurement = corners.fold(empty, |line, corner| line.with(corner, None));
     match b % 4 {
         0 => Change::Forget(1 + (a % 4) as u32),
         1 => Change::File(

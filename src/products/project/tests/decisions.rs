@@ -60,7 +60,7 @@ fn one_decision_about_the_survey_changes_one_line() {
     let project = full();
     let mut settings = project.settings.clone();
     settings.outliers.min_neighbors = 9;
-    let set = Change::Settings { log: None, after: Box::new(settings), label: "outliers" };
+    let set = Change::Settings { log: None, after: Box::new(settings) };
     let base_map = Some(PathBuf::from("/lake/b.tif"));
     assert_lines_changed([
         (Change::Measure(None, project.measurements[&1].clone()), [0, 1]),

@@ -283,11 +283,8 @@ fn a_project_is_an_input_of_its_logs_wherever_they_lie() {
     let before = project.settings_of(&project.logs()[0]).expect("settings");
     let after = ["draft_m=0.4", "outliers.min_neighbors=7"];
     let after = after.iter().try_fold(before, |settings, text| settings.with_assignment(text));
-    let change = Change::Settings {
-        log: Some(key.clone()),
-        after: Box::new(after.expect("settings")),
-        label: "draft",
-    };
+    let change =
+        Change::Settings { log: Some(key.clone()), after: Box::new(after.expect("settings")) };
     let project = project.apply(&change).expect("a change");
     store.save(&project).expect("a save");
     let day = folder.join("day 1");
