@@ -13,6 +13,7 @@ use crate::export::{make_folder, write_atomically, write_json};
 use crate::pipeline::{self, Fingerprint, LogFiles, ProcessedLog, Settings};
 use bathyscope_bottom::bathymetry::SwathDepth;
 use bathyscope_log::formats::parquet_table::{Column, Values, geo_key, write_parquet};
+use bathyscope_log::support::outline;
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::Survey;
 use serde_json::json;
@@ -178,9 +179,7 @@ impl LogTiles<'_> {
             .into_iter()
             .flat_map(|(_, footprints)| footprints)
             .filter_map(|ping| ping.bounds_m());
-        let around = grounds.reduce(|[w, s, e, n], [west, south, east, north]| {
-            [w.min(west), s.min(south), e.max(east), n.max(north)]
-        });
+        let around = grounds.reduce(outline::box_around);
         let is_core = |row: &&TileRow| row.is_core;
         let rows = TileRows {
             tile,

@@ -2,7 +2,7 @@
 
 use super::footprint::{CoveredSamples, Footprint, SideRange};
 use bathyscope_log::support::geo::{LonLat, UtmZone};
-use bathyscope_log::support::outline::goes_around;
+use bathyscope_log::support::outline::{bounds, goes_around};
 
 /// Closed rings in the metres of a zone. A place is in the area if an odd number of rings go around
 /// it; an island is therefore a further ring.
@@ -24,12 +24,9 @@ impl Area {
     }
 
     fn of(rings: Vec<Vec<[f64; 2]>>) -> Option<Self> {
-        let bounds = |all: Option<[f64; 4]>, [x, y]: &[f64; 2]| {
-            let [west, south, east, north] = all.unwrap_or([*x, *y, *x, *y]);
-            Some([west.min(*x), south.min(*y), east.max(*x), north.max(*y)])
-        };
-        let bounds_m = rings.iter().flatten().fold(None, bounds)?;
-        Some(Self { rings, bounds_m })
+        let corners = || rings.iter().flatten().copied();
+        corners().next()?;
+        Some(Self { bounds_m: bounds(corners()), rings })
     }
 
     /// Returns the samples of each side of a ping, port first, that lie in the area, from the
@@ -51,13 +48,9 @@ impl Area {
             let edges = rings.iter().flat_map(|ring| ring.windows(2));
             let crossed = edges.filter_map(|edge| inside(edge[0], edge[1], ground)).flatten();
             let reached = corners.filter(is_within).chain(crossed);
-            let ends = reached.fold(None, |ends: Option<[f64; 2]>, [x, _]| {
-                let out_m = (sign * x).max(near_m);
-                let [least, most] = ends.unwrap_or([out_m, out_m]);
-                Some([least.min(out_m), most.max(out_m)])
-            });
-            let [from_m, to_m] = ends?;
-            Some(side.seen(ping.altitude_m, [from_m, to_m], 0.0))
+            let reached_m = reached.map(|[x, _]| [(sign * x).max(near_m); 2]);
+            let ends_m = reached_m.reduce(|[a, b], [from, to]| [a.min(from), b.max(to)]);
+            Some(side.seen(ping.altitude_m, ends_m?, 0.0))
         };
         [0, 1].map(|side| seen(ping.sides[side].as_ref()?, [-1.0, 1.0][side]))
     }

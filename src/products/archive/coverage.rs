@@ -9,11 +9,12 @@ use super::offsets::Offsets;
 use super::ping_rows::{self, PingRow};
 use super::positions::moved;
 use super::record::{Archive, MOST_MOVED_M};
-use super::tile::TileId;
+use super::tile::{TileId, beside};
 use crate::Error;
 use bathyscope_bottom::bathymetry::crosslines::{TrackDepth, velocity_mps};
 use bathyscope_bottom::bathymetry::position_offsets::Shift;
 use bathyscope_log::support::geo::{LonLat, UtmZone};
+use bathyscope_log::support::outline::boxes_meet;
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::Side;
 use rayon::prelude::*;
@@ -89,7 +90,9 @@ impl InZone {
     fn seen_by(&self, ping: &Footprint) -> [Option<CoveredSamples>; 2] {
         match self {
             Self::Around(place, radius_m) => ping.seen(*place, *radius_m),
-            Self::Within(area) if ping.bounds_m().is_some_and(|saw| touch(area.bounds_m, saw)) => {
+            Self::Within(area)
+                if ping.bounds_m().is_some_and(|saw| boxes_meet(area.bounds_m, saw)) =>
+            {
                 area.seen_by(ping)
             }
             Self::Within(_) => [None; 2],
@@ -120,11 +123,7 @@ pub fn coverage_at(
     let zones = asked.in_zones();
     // Rows are stored in the tiles of the ground at the positions as recorded, without the
     // correction.
-    let around = |place: &InZone| {
-        let [west, south, east, north] = place.bounds_m();
-        let [more, less] = [MOST_MOVED_M, -MOST_MOVED_M];
-        [west + less, south + less, east + more, north + more]
-    };
+    let around = |place: &InZone| beside(place.bounds_m(), MOST_MOVED_M);
     let tiles = zones.iter().flat_map(|(zone, place)| TileId::touched(*zone, around(place)));
     let logs = archive.logs_in(tiles)?;
     let offsets = Offsets::read(archive)?;
@@ -135,7 +134,7 @@ pub fn coverage_at(
             let rows = logs.iter().filter_map(|log| Some((log, log.rows_in(tile)?)));
             let seen = rows.filter(|(_, rows)| {
                 let saw = <[f64; 4]>::try_from(rows.seen_m.as_slice());
-                rows.pings > 0 && saw.is_ok_and(|saw| touch(around, saw))
+                rows.pings > 0 && saw.is_ok_and(|saw| boxes_meet(around, saw))
             });
             searches.extend(seen.map(|(log, _)| Search {
                 log,
@@ -167,11 +166,6 @@ pub fn coverage_at(
         }
     }
     Ok(nearest.into_values().collect())
-}
-
-/// Returns true if two boxes touch; each is west, south, east and north.
-fn touch(a: [f64; 4], b: [f64; 4]) -> bool {
-    a[0] <= b[2] && b[0] <= a[2] && a[1] <= b[3] && b[1] <= a[3]
 }
 
 /// Moves pings to the corrected positions of the boat.

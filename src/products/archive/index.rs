@@ -15,7 +15,9 @@ use bathyscope_bottom::presentation::colours::{depth_colour, uncertainty_colour}
 use bathyscope_log::formats::geotiff::NODATA;
 use bathyscope_log::support::calendar::whole_seconds;
 use bathyscope_log::support::geo::{Crs, UtmZone};
+use bathyscope_log::support::outline;
 use bathyscope_log::support::printable::xml;
+use bathyscope_log::support::statistics::ends;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -103,11 +105,7 @@ fn write_style(
     match layer.file {
         DEPTH => {
             let depths_m = maps.values().flat_map(|map| map.depth_m.iter().copied());
-            let [least_m, most_m] = depths_m
-                .fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], depth_m| {
-                    [least.min(depth_m), most.max(depth_m)]
-                });
-            qgis_style(path, [least_m, most_m], STYLE_STEPS, depth_colour)?;
+            qgis_style(path, ends(depths_m), STYLE_STEPS, depth_colour)?;
         }
         UNCERTAINTY => qgis_style(path, UNCERTAIN_M, STYLE_STEPS, uncertainty_colour)?,
         SOURCE => qgis_classes(path, &CellSource::classes())?,
@@ -122,14 +120,6 @@ fn span_unix_s(logs: &[LogRecord], tile: TileId) -> Option<[f64; 2]> {
         .iter()
         .filter_map(|log| <[f64; 2]>::try_from(log.rows_in(tile)?.unix_s.as_slice()).ok());
     spans.reduce(|[a, b], [from, to]| [a.min(from), b.max(to)])
-}
-
-/// Returns the west, south, east and north edge of some tiles, metres of their zone.
-fn around(tiles: &[TileId]) -> [f64; 4] {
-    let start = [f64::MAX, f64::MAX, f64::MIN, f64::MIN];
-    tiles.iter().map(TileId::bounds_m).fold(start, |[w, s, e, n], [west, south, east, north]| {
-        [w.min(west), s.min(south), e.max(east), n.max(north)]
-    })
 }
 
 /// A kind of file of which each tile has at most one.
@@ -156,7 +146,8 @@ impl IndexLayer {
 
 fn vrt(zone: UtmZone, tiles: &[TileId], layer: &IndexLayer) -> String {
     let IndexLayer { file, cell_m, data_type, nodata, .. } = layer;
-    let [west, south, east, north] = around(tiles);
+    let [west, south, east, north] =
+        tiles.iter().map(TileId::bounds_m).fold(outline::NOWHERE, outline::box_around);
     let cells = |metres: f64| (metres / cell_m).round() as usize;
     let mut text = format!(
         "<VRTDataset rasterXSize=\"{}\" rasterYSize=\"{}\">\n  <SRS>{}</SRS>\n  <GeoTransform>{west}, {cell_m}, 0, {north}, 0, -{cell_m}</GeoTransform>\n  <VRTRasterBand dataType=\"{data_type}\" band=\"1\">\n    <NoDataValue>{nodata}</NoDataValue>\n",
@@ -173,12 +164,6 @@ fn vrt(zone: UtmZone, tiles: &[TileId], layer: &IndexLayer) -> String {
         );
     }
     text + "  </VRTRasterBand>\n</VRTDataset>\n"
-}
-
-/// Returns the longitudes and latitudes of the corners of a tile, counter-clockwise from the
-/// south-west, with the first again at the end.
-fn corners(tile: TileId) -> [[f64; 2]; 5] {
-    ring(tile.zone, tile.bounds_m())
 }
 
 /// Returns an item of STAC 1.1. Such an item must have a time: that of a map spans the first to the
@@ -204,7 +189,7 @@ fn item(tile: TileId, record: &TileRecord, span_unix_s: [f64; 2]) -> Value {
         "stac_extensions": ["https://stac-extensions.github.io/projection/v2.0.0/schema.json"],
         "id": tile.to_string(),
         "collection": COLLECTION_ID,
-        "geometry": { "type": "Polygon", "coordinates": [corners(tile)] },
+        "geometry": { "type": "Polygon", "coordinates": [ring(tile.zone, tile.bounds_m())] },
         "bbox": tile_bounds_deg(&[tile]),
         "properties": {
             "datetime": null,

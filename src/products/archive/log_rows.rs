@@ -99,13 +99,9 @@ impl LogRows<'_> {
             points.into_iter().flatten().map(|row| self.time_of(self.point(row.index).0));
         let of_pings =
             pings.into_iter().flatten().map(|row| self.survey.side_scan[row.index].time_s);
-        let span = of_points.chain(of_pings).filter(|time_s| time_s.is_finite()).fold(
-            None,
-            |span, time_s| {
-                let [from_s, to_s]: [f64; 2] = span.unwrap_or([time_s; 2]);
-                Some([from_s.min(time_s), to_s.max(time_s)])
-            },
-        );
+        let times_s = of_points.chain(of_pings).filter(|time_s| time_s.is_finite());
+        let times_s = times_s.map(|time_s| [time_s; 2]);
+        let span = times_s.reduce(|[a, b], [from, to]| [a.min(from), b.max(to)]);
         span.map_or(Vec::new(), |span| span.map(|time_s| start_unix_s + time_s).to_vec())
     }
 

@@ -21,8 +21,10 @@ use bathyscope_bottom::bathymetry::isobaths::{Isobath, IsobathSettings};
 use bathyscope_bottom::bathymetry::{Grid, Light, Surface, hill_shade};
 use bathyscope_bottom::presentation::ticks::round_up;
 use bathyscope_log::support::geo::{LonLat, UtmZone, boxes_meet};
+use bathyscope_log::support::outline;
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::support::regular_file;
+use bathyscope_log::support::statistics::ends;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::io;
@@ -190,11 +192,7 @@ impl ArchiveTiles {
         let all: Vec<TileId> = maps.keys().copied().collect();
         let of_map = zone_bounds_deg(boxes().map(|(tile, bounds_m)| (tile.zone, bounds_m)));
         let zooms = ZoomRange::of_map(of_map, cell_m);
-        let depths = || maps.values().flat_map(|record| &record.depth_m);
-        let range_m = [
-            depths().copied().fold(f64::MAX, f64::min),
-            depths().copied().fold(f64::MIN, f64::max),
-        ];
+        let range_m = ends(maps.values().flat_map(|record| record.depth_m.iter().copied()));
         let settings: IsobathSettings = isobath_settings(&archive.record.settings()?.isobaths);
         let contents = TileContents::new(archive, zooms.finest);
         let light = light(&contents, &all)?;
@@ -260,14 +258,12 @@ fn cells_around(zone: UtmZone, tile: WebTile, cell_m: f64) -> Grid {
     let [west, south, east, north] = tile.bounds_deg();
     let steps = [0.0, 0.5, 1.0];
     let places = steps.iter().flat_map(|across| steps.map(|up| [*across, up]));
-    let start = [f64::MAX, f64::MAX, f64::MIN, f64::MIN];
-    let [west_m, south_m, east_m, north_m] = places.fold(start, |[w, s, e, n], [across, up]| {
-        let [x, y] = zone.to_metres(LonLat {
+    let [west_m, south_m, east_m, north_m] = outline::bounds(places.map(|[across, up]| {
+        zone.to_metres(LonLat {
             lon_deg: west + across * (east - west),
             lat_deg: south + up * (north - south),
-        });
-        [w.min(x), s.min(y), e.max(x), n.max(y)]
-    });
+        })
+    }));
     let [first, last] = [[west_m, north_m], [east_m, south_m]].map(|at| at.map(|m| m / cell_m));
     let (column, row) = ((first[0] - MARGIN_CELLS).floor(), (first[1] + MARGIN_CELLS).ceil());
     Grid {

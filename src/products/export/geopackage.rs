@@ -11,6 +11,7 @@ use super::sqlite::{DatabaseKind, Value, database, insert, run, text};
 use super::{ExportError, Summary};
 use bathyscope_log::support::calendar;
 use bathyscope_log::support::geo::Crs;
+use bathyscope_log::support::outline::box_around;
 use rusqlite::Connection;
 use std::borrow::Cow;
 use std::io;
@@ -66,7 +67,7 @@ impl FeatureGeometry {
 
     /// Returns the least x and y and the greatest x and y; NaN without any place.
     fn bounds(&self) -> [f64; 4] {
-        self.places().fold([f64::NAN; 4], |bounds, [x, y]| united(bounds, [x, y, x, y]))
+        self.places().fold([f64::NAN; 4], |bounds, [x, y]| box_around(bounds, [x, y, x, y]))
     }
 
     /// Returns the bytes of the geometry in the system of an EPSG number.
@@ -126,7 +127,7 @@ impl Layer {
     /// Returns the box around the features; NaN without any.
     fn bounds(&self) -> [f64; 4] {
         let features = self.features.iter();
-        features.fold([f64::NAN; 4], |bounds, (geometry, _)| united(bounds, geometry.bounds()))
+        features.fold([f64::NAN; 4], |bounds, (geometry, _)| box_around(bounds, geometry.bounds()))
     }
 }
 
@@ -247,11 +248,6 @@ fn style(layer: &Layer, changed: &str) -> Vec<Value> {
     // The first column is the number of the row.
     let first = [Value::Null].into_iter();
     first.chain(place).chain(rest).collect()
-}
-
-/// Returns the box around two boxes; NaN is ignored.
-fn united(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
-    [a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])]
 }
 
 fn begin(bytes: &mut Vec<u8>, kind: u32) {

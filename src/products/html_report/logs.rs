@@ -65,10 +65,8 @@ fn recorded(survey: &Survey) -> Option<String> {
 /// Returns the least and the greatest depth with bottom lock, metres.
 fn depths(survey: &Survey) -> Option<[f32; 2]> {
     let locked = survey.soundings.iter().filter(|sounding| sounding.is_good());
-    locked.fold(None, |span: Option<[f32; 2]>, sounding| {
-        let [least, most] = span.unwrap_or([sounding.depth_m; 2]);
-        Some([least.min(sounding.depth_m), most.max(sounding.depth_m)])
-    })
+    let depths_m = locked.map(|sounding| [sounding.depth_m; 2]);
+    depths_m.reduce(|[least, most], [a, b]| [least.min(a), most.max(b)])
 }
 
 /// Describes the corrections of all logs, applied or not; refers to another section where they

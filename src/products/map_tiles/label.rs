@@ -163,18 +163,14 @@ pub(super) fn strokes(text: &str, [x, y]: [f64; 2], direction: [f64; 2]) -> Vec<
 #[cfg(test)]
 mod tests {
     use super::*;
+    use bathyscope_log::support::statistics::ends;
 
     #[test]
     fn a_number_is_centred_turned_and_never_upside_down() {
         assert!(width("12.5") > width("1.5") && width("") == 0.0);
         let middle = |direction| {
             let points: Vec<[f64; 2]> = strokes("808", [100.0, 50.0], direction).concat();
-            let ends = |axis: usize| {
-                points.iter().fold([f64::MAX, f64::MIN], |[least, most], point| {
-                    [least.min(point[axis]), most.max(point[axis])]
-                })
-            };
-            [ends(0), ends(1)]
+            [0, 1].map(|axis| ends(points.iter().map(|point| point[axis])))
         };
         let [x, y] = middle([1.0, 0.0]);
         assert!(

@@ -7,6 +7,7 @@ use crate::outputs::content::{FileContent, FileResult};
 use crate::outputs::results::Results;
 use crate::pipeline::Contours;
 use bathyscope_bottom::bathymetry::isobaths::IsobathSettings;
+use bathyscope_log::support::statistics::ends;
 use std::path::Path;
 
 /// Colours of the shallowest and the deepest line: light enough to be visible on a picture of the
@@ -101,9 +102,7 @@ pub(crate) fn storage(results: &Results<'_>, path: &Path) -> FileResult {
 /// Returns the isobaths with their depths as labels; deeper lines are darker.
 fn named_lines(drawn: &DrawnContours<'_>, results: &Results<'_>) -> Vec<LabelledLine> {
     let (lines, ground) = (&drawn.contours.isobaths.lines, drawn.ground.sqrt());
-    let depths = lines.iter().map(|line| line.depth_m);
-    let [least_m, most_m] = depths
-        .fold([f64::MAX, f64::MIN], |[least, most], depth| [least.min(depth), most.max(depth)]);
+    let [least_m, most_m] = ends(lines.iter().map(|line| line.depth_m));
     let named = lines.iter().map(|line| {
         let share = (line.depth_m - least_m) / (most_m - least_m).max(f64::MIN_POSITIVE);
         let [light, dark] = COLOURS;
