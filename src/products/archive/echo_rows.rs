@@ -14,7 +14,6 @@ use bathyscope_bottom::swath::{
     LaidOutLog, LearntLevels, LogEchoes, PingChunk, PingPlace, SampleSource, SideEchoes,
 };
 use bathyscope_log::formats::parquet_table::{Column, Values, read_parquet};
-use bathyscope_log::support::file_error::{FaultText, FileError};
 use bathyscope_log::support::geo::{LonLat, UtmZone};
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::Side;
@@ -250,16 +249,8 @@ const OTHERS: [&str; 7] =
     ["ping", "chunk", "range_setting", "gain_segment", "weed", "port", "starboard"];
 
 pub(super) fn read(path: &Path) -> Result<Vec<EchoRow>, Error> {
-    let damaged = || {
-        let what =
-            "cannot read the Parquet file: its columns are not those of echoes of an archive";
-        Error::from(FileError::<FaultText>::new(what.into(), path))
-    };
-    let numbers = (read_parquet(path, &NUMBERS)?.into_iter()).map(|values| match values {
-        Values::Double(values) => Some(values),
-        _ => None,
-    });
-    let numbers: Vec<Vec<f64>> = numbers.collect::<Option<_>>().ok_or_else(damaged)?;
+    let damaged = || log_rows::damaged("its columns are not those of echoes of an archive", path);
+    let numbers = log_rows::numbers(path, &NUMBERS)?.ok_or_else(damaged)?;
     let Ok(
         [
             Values::Whole(pings),

@@ -1,13 +1,16 @@
 //! Holds a log while its rows are made and assigned to tiles.
 
 use super::tile::TileId;
+use crate::Error;
 use crate::pipeline::Products;
 use bathyscope_bottom::bathymetry::crosslines::{TrackDepth, velocity_mps};
 use bathyscope_bottom::cloud::{CloudPoint, PointClass};
-use bathyscope_log::formats::parquet_table::{Column, Values};
+use bathyscope_log::formats::parquet_table::{Column, Values, read_parquet};
+use bathyscope_log::support::file_error::{FaultText, FileError};
 use bathyscope_log::support::geo::{LonLat, UtmZone};
 use bathyscope_log::survey::{PingNav, Survey};
 use std::collections::BTreeMap;
+use std::path::Path;
 
 /// A row of a tile: its point or ping, and the place.
 #[derive(Clone, Copy, Debug)]
@@ -175,6 +178,24 @@ pub(super) fn by_tile(points: impl Iterator<Item = (usize, LonLat)>, halo_m: f64
 pub(super) fn geometry(rows: &[TileRow]) -> Column {
     let places = rows.iter().map(|row| row.at).collect();
     Column::new("geometry", Values::Points(places))
+}
+
+/// Reads columns of numbers; `None` where a column is of another type.
+///
+/// # Errors
+/// When the file cannot be read.
+pub(super) fn numbers(path: &Path, names: &[&str]) -> Result<Option<Vec<Vec<f64>>>, Error> {
+    let numbers = read_parquet(path, names)?.into_iter().map(|values| match values {
+        Values::Double(values) => Some(values),
+        _ => None,
+    });
+    Ok(numbers.collect())
+}
+
+/// Returns the error of a file with other columns than those of its kind.
+pub(super) fn damaged(what: &str, path: &Path) -> Error {
+    let what = format!("cannot read the Parquet file: {what}");
+    FileError::<FaultText>::new(what.into(), path).into()
 }
 
 #[cfg(test)]

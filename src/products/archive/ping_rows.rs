@@ -8,7 +8,6 @@ use super::tile::TileId;
 use crate::Error;
 use bathyscope_bottom::mosaic::joined_way_m;
 use bathyscope_log::formats::parquet_table::{Column, Values, read_parquet};
-use bathyscope_log::support::file_error::{FaultText, FileError};
 use bathyscope_log::support::geo::{LonLat, UtmZone};
 use bathyscope_log::survey::{Side, SideSpan};
 use std::collections::BTreeMap;
@@ -215,8 +214,6 @@ pub(super) struct PingRow {
     pub footprint: Footprint,
     /// Depth under the ping as the log has it, metres; NaN where none is known.
     pub depth_m: f64,
-    /// True if the boat was outside of the tile, in its halo or farther.
-    pub is_halo: bool,
     /// True if the settings exclude the ping.
     pub is_excluded: bool,
     /// Time of the ping, seconds after the log's time zero.
@@ -225,7 +222,7 @@ pub(super) struct PingRow {
     pub unix_us: Option<i64>,
 }
 
-/// Names of the columns of numbers that are read, in the order of [`PingColumns::numbers`].
+/// Names of the columns of numbers that are read.
 const NUMBERS: [&str; 13] = [
     "x",
     "y",
@@ -242,81 +239,35 @@ const NUMBERS: [&str; 13] = [
     "time_s",
 ];
 
-/// Names of the other columns that are read, in the order of the fields of [`PingColumns`].
-const OTHERS: [&str; 6] = ["port_samples", "starboard_samples", "ping", "halo", "left_out", "time"];
+/// Names of the other columns that are read.
+const OTHERS: [&str; 5] = ["port_samples", "starboard_samples", "ping", "left_out", "time"];
 
 /// Reads the rows of a file, in the order of the log.
 ///
 /// # Errors
 /// When the file cannot be read, or its columns are not those of pings.
 pub(super) fn read(path: &Path) -> Result<Vec<PingRow>, Error> {
-    let damaged = || {
-        let what = "cannot read the Parquet file: its columns are not those of pings of an archive";
-        Error::from(FileError::<FaultText>::new(what.into(), path))
+    let damaged = || log_rows::damaged("its columns are not those of pings of an archive", path);
+    let numbers = log_rows::numbers(path, &NUMBERS)?.ok_or_else(damaged)?;
+    let Ok(
+        [
+            Values::Whole(port),
+            Values::Whole(starboard),
+            Values::Whole(pings),
+            Values::Flag(excluded),
+            Values::Time(times),
+        ],
+    ) = <[Values; 5]>::try_from(read_parquet(path, &OTHERS)?)
+    else {
+        return Err(damaged());
     };
-    let numbers = numbers(read_parquet(path, &NUMBERS)?).ok_or_else(damaged)?;
-    let others = read_parquet(path, &OTHERS)?;
-    let columns = PingColumns::new(numbers, others).ok_or_else(damaged)?;
-    columns.rows().ok_or_else(damaged)
-}
-
-/// Columns of a file, all of the same length.
-struct PingColumns {
-    numbers: Vec<Vec<f64>>,
-    /// Number of samples of the port side of each ping; `None` where the side was not recorded.
-    port: Vec<Option<i32>>,
-    starboard: Vec<Option<i32>>,
-    pings: Vec<Option<i32>>,
-    halo: Vec<bool>,
-    excluded: Vec<bool>,
-    times: Vec<Option<i64>>,
-}
-
-/// Returns the columns of numbers; `None` where a column is of another type.
-fn numbers(columns: Vec<Values>) -> Option<Vec<Vec<f64>>> {
-    let numbers = columns.into_iter().map(|values| match values {
-        Values::Double(values) => Some(values),
-        _ => None,
-    });
-    numbers.collect()
-}
-
-impl PingColumns {
-    /// Creates the columns; `None` where a column is of another type or length.
-    fn new(numbers: Vec<Vec<f64>>, others: Vec<Values>) -> Option<Self> {
-        let Ok(
-            [
-                Values::Whole(port),
-                Values::Whole(starboard),
-                Values::Whole(pings),
-                Values::Flag(halo),
-                Values::Flag(excluded),
-                Values::Time(times),
-            ],
-        ) = <[Values; 6]>::try_from(others)
-        else {
-            return None;
-        };
-        let lengths = [port.len(), starboard.len(), halo.len(), excluded.len(), times.len()];
-        let mut lengths = numbers.iter().map(Vec::len).chain(lengths);
-        lengths.all(|length| length == pings.len()).then_some(Self {
-            numbers,
-            port,
-            starboard,
-            pings,
-            halo,
-            excluded,
-            times,
-        })
+    let others = [port.len(), starboard.len(), excluded.len(), times.len()];
+    if numbers.iter().map(Vec::len).chain(others).any(|length| length != pings.len()) {
+        return Err(damaged());
     }
-
-    /// Returns all rows; `None` where a row lacks the index of its ping.
-    fn rows(&self) -> Option<Vec<PingRow>> {
-        (0..self.pings.len()).map(|index| self.row(index)).collect()
-    }
-
-    fn row(&self, index: usize) -> Option<PingRow> {
-        let number = |column: usize| self.numbers[column][index];
+    let row = |index: usize| {
+        let number = |column: usize| numbers[column][index];
+        // A side without a number of samples was not recorded.
         let side = |near: usize, samples: &[Option<i32>]| {
             Some(SideRange {
                 near_m: number(near),
@@ -325,20 +276,21 @@ impl PingColumns {
             })
         };
         Some(PingRow {
-            ping: self.pings[index]?,
+            ping: pings[index]?,
             footprint: Footprint {
                 place: [number(0), number(1)],
                 starboard: [number(2), number(3)],
                 altitude_m: number(4),
                 behind_m: number(6),
                 ahead_m: number(7),
-                sides: [side(8, &self.port), side(10, &self.starboard)],
+                sides: [side(8, &port), side(10, &starboard)],
             },
             depth_m: number(5),
-            is_halo: self.halo[index],
-            is_excluded: self.excluded[index],
+            is_excluded: excluded[index],
             time_s: number(12),
-            unix_us: self.times[index],
+            unix_us: times[index],
         })
-    }
+    };
+    let rows = (0..pings.len()).map(row).collect::<Option<_>>();
+    rows.ok_or_else(damaged)
 }

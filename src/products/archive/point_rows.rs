@@ -5,7 +5,6 @@ use crate::Error;
 use bathyscope_bottom::bathymetry::DepthPoint;
 use bathyscope_bottom::cloud::{CloudPoint, PointClass};
 use bathyscope_log::formats::parquet_table::{Column, Values, read_parquet};
-use bathyscope_log::support::file_error::{FaultText, FileError};
 use bathyscope_log::survey::Side;
 use std::path::Path;
 
@@ -79,12 +78,7 @@ pub(super) fn read(path: &Path) -> Result<Vec<PointRow>, Error> {
         "velocity_x_mps",
         "velocity_y_mps",
     ];
-    let read = read_parquet(path, &NAMES)?;
-    let damaged = || {
-        let what =
-            "cannot read the Parquet file: its columns are not those of points of an archive";
-        FileError::<FaultText>::new(what.into(), path)
-    };
+    let damaged = || log_rows::damaged("its columns are not those of points of an archive", path);
     let Ok(
         [
             Values::Double(x),
@@ -97,9 +91,9 @@ pub(super) fn read(path: &Path) -> Result<Vec<PointRow>, Error> {
             Values::Float(velocity_x),
             Values::Float(velocity_y),
         ],
-    ) = <[Values; 9]>::try_from(read)
+    ) = <[Values; 9]>::try_from(read_parquet(path, &NAMES)?)
     else {
-        return Err(damaged().into());
+        return Err(damaged());
     };
     let lengths = [
         x.len(),
@@ -113,7 +107,7 @@ pub(super) fn read(path: &Path) -> Result<Vec<PointRow>, Error> {
         velocity_y.len(),
     ];
     if lengths.iter().any(|length| *length != x.len()) {
-        return Err(damaged().into());
+        return Err(damaged());
     }
     let row = |index: usize| PointRow {
         depth: DepthPoint {
