@@ -1,24 +1,34 @@
-//! Draws the map of depths: colours, isobaths with their depths, track and objects.
+//! Draws the maps of the page, each a picture with the track and the objects in a frame: depths, as
+//! colours with isobaths and their depths, and echoes.
 
 use super::frame::{PageTransform, pixels};
-use super::map::map;
-use super::{ReportData, logs, raster};
-use bathyscope_bottom::bathymetry::Surface;
+use super::{ReportData, logs, objects, raster};
+use crate::pipeline::{Mosaic, ProcessedLog};
 use bathyscope_bottom::bathymetry::isobaths::Isobath;
+use bathyscope_bottom::bathymetry::{Grid, Surface};
+use bathyscope_bottom::mosaic::joint_grid;
 use bathyscope_bottom::presentation::colours::{depth_colour, lit_depth_colour};
 use bathyscope_bottom::presentation::page::{Value, context};
 use bathyscope_bottom::presentation::ticks::ticks;
 use bathyscope_log::support::progress::{Cancelled, Progress};
+use rayon::prelude::*;
 
 /// Longest side of the picture under the isobaths, pixels: more would not be visible on a screen,
 /// and fewer pixels make a smaller file.
-const MOST_CELLS: usize = 1200;
+const MOST_PIXELS: usize = 1200;
 /// Length on the page below which an isobath has no depth label, pixels.
 const LEAST_LABELLED_PX: f64 = 90.0;
 /// Distance below which a label near another one is left out, pixels.
 const APART_PX: f64 = 46.0;
+/// Largest number of cells along the longer side: more would not be visible on a screen, and fewer
+/// cells make a smaller file.
+const MOST_CELLS: f64 = 1500.0;
+/// Number of rows that are drawn together.
+const BAND_ROWS: usize = 128;
+/// Grey level of places that were not insonified.
+const PAPER: u8 = 0xf7;
 
-/// Draws the map; `None` where the depths span no surface.
+/// Draws the map of depths; `None` where they span no surface.
 pub(super) fn depth_plan(
     from: &ReportData<'_>,
     progress: &Progress,
@@ -63,10 +73,10 @@ struct Lit<'a> {
 
 impl Lit<'_> {
     /// Returns the depths as a picture in which several cells are joined to a pixel if there are
-    /// more than [`MOST_CELLS`] along a side.
+    /// more than [`MOST_PIXELS`] along a side.
     fn picture(&self, frame: &PageTransform) -> Value {
         let grid = &self.surface.grid;
-        let joined = grid.columns.max(grid.rows).div_ceil(MOST_CELLS).max(1);
+        let joined = grid.columns.max(grid.rows).div_ceil(MOST_PIXELS).max(1);
         let (columns, rows) = (grid.columns.div_ceil(joined), grid.rows.div_ceil(joined));
         let mut pixels = Vec::with_capacity(4 * columns * rows);
         for row in 0..rows {
@@ -171,4 +181,74 @@ fn legend([least_m, most_m]: [f32; 2], frame: &PageTransform) -> Value {
         step_height => format!("{:.2}", step + 0.5),
         ticks => ticks.collect::<Vec<_>>(),
     }
+}
+
+/// Draws the map of echoes of all logs; `None` where no ping has side-scan, a place, a heading and
+/// an altitude.
+pub(super) fn mosaic_plan(
+    from: &ReportData<'_>,
+    progress: &Progress,
+) -> Result<Option<Value>, Cancelled> {
+    let Some(mosaic) = from.mosaic else {
+        return Ok(None);
+    };
+    let [west, south, east, north] = mosaic.bounds;
+    let extent_m = (east - west).max(north - south);
+    let cell_m = (extent_m / MOST_CELLS).max(from.products.settings.mosaic.cell_m);
+    let Some(grid) = joint_grid(&mosaic.logs, cell_m) else {
+        return Ok(None);
+    };
+    let Some(frame) = PageTransform::around(grid.bounds_m(), from.map) else {
+        return Ok(None);
+    };
+    let levels = mosaic_levels(mosaic, &grid, progress)?;
+    let address = raster::grey(&levels, grid.columns, grid.rows);
+    let picture = frame.picture(&grid, 1, [grid.columns, grid.rows], address);
+    Ok(Some(map(from, &frame, picture)))
+}
+
+/// Returns the levels of all cells, row by row.
+fn mosaic_levels(mosaic: &Mosaic, grid: &Grid, progress: &Progress) -> Result<Vec<u8>, Cancelled> {
+    let tops: Vec<usize> = (0..grid.rows).step_by(BAND_ROWS).collect();
+    progress.start(tops.len() as u64);
+    let bands = tops.into_par_iter().map(|top| {
+        let band = Grid {
+            north_m: grid.north_m - top as f64 * grid.cell_m,
+            rows: BAND_ROWS.min(grid.rows - top),
+            ..*grid
+        };
+        let mut levels = mosaic.levels(&band, progress)?;
+        for level in levels.iter_mut().filter(|level| **level == 0) {
+            *level = PAPER;
+        }
+        progress.advance(1);
+        Ok(levels)
+    });
+    let bands = bands.collect::<Result<Vec<_>, Cancelled>>()?;
+    Ok(bands.concat())
+}
+
+/// Returns the values of a map around a picture.
+fn map(from: &ReportData<'_>, frame: &PageTransform, picture: Value) -> Value {
+    context! {
+        picture,
+        track => track(from, frame),
+        marks => objects::marks(from, frame),
+        ..frame.values()
+    }
+}
+
+/// Returns the path of the boat in all logs.
+fn track(from: &ReportData<'_>, frame: &PageTransform) -> String {
+    let of_log = |log: &ProcessedLog| {
+        let navigation = &log.products.navigation;
+        let pings =
+            if navigation.pings.is_empty() { &navigation.soundings } else { &navigation.pings };
+        let places = pings.iter().map(|place| {
+            let track = &log.survey.track;
+            from.map.place(navigation.to_lon_lat(track, place.east_m, place.north_m))
+        });
+        frame.path(places)
+    };
+    from.logs.iter().map(of_log).collect()
 }
