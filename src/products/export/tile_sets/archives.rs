@@ -8,8 +8,7 @@
 //! and writes such files too, but depends on an asynchronous runtime; the file is only a header, a
 //! list of numbers, and the pictures one after the other.
 
-use super::store::Stored;
-use super::{TileSet, TileStore};
+use super::{Stored, TileSet, TileStore};
 use crate::export::sqlite::{DatabaseKind, Value, database, insert, run, text};
 use crate::export::{ExportError, write_atomically};
 use crate::map_tiles::{TileStyle, WebTile};
