@@ -280,7 +280,7 @@ fn cells_around(zone: UtmZone, tile: WebTile, cell_m: f64) -> Grid {
 fn light(contents: &TileContents, tiles: &[TileId]) -> Result<Light, Error> {
     let mut lights = Vec::new();
     for tile in tiles.iter().step_by(tiles.len().div_ceil(LIT_BY).max(1)) {
-        let content = contents.of(*tile).map_err(|error| error.to_string())?;
+        let content = contents.of(*tile)?;
         lights.push(Light::suited(&content.surface()));
     }
     lights.sort_by(|a, b| a.exaggeration.total_cmp(&b.exaggeration));

@@ -329,7 +329,7 @@ impl Archive {
 
     fn read_area(&self, kept: &Fingerprint) -> Result<Arc<WaterArea>, Error> {
         let path = self.folder.join(&kept.file);
-        let area = read_area(&path).map_err(|error| error.to_string())?;
+        let area = read_area(&path)?;
         if area.sha256 == kept.sha256 {
             Ok(Arc::new(area))
         } else {

@@ -129,11 +129,8 @@ fn lines(
     tile: TileId,
     progress: &Progress,
 ) -> Result<Vec<Isobath>, Error> {
-    let levels_m = isobath_settings(settings)
-        .levels_m(without_error(window.range_m()))
-        .map_err(|error| error.to_string())?;
-    let area = clip_area(settings, tile_bounds_deg(&[tile]), |at| tile.zone.to_metres(at));
-    let area = area.map_err(|error| error.to_string())?;
+    let levels_m = isobath_settings(settings).levels_m(without_error(window.range_m()))?;
+    let area = clip_area(settings, tile_bounds_deg(&[tile]), |at| tile.zone.to_metres(at))?;
     let drawn = isobaths(window, &levels_m, progress)?;
     let cut = drawn.into_iter().flat_map(|line| {
         let rounded = Isobath { points: smoothed(&line.points, settings.smoothing()), ..line };

@@ -13,7 +13,6 @@
 
 mod atomic_write;
 pub mod avi;
-mod bottom_las;
 mod chip_folder;
 mod chips;
 mod cloud_las;
@@ -43,7 +42,6 @@ pub(crate) use atomic_write::remove_leftovers;
 pub use atomic_write::{
     ExportError, is_same_file, make_folder, rename_older, write_atomically, write_bytes, write_json,
 };
-pub(crate) use bottom_las::{BottomCell, bottom_las};
 pub use chip_folder::ChipFolder;
 pub(crate) use chip_folder::{earlier_chips, remove_passing_chips};
 pub(crate) use chips::picture_chips;
@@ -58,7 +56,7 @@ pub use glb::{TexturedMesh, glb};
 pub(crate) use isobaths::{
     DrawnLines, depth_areas_geojson, isobaths_geojson, spot_soundings_geojson, storage_csv,
 };
-pub(crate) use las::LasPacking;
+pub(crate) use las::{BottomCell, LasPacking, bottom_las};
 pub use log_copy::{LogPartChoice, TimeBound, check_copy, copy_log};
 pub(crate) use objects::{
     ObjectLog, box_table, object_layers, object_places, object_table, objects_geojson,

@@ -7,10 +7,10 @@
 //! `groups` in parallel, `run_folder` puts them in place together, `overwrite` prevents that they
 //! replace their own inputs, `earlier_run` finds the files that are out of date. `order` is the
 //! request, `content` describes the content of a file and the inputs without which it cannot be
-//! made. `clouds` writes the files of points, `track` those of the track, `depth` the depth map and
-//! the products made from it, `residuals` and `comparison` the agreement of the depths, `mosaic`
-//! the side-scan mosaic, `geopackage` all lines and areas in one file, `object_files` the objects
-//! of a search and of a review, `objects` lists objects with their shapes, `report_page` writes the
+//! made. `clouds` writes the files of points, `track` those of the track, and all lines and areas
+//! in one file, `depth` the depth map and the products made from it, `residuals` and `comparison`
+//! the agreement of the depths, `mosaic` the side-scan mosaic, `object_files` the objects of a
+//! search and of a review, `objects` lists objects with their shapes, `report_page` writes the
 //! report; `manifest` lists and describes the files. `boxes` writes reviewed boxes,
 //! `training_tiles` pictures of them for training, `ground` computes the place of a raster.
 
@@ -20,7 +20,6 @@ mod comparison;
 mod content;
 mod depth;
 mod earlier_run;
-mod geopackage;
 mod ground;
 mod groups;
 mod manifest;

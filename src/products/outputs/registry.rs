@@ -8,7 +8,7 @@ mod kinds;
 use super::content::{FileResult, Need};
 use super::order::{Product, When};
 use super::results::Results;
-use super::{clouds, comparison, depth, geopackage, mosaic, object_files, residuals, track};
+use super::{clouds, comparison, depth, mosaic, object_files, residuals, track};
 use kinds::{
     CLASSED_POINTS, KEPT_POINTS, LAS_POINTS, NOT_OF_BODY, NOT_OF_CLOUD, NOT_OF_DEPTHS,
     NOT_OF_MOSAIC, NOT_OF_POINTS, boxes, boxes_of, cloud, compared, contours, described, footprint,
@@ -444,7 +444,7 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
             "features",
             "",
         ),
-        ..row("survey.gpkg", When::Chosen(Product::Geopackage), geopackage::write)
+        ..row("survey.gpkg", When::Chosen(Product::Geopackage), track::geopackage)
     },
     run_file(
         "report.html",

@@ -342,8 +342,7 @@ impl<'a> Results<'a> {
                 return Ok(Vec::new());
             };
             let settings = &self.products.settings.isobaths;
-            let area = depth_map.clip_area(settings);
-            let area = area.map_err(|error| error.to_string())?;
+            let area = depth_map.clip_area(settings)?;
             let mut points = depth_map.depth_points(self.progress)?;
             if let Some(area) = area {
                 points.retain(|point| area.holds([point.east_m, point.north_m]));

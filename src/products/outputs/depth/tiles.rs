@@ -56,6 +56,6 @@ fn content(results: &Results<'_>, tiles: &MapTiles, picture: TileStyle) -> FileR
     for [lon_deg, lat_deg] in [[west, south], [east, north]] {
         summary.reach(web_mercator(LonLat { lon_deg, lat_deg }));
     }
-    let crs = Crs::from_epsg(WEB_MERCATOR).map_err(|error| error.to_string())?;
+    let crs = Crs::from_epsg(WEB_MERCATOR)?;
     Ok(FileContent::in_system(&crs, summary))
 }
