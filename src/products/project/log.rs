@@ -1,14 +1,19 @@
 //! Log of a project: its file, its identity, and the decisions about it.
 
 use super::paths;
+use crate::Error;
 use crate::pipeline::{LogSettings, sha256_of};
+use bathyscope_bottom::first_return::BottomSettings;
 use bathyscope_log::support::printable::quoted;
 use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::support::regular_file;
 use bathyscope_log::survey::{Identity, Survey};
 use bathyscope_objects::NAMELESS_CLASS;
 use bathyscope_objects::objects::LogNumbers;
 use bathyscope_objects::review::Review;
+use serde::Deserialize;
 use std::fmt;
+use std::fs;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -17,6 +22,14 @@ use std::sync::Arc;
 const LONGEST_STEM: usize = 32;
 /// Number of digits of the hash in a log's key.
 const HASH_DIGITS: usize = 8;
+
+/// Largest size of a file of bottom edits, bytes: this program does not write a longer one.
+const LONGEST: u64 = 64 << 20;
+/// Contents of the file, in the form of the settings for `bathyscope process --settings`.
+#[derive(Deserialize)]
+struct BottomFile {
+    bottom: BottomSettings,
+}
 
 /// Permanent key of a log within a project: its first file name and the start of its hash,
 /// `chart_1-3f9a2c41`. Two people who add the same log get the same key, and two logs of the same
@@ -222,4 +235,21 @@ impl ProjectLog {
         moved.file.path = paths::placed(path);
         moved
     }
+}
+
+/// Reads the bottom edits that earlier versions stored in a sidecar file, `LOG.bottom.toml`, which
+/// is not changed; `None` if there is no such file. They are read when the log is opened and no
+/// project has decisions about it.
+pub fn read_bottom(log: &Path, survey: &Survey) -> Option<Result<BottomSettings, Error>> {
+    let path = log.with_extension(BottomSettings::SIDECAR);
+    let found = fs::metadata(&path).ok();
+    found.filter(|found| found.is_file())?;
+    let parsed = || -> Result<BottomSettings, String> {
+        let text = regular_file::read_text(&path, LONGEST).map_err(|error| error.to_string())?;
+        let kept: BottomFile = toml::from_str(&text).map_err(|error| error.message().to_owned())?;
+        kept.bottom.check()?;
+        kept.bottom.adopted(survey).map_err(|other| other.to_string())
+    };
+    let refused = |why| format!("cannot use the bottom edits: {why}: {}", path.display());
+    Some(parsed().map_err(|why| refused(why).into()))
 }

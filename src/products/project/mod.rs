@@ -8,8 +8,8 @@
 //! converts those of older versions, `paths` converts the paths of files. `store` writes the file
 //! under a temporary name and renames it, with every change in a `journal` beside it, guarded by a
 //! `lock`. `find` searches for logs that were moved, `inputs` makes the inputs for work without a
-//! window, `sidecar` imports the files that earlier versions stored beside a log, `untitled` finds
-//! the decisions about logs that are in no named project. Logs are never written.
+//! window, `untitled` finds the decisions about logs that are in no named project. Logs are never
+//! written.
 //!
 //! # The file
 //!
@@ -89,7 +89,6 @@ mod past;
 mod paths;
 mod row;
 mod rows;
-mod sidecar;
 mod store;
 mod text;
 mod untitled;
@@ -97,11 +96,10 @@ mod untitled;
 pub use find::{LogLocation, find};
 pub use history::{History, HistoryStep};
 pub use inputs::{ProjectInput, inputs};
-pub use log::{LogFile, LogKey, ProjectLog};
+pub use log::{LogFile, LogKey, ProjectLog, read_bottom};
 pub use measurement::{Measurement, MeasurementKind, Pick};
 pub use past::{PastStep, UNDONE};
 pub use row::Key;
-pub use sidecar::read_bottom;
 pub use store::{ENDING, OpenedProject, SavingOutcome, Store, StoreError, read, with_journal};
 pub use untitled::{NAMED, UntitledProject, find_untitled, unused_path};
 

@@ -1,7 +1,6 @@
 //! Makes the `report.json` of a survey of several logs.
 
-use super::logs_report::{LogReport, LogsReport};
-use super::{HeightComparison, compare_heights, crossline_analysis};
+use super::{HeightComparison, LogReport, LogsReport, compare_heights, crossline_analysis};
 use crate::pipeline::{CommonUncertainty, ProcessedLog, Report, Settings, setting_values};
 use bathyscope_bottom::bathymetry::compare::{Comparison, Matching, ReferencePoints};
 use bathyscope_bottom::bathymetry::height_offsets::{
