@@ -173,12 +173,7 @@ fn correct(pings: &mut [PingRow], shift: Shift) {
     if shift == Shift::default() {
         return;
     }
-    let place = |ping: &PingRow| TrackDepth {
-        time_s: ping.time_s,
-        east_m: ping.footprint.place[0],
-        north_m: ping.footprint.place[1],
-        depth_m: 0.0,
-    };
+    let place = |ping: &PingRow| TrackDepth::new(ping.time_s, ping.footprint.place, 0.0);
     let track: Vec<TrackDepth> = pings.iter().map(place).collect();
     for (index, ping) in pings.iter_mut().enumerate() {
         let velocity_mps = velocity_mps(&track, index);

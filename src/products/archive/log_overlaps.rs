@@ -5,6 +5,7 @@ use super::record::Archive;
 use super::tile::TileId;
 use super::{PINGS, POINTS, ping_rows, point_rows};
 use crate::Error;
+use bathyscope_bottom::bathymetry::DepthPoint;
 use bathyscope_bottom::bathymetry::crosslines::TrackDepth;
 use bathyscope_bottom::bathymetry::height_offsets::{
     FEW_CROSSINGS, LogOverlap, crossing_overlaps, overlaps,
@@ -137,14 +138,11 @@ fn track(archive: &Archive, tile: TileId, log: &LogRecord) -> Result<Vec<TrackDe
     if log.soundings > 0 && rows.points > 0 {
         let points = point_rows::read(&path(POINTS))?.into_iter();
         let soundings = points.filter(|row| row.is_under_boat);
-        return Ok(soundings
-            .map(|row| TrackDepth {
-                time_s: row.time_s,
-                east_m: row.depth.east_m,
-                north_m: row.depth.north_m,
-                depth_m: row.depth.depth_m,
-            })
-            .collect());
+        let depths = soundings.map(|row| {
+            let DepthPoint { east_m, north_m, depth_m, .. } = row.depth;
+            TrackDepth::new(row.time_s, [east_m, north_m], depth_m)
+        });
+        return Ok(depths.collect());
     }
     if log.soundings > 0 || rows.pings == 0 {
         return Ok(Vec::new());
@@ -153,12 +151,5 @@ fn track(archive: &Archive, tile: TileId, log: &LogRecord) -> Result<Vec<TrackDe
     let near = pings.filter(|row| {
         tile.holds(row.footprint.place, archive.record.halo_m) && row.depth_m.is_finite()
     });
-    Ok(near
-        .map(|row| TrackDepth {
-            time_s: row.time_s,
-            east_m: row.footprint.place[0],
-            north_m: row.footprint.place[1],
-            depth_m: row.depth_m,
-        })
-        .collect())
+    Ok(near.map(|row| TrackDepth::new(row.time_s, row.footprint.place, row.depth_m)).collect())
 }

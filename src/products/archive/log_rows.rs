@@ -50,12 +50,7 @@ pub(super) fn track(survey: &Survey, products: &Products) -> Vec<TrackDepth> {
     } else {
         of_pings.zip(navigation.pings.iter()).collect()
     };
-    let depth = |(time_s, fix): (f64, &PingNav)| TrackDepth {
-        time_s,
-        east_m: fix.east_m,
-        north_m: fix.north_m,
-        depth_m: 0.0,
-    };
+    let depth = |(time_s, fix): (f64, &PingNav)| TrackDepth::new(time_s, fix.place(), 0.0);
     let mut track: Vec<TrackDepth> = (fixes.into_iter().map(depth))
         .filter(|track_depth| {
             (track_depth.time_s + track_depth.east_m + track_depth.north_m).is_finite()
