@@ -7,7 +7,7 @@
 
 use super::missions::Mission;
 use super::surface::{BETWEEN_M, KINDS, errors_of, from_levels, scene};
-use super::truth::{kept, map, map_with};
+use super::truth::{map, map_with};
 use bathyscope_bottom::bathymetry::{FromLevels, Surface, SurfaceSettings, SwathDepth};
 use bathyscope_bottom::cloud::{CloudPoint, PointSource, Residuals};
 use bathyscope_bottom::swath::PingPlace;
@@ -175,7 +175,8 @@ fn prediction(survey: &Survey, products: &Products, out: &dyn Fn(&CloudPoint) ->
         let (depth_m, _) = map.at(point.east_m, point.north_m)?;
         Some(-point.z_m - f64::from(depth_m))
     };
-    let pairs: Vec<[f64; 2]> = kept(products)
+    let pairs: Vec<[f64; 2]> = products
+        .kept_points()
         .filter(|point| out(point))
         .filter_map(|point| Some([at(without, point)?, at(with, point)?]))
         .collect();

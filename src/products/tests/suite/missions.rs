@@ -1,6 +1,6 @@
 //! Two missions over one pond, whose agreement the simulation knows.
 
-use super::truth::{KnownSurvey, kept};
+use super::truth::KnownSurvey;
 use bathyscope_bottom::bathymetry::SurfaceSettings;
 use bathyscope_bottom::bathymetry::compare::{Matching, match_points};
 use bathyscope_bottom::cloud::Residuals;
@@ -27,7 +27,7 @@ impl Mission {
     /// plane.
     fn points(&self) -> Vec<[f64; 3]> {
         let settings = SurfaceSettings::default();
-        let counted = kept(&self.products).filter(|point| settings.weight(point) > 0.0);
+        let counted = self.products.kept_points().filter(|point| settings.weight(point) > 0.0);
         counted.map(|point| [point.east_m, point.north_m, point.z_m]).collect()
     }
 }

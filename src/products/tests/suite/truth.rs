@@ -39,7 +39,8 @@ impl KnownSurvey {
     /// Claimed depth minus true depth of the bed at the claimed place, for every kept side-scan
     /// point. Weed is left out: there the first return is no bottom.
     pub(super) fn depth_errors_m(&self, products: &Products) -> Vec<f64> {
-        kept(products)
+        products
+            .kept_points()
             .filter_map(|point| {
                 let side = match point.source {
                     PointSource::Port => Side::Port,
@@ -118,11 +119,6 @@ pub(super) fn map_with(
             .expect("not cancelled");
     }
     Some(made)
-}
-
-/// The kept points.
-pub(super) fn kept(products: &Products) -> impl Iterator<Item = &CloudPoint> {
-    products.kept_points()
 }
 
 /// A log with what the default settings make of it.

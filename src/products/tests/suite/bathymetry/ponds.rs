@@ -9,6 +9,18 @@ use bathyscope_bottom::cloud::{PointSource, Residuals};
 use bathyscope_log::support::progress::Progress;
 use bathyscope_simulation::{Mound, Scene};
 
+/// Root mean square of the errors of a map, metres.
+fn rms_m(errors: &[MapError]) -> f64 {
+    let mut errors: Vec<f64> = errors.iter().map(|error| error.error_m).collect();
+    Residuals::of(&mut errors).expect("cells").rms_m
+}
+
+/// Share of the errors of a map that are smaller than so many of the stated standard deviations.
+fn share_within(errors: &[MapError], sigmas: f64) -> f64 {
+    let within = errors.iter().filter(|error| error.error_m.abs() / error.spread_m < sigmas);
+    within.count() as f64 / errors.len() as f64
+}
+
 /// Four lines 8 m apart and two across, on a bed of its own seed.
 fn pond() -> Scene {
     let mut scene = Scene::steep();
@@ -25,13 +37,10 @@ fn side_scan_lowers_the_error_of_the_map_and_missions_repeat_as_the_truth_says()
         SurfaceSettings { cell_m: Some(0.4), swath: SwathDepth::Off, ..SurfaceSettings::default() };
     let without = SurfaceSettings { side_scan_weight: 0.0, ..with.clone() };
     let soundings = first.known.map(&first.products, &without);
-    let rms_m = |settings: &SurfaceSettings| {
-        let map = first.known.map(&first.products, settings);
-        let errors = first.known.map_errors(&map, &soundings);
-        let mut errors: Vec<f64> = errors.iter().map(|error| error.error_m).collect();
-        Residuals::of(&mut errors).expect("cells").rms_m
-    };
-    let [with, without] = [rms_m(&with), rms_m(&without)];
+    let [with, without] = [with, without].map(|settings| {
+        let map = first.known.map(&first.products, &settings);
+        rms_m(&first.known.map_errors(&map, &soundings))
+    });
     assert!(with < 0.98 * without, "{with} {without}");
 
     let mut scene = pond();
@@ -53,12 +62,8 @@ fn a_map_knows_how_near_it_is_to_the_bed() {
         let pond = Mission::new(&scene, seed);
         let settings = SurfaceSettings { cell_m: Some(0.4), ..SurfaceSettings::default() };
         let map = pond.known.map(&pond.products, &settings);
-        let stated = pond.known.map_errors(&map, &map).into_iter();
-        let ratios: Vec<f64> = stated.map(|error| error.error_m.abs() / error.spread_m).collect();
-        let share_within = |sigmas: f64| {
-            ratios.iter().filter(|ratio| **ratio < sigmas).count() as f64 / ratios.len() as f64
-        };
-        let [one, two] = [share_within(1.0), share_within(2.0)];
+        let errors = pond.known.map_errors(&map, &map);
+        let [one, two] = [1.0, 2.0].map(|sigmas| share_within(&errors, sigmas));
         // What all depths have in common is not in it: rounded positions on slopes.
         assert!((0.5..0.85).contains(&one) && two > 0.8, "{seed}: {one} {two}");
     }
@@ -86,17 +91,10 @@ fn levels_find_mounds_that_lie_between_the_lines() {
         let errors = pond.known.map_errors(map, &plain).into_iter();
         errors.filter(|error| error.away_m > 1.0).collect::<Vec<MapError>>()
     };
-    let rms_m = |map| {
-        let mut errors: Vec<f64> = errors(map).iter().map(|error| error.error_m).collect();
-        Residuals::of(&mut errors).expect("cells").rms_m
-    };
-    let left = rms_m(&from_levels) / rms_m(&plain);
+    let left = rms_m(&errors(&from_levels)) / rms_m(&errors(&plain));
     assert!(left < 0.8, "{left}");
-    let stated = errors(&from_levels).into_iter();
-    let ratios: Vec<f64> = stated.map(|error| error.error_m.abs() / error.spread_m).collect();
-    let share_within =
-        ratios.iter().filter(|ratio| **ratio < 2.0).count() as f64 / ratios.len() as f64;
-    assert!(share_within > 0.8, "{share_within}");
+    let within = share_within(&errors(&from_levels), 2.0);
+    assert!(within > 0.8, "{within}");
     check_sources(&plain, &from_levels);
     check_hardness(&pond, &from_levels);
 }
@@ -155,11 +153,9 @@ fn crossings_of_one_survey_show_the_noise_of_its_soundings() {
     let soundings =
         points.filter(|point| point.source == PointSource::DownScan && point.fault.is_none());
     let track: Vec<TrackDepth> = soundings
-        .map(|point| TrackDepth {
-            time_s: survey.soundings[point.sounding().expect("a sounding")].time_s,
-            east_m: point.east_m,
-            north_m: point.north_m,
-            depth_m: -point.z_m,
+        .map(|point| {
+            let time_s = survey.soundings[point.sounding().expect("a sounding")].time_s;
+            TrackDepth::new(time_s, [point.east_m, point.north_m], -point.z_m)
         })
         .collect();
     let found = crossings(&[track], &Progress::new()).expect("not cancelled");
