@@ -1,7 +1,6 @@
 //! Scales and offsets on surveys whose truth is known, and on the river.
 
-use crate::truth::KnownSurvey;
-use crate::truth::processed;
+use crate::truth::{KnownSurvey, processed, results};
 use bathyscope_bottom::calibration::{
     Calibration, FlatSpot, PingRange, ScaleMode, calibrate, flat_spots,
 };
@@ -61,11 +60,7 @@ fn the_flattest_stretch_lies_on_the_terrace() {
     let terrace = scene.bed.terrace.clone().expect("a terrace");
     for seed in 0..3 {
         let pond = pond(scene.clone(), seed);
-        let progress = Progress::new();
-        let navigation = navigate(&pond.survey, &Default::default(), Projection::Enu, &progress)
-            .expect("a track");
-        let spots = flat_spots(&pond.survey, &navigation, &true_returns(&pond, 0.0), 6, &progress)
-            .expect("spots");
+        let spots = ranked(&pond, &true_returns(&pond, 0.0));
         assert!(spots.len() >= 3);
         for (index, spot) in spots.iter().enumerate() {
             let apart = |other: &FlatSpot| {
@@ -182,8 +177,7 @@ fn the_published_preset_returns_its_own_calibration_depth_too_shallow() {
     for seed in 0..3 {
         let pond = pond(Scene::gentle(), seed);
         let settings = Settings::preset(Preset::Published);
-        let products = pipeline::run(&pond.survey, &settings, None, &Progress::new(), |_| ())
-            .expect("products");
+        let products = results(&pond.survey, &settings);
         let spot = products.calibration.flat_spot.clone().expect("a flat spot");
         // Every ping of the spot, heading or not, whose pick may calibrate: what is left is the
         // formula alone.
@@ -353,8 +347,7 @@ fn errors_after_range_change(pond: &KnownSurvey, reach: &str) -> Residuals {
         .with_assignment("calibration.mode=flat_spot")
         .and_then(|settings| settings.with_assignment(reach))
         .expect("settings");
-    let mut products =
-        pipeline::run(&pond.survey, &settings, None, &Progress::new(), |_| ()).expect("products");
+    let mut products = results(&pond.survey, &settings);
     let spot = products.calibration.flat_spot.clone().expect("a flat spot");
     let range_at = |ping: usize| pond.truth.pings[ping].metres_per_sample;
     let there = range_at(spot.pings.start);

@@ -1,9 +1,9 @@
 //! The cloud: the outlier filter against Open3D's table, a brute-force count and kiddo.
 
-use crate::truth::KnownSurvey;
+use crate::truth::{KnownSurvey, results};
 use bathyscope_bottom::cloud::{Residuals, outliers};
 use bathyscope_log::support::progress::Progress;
-use bathyscope_products::pipeline::{self, Settings};
+use bathyscope_products::pipeline::Settings;
 use bathyscope_simulation::Scene;
 use proptest::prelude::*;
 
@@ -153,10 +153,8 @@ fn recommended_depths_hold_their_floors_on_simulated_ponds() {
         ("rough", Scene::rough(), 0.15),
     ] {
         let pond = KnownSurvey::new(&scene, 11);
-        let run = |settings: &Settings| {
-            pipeline::run(&pond.survey, settings, None, &Progress::new(), |_| ()).expect("products")
-        };
-        let mut errors = pond.depth_errors_m(&run(&Settings::default()));
+        let products = results(&pond.survey, &Settings::default());
+        let mut errors = pond.depth_errors_m(&products);
         let depths = Residuals::of(&mut errors).expect("side-scan points");
         assert!(depths.n * 10 > pond.survey.side_scan.len() * 17, "{kind}: {depths:?}");
         assert!(depths.mean_m.abs() <= 0.01 && depths.p95_m <= p95_m, "{kind}: {depths:?}");

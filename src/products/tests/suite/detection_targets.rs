@@ -1,10 +1,10 @@
 //! Objects in the world: boxes on simulated surveys against where the objects really were.
 
+use crate::truth::{KnownSurvey, results};
 use bathyscope_bottom::calibration::{Calibration, CalibrationSettings, calibrate};
 use bathyscope_bottom::first_return::{
     self, BottomEdit, BottomSettings, FirstReturnSettings, FirstReturns, ImageSettings,
 };
-use bathyscope_log::formats;
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::{HeadingSettings, Navigation, Projection, Side, Survey, navigate};
 use bathyscope_objects::Mark;
@@ -12,10 +12,8 @@ use bathyscope_objects::targets::{
     Group, GroupSettings, LogPings, PassCount, Placer, Sighting as Claim, Target, group,
     passes_over,
 };
-use bathyscope_products::pipeline::{ObjectLocator, Settings, run};
-use bathyscope_simulation::{
-    Bank, ObjectKind, ObjectPass, ObjectSettings, Scene, Simulated, simulate,
-};
+use bathyscope_products::pipeline::{ObjectLocator, Settings};
+use bathyscope_simulation::{Bank, ObjectKind, ObjectPass, ObjectSettings, Scene, Simulated};
 
 struct Sailed {
     truth: Simulated,
@@ -27,9 +25,7 @@ struct Sailed {
 
 fn sail(scene: &Scene, seed: u64) -> Sailed {
     let progress = Progress::new();
-    let truth = simulate(scene, seed, &progress).expect("nobody cancels");
-    let survey = formats::open_bytes("simulated.sl2", truth.sl2_bytes(), &progress)
-        .expect("our reader opens our log");
+    let KnownSurvey { survey, truth } = KnownSurvey::new(scene, seed);
     let heading = HeadingSettings::default();
     let navigation =
         navigate(&survey, &heading, Projection::Enu, &progress).expect("nobody cancels");
@@ -112,7 +108,7 @@ fn what_is_known_of_the_water_moves_objects_as_it_moves_points() {
         for assignment in ["surface.relief=false"].iter().chain(assignments) {
             settings = settings.with_assignment(assignment).expect("a setting");
         }
-        run(&sailed.survey, &settings, None, &Progress::new(), |_| ()).expect("not cancelled")
+        results(&sailed.survey, &settings)
     };
     let known = ["draft_m=0.3", "water_level_m=0.5", "sound_speed.m_s=1455"];
     let (plain, corrected) = (of(&[]), of(&known));
@@ -171,8 +167,7 @@ fn objects_on_a_bank_lie_where_they_are_and_not_where_a_level_bottom_has_them() 
     let [by_relief, by_level] = [true, false].map(|relief| {
         let mut settings = Settings::default();
         settings.surface.relief = relief;
-        let made = run(&sailed.survey, &settings, None, &Progress::new(), |_| ());
-        let products = made.expect("not cancelled");
+        let products = results(&sailed.survey, &settings);
         let locator = ObjectLocator::new(&sailed.survey, &products);
         let (mut off_m, mut deeper_m) = (Vec::new(), Vec::new());
         let objects = sailed.truth.objects.iter().zip(&scene.objects);

@@ -2,6 +2,7 @@
 //! as every product. What comes out may be empty, but it is whole, holds numbers only, and nothing
 //! panics.
 
+use crate::truth::results;
 use bathyscope_bottom::cloud::Geometry;
 use bathyscope_bottom::first_return::{Method, SampleMode};
 use bathyscope_log::formats::{
@@ -13,7 +14,7 @@ use bathyscope_log::survey::{HeadingSource, Projection, Survey};
 use bathyscope_objects::objects::SurveyReview;
 use bathyscope_products::export::kept_points;
 use bathyscope_products::outputs::{self, Order, Product, RunFolder};
-use bathyscope_products::pipeline::{self, Derived, Preset, ProcessedLog, Settings};
+use bathyscope_products::pipeline::{Derived, Preset, ProcessedLog, Settings};
 use bathyscope_test_support::handmade::{self, Frame};
 use proptest::prelude::*;
 use std::fs;
@@ -187,7 +188,7 @@ fn process(opened: Result<Survey, formats::OpenError>, settings: &Settings) {
         Err(error) => return assert_eq!(error.to_string().lines().count(), 1, "{error}"),
     };
     let progress = Progress::new();
-    let products = pipeline::run(&survey, settings, None, &progress, |_| ()).expect("not stopped");
+    let products = results(&survey, settings);
     let folder = tempfile::tempdir().expect("a folder");
     let log = ProcessedLog { survey: Arc::new(survey), products };
     let (survey, products) = (&log.survey, &log.products);
@@ -295,11 +296,8 @@ fn noise_and_absence_give_no_side_scan_points() {
     for frames in logs {
         for preset in [Preset::Published, Preset::Recommended] {
             let log = handmade::sl2(&frames);
-            let progress = Progress::new();
-            let survey = formats::open_bytes("log.sl2", log, &progress).expect("a log");
-            let products =
-                pipeline::run(&survey, &Settings::preset(preset), None, &progress, |_| ())
-                    .expect("not stopped");
+            let survey = formats::open_bytes("log.sl2", log, &Progress::new()).expect("a log");
+            let products = results(&survey, &Settings::preset(preset));
             let pings = survey.side_scan.len();
             assert_eq!(
                 (products.returns.port.len(), products.returns.starboard.len()),

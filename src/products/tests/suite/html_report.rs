@@ -1,13 +1,13 @@
 //! `report.html`: every template is filled, for one log and for several, with and without boxes.
 
-use crate::truth::KnownSurvey;
+use crate::truth::{KnownSurvey, results};
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::{Identity, Side};
 use bathyscope_objects::Mark;
 use bathyscope_objects::objects::{KeptReview, SurveyReview};
 use bathyscope_objects::review::{BoxId, Certainty, Edit, Review};
 use bathyscope_products::outputs::{self, Order, Product, RunFolder};
-use bathyscope_products::pipeline::{self, Derived, ProcessedLog, Settings};
+use bathyscope_products::pipeline::{Derived, ProcessedLog, Settings};
 use bathyscope_simulation::Scene;
 use std::fs;
 use std::sync::Arc;
@@ -21,8 +21,8 @@ fn pond() -> ProcessedLog {
     let mut settings = Settings::default();
     settings.report.proposals = true;
     settings.first_return.min_confidence = 0.79;
-    let products = pipeline::run(&survey, &settings, None, &Progress::new(), |_| ());
-    ProcessedLog { survey: Arc::new(survey), products: products.expect("products") }
+    let products = results(&survey, &settings);
+    ProcessedLog { survey: Arc::new(survey), products }
 }
 
 /// A drawn box with a name, one with nothing but its class, and a point.

@@ -1,11 +1,11 @@
 //! Two missions over one pond, whose agreement the simulation knows.
 
-use super::truth::KnownSurvey;
+use super::truth::{KnownSurvey, results};
 use bathyscope_bottom::bathymetry::SurfaceSettings;
 use bathyscope_bottom::bathymetry::compare::{Matching, match_points};
 use bathyscope_bottom::cloud::Residuals;
 use bathyscope_log::support::progress::Progress;
-use bathyscope_products::pipeline::{self, Products, Settings};
+use bathyscope_products::pipeline::{Products, Settings};
 use bathyscope_simulation::Scene;
 
 /// One mission and what the program made of it.
@@ -17,9 +17,7 @@ pub(super) struct Mission {
 impl Mission {
     pub(super) fn new(scene: &Scene, seed: u64) -> Self {
         let known = KnownSurvey::new(scene, seed);
-        let settings = Settings::default();
-        let run = pipeline::run(&known.survey, &settings, None, &Progress::new(), |_| ());
-        let products = run.expect("not cancelled");
+        let products = results(&known.survey, &Settings::default());
         Self { known, products }
     }
 

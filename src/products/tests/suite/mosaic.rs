@@ -1,33 +1,28 @@
 //! The mosaic of simulated surveys: objects at their true places, no holes, no seams, even levels.
 
 use crate::detection_targets::trough;
+use crate::missions::Mission;
+use crate::truth::KnownSurvey;
 use bathyscope_bottom::bathymetry::Grid;
 use bathyscope_bottom::mosaic::{
     Gain, GainTable, MosaicLayout, MosaicLog, MosaicSettings, Overlap, TILE_CELLS, TileIndex,
     gain_table, joint_tile, window,
 };
-use bathyscope_log::formats;
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::{Side, Survey};
-use bathyscope_products::pipeline::{self, Products, Settings};
-use bathyscope_simulation::{ObjectKind, ObjectPass, ObjectSettings, Scene, Simulated, simulate};
+use bathyscope_products::pipeline::Products;
+use bathyscope_simulation::{ObjectKind, ObjectPass, ObjectSettings, Scene};
 use std::sync::Arc;
 
-struct Sailed {
-    truth: Arc<Simulated>,
-    survey: Arc<Survey>,
-    products: Products,
-}
-
-fn sail(scene: &Scene, seed: u64) -> Sailed {
-    let progress = Progress::new();
-    let truth = simulate(scene, seed, &progress).expect("nobody cancels");
-    let survey = formats::open_bytes("simulated.sl2", truth.sl2_bytes(), &progress)
-        .expect("our reader opens our log");
-    let survey = Arc::new(survey);
-    let products = pipeline::run(&survey, &Settings::default(), None, &progress, |_| ())
-        .expect("nobody cancels");
-    Sailed { truth: Arc::new(truth), survey, products }
+/// Places of the echoes of a survey in a plane.
+fn layout(
+    survey: &Survey,
+    products: &Products,
+    settings: &MosaicSettings,
+    plane: impl Fn([f64; 2]) -> [f64; 2],
+) -> MosaicLayout {
+    let Products { navigation, returns, calibration, .. } = products;
+    MosaicLayout::new(survey, navigation, returns, calibration, settings, plane)
 }
 
 /// A mosaic with all its tiles.
@@ -38,20 +33,19 @@ struct Drawn {
 
 impl Drawn {
     fn of(
-        sailed: &Sailed,
+        survey: &Survey,
+        products: &Products,
         settings: &MosaicSettings,
         plane: impl Fn([f64; 2]) -> [f64; 2],
     ) -> Self {
-        let Products { navigation, returns, calibration, .. } = &sailed.products;
-        let survey = &sailed.survey;
-        let layout = MosaicLayout::new(survey, navigation, returns, calibration, settings, plane);
+        let layout = layout(survey, products, settings, plane);
         let grid = layout.grid(settings.cell_m).expect("something is shown");
         let gain = gain_table(survey, &layout, &Progress::new()).expect("nobody cancels");
-        Self::on(sailed, settings, &layout, grid, &gain)
+        Self::on(survey, settings, &layout, grid, &gain)
     }
 
     fn on(
-        sailed: &Sailed,
+        survey: &Survey,
         settings: &MosaicSettings,
         layout: &MosaicLayout,
         grid: Grid,
@@ -59,7 +53,7 @@ impl Drawn {
     ) -> Self {
         let index: TileIndex = layout.index(&grid);
         let (layout, gain) = (Arc::new(layout.clone()), gain.clone());
-        let log = MosaicLog { survey: sailed.survey.clone(), layout, gain };
+        let log = MosaicLog { survey: Arc::new(survey.clone()), layout, gain };
         let mut levels = vec![0; grid.columns * grid.rows];
         for (row, column) in index.tiles() {
             let drawn = joint_tile(&[(&log, &index)], &grid, settings, [row, column]);
@@ -111,9 +105,9 @@ fn echo_off_m(drawn: &Drawn, [east_m, north_m]: [f64; 2]) -> f64 {
     f64::hypot(mean(|cell| cell.1), mean(|cell| cell.2))
 }
 
-/// The survey with the pings around a sighting alone.
-fn only(sailed: &Sailed, seen: &ObjectPass) -> Sailed {
-    let mut products = sailed.products.clone();
+/// The results with the pings around a sighting alone.
+fn only(products: &Products, seen: &ObjectPass) -> Products {
+    let mut products = products.clone();
     let mut navigation = (*products.navigation).clone();
     let shown = seen.first_ping.saturating_sub(40)..seen.last_ping + 40;
     for (ping, place) in Arc::make_mut(&mut navigation.pings).iter_mut().enumerate() {
@@ -122,7 +116,7 @@ fn only(sailed: &Sailed, seen: &ObjectPass) -> Sailed {
         }
     }
     products.navigation = Arc::new(navigation);
-    Sailed { truth: sailed.truth.clone(), survey: sailed.survey.clone(), products }
+    products
 }
 
 #[test]
@@ -141,12 +135,12 @@ fn an_object_seen_from_two_lines_lands_at_its_true_place_both_times() {
         buried_m: 0.0,
         strength_db: Some(8.0),
     }];
-    let sailed = sail(&scene, 5);
-    let object = &sailed.truth.objects[0];
+    let Mission { known, products } = Mission::new(&scene, 5);
+    let object = &known.truth.objects[0];
     let settings = MosaicSettings { cell_m: 0.05, ..MosaicSettings::default() };
     let mut sides = Vec::new();
     for seen in object.sightings.iter().filter(|seen| seen.last_ping > seen.first_ping + 3) {
-        let drawn = Drawn::of(&only(&sailed, seen), &settings, |place| place);
+        let drawn = Drawn::of(&known.survey, &only(&products, seen), &settings, |place| place);
         let off_m = echo_off_m(&drawn, [object.east_m, object.north_m]);
         println!(
             "{:?} at pings {}..{}: off by {off_m:.2} m",
@@ -159,7 +153,7 @@ fn an_object_seen_from_two_lines_lands_at_its_true_place_both_times() {
     // Without the slant-range correction it does not.
     let slant = MosaicSettings { water_column: true, ..settings };
     let wrong = object.sightings.iter().map(|seen| {
-        let drawn = Drawn::of(&only(&sailed, seen), &slant, |place| place);
+        let drawn = Drawn::of(&known.survey, &only(&products, seen), &slant, |place| place);
         echo_off_m(&drawn, [object.east_m, object.north_m])
     });
     let farthest_m = wrong.fold(0.0, f64::max);
@@ -168,15 +162,12 @@ fn an_object_seen_from_two_lines_lands_at_its_true_place_both_times() {
 
 #[test]
 fn echoes_of_a_bank_lie_where_it_is_and_not_where_a_level_bottom_has_them() {
-    let sailed = sail(&trough(), 2);
-    let Products { navigation, returns, calibration, relief, .. } = &sailed.products;
-    let (survey, settings) = (&sailed.survey, MosaicSettings::default());
-    let place = |place| place;
-    let level = MosaicLayout::new(survey, navigation, returns, calibration, &settings, place);
-    let measured = level.clone().with_relief(relief);
+    let Mission { known, products } = Mission::new(&trough(), 2);
+    let level = layout(&known.survey, &products, &MosaicSettings::default(), |place| place);
+    let measured = level.clone().with_relief(&products.relief);
     let [by_relief, by_level] = [measured, level].map(|layout| {
         let mut off_m = Vec::new();
-        for object in &sailed.truth.objects {
+        for object in &known.truth.objects {
             for seen in &object.sightings {
                 let ping = usize::midpoint(seen.first_ping, seen.last_ping);
                 // In a turn nothing is shown.
@@ -205,8 +196,9 @@ fn echoes_of_a_bank_lie_where_it_is_and_not_where_a_level_bottom_has_them() {
 fn a_bend_leaves_no_holes() {
     let mut scene = quiet_line();
     scene.track.bend_deg_per_m = 2.0;
-    let sailed = sail(&scene, 3);
-    let drawn = Drawn::of(&sailed, &MosaicSettings::default(), |place| place);
+    let Mission { known, products } = Mission::new(&scene, 3);
+    let settings = MosaicSettings::default();
+    let drawn = Drawn::of(&known.survey, &products, &settings, |place| place);
     let seen = |x: usize, y: usize| drawn.levels[y * drawn.grid.columns + x] > 0;
     let (mut shown, mut holes) = (0, 0);
     for y in 1..drawn.grid.rows - 1 {
@@ -222,16 +214,12 @@ fn a_bend_leaves_no_holes() {
 
 #[test]
 fn tiles_meet_without_a_seam() {
-    let sailed = sail(&quiet_line(), 4);
+    let Mission { known: KnownSurvey { survey, .. }, products } = Mission::new(&quiet_line(), 4);
     let settings = MosaicSettings::default();
-    let whole = Drawn::of(&sailed, &settings, |place| place);
+    let whole = Drawn::of(&survey, &products, &settings, |place| place);
     // The same cells, cut into other tiles.
-    let Products { navigation, returns, calibration, .. } = &sailed.products;
-    let layout =
-        MosaicLayout::new(&sailed.survey, navigation, returns, calibration, &settings, |place| {
-            place
-        });
-    let gain = gain_table(&sailed.survey, &layout, &Progress::new()).expect("nobody cancels");
+    let layout = layout(&survey, &products, &settings, |place| place);
+    let gain = gain_table(&survey, &layout, &Progress::new()).expect("nobody cancels");
     let moved = Grid {
         west_m: whole.grid.west_m - 100.0 * whole.grid.cell_m,
         north_m: whole.grid.north_m + 37.0 * whole.grid.cell_m,
@@ -239,7 +227,7 @@ fn tiles_meet_without_a_seam() {
         rows: whole.grid.rows + 37,
         ..whole.grid
     };
-    let other = Drawn::on(&sailed, &settings, &layout, moved, &gain);
+    let other = Drawn::on(&survey, &settings, &layout, moved, &gain);
     let mut differing = 0;
     for y in 0..whole.grid.rows {
         for x in 0..whole.grid.columns {
@@ -257,27 +245,18 @@ fn tiles_meet_without_a_seam() {
 
 /// Level of the whole cells of a window over a survey, with a layout thinned to `apart_m` between
 /// pings.
-fn seen_through_window(sailed: &Sailed, grid: &Grid, apart_m: f64) -> Vec<u8> {
-    let settings = MosaicSettings::default();
-    let products = &sailed.products;
-    let layout = MosaicLayout::new(
-        &sailed.survey,
-        &products.navigation,
-        &products.returns,
-        &products.calibration,
-        &settings,
-        |place| place,
-    );
-    let progress = Progress::new();
-    let gain = gain_table(&sailed.survey, &layout, &progress).expect("nobody cancels");
+fn seen_through_window(survey: &Survey, products: &Products, grid: &Grid, apart_m: f64) -> Vec<u8> {
+    let (settings, progress) = (MosaicSettings::default(), Progress::new());
+    let layout = layout(survey, products, &settings, |place| place);
+    let gain = gain_table(survey, &layout, &progress).expect("nobody cancels");
     let layout = layout.thinned(apart_m);
-    window(&sailed.survey, &layout, grid, &gain, &settings, &progress).expect("nobody cancels")
+    window(survey, &layout, grid, &gain, &settings, &progress).expect("nobody cancels")
 }
 
 #[test]
 fn a_window_shows_what_the_tiles_show() {
-    let sailed = sail(&quiet_line(), 4);
-    let whole = Drawn::of(&sailed, &MosaicSettings::default(), |place| place);
+    let Mission { known: KnownSurvey { survey, .. }, products } = Mission::new(&quiet_line(), 4);
+    let whole = Drawn::of(&survey, &products, &MosaicSettings::default(), |place| place);
     let (first_row, first_column) = (whole.grid.rows / 3, whole.grid.columns / 4);
     let grid = Grid {
         west_m: whole.grid.west_m + first_column as f64 * whole.grid.cell_m,
@@ -286,7 +265,7 @@ fn a_window_shows_what_the_tiles_show() {
         rows: whole.grid.rows / 3,
         ..whole.grid
     };
-    let seen = seen_through_window(&sailed, &grid, 0.0);
+    let seen = seen_through_window(&survey, &products, &grid, 0.0);
     let mut differing = 0;
     for row in 0..grid.rows {
         for column in 0..grid.columns {
@@ -301,8 +280,8 @@ fn a_window_shows_what_the_tiles_show() {
 
 #[test]
 fn a_coarse_window_needs_few_pings_and_shows_the_same_ground() {
-    let sailed = sail(&quiet_line(), 4);
-    let fine = Drawn::of(&sailed, &MosaicSettings::default(), |place| place);
+    let Mission { known: KnownSurvey { survey, .. }, products } = Mission::new(&quiet_line(), 4);
+    let fine = Drawn::of(&survey, &products, &MosaicSettings::default(), |place| place);
     // Cells of eight, whose mean level the few pings have to give.
     let grid = Grid {
         cell_m: 8.0 * fine.grid.cell_m,
@@ -310,9 +289,9 @@ fn a_coarse_window_needs_few_pings_and_shows_the_same_ground() {
         rows: fine.grid.rows / 8,
         ..fine.grid
     };
-    let seen = seen_through_window(&sailed, &grid, 0.7 * grid.cell_m);
+    let seen = seen_through_window(&survey, &products, &grid, 0.7 * grid.cell_m);
     // One ping for each cell, as it happens to run through its middle.
-    let picked = seen_through_window(&sailed, &grid, 0.0);
+    let picked = seen_through_window(&survey, &products, &grid, 0.0);
     let (mut holes, mut sum, mut count) = (0, 0.0, 0.0);
     let mut squares = [0.0; 2];
     for (cell, level) in seen.iter().enumerate() {
@@ -344,11 +323,11 @@ fn a_coarse_window_needs_few_pings_and_shows_the_same_ground() {
 
 #[test]
 fn gain_makes_the_ground_even_across_the_track() {
-    let sailed = sail(&quiet_line(), 6);
+    let Mission { known, products } = Mission::new(&quiet_line(), 6);
     let uneven = |gain: Gain| {
         let settings =
             MosaicSettings { gain, overlap: Overlap::Later, ..MosaicSettings::default() };
-        let drawn = Drawn::of(&sailed, &settings, |place| place);
+        let drawn = Drawn::of(&known.survey, &products, &settings, |place| place);
         // Mean level by distance from the line, which runs east through the middle.
         let middle_m = drawn.grid.north_m - 0.5 * drawn.grid.rows as f64 * drawn.grid.cell_m;
         let mut bands: Vec<[f64; 2]> = vec![[0.0; 2]; 10];
@@ -375,11 +354,11 @@ fn gain_makes_the_ground_even_across_the_track() {
 
 #[test]
 fn a_turned_plane_turns_the_mosaic() {
-    let sailed = sail(&quiet_line(), 4);
+    let Mission { known, products } = Mission::new(&quiet_line(), 4);
     let settings = MosaicSettings::default();
-    let straight = Drawn::of(&sailed, &settings, |place| place);
+    let straight = Drawn::of(&known.survey, &products, &settings, |place| place);
     // A quarter turn, and away: what lay at (x, y) lies at (1000 - y, x).
-    let turned = Drawn::of(&sailed, &settings, |[x, y]| [1000.0 - y, x]);
+    let turned = Drawn::of(&known.survey, &products, &settings, |[x, y]| [1000.0 - y, x]);
     let (mut same, mut all) = (0, 0);
     for y in (3..straight.grid.rows - 3).step_by(5) {
         for x in (3..straight.grid.columns - 3).step_by(5) {
@@ -397,19 +376,11 @@ fn a_turned_plane_turns_the_mosaic() {
 
 #[test]
 fn ranges_follow_the_speed_of_sound() {
-    let sailed = sail(&quiet_line(), 4);
-    let products = &sailed.products;
-    let layout = MosaicLayout::new(
-        &sailed.survey,
-        &products.navigation,
-        &products.returns,
-        &products.calibration,
-        &MosaicSettings::default(),
-        |place| place,
-    );
+    let Mission { known: KnownSurvey { survey, .. }, products } = Mission::new(&quiet_line(), 4);
+    let layout = layout(&survey, &products, &MosaicSettings::default(), |place| place);
     let slower = layout.clone().with_range_factor(0.97);
     let mut seen = 0;
-    for ping in 0..sailed.survey.side_scan.len() {
+    for ping in 0..survey.side_scan.len() {
         let rays = [&layout, &slower].map(|layout| layout.ray(ping, Side::Port));
         let [Some(before), Some(after)] = rays else {
             continue;

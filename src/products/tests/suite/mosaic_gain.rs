@@ -1,13 +1,12 @@
 //! Tests that the gain makes a mosaic even: no step under the boat, no bands along the track, no
 //! bars across it, relief kept.
 
-use crate::truth::processed;
+use crate::truth::{KnownSurvey, processed, results};
 use bathyscope_bottom::mosaic::{Gain, MosaicLayout, MosaicSettings, gain_table, window};
-use bathyscope_log::formats;
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::{Bytes, SampleOrder, Side, Survey};
-use bathyscope_products::pipeline::{self, Products, Settings};
-use bathyscope_simulation::{Artefacts, Scene, simulate};
+use bathyscope_products::pipeline::{Products, Settings};
+use bathyscope_simulation::{Artefacts, Scene};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -201,10 +200,7 @@ fn weak_to_starboard_and_misread() -> (Survey, Products) {
     scene.track.lines = 1;
     scene.track.cross_lines = 0;
     scene.track.length_m = 60.0;
-    let progress = Progress::new();
-    let truth = simulate(&scene, 8, &progress).expect("nobody cancels");
-    let mut survey = formats::open_bytes("simulated.sl2", truth.sl2_bytes(), &progress)
-        .expect("our reader opens our log");
+    let mut survey = KnownSurvey::new(&scene, 8).survey;
     let mut bytes = survey.bytes[0].to_vec();
     for ping in 0..survey.side_scan.len() {
         let Some(span) = survey.span(ping, Side::Starboard) else {
@@ -217,8 +213,7 @@ fn weak_to_starboard_and_misread() -> (Survey, Products) {
         }
     }
     survey.bytes = vec![Bytes::Held(Arc::new(bytes))];
-    let products = pipeline::run(&survey, &Settings::default(), None, &progress, |_| ());
-    let mut products = products.expect("nobody cancels");
+    let mut products = results(&survey, &Settings::default());
     let mut returns = (*products.returns).clone();
     for ping in 260..280 {
         for side in [&mut returns.port, &mut returns.starboard] {

@@ -1,6 +1,7 @@
 //! Tests that the constant that is taken off the ranges is the true one, on logs of any range,
 //! depth, pulse and sounding.
 
+use crate::Dice;
 use crate::truth::KnownSurvey;
 use bathyscope_bottom::calibration::{Calibration, calibrate};
 use bathyscope_bottom::first_return::{FirstReturns, detect};
@@ -31,30 +32,11 @@ enum Soundings {
     Wreck(f64),
 }
 
-/// Numbers from 0 to 1, one after the other, from a seed.
-struct Dice(u64);
-
-impl Dice {
-    fn roll(&mut self) -> f64 {
-        self.0 =
-            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.roll()
-    }
-
-    fn of<T: Copy>(&mut self, values: &[T]) -> T {
-        values[((self.roll() * values.len() as f64) as usize).min(values.len() - 1)]
-    }
-}
-
 /// A short line over a bed of any kind, by any recorder.
 fn scene(index: u64) -> (Scene, Soundings) {
     let mut dice = Dice(index.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ 77);
-    dice.roll();
-    let range_m = 10.0 * 10_f64.powf(dice.roll());
+    dice.uniform();
+    let range_m = 10.0 * 10_f64.powf(dice.uniform());
     let depth_m = range_m * dice.between(0.12, 0.5);
     let soundings = match index % 6 {
         0 | 1 => Soundings::Right,

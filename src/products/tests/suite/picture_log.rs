@@ -1,11 +1,12 @@
 //! The demo survey, written as a picture and a table as another program would, opens as the log
 //! that it is.
 
+use crate::truth::results;
 use bathyscope_bottom::first_return::{Pick, detect};
 use bathyscope_log::formats;
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::{Side, Survey, navigate_with};
-use bathyscope_products::pipeline::{Derived, ProcessedLog, Settings, run};
+use bathyscope_products::pipeline::{Derived, ProcessedLog, Settings};
 use bathyscope_test_support::demo_log;
 use image::GrayImage;
 use std::fmt::Write as _;
@@ -40,11 +41,10 @@ fn write_pair(log: &Survey, folder: &Path) {
 
 /// The depth of the map below each ping, metres; `None` where it has none.
 fn depths_m(survey: &Arc<Survey>) -> Vec<Option<f32>> {
-    let (settings, progress) = (Settings::default(), Progress::new());
-    let products = run(survey, &settings, None, &progress, |_| ()).expect("results");
+    let products = results(survey, &Settings::default());
     let navigation = products.navigation.clone();
     let logs = [ProcessedLog { survey: survey.clone(), products }];
-    let map = Derived::default().depth_map(&logs, &progress);
+    let map = Derived::default().depth_map(&logs, &Progress::new());
     let map = map.expect("a run").expect("a surface");
     let depth = |east_m, north_m| map.surface.at(east_m, north_m).map(|(depth_m, _)| depth_m);
     let places = navigation.pings.iter().map(|ping| {

@@ -1,16 +1,14 @@
 //! Each point has one class: the map, every file of points, the report and its page count them
 //! alike.
 
-use crate::truth::KnownSurvey;
+use crate::truth::{KnownSurvey, results};
 use bathyscope_bottom::cloud::{ClassCounts, PointClass, PointSource};
 use bathyscope_bottom::presentation::text::typeset_count;
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::SoundingFault;
 use bathyscope_objects::objects::SurveyReview;
 use bathyscope_products::outputs::{self, Order, Product, RunFolder};
-use bathyscope_products::pipeline::{
-    self, Derived, Preset, ProcessedLog, Settings, joint_depth_points,
-};
+use bathyscope_products::pipeline::{Derived, Preset, ProcessedLog, Settings, joint_depth_points};
 use bathyscope_simulation::Scene;
 use std::collections::BTreeMap;
 use std::fs;
@@ -30,11 +28,8 @@ fn pond(settings: &Settings) -> (KnownSurvey, ProcessedLog) {
     for sounding in &mut Arc::make_mut(&mut pond.survey.soundings)[20..40] {
         sounding.fault = Some(SoundingFault::LostBottom);
     }
-    let products = pipeline::run(&pond.survey, settings, None, &Progress::new(), |_| ());
-    let log = ProcessedLog {
-        survey: Arc::new(pond.survey.clone()),
-        products: products.expect("products"),
-    };
+    let products = results(&pond.survey, settings);
+    let log = ProcessedLog { survey: Arc::new(pond.survey.clone()), products };
     (pond, log)
 }
 

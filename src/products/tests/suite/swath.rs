@@ -1,5 +1,6 @@
 //! Depths across the track of StructureScan 3D, from the file to points, surface, files and report.
 
+use crate::truth::results;
 use bathyscope_bottom::cloud::{CloudPoint, PointRecord, PointSource};
 use bathyscope_log::formats::{open_bytes, open_growing, open_tail};
 use bathyscope_log::support::geo::{LocalFrame, METRES_PER_FOOT, lowrance_mercator_inverse};
@@ -8,7 +9,7 @@ use bathyscope_log::survey::{Bytes, Side, Survey, SurveyVersions};
 use bathyscope_objects::objects::SurveyReview;
 use bathyscope_products::outputs::{self, Order, Product, RunFolder};
 use bathyscope_products::pipeline::{
-    Derived, GrowingResults, ProcessedLog, Products, Settings, extend, run,
+    Derived, GrowingResults, ProcessedLog, Products, Settings, extend,
 };
 use bathyscope_test_support::handmade::{Frame, sl3};
 use serde_json::Value;
@@ -77,10 +78,6 @@ fn log(steps: i32, way: [i32; 2]) -> Vec<u8> {
 
 fn open(bytes: Vec<u8>) -> Survey {
     open_bytes("pond.sl3", bytes, &Progress::new()).unwrap_or_else(|error| panic!("{error}"))
-}
-
-fn results(survey: &Survey, settings: &Settings) -> Products {
-    run(survey, settings, None, &Progress::new(), |_| ()).expect("nobody cancels")
 }
 
 fn swath(products: &Products) -> Vec<CloudPoint> {

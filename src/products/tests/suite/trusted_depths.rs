@@ -1,20 +1,16 @@
 //! Tests which depths count: side-scan where the recorder lost the bottom, first returns by their
 //! confidence, and depths above the recorded depth.
 
-use crate::truth::KnownSurvey;
+use crate::truth::{KnownSurvey, results};
 use bathyscope_bottom::cloud::{
     ClassRules, DepthSource, PointClass, PointSource, TrackShare, classify,
 };
 use bathyscope_bottom::first_return::Method;
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::SoundingFault;
-use bathyscope_products::pipeline::{self, Preset, Products, Report, Settings};
+use bathyscope_products::pipeline::{self, Preset, Report, Settings};
 use bathyscope_simulation::Scene;
 use std::sync::Arc;
-
-fn processed(pond: &KnownSurvey, settings: &Settings) -> Products {
-    pipeline::run(&pond.survey, settings, None, &Progress::new(), |_| ()).expect("not cancelled")
-}
 
 /// A pond whose recorder loses the bottom in the last quarter.
 fn pond_with_lost_bottom() -> KnownSurvey {
@@ -35,7 +31,7 @@ fn pond_with_lost_bottom() -> KnownSurvey {
 #[test]
 fn depth_comes_from_side_scan_where_the_recorder_lost_the_bottom() {
     let pond = pond_with_lost_bottom();
-    let products = processed(&pond, &Settings::default());
+    let products = results(&pond.survey, &Settings::default());
     let depths = &products.depths;
     let from = 3 * depths.len() / 4;
     let of = |source| depths.iter().filter(|depth| depth.source == source).count();
@@ -66,7 +62,7 @@ fn points_of_unsure_first_returns_are_not_kept_and_counted() {
     let pond = KnownSurvey::new(&Scene::gentle(), 7);
     let mut settings = Settings::default();
     settings.first_return.method = Method::Threshold;
-    let some = processed(&pond, &settings);
+    let some = results(&pond.survey, &settings);
     let floor = settings.first_return.min_confidence;
     assert!(floor > 0.0);
     let unsure = some.cloud.points.iter().zip(some.classes.iter());
@@ -106,7 +102,7 @@ fn what_both_sides_see_above_the_depth_does_not_count_however_long_it_goes_on() 
     for ping in long.clone().chain(short.clone()) {
         pings[ping].depth_m += 0.5;
     }
-    let products = processed(&pond, &Settings::default());
+    let products = results(&pond.survey, &Settings::default());
     let settings = Settings::default();
     let usual = settings.class_rules();
     let counted = |pings: std::ops::Range<usize>, rules: ClassRules<'_>| {
@@ -132,12 +128,12 @@ fn what_both_sides_see_above_the_depth_does_not_count_however_long_it_goes_on() 
 #[test]
 fn depths_that_waves_lift_and_lower_differ_where_the_track_crosses_itself_and_that_is_said() {
     let mut pond = KnownSurvey::new(&Scene::demo(), 1);
-    let steady = processed(&pond, &Settings::default());
+    let steady = results(&pond.survey, &Settings::default());
     assert!(steady.repeatability.is_some_and(|found| found.n >= 6), "{:?}", steady.repeatability);
     assert_eq!(steady.repeatability_warning(), None);
     for sounding in Arc::make_mut(&mut pond.survey.soundings) {
         sounding.depth_m += 0.15 * (1.6 * sounding.time_s).sin() as f32;
     }
-    let said = processed(&pond, &Settings::default()).repeatability_warning();
+    let said = results(&pond.survey, &Settings::default()).repeatability_warning();
     assert!(said.is_some_and(|said| said.contains("crosses itself") && said.contains("waves")));
 }

@@ -124,8 +124,11 @@ pub(super) fn map_with(
 /// A log with what the default settings make of it.
 pub(crate) fn processed(path: &Path) -> (Survey, Products) {
     let survey = formats::open(path, &Progress::new()).expect("a log that opens");
-    let settings = Settings::default();
-    let products =
-        pipeline::run(&survey, &settings, None, &Progress::new(), |_| ()).expect("not cancelled");
+    let products = results(&survey, &Settings::default());
     (survey, products)
+}
+
+/// Results of a survey.
+pub(super) fn results(survey: &Survey, settings: &Settings) -> Products {
+    pipeline::run(survey, settings, None, &Progress::new(), |_| ()).expect("not cancelled")
 }

@@ -1,7 +1,7 @@
 //! Tests that the interval of a volume holds the truth, over simulated pairs of surveys of a bottom
 //! with and without a mound.
 
-use super::Dice;
+use crate::Dice;
 use bathyscope_bottom::bathymetry::change::{ChangeErrors, ChangeField, ChangeTotals};
 use bathyscope_bottom::bathymetry::{
     CellSource, DepthPoint, Surface, SurfaceMethod, SurfaceSettings, surface,

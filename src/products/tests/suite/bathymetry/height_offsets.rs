@@ -1,6 +1,6 @@
 //! Height offsets of logs against what scipy makes of the same overlaps (`make_height_offsets.py`).
 
-use super::Dice;
+use crate::Dice;
 use bathyscope_bottom::bathymetry::crosslines::TrackDepth;
 use bathyscope_bottom::bathymetry::height_offsets::{
     Datum, HeightOffsets, LogOffset, LogOverlap, OverlapKind, adjust, height_offsets,
