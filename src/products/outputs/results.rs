@@ -9,11 +9,10 @@ use super::objects::{Shapes, find_shapes};
 use super::order::{Order, When, log_names, log_points, survey_name};
 use crate::Error;
 use crate::export::{self, LogPoints, ObjectLog, TrackPiece};
-use crate::pipeline::list_objects;
 use crate::pipeline::{
     Agreement, Bottom, BottomColour, CloudPlane, Contours, Crosslines, DepthMap, Input, Isobaths,
     Mosaic, MosaicPlane, NamedComparison, ProcessedLog, Products, comparisons, crosslines,
-    mosaic_layout,
+    list_objects, mosaic_layout,
 };
 use bathyscope_bottom::bathymetry::{DepthPoint, Surface, spot_radius_m, spot_soundings};
 use bathyscope_bottom::mosaic::{MosaicLayout, footprint};
@@ -119,80 +118,60 @@ impl<'a> Results<'a> {
 
     /// Returns the reason if a need is not met; `None` if it is met.
     pub(super) fn missing(&self, need: Need) -> Result<Option<Missing>, Error> {
-        let with_reason = |why: &str| Some(Missing(Some(why.to_owned())));
-        let silent = || Some(Missing(None));
+        let because = |why: &str| Missing(Some(why.to_owned()));
+        let silent = |is_missing: bool| is_missing.then_some(Missing(None));
+        let settings = &self.products.settings;
         Ok(match need {
-            Need::KeptPoints
-                if self.logs().any(|(_, made)| made.kept_points().next().is_some()) =>
-            {
-                None
+            Need::KeptPoints => {
+                let has_points = self.logs().any(|(_, made)| made.kept_points().next().is_some());
+                (!has_points).then(|| because(no_cloud(self.products)))
             }
-            Need::KeptPoints => with_reason(no_cloud(self.products)),
-            Need::PlainLas if !self.products.settings.points.las => silent(),
-            Need::Track if self.track().is_empty() => {
-                with_reason(if self.logs().any(|(survey, _)| survey.has_place()) {
+            Need::PlainLas => silent(!settings.points.las),
+            Need::Track => {
+                let why = if self.logs().any(|(survey, _)| survey.has_place()) {
                     "no track: the boat lay still"
                 } else {
                     "no track: the log has no position"
+                };
+                self.track().is_empty().then(|| because(why))
+            }
+            Need::Footprint if self.has_side_scan() => {
+                self.ground()?.shapes.is_empty().then(|| {
+                    because(
+                        "no footprint: no ping has side-scan, a place, a heading and an altitude",
+                    )
                 })
             }
-            Need::Footprint if self.ground()?.shapes.is_empty() && self.has_side_scan() => {
-                with_reason(
-                    "no footprint: no ping has side-scan, a place, a heading and an altitude",
-                )
+            Need::Footprint => silent(self.ground()?.shapes.is_empty()),
+            Need::Surface => self.surface()?.is_none().then(|| because(NO_DEPTH_MAP)),
+            Need::Hardness => {
+                silent(self.surface()?.is_none_or(|surface| surface.hardness_db.is_none()))
             }
-            Need::Footprint if self.ground()?.shapes.is_empty() => silent(),
-            Need::Surface if self.surface()?.is_none() => with_reason(
-                "no depth map: the depths span no surface (a single straight line, or none near another within surface.max_gap_m)",
+            Need::Levels => self.contours()?.as_ref().err().map(|why| because(&why.to_string())),
+            Need::Isobaths => {
+                let has_lines = |contours: &Contours| !contours.isobaths.lines.is_empty();
+                silent(!self.contours()?.as_ref().is_ok_and(has_lines))
+            }
+            Need::Area => silent(
+                self.depth_map()?.is_some_and(|map| map.clip_area(&settings.isobaths).is_err()),
             ),
-            Need::Hardness
-                if self.surface()?.is_none_or(|surface| surface.hardness_db.is_none()) =>
+            Need::Agreement if !self.comparisons()?.is_empty() || self.crossings()?.is_some() => {
+                None
+            }
+            // A survey without soundings or without side-scan gets no message about missing
+            // residuals.
+            Need::Agreement
+                if self.has_soundings() && (self.has_side_scan() || self.has_swath()) =>
             {
-                silent()
+                Some(because(NO_RESIDUALS))
             }
-            Need::Levels => match self.contours()? {
-                Err(why) => with_reason(&why.to_string()),
-                Ok(_) => None,
-            },
-            Need::Isobaths => match self.contours()? {
-                Ok(contours) if !contours.isobaths.lines.is_empty() => None,
-                _ => silent(),
-            },
-            Need::Area => match self.depth_map()? {
-                Some(map) if map.clip_area(&self.products.settings.isobaths).is_err() => silent(),
-                _ => None,
-            },
-            Need::Agreement if self.comparisons()?.is_empty() && self.crossings()?.is_none() => {
-                // A survey without soundings or without side-scan gets no message about missing
-                // residuals.
-                let has_others = self.has_side_scan() || self.has_swath();
-                if has_others && self.has_soundings() {
-                    with_reason(
-                        "no residuals: there are no side-scan points near a sounding, and no track crosses itself or another",
-                    )
-                } else {
-                    silent()
-                }
-            }
-            Need::SideScan if !self.has_side_scan() => silent(),
-            Need::Mosaic => {
-                let cell_m = self.products.settings.mosaic.cell_m;
-                match mosaic_grid(self.mosaic()?.as_deref(), cell_m) {
-                    Err(why) => with_reason(&why.to_string()),
-                    Ok(_) => None,
-                }
-            }
-            Need::Targets if !self.order.review.has_targets() => silent(),
-            Need::Reference if self.order.reference.is_none() => silent(),
-            Need::PlainLas
-            | Need::Track
-            | Need::Footprint
-            | Need::Surface
-            | Need::Hardness
-            | Need::Agreement
-            | Need::SideScan
-            | Need::Targets
-            | Need::Reference => None,
+            Need::Agreement => silent(true),
+            Need::SideScan => silent(!self.has_side_scan()),
+            Need::Mosaic => mosaic_grid(self.mosaic()?.as_deref(), settings.mosaic.cell_m)
+                .err()
+                .map(|why| because(&why.to_string())),
+            Need::Targets => silent(!self.order.review.has_targets()),
+            Need::Reference => silent(self.order.reference.is_none()),
         })
     }
 
@@ -276,8 +255,7 @@ impl<'a> Results<'a> {
     /// Returns the depth map; `None` where the depths span no surface.
     pub(super) fn depth_map(&self) -> Result<Option<&Arc<DepthMap>>, Error> {
         let made = once(&self.computed.depth_map, || {
-            let made = self.order.derived.depth_map(self.order.logs, self.progress);
-            made.map_err(Error::from)
+            Ok(self.order.derived.depth_map(self.order.logs, self.progress)?)
         });
         made.map(Option::as_ref)
     }
@@ -294,8 +272,7 @@ impl<'a> Results<'a> {
         most_corners: usize,
     ) -> Result<Option<Arc<Bottom>>, Error> {
         let (derived, logs) = (self.order.derived, self.order.logs);
-        let made = derived.bottom(logs, colour, most_corners, self.progress);
-        made.map_err(Error::from)
+        Ok(derived.bottom(logs, colour, most_corners, self.progress)?)
     }
 
     /// Returns the isobaths, or the reason why there are none.
@@ -372,8 +349,7 @@ impl<'a> Results<'a> {
     /// Returns the mosaic in the plane of the map; `None` where no log has echoes with a place.
     pub(super) fn mosaic(&self) -> Result<Option<Arc<Mosaic>>, Error> {
         let plane = MosaicPlane::Map(self.plane.map.clone());
-        let made = (self.order.derived).mosaic(self.order.logs, plane, self.progress);
-        made.map_err(Error::from)
+        Ok(self.order.derived.mosaic(self.order.logs, plane, self.progress)?)
     }
 
     /// Returns the agreement of the survey with the reference; `None` without a reference.
@@ -505,6 +481,9 @@ impl<'a> Results<'a> {
         logs.map(|(name, (survey, _))| ObjectLog { name, survey }).collect()
     }
 }
+
+const NO_DEPTH_MAP: &str = "no depth map: the depths span no surface (a single straight line, or none near another within surface.max_gap_m)";
+const NO_RESIDUALS: &str = "no residuals: there are no side-scan points near a sounding, and no track crosses itself or another";
 
 /// Returns the reason why there is no point to write.
 fn no_cloud(products: &Products) -> &'static str {

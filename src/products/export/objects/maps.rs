@@ -23,7 +23,6 @@ use std::path::Path;
 
 /// EPSG's number of WGS84.
 const WGS84: u16 = 4326;
-const ABOUT: &str = "Targets of a side-scan survey";
 
 /// Returns the description that a plotter shows beside the name of an object, without unknown
 /// values.
@@ -207,23 +206,23 @@ pub(crate) fn object_layers(
         let ring = FeatureGeometry::Polygon(vec![around.map(&place).collect()]);
         Some((ring, values(of)))
     });
-    let outlines = Layer {
-        name: "target_outlines",
-        title: "Outlines of targets",
-        about: ABOUT,
-        geometry: "POLYGON",
-        columns: columns().into(),
-        features: outlines.collect(),
-        style: target_outline_style(),
-    };
     let points = Layer {
         name: "targets",
         title: "Targets",
-        about: ABOUT,
+        about: "Targets of a side-scan survey",
         geometry: "POINT",
         columns: columns().into(),
         features: points.collect(),
         style: target_style(),
+    };
+    let outlines = Layer {
+        name: "target_outlines",
+        title: "Outlines of targets",
+        geometry: "POLYGON",
+        columns: points.columns.clone(),
+        features: outlines.collect(),
+        style: target_outline_style(),
+        ..points
     };
     [points, outlines]
 }

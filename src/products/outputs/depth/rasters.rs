@@ -16,6 +16,7 @@ use bathyscope_bottom::presentation::colours::{
     depth_colour, depth_share, distance_colour, share_colour, uncertainty_colour,
 };
 use bathyscope_log::formats::geotiff::{Band, CellFormat, RasterSpec};
+use bathyscope_log::support::geo::MapPlane;
 use std::path::Path;
 
 /// A raster to write.
@@ -112,13 +113,8 @@ pub(crate) fn source(results: &Results<'_>, path: &Path) -> FileResult {
 /// Writes `depth.xyz`: the middles of the cells that have a depth.
 pub(crate) fn xyz(results: &Results<'_>, path: &Path) -> FileResult {
     let surface = results.surface()?.ok_or(super::NO_SURFACE)?;
-    let (grid, map) = (&surface.grid, &results.plane.map);
-    let known = surface.depth_m.iter().enumerate();
-    let known = known.filter(|(_, depth_m)| !depth_m.is_nan());
-    let cells = known.map(|(index, &depth_m)| {
-        let centre = grid.centre(index / grid.columns, index % grid.columns);
-        (map.in_crs(centre), depth_m)
-    });
+    let map = &results.plane.map;
+    let cells = known_cells(surface, map).map(|(_, place, depth_m)| (place, depth_m));
     let decimals = if map.crs.is_degrees() { 9 } else { 3 };
     let cells = export::depth_xyz(path, decimals, cells, results.progress)?;
     Ok(FileContent::in_system(&map.crs, cells))
@@ -129,10 +125,9 @@ pub(crate) fn xyz(results: &Results<'_>, path: &Path) -> FileResult {
 pub(crate) fn points(results: &Results<'_>, path: &Path) -> FileResult {
     let depth_map = results.depth_map()?.ok_or(super::NO_SURFACE)?;
     let (surface, map) = (&depth_map.surface, &results.plane.map);
-    let grid = &surface.grid;
-    let cell = |(index, depth_m): (usize, &f32)| BottomCell {
-        place: map.in_crs(grid.centre(index / grid.columns, index % grid.columns)),
-        depth_m: *depth_m,
+    let cell = |(index, place, depth_m): (usize, [f64; 2], f32)| BottomCell {
+        place,
+        depth_m,
         sigma_m: surface.spread_m[index],
         distance_m: surface.distance_m[index],
         source: surface.source[index] as u8,
@@ -140,15 +135,26 @@ pub(crate) fn points(results: &Results<'_>, path: &Path) -> FileResult {
             surface.source[index],
             CellSource::Sounding | CellSource::FirstReturn
         ),
-        rgb: depth_colour(depth_share(*depth_m, depth_map.colour_range_m)),
+        rgb: depth_colour(depth_share(depth_m, depth_map.colour_range_m)),
     };
-    let known = surface.depth_m.iter().enumerate();
-    let known = known.filter(|(_, depth_m)| !depth_m.is_nan());
-    let cells: Vec<BottomCell> = known.map(cell).collect();
+    let cells: Vec<BottomCell> = known_cells(surface, map).map(cell).collect();
     results.progress.check()?;
     let origin = results.survey.track.frame.origin();
     let cells = export::bottom_las(path, &map.crs, origin, &cells)?;
     Ok(FileContent::in_system(&map.crs, cells))
+}
+
+/// Returns the cells that have a depth: index, middle in the coordinate system of the map, depth.
+fn known_cells<'a>(
+    surface: &'a Surface,
+    map: &'a MapPlane,
+) -> impl Iterator<Item = (usize, [f64; 2], f32)> + 'a {
+    let grid = &surface.grid;
+    let known = surface.depth_m.iter().enumerate().filter(|(_, depth_m)| !depth_m.is_nan());
+    known.map(move |(index, &depth_m)| {
+        let centre = grid.centre(index / grid.columns, index % grid.columns);
+        (index, map.in_crs(centre), depth_m)
+    })
 }
 
 fn write(
