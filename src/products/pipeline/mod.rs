@@ -37,22 +37,17 @@ mod source;
 mod survey_coverage;
 mod task;
 
-pub use agreement::LogDifferences;
-pub use agreement::{Agreement, MissionLog, Reference, ResidualTables, positions};
+pub use agreement::{Agreement, LogDifferences, MissionLog, Reference, ResidualTables, positions};
 pub use clip_area::clip_area;
-pub(crate) use depth::CloudPlane;
-pub(crate) use depth::NamedComparison;
-pub(crate) use depth::comparisons;
+pub(crate) use depth::{CloudPlane, NamedComparison, comparisons};
 pub use depth::{
     CommonUncertainty, Crosslines, GeometryChoice, choices, crosslines, depth_points,
     joint_depth_points, joint_depth_surface, log_echoes,
 };
 pub use derived::{
-    Bottom, BottomColour, BottomKey, CornerGround, DepthMapKey, FINEST, IsobathKey, Isobaths,
-    MosaicKey, PictureKey,
-};
-pub use derived::{
-    Contours, DepthMap, Derived, Mosaic, MosaicPlane, mosaic_layout, mosaic_layout_by,
+    Bottom, BottomColour, BottomKey, Contours, CornerGround, DepthMap, DepthMapKey, Derived,
+    FINEST, IsobathKey, Isobaths, Mosaic, MosaicKey, MosaicPlane, PictureKey, mosaic_layout,
+    mosaic_layout_by,
 };
 pub use fingerprint::{Fingerprint, Input, in_hexadecimal};
 pub(crate) use fingerprint::{LogFiles, sha256_of};
@@ -64,13 +59,11 @@ pub(crate) use log_settings::{
 };
 pub use objects::{ObjectLocator, list_objects, object_shape};
 pub use passes::{Pass, passes_over, place_of};
-pub use products::colour_range_m;
-pub use products::{LogLatency, ProcessedLog, Products};
+pub use products::{LogLatency, ProcessedLog, Products, colour_range_m};
 pub use report::Report;
 pub use run_stages::{Stage, run};
 pub use scale_trial::{ScaleEffect, ScaleTrial};
-pub use settings::SettingsError;
-pub use settings::{Preset, Settings};
+pub use settings::{Preset, Settings, SettingsError};
 pub use source::{SourceError, SourceKey, as_mounted, as_set};
 pub use survey_coverage::survey_coverage;
 pub use task::{Background, Jobs, Same, Task, TaskOutcome};

@@ -23,11 +23,9 @@ mod node;
 mod side_scan;
 
 pub use bottom::{Bottom, BottomColour, BottomKey, CornerGround};
-pub use depth_map::DepthMap;
-pub use depth_map::DepthMapKey;
+pub use depth_map::{DepthMap, DepthMapKey};
 pub use isobaths::{Contours, IsobathKey, Isobaths};
-pub use mosaic::{FINEST, MosaicKey};
-pub use mosaic::{Mosaic, MosaicPlane};
+pub use mosaic::{FINEST, Mosaic, MosaicKey, MosaicPlane};
 pub use side_scan::{PictureKey, mosaic_layout, mosaic_layout_by};
 
 use crate::pipeline::ProcessedLog;
@@ -180,8 +178,8 @@ impl Derived {
     ) -> Result<Arc<LogPicture>, Cancelled> {
         let key = PictureKey::of(log);
         let make = || {
-            let gain = if key.is_normalised() { self.gain(log, progress)? } else { None };
-            Ok(Arc::new(made_picture(log, gain, key.is_even(), progress)?))
+            let gain = if key.is_normalised { self.gain(log, progress)? } else { None };
+            Ok(Arc::new(made_picture(log, gain, key.is_even, progress)?))
         };
         self.picture.get(key.clone(), progress, make)
     }
@@ -199,7 +197,7 @@ impl Derived {
         progress: &Progress,
     ) -> Result<Arc<LogPicture>, Cancelled> {
         let gain =
-            if PictureKey::of(log).is_normalised() { self.gain(whole, progress)? } else { None };
+            if PictureKey::of(log).is_normalised { self.gain(whole, progress)? } else { None };
         Ok(Arc::new(made_picture(log, gain, false, progress)?))
     }
 }

@@ -81,8 +81,10 @@ impl LayoutKey {
 #[derive(Clone, PartialEq)]
 pub struct PictureKey {
     of: GainKey,
-    is_normalised: bool,
-    is_even: bool,
+    /// True if gain is normalised.
+    pub(super) is_normalised: bool,
+    /// True if the stripe filter is on.
+    pub(super) is_even: bool,
 }
 
 impl PictureKey {
@@ -94,16 +96,6 @@ impl PictureKey {
             is_normalised: picture.gain == Gain::Empirical,
             is_even: picture.stripe_filter,
         }
-    }
-
-    /// Returns true if gain is normalised.
-    pub fn is_normalised(&self) -> bool {
-        self.is_normalised
-    }
-
-    /// Returns true if the stripe filter is on.
-    pub(super) fn is_even(&self) -> bool {
-        self.is_even
     }
 }
 

@@ -53,12 +53,8 @@ pub(crate) fn joint_report(
         all.inputs.extend(single.inputs.iter().cloned());
         let warnings = single.warnings.iter();
         all.warnings.extend(warnings.map(|warning| format!("{}: {warning}", names[index])));
-        let others: Vec<&ProcessedLog> = logs
-            .iter()
-            .enumerate()
-            .filter(|(other, _)| *other != index)
-            .map(|(_, log)| log)
-            .collect();
+        let others = logs.iter().enumerate().filter(|(other, _)| *other != index);
+        let against_the_others = compare_logs(&logs[index], others.map(|(_, log)| log), progress)?;
         listed.push(LogReport {
             log: names[index].clone(),
             inputs: single.inputs,
@@ -67,7 +63,7 @@ pub(crate) fn joint_report(
             own_settings: own_settings(&logs[0].products.settings, &logs[index].products.settings),
             height_offset_in_force_m: logs[index].products.correction.height_offset_m(),
             offset,
-            against_the_others: compare_logs(&[&logs[index]], &others, progress)?,
+            against_the_others,
             counts: single.counts,
             excluded: single.excluded,
             calibration: single.calibration,
@@ -206,27 +202,24 @@ pub fn contradictions<'a>(
     })
 }
 
-/// Compares the points of some logs with the triangulated points of others, all in one plane: one
-/// log with the others, one boat with another, one day with the next. Only the points of the depth
-/// map are compared, and `surface.max_gap_m` of the first measured log limits the size of a
+/// Compares the points of a log with the triangulated points of others, all in one plane. Only the
+/// points of the depth map are compared, and `surface.max_gap_m` of the log limits the size of a
 /// triangle.
 ///
 /// # Errors
 /// When the work was cancelled.
-fn compare_logs(
-    measured: &[&ProcessedLog],
-    reference: &[&ProcessedLog],
+fn compare_logs<'a>(
+    log: &ProcessedLog,
+    others: impl Iterator<Item = &'a ProcessedLog>,
     progress: &Progress,
 ) -> Result<Comparison, Cancelled> {
-    let settings = measured.first().map(|log| &log.products.settings.surface);
-    let max_gap_m = settings.map_or(0.0, |surface| surface.max_gap_m);
-    let matching = Matching::Surface { max_gap_m };
-    let reference: Vec<[f64; 3]> = reference.iter().flat_map(|log| places(log)).collect();
-    let reference = ReferencePoints::new(reference.iter().copied(), matching);
-    let places: Vec<[f64; 3]> = measured.iter().flat_map(|log| places(log)).collect();
+    let max_gap_m = log.products.settings.surface.max_gap_m;
+    let reference: Vec<[f64; 3]> = others.flat_map(places).collect();
+    let reference =
+        ReferencePoints::new(reference.iter().copied(), Matching::Surface { max_gap_m });
+    let places: Vec<[f64; 3]> = places(log).collect();
     let matches = reference.matches(&places, |place| *place, progress)?;
-    let level_m = measured.first().map_or(0.0, |log| log.products.correction.middle_level_m());
-    Ok(Comparison::new(places.len(), &matches, level_m))
+    Ok(Comparison::new(places.len(), &matches, log.products.correction.middle_level_m()))
 }
 
 /// Returns east, north and elevation of the points from which the depth map is made.
