@@ -17,8 +17,8 @@ use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::{
     ExclusionReason, Exclusions, Navigation, Side, SoundingFault, Survey,
 };
-use std::borrow::Cow;
-use std::io::{self, Write};
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
 /// Columns of `first_returns.csv`.
@@ -64,29 +64,29 @@ impl<'a> LogPoints<'a> {
     }
 }
 
-/// Column with the name of the log, and its fields, each with a comma at the end; empty in a table
-/// of a single log.
-struct LogColumn {
-    /// Heading of the column: `log,`, or empty.
-    header: &'static str,
-    is_shown: bool,
-}
-
-impl LogColumn {
-    fn of(logs: &[LogPoints<'_>]) -> Self {
-        let is_shown = logs.len() > 1;
-        Self { header: if is_shown { "log," } else { "" }, is_shown }
-    }
-
-    /// Returns the field of a log, quoted where the name contains a separator, a quote or a line
-    /// break.
-    fn field<'a>(&self, log: &LogPoints<'a>) -> Cow<'a, str> {
-        match (self.is_shown, log.name.contains([',', '"', '\n', '\r'])) {
-            (false, _) => Cow::Borrowed(""),
-            (true, false) => Cow::Owned(format!("{},", log.name)),
-            (true, true) => Cow::Owned(format!("\"{}\",", log.name.replace('"', "\"\""))),
+/// Writes a table: the heading, then the rows of each log by its index. With several logs the column
+/// `log` comes first: each row begins with the field that `write_rows` gets, the name of the log and
+/// a comma, quoted where the name contains a separator, a quote or a line break. With a single log
+/// that field is empty.
+fn table(
+    path: &Path,
+    heading: &str,
+    logs: &[LogPoints<'_>],
+    write_rows: impl Fn(usize, &str, &mut BufWriter<File>, &mut Summary) -> io::Result<()>,
+) -> Result<Summary, ExportError> {
+    let is_of_several = logs.len() > 1;
+    write_summed(path, |out, summary| {
+        writeln!(out, "{}{heading}", if is_of_several { "log," } else { "" })?;
+        for (index, log) in logs.iter().enumerate() {
+            let name = match (is_of_several, log.name.contains([',', '"', '\n', '\r'])) {
+                (false, _) => String::new(),
+                (true, false) => format!("{},", log.name),
+                (true, true) => format!("\"{}\",", log.name.replace('"', "\"\"")),
+            };
+            write_rows(index, &name, out, summary)?;
         }
-    }
+        Ok(())
+    })
 }
 
 /// Writes one line for each side-scan ping; a field is empty where there is no value. `*_sample`
@@ -96,15 +96,11 @@ pub(crate) fn first_returns_csv(
     path: &Path,
     logs: &[LogPoints<'_>],
 ) -> Result<Summary, ExportError> {
-    let column = LogColumn::of(logs);
-    write_summed(path, |out, summary| {
-        writeln!(out, "{}{HEADER}", column.header)?;
-        for log in logs {
-            let name = column.field(log);
-            for ping in 0..log.survey.side_scan.len().min(log.navigation.pings.len()) {
-                write!(out, "{name}")?;
-                write_ping(log, ping, out, summary)?;
-            }
+    table(path, HEADER, logs, |index, name, out, summary| {
+        let log = &logs[index];
+        for ping in 0..log.survey.side_scan.len().min(log.navigation.pings.len()) {
+            write!(out, "{name}")?;
+            write_ping(log, ping, out, summary)?;
         }
         Ok(())
     })
@@ -152,41 +148,32 @@ fn number(out: &mut impl Write, value: f64, decimals: usize) -> io::Result<()> {
 /// that of a swath point the distance straight to the point. `fault` is the reason for which a
 /// sounding does not count.
 pub(crate) fn cloud_csv(path: &Path, logs: &[LogPoints<'_>]) -> Result<Summary, ExportError> {
-    let column = LogColumn::of(logs);
-    write_summed(path, |out, summary| {
-        let header = column.header;
-        writeln!(
-            out,
-            "{header}source,ping,lon,lat,east_m,north_m,z_m,kept,class,level,range_m,fault"
-        )?;
-        for log in logs {
-            let (name, reduction) = (column.field(log), log.reduction());
-            for (point, class) in log.points() {
-                let (east_m, north_m) = (point.east_m, point.north_m);
-                let at = log.navigation.to_lon_lat(&log.survey.track, east_m, north_m);
-                summary.add([at.lon_deg, at.lat_deg], point.z_m);
-                let range_m = reduction.point_range_m(log.survey, point);
-                let level = if point.source.is_side_scan() {
-                    point.level.to_string()
-                } else {
-                    String::new()
-                };
-                writeln!(
-                    out,
-                    "{name}{},{},{},{},{},{},{},{},{},{level},{},{}",
-                    point.source.name(),
-                    point.ping,
-                    Fixed(at.lon_deg, 9),
-                    Fixed(at.lat_deg, 9),
-                    Fixed(east_m, 4),
-                    Fixed(north_m, 4),
-                    Fixed(point.z_m, 4),
-                    u8::from(class.is_kept()),
-                    class.code(),
-                    Fixed(range_m, 3),
-                    point.fault.map_or("", SoundingFault::name)
-                )?;
-            }
+    const HEADING: &str = "source,ping,lon,lat,east_m,north_m,z_m,kept,class,level,range_m,fault";
+    table(path, HEADING, logs, |index, name, out, summary| {
+        let log = &logs[index];
+        let reduction = log.reduction();
+        for (point, class) in log.points() {
+            let (east_m, north_m) = (point.east_m, point.north_m);
+            let at = log.navigation.to_lon_lat(&log.survey.track, east_m, north_m);
+            summary.add([at.lon_deg, at.lat_deg], point.z_m);
+            let range_m = reduction.point_range_m(log.survey, point);
+            let level =
+                if point.source.is_side_scan() { point.level.to_string() } else { String::new() };
+            writeln!(
+                out,
+                "{name}{},{},{},{},{},{},{},{},{},{level},{},{}",
+                point.source.name(),
+                point.ping,
+                Fixed(at.lon_deg, 9),
+                Fixed(at.lat_deg, 9),
+                Fixed(east_m, 4),
+                Fixed(north_m, 4),
+                Fixed(point.z_m, 4),
+                u8::from(class.is_kept()),
+                class.code(),
+                Fixed(range_m, 3),
+                point.fault.map_or("", SoundingFault::name)
+            )?;
         }
         Ok(())
     })
@@ -199,36 +186,27 @@ pub(crate) fn differences_csv(
     logs: &[LogPoints<'_>],
     differences: &[&[Match]],
 ) -> Result<Summary, ExportError> {
-    let column = LogColumn::of(logs);
-    write_summed(path, |out, summary| {
-        writeln!(
-            out,
-            "{}source,ping,lon,lat,east_m,north_m,z_m,reference_z_m,difference_m",
-            column.header
-        )?;
-        for (log, differences) in logs.iter().zip(differences) {
-            let name = column.field(log);
-            for matched in *differences {
-                let Some(point) = log.cloud.points.get(matched.measured) else {
-                    continue;
-                };
-                let track = &log.survey.track;
-                let at = (log.navigation).to_lon_lat(track, point.east_m, point.north_m);
-                summary.add([at.lon_deg, at.lat_deg], matched.difference_m);
-                writeln!(
-                    out,
-                    "{name}{},{},{:.9},{:.9},{:.4},{:.4},{:.4},{:.4},{:.4}",
-                    point.source.name(),
-                    point.ping,
-                    at.lon_deg,
-                    at.lat_deg,
-                    point.east_m,
-                    point.north_m,
-                    point.z_m,
-                    matched.reference_z_m,
-                    matched.difference_m
-                )?;
-            }
+    const HEADING: &str = "source,ping,lon,lat,east_m,north_m,z_m,reference_z_m,difference_m";
+    table(path, HEADING, logs, |index, name, out, summary| {
+        let log = &logs[index];
+        for matched in differences.get(index).copied().unwrap_or_default() {
+            let Some(point) = log.cloud.points.get(matched.measured) else {
+                continue;
+            };
+            let (track, east_m, north_m) = (&log.survey.track, point.east_m, point.north_m);
+            let at = log.navigation.to_lon_lat(track, east_m, north_m);
+            summary.add([at.lon_deg, at.lat_deg], matched.difference_m);
+            writeln!(
+                out,
+                "{name}{},{},{:.9},{:.9},{east_m:.4},{north_m:.4},{:.4},{:.4},{:.4}",
+                point.source.name(),
+                point.ping,
+                at.lon_deg,
+                at.lat_deg,
+                point.z_m,
+                matched.reference_z_m,
+                matched.difference_m
+            )?;
         }
         Ok(())
     })
