@@ -12,7 +12,7 @@ use super::{clouds, comparison, depth, mosaic, object_files, residuals, track};
 use kinds::{
     CLASSED_POINTS, KEPT_POINTS, LAS_POINTS, NOT_OF_BODY, NOT_OF_CLOUD, NOT_OF_DEPTHS,
     NOT_OF_MOSAIC, NOT_OF_POINTS, boxes, boxes_of, cloud, compared, contours, described, footprint,
-    map_tiles, raster, row, run_file, target_file, track_file,
+    isobaths, map_tiles, raster, row, run_file, target_file, track_file,
 };
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -277,22 +277,10 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
             depth::rasters::points,
         )
     },
-    contours(
-        "isobaths/isobaths.geojson",
-        "Lines of equal depth",
-        "lines",
-        "lines of equal depth",
-        depth::contours::isobaths_geojson,
-    ),
+    isobaths("isobaths/isobaths.geojson", depth::contours::isobaths_geojson),
     OutputFile {
         needs: &[Need::Surface, Need::Levels, Need::Isobaths],
-        ..contours(
-            "isobaths/isobaths.kmz",
-            "Lines of equal depth",
-            "lines",
-            "lines of equal depth",
-            depth::contours::isobaths_kmz,
-        )
+        ..isobaths("isobaths/isobaths.kmz", depth::contours::isobaths_kmz)
     },
     OutputFile {
         needs: &[Need::Surface, Need::Levels, Need::Isobaths],
@@ -302,13 +290,7 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
             "isobaths/isobaths.prj",
             "isobaths/isobaths.cpg",
         ],
-        ..contours(
-            "isobaths/isobaths.shp",
-            "Lines of equal depth",
-            "lines",
-            "lines of equal depth",
-            depth::contours::isobaths_shapefile,
-        )
+        ..isobaths("isobaths/isobaths.shp", depth::contours::isobaths_shapefile)
     },
     contours(
         "isobaths/depth_areas.geojson",

@@ -136,6 +136,10 @@ pub(super) const fn contours(
     }
 }
 
+pub(super) const fn isobaths(name: Text, write: WriteFile) -> OutputFile {
+    contours(name, "Lines of equal depth", "lines", "lines of equal depth", write)
+}
+
 pub(super) const fn map_tiles(name: Text, what: Text, brief: Text, write: WriteFile) -> OutputFile {
     OutputFile {
         needs: &[Need::Surface],
