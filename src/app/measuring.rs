@@ -325,7 +325,7 @@ impl App {
         if self.refuses_log(self.logs.shown.id, &path) {
             return;
         }
-        match export::write_profile_csv(&path, &text) {
+        match export::write_bytes(&path, text) {
             Ok(()) => self.notices.notify(format!("Wrote the depth profile to {}", path.display())),
             Err(error) => self.notices.warn(error.to_string()),
         }

@@ -61,7 +61,7 @@ fn write(app: &App, figure: &MeasuredFigure, path: &Path) -> Result<(), AppError
         "geojson" | "json" => export::figure_geojson(path, figure),
         // The depths along a profile are more useful than its corners.
         "csv" => match app.profile_csv() {
-            Some(text) => export::write_profile_csv(path, &text),
+            Some(text) => export::write_bytes(path, text),
             None => export::figure_csv(path, figure),
         },
         _ => return Err(AppError::FigureFormat(path.to_owned())),

@@ -60,16 +60,16 @@ impl DatasetFolder {
                 make(&root.join(kind).join(part.name()))?;
             }
         }
-        folder.text("classes.txt", &(classes.join("\n") + "\n"))?;
+        folder.file("classes.txt", classes.join("\n") + "\n")?;
         Ok(folder)
     }
 
     /// Writes a picture and its YOLO labels.
     pub fn chip(&self, part: DatasetPart, number: usize, chip: &Chip) -> Result<(), ExportError> {
         let png = format!("images/{}/{}", part.name(), picture(number));
-        self.bytes(&png, &chip.png())?;
+        self.file(&png, chip.png())?;
         let labels = format!("labels/{}/{number:06}.txt", part.name());
-        self.text(&labels, &yolo_lines(&chip.boxes.labels))
+        self.file(&labels, yolo_lines(&chip.boxes.labels))
     }
 
     /// Writes a picture's labels as Pascal VOC, in `voc/PART`.
@@ -81,7 +81,7 @@ impl DatasetFolder {
     ) -> Result<(), ExportError> {
         make(&self.root.join("voc").join(part.name()))?;
         let text = voc_xml(&picture(number), &self.classes, boxes);
-        self.text(&format!("voc/{}/{number:06}.xml", part.name()), &text)
+        self.file(&format!("voc/{}/{number:06}.xml", part.name()), text)
     }
 
     /// Writes the COCO file of a part, with pictures numbered from 0; returns the content of the
@@ -121,15 +121,11 @@ impl DatasetFolder {
     fn json(&self, name: &str, value: &impl Serialize) -> Result<(), ExportError> {
         let text = serde_json::to_vec(value)
             .map_err(|error| ExportError::at(&self.root.join(name))(error.into()))?;
-        self.bytes(name, &text)
+        self.file(name, text)
     }
 
-    fn text(&self, name: &str, text: &str) -> Result<(), ExportError> {
-        self.bytes(name, text.as_bytes())
-    }
-
-    fn bytes(&self, name: &str, bytes: &[u8]) -> Result<(), ExportError> {
-        write_bytes(&self.root.join(name), bytes)
+    fn file(&self, name: &str, content: impl AsRef<[u8]>) -> Result<(), ExportError> {
+        write_bytes(&self.root.join(name), content)
     }
 }
 

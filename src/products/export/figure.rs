@@ -2,7 +2,7 @@
 //! table.
 
 use super::geojson::{collection, feature_at, position};
-use super::{ExportError, write_bytes};
+use super::{ExportError, millimetres, write_bytes};
 use bathyscope_bottom::bathymetry::TransectStation;
 use bathyscope_log::support::geo::LonLat;
 use bathyscope_log::survey::{Navigation, Survey};
@@ -60,14 +60,14 @@ fn outline(figure: &MeasuredFigure) -> Value {
     let mut properties = json!({
         "log": figure.log,
         "measured": figure.kind,
-        "length_m": thousandths(figure.length_m),
+        "length_m": millimetres(figure.length_m),
     });
     if let Some(area_m2) = figure.area_m2 {
-        properties["area_m2"] = json!(thousandths(area_m2));
+        properties["area_m2"] = json!(millimetres(area_m2));
     }
     if let Some(shadow) = &figure.shadow {
         for (name, value_m) in shadow_columns(shadow) {
-            properties[name] = json!(thousandths(value_m));
+            properties[name] = json!(millimetres(value_m));
         }
         properties["height_is_least"] = json!(shadow.is_least);
     }
@@ -87,13 +87,9 @@ fn shadow_columns(shadow: &ShadowHeight) -> [(&'static str, f64); 5] {
 }
 
 fn station_feature((at, distance_m, depth_m): &(LonLat, f64, Option<f32>)) -> Value {
-    let depth_m = depth_m.map(|depth_m| thousandths(f64::from(depth_m)));
-    let properties = json!({ "distance_m": thousandths(*distance_m), "depth_m": depth_m });
+    let depth_m = depth_m.map(|depth_m| millimetres(f64::from(depth_m)));
+    let properties = json!({ "distance_m": millimetres(*distance_m), "depth_m": depth_m });
     feature_at("Point", position(*at), properties)
-}
-
-fn thousandths(metres: f64) -> f64 {
-    (metres * 1000.0).round() / 1000.0
 }
 
 /// Returns true if a ring runs clockwise, by its signed area.
@@ -147,11 +143,6 @@ pub fn profile_csv(
         );
     }
     text
-}
-
-/// Writes a table of [`profile_csv`] into a file.
-pub fn write_profile_csv(path: &Path, text: &str) -> Result<(), ExportError> {
-    write_bytes(path, text)
 }
 
 #[cfg(test)]

@@ -48,7 +48,7 @@ pub(crate) use chips::picture_chips;
 pub use chips::{ChipLog, chip, chips};
 pub(crate) use cloud_las::cloud_las;
 pub use dataset::{DatasetFolder, DatasetPart, PartSummary};
-pub use figure::{MeasuredFigure, figure_csv, figure_geojson, profile_csv, write_profile_csv};
+pub use figure::{MeasuredFigure, figure_csv, figure_geojson, profile_csv};
 pub(crate) use geopackage::geopackage;
 pub(crate) use geotiff::source_raster;
 pub use geotiff::{geotiff, metres_raster};

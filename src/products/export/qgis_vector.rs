@@ -83,7 +83,7 @@ pub(super) fn depth_area_style(classes: &[([f64; 2], Rgb)]) -> String {
 
 /// Returns the style of the track: a thin line.
 pub(super) fn track_style() -> String {
-    document(&single(&line_symbol("0", RED, THIN_MM)), None, 1.0)
+    document(&single(&symbol("0", "line", &line_layer(RED, 255, THIN_MM))), None, 1.0)
 }
 
 /// Returns the style of the insonified ground: a dashed edge without a fill, so that maps below
@@ -165,10 +165,6 @@ fn single(symbol: &str) -> String {
     format!(
         "<renderer-v2 type=\"singleSymbol\" enableorderby=\"0\" symbollevels=\"0\" forceraster=\"0\"><symbols>{symbol}</symbols></renderer-v2>"
     )
-}
-
-fn line_symbol(name: &str, colour: Rgb, width_mm: f64) -> String {
-    symbol(name, "line", &line_layer(colour, 255, width_mm))
 }
 
 /// Returns a line symbol with a light edge under the line.

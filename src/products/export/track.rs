@@ -4,7 +4,7 @@
 //! plotters and handheld receivers); the ground as GeoJSON.
 
 use super::geojson::{areas, collection, feature_at, line_at};
-use super::{ExportError, Summary, write_summed};
+use super::{ExportError, Summary, millimetres, write_summed};
 use bathyscope_bottom::bathymetry::isobaths::Polygon;
 use bathyscope_log::support::calendar::timestamp;
 use bathyscope_log::support::geo::LonLat;
@@ -124,7 +124,7 @@ pub(crate) fn track_geojson(path: &Path, pieces: &[TrackPiece]) -> Result<Summar
             "ping_to": to.map(|end| end.0),
             "from_s": from.map(|end| end.1),
             "to_s": to.map(|end| end.1),
-            "length_m": (piece.length_m * 1e3).round() / 1e3,
+            "length_m": millimetres(piece.length_m),
         });
         line_at(piece.points.iter().map(|point| point.position), properties, summary)
     };
