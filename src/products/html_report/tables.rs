@@ -147,7 +147,7 @@ pub(super) fn files(from: &ReportData<'_>) -> Value {
     let inputs = from.report.inputs.iter().map(|input| {
         context! {
             name => file_name(&input.file),
-            size => bytes(input.bytes as u64),
+            size => bytes(input.bytes),
             sha256 => &input.sha256,
         }
     });

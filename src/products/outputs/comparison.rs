@@ -6,7 +6,9 @@ use super::order::{log_names, log_points};
 use super::results::Results;
 use crate::Error;
 use crate::export::{self, Summary};
-use crate::pipeline::{Agreement, Input, NamedComparison, ProcessedLog, ResidualTables, Settings};
+use crate::pipeline::{
+    Agreement, Fingerprint, NamedComparison, ProcessedLog, ResidualTables, Settings,
+};
 use bathyscope_bottom::bathymetry::compare::{Comparison, Match};
 use serde::Serialize;
 use std::path::Path;
@@ -47,7 +49,7 @@ struct LogComparison {
 struct ReferenceRecord<'a> {
     /// `mission` or `points`.
     kind: &'static str,
-    inputs: &'a [Input],
+    inputs: &'a [Fingerprint],
     notes: &'a [String],
 }
 
@@ -68,7 +70,7 @@ impl<'a> ComparisonRecord<'a> {
     pub fn new(
         logs: &'a [ProcessedLog],
         agreement: &'a Agreement,
-        inputs: &'a [Input],
+        inputs: &'a [Fingerprint],
     ) -> Result<Self, Error> {
         let (Some(first), Some(reference)) = (logs.first(), &agreement.reference) else {
             return Err(NO_REFERENCE.into());

@@ -5,7 +5,7 @@ use super::content::{Coordinates, FileContent, Need};
 use super::registry::{Described, OutputFile, row_of};
 use crate::Error;
 use crate::export::{Summary, write_json};
-use crate::pipeline::{Fingerprint, Input, Report, Settings};
+use crate::pipeline::{Fingerprint, Report, Settings};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 use std::path::Path;
@@ -15,7 +15,7 @@ use std::path::Path;
 struct Manifest<'a> {
     program: &'a str,
     run: &'a str,
-    inputs: &'a [Input],
+    inputs: &'a [Fingerprint],
     /// Number of logs of the survey; absent for a single log.
     #[serde(skip_serializing_if = "Option::is_none")]
     logs: Option<usize>,
@@ -47,8 +47,8 @@ struct ContentEntry<'a> {
     count: Map<String, Value>,
     values: Value,
     /// Input files besides those of the logs.
-    #[serde(skip_serializing_if = "<[Input]>::is_empty")]
-    more_inputs: &'a [Input],
+    #[serde(skip_serializing_if = "<[Fingerprint]>::is_empty")]
+    more_inputs: &'a [Fingerprint],
     /// Groups of settings, by the first word of the key, that the file does not depend on.
     regardless_of: &'static [&'static str],
 }
@@ -64,7 +64,7 @@ pub(super) fn write_manifest(
     report: &Report,
     made: &[(&'static OutputFile, FileContent)],
     files: &[Fingerprint],
-    more_inputs: &[Input],
+    more_inputs: &[Fingerprint],
 ) -> Result<(), Error> {
     let entry = |file| entry(file, made, more_inputs);
     let manifest = Manifest {
@@ -84,7 +84,7 @@ pub(super) fn write_manifest(
 fn entry<'a>(
     file: &'a Fingerprint,
     made: &[(&'static OutputFile, FileContent)],
-    more_inputs: &'a [Input],
+    more_inputs: &'a [Fingerprint],
 ) -> ManifestEntry<'a> {
     let bare = |what, belongs_to| ManifestEntry { file, what, belongs_to, content: None };
     let Some(row) = row_of(&file.file) else {

@@ -10,9 +10,9 @@ use super::order::{Order, When, log_names, log_points, survey_name};
 use crate::Error;
 use crate::export::{self, LogPoints, ObjectLog, TrackPiece};
 use crate::pipeline::{
-    Agreement, Bottom, BottomColour, CloudPlane, Contours, Crosslines, DepthMap, Input, Isobaths,
-    Mosaic, MosaicPlane, NamedComparison, ProcessedLog, Products, comparisons, crosslines,
-    list_objects, mosaic_layout,
+    Agreement, Bottom, BottomColour, CloudPlane, Contours, Crosslines, DepthMap, Fingerprint,
+    Isobaths, Mosaic, MosaicPlane, NamedComparison, ProcessedLog, Products, comparisons,
+    crosslines, list_objects, mosaic_layout,
 };
 use bathyscope_bottom::bathymetry::{DepthPoint, Surface, spot_radius_m, spot_soundings};
 use bathyscope_bottom::mosaic::{MosaicLayout, footprint};
@@ -51,7 +51,7 @@ struct Computed {
     comparisons: Once<Vec<NamedComparison>>,
     crossings: Once<Option<Crosslines>>,
     agreement: Once<Option<Agreement>>,
-    reference_inputs: Once<Vec<Input>>,
+    reference_inputs: Once<Vec<Fingerprint>>,
     found: Once<Vec<Vec<Detection>>>,
     found_objects: Once<ObjectList>,
     found_shapes: Once<Shapes>,
@@ -365,7 +365,7 @@ impl<'a> Results<'a> {
     }
 
     /// Returns the files that the reference was read from; none without a reference.
-    pub(super) fn reference_inputs(&self) -> Result<&[Input], Error> {
+    pub(super) fn reference_inputs(&self) -> Result<&[Fingerprint], Error> {
         let made = once(&self.computed.reference_inputs, || match self.order.reference {
             Some((reference, _)) => reference.inputs(self.progress),
             None => Ok(Vec::new()),

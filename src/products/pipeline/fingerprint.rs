@@ -14,22 +14,11 @@ use std::path::Path;
 /// Bytes hashed between two checks for cancellation.
 const CHUNK: usize = 1 << 20;
 
-/// File that was read.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Input {
-    /// Name of the file, as it was given.
-    pub file: String,
-    /// Size of the file, bytes.
-    pub bytes: usize,
-    /// SHA-256 of the file, hexadecimal.
-    pub sha256: String,
-}
-
-/// Fingerprint of a file in a folder, by name and content.
+/// Fingerprint of a file, by name and content.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Fingerprint {
-    /// Name of the file in the folder; for a file in a subfolder, with the subfolder's name and `/`
-    /// before it.
+    /// Name of the file: of a file that was read, as it was given; of a file in a folder, its name
+    /// there, after the name of a subfolder and `/` if it is in one.
     pub file: String,
     /// Size of the file, bytes.
     pub bytes: u64,
@@ -48,6 +37,12 @@ impl Fingerprint {
         Ok(Self { file: file.to_owned(), bytes, sha256 })
     }
 
+    /// Returns the fingerprint of a file that was read and hashed before.
+    pub(super) fn of_read(path: &Path, bytes: usize, sha256: &str) -> Self {
+        let file = path.display().to_string();
+        Self { file, bytes: bytes as u64, sha256: sha256.to_owned() }
+    }
+
     /// Returns true if there is a file of that name and size in `folder`, whatever its content.
     pub(crate) fn is_as_long_in(&self, folder: &Path) -> bool {
         let there = folder.join(&self.file).symlink_metadata();
@@ -62,19 +57,19 @@ impl Fingerprint {
 }
 
 /// Hashes the files of a log.
-pub(super) fn hash_inputs(survey: &Survey, progress: &Progress) -> Result<Vec<Input>, Cancelled> {
+pub(super) fn hash_inputs(
+    survey: &Survey,
+    progress: &Progress,
+) -> Result<Vec<Fingerprint>, Cancelled> {
     progress.start(survey.bytes.iter().map(|bytes| bytes.len() as u64).sum());
     let files = survey.source.files.iter().zip(&survey.bytes);
     files
         .map(|(path, bytes)| {
-            let sha256 = hash(&bytes[..], || progress.check(), |count| progress.advance(count));
-            Ok(Input {
-                file: path.display().to_string(),
-                bytes: bytes.len(),
-                // Reading memory cannot fail; the only error is a cancellation.
-                // `Survey::check_files` detects bytes that read as zero because the file changed.
-                sha256: sha256.map_err(|_| Cancelled)?.1,
-            })
+            let hashed = hash(&bytes[..], || progress.check(), |count| progress.advance(count));
+            // Reading memory cannot fail; the only error is a cancellation. `Survey::check_files`
+            // detects bytes that read as zero because the file changed.
+            let (bytes, sha256) = hashed.map_err(|_| Cancelled)?;
+            Ok(Fingerprint { file: path.display().to_string(), bytes, sha256 })
         })
         .collect()
 }
@@ -110,24 +105,22 @@ impl LogFiles {
                 in_hexadecimal(&Sha256::digest(hashes.as_bytes()))
             }
         };
-        inputs.extend(settings.water_level.gauge.as_deref().map(|gauge| Input {
-            file: gauge.path.display().to_string(),
-            bytes: gauge.bytes,
-            sha256: gauge.sha256.clone(),
-        }));
+        let gauge = settings.water_level.gauge.as_deref();
+        inputs.extend(
+            gauge.map(|gauge| Fingerprint::of_read(&gauge.path, gauge.bytes, &gauge.sha256)),
+        );
         let files = inputs.into_iter().map(|input| Fingerprint {
             file: Path::new(&input.file)
                 .file_name()
                 .map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
-            bytes: input.bytes as u64,
-            sha256: input.sha256,
+            ..input
         });
         Ok(Self { sha256, files: files.collect() })
     }
 }
 
 /// Hashes a file that is not a log.
-pub(super) fn hash_file(path: &Path, progress: &Progress) -> Result<Input, Error> {
+pub(super) fn hash_file(path: &Path, progress: &Progress) -> Result<Fingerprint, Error> {
     let fail = |source: io::Error| match progress.check() {
         Err(cancelled) => Error::from(cancelled),
         Ok(()) => format!("cannot read the file: {source}: {}", path.display()).into(),
@@ -136,7 +129,7 @@ pub(super) fn hash_file(path: &Path, progress: &Progress) -> Result<Input, Error
     progress.start(from.metadata().map_err(fail)?.len());
     let hashed = hash(from, || progress.check(), |count| progress.advance(count));
     let (bytes, sha256) = hashed.map_err(fail)?;
-    Ok(Input { file: path.display().to_string(), bytes: bytes as usize, sha256 })
+    Ok(Fingerprint { file: path.display().to_string(), bytes, sha256 })
 }
 
 /// Computes the length and SHA-256 of the bytes read.

@@ -49,7 +49,7 @@ pub use derived::{
     FINEST, IsobathKey, Isobaths, Mosaic, MosaicKey, MosaicPlane, PictureKey, mosaic_layout,
     mosaic_layout_by,
 };
-pub use fingerprint::{Fingerprint, Input, in_hexadecimal};
+pub use fingerprint::{Fingerprint, in_hexadecimal};
 pub(crate) use fingerprint::{LogFiles, sha256_of};
 pub use growing::{GrowingResults, extend};
 pub use log_report::CalibrationReport;

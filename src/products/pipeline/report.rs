@@ -1,6 +1,6 @@
 //! Makes the contents of `report.json`: inputs, settings, results, and their reliability.
 
-use super::fingerprint::{Fingerprint, Input, hash_inputs, in_hexadecimal};
+use super::fingerprint::{Fingerprint, hash_inputs, in_hexadecimal};
 use super::joint::{LogsReport, RequestedCorrection};
 use super::log_report::{CalibrationReport, RunCounts, SwathCounts};
 use super::{CommonUncertainty, Preset, Products, Settings};
@@ -25,7 +25,7 @@ pub struct Report {
     /// and products have the same name. Empty until [`Report::name_run`].
     pub run: String,
     /// Files that were read.
-    pub inputs: Vec<Input>,
+    pub inputs: Vec<Fingerprint>,
     /// Format in words.
     pub format: String,
     /// Unix seconds of the log's time zero; `None` if unknown.
@@ -291,18 +291,11 @@ fn inputs(
     survey: &Survey,
     products: &Products,
     progress: &Progress,
-) -> Result<Vec<Input>, Cancelled> {
+) -> Result<Vec<Fingerprint>, Cancelled> {
     let mut inputs = hash_inputs(survey, progress)?;
-    inputs.extend(products.correction.gauge().map(|gauge| Input {
-        file: gauge.path.display().to_string(),
-        bytes: gauge.bytes,
-        sha256: gauge.sha256.clone(),
-    }));
+    let gauge = products.correction.gauge();
+    inputs.extend(gauge.map(|gauge| Fingerprint::of_read(&gauge.path, gauge.bytes, &gauge.sha256)));
     let area = products.settings.isobaths.area.as_deref();
-    inputs.extend(area.map(|area| Input {
-        file: area.path.display().to_string(),
-        bytes: area.bytes,
-        sha256: area.sha256.clone(),
-    }));
+    inputs.extend(area.map(|area| Fingerprint::of_read(&area.path, area.bytes, &area.sha256)));
     Ok(inputs)
 }

@@ -1,7 +1,7 @@
 //! References of a survey: points of a file, or another mission over the same water.
 
 use crate::Error;
-use crate::pipeline::fingerprint::{Input, hash_file, hash_inputs};
+use crate::pipeline::fingerprint::{Fingerprint, hash_file, hash_inputs};
 use crate::pipeline::{ProcessedLog, Products, Settings, as_mounted, run};
 use bathyscope_bottom::cloud::Correction;
 use bathyscope_bottom::first_return::BottomSettings;
@@ -173,7 +173,7 @@ impl Reference {
     ///
     /// # Errors
     /// When a file can no longer be read or has changed, or the work was cancelled.
-    pub fn inputs(&self, progress: &Progress) -> Result<Vec<Input>, Error> {
+    pub fn inputs(&self, progress: &Progress) -> Result<Vec<Fingerprint>, Error> {
         match &self.held {
             Held::Points(_) => Ok(vec![hash_file(&self.path, progress)?]),
             Held::Mission { logs, .. } => {

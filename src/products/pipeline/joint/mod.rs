@@ -23,7 +23,7 @@ pub(crate) use crossline::{crossing_error, track_depths};
 pub(crate) use report::joint_report;
 pub use report::{contradictions, depths_scale, heights_differ};
 
-use super::Input;
+use super::Fingerprint;
 use super::log_report::{CalibrationReport, RunCounts};
 use bathyscope_bottom::bathymetry::compare::Comparison;
 use bathyscope_bottom::bathymetry::height_offsets::{DepthScale, LogOffset, PairDifference};
@@ -58,7 +58,7 @@ pub struct LogReport {
     /// Name of the log, which the tables use, too.
     pub log: String,
     /// Files that were read.
-    pub inputs: Vec<Input>,
+    pub inputs: Vec<Fingerprint>,
     /// Format in words.
     pub format: String,
     /// Unix seconds of the log's time zero; `None` if unknown.
