@@ -341,7 +341,7 @@ impl App {
         self.jobs.run(
             JobKey::CreateProject,
             move |_| {
-                let store = Store::create_with_past(&path(&project)?, &project, past)?;
+                let store = Store::create(&path(&project)?, &project, past)?;
                 Ok((store, project))
             },
             then,

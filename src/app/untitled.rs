@@ -305,7 +305,7 @@ impl App {
         let written = fs::create_dir_all(&folder)
             .map_err(|source| AppError::NoFolder { source, path: folder.clone() });
         let path = unused_path(&folder, file);
-        let written = written.and_then(|()| Ok(Store::create(&path, &alone)?));
+        let written = written.and_then(|()| Ok(Store::create(&path, &alone, Vec::new())?));
         match (written, self.logs.get_mut(id)) {
             (Ok(_), Some(log)) => log.kept_alone = Some(path),
             (Ok(_), None) => {}

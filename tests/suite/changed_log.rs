@@ -20,7 +20,7 @@ fn a_log_with_other_bytes_in_a_plane_of_other_waters_is_processed_with_a_warning
     let mut project = project.expect("a project of one log");
     // A quarter of the Earth away all places of the log would lie on one line.
     project.origin = Some(LonLat { lon_deg: 7.9, lat_deg: 0.0 });
-    drop(Store::create(&folder.join("far.bathyscope"), &project).expect("a project"));
+    drop(Store::create(&folder.join("far.bathyscope"), &project, Vec::new()).expect("a project"));
     let mut bytes = fs::read(&log).expect("a log");
     *bytes.last_mut().expect("a byte") ^= 1;
     fs::write(&log, bytes).expect("a log");

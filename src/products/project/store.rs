@@ -182,25 +182,13 @@ impl Store {
     }
 
     /// Creates the file of a project and opens it for changes. An existing file is replaced:
-    /// whoever chose the name has confirmed it.
+    /// whoever chose the name has confirmed it. `past` are the changes that led to the project, the
+    /// oldest first, so that they can be undone when it is opened again.
     ///
     /// # Errors
     /// When another window has the file open, when it is a log or its name is not of the form
     /// `NAME.bathyscope`, or when it cannot be written.
-    pub fn create(path: &Path, project: &Project) -> Result<Self, StoreError> {
-        Self::create_with_past(path, project, Vec::new())
-    }
-
-    /// Creates the file as [`Store::create`] does, for a project to which these changes led, the
-    /// oldest first, so that they can be undone when it is opened again.
-    ///
-    /// # Errors
-    /// As [`Store::create`].
-    pub fn create_with_past(
-        path: &Path,
-        project: &Project,
-        past: Vec<PastStep>,
-    ) -> Result<Self, StoreError> {
+    pub fn create(path: &Path, project: &Project, past: Vec<PastStep>) -> Result<Self, StoreError> {
         let ends = path.extension().is_some_and(|ending| ending == ENDING);
         let is_log = || project.logs().iter().any(|log| is_same_file(&log.file.path, path));
         if !ends || is_log() {

@@ -21,7 +21,8 @@ fn saved(folder: &Path) -> (Store, Project) {
     let file = LogFile::of(&survey, &Progress::new()).expect("a log");
     let project =
         Project::default().apply(&Change::Add(Box::new(ProjectLog::new(file)))).expect("a log");
-    let store = Store::create(&folder.join("lake.bathyscope"), &project).expect("a project");
+    let store =
+        Store::create(&folder.join("lake.bathyscope"), &project, Vec::new()).expect("a project");
     (store, project)
 }
 
@@ -110,7 +111,7 @@ fn two_windows_do_not_have_one_project() {
         sentence.contains("open in another window") && sentence.contains("another name"),
         "{sentence}"
     );
-    let over = Store::create(&path(folder), &project).expect_err("another window");
+    let over = Store::create(&path(folder), &project, Vec::new()).expect_err("another window");
     assert!(matches!(over.what, StoreFault::Taken(_)), "{over}");
     #[cfg(unix)]
     {
@@ -138,7 +139,7 @@ fn what_another_program_changed_is_not_written_over() {
     assert!(matches!(refused.what, StoreFault::Changed), "{refused}");
     assert_eq!(text(folder), theirs);
     let other = folder.join("other.bathyscope");
-    Store::create(&other, &ours).expect("another file");
+    Store::create(&other, &ours, Vec::new()).expect("another file");
     assert_eq!(name(&read(&other).expect("a project")), "ours");
     drop(store);
 
@@ -171,13 +172,13 @@ fn a_project_is_no_log_and_a_log_no_project() {
     let (store, project) = saved(folder);
     let log = folder.join("pond.sl2");
     let before = fs::read(&log).expect("a log");
-    let refused = Store::create(&log, &project).expect_err("a log");
+    let refused = Store::create(&log, &project, Vec::new()).expect_err("a log");
     assert!(matches!(refused.what, StoreFault::Name), "{refused}");
     #[cfg(unix)]
     {
         let linked = folder.join("pond.bathyscope");
         std::os::unix::fs::symlink(&log, &linked).expect("a link");
-        let refused = Store::create(&linked, &project).expect_err("a log");
+        let refused = Store::create(&linked, &project, Vec::new()).expect_err("a log");
         assert!(matches!(refused.what, StoreFault::Name), "{refused}");
         let refused = Store::open(&linked).expect_err("a log");
         assert!(matches!(refused.what, StoreFault::Text(_)), "{refused}");
