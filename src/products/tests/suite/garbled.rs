@@ -3,6 +3,7 @@
 //! panics.
 
 use crate::truth::results;
+use crate::written;
 use bathyscope_bottom::cloud::Geometry;
 use bathyscope_bottom::first_return::{Method, SampleMode};
 use bathyscope_log::formats::{
@@ -13,8 +14,8 @@ use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::{HeadingSource, Projection, Survey};
 use bathyscope_objects::objects::SurveyReview;
 use bathyscope_products::export::kept_points;
-use bathyscope_products::outputs::{self, Order, Product, RunFolder};
-use bathyscope_products::pipeline::{Derived, Preset, ProcessedLog, Settings};
+use bathyscope_products::outputs::Product;
+use bathyscope_products::pipeline::{Preset, ProcessedLog, Settings};
 use bathyscope_test_support::handmade::{self, Frame};
 use proptest::prelude::*;
 use std::fs;
@@ -187,22 +188,12 @@ fn process(opened: Result<Survey, formats::OpenError>, settings: &Settings) {
         Ok(survey) => survey,
         Err(error) => return assert_eq!(error.to_string().lines().count(), 1, "{error}"),
     };
-    let progress = Progress::new();
     let products = results(&survey, settings);
     let folder = tempfile::tempdir().expect("a folder");
     let log = ProcessedLog { survey: Arc::new(survey), products };
     let (survey, products) = (&log.survey, &log.products);
-    let order = Order {
-        logs: std::slice::from_ref(&log),
-        derived: &Derived::default(),
-        requested: &[Product::Cloud],
-        reference: None,
-        search: None,
-        review: &SurveyReview::default(),
-        corrections: &[],
-    };
-    let run = RunFolder::begin(folder.path()).expect("a folder");
-    let written = outputs::write(&order, run, &progress, |_| ()).expect("a whole set of products");
+    let (logs, review) = (std::slice::from_ref(&log), SurveyReview::default());
+    let written = written(logs, &[Product::Cloud], &review, folder.path());
     let rows = |name: &str, columns: usize| {
         let text = fs::read_to_string(folder.path().join(name)).expect("a table");
         for line in text.lines() {

@@ -1,13 +1,13 @@
 //! `report.html`: every template is filled, for one log and for several, with and without boxes.
 
 use crate::truth::{KnownSurvey, results};
-use bathyscope_log::support::progress::Progress;
+use crate::written;
 use bathyscope_log::survey::{Identity, Side};
 use bathyscope_objects::Mark;
 use bathyscope_objects::objects::{KeptReview, SurveyReview};
 use bathyscope_objects::review::{BoxId, Certainty, Edit, Review};
-use bathyscope_products::outputs::{self, Order, Product, RunFolder};
-use bathyscope_products::pipeline::{Derived, ProcessedLog, Settings};
+use bathyscope_products::outputs::Product;
+use bathyscope_products::pipeline::{ProcessedLog, Settings};
 use bathyscope_simulation::Scene;
 use std::fs;
 use std::sync::Arc;
@@ -49,17 +49,7 @@ fn review(log: &ProcessedLog) -> SurveyReview {
 fn page(logs: &[ProcessedLog], review: &SurveyReview) -> String {
     let temporary = tempfile::tempdir().expect("a temporary folder");
     let folder = temporary.path().join("out");
-    let order = Order {
-        logs,
-        derived: &Derived::default(),
-        requested: &[Product::Report],
-        reference: None,
-        search: None,
-        review,
-        corrections: &[],
-    };
-    let run = RunFolder::begin(&folder).expect("a folder");
-    outputs::write(&order, run, &Progress::new(), |_| ()).expect("a page");
+    written(logs, &[Product::Report], review, &folder);
     let page = fs::read_to_string(folder.join("report.html")).expect("a page");
     let lines: Vec<&str> = page.lines().map(str::trim).collect();
     assert!(!page.contains("{{") && !page.contains("{%"), "a template that is not filled");

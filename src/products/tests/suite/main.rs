@@ -28,6 +28,32 @@ mod swath;
 mod trusted_depths;
 mod truth;
 
+use bathyscope_log::support::progress::Progress;
+use bathyscope_objects::objects::SurveyReview;
+use bathyscope_products::outputs::{self, Order, Product, RunFolder, Written};
+use bathyscope_products::pipeline::{Derived, ProcessedLog};
+use std::path::Path;
+
+/// Writes the files of logs into a folder.
+fn written(
+    logs: &[ProcessedLog],
+    requested: &[Product],
+    review: &SurveyReview,
+    folder: &Path,
+) -> Written {
+    let order = Order {
+        logs,
+        derived: &Derived::default(),
+        requested,
+        reference: None,
+        search: None,
+        review,
+        corrections: &[],
+    };
+    let run = RunFolder::begin(folder).expect("a folder");
+    outputs::write(&order, run, &Progress::new(), |_| ()).expect("a whole set of products")
+}
+
 /// Uniform numbers from a seed, and normal ones as sums of twelve of them.
 struct Dice(u64);
 

@@ -2,12 +2,13 @@
 //! alike.
 
 use crate::truth::{KnownSurvey, results};
+use crate::written;
 use bathyscope_bottom::cloud::{ClassCounts, PointClass, PointSource};
 use bathyscope_bottom::presentation::text::typeset_count;
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::SoundingFault;
 use bathyscope_objects::objects::SurveyReview;
-use bathyscope_products::outputs::{self, Order, Product, RunFolder};
+use bathyscope_products::outputs::Product;
 use bathyscope_products::pipeline::{Derived, Preset, ProcessedLog, Settings, joint_depth_points};
 use bathyscope_simulation::Scene;
 use std::collections::BTreeMap;
@@ -85,18 +86,9 @@ fn every_file_counts_points_alike_and_weed_is_not_kept() {
     let (pond, log) = pond(&settings);
     let temporary = tempfile::tempdir().expect("a temporary folder");
     let folder = temporary.path().join("out");
-    let order = Order {
-        logs: std::slice::from_ref(&log),
-        derived: &Derived::default(),
-        requested: &[Product::Cloud, Product::Depth, Product::Report],
-        reference: None,
-        search: None,
-        review: &SurveyReview::default(),
-        corrections: &[],
-    };
-    let run = RunFolder::begin(&folder).expect("a folder");
-    let progress = Progress::new();
-    let written = outputs::write(&order, run, &progress, |_| ()).expect("files");
+    let logs = std::slice::from_ref(&log);
+    let requested = [Product::Cloud, Product::Depth, Product::Report];
+    let written = written(logs, &requested, &SurveyReview::default(), &folder);
 
     let products = &log.products;
     let classes = counted(products.classes.iter().map(|class| class.code()));
@@ -123,10 +115,10 @@ fn every_file_counts_points_alike_and_weed_is_not_kept() {
     let page = fs::read_to_string(folder.join("report.html")).expect("a page");
     let said = format!("of which {} count for the depth map", typeset_count(kept));
     assert!(page.contains(&said), "{said}");
-    let derived = Derived::default();
-    let map = derived.depth_map(order.logs, &progress);
+    let progress = Progress::new();
+    let map = Derived::default().depth_map(logs, &progress);
     let map = map.expect("not cancelled").expect("a depth map").map.clone();
-    let mapped = joint_depth_points(order.logs, &map, &progress).expect("not cancelled");
+    let mapped = joint_depth_points(logs, &map, &progress).expect("not cancelled");
     assert_eq!(mapped.len(), kept);
 
     // Of what lies a quarter of a metre above the bed in weed, next to nothing counts.

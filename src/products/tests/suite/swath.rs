@@ -1,13 +1,14 @@
 //! Depths across the track of StructureScan 3D, from the file to points, surface, files and report.
 
 use crate::truth::results;
+use crate::written;
 use bathyscope_bottom::cloud::{CloudPoint, PointRecord, PointSource};
 use bathyscope_log::formats::{open_bytes, open_growing, open_tail};
 use bathyscope_log::support::geo::{LocalFrame, METRES_PER_FOOT, lowrance_mercator_inverse};
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::{Bytes, Side, Survey, SurveyVersions};
 use bathyscope_objects::objects::SurveyReview;
-use bathyscope_products::outputs::{self, Order, Product, RunFolder};
+use bathyscope_products::outputs::Product;
 use bathyscope_products::pipeline::{
     Derived, GrowingResults, ProcessedLog, Products, Settings, extend,
 };
@@ -208,25 +209,14 @@ fn the_depth_map_the_files_and_the_report_take_the_swath() {
     let points = swath(&products).len();
     let all = products.cloud.points.of(PointSource::Swath).len();
     let logs = [ProcessedLog { survey, products }];
-    let progress = Progress::new();
-    let derived = Derived::default();
-    let map = derived.depth_map(&logs, &progress).expect("not cancelled");
+    let map = Derived::default().depth_map(&logs, &Progress::new()).expect("not cancelled");
     let surface = &map.expect("a depth map").surface;
     // 15 m to both sides of a line: soundings alone have no surface.
     let [west_m, south_m, east_m, north_m] = surface.known_bounds_m().expect("depths");
     assert!(east_m - west_m > 28.0 && north_m - south_m > 60.0);
     let folder = tempfile::tempdir().expect("a folder");
-    let order = Order {
-        logs: &logs,
-        derived: &derived,
-        requested: &[Product::Cloud, Product::Residuals],
-        reference: None,
-        search: None,
-        review: &SurveyReview::default(),
-        corrections: &[],
-    };
-    let run_folder = RunFolder::begin(folder.path()).expect("a folder");
-    let written = outputs::write(&order, run_folder, &progress, |_| ()).expect("files");
+    let requested = [Product::Cloud, Product::Residuals];
+    let written = written(&logs, &requested, &SurveyReview::default(), folder.path());
     let table = fs::read_to_string(folder.path().join("points/cloud.csv")).expect("a table");
     let rows = table.lines().filter(|line| line.starts_with("swath,"));
     assert_eq!(rows.count(), all);
