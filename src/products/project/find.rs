@@ -9,7 +9,7 @@ use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::support::regular_file;
 use std::collections::VecDeque;
 use std::fs;
-use std::io::Read as _;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 /// Greatest depth of the folders searched below the project's folder.
@@ -83,7 +83,7 @@ fn at_its_place(log: &LogFile, progress: &Progress) -> Result<LogLocation, Cance
     if is_log(log, path, progress)? || has_grown(log, path, progress)? {
         return Ok(LogLocation::Here);
     }
-    if is_as_long(log, path) {
+    if length(path) == Some(log.byte_count) {
         return Ok(LogLocation::Changed);
     }
     let there = if starts_recording(log, path) { opened(path, progress)? } else { None };
@@ -98,38 +98,37 @@ fn at_its_place(log: &LogFile, progress: &Progress) -> Result<LogLocation, Cance
 
 /// Returns true if a file is the log, by its hash.
 fn is_log(log: &LogFile, path: &Path, progress: &Progress) -> Result<bool, Cancelled> {
-    if is_as_long(log, path) {
-        let hash = regular_file::open(path).and_then(|file| sha256_of(file, progress));
-        progress.check()?;
-        return Ok(hash.is_ok_and(|(_, sha256)| sha256 == log.sha256));
+    if length(path) == Some(log.byte_count) {
+        return has_hash(log, regular_file::open(path), progress);
     }
-    if starts_recording(log, path) {
-        match opened(path, progress)? {
-            Some(survey) => log.is_of(&survey, progress),
-            None => Ok(false),
-        }
-    } else {
-        Ok(false)
-    }
+    let survey = if starts_recording(log, path) { opened(path, progress)? } else { None };
+    survey.map_or(Ok(false), |survey| log.is_of(&survey, progress))
 }
 
 /// Returns true if a file is longer than the log and begins with the log's bytes: more was written
 /// since.
 fn has_grown(log: &LogFile, path: &Path, progress: &Progress) -> Result<bool, Cancelled> {
-    let is_longer =
-        fs::metadata(path).is_ok_and(|there| there.is_file() && there.len() > log.byte_count);
-    if !is_longer {
+    if length(path).is_none_or(|length| length <= log.byte_count) {
         return Ok(false);
     }
     let beginning = regular_file::open(path).map(|file| file.take(log.byte_count));
-    let hash = beginning.and_then(|beginning| sha256_of(beginning, progress));
+    has_hash(log, beginning, progress)
+}
+
+/// Returns true if the bytes have the hash of the log; false if they cannot be read.
+fn has_hash(
+    log: &LogFile,
+    from: io::Result<impl Read>,
+    progress: &Progress,
+) -> Result<bool, Cancelled> {
+    let hash = from.and_then(|from| sha256_of(from, progress));
     progress.check()?;
     Ok(hash.is_ok_and(|(_, sha256)| sha256 == log.sha256))
 }
 
-fn is_as_long(log: &LogFile, path: &Path) -> bool {
-    let there = fs::metadata(path);
-    there.is_ok_and(|there| there.is_file() && there.len() == log.byte_count)
+/// Returns the length of a file; `None` if there is none at the path.
+fn length(path: &Path) -> Option<u64> {
+    fs::metadata(path).ok().filter(fs::Metadata::is_file).map(|there| there.len())
 }
 
 /// Returns true if a file may be the first file of the log's recording in several: it is shorter
@@ -139,10 +138,9 @@ fn starts_recording(log: &LogFile, path: &Path) -> bool {
     let role = formats::role_by_name(&log.path);
     let is_several =
         matches!(role, Some(FileRole::Description | FileRole::Part | FileRole::Paired));
-    let there = fs::metadata(path);
     is_several
         && ending(path) == ending(&log.path)
-        && there.is_ok_and(|there| there.is_file() && there.len() < log.byte_count)
+        && length(path).is_some_and(|length| length < log.byte_count)
 }
 
 /// Opens the log in a file; `None` if the file is not a log.
