@@ -4,11 +4,10 @@
 use super::residuals::kept_of;
 use crate::pipeline::Products;
 use bathyscope_bottom::bathymetry::compare::{Matching, ReferencePoints};
-use bathyscope_bottom::calibration::{Calibration, OffsetMode, PpdReach, ScaleMode};
+use bathyscope_bottom::calibration::{OffsetMode, PpdReach, ScaleMode};
 use bathyscope_bottom::cloud::{
-    self, CloudPoint, CloudSettings, Geometry, PickTraits, PointCloud, PointSource, Residuals,
+    self, CloudPoint, CloudSettings, Geometry, PickTraits, PointSource, Residuals,
 };
-use bathyscope_bottom::first_return::FirstReturns;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::Survey;
 use serde::Serialize;
@@ -75,8 +74,9 @@ pub fn choices(
             let cloud = if in_force {
                 products.cloud.clone()
             } else {
+                let how = CloudSettings { geometry, ..products.settings.cloud.clone() };
                 let counted = (&*counted, &traits);
-                Arc::new(placed(survey, products, counted, &made, geometry, progress)?)
+                Arc::new(products.placed(survey, counted, &made, &how, progress)?)
             };
             let points = cloud.points.iter().enumerate();
             let points: Vec<(usize, &CloudPoint)> =
@@ -108,17 +108,4 @@ pub fn choices(
         }
     }
     Ok(found)
-}
-
-/// Computes the cloud with a geometry and a calibration.
-fn placed(
-    survey: &Survey,
-    products: &Products,
-    counted: (&FirstReturns, &PickTraits),
-    calibration: &Calibration,
-    geometry: Geometry,
-    progress: &Progress,
-) -> Result<PointCloud, Cancelled> {
-    let how = CloudSettings { geometry, ..products.settings.cloud.clone() };
-    products.placed(survey, counted, calibration, &how, progress)
 }
