@@ -17,7 +17,6 @@
 //! Everything is drawn on the processor, so that a machine without a graphics adapter writes the
 //! same page.
 
-mod chart;
 mod frame;
 mod logs;
 mod maps;
@@ -144,7 +143,7 @@ pub(crate) fn values(from: &ReportData<'_>, progress: &Progress) -> Result<Value
         warnings => &from.report.warnings,
         logs => logs::values(from),
         depth_plan => maps::depth_plan(from, progress)?,
-        storage => chart::values(from),
+        storage => summary::levels(from),
         mosaic_plan => maps::mosaic_plan(from, progress)?,
         strips => strips(from, progress)?,
         strips_left_out => from.logs.len().saturating_sub(MOST_STRIPS),
