@@ -2,7 +2,7 @@
 //! hash.
 
 use super::content::{Coordinates, FileContent, Need};
-use super::registry::{Described, OutputFile, row_of};
+use super::registry::{OutputFile, row_of};
 use crate::Error;
 use crate::export::{Summary, write_json};
 use crate::pipeline::{Fingerprint, Report, Settings};
@@ -98,24 +98,12 @@ fn entry<'a>(
         return bare(Some(row.brief.to_owned()), None);
     };
     let of_reference = row.needs.contains(&Need::Reference);
-    ManifestEntry {
-        what: Some(format!("{}{}", described.what, content.detail)),
-        content: Some(ContentEntry {
-            more_inputs: if of_reference { more_inputs } else { &[] },
-            regardless_of: row.regardless_of,
-            ..content_entry(described, content)
-        }),
-        ..bare(None, None)
-    }
-}
-
-fn content_entry(described: Described, content: &FileContent) -> ContentEntry<'static> {
     let Summary { count, extent, values } = content.summary;
     let extent = extent.map(|[[west, east], [south, north]]| {
         json!({ "west": west, "south": south, "east": east, "north": north })
     });
     let values = values.filter(|_| !described.measured.is_empty());
-    ContentEntry {
+    let entry = ContentEntry {
         crs: coordinates(&content.coordinates),
         extent: extent.unwrap_or(Value::Null),
         count: Map::from_iter([(described.counted.to_owned(), json!(count))]),
@@ -123,8 +111,13 @@ fn content_entry(described: Described, content: &FileContent) -> ContentEntry<'s
             Value::Null,
             |[least, most]| json!({ "of": described.measured, "least": least, "most": most }),
         ),
-        more_inputs: &[],
-        regardless_of: &[],
+        more_inputs: if of_reference { more_inputs } else { &[] },
+        regardless_of: row.regardless_of,
+    };
+    ManifestEntry {
+        what: Some(format!("{}{}", described.what, content.detail)),
+        content: Some(entry),
+        ..bare(None, None)
     }
 }
 
