@@ -15,7 +15,7 @@ use bathyscope_simulation::{ObjectKind, ObjectPass, ObjectSettings, Scene};
 use std::sync::Arc;
 
 /// Places of the echoes of a survey in a plane.
-fn layout(
+pub(super) fn layout(
     survey: &Survey,
     products: &Products,
     settings: &MosaicSettings,

@@ -1,8 +1,9 @@
 //! Tests that the gain makes a mosaic even: no step under the boat, no bands along the track, no
 //! bars across it, relief kept.
 
+use crate::mosaic::layout;
 use crate::truth::{KnownSurvey, processed, results};
-use bathyscope_bottom::mosaic::{Gain, MosaicLayout, MosaicSettings, gain_table, window};
+use bathyscope_bottom::mosaic::{Gain, MosaicSettings, gain_table, window};
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::{Bytes, SampleOrder, Side, Survey};
 use bathyscope_products::pipeline::{Products, Settings};
@@ -34,14 +35,7 @@ impl Swaths {
     fn of(survey: &Survey, products: &Products, gain: Gain) -> Self {
         let settings = MosaicSettings { gain, ..MosaicSettings::default() };
         let progress = Progress::new();
-        let layout = MosaicLayout::new(
-            survey,
-            &products.navigation,
-            &products.returns,
-            &products.calibration,
-            &settings,
-            |place| place,
-        );
+        let layout = layout(survey, products, &settings, |place| place);
         let grid = layout.grid(settings.cell_m).expect("something is shown");
         let table = gain_table(survey, &layout, &progress).expect("nobody cancels");
         let picture = window(survey, &layout, &grid, &table, &settings, &progress);
