@@ -1,8 +1,8 @@
 //! Writes the reviewed boxes of a survey: the places of objects for maps and plotters, and pictures
 //! with labels for training.
 
-use super::objects::{find_shapes, listed};
 use super::order::{check_logs, log_names, survey_name};
+use super::results::{find_shapes, listed};
 use super::training_tiles::TrainingTiles;
 use crate::Error;
 use crate::export::{self, DatasetPart, ObjectLog, make_folder};

@@ -10,9 +10,9 @@
 //! made. `clouds` writes the files of points, `track` those of the track, and all lines and areas
 //! in one file, `depth` the depth map and the products made from it, `residuals` and `comparison`
 //! the agreement of the depths, `mosaic` the side-scan mosaic, `object_files` the objects of a
-//! search and of a review, `objects` lists objects with their shapes, `report_page` writes the
-//! report; `manifest` lists and describes the files. `boxes` writes reviewed boxes,
-//! `training_tiles` pictures of them for training, `ground` computes the place of a raster.
+//! search and of a review, `report_page` writes the report; `manifest` lists and describes the
+//! files. `boxes` writes reviewed boxes, `training_tiles` pictures of them for training, `ground`
+//! computes the place of a raster.
 
 mod boxes;
 mod clouds;
@@ -25,7 +25,6 @@ mod groups;
 mod manifest;
 mod mosaic;
 mod object_files;
-mod objects;
 mod order;
 mod overwrite;
 mod product_files;

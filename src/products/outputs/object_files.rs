@@ -3,8 +3,7 @@
 //! that an analyst accepted or drew, are written in every run of a survey with a review.
 
 use super::content::{FileContent, FileResult};
-use super::objects::{Shapes, listed, target_boxes};
-use super::results::Results;
+use super::results::{Results, Shapes, listed, target_boxes};
 use crate::Error;
 use crate::export::{self, ChipLog, Summary};
 use bathyscope_objects::objects::{ListedObject, ObjectBox};

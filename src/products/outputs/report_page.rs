@@ -2,10 +2,9 @@
 
 use super::content::FileContent;
 use super::object_files::targets;
-use super::objects::target_boxes;
 use super::order::When;
 use super::registry::{FileWriter, OUTPUT_FILES, OutputFile};
-use super::results::Results;
+use super::results::{Results, target_boxes};
 use super::run_folder::RunFolder;
 use crate::Error;
 use crate::export::write_bytes;

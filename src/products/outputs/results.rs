@@ -1,27 +1,31 @@
 //! Computes the results that the files of a run are made from: each result once, when the first
-//! file needs it.
+//! file needs it. Fits shapes to objects and lists objects as rows of tables.
 
 use super::content::{Missing, Need};
 use super::depth::NO_SURFACE;
 use super::depth::map_tiles::MapTiles;
 use super::ground::{SideScanCoverage, mosaic_grid};
-use super::objects::{Shapes, find_shapes};
 use super::order::{Order, When, log_names, log_points, survey_name};
 use crate::Error;
 use crate::export::{self, LogPoints, ObjectLog, TrackPiece};
 use crate::pipeline::{
     Agreement, Bottom, BottomColour, CloudPlane, Contours, Crosslines, DepthMap, Fingerprint,
     Isobaths, Mosaic, MosaicPlane, NamedComparison, ProcessedLog, Products, comparisons,
-    crosslines, list_objects, mosaic_layout,
+    crosslines, list_objects, mosaic_layout, object_shape,
 };
 use bathyscope_bottom::bathymetry::{DepthPoint, Surface, spot_radius_m, spot_soundings};
 use bathyscope_bottom::mosaic::{MosaicLayout, footprint};
 use bathyscope_log::support::geo::LonLat;
-use bathyscope_log::support::progress::Progress;
+use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::{Identity, Survey};
-use bathyscope_objects::objects::{LogId, LogReview, ObjectList, SurveyReview};
+use bathyscope_objects::objects::{
+    ListedObject, LogId, LogReview, Object, ObjectBox, ObjectList, SurveyReview,
+};
 use bathyscope_objects::review::Review;
+use bathyscope_objects::targets::{FittedShape, Target};
 use bathyscope_objects::{Detection, find};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
@@ -38,6 +42,9 @@ pub(super) struct Results<'a> {
     pub progress: &'a Progress,
     computed: Arc<Computed>,
 }
+
+/// Shapes of objects, by number; an object without a fitting shape has no entry.
+pub(super) type Shapes = BTreeMap<u32, FittedShape>;
 
 /// Results that files are made from, computed when they are requested.
 #[derive(Default)]
@@ -480,6 +487,57 @@ impl<'a> Results<'a> {
         let logs = self.names.iter().zip(self.logs());
         logs.map(|(name, (survey, _))| ObjectLog { name, survey }).collect()
     }
+}
+
+/// Fits shapes to the targets of a list.
+pub(super) fn find_shapes(
+    list: &ObjectList,
+    logs: &[ProcessedLog],
+    progress: &Progress,
+) -> Result<Shapes, Cancelled> {
+    let shape = |object: &&Object| {
+        progress.check()?;
+        let boxes: Vec<(&ProcessedLog, &Target)> = (list.members(object))
+            .filter_map(|object_box| Some((logs.get(object_box.log)?, object_box.target.as_ref()?)))
+            .collect();
+        let shape = object_shape(&boxes).ok();
+        Ok(shape.map(|shape| (object.number, shape)))
+    };
+    let targets: Vec<&Object> = list.targets().collect();
+    targets.par_iter().filter_map(|object| shape(object).transpose()).collect()
+}
+
+/// Returns objects as rows of tables, with their shapes and outlines.
+pub(super) fn listed<'a>(
+    objects: impl Iterator<Item = &'a Object>,
+    (list, shapes): (&ObjectList, &'a Shapes),
+    logs: &[ProcessedLog],
+    names: &'a [String],
+) -> Vec<ListedObject<'a>> {
+    let outline = |object: &Object| {
+        let best = list.members(object).nth(object.best)?;
+        outline(logs.get(best.log)?, best.target.as_ref()?)
+    };
+    let listed = objects.map(|object| ListedObject {
+        object,
+        shape: shapes.get(&object.number),
+        outline: outline(object),
+        log_names: if names.len() > 1 { names } else { &[] },
+    });
+    listed.collect()
+}
+
+/// Returns the boxes of targets.
+pub(super) fn target_boxes(list: &ObjectList) -> Vec<&ObjectBox> {
+    list.boxes().iter().filter(|object_box| list.is_target(object_box)).collect()
+}
+
+/// Returns the outline of a target in WGS84; `None` where its size is not known.
+fn outline(of: &ProcessedLog, target: &Target) -> Option<[LonLat; 4]> {
+    let is_known = target.length_m.is_finite() && target.width_m.is_finite();
+    let (navigation, track) = (&of.products.navigation, &of.survey.track);
+    let place = |[east_m, north_m]: [f64; 2]| navigation.to_lon_lat(track, east_m, north_m);
+    is_known.then(|| target.corners().map(place))
 }
 
 const NO_DEPTH_MAP: &str = "no depth map: the depths span no surface (a single straight line, or none near another within surface.max_gap_m)";
