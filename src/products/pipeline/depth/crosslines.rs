@@ -1,6 +1,6 @@
 //! Analyses crosslines: compares depths where tracks cross themselves and each other.
 
-use crate::pipeline::joint::{latencies, track_depths};
+use crate::pipeline::joint::{crossing_residuals, latencies, track_depths};
 use crate::pipeline::{LogLatency, ProcessedLog};
 use bathyscope_bottom::bathymetry::crosslines::{
     Crossing, LEAST_ANGLE_DEG, REACH_M, TrackDepth, crossings,
@@ -88,17 +88,12 @@ pub fn crosslines(
         [log] => vec![log.products.latency],
         _ => latencies(logs, progress)?,
     };
-    let residuals = |of: &dyn Fn(&&Crossing) -> bool| {
-        let chosen = found.iter().filter(of);
-        Residuals::of(&mut chosen.map(Crossing::difference_m).collect::<Vec<f64>>())
-    };
-    let is_between = |crossing: &&Crossing| crossing.passes[0].track != crossing.passes[1].track;
-    Ok(residuals(&|_| true).map(|all| Crosslines {
+    Ok(crossing_residuals(&found, |_| true).map(|all| Crosslines {
         sign: if is_of_several { SIGN_OF_LOGS } else { SIGN },
         least_angle_deg: LEAST_ANGLE_DEG,
         reach_m: REACH_M,
         residuals: all,
-        between_logs: residuals(&is_between),
+        between_logs: crossing_residuals(&found, |[a, b]| a != b),
         latencies: of_logs,
         list: found.iter().take(MOST_LISTED).filter_map(listed).collect(),
     }))

@@ -14,7 +14,6 @@ pub use choices::{GeometryChoice, choices};
 pub use crosslines::{Crosslines, crosslines};
 pub(crate) use plane::CloudPlane;
 pub use plane::depth_points;
-pub(crate) use residuals::NamedComparison;
-pub(crate) use residuals::comparisons;
+pub(crate) use residuals::{NamedComparison, comparisons};
 pub use surface::{joint_depth_points, joint_depth_surface, log_echoes};
 pub use uncertainty::CommonUncertainty;

@@ -72,17 +72,23 @@ pub fn crossline_analysis(
 ) -> Result<Option<CrosslineAnalysis>, Cancelled> {
     let tracks: Vec<Vec<TrackDepth>> = logs.iter().map(track_depths).collect();
     let found = crossings(&tracks, progress)?;
-    let residuals = |of: &dyn Fn([usize; 2]) -> bool| {
-        let chosen = found.iter().filter(|crossing| of(crossing.passes.map(|pass| pass.track)));
-        let mut differences: Vec<f64> = chosen.map(Crossing::difference_m).collect();
-        Residuals::of(&mut differences)
-    };
-    let within_logs = (0..logs.len()).map(|log| residuals(&|tracks| tracks == [log, log]));
-    Ok(residuals(&|_| true).map(|all| CrosslineAnalysis {
+    let within_logs =
+        (0..logs.len()).map(|log| crossing_residuals(&found, |tracks| tracks == [log, log]));
+    Ok(crossing_residuals(&found, |_| true).map(|all| CrosslineAnalysis {
         all,
-        between_logs: residuals(&|[a, b]| a != b),
+        between_logs: crossing_residuals(&found, |[a, b]| a != b),
         within_logs: within_logs.collect(),
     }))
+}
+
+/// Returns the residuals of the crossings between the tracks for which `of` is true; `None` without
+/// any.
+pub(crate) fn crossing_residuals(
+    found: &[Crossing],
+    of: impl Fn([usize; 2]) -> bool,
+) -> Option<Residuals> {
+    let chosen = found.iter().filter(|crossing| of(crossing.passes.map(|pass| pass.track)));
+    Residuals::of(&mut chosen.map(Crossing::difference_m).collect::<Vec<f64>>())
 }
 
 /// Errors of the positions of a log, derived from crossings.

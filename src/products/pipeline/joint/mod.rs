@@ -19,7 +19,7 @@ pub use corrections::RequestedCorrection;
 pub use crossline::{
     CrosslineAnalysis, LogPositions, crossline_analysis, latencies, position_offsets,
 };
-pub(crate) use crossline::{crossing_error, track_depths};
+pub(crate) use crossline::{crossing_error, crossing_residuals, track_depths};
 pub(crate) use report::joint_report;
 pub use report::{contradictions, depths_scale, heights_differ};
 
