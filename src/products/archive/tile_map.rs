@@ -99,7 +99,7 @@ fn blank_other_zones(surface: &mut Surface, tile: TileId) {
     }
     let grid = surface.grid;
     for cell in 0..grid.len() {
-        let at = tile.zone.to_lon_lat(grid.centre(cell / grid.columns, cell % grid.columns));
+        let at = tile.zone.to_lon_lat(grid.centre_of(cell));
         if UtmZone::of(at) != tile.zone {
             surface.depth_m[cell] = f32::NAN;
             surface.spread_m[cell] = f32::NAN;

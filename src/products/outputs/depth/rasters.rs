@@ -151,10 +151,7 @@ fn known_cells<'a>(
 ) -> impl Iterator<Item = (usize, [f64; 2], f32)> + 'a {
     let grid = &surface.grid;
     let known = surface.depth_m.iter().enumerate().filter(|(_, depth_m)| !depth_m.is_nan());
-    known.map(move |(index, &depth_m)| {
-        let centre = grid.centre(index / grid.columns, index % grid.columns);
-        (index, map.in_crs(centre), depth_m)
-    })
+    known.map(move |(index, &depth_m)| (index, map.in_crs(grid.centre_of(index)), depth_m))
 }
 
 fn write(

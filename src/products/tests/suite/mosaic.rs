@@ -69,13 +69,7 @@ impl Drawn {
     }
 
     fn at(&self, east_m: f64, north_m: f64) -> u8 {
-        let column = ((east_m - self.grid.west_m) / self.grid.cell_m).floor();
-        let row = ((self.grid.north_m - north_m) / self.grid.cell_m).floor();
-        let inside = column >= 0.0
-            && row >= 0.0
-            && (column as usize) < self.grid.columns
-            && (row as usize) < self.grid.rows;
-        if inside { self.levels[row as usize * self.grid.columns + column as usize] } else { 0 }
+        self.grid.index_at(east_m, north_m).map_or(0, |cell| self.levels[cell])
     }
 }
 

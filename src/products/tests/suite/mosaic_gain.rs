@@ -41,13 +41,8 @@ impl Swaths {
         let picture = window(survey, &layout, &grid, &table, &settings, &progress);
         let picture = picture.expect("nobody cancels");
         let at = |[x, y]: [f64; 2]| {
-            let column = ((x - grid.west_m) / grid.cell_m) as usize;
-            let row = ((grid.north_m - y) / grid.cell_m) as usize;
-            let level = (column < grid.columns).then(|| picture.get(row * grid.columns + column));
-            match level.flatten() {
-                Some(&level) if level > 0 => f64::from(level),
-                _ => f64::NAN,
-            }
+            let level = grid.index_at(x, y).map_or(0, |cell| picture[cell]);
+            if level > 0 { f64::from(level) } else { f64::NAN }
         };
         let pings = 0..survey.side_scan.len();
         let levels = Side::BOTH.map(|side| {

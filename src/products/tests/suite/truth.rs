@@ -61,8 +61,7 @@ impl KnownSurvey {
     /// The errors of a map at the middle of each cell that `soundings` fills too.
     pub(super) fn map_errors(&self, map: &Surface, soundings: &Surface) -> Vec<MapError> {
         let cells = (0..map.grid.len()).filter_map(|cell| {
-            let [east_m, north_m] =
-                map.grid.centre(cell / map.grid.columns, cell % map.grid.columns);
+            let [east_m, north_m] = map.grid.centre_of(cell);
             let (depth_m, _) = map.at(east_m, north_m)?;
             let (_, away_m) = soundings.at(east_m, north_m)?;
             Some(MapError {

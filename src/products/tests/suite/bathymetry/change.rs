@@ -84,7 +84,7 @@ fn change(newer: &Surface, older: &Surface) -> (ChangeTotals, ChangeErrors) {
     };
     let (mut rise_m, mut sigma_m, mut is_measured) = (Vec::new(), Vec::new(), Vec::new());
     for cell in 0..newer.depth_m.len() {
-        let [east_m, north_m] = newer.grid.centre(cell / columns, cell % columns);
+        let [east_m, north_m] = newer.grid.centre_of(cell);
         let (new_m, new_sigma_m, is_new) = known(newer, cell);
         let other = older.grid.index_at(east_m, north_m);
         let other = other.map(|other| known(older, other));

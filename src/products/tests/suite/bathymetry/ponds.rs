@@ -126,12 +126,9 @@ fn check_hardness(pond: &Mission, from_levels: &Surface) {
             around.map(|[e, n]| pond.known.truth.bed_strength(east_m + e, north_m + n)).sum();
         10.0 * (sum / 9.0).log10()
     };
-    let columns = from_levels.grid.columns;
     let cells = hardness_db.iter().enumerate().filter(|(_, found)| !found.is_nan());
     let pairs: Vec<[f64; 2]> = cells
-        .map(|(cell, found)| {
-            [f64::from(*found), true_db(from_levels.grid.centre(cell / columns, cell % columns))]
-        })
+        .map(|(cell, found)| [f64::from(*found), true_db(from_levels.grid.centre_of(cell))])
         .collect();
     let mean =
         |of: &dyn Fn(&[f64; 2]) -> f64| pairs.iter().map(of).sum::<f64>() / pairs.len() as f64;
