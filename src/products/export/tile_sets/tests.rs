@@ -3,7 +3,6 @@ use crate::map_tiles::{TileStyle, WebTile, ZoomRange, web_pixel};
 use bathyscope_log::support::geo::LonLat;
 use flate2::read::GzDecoder;
 use std::fs;
-use std::io::Read as _;
 
 fn set() -> TileSet {
     TileSet {
