@@ -10,7 +10,6 @@ pub(super) mod first_return;
 pub(super) mod logs;
 pub(super) mod maps;
 pub(super) mod mounting;
-mod nothing_open;
 pub(super) mod notices;
 pub(super) mod objects;
 pub(in crate::ui) mod parts;

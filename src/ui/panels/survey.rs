@@ -1,16 +1,19 @@
-//! Draws the survey: the contents of the log, its warnings, and the preset in force.
+//! Draws the survey: the contents of the log, its warnings, and the preset in force; or offers logs
+//! to open while none is.
 
-use super::nothing_open;
 use super::parts::{fact, remark, warning};
 use super::section::{Section, section};
-use crate::app::Command;
+use crate::app::{Action, CARDS_LISTED_EVERY, Command};
 use crate::ui::{ViewContext, controls, text};
 use bathyscope_bottom::presentation::units::Units;
+use bathyscope_log::formats::{FoundLog, LogFolder, formats_to_open};
 use bathyscope_log::support::calendar;
 use bathyscope_log::support::printable::one_line;
 use bathyscope_log::survey::{SideScanState, Survey};
 use bathyscope_products::pipeline::Preset;
-use egui::Ui;
+use egui::{Button, Label, Ui, vec2};
+use std::path::Path;
+use std::time::SystemTime;
 
 /// Greatest number of warnings that are shown at once; a damaged log can have thousands.
 const WARNINGS_SHOWN: usize = 40;
@@ -24,7 +27,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
                 warnings(ui, context, &survey);
                 preset_line(ui, context);
             }
-            None => nothing_open::ui(ui, context),
+            None => nothing_open(ui, context),
         }
     });
 }
@@ -183,4 +186,76 @@ fn preset_line(ui: &mut Ui, context: &mut ViewContext<'_>) {
             );
         }
     });
+}
+
+/// Greatest number of offered folders on cards, of logs of each folder, and of logs opened before;
+/// the dialog lists all.
+const SHOWN: usize = 3;
+
+/// Draws the offers.
+fn nothing_open(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    ui.label("Nothing is open.");
+    remark(ui, format!("Drop a log on the window, or open one: {}.", formats_to_open()));
+    ui.add_space(4.0);
+    for action in [Action::Open, Action::OpenDemo] {
+        let button = Button::new(action.label()).min_size(vec2(180.0, 24.0));
+        context.button(ui.add(button), action);
+    }
+    let app = context.app;
+    for folder in app.card_search.folders().into_iter().take(SHOWN) {
+        on_card(ui, context, folder);
+    }
+    if !app.recent.is_empty() {
+        ui.add_space(8.0);
+        ui.label("Opened before");
+    }
+    for path in app.recent.iter().take(SHOWN) {
+        offer(ui, context, name(path), path, || Command::Open(path.clone()));
+    }
+    // No other event redraws the window when a card is inserted.
+    ui.ctx().request_repaint_after(CARDS_LISTED_EVERY);
+}
+
+/// Draws the newest logs of a folder, and a button for all of them.
+fn on_card(ui: &mut Ui, context: &mut ViewContext<'_>, folder: &LogFolder) {
+    ui.add_space(8.0);
+    let words = format!("On {}", folder.on_card.display());
+    ui.add(Label::new(words).truncate()).on_hover_text(folder.path.display().to_string());
+    for log in folder.logs.iter().take(SHOWN) {
+        let words = match written(log) {
+            Some(day) => format!("{}  ·  {day}", name(&log.path)),
+            None => name(&log.path),
+        };
+        offer(ui, context, words, &log.path, || Command::OpenAll(vec![log.path.clone()]));
+    }
+    if folder.logs.len() > 1 {
+        let words = format!("All {}", text::plural(folder.logs.len(), "log", "logs"));
+        let all = || folder.logs.iter().map(|log| log.path.clone()).collect();
+        offer(ui, context, words, &folder.path, || Command::OpenAll(all()));
+    }
+}
+
+fn offer(
+    ui: &mut Ui,
+    context: &mut ViewContext<'_>,
+    words: String,
+    path: &Path,
+    command: impl FnOnce() -> Command,
+) {
+    let button = Button::new(words).truncate().min_size(vec2(180.0, 24.0));
+    let response = ui.add(button).on_hover_text(path.display().to_string());
+    if response.clicked() {
+        context.push(command());
+    }
+}
+
+fn name(path: &Path) -> String {
+    let name = path.file_name().unwrap_or(path.as_os_str());
+    name.to_string_lossy().into_owned()
+}
+
+/// Returns the day on which a log was last written, by the file system of the drive.
+fn written(log: &FoundLog) -> Option<String> {
+    let since = log.written?.duration_since(SystemTime::UNIX_EPOCH).ok()?;
+    Some(calendar::date(since.as_secs_f64()))
 }
