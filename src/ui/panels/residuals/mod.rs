@@ -4,18 +4,18 @@
 //! The panel reads the state of the app, draws tables and histograms, and sends commands.
 
 mod plots;
-mod reference;
 
-use super::parts::fact;
+use super::cloud;
+use super::parts::{self, fact};
 use super::section::{Section, section};
-use super::{cloud, parts};
-use crate::app::{Action, App, Command, JobKey, MapLayer};
+use crate::app::{Action, App, Command, JobKey, MapLayer, ReferenceBy};
+use crate::ui::controls::number_slider;
 use crate::ui::{ViewContext, text};
 use bathyscope_bottom::bathymetry::compare::Comparison;
 use bathyscope_bottom::cloud::Residuals;
 use bathyscope_bottom::presentation::units::Units;
 use bathyscope_products::pipeline::Stage;
-use egui::{Rect, Ui, vec2};
+use egui::{Button, Rect, Ui, vec2};
 use plots::{HEIGHT, OVERS};
 
 /// Draws the section.
@@ -27,7 +27,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         if context.app.logs.shown.products.is_some() && ui.is_rect_visible(place) {
             context.push(Command::CompareWithReference);
         }
-        reference::ui(ui, context);
+        reference(ui, context);
         let Some(agreement) = context.app.findings.reference_comparison.agreement().cloned() else {
             return parts::remark(ui, lack(context.app));
         };
@@ -123,4 +123,86 @@ fn on_map(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let mut is_shown = layers.is_visible(MapLayer::Residuals);
     let check = ui.checkbox(&mut is_shown, "Residuals on the map");
     context.button_with_hint(check, Action::ResidualLayer, MapLayer::Residuals.hint());
+}
+
+/// Radii that can be chosen, metres.
+const RADII_M: [f64; 2] = [0.1, 20.0];
+
+const BYS: [(ReferenceBy, &str, &str); 2] = [
+    (
+        ReferenceBy::Surface,
+        "Surface",
+        "The triangulated points of the reference, across gaps as wide as the depth map spans.",
+    ),
+    (
+        ReferenceBy::Nearest,
+        "Nearest point",
+        "The nearest point of the reference, seen from above, within a radius.",
+    ),
+];
+
+/// Draws the reference with its settings.
+fn reference(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let reference = context.app.map.comparing.reference.clone();
+    let (name, hint) = match &reference {
+        Some(reference) => (reference.name(), reference.path().display().to_string()),
+        None => (
+            "own soundings".to_owned(),
+            "Side-scan against the soundings of the same log.".to_owned(),
+        ),
+    };
+    fact(ui, "Reference", &hint, name);
+    buttons(ui, context, reference.is_some());
+    let Some(reference) = reference else {
+        return;
+    };
+    matching(ui, context);
+    if reference.is_mission() {
+        parts::remark(ui, "Another mission, processed with the same settings.");
+    }
+    for note in &reference.notes {
+        parts::remark(ui, context.units().sentence(note));
+    }
+}
+
+fn buttons(ui: &mut Ui, context: &mut ViewContext<'_>, is_open: bool) {
+    let ready = context.app.logs.shown.products.is_some()
+        && !context.app.jobs.is_running(&JobKey::OpenReference);
+    ui.horizontal_wrapped(|ui| {
+        for (action, enabled) in [(Action::CompareWith, ready), (Action::CloseReference, is_open)] {
+            let button = ui.add_enabled(enabled, Button::new(action.label()));
+            context.button(button, action);
+        }
+    });
+}
+
+fn matching(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let comparing = &context.app.map.comparing;
+    let (before, mut by, radius_m) = (comparing.by, comparing.by, comparing.radius_m);
+    ui.horizontal_wrapped(|ui| {
+        for (each, name, hint) in BYS {
+            ui.selectable_value(&mut by, each, name).on_hover_text(hint);
+        }
+    });
+    let units = context.units();
+    let [least, most] = RADII_M.map(|radius_m| units.in_unit(radius_m));
+    let (mut radius, radii) = (units.in_unit(radius_m), least..=most);
+    let mut moved = false;
+    if by == ReferenceBy::Nearest {
+        let hint = "How far the nearest point may be.";
+        let slider = parts::row(ui, "Radius", hint, |ui| {
+            let slider = number_slider(&mut radius, radii).logarithmic(true);
+            let unit = format!(" {}", units.symbol());
+            ui.add(slider.fixed_decimals(1).suffix(unit))
+        });
+        moved = slider.changed();
+    }
+    if by != before || moved {
+        let radius_m = if moved {
+            (radius * units.length.metres()).clamp(RADII_M[0], RADII_M[1])
+        } else {
+            radius_m
+        };
+        context.push(Command::MatchBy { by, radius_m });
+    }
 }
