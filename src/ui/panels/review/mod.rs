@@ -4,12 +4,11 @@
 //!
 //! The panel reads the state of the app, draws controls and pictures of boxes, and sends commands.
 
-mod classes;
 mod judged;
-mod lines;
 mod object;
 mod queue;
 mod selected;
+mod texts;
 
 use super::parts::{progress_bar, remark, warning, within};
 use super::section::{Section, section};
@@ -25,8 +24,8 @@ use object::ObjectPictures;
 #[derive(Default)]
 pub(crate) struct ReviewPanel {
     chip: Background<chip::ChipKey, BoxChip>,
-    lines: lines::BoxTexts,
-    classes: classes::Classes,
+    lines: texts::BoxTexts,
+    classes: texts::Classes,
     object: ObjectPictures,
     /// Layer and area of the panel when it was drawn last; `None` while there are no boxes.
     area: Option<(LayerId, Rect)>,
