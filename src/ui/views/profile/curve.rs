@@ -1,8 +1,7 @@
 //! Draws the curves: raw samples faint behind, normalised intensity in front, with the
 //! normalisation of the whole picture.
 
-use super::Shown;
-use super::plot::ProfilePlot;
+use super::{ProfilePlot, Shown};
 use crate::app::ViewOptions;
 use crate::ui::raster::{PaintedArea, RasterTexture};
 use crate::ui::{ViewContext, place, theme};
