@@ -1,6 +1,6 @@
 //! Collects the contents of one frame of the map.
 
-use super::isobaths::layer::IsobathLayer;
+use super::isobaths::IsobathLayer;
 use super::layers::TrackLayer;
 use super::residuals::ResidualLayer;
 use super::transform::MapTransform;

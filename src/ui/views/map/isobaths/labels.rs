@@ -3,7 +3,7 @@
 //! Labels keep their size on the screen, so the places where they fit depend on the zoom. They are
 //! placed once for every octave of zoom, in a background thread, and move with the map in between.
 
-use super::layer::{GroundLine, IsobathLayer};
+use super::{GroundLine, IsobathLayer};
 use bathyscope_log::support::progress::Progress;
 use std::collections::HashMap;
 use std::sync::Arc;
