@@ -2,9 +2,8 @@
 //!
 //! Input: the state and the actions of the pointer. Output: lines, a plot, and commands.
 //!
-//! `profile` is the plot below the map, and `frame` its axes.
+//! `profile` is the plot below the map, with its axes.
 
-mod frame;
 mod profile;
 
 use super::scene::MapScene;
