@@ -7,7 +7,6 @@ mod bottom;
 mod clip;
 mod controls;
 mod objects;
-mod picture;
 mod pointer;
 mod scene;
 mod section;
@@ -22,10 +21,9 @@ use bathyscope_products::pipeline::Background;
 use bottom::ShownBottom;
 use eframe::egui_wgpu::RenderState;
 use egui::{Painter, Rect, Response, Role, Sense, Ui, Vec2, WidgetInfo};
-use picture::CloudPicture;
 use pointer::PickScene;
 use scene::{CloudScene, ColourEnds, SceneBox, SceneLogPoints, ShownPoints};
-use shown::ShownCloud;
+use shown::{CloudPicture, ShownCloud};
 use std::sync::Arc;
 
 /// Points of the screen that the numbers around the box need, both sides together.

@@ -3,7 +3,6 @@
 //!
 //! Input: the state. Output: the picture with lines, boxes and marks, and commands.
 
-mod accessibility;
 mod bottom;
 mod boxes;
 mod camera;
