@@ -4,7 +4,6 @@
 
 mod base_map;
 mod dots;
-mod exclusions;
 mod flat_spots;
 mod graticule;
 mod grid_tiles;
@@ -203,7 +202,7 @@ impl MapView {
                 .is_some_and(|figures| figures.faults.all() > 0),
             made_of: (context.app.logs.shown.whole.as_ref())
                 .map(|whole| whole.survey.side_scan.len()),
-            has_excluded: exclusions::ping_count(context.app) > 0,
+            has_excluded: stretch_tool::ping_count(context.app) > 0,
             has_swath: context.app.logs.has_swath(),
             proposed: context.app.logs.shown.proposed_stretch(),
             options: context.options(),
@@ -329,7 +328,7 @@ fn paint(ui: &Ui, context: &ViewContext<'_>, scene: &scene::MapScene<'_>, layers
             layers.show(&painter, context, scene, shown.layer);
         }
     }
-    exclusions::paint(&painter, scene, context.app);
+    stretch_tool::paint(&painter, scene, context.app);
     track::paint_recorded(&painter, scene, context.app);
     if scene.options.map.graticule {
         graticule::paint(&painter, scene);
@@ -375,7 +374,7 @@ fn name(app: &App, products: &Products, track: &TrackLayer) -> String {
     let reference = products.reduction().reference_name();
     let surveys = app.logs.visible().filter_map(|log| log.survey.as_ref());
     let pings = surveys.map(|survey| survey.side_scan.len()).sum();
-    let excluded = match exclusions::ping_count(app) {
+    let excluded = match stretch_tool::ping_count(app) {
         0 => String::new(),
         count => format!(" of which {} excluded", text::count(count)),
     };

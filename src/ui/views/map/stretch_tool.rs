@@ -1,16 +1,15 @@
 //! Implements the tools that are dragged along a track: one excludes pings, one proposes them for
-//! the scale.
+//! the scale. Draws the excluded stretches of the tracks.
 
-use super::exclusions::{CASING, places};
 use super::layers::TrackLayer;
 use super::pointer::REACH;
 use super::scene::MapScene;
 use super::transform::MapTransform;
-use crate::app::{App, Command, ExclusionEdit, LogId, Tool};
-use crate::ui::ViewContext;
+use crate::app::{App, Command, ExclusionEdit, LogId, MapLayer, OpenLog, Tool};
 use crate::ui::views::drag::{self, Does};
 use crate::ui::views::legend;
-use bathyscope_log::survey::LogPart;
+use crate::ui::{ViewContext, theme};
+use bathyscope_log::survey::{LogPart, PingNav};
 use egui::{Align2, CursorIcon, Painter, Pos2, Rect, Response, Shape, Stroke, Ui, vec2};
 
 /// State of both tools; `None` while there is no drag.
@@ -121,4 +120,77 @@ impl StretchTool {
 /// Returns true if one of the tools is selected.
 pub(super) fn is_in_hand(app: &App) -> bool {
     matches!(app.logs.shown.reviewing.tool, Tool::Exclude | Tool::Calibrate)
+}
+
+/// Largest number of places drawn along a stretch: enough for its bends at any scale that shows it
+/// whole.
+const MOST_PLACES: usize = 512;
+/// Width of the line that hides the track's own colour under the dashes, points: the width of the
+/// track's casing.
+const CASING: f32 = 4.6;
+/// Width of the dashes, points.
+const WIDTH: f32 = 1.8;
+/// Length of the dashes and of the gaps between them, points.
+const DASH: f32 = 3.0;
+
+/// Draws the excluded stretches of all visible logs as fine grey dashes over their tracks.
+pub(super) fn paint(painter: &Painter, scene: &MapScene<'_>, app: &App) {
+    if !scene.shows(MapLayer::Track) {
+        return;
+    }
+    let casing = Stroke::new(CASING, theme::canvas_colour(scene.options));
+    let dashes = Stroke::new(WIDTH, theme::excluded_colour(scene.options));
+    for log in app.logs.visible() {
+        for sailed in stretches(log) {
+            stroke(painter, &places(scene, sailed), casing, dashes);
+        }
+    }
+}
+
+/// Returns the places of the boat in the excluded stretches of a log.
+fn stretches(log: &OpenLog) -> impl Iterator<Item = &[PingNav]> {
+    let found = log.survey.as_ref().zip(log.products.as_ref());
+    let found = found.zip(log.exclusions()).into_iter();
+    found.flat_map(|((survey, products), found)| {
+        let stretches = found.exclusions.stretches.iter();
+        stretches.map(|stretch| stretch.part().places(survey, &products.navigation))
+    })
+}
+
+/// Returns the number of excluded side-scan pings of all visible logs.
+pub(super) fn ping_count(app: &App) -> usize {
+    let found = app.logs.visible().filter_map(OpenLog::exclusions);
+    found.map(|found| found.exclusions.ping_count()).sum()
+}
+
+/// Returns places of the boat on the screen, at most about [`MOST_PLACES`].
+fn places(scene: &MapScene<'_>, pings: &[PingNav]) -> Vec<Pos2> {
+    let step = pings.len().div_ceil(MOST_PLACES).max(1);
+    let last = pings.last();
+    let shown = pings.iter().step_by(step).chain(last);
+    let is_placed = |ping: &&PingNav| (ping.east_m + ping.north_m).is_finite();
+    shown.filter(is_placed).map(|ping| scene.at([ping.east_m, ping.north_m])).collect()
+}
+
+/// Draws the visible parts of a line: dashes far outside of the view would cost as much as those
+/// inside.
+fn stroke(painter: &Painter, line: &[Pos2], casing: Stroke, dashes: Stroke) {
+    let view = painter.clip_rect().expand(CASING);
+    let is_seen = |pair: &[Pos2]| Rect::from_two_pos(pair[0], pair[1]).intersects(view);
+    let mut seen: Vec<Pos2> = Vec::new();
+    let flush = |seen: &mut Vec<Pos2>| {
+        let line = std::mem::take(seen);
+        if line.len() > 1 {
+            painter.add(Shape::line(line.clone(), casing));
+            painter.extend(Shape::dashed_line(&line, dashes, DASH, DASH));
+        }
+    };
+    for pair in line.windows(2) {
+        match is_seen(pair) {
+            true if seen.is_empty() => seen.extend(pair),
+            true => seen.push(pair[1]),
+            false => flush(&mut seen),
+        }
+    }
+    flush(&mut seen);
 }

@@ -9,7 +9,6 @@ mod camera;
 mod camera_moves;
 mod drawing;
 mod echogram;
-mod exclusions;
 mod flat_spots;
 mod labels;
 mod lens;

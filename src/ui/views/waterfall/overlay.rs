@@ -4,7 +4,7 @@ use super::drawing::WaterfallDrawing;
 use super::labels::WaterfallLabels;
 use super::lens::{Lens, LensPlace};
 use super::scales::RangeLines;
-use super::{bottom, boxes, exclusions, flat_spots, lines, scales};
+use super::{bottom, boxes, flat_spots, lines, scales, stretch_tool};
 use crate::app::{App, LogPlace};
 use crate::ui::{place, theme};
 use bathyscope_bottom::picture::PictureGeometry;
@@ -56,7 +56,7 @@ pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &ShownOverlay<'_>) {
     if let Some(drawing) = shown.drawing.filter(|_| shows_water) {
         draw_lines(painter, lens, shown, drawing);
     }
-    let veiled = exclusions::in_view(lens, shown.app);
+    let veiled = stretch_tool::in_view(lens, shown.app);
     for stretch in &veiled {
         stretch.draw(painter);
     }
