@@ -2,11 +2,11 @@
 //! order of the stack.
 
 use super::base_map::BaseMapKey;
+use super::dots::{self, PointKey};
 use super::grid_tiles::{DepthTiles, MosaicTiles, ShadeTiles};
 use super::isobaths::{self, IsobathLabels, IsobathLayer};
 use super::layers::TrackLayer;
 use super::lines::LinePicture;
-use super::points::{self, PointKey};
 use super::residuals::ResidualLayer;
 use super::scene::MapScene;
 use super::tiles::{TileLayer, TilePainter};
@@ -101,7 +101,7 @@ impl Layers {
             let (logs, options) = (logs.to_vec(), context.options().clone());
             let key = PointKey::of(&logs, &options);
             self.points.ask(key, context.app.jobs.workers(), move |progress| {
-                points::source(&logs, &options, progress)
+                dots::point_source(&logs, &options, progress)
             });
         }
         self.ask_for_residuals(context);
