@@ -2,7 +2,7 @@
 //! the cloud: the places on the bottom where depths were measured.
 
 use super::tiles::{MapTileKey, SIDE, TilePainter};
-use super::transform::{GroundBounds, around, away_m};
+use super::transform::{GroundBounds, PlaceBoxes, around};
 use crate::app::{SideColours, SwathShown, ThemeChoice, ViewOptions, VisibleLog};
 use crate::ui::theme;
 use bathyscope_bottom::cloud::{CloudPoint, PointClass, PointCloud, PointSource};
@@ -12,9 +12,6 @@ use bathyscope_products::pipeline::Same;
 use egui::Color32;
 use std::sync::Arc;
 
-/// Dots in a bounding box, which shows whether they need to be searched. A boat cannot jump:
-/// successive dots are close together.
-const BOXED: usize = 512;
 /// Radius of a dot, texels.
 const RADIUS: f64 = 1.5;
 /// The finest level worth painting, as an exponent of 2 in metres.
@@ -29,6 +26,10 @@ pub(super) struct Dot {
 }
 
 impl Dot {
+    fn place(&self) -> [f64; 2] {
+        [self.east_m, self.north_m]
+    }
+
     fn has_place(&self) -> bool {
         self.east_m.is_finite() && self.north_m.is_finite()
     }
@@ -37,8 +38,7 @@ impl Dot {
 /// Dots in the order of the track, and their colours.
 pub(super) struct Dots {
     dots: Vec<Dot>,
-    /// Bounding boxes, each around [`BOXED`] successive dots.
-    boxes: Vec<GroundBounds>,
+    boxes: PlaceBoxes,
     bounds: GroundBounds,
     colours: Vec<Color32>,
 }
@@ -50,8 +50,8 @@ impl Dots {
             return None;
         }
         Some(Self {
-            bounds: bounds(&dots),
-            boxes: dots.chunks(BOXED).map(bounds).collect(),
+            bounds: around(dots.iter().map(Dot::place)),
+            boxes: PlaceBoxes::new(&dots, Dot::place),
             dots,
             colours,
         })
@@ -59,32 +59,8 @@ impl Dots {
 
     /// Returns the index of the dot nearest to a place, if one is within `reach_m`.
     pub(super) fn nearest(&self, place: [f64; 2], reach_m: f64) -> Option<usize> {
-        let away = |index: usize| {
-            let [beside, beyond] = away_m(place, &self.boxes[index]);
-            beside.hypot(beyond)
-        };
-        // The nearest box first: its dots rule out most of the other boxes.
-        let first = (0..self.boxes.len()).min_by(|a, b| away(*a).total_cmp(&away(*b)))?;
-        let others = (0..self.boxes.len()).filter(|index| *index != first);
-        let mut best = (reach_m, None);
-        for index in std::iter::once(first).chain(others) {
-            if away(index) > best.0 {
-                continue;
-            }
-            let start = index * BOXED;
-            for (dot, at) in (start..).zip(self.dots[start..].iter().take(BOXED)) {
-                let off_m = (at.east_m - place[0]).hypot(at.north_m - place[1]);
-                if off_m < best.0 || (off_m == best.0 && best.1.is_none()) {
-                    best = (off_m, Some(dot));
-                }
-            }
-        }
-        best.1
+        Some(self.boxes.nearest(&self.dots, Dot::place, place, reach_m)?.0)
     }
-}
-
-fn bounds(dots: &[Dot]) -> GroundBounds {
-    around(dots.iter().map(|dot| [dot.east_m, dot.north_m]))
 }
 
 impl TilePainter for Dots {
@@ -108,7 +84,7 @@ impl TilePainter for Dots {
         };
         let mut colours = vec![Color32::TRANSPARENT; SIDE * SIDE];
         let mut is_empty = true;
-        let chunks = self.dots.chunks(BOXED).zip(&self.boxes);
+        let chunks = self.dots.chunks(PlaceBoxes::EACH).zip(&self.boxes.boxes);
         for (dots, _) in chunks.filter(|(_, bounds)| inside(bounds)) {
             progress.check().ok()?;
             for dot in dots.iter().filter(|dot| dot.has_place()) {
@@ -244,33 +220,5 @@ mod tests {
         assert_eq!(inked(0), Some(vec![256, 257]));
         assert_eq!(inked(1), Some(vec![0, 1, 44, 45]));
         assert_eq!(inked(2), None);
-    }
-
-    #[test]
-    fn the_nearest_is_that_of_a_look_at_all() {
-        let spiral = |index: usize| match index % 400 {
-            0..3 => dot(f64::NAN, 1.0),
-            _ => {
-                let (sin, cos) = (index as f64 * 0.013).sin_cos();
-                let reach_m = 5.0 + index as f64 * 0.02;
-                dot(reach_m * cos, reach_m * sin)
-            }
-        };
-        let all: Vec<Dot> = (0..3000).map(spiral).collect();
-        let dots = Dots::new((0..3000).map(spiral).collect(), vec![Color32::RED; 2]);
-        let dots = dots.expect("dots with a place");
-        let mut found_some = 0;
-        for step in 0..200 {
-            let (sin, cos) = f64::from(step).sin_cos();
-            let at = [0.5 * f64::from(step) * cos, 0.5 * f64::from(step) * sin];
-            let off = |dot: &Dot| (dot.east_m - at[0]).hypot(dot.north_m - at[1]);
-            let offs = all.iter().map(off).filter(|off| off.is_finite());
-            let least_m = offs.fold(f64::MAX, f64::min);
-            let found = dots.nearest(at, 4.0);
-            assert_eq!(found.is_some(), least_m <= 4.0, "{at:?}");
-            assert!(found.is_none_or(|dot| off(&all[dot]) == least_m), "{at:?}");
-            found_some += usize::from(found.is_some());
-        }
-        assert!((50..190).contains(&found_some), "{found_some}");
     }
 }

@@ -1,7 +1,7 @@
 //! Prepares the track in a background thread, so that a frame costs the same for any survey.
 
 use super::lines::MapLine;
-use super::transform::{GroundBounds, NOWHERE, around, away_m};
+use super::transform::{GroundBounds, NOWHERE, PlaceBoxes, around};
 use crate::app::{LogId, VisibleLog};
 use crate::ui::render::{Specks, Uploader, Vertex};
 use bathyscope_bottom::cloud::{Correction, DepthSource, PingDepth};
@@ -17,8 +17,6 @@ const BREAK_S: f64 = 10.0;
 /// Lengths of a coloured dash and of the grey gap after it where depth comes from side-scan only,
 /// metres.
 const DASH_M: [f64; 2] = [5.0, 2.5];
-/// Number of pings in a box of [`PingBoxes`].
-const PINGS: usize = 256;
 
 /// Inputs of the tracks of some logs; equal keys give equal tracks.
 #[derive(PartialEq)]
@@ -66,7 +64,8 @@ pub(super) struct TrackLayer {
     pub logs: Vec<(String, [u8; 3])>,
     /// The line of all tracks.
     pub line: MapLine,
-    boxes: Vec<(LogId, PingBoxes)>,
+    /// Pings of each log, and the boxes around them.
+    boxes: Vec<(LogId, Arc<Navigation>, PlaceBoxes)>,
 }
 
 impl TrackLayer {
@@ -99,7 +98,8 @@ impl TrackLayer {
         progress.check().ok()?;
         let boxes = logs.iter().map(|shown| {
             let navigation = shown.log.products.navigation.clone();
-            (shown.id, PingBoxes::new(navigation))
+            let boxes = PlaceBoxes::new(&navigation.pings, place_of);
+            (shown.id, navigation, boxes)
         });
         let named = logs.iter().filter(|_| by_log);
         Some(Self {
@@ -114,8 +114,8 @@ impl TrackLayer {
 
     /// Returns the ping of a log that is nearest to a place, however far away.
     pub(super) fn ping_of(&self, log: LogId, place: [f64; 2]) -> Option<usize> {
-        let (_, boxes) = self.boxes.iter().find(|(id, _)| *id == log)?;
-        Some(boxes.nearest(place, f64::INFINITY)?.0)
+        let (_, navigation, boxes) = self.boxes.iter().find(|(id, ..)| *id == log)?;
+        Some(boxes.nearest(&navigation.pings, place_of, place, f64::INFINITY)?.0)
     }
 
     /// Returns the ping nearest to a place and its log, if one is within `reach_m`; of equally near
@@ -126,8 +126,8 @@ impl TrackLayer {
         reach_m: f64,
         first: LogId,
     ) -> Option<(LogId, usize)> {
-        let near = self.boxes.iter().filter_map(|(id, boxes)| {
-            let (ping, away_m) = boxes.nearest(place, reach_m)?;
+        let near = self.boxes.iter().filter_map(|(id, navigation, boxes)| {
+            let (ping, away_m) = boxes.nearest(&navigation.pings, place_of, place, reach_m)?;
             Some((away_m, *id != first, *id, ping))
         });
         let nearest = near.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))?;
@@ -135,57 +135,8 @@ impl TrackLayer {
     }
 }
 
-/// Boxes around the pings of a track, for finding the ping nearest to a place. The boat cannot
-/// jump: a few hundred successive pings are close together, and a box around them shows whether
-/// they need to be searched.
-struct PingBoxes {
-    navigation: Arc<Navigation>,
-    boxes: Vec<GroundBounds>,
-}
-
-impl PingBoxes {
-    /// Creates the boxes in one pass over the pings.
-    fn new(navigation: Arc<Navigation>) -> Self {
-        let places =
-            |pings: &[PingNav]| around(pings.iter().map(|ping| [ping.east_m, ping.north_m]));
-        let boxes = navigation.pings.chunks(PINGS).map(places);
-        Self { boxes: boxes.collect(), navigation }
-    }
-
-    /// Returns the ping nearest to a place and its distance, metres, if one is within `reach_m`.
-    fn nearest(&self, place: [f64; 2], reach_m: f64) -> Option<(usize, f64)> {
-        let away = self.boxes.iter().map(|bounds| {
-            let [beside, beyond] = away_m(place, bounds);
-            beside * beside + beyond * beyond
-        });
-        let away = away.enumerate();
-        // The nearest box first: its pings rule out most of the other boxes.
-        let (first, _) = away.clone().min_by(|a, b| a.1.total_cmp(&b.1))?;
-        let mut best = (reach_m * reach_m, None);
-        self.look_into(first, place, &mut best);
-        for (index, square) in away {
-            if square <= best.0 && index != first {
-                self.look_into(index, place, &mut best);
-            }
-        }
-        Some((best.1?, best.0.sqrt()))
-    }
-
-    fn look_into(
-        &self,
-        index: usize,
-        [east_m, north_m]: [f64; 2],
-        best: &mut (f64, Option<usize>),
-    ) {
-        let start = index * PINGS;
-        let pings = self.navigation.pings.iter().skip(start).take(PINGS);
-        for (ping, place) in (start..).zip(pings) {
-            let square = (place.east_m - east_m).powi(2) + (place.north_m - north_m).powi(2);
-            if square < best.0 || (square == best.0 && best.1.is_none()) {
-                *best = (square, Some(ping));
-            }
-        }
-    }
+fn place_of(ping: &PingNav) -> [f64; 2] {
+    [ping.east_m, ping.north_m]
 }
 
 /// Meaning of the colour of a track.
@@ -268,41 +219,4 @@ fn vertices(
         });
     }
     line
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_nearest_is_that_of_a_look_at_all() {
-        let place = |ping: usize| {
-            let (sin, cos) = (ping as f64 * 0.013).sin_cos();
-            let reach_m = 5.0 + ping as f64 * 0.02;
-            PingNav {
-                east_m: if ping % 400 < 3 { f64::NAN } else { reach_m * cos },
-                north_m: reach_m * sin,
-                heading_rad: 0.0,
-                speed_mps: 1.0,
-            }
-        };
-        let pings: Vec<PingNav> = (0..3000).map(place).collect();
-        let navigation = Navigation::of_pings(pings.clone());
-        let boxes = PingBoxes::new(Arc::new(navigation));
-        for step in 0..200 {
-            let (sin, cos) = f64::from(step).sin_cos();
-            let at = [0.5 * f64::from(step) * cos, 0.5 * f64::from(step) * sin];
-            let off = |ping: &PingNav| (ping.east_m - at[0]).hypot(ping.north_m - at[1]);
-            let all = pings.iter().map(off).filter(|off| off.is_finite());
-            let least_m = all.fold(f64::MAX, f64::min);
-            let found = boxes.nearest(at, 20.0);
-            assert_eq!(found.is_some(), least_m <= 20.0, "{at:?}");
-            assert!(
-                found.is_none_or(|(ping, away_m)| {
-                    off(&pings[ping]) == least_m && (away_m - least_m).abs() < 1e-9
-                }),
-                "{at:?}"
-            );
-        }
-    }
 }

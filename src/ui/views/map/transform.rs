@@ -33,6 +33,58 @@ pub(super) fn away_m(
     [beside, beyond]
 }
 
+/// Boxes around successive places, for finding the nearest place. A boat cannot jump: successive
+/// places are close together, and a box around them shows whether they need to be searched.
+pub(super) struct PlaceBoxes {
+    /// Bounds of [`PlaceBoxes::EACH`] successive places each.
+    pub boxes: Vec<GroundBounds>,
+}
+
+impl PlaceBoxes {
+    /// Number of places in a box.
+    pub(super) const EACH: usize = 256;
+
+    /// Creates the boxes in one pass over the places.
+    pub(super) fn new<T>(places: &[T], place: impl Fn(&T) -> [f64; 2]) -> Self {
+        let each = places.chunks(Self::EACH);
+        Self { boxes: each.map(|places| around(places.iter().map(&place))).collect() }
+    }
+
+    /// Returns the index of the place nearest to another one and its distance, metres, if one is
+    /// within `reach_m`.
+    pub(super) fn nearest<T>(
+        &self,
+        places: &[T],
+        place: impl Fn(&T) -> [f64; 2],
+        [east_m, north_m]: [f64; 2],
+        reach_m: f64,
+    ) -> Option<(usize, f64)> {
+        let away = self.boxes.iter().map(|bounds| {
+            let [beside, beyond] = away_m([east_m, north_m], bounds);
+            beside * beside + beyond * beyond
+        });
+        let away = away.enumerate();
+        // The nearest box first: its places rule out most of the other boxes.
+        let first = away.clone().min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let others = away.filter(|(index, _)| *index != first.0);
+        let mut best = (reach_m * reach_m, None);
+        for (index, square) in std::iter::once(first).chain(others) {
+            if square > best.0 {
+                continue;
+            }
+            let start = index * Self::EACH;
+            for (found, at) in (start..).zip(places[start..].iter().take(Self::EACH)) {
+                let [east, north] = place(at);
+                let square = (east - east_m).powi(2) + (north - north_m).powi(2);
+                if square < best.0 || (square == best.0 && best.1.is_none()) {
+                    best = (square, Some(found));
+                }
+            }
+        }
+        Some((best.1?, best.0.sqrt()))
+    }
+}
+
 /// Share of the view that fitted bounds cover.
 const FIT_SHARE: f64 = 0.84;
 /// Width at the right edge that is reserved for the legend, points.
@@ -236,5 +288,37 @@ mod tests {
         assert_eq!(transform, before);
         transform.reveal(rect(), [5000.0, 20.0]);
         assert_eq!(transform.centre_m, [5000.0, 20.0]);
+    }
+
+    #[test]
+    fn the_nearest_place_is_that_of_a_look_at_all() {
+        let spiral = |index: usize| match index % 400 {
+            0..3 => [f64::NAN, 1.0],
+            _ => {
+                let (sin, cos) = (index as f64 * 0.013).sin_cos();
+                let reach_m = 5.0 + index as f64 * 0.02;
+                [reach_m * cos, reach_m * sin]
+            }
+        };
+        let places: Vec<[f64; 2]> = (0..3000).map(spiral).collect();
+        let boxes = PlaceBoxes::new(&places, |place| *place);
+        for (reach_m, usual) in [(4.0, 50..190), (20.0, 50..200)] {
+            let mut found_some = 0;
+            for step in 0..200 {
+                let (sin, cos) = f64::from(step).sin_cos();
+                let at = [0.5 * f64::from(step) * cos, 0.5 * f64::from(step) * sin];
+                let off = |place: &[f64; 2]| (place[0] - at[0]).hypot(place[1] - at[1]);
+                let offs = places.iter().map(off).filter(|off| off.is_finite());
+                let least_m = offs.fold(f64::MAX, f64::min);
+                let found = boxes.nearest(&places, |place| *place, at, reach_m);
+                assert_eq!(found.is_some(), least_m <= reach_m, "{at:?}");
+                let is_it = |(place, away_m): (usize, f64)| {
+                    off(&places[place]) == least_m && (away_m - least_m).abs() < 1e-9
+                };
+                assert!(found.is_none_or(is_it), "{at:?}");
+                found_some += usize::from(found.is_some());
+            }
+            assert!(usual.contains(&found_some), "{found_some}");
+        }
     }
 }
