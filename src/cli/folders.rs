@@ -21,46 +21,7 @@ const SURVEY: &str = "survey";
 /// Least number of letters of a common beginning.
 const LEAST: usize = 3;
 
-/// Chooses folders for surveys, a different one for each.
-pub(super) struct DefaultFolders {
-    parent: PathBuf,
-    /// Names of the chosen folders, in lower case: on some file systems `REC` and `Rec` are one
-    /// folder.
-    chosen: HashSet<String>,
-}
-
-impl DefaultFolders {
-    /// Chooses folders in `parent`.
-    pub(super) fn in_folder(parent: &Path) -> Self {
-        Self { parent: parent.to_owned(), chosen: HashSet::new() }
-    }
-
-    /// Returns the folder of a survey: its name, else `NAME-products`, `NAME-products-2` and so on,
-    /// the first that is missing, empty or of an earlier run of these logs.
-    pub(super) fn next(&mut self, name: &str, logs: &[OpenedLog]) -> PathBuf {
-        let surveys: Vec<&Survey> = logs.iter().map(|log| &*log.survey).collect();
-        let name = match name.trim_matches(['.', ' ']) {
-            "" => SURVEY.to_owned(),
-            name => file_name(name),
-        };
-        let mut count = 0;
-        loop {
-            let folder = match count {
-                0 => name.clone(),
-                1 => format!("{name}{PRODUCTS}"),
-                count => format!("{name}{PRODUCTS}-{count}"),
-            };
-            let path = self.parent.join(&folder);
-            if !self.chosen.contains(&folder.to_lowercase()) && is_free(&path, &surveys) {
-                self.chosen.insert(folder.to_lowercase());
-                return path;
-            }
-            count += 1;
-        }
-    }
-}
-
-/// Names folders after surveys, a different one for each: two recorders both begin with `Rec00001`,
+/// Chooses folders for surveys, a different one for each: two recorders both begin with `Rec00001`,
 /// and neither survey may replace the other's products.
 pub(super) struct Folders {
     parent: PathBuf,
@@ -86,6 +47,31 @@ impl Folders {
             folder = format!("{name}-{count}");
         }
         self.parent.join(folder)
+    }
+
+    /// Returns the folder of a survey where the user named none: its name, else `NAME-products`,
+    /// `NAME-products-2` and so on, the first that is missing, empty or of an earlier run of these
+    /// logs.
+    pub(super) fn next_free(&mut self, name: &str, logs: &[OpenedLog]) -> PathBuf {
+        let surveys: Vec<&Survey> = logs.iter().map(|log| &*log.survey).collect();
+        let name = match name.trim_matches(['.', ' ']) {
+            "" => SURVEY.to_owned(),
+            name => file_name(name),
+        };
+        let mut count = 0;
+        loop {
+            let folder = match count {
+                0 => name.clone(),
+                1 => format!("{name}{PRODUCTS}"),
+                count => format!("{name}{PRODUCTS}-{count}"),
+            };
+            let path = self.parent.join(&folder);
+            if !self.chosen.contains(&folder.to_lowercase()) && is_free(&path, &surveys) {
+                self.chosen.insert(folder.to_lowercase());
+                return path;
+            }
+            count += 1;
+        }
     }
 }
 
@@ -189,7 +175,7 @@ mod tests {
         let root = temporary.path();
         let pond = [log(&root.join("pond.sl2"))];
         let next = |name: &str| {
-            let folder = DefaultFolders::in_folder(root).next(name, &pond);
+            let folder = Folders::in_folder(root).next_free(name, &pond);
             folder.file_name().unwrap().to_str().unwrap().to_owned()
         };
         assert_eq!(next("pond"), "pond");
@@ -212,8 +198,8 @@ mod tests {
         assert_eq!(next(".."), SURVEY);
         assert_eq!(next("a/../b"), "a-..-b");
 
-        let mut folders = DefaultFolders::in_folder(root);
-        let both = ["bay", "BAY"].map(|name| folders.next(name, &pond));
+        let mut folders = Folders::in_folder(root);
+        let both = ["bay", "BAY"].map(|name| folders.next_free(name, &pond));
         assert_eq!(both, ["bay", "BAY-products"].map(|name| root.join(name)));
     }
 

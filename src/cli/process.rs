@@ -3,7 +3,7 @@
 mod survey;
 mod tiles;
 
-use super::folders::{DefaultFolders, Folders, name_of};
+use super::folders::{Folders, name_of};
 use super::settings::SettingsArgs;
 use super::survey_logs::{self, LogInput, OpenedLog, all_or, is_of, open, take_reviews};
 use super::{Failure, detect, output};
@@ -163,7 +163,7 @@ fn folder_of_all(args: &ProcessArgs, logs: &[OpenedLog]) -> Result<PathBuf, Fail
         Some(folder) => Ok(folder.clone()),
         None => {
             let name = name_of(&args.surveys, logs);
-            chosen(DefaultFolders::in_folder(Path::new("")).next(&name, logs))
+            chosen(Folders::in_folder(Path::new("")).next_free(&name, logs))
         }
     }
 }
@@ -176,16 +176,15 @@ fn chosen(folder: PathBuf) -> Result<PathBuf, Failure> {
 
 /// Processes each log as a survey of its own.
 fn each(inputs: &[LogInput], how: &How<'_>, args: &ProcessArgs) -> Result<(), Failure> {
-    let mut named = args.output.as_deref().map(Folders::in_folder);
-    let mut unnamed = DefaultFolders::in_folder(Path::new(""));
+    let mut folders = Folders::in_folder(args.output.as_deref().unwrap_or(Path::new("")));
     let mut failed = 0;
     for input in inputs {
         let processed = input.open().and_then(|log| {
             let mut logs = [log];
             let name = logs[0].survey.name();
-            let folder = match &mut named {
-                Some(folders) => folders.next(&name),
-                None => chosen(unnamed.next(&name, &logs))?,
+            let folder = match &args.output {
+                Some(_) => folders.next(&name),
+                None => chosen(folders.next_free(&name, &logs))?,
             };
             let own = args.review.iter().filter(|path| is_of(path, &logs[0]));
             let own: Vec<PathBuf> = own.cloned().collect();
