@@ -3,7 +3,7 @@
 
 use super::status_line::StatusLine;
 use super::waterfall_options::{WaterfallArgs, WaterfallLog, parse_size};
-use super::{Failure, output};
+use super::{Failure, check_ending, output};
 use crate::app::{Command, Orientation, View};
 use crate::ui::offscreen::Studio;
 use crate::ui::{Alone, Shell};
@@ -41,7 +41,7 @@ pub(super) struct FilmArgs {
 /// Draws the film and writes it; prints on stderr how long it is.
 pub(super) fn run(args: FilmArgs) -> Result<(), Failure> {
     output::restart_if_noisy();
-    check_film(&args.output)?;
+    check_ending(&args.output, &["avi"], "a film's name ends in .avi")?;
     if !(args.speed > 0.0 && args.speed.is_finite()) {
         return Err(format!("a film's speed lies above 0; got {}", args.speed).into());
     }
@@ -157,14 +157,4 @@ fn write(
         film.finish().map(drop)
     })?;
     Ok(())
-}
-
-/// Refuses, before any work, a path whose ending is not that of a film: a log named by mistake
-/// would be replaced.
-fn check_film(path: &Path) -> Result<(), Failure> {
-    let suffix = path.extension().unwrap_or_default();
-    if suffix.eq_ignore_ascii_case("avi") {
-        return Ok(());
-    }
-    Err(format!("a film's name ends in .avi: {}", path.display()).into())
 }

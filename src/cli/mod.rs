@@ -170,6 +170,16 @@ fn misspelt_command(word: &str) -> Option<String> {
         .then(|| format!("there is no command `{word}`; did you mean `{name}`?"))
 }
 
+/// Refuses, before any work, a path with none of these endings: a file named by mistake, such as a
+/// log, would be replaced. `rule` states the ending.
+fn check_ending(path: &Path, endings: &[&str], rule: &str) -> Result<(), Failure> {
+    let ending = path.extension().unwrap_or_default();
+    if endings.iter().any(|known| ending.eq_ignore_ascii_case(known)) {
+        return Ok(());
+    }
+    Err(format!("{rule}: {}", path.display()).into())
+}
+
 /// Runs the program with the process's own arguments.
 pub fn main() -> ExitCode {
     let first = std::env::args_os().nth(1);

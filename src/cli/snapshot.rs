@@ -2,7 +2,7 @@
 
 use super::settings::SettingsArgs;
 use super::waterfall_options::{GeometryArgs, open, parse_size, requested_pings, take_over, wait};
-use super::{Failure, output};
+use super::{Failure, check_ending, output};
 use crate::app::{
     Action, App, CloudColour, Command, FileToOpen, Jobs, LogOrigin, LogPlace, MapLayer,
     ThemeChoice, View, ViewOptions,
@@ -146,7 +146,7 @@ enum Coordinates {
 pub(super) fn run(args: SnapshotArgs) -> Result<(), Failure> {
     output::restart_if_noisy();
     let settings = args.settings.resolve()?;
-    check_picture(&args.output)?;
+    check_ending(&args.output, &["png"], "a picture's name ends in .png")?;
     if !args.scale.is_finite() || !(0.5..=8.0).contains(&args.scale) {
         return Err(format!("a picture's scale lies between 0.5 and 8; got {}", args.scale).into());
     }
@@ -269,14 +269,4 @@ fn select(app: &mut App, pings: Option<PingRange>) -> Result<(), Failure> {
         app.apply(Command::Select(Some(LogPlace::ping(middle))));
     }
     Ok(())
-}
-
-/// Refuses, before any work, a path whose ending is not that of a picture: a log named by mistake
-/// would be replaced.
-fn check_picture(path: &Path) -> Result<(), Failure> {
-    let suffix = path.extension().unwrap_or_default();
-    if suffix.eq_ignore_ascii_case("png") {
-        return Ok(());
-    }
-    Err(format!("a picture's name ends in .png: {}", path.display()).into())
 }

@@ -8,7 +8,7 @@ mod surveys;
 mod table;
 
 use super::output;
-use crate::cli::Failure;
+use crate::cli::{Failure, check_ending};
 use bathyscope_objects::labels::{self, LabelError, LabelSet, Paired};
 use bathyscope_objects::metrics::{ApMethod, Evaluation, Image, MetricSettings, evaluate};
 use bathyscope_products::export::write_bytes;
@@ -131,7 +131,7 @@ impl Outcome {
 /// Evaluates the boxes, prints the figures and writes the page.
 pub(super) fn run(args: EvaluateArgs) -> Result<(), Failure> {
     if let Some(page) = &args.output {
-        check_page(page)?;
+        check_ending(page, &["html", "htm"], "a page's name ends in .html")?;
     }
     let boxes = match (&args.truth, &args.predicted) {
         (Some(truth), Some(predicted)) => of_labels(truth, predicted, args.score)?,
@@ -162,14 +162,4 @@ fn of_labels(truth: &Path, predicted: &Path, score: Option<f64>) -> Result<Boxes
         ranked: None,
         score: score.unwrap_or(LABEL_SCORE),
     })
-}
-
-/// Refuses, before any work, a path whose ending is not that of a page: a labels file would be
-/// replaced.
-fn check_page(path: &Path) -> Result<(), Failure> {
-    let suffix = path.extension().unwrap_or_default();
-    if ["html", "htm"].iter().any(|known| suffix.eq_ignore_ascii_case(known)) {
-        return Ok(());
-    }
-    Err(format!("a page's name ends in .html: {}", path.display()).into())
 }
