@@ -92,12 +92,8 @@ impl Frames {
     /// time after the one before, rounded to whole pings.
     fn new(log: &WaterfallLog, [width, height]: [u32; 2], step_s: f64) -> Self {
         let pings = log.pings.end - log.pings.start;
-        let pixel_m = 2.0 * log.axis.far_m / f64::from(width);
-        let high = log
-            .axis
-            .ping_m
-            .map_or(f64::from(height), |ping_m| f64::from(height) * pixel_m / ping_m);
-        let shown = (high.round() as usize).clamp(1, pings.max(1));
+        let shown = log.one_to_one(height, width).round() as usize;
+        let shown = shown.clamp(1, pings.max(1));
         let survey = log.app.logs.shown.survey.as_ref();
         let time_s =
             |ping: usize| survey.and_then(|survey| Some(survey.side_scan.get(ping)?.time_s));

@@ -1,7 +1,7 @@
 //! `bathyscope sonogram`: draws the side-scan picture of a log in pages, with its scales.
 
 use super::status_line::StatusLine;
-use super::waterfall_options::{WaterfallArgs, WaterfallLog, parse_size};
+use super::waterfall_options::{WaterfallArgs, parse_size};
 use super::{Failure, output};
 use crate::app::View;
 use crate::ui::offscreen::{Studio, write_picture};
@@ -37,8 +37,8 @@ pub(super) fn run(args: SonogramArgs) -> Result<(), Failure> {
     output::restart_if_noisy();
     let log = args.shown.open()?;
     let [width, height] = args.size;
-    let page =
-        args.page_pings.map_or_else(|| one_to_one(&log, width, height), |pings| pings as usize);
+    let one_to_one = || (log.one_to_one(width, height).round() as usize).max(16);
+    let page = args.page_pings.map_or_else(one_to_one, |pings| pings as usize);
     let pages = pages(log.pings, page)?;
     make_folder(&args.output)?;
     let (mut shell, name) = (Shell::new(log.app), log.name);
@@ -64,15 +64,6 @@ pub(super) fn run(args: SonogramArgs) -> Result<(), Failure> {
         studio.adapter()
     ));
     Ok(())
-}
-
-/// Returns the number of pings of a page on which a metre along the track is as long as one across;
-/// one ping for each pixel if the boat's speed is unknown.
-fn one_to_one(log: &WaterfallLog, width: u32, height: u32) -> usize {
-    let pixel_m = 2.0 * log.axis.far_m / f64::from(height);
-    let pings =
-        log.axis.ping_m.map_or(f64::from(width), |ping_m| f64::from(width) * pixel_m / ping_m);
-    (pings.round() as usize).max(16)
 }
 
 /// Divides the pings into pages.

@@ -60,6 +60,16 @@ pub(super) struct WaterfallLog {
     pub name: String,
 }
 
+impl WaterfallLog {
+    /// Returns the number of pings on `along` pixels with which a metre along the track is as long
+    /// as one across, if both sides together take `across` pixels; one ping for each pixel if the
+    /// boat's speed is unknown.
+    pub(super) fn one_to_one(&self, along: u32, across: u32) -> f64 {
+        let (along, pixel_m) = (f64::from(along), 2.0 * self.axis.far_m / f64::from(across));
+        self.axis.ping_m.map_or(along, |ping_m| along * pixel_m / ping_m)
+    }
+}
+
 impl WaterfallArgs {
     /// Opens the log and waits until its picture can be drawn.
     ///
@@ -108,22 +118,19 @@ pub(super) fn requested_pings(
     Ok(pings)
 }
 
-/// Error of a text that is not a size.
-#[derive(Debug, PartialEq, thiserror::Error)]
-#[error("a size is written WxH in pixels, 16 to 16384 a side, for example 1600x1000; got `{0}`")]
-pub(super) struct SizeError(String);
-
 /// Parses a size, `WxH`.
 ///
 /// # Errors
 /// When the text is not `WxH`, or a side is not between 16 and 16384 pixels.
-pub(super) fn parse_size(text: &str) -> Result<[u32; 2], SizeError> {
+pub(super) fn parse_size(text: &str) -> Result<[u32; 2], String> {
     let parsed = text
         .split_once(['x', 'X', '×'])
         .and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]));
     parsed
         .filter(|size: &[u32; 2]| size.iter().all(|side| (16..=16_384).contains(side)))
-        .ok_or_else(|| SizeError(text.to_owned()))
+        .ok_or_else(|| {
+            format!("a size is written WxH in pixels, 16 to 16384 a side, for example 1600x1000; got `{text}`")
+        })
 }
 
 /// Opens the log and waits for all results.
