@@ -4,22 +4,25 @@
 //! In: arguments of the command. Out: lines of text, and files of the differences.
 
 mod change;
-mod logs;
 
-use super::output;
+use super::process::all_processed;
 use super::settings::SettingsArgs;
 use super::status_line::StatusLine;
-use crate::cli::Failure;
+use super::survey_logs::{OpenedLog, all_or, inputs, open, open_reference};
+use super::{Failure, output};
 use bathyscope_bottom::bathymetry::compare::{Comparison, Match, Matching, match_points};
 use bathyscope_log::formats::points::{Elevations, PointPlane, split_columns};
 use bathyscope_log::formats::{is_named_as_points, multibeam_of, read_points};
 use bathyscope_log::support::geo::{Crs, LocalFrame, LonLat};
 use bathyscope_log::support::progress::Progress;
 use bathyscope_products::export::{ExportError, is_same_file, write_atomically};
+use bathyscope_products::outputs::{ComparisonRecord, write_differences};
+use bathyscope_products::pipeline::{self, Agreement};
 use serde::Serialize;
 use std::ffi::{OsStr, OsString};
 use std::io::{BufWriter, Write as _};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// `bathyscope compare MEASURED REFERENCE [--json]`.
 #[derive(Debug, clap::Args)]
@@ -104,7 +107,7 @@ pub(super) fn run(args: CompareArgs) -> Result<(), Failure> {
         return change::run(&args, folder);
     }
     refuse_overwrite_of_inputs(&args)?;
-    if is_named_as_points(&args.measured) { points(&args) } else { logs::run(&args) }
+    if is_named_as_points(&args.measured) { points(&args) } else { compare_logs(&args) }
 }
 
 /// Refuses to write the output over a file that is compared.
@@ -132,7 +135,7 @@ fn points(args: &CompareArgs) -> Result<(), Failure> {
     let mut reference = if is_named_as_points(&args.reference) {
         read(&args.reference)?
     } else {
-        logs::elevations(&args.reference, &args.settings)?
+        elevations(&args.reference, &args.settings)?
     };
     into_one_plane(&mut measured, &mut reference)?;
     let matching = args.matching();
@@ -264,4 +267,63 @@ fn write_matches(path: &Path, measured: &Elevations, matches: &[Match]) -> Resul
         }
         out.flush()
     })
+}
+
+/// Compares the points from which the depth map of some logs is made, and prints the statistics.
+fn compare_logs(args: &CompareArgs) -> Result<(), Failure> {
+    let opened = opened(&args.measured, &args.settings)?;
+    let Some(first) = opened.first() else {
+        return Ok(());
+    };
+    let progress = Progress::new();
+    let status = StatusLine::new(&progress);
+    let measured = all_processed(&opened, &status, &progress)?;
+    status.step("comparing");
+    let reference = Arc::new(open_reference(&args.reference, first, &progress)?);
+    let matching = args.matching();
+    let agreement = Agreement::with_reference(&measured, &reference, matching, &progress)?;
+    if let Some(path) = &args.output {
+        write_differences(path, &measured, &agreement)?;
+    }
+    let inputs = reference.inputs(&progress)?;
+    let record = ComparisonRecord::new(&measured, &agreement, &inputs)?;
+    drop(status);
+    for note in &reference.notes {
+        let path = reference.path().display();
+        output::notify(format_args!("warning: {note}: {path}"));
+    }
+    if args.json {
+        output::json(&record)
+    } else {
+        output::results(table(&agreement.comparison, record.by()))?;
+        match record.summary_of_logs() {
+            Some(lines) => output::results(lines),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Returns the points from which the depth map of some logs is made, as if read from a file of
+/// points.
+fn elevations(argument: &OsStr, settings: &SettingsArgs) -> Result<Elevations, Failure> {
+    let opened = opened(argument, settings)?;
+    let progress = Progress::new();
+    let status = StatusLine::new(&progress);
+    let logs = all_processed(&opened, &status, &progress)?;
+    let points = logs.iter().flat_map(|log| pipeline::positions(&log.survey, &log.products));
+    Ok(Elevations {
+        path: argument.into(),
+        points: points.collect(),
+        plane: PointPlane::Degrees,
+        blank: 0,
+        note: None,
+    })
+}
+
+/// Opens the logs that an argument names, in one local coordinate frame.
+fn opened(argument: &OsStr, settings: &SettingsArgs) -> Result<Vec<OpenedLog>, Failure> {
+    let inputs = inputs(&[PathBuf::from(argument)], settings, None)?;
+    let (opened, failed) = open(&inputs)?;
+    all_or(failed, inputs.len())?;
+    Ok(opened)
 }
