@@ -6,7 +6,6 @@
 
 mod maps;
 mod record;
-mod report_page;
 
 use super::CompareArgs;
 use crate::cli::status_line::StatusLine;
@@ -101,7 +100,7 @@ pub(super) fn run(args: &CompareArgs, folder: &Path) -> Result<(), Failure> {
             make_folder(folder)?;
         }
         written.push(change.write(folder, &errors, &regions, &progress)?);
-        shown.get_or_insert_with(|| report_page::picture(&change.rise_m, part.size()));
+        shown.get_or_insert_with(|| record::picture(&change.rise_m, part.size()));
     }
     let Some(shown) = shown else {
         return Err(format!(
@@ -117,7 +116,7 @@ pub(super) fn run(args: &CompareArgs, folder: &Path) -> Result<(), Failure> {
     write_json(&folder.join("change.json"), &record)?;
     // With many tiles, one picture would show a part as if it were all.
     let shown = (written.len() == 1).then_some(shown);
-    let page = report_page::of(&record, shown.as_deref())?;
+    let page = record::page(&record, shown.as_deref())?;
     write_bytes(&folder.join("change.html"), page)?;
     drop(status);
     if args.json { output::json(&record) } else { output::results(record.table()) }
