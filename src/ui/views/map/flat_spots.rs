@@ -1,7 +1,7 @@
 //! Draws the ranked flat stretches with their numbers, the stretch that the calibration was
 //! measured on, and the proposed stretch.
 
-use super::scene::MapScene;
+use super::MapScene;
 use crate::ui::theme;
 use crate::ui::views::legend;
 use bathyscope_bottom::calibration::{FlatSpot, ScaleMode};

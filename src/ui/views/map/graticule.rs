@@ -1,7 +1,7 @@
 //! Draws the graticule: lines at round degrees, or metres of the UTM zone, named along the lower
 //! and the left edge.
 
-use super::scene::MapScene;
+use super::MapScene;
 use crate::ui::theme;
 use crate::ui::views::legend;
 use bathyscope_bottom::presentation::graticule::{LineFamily, Net, NetBounds};

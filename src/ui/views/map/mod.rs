@@ -16,7 +16,6 @@ mod overlay;
 mod plan;
 mod pointer;
 mod residuals;
-mod scene;
 mod stack;
 mod stretch_tool;
 mod swipe;
@@ -27,14 +26,17 @@ mod transform;
 
 use super::tool_banner::Banner;
 use super::{empty, legend};
-use crate::app::{App, Command, Enlarged, MapLayer, Reviewing, View};
+use crate::app::{App, Command, Enlarged, MapLayer, Reviewing, View, ViewOptions};
 use crate::ui::{ViewContext, ViewRequest, flat, place, text, theme};
+use bathyscope_bottom::calibration::PingRange;
+use bathyscope_log::support::geo::LonLat;
 use bathyscope_log::survey::Survey;
-use bathyscope_products::pipeline::Background;
-use bathyscope_products::pipeline::Products;
-use egui::{Rect, Response, Role, Sense, Ui, WidgetInfo, vec2};
+use bathyscope_products::pipeline::{Background, DepthMap, Products};
+use egui::{Color32, Pos2, Rect, Response, Role, Sense, Ui, WidgetInfo, vec2};
+use isobaths::IsobathLayer;
 use layers::{TrackKey, TrackLayer};
 use plan::PointerUse;
+use residuals::ResidualLayer;
 use stack::Layers;
 use std::sync::Arc;
 use transform::{GroundBounds, MapTransform};
@@ -187,7 +189,7 @@ impl MapView {
             self.plan.follow(ui, response, &place, context)
         });
         let transform = self.navigate(ui, context, response, &track, !draws && !pointer_use.drag);
-        let scene = scene::MapScene {
+        let scene = MapScene {
             rect,
             transform,
             survey: &survey,
@@ -316,7 +318,7 @@ impl MapView {
     }
 }
 
-fn paint(ui: &Ui, context: &ViewContext<'_>, scene: &scene::MapScene<'_>, layers: &mut Layers) {
+fn paint(ui: &Ui, context: &ViewContext<'_>, scene: &MapScene<'_>, layers: &mut Layers) {
     let painter = ui.painter_at(scene.rect);
     for shown in scene.options.map.layers.bottom_up() {
         if scene.options.map.layers.is_visible(shown.layer) {
@@ -384,4 +386,62 @@ fn name(app: &App, products: &Products, track: &TrackLayer) -> String {
     let pings = text::count(pings);
     let spots = products.flat_spots.len();
     format!("Map, track of {pings} pings{excluded}{depths}, {spots} flat stretches")
+}
+
+/// Contents of a frame of the map.
+struct MapScene<'a> {
+    pub rect: Rect,
+    pub transform: MapTransform,
+    pub survey: &'a Survey,
+    pub products: &'a Products,
+    pub track: &'a Arc<TrackLayer>,
+    /// The depth map; outer `None` while it is not needed or not ready, inner `None` if the depths
+    /// do not span an area.
+    pub depth_map: Option<Option<&'a Arc<DepthMap>>>,
+    /// The isobaths; `None` while they are not shown or not ready.
+    pub isobaths: Option<Arc<IsobathLayer>>,
+    /// The residuals; `None` while they are not shown or not ready.
+    pub residuals: Option<Arc<ResidualLayer>>,
+    /// True if soundings have a fault, because of which the track is grey there.
+    pub has_faults: bool,
+    /// Number of pings of the shown log that depth map, isobaths and mosaic are made of; `None` if
+    /// these are made of all pings. A log that is being followed has more pings.
+    pub made_of: Option<usize>,
+    /// True if some of the pings are excluded.
+    pub has_excluded: bool,
+    /// True if a log has depths across the track.
+    pub has_swath: bool,
+    /// The stretch that is proposed for the scale; `None` if no stretch is.
+    pub proposed: Option<PingRange>,
+    pub options: &'a ViewOptions,
+}
+
+impl MapScene<'_> {
+    /// Returns a place on the screen.
+    fn at(&self, place: [f64; 2]) -> Pos2 {
+        self.transform.to_screen(self.rect, place)
+    }
+
+    /// Returns the WGS84 position of a place on the screen.
+    fn position(&self, at: Pos2) -> LonLat {
+        let [east_m, north_m] = self.transform.to_ground(self.rect, at);
+        let navigation = &self.products.navigation;
+        navigation.to_lon_lat(&self.survey.track, east_m, north_m)
+    }
+
+    /// Returns the ends of the colour scale of depth, metres; `None` without depths.
+    fn range_m(&self) -> Option<[f32; 2]> {
+        let of_surface = || Some(self.depth_map.flatten()?.colour_range_m);
+        self.track.range_m.or_else(of_surface)
+    }
+
+    /// Returns true if a layer is drawn.
+    fn shows(&self, layer: MapLayer) -> bool {
+        self.options.map.layers.is_visible(layer)
+    }
+
+    /// Returns the colour of words on the map.
+    fn text_colour(&self) -> Color32 {
+        theme::canvas_text_colour(self.options)
+    }
 }

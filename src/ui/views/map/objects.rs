@@ -1,7 +1,7 @@
 //! Draws objects on the map: a mark by state for each box, and the footprint where it is large
 //! enough.
 
-use super::scene::MapScene;
+use super::MapScene;
 use crate::app::{App, LocatedObject, LogBox, MapLayer, OpenLog};
 use crate::ui::theme;
 use crate::ui::views::legend;

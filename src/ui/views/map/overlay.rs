@@ -1,6 +1,6 @@
 //! Draws scale bar, north arrow, legends with their notes, and marks over the layers of the map.
 
-use super::scene::MapScene;
+use super::MapScene;
 use super::{dots, grid_tiles};
 use crate::app::{App, LogPlace, MapLayer};
 use crate::ui::views::legend::{self, LegendScale};

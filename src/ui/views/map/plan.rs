@@ -1,7 +1,7 @@
 //! Draws planned lines on the map with the way through them; a click selects a line, a drag moves
 //! one of its ends.
 
-use super::scene::MapScene;
+use super::MapScene;
 use super::transform::MapTransform;
 use crate::app::{Action, App, Command, PlanRequest, PlannedLines};
 use crate::ui::views::{drag, legend};

@@ -1,7 +1,7 @@
 //! Handles the pointer on the map: it moves the map, reads values, selects, and proposes a stretch
 //! for the scale.
 
-use super::scene::MapScene;
+use super::MapScene;
 use super::transform::MapTransform;
 use super::{flat_spots, objects};
 use crate::app::{App, Command, ExclusionEdit, LogId, LogPlace, PassesFound, Tool, mark_of};

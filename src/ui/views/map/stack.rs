@@ -1,6 +1,7 @@
 //! Computes the layers of the map in a background thread when they are shown, and draws them in the
 //! order of the stack.
 
+use super::MapScene;
 use super::base_map::BaseMapKey;
 use super::dots::{self, PointKey};
 use super::grid_tiles::{DepthTiles, MosaicTiles, ShadeTiles};
@@ -8,7 +9,6 @@ use super::isobaths::{self, IsobathLabels, IsobathLayer};
 use super::layers::TrackLayer;
 use super::lines::LinePicture;
 use super::residuals::ResidualLayer;
-use super::scene::MapScene;
 use super::tiles::{TileLayer, TilePainter};
 use super::transform::{GroundBounds, joined};
 use super::{objects, track};

@@ -1,9 +1,9 @@
 //! Implements the tools that are dragged along a track: one excludes pings, one proposes them for
 //! the scale. Draws the excluded stretches of the tracks.
 
+use super::MapScene;
 use super::layers::TrackLayer;
 use super::pointer::REACH;
-use super::scene::MapScene;
 use super::transform::MapTransform;
 use crate::app::{App, Command, ExclusionEdit, LogId, MapLayer, OpenLog, Tool};
 use crate::ui::views::drag::{self, Does};

@@ -1,7 +1,7 @@
 //! Draws the divider between two stacks of layers, which is dragged, or moved by the arrow keys
 //! after a click.
 
-use super::scene::MapScene;
+use super::MapScene;
 use crate::app::{MapLayer, Swipe, SwipeSide};
 use crate::ui::list_keys::keep_arrows;
 use crate::ui::views::legend;

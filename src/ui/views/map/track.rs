@@ -3,9 +3,9 @@
 //! drawn beneath it for comparison. At the selected ping, antenna and transducer are shown where
 //! they are apart.
 
+use super::MapScene;
 use super::layers::TrackLayer;
 use super::lines::{LinePicture, MapPen};
-use super::scene::MapScene;
 use crate::app::{App, MapLayer};
 use crate::ui::theme;
 use crate::ui::views::{empty, legend};

@@ -7,8 +7,8 @@ mod labels;
 pub(crate) use labels::IsobathLabels;
 pub(crate) use labels::octave;
 
+use super::MapScene;
 use super::lines::{LinePicture, MapLine, MapPen};
-use super::scene::MapScene;
 use crate::app::{DrawnIsobaths, ThemeChoice};
 use crate::ui::render::{Specks, Uploader, Vertex};
 use crate::ui::views::legend;

@@ -6,7 +6,7 @@
 
 mod profile;
 
-use super::scene::MapScene;
+use super::MapScene;
 use crate::app::{Action, App, Command, Measure, View};
 use crate::ui::views::{legend, measured};
 use crate::ui::{ViewContext, theme};
