@@ -21,7 +21,6 @@ mod play;
 mod print_picture;
 mod printing;
 mod sides;
-mod swipe;
 mod toolbar;
 
 use super::dialogs::{Dialogs, PathPurpose};

@@ -1,6 +1,6 @@
 //! Draws the options of a view at the right end of its title bar.
 
-use super::{levels, map_layers, swipe};
+use super::{levels, map_layers};
 use crate::app::{
     Action, CloudColour, CloudOptions, EchogramChannel, View, ViewOptions, WaterfallOptions,
 };
@@ -143,7 +143,7 @@ fn map(ui: &mut Ui, context: &ViewContext<'_>, options: &mut ViewOptions) {
         .ui(ui, |ui| {
             map_layers::control(ui, &mut shown.layers);
             ui.separator();
-            swipe::control(ui, shown);
+            map_layers::swipe_control(ui, shown);
         })
         .0
         .on_hover_text("Layers of the map, their order and opacity.");
