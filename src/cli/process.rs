@@ -1,5 +1,5 @@
-//! `bathyscope process`: runs the whole pipeline without a window. With `--products tiles` it adds the
-//! rows of logs to an archive instead.
+//! `bathyscope process`: runs the whole pipeline without a window. With `--products tiles` it adds
+//! the rows of logs to an archive instead.
 
 mod survey;
 

@@ -1,4 +1,5 @@
-//! Records the figures of a change: for scripts, for a terminal, and on an HTML page with a picture.
+//! Records the figures of a change: for scripts, for a terminal, and on an HTML page with a
+//! picture.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;

@@ -3,6 +3,7 @@
 //! Input: the state. Output: a map with its layers, and commands.
 
 mod base_map;
+mod controls;
 mod dots;
 mod flat_spots;
 mod graticule;
@@ -18,9 +19,7 @@ mod pointer;
 mod residuals;
 mod stack;
 mod stretch_tool;
-mod swipe;
 mod tiles;
-mod toolbar;
 mod track;
 mod transform;
 
@@ -215,9 +214,9 @@ impl MapView {
         }
         self.plan.ui(ui, context, &scene);
         self.measure.ui(ui, context, &scene, response);
-        swipe::ui(ui, context, &scene);
+        controls::swipe_ui(ui, context, &scene);
         if !context.app.view.is_picture {
-            toolbar::show(ui, context, rect, &mut self.request);
+            controls::show_buttons(ui, context, rect, &mut self.request);
             self.banner(ui, context.app, rect);
         }
         let name = name(context.app, &products, &track) + &track::mounting_name(context.app);
@@ -324,7 +323,7 @@ fn paint(ui: &Ui, context: &ViewContext<'_>, scene: &MapScene<'_>, layers: &mut 
         if scene.options.map.layers.is_visible(shown.layer) {
             let mut painter = painter.clone();
             painter.multiply_opacity(shown.opacity);
-            painter.shrink_clip_rect(swipe::part(scene, shown.layer));
+            painter.shrink_clip_rect(controls::part(scene, shown.layer));
             layers.show(&painter, context, scene, shown.layer);
         }
     }

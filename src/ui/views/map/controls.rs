@@ -1,13 +1,16 @@
-//! Draws the divider between two stacks of layers, which is dragged, or moved by the arrow keys
-//! after a click.
+//! Draws the buttons on the map, and the divider between two stacks of layers, which is dragged, or
+//! moved by the arrow keys after a click. The layers are chosen in the title of the view.
 
 use super::MapScene;
-use crate::app::{MapLayer, Swipe, SwipeSide};
+use crate::app::{Action, Command, MapLayer, Swipe, SwipeSide, Tool};
 use crate::ui::list_keys::keep_arrows;
 use crate::ui::views::legend;
-use crate::ui::{ViewContext, theme};
-use egui::{Align2, CursorIcon, Key, Modifiers, Painter, Rect, Response, Sense};
-use egui::{Stroke, Ui, Vec2, WidgetInfo, pos2, vec2};
+use crate::ui::{ViewContext, ViewRequest, controls, theme};
+use bathyscope_products::project::MeasurementKind;
+use egui::{
+    Align2, CursorIcon, Key, Modifiers, Painter, Rect, Response, Sense, Stroke, Ui, Vec2,
+    WidgetInfo, pos2, vec2,
+};
 
 /// Half of the width in which the pointer grips the divider, points.
 const REACH: f32 = 5.0;
@@ -31,7 +34,7 @@ fn divider_x(rect: Rect, swipe: &Swipe) -> f32 {
 }
 
 /// Draws the divider with the names of the layers on either side, and moves it.
-pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, scene: &MapScene<'_>) {
+pub(super) fn swipe_ui(ui: &mut Ui, context: &mut ViewContext<'_>, scene: &MapScene<'_>) {
     let swipe = &scene.options.map.swipe;
     if !swipe.on {
         return;
@@ -101,4 +104,63 @@ fn names(scene: &MapScene<'_>, side: SwipeSide) -> String {
     let own = map.layers.bottom_up().rev().map(|shown| shown.layer);
     let own = own.filter(|layer| map.layers.is_visible(*layer) && map.swipe.side(*layer) == side);
     own.map(MapLayer::name).collect::<Vec<_>>().join("\n")
+}
+
+/// Shows the buttons Fit and Calibrate, and the menu of measuring tools.
+pub(super) fn show_buttons(
+    ui: &mut Ui,
+    context: &mut ViewContext<'_>,
+    rect: Rect,
+    request: &mut Option<ViewRequest>,
+) {
+    let bar = Rect::from_min_size(rect.min + vec2(4.0, 4.0), vec2(rect.width() - 60.0, 28.0));
+    legend::framed(ui, context.options(), bar, |ui| {
+        ui.horizontal(|ui| {
+            buttons(ui, context, request);
+            measure_menu(ui, context);
+        });
+    });
+}
+
+fn buttons(ui: &mut Ui, context: &mut ViewContext<'_>, request: &mut Option<ViewRequest>) {
+    ui.spacing_mut().item_spacing.x = 4.0;
+    let fit = ui.button("Fit");
+    let hint = format!(
+        "Shows the whole track and the layers around it ({}, or a double-click).",
+        Action::Fit.key()
+    );
+    if fit.on_hover_text(hint).clicked() {
+        *request = Some(ViewRequest::Fit);
+    }
+    let action = Action::Calibrate;
+    let holds = context.app.logs.shown.reviewing.tool == Tool::Calibrate;
+    let tool = controls::chip(ui, holds, "Calibrate").accessible_name(action.label());
+    context.keyed_button(tool, action);
+}
+
+fn measure_menu(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let tools = [
+        (Action::MeasureDistance, MeasurementKind::Distance),
+        (Action::MeasureArea, MeasurementKind::Area),
+        (Action::DepthProfile, MeasurementKind::Profile),
+        (Action::HeightFromShadow, MeasurementKind::Height),
+    ];
+    let tool = context.app.map.measuring.tool;
+    let title = egui::RichText::new("Measure");
+    let title = match tool {
+        Some(_) => title.color(theme::MEASURE_COLOUR),
+        None => title,
+    };
+    ui.menu_button(title, |ui| {
+        for (action, kind) in tools {
+            let is_it = tool == Some(kind);
+            let button = egui::Button::selectable(is_it, action.label());
+            let button = button.shortcut_text(action.key());
+            let button = controls::underline(ui, is_it, button);
+            if button.on_hover_text(action.hint()).clicked() {
+                context.push(Command::Do(action));
+                ui.close();
+            }
+        }
+    });
 }
