@@ -1,6 +1,5 @@
 //! Draws the panels around the views, one file each. Each panel reads the state and sends commands.
 
-pub(super) mod axes;
 mod calibration;
 pub(super) mod cloud;
 mod corrections;

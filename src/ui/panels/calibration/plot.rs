@@ -2,7 +2,7 @@
 //! below.
 
 use crate::app::ViewOptions;
-use crate::ui::panels::axes::PlotAxes;
+use crate::ui::panels::parts::PlotAxes;
 use crate::ui::theme;
 use bathyscope_bottom::calibration::{Calibration, RangeAtDepth, ScaleMode};
 use bathyscope_bottom::presentation::plot::Axis;

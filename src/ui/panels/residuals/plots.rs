@@ -1,7 +1,7 @@
 //! Plots the distribution of differences, and their dependence on other quantities.
 
 use crate::app::ViewOptions;
-use crate::ui::panels::axes::PlotAxes;
+use crate::ui::panels::parts::PlotAxes;
 use crate::ui::theme;
 use bathyscope_bottom::bathymetry::compare::{Bin, DifferenceHistogram};
 use bathyscope_bottom::presentation::plot::Axis;

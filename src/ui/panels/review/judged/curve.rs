@@ -2,7 +2,7 @@
 
 use super::share;
 use crate::app::{Command, ViewOptions};
-use crate::ui::panels::axes::PlotAxes;
+use crate::ui::panels::parts::PlotAxes;
 use crate::ui::{ViewContext, text, theme};
 use bathyscope_bottom::presentation::plot::Axis;
 use bathyscope_objects::metrics::{CurvePoint, MatchCounts};
