@@ -15,7 +15,6 @@ mod manual;
 mod map_layers;
 mod menu;
 mod palette;
-mod persist;
 mod play;
 mod print_picture;
 mod printing;
@@ -23,10 +22,12 @@ mod sides;
 mod toolbar;
 
 use super::dialogs::{Dialogs, PathPurpose};
-use super::panels::{self, Section, review::ReviewPanel, timeline::TimeLine};
+use super::panels::review::ReviewPanel;
+use super::panels::timeline::TimeLine;
+use super::panels::{self, Section};
 use super::views::{CloudView, MapView, ObjectsView, ProfileView, WaterfallView};
 use super::{ViewContext, ViewRequest, flat, theme};
-use crate::app::{Action, App, Command, KeyFocus, PrintText, View};
+use crate::app::{Action, App, Command, KeyFocus, Mountings, PrintText, View, ViewOptions};
 use eframe::egui_wgpu::RenderState;
 use egui::{CentralPanel, Frame, LayerId, Panel, Rect, Response, Ui};
 use export::ExportDialog;
@@ -36,7 +37,9 @@ use manual::Manual;
 use palette::CommandPalette;
 use play::Play;
 use printing::Printing;
+use serde::{Deserialize, Serialize};
 use sides::{SidePanel, scrolled, time_line_height};
+use std::path::{Path, PathBuf};
 
 /// A view that fills the whole picture, for `bathyscope snapshot`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -471,10 +474,68 @@ impl eframe::App for Shell {
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
-        persist::save(self, storage);
+        save_preferences(self, storage);
     }
 
     fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
         visuals.panel_fill.to_normalized_gamma_f32()
+    }
+}
+
+/// Key in the store; its number grows when old contents cannot be read any more.
+const KEY: &str = "bathyscope window 1";
+
+/// The saved preferences, as they are read.
+#[derive(Serialize, Deserialize)]
+struct Saved {
+    options: ViewOptions,
+    layout: Layout,
+    recent: Vec<PathBuf>,
+    #[serde(default)]
+    base_map: Option<PathBuf>,
+    /// Default mountings of the recorders.
+    #[serde(default)]
+    mountings: Mountings,
+}
+
+#[derive(Serialize)]
+struct SavedWindow<'a> {
+    options: &'a ViewOptions,
+    layout: &'a Layout,
+    recent: &'a [PathBuf],
+    base_map: Option<&'a Path>,
+    mountings: &'a Mountings,
+}
+
+/// Writes the preferences into the store.
+fn save_preferences(shell: &Shell, storage: &mut dyn eframe::Storage) {
+    let base_map = shell.app.map.base_map.as_ref();
+    let saving = SavedWindow {
+        options: &shell.app.view.options,
+        layout: &shell.layout,
+        recent: &shell.app.recent,
+        base_map: base_map.map(|map| map.path.as_path()),
+        mountings: &shell.app.document.mountings,
+    };
+    if let Ok(text) = serde_json::to_string(&saving) {
+        storage.set_string(KEY, text);
+    }
+}
+
+impl Shell {
+    /// Restores the preferences of an earlier run; those that cannot be read keep their defaults.
+    pub fn restore(&mut self, storage: &dyn eframe::Storage) {
+        let Some(text) = storage.get_string(KEY) else {
+            return;
+        };
+        if let Ok(saved) = serde_json::from_str::<Saved>(&text) {
+            self.app.use_mountings(saved.mountings);
+            self.app.view.options = saved.options.for_new_survey();
+            self.app.recent = saved.recent;
+            self.layout = saved.layout;
+            if let Some(path) = saved.base_map {
+                self.app.reopen_base_map(path);
+            }
+        }
     }
 }
