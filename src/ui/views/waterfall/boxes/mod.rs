@@ -5,7 +5,6 @@
 //! commands.
 
 mod grab;
-mod hit;
 pub(crate) mod outline;
 
 pub(super) use grab::{BoxGrab, under};
