@@ -3,10 +3,8 @@
 //!
 //! Input: the state. Output: rows with pictures, and commands.
 //!
-//! `columns` defines contents and width of the cells, and sorts; `row` draws a row, and makes the
-//! pictures of the visible rows.
+//! `row` draws a row and the headings, and makes the pictures of the visible rows.
 
-mod columns;
 mod row;
 
 use super::empty;
@@ -14,12 +12,11 @@ use crate::app::{Action, Command, LogBox, Object, ObjectState, ObjectTable, View
 use crate::ui::drop_down::DropDown;
 use crate::ui::list_keys::{self, keep_arrows};
 use crate::ui::{ViewContext, text, theme};
-use columns::ColumnWidths;
 use egui::{
     Button, Frame, Id, Key, Margin, Modifiers, Rect, Response, RichText, Role, ScrollArea, Sense,
     TextEdit, Ui, WidgetInfo, pos2, vec2,
 };
-use row::Thumbnails;
+use row::{ColumnWidths, Thumbnails};
 use std::ops::Range;
 
 /// Height of a row, points: large enough to recognise an object in its picture.
@@ -76,7 +73,7 @@ impl ObjectsView {
             |ui| {
                 ui.set_min_width(columns.width());
                 ui.spacing_mut().item_spacing.y = 0.0;
-                columns::header(ui, context, &columns);
+                row::header(ui, context, &columns);
                 self.rows(ui, context, &columns);
             },
         );

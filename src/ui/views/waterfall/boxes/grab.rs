@@ -1,5 +1,5 @@
-//! Handles clicks and drags on boxes: finds the edges of a box under the pointer, and computes the box
-//! that results from a drag.
+//! Handles clicks and drags on boxes: finds the edges of a box under the pointer, and computes the
+//! box that results from a drag.
 
 use super::{Lens, on_screen};
 use crate::app::{App, Command, Tool, border_m};
