@@ -300,7 +300,7 @@ pub(super) fn open_reference(
     let path = Path::new(argument);
     let inputs = match is_project(path) {
         true => of_project(path)?,
-        false if is_group(argument) => {
+        false if logs_of(&[path.to_owned()]).len() > 1 => {
             // The mounting and source settings of the first log are applied when the mission is
             // processed.
             let as_read = Settings {
@@ -326,10 +326,4 @@ pub(super) fn open_reference(
     };
     let logs = opened.into_iter().map(log).collect();
     Ok(Reference::of_logs(path, logs))
-}
-
-/// Returns true if an argument names several logs: a folder of them, or a project.
-pub(super) fn is_group(argument: &OsStr) -> bool {
-    let path = Path::new(argument);
-    is_project(path) || logs_of(&[path.to_owned()]).len() > 1
 }
