@@ -9,6 +9,7 @@ import torch
 import torch.nn.functional as F
 
 from boulders import Boulders
+from dashes import Dashes
 from data import ABSENT, IGNORE, Chips
 from weed import Weed
 
@@ -39,15 +40,16 @@ class Strength:
     law: float = 0.0
     curve: float = 0.0
     grains: float = 0.0
-    # Shares of pictures with beds of weed, and with fields of boulders.
+    # Shares of pictures with beds of weed, with fields of boulders, and with the shadows of fish.
     weed: float = 0.0
     boulders: float = 0.0
+    dashes: float = 0.0
 
     def calm(self) -> "Strength":
         """Nearly the data as it is: no mosaic, little change of scale and light, other recorders half as often."""
         others = (share / 2 for share in (self.smear, self.along, self.floor, self.law, self.curve, self.grains))
         scale = 1 + (self.scale - 1) / 4
-        return Strength(0.0, scale, 1.03, 0.05, 0.12, 0.1, 0.15, 0.06, 0.04, 0.05, 0.1, *others, self.weed, self.boulders)
+        return Strength(0.0, scale, 1.03, 0.05, 0.12, 0.1, 0.15, 0.06, 0.04, 0.05, 0.1, *others, self.weed, self.boulders, self.dashes)
 
     def of_other_recorders(self) -> "Strength":
         """The same, and the marks of other recorders: `--recorders`."""
@@ -87,6 +89,9 @@ class Augmenter:
         if self.strength.weed:
             overgrown = Weed(self.generator, self.device).grown(images, boxes)
             images = torch.where(self.chance(self.strength.weed, len(images)), overgrown, images)
+        if self.strength.dashes:
+            dashed = Dashes(self.generator, self.device).laid(images, boxes)
+            images = torch.where(self.chance(self.strength.dashes, len(images)), dashed, images)
         return self.light(self.recorded(images)), compact(boxes)
 
     def recorded(self, x: torch.Tensor) -> torch.Tensor:

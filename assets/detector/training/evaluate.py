@@ -93,7 +93,7 @@ def evaluate(network, meta: dict, val: Chips | None, test: Chips, tiles: "real.T
     rows = metrics.errors(found, truth, test.names, meta["names"], score)
     sheet(test, rows).save(out / "errors.png")
     if tiles is not None:
-        report["real"] = {split: measure_real(network, meta, tiles, split, score) for split in ("val", "test")}
+        report["real"] = {split: measure_real(network, meta, tiles, split, score) for split in ("val", "test") if split in tiles.split}
         report["real"]["plain"] = measure_plain(network, meta, tiles, score)
     (out / "errors.json").write_text(json.dumps(rows, indent=0) + "\n")
     (out / "metrics.json").write_text(json.dumps(report, indent=1) + "\n")

@@ -18,6 +18,11 @@ CLASS = "effigy"
 SLIVER_PX = 6.0
 # How much larger or smaller than it is a tile is shown in training: its scale is known to about a fifth.
 SCALES, SCALE_STEPS = (0.75, 1.4), 8
+# Share of the training chips that hold one tile on black, as `single_chips` shows them; the others are full of tiles.
+LONE_SHARE = 0.4
+# Share of these that show a window of the tile only, its least side as a share of the tile's, and the least part of an effigy
+# that is asked for there.
+WINDOW_SHARE, SMALLEST_WINDOW, LEAST_PART = 0.7, 0.4, 0.15
 
 
 @dataclass
@@ -47,6 +52,11 @@ def read_tiles(path: Path) -> Tiles:
     """The tiles that `real_tiles.py` stored."""
     with np.load(path) as arrays:
         return Tiles(*(arrays[name] for name in ("images", "echo", "extended", "split", "names")), float(arrays["pixel_m"]), arrays["session"])
+
+
+def leave_out(tiles: Tiles, sessions: list[int]) -> None:
+    """Makes these sessions the split `test` and all others with labels `train`; `val` is empty then."""
+    tiles.split = np.where(tiles.session < 0, "plain", np.where(np.isin(tiles.session, sessions), "test", "train"))
 
 
 def levelled(pixels: np.ndarray) -> np.ndarray:
@@ -91,12 +101,14 @@ def paste(canvas: np.ndarray, pixels: np.ndarray, x: int, y: int) -> None:
 
 
 def packed_chips(tiles: Tiles, count: int, meta: dict, seed: int) -> Chips:
-    """Training chips tiled with random train tiles at random scales, so that a batch of real data is as full as any other."""
+    """Training chips of random train tiles at random scales: most tiled with them, so that a batch of real data is as full as
+    any other, the rest with one tile on black, where an effigy is cut by nothing but the tile's own edge."""
     rng, chosen, images, boxes = np.random.default_rng(seed), np.flatnonzero(tiles.split == "train"), [], []
     scales = tiles.pixel_m / meta["pixel_m"] * np.geomspace(*SCALES, SCALE_STEPS)
     pictures = {(tile, scale): resized(tiles, tile, scale) for tile in chosen for scale in scales}
     for _ in range(count):
-        canvas, rows = pack(tiles, pictures, chosen, rng.choice(scales), meta, rng)
+        fill = lone if rng.random() < LONE_SHARE else pack
+        canvas, rows = fill(tiles, pictures, chosen, rng.choice(scales), meta, rng)
         images.append(canvas)
         boxes.append(cut_boxes(np.array(rows, np.float32).reshape(-1, 5), meta["side"]))
     return Chips(torch.from_numpy(np.stack(images)), pad_boxes(boxes), [f"real{index:05}" for index in range(count)])
@@ -113,6 +125,25 @@ def pack(tiles: Tiles, pictures: dict, chosen: np.ndarray, scale: float, meta: d
             paste(canvas, pictures[tile, scale], x, y)
             rows += [(kind, *box) for box in tiles.boxes(tile, True) * scale + np.array([x, y, x, y])]
     return canvas, rows
+
+
+def lone(tiles: Tiles, pictures: dict, chosen: np.ndarray, scale: float, meta: dict, rng) -> tuple[np.ndarray, list]:
+    """One tile, or a window of it, anywhere on a black canvas, and the boxes on it."""
+    side, kind, step = meta["side"], meta["names"].index(CLASS), len(pictures[chosen[0], scale])
+    tile, size = rng.choice(chosen), np.array([step, step])
+    if rng.random() < WINDOW_SHARE:
+        size = (step * rng.uniform(SMALLEST_WINDOW, 1, 2)).astype(int)
+    corner = rng.integers(0, step - size + 1)
+    place = rng.integers(np.minimum(0, side - size), np.maximum(1, side - size + 1))
+    canvas, window = np.zeros((side, side), np.uint8), np.concatenate([corner, corner + size])
+    paste(canvas, pictures[tile, scale][window[1] : window[3], window[0] : window[2]], *place)
+    boxes = tiles.boxes(tile, True) * scale
+    cut = np.concatenate([np.maximum(boxes[:, :2], window[:2]), np.minimum(boxes[:, 2:], window[2:])], 1)
+    left = np.maximum(cut[:, 2:] - cut[:, :2], 0)
+    share = left.prod(1) / np.maximum((boxes[:, 2:] - boxes[:, :2]).prod(1), 1e-6)
+    kinds = np.where((share < LEAST_PART) | (left.min(1, initial=1e6) < SLIVER_PX), IGNORE, kind)
+    rows = np.concatenate([kinds[:, None], cut + np.tile(place - corner, 2)], 1)
+    return canvas, [tuple(row) for row in rows[share > 0.02]]
 
 
 def cut_boxes(rows: np.ndarray, side: int) -> np.ndarray:

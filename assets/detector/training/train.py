@@ -119,7 +119,7 @@ class Trainer:
 
 def strength_of(args) -> Strength:
     """How far pictures are varied."""
-    strength = Strength(mosaic=args.mosaic, weed=args.weed, boulders=args.boulders)
+    strength = Strength(mosaic=args.mosaic, weed=args.weed, boulders=args.boulders, dashes=args.dashes)
     return strength.of_other_recorders() if args.recorders else strength
 
 
@@ -295,6 +295,7 @@ def arguments() -> argparse.Namespace:
     add("--init", help="coco_tiny.npz or a weights.npz to start from")
     add("--real", type=Path, help="real.npz written by real_tiles.py: measured, and trained on with --real-share")
     add("--real-share", type=float, default=0.15, help="share of each batch from real tiles")
+    add("--leave-out", type=int, nargs="*", help="sessions of the real tiles that are measured, all others trained on (default: the split of real_tiles.py)")
     add("--minutes", type=float, default=0.0, help="budget of wall-clock time for training")
     add("--steps", type=int, default=0, help="budget of updates")
     add("--batch", type=int, default=64)
@@ -310,6 +311,7 @@ def arguments() -> argparse.Namespace:
     add("--recorders", action="store_true", help="also vary what differs between recorders: smear, beam, floor, law, gain, speckle")
     add("--weed", type=float, default=0.0, help="share of pictures with beds of water weed laid over them, which are no objects")
     add("--boulders", type=float, default=0.0, help="share of pictures with fields of boulders laid over them, which are rocks")
+    add("--dashes", type=float, default=0.0, help="share of pictures with dark dashes laid over them, as of fish, which are no objects")
     add("--settle", type=float, default=0.2, help="last share of the run, with little augmentation")
     add("--looks", type=int, default=6, help="how often to measure mAP50 on validation chips")
     add("--state", type=Path, help="checkpoint file to keep and to go on from")
@@ -339,6 +341,8 @@ def prepare(args) -> tuple[Chips, Chips, Chips, "real.Tiles | None", dict]:
     if test is val:
         print("no test chips there: the validation chips are measured in their place", flush=True)
     tiles = real.read_tiles(args.real) if args.real else None
+    if tiles is not None and args.leave_out is not None:
+        real.leave_out(tiles, args.leave_out)
     manifest, rows = read_manifest(args.data[0]), train.boxes[train.boxes[..., 0] >= 0].numpy()
     heads = 2 if args.network == "tiny" else 3
     sizes = rows[:, 3:5] - rows[:, 1:3]
@@ -366,7 +370,7 @@ def provenance(args, trainer: Trainer, chips: dict[str, int], start: str) -> dic
         "decay": args.decay, "seed": args.seed, "device": torch.cuda.get_device_name() if args.device == "cuda" else "cpu",
         "torch": torch.__version__, "augmentation": asdict(strength_of(args)), "settle": args.settle, "occupied": args.occupied,
         "crop": args.crop, "focus": args.focus, "hard": args.hard, "shares": args.shares, "still": args.still,
-        "real_share": args.real_share if args.real else 0.0, "chips": chips, "data": [read_manifest(root) for root in args.data],
+        "real_share": args.real_share if args.real else 0.0, "leave_out": args.leave_out, "chips": chips, "data": [read_manifest(root) for root in args.data],
     }  # fmt: skip
 
 
