@@ -1,6 +1,6 @@
 //! Weighted linear equations and their solution by least squares: normal equations, sparse
-//! Cholesky. The order in which unknowns are eliminated determines the fill-in, and so the time; the
-//! solution does not depend on it.
+//! Cholesky. The order in which unknowns are eliminated determines the fill-in, and so the time;
+//! the solution does not depend on it.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::solvers::Solve;

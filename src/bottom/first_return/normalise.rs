@@ -1,6 +1,6 @@
 //! Computes the normalised intensity as the paper does: the middle is set to zero, then the values
-//! are scaled from minimum to maximum of the whole picture. It reads the picture in bytes, or as the
-//! published code does: four stored bytes as one little-endian int32.
+//! are scaled from minimum to maximum of the whole picture. It reads the picture in bytes, or as
+//! the published code does: four stored bytes as one little-endian int32.
 //!
 //! The rows of a composite picture run from far port over the middle to far starboard, and a word
 //! takes four neighbours in that order. Outward from the middle, the most significant byte of word

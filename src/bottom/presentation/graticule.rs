@@ -1,5 +1,6 @@
 //! Computes the graticule of a map, for Bathyscope and for the report: lines at round degrees,
-//! minutes or seconds, or at round metres of the UTM zone, with labels of no more digits than needed.
+//! minutes or seconds, or at round metres of the UTM zone, with labels of no more digits than
+//! needed.
 //!
 //! In: bounds of a map, and the format of coordinates. Out: lines with labels.
 

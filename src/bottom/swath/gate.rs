@@ -62,8 +62,8 @@ pub(super) fn is_seen_from_two_sides(
     twice as f64 >= LEAST_TWICE * seen as f64
 }
 
-/// Divides the depths, by the distance that the boat had sailed up to the ping nearest to each, into
-/// those that are kept and those that are left out and predicted; `None` without placed pings.
+/// Divides the depths, by the distance that the boat had sailed up to the ping nearest to each,
+/// into those that are kept and those that are left out and predicted; `None` without placed pings.
 fn split(input: &SwathInput<'_>, measured: &[DepthPoint]) -> Option<[Vec<DepthPoint>; 2]> {
     let (mut places, mut ways_m) = (Vec::new(), Vec::new());
     for log in input.logs {

@@ -13,8 +13,8 @@
 //! `echoes` defines the data that is read of a log, and finds weed; `layout` determines the
 //! properties of a whole log, such as its `law`, which converts levels into logarithms of power.
 //! `observations` are averaged levels (looks) placed on the bed; `model` predicts their levels.
-//! `depths` divides a survey, or a part of a larger map, into tiles of `nodes`, and runs the rounds;
-//! `solve` solves a tile, and `gate` decides by left-out soundings whether levels are used.
+//! `depths` divides a survey, or a part of a larger map, into tiles of `nodes`, and runs the
+//! rounds; `solve` solves a tile, and `gate` decides by left-out soundings whether levels are used.
 
 mod depths;
 mod echoes;

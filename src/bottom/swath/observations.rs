@@ -1,7 +1,7 @@
-//! Averages the levels of a chunk of pings on one side in ranges so short that the bed under each is
-//! even (a look), which are read from a log once, and places them on the bed as it is known so far:
-//! averages them over level cells (a chunk of pings by a length of ground each), and computes how
-//! each mean depends on depth, slope, brightness and curves.
+//! Averages the levels of a chunk of pings on one side in ranges so short that the bed under each
+//! is even (a look), which are read from a log once, and places them on the bed as it is known so
+//! far: averages them over level cells (a chunk of pings by a length of ground each), and computes
+//! how each mean depends on depth, slope, brightness and curves.
 
 use super::layout::{LaidOutLog, PingChunk};
 use super::model::{Incidence, LawCurves};

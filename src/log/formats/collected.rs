@@ -120,8 +120,8 @@ impl Collected {
     }
 
     /// Counts a ping of the channel with this number, which the recorder or the order of the files
-    /// gives. At its first ping, `describe` returns the kind of the channel, the recorder's name for
-    /// it, and its frequency, kHz.
+    /// gives. At its first ping, `describe` returns the kind of the channel, the recorder's name
+    /// for it, and its frequency, kHz.
     pub(super) fn count(
         &mut self,
         number: u16,

@@ -74,8 +74,8 @@ fn parse(bytes: &[u8]) -> Result<Vec<(f64, f64)>, FaultText> {
     Ok(readings)
 }
 
-/// Returns the reader of a table whose fields are separated by commas or semicolons, as in its first
-/// line, and in which lines that begin with `#` are comments.
+/// Returns the reader of a table whose fields are separated by commas or semicolons, as in its
+/// first line, and in which lines that begin with `#` are comments.
 pub(super) fn table(bytes: &[u8]) -> csv::Reader<&[u8]> {
     let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
     let mut lines = bytes.split(|byte| *byte == b'\n');

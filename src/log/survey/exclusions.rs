@@ -36,8 +36,8 @@ impl ExclusionReason {
     }
 }
 
-/// Reads and writes the reason of a stretch as text: the reason of its exclusion, or `kept` where it
-/// counts.
+/// Reads and writes the reason of a stretch as text: the reason of its exclusion, or `kept` where
+/// it counts.
 mod verdict {
     use super::ExclusionReason;
     use serde::{Deserialize, Deserializer, Serialize, Serializer};

@@ -241,8 +241,8 @@ impl SideSpan {
         }
     }
 
-    /// Returns the stored bytes of the samples in [`Bytes::samples`]; empty where the span is outside
-    /// of the bytes.
+    /// Returns the stored bytes of the samples in [`Bytes::samples`]; empty where the span is
+    /// outside of the bytes.
     pub(crate) fn stored<'a>(&self, bytes: &'a [u8]) -> &'a [u8] {
         Samples::new(bytes, self).map(|samples| samples.stored).unwrap_or_default()
     }

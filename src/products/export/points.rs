@@ -64,10 +64,10 @@ impl<'a> LogPoints<'a> {
     }
 }
 
-/// Writes a table: the heading, then the rows of each log by its index. With several logs the column
-/// `log` comes first: each row begins with the field that `write_rows` gets, the name of the log and
-/// a comma, quoted where the name contains a separator, a quote or a line break. With a single log
-/// that field is empty.
+/// Writes a table: the heading, then the rows of each log by its index. With several logs the
+/// column `log` comes first: each row begins with the field that `write_rows` gets, the name of the
+/// log and a comma, quoted where the name contains a separator, a quote or a line break. With a
+/// single log that field is empty.
 fn table(
     path: &Path,
     heading: &str,

@@ -1,5 +1,5 @@
-//! Draws the parts that all panels use: rows, facts, controls that change a setting, and the axes of
-//! plots.
+//! Draws the parts that all panels use: rows, facts, controls that change a setting, and the axes
+//! of plots.
 
 use super::find_setting::{self, ControlPlace};
 use crate::app::{Action, App, LogId, OpenLog};

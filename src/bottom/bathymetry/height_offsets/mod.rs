@@ -249,6 +249,8 @@ pub fn height_offsets(
 pub const FEW_CROSSINGS: usize = 3;
 /// Side of the squares in which the depths of two logs are compared, metres.
 const SQUARE_M: f64 = 1.0;
+/// Indices of two logs, and a block of squares.
+type PairBlock = ([usize; 2], [i64; 2]);
 /// Side of a block in squares, and the fewest squares of a block that both logs measured: the
 /// errors of neighbouring squares are alike, so that a block gives one difference.
 const BLOCK_SQUARES: i64 = 10;
@@ -344,7 +346,7 @@ pub fn overlaps(
             squares.entry(square).or_default().push((log, depth_m));
         }
     }
-    let mut blocks: BTreeMap<([usize; 2], [i64; 2]), Vec<[f64; 2]>> = BTreeMap::new();
+    let mut blocks: BTreeMap<PairBlock, Vec<[f64; 2]>> = BTreeMap::new();
     for (square, logs) in &squares {
         let block = square.map(|index| index.div_euclid(BLOCK_SQUARES));
         for (rank, &(first, first_m)) in logs.iter().enumerate() {

@@ -1,5 +1,6 @@
-//! Computes the surface whose isobaths understate no shoal, the shoalest depth of each cell, and the
-//! depths that a chart prints as figures: few enough to be read, the shoalest of their surroundings.
+//! Computes the surface whose isobaths understate no shoal, the shoalest depth of each cell, and
+//! the depths that a chart prints as figures: few enough to be read, the shoalest of their
+//! surroundings.
 
 use super::IsobathSettings;
 use crate::bathymetry::{DepthPoint, Grid, Surface};

@@ -1,5 +1,5 @@
-//! Computes the error of a depth from the distance to the nearest sounding, and finds where left-out
-//! soundings are missed by more than usual at the same distance, and where by less.
+//! Computes the error of a depth from the distance to the nearest sounding, and finds where
+//! left-out soundings are missed by more than usual at the same distance, and where by less.
 
 use super::LeftOutMiss;
 use bathyscope_log::support::statistics::sigma_of_sizes;

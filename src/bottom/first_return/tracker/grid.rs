@@ -1,6 +1,6 @@
-//! Stores rows of numbers, one row for each ping, with fast functions for their maxima, and extracts
-//! bands of cells around the line, in which the line is level, so that they can be averaged along
-//! the track without smearing a sloping edge.
+//! Stores rows of numbers, one row for each ping, with fast functions for their maxima, and
+//! extracts bands of cells around the line, in which the line is level, so that they can be
+//! averaged along the track without smearing a sloping edge.
 
 use super::rows::SampleRows;
 use std::ops::Range;

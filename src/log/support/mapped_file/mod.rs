@@ -3,8 +3,8 @@
 //!
 //! When a page of a map cannot be read any more, the system sends SIGBUS, which ends a program. On
 //! Unix `registry` lists all maps, and `fault` replaces such a page by zeros: the program goes on,
-//! and [`MappedFile::lost`] returns where the lost bytes begin. [`MappedFile::fault`] checks whether
-//! the file is still the one that was mapped.
+//! and [`MappedFile::lost`] returns where the lost bytes begin. [`MappedFile::fault`] checks
+//! whether the file is still the one that was mapped.
 //!
 //! - A file that was deleted, or replaced by another by renaming, stays mapped as it was: the bytes
 //!   are right.
