@@ -417,6 +417,10 @@ fn a_command_that_is_given_a_log_names_the_project_with_the_decisions_about_it()
         "{warned}"
     );
     assert!(!run(B).contains("decisions made"));
+    // The project is still open, and its file does not contain the change yet.
+    assert!(!run(&project).contains("decisions made"));
+    let report = fs::read_to_string(folder.path().join("out/report.json")).expect("a report");
+    assert!(report.contains("\"draft_m\": 0.4"), "{report}");
 
     // Under a name, they are in the named project.
     let named = folder.path().join("lake.bathyscope");

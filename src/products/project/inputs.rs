@@ -3,7 +3,7 @@
 
 use super::find::{LogLocation, find};
 use super::log::ProjectLog;
-use super::store::read;
+use super::store::read_with_changes;
 use crate::Error;
 use crate::pipeline::Settings;
 use bathyscope_log::support::geo::LocalFrame;
@@ -28,13 +28,14 @@ pub struct ProjectInput {
     pub warning: Option<String>,
 }
 
-/// Returns the visible logs of a project, in their order.
+/// Returns the visible logs of a project, in their order, with the changes in the journal beside
+/// it: those of a window that has it open, or was killed.
 ///
 /// # Errors
 /// When the project cannot be read, contains no visible log, or a log or a file that its settings
 /// name is missing.
 pub fn inputs(path: &Path, progress: &Progress) -> Result<Vec<ProjectInput>, Error> {
-    let mut project = read(path)?;
+    let mut project = read_with_changes(path)?;
     // Loaded once for all logs.
     project.settings.load_area().map_err(|error| error.0)?;
     let folder = super::store::folder_of(path);

@@ -90,8 +90,7 @@ pub struct Store {
     past: Past,
 }
 
-/// Reads a project without opening it for changes: to view it, or to process it. A journal beside
-/// it is ignored.
+/// Reads the file of a project without opening it for changes. A journal beside it is ignored.
 ///
 /// # Errors
 /// A sentence, when the file cannot be read or is not a valid project.
