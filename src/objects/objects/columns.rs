@@ -123,7 +123,8 @@ impl ObjectColumn {
     pub fn value(&self, of: &ListedObject<'_>) -> Option<ColumnValue> {
         let number = |value: f64, decimals: usize| {
             let scale = 10_f64.powi(decimals as i32);
-            let rounded = || ColumnValue::Number(decimals, (value * scale).round() / scale);
+            // The sum turns -0 into 0, which is written without a sign.
+            let rounded = || ColumnValue::Number(decimals, (value * scale).round() / scale + 0.0);
             value.is_finite().then(rounded)
         };
         match self.values {
