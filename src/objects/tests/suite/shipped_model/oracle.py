@@ -9,7 +9,7 @@ import onnxruntime
 from PIL import Image
 
 SCORE, IOU = 0.3, 0.45
-model = Path(__file__).resolve().parents[3] / "assets/detector/default.onnx"
+model = Path(__file__).resolve().parents[5] / "assets/detector/default.onnx"
 chip = np.asarray(Image.open(sys.argv[1]).convert("L"), np.float32)
 session = onnxruntime.InferenceSession(model.read_bytes(), providers=["CPUExecutionProvider"])
 boxes, confs = session.run(["boxes", "confs"], {"input": chip[None, None] / 255})
