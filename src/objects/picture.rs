@@ -140,7 +140,7 @@ impl Rect {
     }
 
     /// Returns the smallest box around both.
-    pub fn hull(&self, other: &Rect) -> Rect {
+    pub(crate) fn hull(&self, other: &Rect) -> Rect {
         Self::new(
             [self.x0.min(other.x0), self.y0.min(other.y0)],
             [self.x1.max(other.x1), self.y1.max(other.y1)],

@@ -97,7 +97,7 @@ impl Pixels {
 
     /// Returns elevations (minus the depths) in the encoding Terrarium: red * 256 + green + blue /
     /// 256 - 32768 metres; transparent where nothing is known.
-    pub fn elevations(&self) -> Vec<u8> {
+    pub(crate) fn elevations(&self) -> Vec<u8> {
         self.rgba(|pixel| {
             let steps = (256.0 * (32_768.0 - f64::from(pixel.depth_m))).round();
             let [_, red, green, blue] = (steps.clamp(0.0, 16_777_215.0) as u32).to_be_bytes();

@@ -44,9 +44,10 @@ pub use depth::{
     CommonUncertainty, Crosslines, GeometryChoice, choices, crosslines, depth_points,
     joint_depth_points, joint_depth_surface, log_echoes,
 };
+pub(crate) use derived::Contours;
 pub use derived::{
-    Bottom, BottomColour, BottomKey, Contours, CornerGround, DepthMap, DepthMapKey, Derived,
-    FINEST, IsobathKey, Isobaths, Mosaic, MosaicKey, MosaicPlane, PictureKey, mosaic_layout,
+    Bottom, BottomColour, BottomKey, CornerGround, DepthMap, DepthMapKey, Derived, FINEST,
+    IsobathKey, Isobaths, Mosaic, MosaicKey, MosaicPlane, PictureKey, mosaic_layout,
     mosaic_layout_by,
 };
 pub use fingerprint::{Fingerprint, in_hexadecimal};

@@ -109,7 +109,7 @@ fn drawn_on<'a>(
 
 /// Lines and areas drawn from a depth map.
 #[derive(Clone, Debug)]
-pub struct Contours {
+pub(crate) struct Contours {
     /// Lines of equal depth.
     pub isobaths: Arc<Isobaths>,
     /// Areas between the lines.
@@ -125,7 +125,7 @@ impl Contours {
     ///
     /// # Errors
     /// When the work was cancelled.
-    pub fn new(
+    pub(crate) fn new(
         depth_map: &DepthMap,
         isobaths: Arc<Isobaths>,
         progress: &Progress,

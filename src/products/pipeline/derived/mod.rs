@@ -24,7 +24,8 @@ mod side_scan;
 
 pub use bottom::{Bottom, BottomColour, BottomKey, CornerGround};
 pub use depth_map::{DepthMap, DepthMapKey};
-pub use isobaths::{Contours, IsobathKey, Isobaths};
+pub(crate) use isobaths::Contours;
+pub use isobaths::{IsobathKey, Isobaths};
 pub use mosaic::{FINEST, Mosaic, MosaicKey, MosaicPlane};
 pub use side_scan::{PictureKey, mosaic_layout, mosaic_layout_by};
 
