@@ -298,25 +298,24 @@ pub(super) fn open_reference(
     progress: &Progress,
 ) -> Result<Reference, Failure> {
     let path = Path::new(argument);
-    let inputs = match is_project(path) {
-        true => of_project(path)?,
-        false if logs_of(&[path.to_owned()]).len() > 1 => {
-            // The mounting and source settings of the first log are applied when the mission is
-            // processed.
-            let as_read = Settings {
-                mounting: MountingSettings::default(),
-                source: SourceSettings::default(),
-                ..first.settings.clone()
-            };
-            let logs = Arc::new(LogOpener::new(as_read)?);
-            let logs_of = logs_of(&[path.to_owned()]).into_iter();
-            logs_of.map(|path| LogInput::of_log(path, logs.clone())).collect()
-        }
-        false => {
+    let inputs = if is_project(path) {
+        of_project(path)?
+    } else {
+        let paths = logs_of(&[path.to_owned()]);
+        if paths.len() <= 1 {
             finish_killed_run(path)?;
             let opened = Reference::open(argument, &first.survey, &first.settings, progress);
             return Ok(opened?);
         }
+        // The mounting and source settings of the first log are applied when the mission is
+        // processed.
+        let as_read = Settings {
+            mounting: MountingSettings::default(),
+            source: SourceSettings::default(),
+            ..first.settings.clone()
+        };
+        let logs = Arc::new(LogOpener::new(as_read)?);
+        paths.into_iter().map(|path| LogInput::of_log(path, logs.clone())).collect()
     };
     let (opened, failed) = open_all(&inputs);
     all_or(failed, inputs.len())?;

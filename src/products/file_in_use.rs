@@ -21,11 +21,10 @@ pub fn is_in_use(error: &io::Error) -> bool {
     cfg!(windows) && matches!(error.raw_os_error(), Some(number) if IN_USE.contains(&number))
 }
 
-/// Does something to a file; on Windows again and again for a second while another program has it
-/// open.
+/// Runs work on a file; on Windows repeats it for a second while another program has the file open.
 ///
 /// # Errors
-/// What was said the last time.
+/// The error of the last attempt.
 pub(crate) fn patiently<T>(mut work: impl FnMut() -> io::Result<T>) -> io::Result<T> {
     let may_pass = |error: &io::Error| {
         cfg!(windows) && (is_in_use(error) || error.raw_os_error() == Some(DENIED))
@@ -39,9 +38,9 @@ pub(crate) fn patiently<T>(mut work: impl FnMut() -> io::Result<T>) -> io::Resul
     work()
 }
 
-/// Has a file that is opened for writing be written by this program alone as long as it is open: on
-/// Windows, where others may read it but neither write, rename nor remove it, and [`is_in_use`] is
-/// what they are told. Elsewhere nothing changes, and a lock does the same: a lock of Windows keeps
+/// Sets the options of opening a file so that, on Windows, other programs can read it but neither
+/// write, rename nor remove it while it is open; their errors are those of [`is_in_use`]. On other
+/// systems the options stay as they are, and a lock has this effect; a lock of Windows would keep
 /// others from reading, too.
 pub(crate) fn for_one_writer(options: &mut OpenOptions) {
     #[cfg(windows)]

@@ -43,7 +43,7 @@ bathyscope_log::listed! {
         Files,
         /// Accuracy, speed and memory
         Accuracy,
-        /// What the program cannot do
+        /// Limits of the program
         Limits,
         /// Mouse, keys and commands
         Keys,
