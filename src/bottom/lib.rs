@@ -32,10 +32,8 @@
 //! use bathyscope_bottom::bathymetry::{DepthPoint, SurfaceSettings, surface};
 //! use bathyscope_log::support::progress::Progress;
 //!
-//! let corner = |east_m, north_m, depth_m| {
-//!     DepthPoint { east_m, north_m, depth_m, weight: 1.0, is_sounding: true }
-//! };
-//! let points = vec![corner(0.0, 0.0, 1.0), corner(10.0, 0.0, 2.0), corner(0.0, 10.0, 3.0)];
+//! let corners = [([0.0, 0.0], 1.0), ([10.0, 0.0], 2.0), ([0.0, 10.0], 3.0)];
+//! let points = corners.map(|(place, depth_m)| DepthPoint::of_sounding(place, depth_m)).to_vec();
 //! let settings = SurfaceSettings::default();
 //! let surface = surface(points, &settings, &Progress::new())?.expect("three places");
 //! let [shallowest_m, deepest_m] = surface.range_m();

@@ -368,6 +368,7 @@ fn triangulated(points: impl Iterator<Item = [f64; 3]> + Clone, max_gap_m: f64) 
         depth_m: -z_m,
         spread_m: 0.0,
         has_side_scan: false,
+        slope_end: f32::NAN,
     };
     let mut nodes = Vec::with_capacity(points.clone().count());
     nodes.extend(points.map(node));

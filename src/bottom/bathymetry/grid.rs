@@ -326,11 +326,9 @@ mod tests {
     fn a_cell_says_the_best_that_lies_in_it() {
         let grid = Grid::at([0.0, 1.0], 1.0, [5, 1]);
         let point = |east_m, is_sounding, weight| DepthPoint {
-            east_m,
-            north_m: 0.5,
-            depth_m: 2.0,
             weight,
             is_sounding,
+            ..DepthPoint::of_sounding([east_m, 0.5], 2.0)
         };
         let points = [
             point(0.2, false, 1.0),

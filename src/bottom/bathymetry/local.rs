@@ -70,12 +70,12 @@ mod tests {
                 heading_rad += 0.2 * (random() - 0.5);
                 east_m += 0.4 * heading_rad.sin();
                 north_m += 0.4 * heading_rad.cos();
+                let depth_m =
+                    4.0 + (0.05 * east_m).sin() + (0.03 * north_m).cos() + 0.02 * random();
                 points.push(DepthPoint {
-                    east_m,
-                    north_m,
-                    depth_m: 4.0 + (0.05 * east_m).sin() + (0.03 * north_m).cos() + 0.02 * random(),
                     weight: 0.5 + random(),
                     is_sounding: random() > 0.5,
+                    ..DepthPoint::of_sounding([east_m, north_m], depth_m)
                 });
             }
         }

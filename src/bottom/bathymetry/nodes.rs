@@ -20,6 +20,9 @@ pub struct DepthPoint {
     /// True if the depth is one of the recorder, under the boat or across the track, or of a
     /// reference; false for a first return of the side-scan.
     pub is_sounding: bool,
+    /// Share by which the slope that a first return lies on ends before the nadir; NaN for any other
+    /// depth ([`CloudPoint::slope_end`](crate::cloud::CloudPoint::slope_end)).
+    pub slope_end: f32,
 }
 
 impl DepthPoint {
@@ -29,8 +32,8 @@ impl DepthPoint {
     }
 
     /// Creates a sounding that counts in full.
-    pub(crate) fn of_sounding([east_m, north_m]: [f64; 2], depth_m: f64) -> Self {
-        Self { east_m, north_m, depth_m, weight: 1.0, is_sounding: true }
+    pub fn of_sounding([east_m, north_m]: [f64; 2], depth_m: f64) -> Self {
+        Self { east_m, north_m, depth_m, weight: 1.0, is_sounding: true, slope_end: f32::NAN }
     }
 }
 
@@ -69,6 +72,9 @@ pub struct Node {
     pub spread_m: f64,
     /// True if a first return of the side-scan is among the depths.
     pub has_side_scan: bool,
+    /// Largest of the shares by which the slopes of first returns end before the nadir; NaN where
+    /// none of them lies up a slope.
+    pub slope_end: f32,
 }
 
 impl Node {
@@ -139,10 +145,13 @@ fn merge(
     let first = same.next()?;
     depths.clear();
     let (mut east_m, mut north_m, mut weights) = (0.0, 0.0, 0.0);
+    let mut slope_end = f32::NAN;
     for point in points {
         depths.push((point.depth_m, point.weight));
         east_m += point.weight * (point.east_m - first.east_m);
         north_m += point.weight * (point.north_m - first.north_m);
+        // The greater of NaN and a share is the share.
+        slope_end = slope_end.max(point.slope_end);
         weights += point.weight;
     }
     let depth_m = weighted_median(depths);
@@ -157,6 +166,7 @@ fn merge(
             (squares / (count - 1) as f64).sqrt()
         },
         has_side_scan,
+        slope_end,
     })
 }
 
@@ -322,6 +332,7 @@ mod tests {
 
     fn nodes(places: impl Iterator<Item = [f64; 2]>) -> Vec<Node> {
         let node = |[east_m, north_m]: [f64; 2]| Node {
+            slope_end: f32::NAN,
             east_m,
             north_m,
             depth_m: 1.0,

@@ -5,7 +5,7 @@
 use super::above_bottom::{AboveDepth, height_m, way_m};
 use super::clutter::{Clutter, clutter};
 use super::specular::{
-    BottomPoint, Pair, across_track, beam_angles_rad, fixed_bottom_point, specular_point,
+    BeamAngles, BottomPoint, Pair, across_track, beam_angles, fixed_bottom_point, specular_point,
 };
 use super::{
     BySource, CloudPoint, CloudSettings, Correction, DownScan, Geometry, PointCloud, PointSource,
@@ -160,18 +160,20 @@ pub fn place(
     };
     let soundings = Arc::new(sounding_points(survey, navigation, &counts, correction));
     progress.advance(1);
-    let angles_rad = match settings.geometry {
+    let angles = match settings.geometry {
         Geometry::Slope => {
-            angles_rad(survey, (&ranges, traits), reduction, calibration.beams.overlap_rad)
+            angles(survey, (&ranges, traits), reduction, calibration.beams.overlap_rad)
         }
         _ => Vec::new(),
     };
     progress.advance(1);
     progress.check()?;
     let points_of = |side: Side, ranges_m: &[f64]| -> Vec<CloudPoint> {
-        let bottom_point = |ping: usize, range_m: f64| match angles_rad.get(ping) {
-            Some(angles_rad) => specular_point(range_m, angles_rad[side as usize]),
-            None => fixed_bottom_point(settings.geometry, range_m, settings.alpha2_deg),
+        let bottom_point = |ping: usize, range_m: f64| match angles.get(ping) {
+            Some(angles) => {
+                (specular_point(range_m, angles.out_rad[side as usize]), angles.slope_end(side))
+            }
+            None => (fixed_bottom_point(settings.geometry, range_m, settings.alpha2_deg), f32::NAN),
         };
         let z_m =
             |ping: usize, below_m: f64| correction.z_m(survey.side_scan[ping].time_s, below_m);
@@ -215,12 +217,12 @@ fn ranges_m(
 /// radians. Above-bottom returns count, except clutter: on a steep slope the bottom itself lies
 /// above the recorded depth, and an above-bottom return on one side moves only the points of that
 /// side.
-fn angles_rad(
+fn angles(
     survey: &Survey,
     ([port, starboard], traits): (&[Vec<f64>; 2], &PickTraits),
     reduction: Reduction<'_>,
     overlap_rad: f64,
-) -> Vec<[f64; 2]> {
+) -> Vec<BeamAngles> {
     let bottom_m = |(range_m, traits): (&f64, &PickTrait)| {
         if traits.is_clutter || traits.confidence == 0.0 { f64::NAN } else { *range_m }
     };
@@ -236,7 +238,7 @@ fn angles_rad(
             altitude_m: reduction.altitude_m(f64::from(ping.good_depth_m())),
         })
         .collect();
-    beam_angles_rad(&pairs, overlap_rad)
+    beam_angles(&pairs, overlap_rad)
 }
 
 fn sounding_points(
@@ -281,7 +283,7 @@ fn side_points<'a>(
     picks: impl Iterator<Item = (&'a Pick, &'a PickTrait)> + 'a,
     side: Side,
     ranges_m: &'a [f64],
-    bottom_point: impl Fn(usize, f64) -> BottomPoint + 'a,
+    bottom_point: impl Fn(usize, f64) -> (BottomPoint, f32) + 'a,
     z_m: impl Fn(usize, f64) -> f64 + 'a,
 ) -> impl Iterator<Item = CloudPoint> + 'a {
     let source = match side {
@@ -291,7 +293,7 @@ fn side_points<'a>(
     let pings = navigation.pings.iter().zip(picks).zip(ranges_m);
     let detected = pings.enumerate().filter(|(_, (_, range_m))| **range_m > 0.0);
     detected.filter_map(move |(ping, ((place, (pick, traits)), &range_m))| {
-        let bottom_point = bottom_point(ping, range_m);
+        let (bottom_point, slope_end) = bottom_point(ping, range_m);
         let [east_m, north_m] = across_track(place, side, bottom_point.across_m)?;
         Some(CloudPoint {
             above_bottom: traits.above_bottom,
@@ -299,6 +301,7 @@ fn side_points<'a>(
             above_bottom_m: traits.above_bottom_m,
             confidence: traits.confidence,
             sample: pick.sample,
+            slope_end,
             ..CloudPoint::new(
                 source,
                 ping as u32,

@@ -155,6 +155,10 @@ pub struct CloudPoint {
     /// ([`crate::first_return::Pick::above_bottom`]) by more than this depth departs from the bed
     /// nearby.
     pub above_bottom: bool,
+    /// Share, 0 to 1, by which the slope that a first return lies on ends before the nadir: 0 where
+    /// it goes on under the boat, 1 where the bottom is level there. NaN for a point that lies up
+    /// no slope.
+    pub slope_end: f32,
     /// Level of the echo of a first return: the greatest recorded level, 0 to 255, from the pick to
     /// 0.2 m of slant range beyond it; 0 for other points, whose level is not known. Samples of two
     /// bytes are scaled to one, as everywhere.
@@ -230,6 +234,7 @@ impl CloudPoint {
             record: None,
             fault: None,
             above_bottom: false,
+            slope_end: f32::NAN,
             level: 0,
             above_bottom_m: 0.0,
             confidence: f32::NAN,

@@ -12,6 +12,10 @@
 //! Among dead bands, windows, smoothers and the recorded depth as reference, this measured best on
 //! simulated gentle, steep and rough beds alike.
 //!
+//! The farther side also shows whether the slope goes on under the boat. On a bank or a step that
+//! ends beside the boat its range is the depth, and not `d cos(beta) / cos(beta - p)`. Where it is
+//! more than the depth, the ground straight below is so steep that this side does not see it.
+//!
 //! With first returns of one side alone, the recorded depth is used for `d`; where it is not known
 //! either, the slope is interpolated between those before and behind.
 
@@ -33,6 +37,17 @@ const MAX_SLOPE_DEG: f64 = 35.0;
 const BRIDGED_S: f64 = 15.0;
 /// Share by which a range and a recorded depth differ on level ground, by their calibration.
 const CALIBRATED: f64 = 0.01;
+/// Shares of the depth by which a slope past the nadir is nearer than the bottom straight below:
+/// up to the first the farther side does not show whether the slope goes on, from the second on it
+/// does. Calibration and picks err by a part of these.
+const TELLING: [f64; 2] = [0.02, 0.04];
+/// A slope goes on under the boat up to the first share of what the farther side would see nearer
+/// by it, and has ended from the second share on.
+const ENDS: [f64; 2] = [0.75, 0.95];
+/// Shares of the depth by which the farther side is late where the ground falls away from it so
+/// steeply that it sees the foot of the slope first: up to the first share it is not, from the
+/// second on it is, and the slope goes on.
+const LATE: [f64; 2] = [0.01, 0.02];
 
 /// Place on the bottom, relative to the boat.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -76,6 +91,14 @@ pub(super) struct Pair {
     pub(super) altitude_m: f64,
 }
 
+impl Pair {
+    /// Returns the range of the farther side, metres; NaN where that of one side is unknown.
+    fn farther_m(&self) -> f64 {
+        let [port_m, starboard_m] = [self.port_m, self.starboard_m];
+        if (starboard_m - port_m).is_nan() { f64::NAN } else { starboard_m.max(port_m) }
+    }
+}
+
 /// Pings around one, with the buffer that medians are taken in.
 struct Around<'a> {
     pairs: &'a [Pair],
@@ -116,73 +139,94 @@ impl<'a> Around<'a> {
     }
 }
 
+/// Angles of the first returns of a ping.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct BeamAngles {
+    /// Angles to port and to starboard from straight below, outwards, radians.
+    pub(super) out_rad: [f64; 2],
+    /// Share, 0 to 1, by which the slope of the nearer first return ends before the nadir: 0 where
+    /// it goes on under the boat, 1 where the bottom is level there.
+    pub(super) slope_end: f64,
+}
+
+impl BeamAngles {
+    /// Returns the share by which the slope ends that the first return of a side lies on; NaN if it
+    /// lies up no slope.
+    pub(super) fn slope_end(&self, side: Side) -> f32 {
+        if self.out_rad[side as usize] > 0.0 { self.slope_end as f32 } else { f32::NAN }
+    }
+}
+
 /// Returns the angles of the first returns to port and to starboard from straight below, outwards,
 /// radians, at every ping: the slope on the side to which the bottom rises, and less than 0 on the
 /// other side, whose beam reaches past the nadir by `overlap_rad`. Both are 0 on level ground.
 /// An angle that neither the other side nor a depth determines, as over a bank whose depth the
 /// recorder has lost, is interpolated between the angles before and behind; it is 0 where these are
 /// too far away.
-pub(super) fn beam_angles_rad(pairs: &[Pair], overlap_rad: f64) -> Vec<[f64; 2]> {
-    let known = (0..pairs.len()).into_par_iter().map(|ping| known_rad(pairs, ping, overlap_rad));
-    let mut angles_rad: Vec<[f64; 2]> = known.collect();
+pub(super) fn beam_angles(pairs: &[Pair], overlap_rad: f64) -> Vec<BeamAngles> {
+    let shares = (0..pairs.len()).into_par_iter().map(|ping| farther_of_depth(pairs, ping));
+    let mut shares: Vec<f64> = shares.collect();
+    bridge(pairs, &mut shares, |share| share);
+    let shares = shares.into_par_iter().enumerate();
+    let known = shares.map(|(ping, of_depth)| known(pairs, ping, of_depth, overlap_rad));
+    let mut angles: Vec<BeamAngles> = known.collect();
     for side in [0, 1] {
-        bridge(pairs, &mut angles_rad, side);
+        bridge(pairs, &mut angles, |angles| &mut angles.out_rad[side]);
+        let unknown = angles.iter_mut().filter(|angles| angles.out_rad[side].is_nan());
+        unknown.for_each(|angles| angles.out_rad[side] = 0.0);
     }
-    angles_rad
+    angles
 }
 
-/// Interpolates the unknown angles of a side between pings with known angles that are near in time,
-/// and sets the remaining unknown ones to 0.
-fn bridge(pairs: &[Pair], angles_rad: &mut [[f64; 2]], side: usize) {
-    let mut known: Option<usize> = None;
-    for ping in 0..angles_rad.len() {
-        if angles_rad[ping][side].is_nan() {
+/// Interpolates the unknown values of pings between known ones that are near in time; `value`
+/// returns the value of an item, NaN where it is unknown.
+fn bridge<T>(pairs: &[Pair], items: &mut [T], value: impl Fn(&mut T) -> &mut f64) {
+    let mut known: Option<(usize, f64)> = None;
+    for ping in 0..items.len() {
+        let to = *value(&mut items[ping]);
+        if to.is_nan() {
             continue;
         }
-        if let Some(before) = known.filter(|before| before + 1 < ping) {
+        if let Some((before, from)) = known.filter(|(before, _)| before + 1 < ping) {
             let span_s = pairs[ping].time_s - pairs[before].time_s;
-            let [from_rad, to_rad] = [before, ping].map(|at| angles_rad[at][side]);
             for between in before + 1..ping {
                 let share = (pairs[between].time_s - pairs[before].time_s) / span_s;
                 if span_s <= BRIDGED_S {
-                    angles_rad[between][side] = from_rad + share * (to_rad - from_rad);
+                    *value(&mut items[between]) = from + share * (to - from);
                 }
             }
         }
-        known = Some(ping);
-    }
-    for angles_rad in angles_rad {
-        if angles_rad[side].is_nan() {
-            angles_rad[side] = 0.0;
-        }
+        known = Some((ping, to));
     }
 }
 
+/// Returns the range of the farther side as a share of the recorded depth, around a ping; NaN where
+/// too few pings have both.
+fn farther_of_depth(pairs: &[Pair], ping: usize) -> f64 {
+    let share = Around::new(pairs, ping).middle(|pair| pair.farther_m() / pair.altitude_m);
+    share.map_or(f64::NAN, |(share, _)| share)
+}
+
 /// Returns the angles at a ping from the pings around it, radians; NaN where too few of these
-/// determine them.
-fn known_rad(pairs: &[Pair], ping: usize, overlap_rad: f64) -> [f64; 2] {
+/// determine them. `of_depth` is the range of the farther side as a share of the recorded depth,
+/// NaN where it is unknown.
+fn known(pairs: &[Pair], ping: usize, of_depth: f64, overlap_rad: f64) -> BeamAngles {
     let mut around = Around::new(pairs, ping);
     let steepest = MAX_SLOPE_DEG.to_radians();
     if let Some((difference_m, certain_m)) = around.middle(|pair| pair.starboard_m - pair.port_m) {
         if certain_m <= 0.0 {
-            return [0.0; 2];
+            return BeamAngles::default();
         }
-        let farther_m = |pair: &Pair| {
-            if (pair.starboard_m - pair.port_m).is_nan() {
-                f64::NAN
-            } else {
-                pair.starboard_m.max(pair.port_m)
-            }
-        };
-        let deeper_m = around.middle(farther_m).map_or(f64::NAN, |(deeper_m, _)| deeper_m);
-        let of_depth = around.middle(|pair| farther_m(pair) / pair.altitude_m);
+        let deeper_m = around.middle(Pair::farther_m).map_or(f64::NAN, |(deeper_m, _)| deeper_m);
         let over_rad = (1.0 - certain_m / deeper_m).max(steepest.cos()).acos();
         let slope_rad = (over_rad + overlap_rad).min(steepest);
         let past_rad = past_nadir_rad(of_depth, slope_rad, overlap_rad);
-        return if difference_m > 0.0 { [slope_rad, -past_rad] } else { [-past_rad, slope_rad] };
+        let out_rad =
+            if difference_m > 0.0 { [slope_rad, -past_rad] } else { [-past_rad, slope_rad] };
+        return BeamAngles { out_rad, slope_end: slope_end(of_depth, slope_rad, overlap_rad) };
     }
     let ranges_m = [|pair: &Pair| pair.port_m, |pair: &Pair| pair.starboard_m];
-    ranges_m.map(|range_m| {
+    let out_rad = ranges_m.map(|range_m| {
         let nearer = around.middle(|pair| 1.0 - range_m(pair) / pair.altitude_m);
         nearer.map_or(f64::NAN, |(nearer, certain)| {
             if nearer > 0.0 {
@@ -191,17 +235,31 @@ fn known_rad(pairs: &[Pair], ping: usize, overlap_rad: f64) -> [f64; 2] {
                 0.0
             }
         })
-    })
+    });
+    BeamAngles { out_rad, slope_end: 0.0 }
+}
+
+/// Returns the share, 0 to 1, by which a slope ends before the nadir: a slope that went on there
+/// would bring the bottom nearer to the farther side than straight below. `of_depth` is the range of
+/// this side as a share of the recorded depth, NaN where this is unknown.
+fn slope_end(of_depth: f64, slope_rad: f64, overlap_rad: f64) -> f64 {
+    let nearer = 1.0 - slope_rad.cos() / (slope_rad - overlap_rad).cos();
+    if of_depth.is_nan() || nearer <= 0.0 {
+        return 0.0;
+    }
+    let rise = |value: f64, [from, to]: [f64; 2]| ((value - from) / (to - from)).clamp(0.0, 1.0);
+    let late = rise(of_depth - 1.0, LATE);
+    rise(nearer, TELLING) * rise(1.0 - (1.0 - of_depth) / nearer, ENDS) * (1.0 - late)
 }
 
 /// Returns the angle past the nadir from which the first return of the farther side comes, radians:
-/// the overlap at most. `of_depth` is the range of this return as a share of the recorded depth, if
-/// that is known. Where the return is farther away than the bottom at the overlap, it comes from
-/// nearer to the nadir.
-fn past_nadir_rad(of_depth: Option<(f64, f64)>, slope_rad: f64, overlap_rad: f64) -> f64 {
-    let Some((of_depth, _)) = of_depth else {
+/// the overlap at most. `of_depth` is the range of this return as a share of the recorded depth,
+/// NaN where this is unknown. Where the return is farther away than the bottom at the overlap, it
+/// comes from nearer to the nadir.
+fn past_nadir_rad(of_depth: f64, slope_rad: f64, overlap_rad: f64) -> f64 {
+    if of_depth.is_nan() {
         return overlap_rad;
-    };
+    }
     let cos = (slope_rad.cos() / (of_depth - CALIBRATED)).min(1.0);
     (slope_rad - cos.acos()).clamp(0.0, overlap_rad)
 }
@@ -244,7 +302,7 @@ mod tests {
         {
             let pairs = plane(slope_deg, overlap_deg);
             let overlap_rad = f64::to_radians(overlap_deg);
-            let [port_rad, starboard_rad] = beam_angles_rad(&pairs, overlap_rad)[30];
+            let [port_rad, starboard_rad] = beam_angles(&pairs, overlap_rad)[30].out_rad;
             assert!((port_rad.to_degrees() - slope_deg).abs() < 0.8, "{slope_deg}: {port_rad}");
             assert_eq!(starboard_rad, -overlap_rad);
             // Both points lie on the plane; starboard's own side is the other one.
@@ -256,8 +314,27 @@ mod tests {
                 assert!(off_m.abs() < 0.01, "{slope_deg}, {overlap_deg}: {point:?} {off_m}");
             }
         }
-        assert_eq!(beam_angles_rad(&plane(0.0, 3.0), 0.05)[30], [0.0; 2]);
-        assert_eq!(beam_angles_rad(&plane(12.0, 0.0)[..5], 0.0)[2], [0.0; 2]);
+        assert_eq!(beam_angles(&plane(0.0, 3.0), 0.05)[30], BeamAngles::default());
+        assert_eq!(beam_angles(&plane(12.0, 0.0)[..5], 0.0)[2], BeamAngles::default());
+    }
+
+    #[test]
+    fn the_farther_side_shows_whether_a_bank_ends_beside_the_boat() {
+        let end = |starboard_m: f64| {
+            let mut pairs = plane(33.0, 3.0);
+            pairs.iter_mut().for_each(|pair| pair.starboard_m = starboard_m);
+            // The depth is lost for 1.5 s.
+            pairs[25..40].iter_mut().for_each(|pair| pair.altitude_m = f64::NAN);
+            beam_angles(&pairs, 0.08)[30]
+        };
+        let level = end(3.0);
+        assert_eq!(level.slope_end(Side::Port), 1.0);
+        assert!(level.slope_end(Side::Starboard).is_nan());
+        // On the bank itself, and where the foot of the bank is seen first.
+        assert_eq!(end(2.9).slope_end(Side::Port), 0.0);
+        assert_eq!(end(3.12).slope_end(Side::Port), 0.0);
+        let no_overlap = beam_angles(&plane(33.0, 0.0), 0.0)[30];
+        assert_eq!(no_overlap.slope_end(Side::Port), 0.0);
     }
 
     #[test]
@@ -266,7 +343,7 @@ mod tests {
         for pair in &mut pairs {
             pair.starboard_m = f64::NAN;
         }
-        let [port_rad, starboard_rad] = beam_angles_rad(&pairs, 0.05)[30];
+        let [port_rad, starboard_rad] = beam_angles(&pairs, 0.05)[30].out_rad;
         assert!((port_rad.to_degrees() - 32.0).abs() < 1.5, "{port_rad}");
         assert_eq!(starboard_rad, 0.0);
         // The depth is lost for a while, and for longer than a slope is bridged.
@@ -274,15 +351,15 @@ mod tests {
         for pair in &mut lost[15..45] {
             pair.altitude_m = f64::NAN;
         }
-        let bridged_rad = beam_angles_rad(&lost, 0.05)[30][0];
+        let bridged_rad = beam_angles(&lost, 0.05)[30].out_rad[0];
         assert!((bridged_rad - port_rad).abs() < 0.03, "{bridged_rad}");
         for (ping, pair) in lost.iter_mut().enumerate() {
             pair.time_s = ping as f64;
         }
-        assert_eq!(beam_angles_rad(&lost, 0.05)[30], [0.0; 2]);
+        assert_eq!(beam_angles(&lost, 0.05)[30], BeamAngles::default());
         for pair in &mut pairs {
             pair.altitude_m = f64::NAN;
         }
-        assert_eq!(beam_angles_rad(&pairs, 0.05)[30], [0.0; 2]);
+        assert_eq!(beam_angles(&pairs, 0.05)[30], BeamAngles::default());
     }
 }

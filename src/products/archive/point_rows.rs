@@ -117,6 +117,8 @@ pub(super) fn read(path: &Path) -> Result<Vec<PointRow>, Error> {
             weight: weight[index],
             // First returns have a confidence; soundings and the swath have none.
             is_sounding: confidence[index].is_nan(),
+            // The triangles of tiles are straight.
+            slope_end: f32::NAN,
         },
         is_under_boat: sounding[index].is_some(),
         time_s: time_s[index],

@@ -37,11 +37,9 @@ fn points(archive: &Archive, tile: TileId, halo: bool) -> Vec<DepthPoint> {
         for index in 0..x.len() {
             if weight[index] > 0.0 && (halo || !is_halo[index]) {
                 points.push(DepthPoint {
-                    east_m: x[index],
-                    north_m: y[index],
-                    depth_m: depth_m[index],
                     weight: weight[index],
                     is_sounding: sounding[index].is_some(),
+                    ..DepthPoint::of_sounding([x[index], y[index]], depth_m[index])
                 });
             }
         }

@@ -101,7 +101,7 @@ impl<'a> CloudPlane<'a> {
 
 /// Returns a depth from a first return.
 fn first_return([east_m, north_m, z_m]: [f64; 3], weight: f64) -> DepthPoint {
-    DepthPoint { east_m, north_m, depth_m: -z_m, weight, is_sounding: false }
+    DepthPoint { east_m, north_m, depth_m: -z_m, weight, is_sounding: false, slope_end: f32::NAN }
 }
 
 /// Returns the kept points of a cloud that count for a surface, as weighted depths; `place` returns
@@ -119,14 +119,15 @@ pub fn depth_points(
     // Counted first: a vector of a million points that grows takes three times their memory for a
     // moment.
     let mut points = Vec::with_capacity(weighted().count());
-    let placed = weighted().map(|(point, weight)| (place(point), weight, point.source));
+    let placed = weighted().map(|(point, weight)| (place(point), weight, point));
     points.extend(placed.filter(|(place, ..)| is_finite(place)).map(
-        |([east_m, north_m, z_m], weight, source)| DepthPoint {
+        |([east_m, north_m, z_m], weight, point)| DepthPoint {
             east_m,
             north_m,
             depth_m: -z_m,
             weight,
-            is_sounding: !source.is_side_scan(),
+            is_sounding: !point.source.is_side_scan(),
+            slope_end: point.slope_end,
         },
     ));
     points

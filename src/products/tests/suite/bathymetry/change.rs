@@ -55,13 +55,9 @@ fn survey(spacing_m: f64, phases: [f64; 2], mound: Option<Mound>, dice: &mut Dic
             let place = [first_m + line as f64 * spacing_m, 0.5 * step as f64];
             let broad = (place[0] / 14.0 + phases[0]).sin() * (place[1] / 17.0 + phases[1]).cos();
             let rise_m = mound.map_or(0.0, |mound| mound.rise_m(place));
-            points.push(DepthPoint {
-                east_m: place[0] + off_m[0],
-                north_m: place[1] + off_m[1],
-                depth_m: 2.6 + 0.4 * broad - rise_m + draft_m + dice.normal(0.02),
-                weight: 1.0,
-                is_sounding: true,
-            });
+            let depth_m = 2.6 + 0.4 * broad - rise_m + draft_m + dice.normal(0.02);
+            let place = [0, 1].map(|axis| place[axis] + off_m[axis]);
+            points.push(DepthPoint::of_sounding(place, depth_m));
         }
     }
     let settings = SurfaceSettings {
