@@ -135,7 +135,7 @@ fn of_side(survey: &Survey, products: &Products, side: Side) -> Vec<Above> {
         .map(|(point, class)| Above {
             ping: point.ping,
             height_m: height_m(survey, products, point),
-            stands_out: point.above_bottom,
+            stands_out: point.is_above_bottom(),
             counts: class.is_kept(),
         })
         .collect()

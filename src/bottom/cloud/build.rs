@@ -8,8 +8,8 @@ use super::specular::{
     BeamAngles, BottomPoint, Pair, across_track, beam_angles, fixed_bottom_point, specular_point,
 };
 use super::{
-    BySource, CloudPoint, CloudSettings, Correction, DownScan, Geometry, PointCloud, PointSource,
-    RecordIndex, Reduction,
+    BySource, CloudPoint, CloudSettings, Correction, DownScan, Geometry, PointCloud, PointDoubt,
+    PointSource, RecordIndex, Reduction, SlopeEnd,
 };
 use crate::calibration::Calibration;
 use crate::first_return::{FirstReturns, Pick, ground_confidence};
@@ -173,7 +173,10 @@ pub fn place(
             Some(angles) => {
                 (specular_point(range_m, angles.out_rad[side as usize]), angles.slope_end(side))
             }
-            None => (fixed_bottom_point(settings.geometry, range_m, settings.alpha2_deg), f32::NAN),
+            None => (
+                fixed_bottom_point(settings.geometry, range_m, settings.alpha2_deg),
+                SlopeEnd::NO_SLOPE,
+            ),
         };
         let z_m =
             |ping: usize, below_m: f64| correction.z_m(survey.side_scan[ping].time_s, below_m);
@@ -255,7 +258,10 @@ fn sounding_points(
         .filter(|(_, (sounding, place))| sounding.depth_m > 0.0 && place.east_m.is_finite())
         .map(|(index, (sounding, place))| CloudPoint {
             record: RecordIndex::new(index),
-            fault: sounding.fault.filter(|_| !counts[index]),
+            doubt: match sounding.fault {
+                Some(fault) if !counts[index] => PointDoubt::Fault(fault),
+                _ => PointDoubt::None,
+            },
             ..CloudPoint::new(
                 PointSource::DownScan,
                 nearest_ping(sounding.time_s) as u32,
@@ -283,7 +289,7 @@ fn side_points<'a>(
     picks: impl Iterator<Item = (&'a Pick, &'a PickTrait)> + 'a,
     side: Side,
     ranges_m: &'a [f64],
-    bottom_point: impl Fn(usize, f64) -> (BottomPoint, f32) + 'a,
+    bottom_point: impl Fn(usize, f64) -> (BottomPoint, SlopeEnd) + 'a,
     z_m: impl Fn(usize, f64) -> f64 + 'a,
 ) -> impl Iterator<Item = CloudPoint> + 'a {
     let source = match side {
@@ -296,7 +302,7 @@ fn side_points<'a>(
         let (bottom_point, slope_end) = bottom_point(ping, range_m);
         let [east_m, north_m] = across_track(place, side, bottom_point.across_m)?;
         Some(CloudPoint {
-            above_bottom: traits.above_bottom,
+            doubt: if traits.above_bottom { PointDoubt::AboveBottom } else { PointDoubt::None },
             level: traits.level,
             above_bottom_m: traits.above_bottom_m,
             confidence: traits.confidence,

@@ -71,12 +71,14 @@ impl ClassRules<'_> {
     fn class(&self, point: &CloudPoint, is_outlier: bool) -> PointClass {
         let is_long = f64::from(point.above_bottom_m) > self.longest_above_bottom_m;
         match point.source {
-            PointSource::DownScan if point.fault.is_none() => PointClass::Bottom,
+            PointSource::DownScan if point.fault().is_none() => PointClass::Bottom,
             PointSource::DownScan => PointClass::NoBottom,
             _ if self.has_low_confidence(point) => PointClass::Unclassified,
-            _ if is_outlier && point.above_bottom => PointClass::HighNoise,
+            _ if is_outlier && point.is_above_bottom() => PointClass::HighNoise,
             _ if is_outlier => PointClass::LowNoise,
-            _ if point.above_bottom && !self.above_bottom && !is_long => PointClass::AboveBottom,
+            _ if point.is_above_bottom() && !self.above_bottom && !is_long => {
+                PointClass::AboveBottom
+            }
             _ => PointClass::Bottom,
         }
     }

@@ -137,6 +137,44 @@ impl PointSource {
     }
 }
 
+/// Evidence that a point is not the bottom.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PointDoubt {
+    /// There is none.
+    #[default]
+    None,
+    /// The point is an above-bottom return: its pick lies above the recorded depth
+    /// ([`crate::first_return::Pick::above_bottom`]) by more than this depth departs from the bed
+    /// nearby.
+    AboveBottom,
+    /// A sounding has this fault and is not kept. A sounding that a first return confirms has none,
+    /// nor has any with [`DownScan::All`].
+    Fault(SoundingFault),
+}
+
+/// Share by which the slope that a first return lies on ends before the nadir, in steps of 1/254: a
+/// point with a number of four bytes would be eight bytes larger.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SlopeEnd(u8);
+
+impl SlopeEnd {
+    /// Value of a point that lies up no slope.
+    pub const NO_SLOPE: Self = Self(u8::MAX);
+    /// Number of steps from 0 to 1.
+    const STEPS: f32 = 254.0;
+
+    /// Returns the value nearest to a share, 0 to 1: 0 where the slope goes on under the boat, 1
+    /// where the bottom is level there.
+    pub(crate) fn of(share: f64) -> Self {
+        Self((Self::STEPS * share as f32).round() as u8)
+    }
+
+    /// Returns the share, 0 to 1; NaN for a point that lies up no slope.
+    pub fn share(self) -> f32 {
+        if self == Self::NO_SLOPE { f32::NAN } else { f32::from(self.0) / Self::STEPS }
+    }
+}
+
 /// Point of a cloud, and its origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CloudPoint {
@@ -148,17 +186,10 @@ pub struct CloudPoint {
     /// Index of the sounding for down-scan points, and of the ping of the swath for swath points
     /// ([`CloudPoint::record`]); `None` for other points.
     pub record: Option<RecordIndex>,
-    /// Fault for which a sounding is not kept; `None` where a first return confirms the sounding
-    /// all the same, or with [`DownScan::All`].
-    pub fault: Option<SoundingFault>,
-    /// True if the point is an above-bottom return: its pick lies above the recorded depth
-    /// ([`crate::first_return::Pick::above_bottom`]) by more than this depth departs from the bed
-    /// nearby.
-    pub above_bottom: bool,
-    /// Share, 0 to 1, by which the slope that a first return lies on ends before the nadir: 0 where
-    /// it goes on under the boat, 1 where the bottom is level there. NaN for a point that lies up
-    /// no slope.
-    pub slope_end: f32,
+    /// Evidence that the point is not the bottom.
+    pub doubt: PointDoubt,
+    /// Share by which the slope that a first return lies on ends before the nadir.
+    pub slope_end: SlopeEnd,
     /// Level of the echo of a first return: the greatest recorded level, 0 to 255, from the pick to
     /// 0.2 m of slant range beyond it; 0 for other points, whose level is not known. Samples of two
     /// bytes are scaled to one, as everywhere.
@@ -232,9 +263,8 @@ impl CloudPoint {
             source,
             ping,
             record: None,
-            fault: None,
-            above_bottom: false,
-            slope_end: f32::NAN,
+            doubt: PointDoubt::None,
+            slope_end: SlopeEnd::NO_SLOPE,
             level: 0,
             above_bottom_m: 0.0,
             confidence: f32::NAN,
@@ -250,10 +280,23 @@ impl CloudPoint {
         [self.east_m, self.north_m, self.z_m]
     }
 
+    /// Returns true for an above-bottom return.
+    pub fn is_above_bottom(&self) -> bool {
+        self.doubt == PointDoubt::AboveBottom
+    }
+
+    /// Returns the fault for which a sounding is not kept.
+    pub fn fault(&self) -> Option<SoundingFault> {
+        match self.doubt {
+            PointDoubt::Fault(fault) => Some(fault),
+            PointDoubt::None | PointDoubt::AboveBottom => None,
+        }
+    }
+
     /// Returns the confidence of the point if it is bottom although it lies above the recorded
     /// depth, as in a long stretch; any other point has its own confidence.
     pub fn ground_confidence(&self) -> f32 {
-        ground_confidence(self.confidence, self.above_bottom)
+        ground_confidence(self.confidence, self.is_above_bottom())
     }
 
     /// Returns the record that measured the point.

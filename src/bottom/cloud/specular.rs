@@ -19,7 +19,7 @@
 //! With first returns of one side alone, the recorded depth is used for `d`; where it is not known
 //! either, the slope is interpolated between those before and behind.
 
-use super::Geometry;
+use super::{Geometry, SlopeEnd};
 use bathyscope_log::support::statistics::{SIGMA_PER_MAD, upper_median};
 use bathyscope_log::survey::{PingNav, Side};
 use rayon::prelude::*;
@@ -150,10 +150,10 @@ pub(super) struct BeamAngles {
 }
 
 impl BeamAngles {
-    /// Returns the share by which the slope ends that the first return of a side lies on; NaN if it
-    /// lies up no slope.
-    pub(super) fn slope_end(&self, side: Side) -> f32 {
-        if self.out_rad[side as usize] > 0.0 { self.slope_end as f32 } else { f32::NAN }
+    /// Returns the share by which the slope ends that the first return of a side lies on.
+    pub(super) fn slope_end(&self, side: Side) -> SlopeEnd {
+        let is_up_slope = self.out_rad[side as usize] > 0.0;
+        if is_up_slope { SlopeEnd::of(self.slope_end) } else { SlopeEnd::NO_SLOPE }
     }
 }
 
@@ -328,13 +328,13 @@ mod tests {
             beam_angles(&pairs, 0.08)[30]
         };
         let level = end(3.0);
-        assert_eq!(level.slope_end(Side::Port), 1.0);
-        assert!(level.slope_end(Side::Starboard).is_nan());
+        assert_eq!(level.slope_end(Side::Port).share(), 1.0);
+        assert_eq!(level.slope_end(Side::Starboard), SlopeEnd::NO_SLOPE);
         // On the bank itself, and where the foot of the bank is seen first.
-        assert_eq!(end(2.9).slope_end(Side::Port), 0.0);
-        assert_eq!(end(3.12).slope_end(Side::Port), 0.0);
+        assert_eq!(end(2.9).slope_end(Side::Port).share(), 0.0);
+        assert_eq!(end(3.12).slope_end(Side::Port).share(), 0.0);
         let no_overlap = beam_angles(&plane(33.0, 0.0), 0.0)[30];
-        assert_eq!(no_overlap.slope_end(Side::Port), 0.0);
+        assert_eq!(no_overlap.slope_end(Side::Port).share(), 0.0);
     }
 
     #[test]

@@ -172,7 +172,7 @@ pub(crate) fn cloud_csv(path: &Path, logs: &[LogPoints<'_>]) -> Result<Summary, 
                 u8::from(class.is_kept()),
                 class.code(),
                 Fixed(range_m, 3),
-                point.fault.map_or("", SoundingFault::name)
+                point.fault().map_or("", SoundingFault::name)
             )?;
         }
         Ok(())

@@ -91,8 +91,8 @@ impl Report {
         } = products;
         let found = |side| returns.side(side).iter().filter(|pick| pick.is_some()).count();
         let classes_of = ClassCounts::of(cloud, classes);
-        let above_bottom = cloud.points.iter().filter(|point| point.above_bottom);
-        let above_bottom_kept = products.kept_points().filter(|point| point.above_bottom);
+        let above_bottom = cloud.points.iter().filter(|point| point.is_above_bottom());
+        let above_bottom_kept = products.kept_points().filter(|point| point.is_above_bottom());
         Ok(Self {
             program: format!("bathyscope {}", env!("CARGO_PKG_VERSION")),
             run: String::new(),
@@ -233,7 +233,7 @@ impl Report {
 /// Counts the faults of the soundings that no first return confirms.
 fn faults(survey: &Survey, cloud: &PointCloud) -> FaultCounts {
     let confirmed = cloud.points.of(PointSource::DownScan).iter();
-    let confirmed = confirmed.filter(|point| point.fault.is_none());
+    let confirmed = confirmed.filter(|point| point.fault().is_none());
     let confirmed = confirmed.filter_map(|point| point.sounding());
     let confirmed: HashSet<usize> =
         confirmed.filter(|&index| !survey.soundings[index].is_good()).collect();

@@ -127,7 +127,7 @@ pub fn depth_points(
             depth_m: -z_m,
             weight,
             is_sounding: !point.source.is_side_scan(),
-            slope_end: point.slope_end,
+            slope_end: point.slope_end.share(),
         },
     ));
     points

@@ -148,7 +148,7 @@ fn by_the_papers_settings_the_outlier_filter_alone_takes_points_out() {
         matches!(class, PointClass::Bottom | PointClass::LowNoise | PointClass::HighNoise)
     };
     assert!(products.classes.iter().all(is_expected));
-    let flagged = products.kept_points().filter(|point| point.above_bottom);
+    let flagged = products.kept_points().filter(|point| point.is_above_bottom());
     assert!(flagged.count() > 0, "weed counts");
     let counts = ClassCounts::of(&products.cloud, &products.classes);
     assert_eq!(counts.kept() + counts.noise(), counts.all());

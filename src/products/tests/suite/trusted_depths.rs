@@ -112,7 +112,7 @@ fn what_both_sides_see_above_the_depth_does_not_count_however_long_it_goes_on() 
             point.source != PointSource::DownScan && pings.contains(&(point.ping as usize))
         });
         let (count, counted) = of.fold((0, 0), |(all, counted), (point, class)| {
-            assert!(point.above_bottom);
+            assert!(point.is_above_bottom());
             assert!(class.is_kept() || class == PointClass::AboveBottom);
             (all + 1, counted + usize::from(class.is_kept()))
         });

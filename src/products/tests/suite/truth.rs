@@ -109,7 +109,7 @@ pub(super) fn map_with(
             depth_m: -point.z_m,
             weight: settings.weight(point),
             is_sounding: point.source == PointSource::DownScan,
-            slope_end: point.slope_end,
+            slope_end: point.slope_end.share(),
         })
         .filter(|point| point.weight > 0.0)
         .collect();

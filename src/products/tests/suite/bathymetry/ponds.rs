@@ -148,7 +148,7 @@ fn crossings_of_one_survey_show_the_noise_of_its_soundings() {
     let survey = &mission.known.survey;
     let points = mission.products.cloud.points.iter();
     let soundings =
-        points.filter(|point| point.source == PointSource::DownScan && point.fault.is_none());
+        points.filter(|point| point.source == PointSource::DownScan && point.fault().is_none());
     let track: Vec<TrackDepth> = soundings
         .map(|point| {
             let time_s = survey.soundings[point.sounding().expect("a sounding")].time_s;
