@@ -20,8 +20,8 @@ pub struct DepthPoint {
     /// True if the depth is one of the recorder, under the boat or across the track, or of a
     /// reference; false for a first return of the side-scan.
     pub is_sounding: bool,
-    /// Share by which the slope that a first return lies on ends before the nadir; NaN for any other
-    /// depth ([`CloudPoint::slope_end`](crate::cloud::CloudPoint::slope_end)).
+    /// Share by which the slope that a first return lies on ends before the nadir, 0 to 1
+    /// ([`SlopeEnd::share`](crate::cloud::SlopeEnd::share)); NaN for any other depth.
     pub slope_end: f32,
 }
 

@@ -159,7 +159,7 @@ pub struct SlopeEnd(u8);
 
 impl SlopeEnd {
     /// Value of a point that lies up no slope.
-    pub const NO_SLOPE: Self = Self(u8::MAX);
+    pub(crate) const NO_SLOPE: Self = Self(u8::MAX);
     /// Number of steps from 0 to 1.
     const STEPS: f32 = 254.0;
 

@@ -240,8 +240,8 @@ fn known(pairs: &[Pair], ping: usize, of_depth: f64, overlap_rad: f64) -> BeamAn
 }
 
 /// Returns the share, 0 to 1, by which a slope ends before the nadir: a slope that went on there
-/// would bring the bottom nearer to the farther side than straight below. `of_depth` is the range of
-/// this side as a share of the recorded depth, NaN where this is unknown.
+/// would bring the bottom nearer to the farther side than straight below. `of_depth` is the range
+/// of this side as a share of the recorded depth, NaN where this is unknown.
 fn slope_end(of_depth: f64, slope_rad: f64, overlap_rad: f64) -> f64 {
     let nearer = 1.0 - slope_rad.cos() / (slope_rad - overlap_rad).cos();
     if of_depth.is_nan() || nearer <= 0.0 {
