@@ -150,7 +150,7 @@ fn merge(
         depths.push((point.depth_m, point.weight));
         east_m += point.weight * (point.east_m - first.east_m);
         north_m += point.weight * (point.north_m - first.north_m);
-        // The greater of NaN and a share is the share.
+        // `max` of NaN and a share returns the share.
         slope_end = slope_end.max(point.slope_end);
         weights += point.weight;
     }

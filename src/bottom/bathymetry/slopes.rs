@@ -9,11 +9,12 @@
 //! through the corners. On banks of `reach.py` errors 1.5 to 4 m from the track fall from 54, 32
 //! and 38 cm to 15, 16 and 15.
 //!
-//! A bank or a step may end beside the boat. Its slope then is neither that of the line nor that of
-//! the ground on the other side of it: by the share to which it ends
-//! ([`CloudPoint::slope_end`](crate::cloud::CloudPoint::slope_end)), the line is level across, and
-//! the triangles up to the bank stay straight. Beside the scarps of `reach.py` the greatest error
-//! within 0.75 m of the track falls from 72 and 90 cm to 32 and 25.
+//! A bank or a step may end beside the boat. Its slope is then not that of the ground on the other
+//! side of the line. Each first return has the share, 0 to 1, by which its slope ends
+//! ([`CloudPoint::slope_end`](crate::cloud::CloudPoint::slope_end)): by this share the ground is
+//! taken as level across the line, and the triangles up to the bank stay straight. Beside the
+//! scarps of `reach.py` the greatest error within 0.75 m of the track falls from 72 and 90 cm to 32
+//! and 25.
 
 use super::{Between, Node, Tin, TinSampler};
 use bathyscope_log::support::statistics::median;
@@ -287,7 +288,7 @@ impl BendSampler<'_> {
             low_m = low_m.min(plane_m);
             high_m = high_m.max(plane_m);
         }
-        // A slope that ends anywhere between the boat and a first return makes no patch.
+        // A slope may end anywhere between the boat and its first return: nothing bends there.
         let end = corners.iter().map(|(corner, _)| corner.slope_end).fold(0.0, f32::max);
         let patch_m = f64::from(1.0 - end) * patch_m(corners, weights);
         let (patch_m, least_m) = match (low_m > 0.0, high_m < 0.0) {
