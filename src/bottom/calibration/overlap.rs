@@ -9,12 +9,17 @@
 //! `p` (as in `cloud::specular`). On level ground `f / d` shows how ranges and depths are
 //! calibrated to each other.
 //!
+//! Not every block of pings lies on a plane: a bank that ends beside the boat shows no overlap, or
+//! one of the other sign. So the overlap is the one that most blocks show, not their median. A
+//! sounding that is late is off where the bottom rises or falls along the track: blocks over ground
+//! that is level along it count alone where there are enough of them.
+//!
 //! A sounder whose beam is wider to each side, by `q`, than the overlap of the side-scan takes the
 //! nearest ground in its beam, so that `f / d = cos(q) + sin(q) tan(a)`: the same with `p = -q`.
 
 use super::Calibration;
 use crate::first_return::FirstReturns;
-use bathyscope_log::support::statistics::{SIGMA_PER_MAD, median, quantile, weighted_median};
+use bathyscope_log::support::statistics::{median, quantile};
 use bathyscope_log::survey::{Side, Survey};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -37,16 +42,29 @@ const MOST_DEG: f64 = 12.0;
 /// show it: on others the sounder takes the nearest ground, as the side-scan does.
 const LEAST_WIDER_DEG: f64 = 2.0;
 const STEEP: Range<f64> = 0.13..0.45;
-/// Number of its standard errors that an overlap must exceed to be known; it must also exceed the
-/// scatter of the blocks.
-const SIGMAS: f64 = 4.0;
+/// Largest change of the distances along a block, from its first third to its last, at which the
+/// ground is level along the track, as a share of the depth.
+const LEVEL_ALONG: f64 = 0.02;
+/// Error of the overlap that a block shows, radians: a part divided by the tangent, by errors of
+/// the ranges, and a part on any slope.
+const BLOCK_ERROR: [f64; 2] = [0.0015, 0.009];
+/// Number of these errors within which a block agrees with an overlap.
+const AGREES: f64 = 2.0;
+/// Step between the overlaps that are tried, and the least overlap that is known, degrees.
+const STEP_DEG: f64 = 0.1;
+const LEAST_DEG: f64 = 1.0;
+/// Least share of the weight of all blocks that must agree with an overlap, and its least ratio to
+/// the share that agrees with none.
+const LEAST_AGREEING: f64 = 0.3;
+const TIMES_NONE: f64 = 1.5;
 
-/// A block of pings: the tangent of the slope beyond the overlap, and the range of the falling side
-/// as a share of the depth.
+/// A block of pings: the tangent of the slope beyond the overlap, the range of the falling side as a
+/// share of the depth, and true if the ground is level along the track.
 #[derive(Clone, Copy, Debug)]
 struct Block {
     tangent: f64,
     share: f64,
+    is_level_along: bool,
 }
 
 impl Block {
@@ -61,14 +79,23 @@ impl Block {
         if all.len() < LEAST || last.time_s - first.time_s > LONGEST_S {
             return None;
         }
-        let middle = |of: &dyn Fn(&PingRanges) -> f64| {
-            let mut values: Vec<f64> = all.iter().map(|ping| of(ping)).collect();
+        let middle = |pings: &[&PingRanges], of: &dyn Fn(&PingRanges) -> f64| {
+            let mut values: Vec<f64> = pings.iter().map(|ping| of(ping)).collect();
             median(&mut values)
         };
-        let [port_m, starboard_m] = [0, 1].map(|side| middle(&|ping| ping.sides_m[side]));
+        let [port_m, starboard_m] = [0, 1].map(|side| middle(&all, &|ping| ping.sides_m[side]));
+        let depth_m = middle(&all, &|ping| ping.depth_m);
         let (near_m, far_m) = (port_m.min(starboard_m), port_m.max(starboard_m));
-        let tangent = (near_m / far_m).acos().tan();
-        Some(Self { tangent, share: far_m / middle(&|ping| ping.depth_m) })
+        let third = all.len() / 3;
+        let change_m = |of: &dyn Fn(&PingRanges) -> f64| {
+            (middle(&all[..third], of) - middle(&all[all.len() - third..], of)).abs()
+        };
+        let sides_m = change_m(&|ping| 0.5 * (ping.sides_m[0] + ping.sides_m[1]));
+        Some(Self {
+            tangent: (near_m / far_m).acos().tan(),
+            share: far_m / depth_m,
+            is_level_along: change_m(&|ping| ping.depth_m).max(sides_m) < LEVEL_ALONG * depth_m,
+        })
     }
 
     /// Returns the overlap that gives the share of the block, radians: `cos(p) - p tan(a)` to the
@@ -128,47 +155,82 @@ pub(super) fn beam_widths(
         });
         Block::of(&pings.collect::<Vec<_>>())
     };
-    widths_of(&starts.into_par_iter().filter_map(block_from).collect::<Vec<_>>())
+    let blocks: Vec<Block> = starts.into_par_iter().filter_map(block_from).collect();
+    let level = blocks.iter().filter(|block| block.is_level_along).copied();
+    let widths = widths_of(&level.collect::<Vec<_>>());
+    match widths {
+        None if calibration.sounding_lag.is_none() => widths_of(&blocks),
+        widths => widths,
+    }
+    .unwrap_or_default()
 }
 
-/// Returns the widths of the beams that some blocks show.
-fn widths_of(blocks: &[Block]) -> BeamWidths {
+/// Returns the widths of the beams that some blocks show; `None` with too few blocks.
+fn widths_of(blocks: &[Block]) -> Option<BeamWidths> {
     let of = |slopes: Range<f64>| -> Vec<Block> {
         blocks.iter().filter(|block| slopes.contains(&block.tangent)).copied().collect()
     };
     let (level, telling, steep) = (of(LEVEL), of(TELLING), of(STEEP));
     if level.len().min(telling.len()) < LEAST_BLOCKS {
-        return BeamWidths::default();
+        return None;
     }
     let mut shares: Vec<f64> = level.iter().map(|block| block.share).collect();
     shares.sort_unstable_by(f64::total_cmp);
     // Ground that slopes by less than the overlap looks level, but its ranges are shorter.
     let level = quantile(&shares, 0.75);
-    let most_rad = MOST_DEG.to_radians();
-    let is_within = |least_rad: f64, angle_rad: f64| (least_rad..=most_rad).contains(&angle_rad);
-    let overlap_rad =
-        known_overlap_rad(&telling, level).filter(|angle_rad| is_within(0.0, *angle_rad));
+    let overlap_rad = known_overlap_rad(&telling, level).filter(|angle_rad| *angle_rad > 0.0);
     let wider_rad = known_overlap_rad(&steep, level)
         .map(|angle_rad| -angle_rad)
-        .filter(|angle_rad| is_within(LEAST_WIDER_DEG.to_radians(), *angle_rad));
-    BeamWidths { overlap_rad: overlap_rad.unwrap_or(0.0), wider_rad: wider_rad.unwrap_or(0.0) }
+        .filter(|angle_rad| *angle_rad >= LEAST_WIDER_DEG.to_radians());
+    Some(BeamWidths {
+        overlap_rad: overlap_rad.unwrap_or(0.0),
+        wider_rad: wider_rad.unwrap_or(0.0),
+    })
 }
 
-/// Returns the overlap of some blocks, radians; `None` with too few blocks, or where it is less
-/// than its error or the spread.
+/// Returns the overlap that most of some blocks show, radians; `None` with too few blocks, where
+/// they do not agree, and where as many show none. Blocks count by the squares of their tangents.
 fn known_overlap_rad(blocks: &[Block], level: f64) -> Option<f64> {
     if blocks.len() < LEAST_BLOCKS {
         return None;
     }
-    let weigh = |block: &Block| (block.overlap_rad(level), block.tangent * block.tangent);
-    let mut overlaps: Vec<(f64, f64)> = blocks.iter().map(weigh).collect();
-    let overlap_rad = weighted_median(&mut overlaps);
-    for (overlap, _) in &mut overlaps {
-        *overlap = (*overlap - overlap_rad).abs();
-    }
-    let spread_rad = SIGMA_PER_MAD * weighted_median(&mut overlaps);
-    let error_rad = spread_rad / (overlaps.len() as f64).sqrt();
-    (overlap_rad.abs() > (SIGMAS * error_rad).max(spread_rad)).then_some(overlap_rad)
+    let shown: Vec<[f64; 3]> = blocks
+        .iter()
+        .map(|block| {
+            let error_rad = BLOCK_ERROR[0] / block.tangent + BLOCK_ERROR[1];
+            [block.overlap_rad(level), error_rad, block.tangent * block.tangent]
+        })
+        .collect();
+    let density = |overlap_rad: f64| -> f64 {
+        let part = |&[shown_rad, error_rad, weight]: &[f64; 3]| {
+            let errors = (shown_rad - overlap_rad) / error_rad;
+            weight / error_rad * (-0.5 * errors * errors).exp()
+        };
+        shown.iter().map(part).sum()
+    };
+    let steps = (MOST_DEG / STEP_DEG).round() as i32;
+    let (_, overlap_rad) = (-steps..=steps)
+        .into_par_iter()
+        .map(|step| (f64::from(step) * STEP_DEG).to_radians())
+        .map(|overlap_rad| (density(overlap_rad), overlap_rad))
+        .max_by(|a, b| a.0.total_cmp(&b.0))?;
+    // Weights of the blocks that agree, and the mean of their overlaps.
+    let agreeing = |overlap_rad: f64| {
+        let agrees = |[shown_rad, error_rad, _]: &&[f64; 3]| {
+            (shown_rad - overlap_rad).abs() < AGREES * error_rad
+        };
+        let agreeing = shown.iter().filter(agrees);
+        let sums = agreeing.fold([0.0; 2], |[weights, sum_rad], [shown_rad, _, weight]| {
+            [weights + weight, sum_rad + weight * shown_rad]
+        });
+        (sums[0], sums[1] / sums[0])
+    };
+    let all: f64 = shown.iter().map(|[_, _, weight]| weight).sum();
+    let (none, _) = agreeing(0.0);
+    let (most, overlap_rad) = agreeing(overlap_rad);
+    let is_known = overlap_rad.abs() >= LEAST_DEG.to_radians()
+        && most > (LEAST_AGREEING * all).max(TIMES_NONE * none);
+    is_known.then_some(overlap_rad)
 }
 
 #[cfg(test)]
@@ -196,7 +258,7 @@ mod tests {
 
     fn found(pings: &[PingRanges]) -> BeamWidths {
         let blocks: Vec<Block> = pings.chunks(BLOCK).filter_map(Block::of).collect();
-        widths_of(&blocks)
+        widths_of(&blocks).unwrap_or_default()
     }
 
     fn found_deg(pings: &[PingRanges]) -> f64 {
@@ -228,6 +290,36 @@ mod tests {
             assert!((found_deg - overlap_deg).abs() < 0.8, "{overlap_deg}: {found_deg}");
         }
         assert!(found_deg(&banks(0.0)) < 0.3);
+    }
+
+    /// A bank that ends beside the boat is seen by the falling side straight below.
+    #[test]
+    fn banks_that_end_beside_the_boat_do_not_hide_the_overlap() {
+        let ended = |(index, ping): (usize, PingRanges)| {
+            let [port_m, starboard_m] = ping.sides_m;
+            let is_ended = (index / BLOCK) % 5 < 2 && (port_m - starboard_m).abs() > 0.1;
+            let farther = usize::from(starboard_m > port_m);
+            let mut sides_m = ping.sides_m;
+            if is_ended {
+                sides_m[farther] = 6.06;
+            }
+            PingRanges { sides_m, ..ping }
+        };
+        let pings: Vec<PingRanges> = banks(5.0).into_iter().enumerate().map(ended).collect();
+        let overlap_deg = found_deg(&pings);
+        assert!((overlap_deg - 5.0).abs() < 0.8, "{overlap_deg}");
+    }
+
+    #[test]
+    fn ground_that_falls_along_the_track_is_not_level() {
+        let falling = |per_s_m: f64| {
+            let pings = banks(5.0)[..BLOCK].to_vec().into_iter();
+            let pings = pings
+                .map(|ping| PingRanges { depth_m: ping.depth_m + per_s_m * ping.time_s, ..ping });
+            Block::of(&pings.collect::<Vec<_>>()).map(|block| block.is_level_along)
+        };
+        assert_eq!(falling(0.0), Some(true));
+        assert_eq!(falling(0.2), Some(false));
     }
 
     #[test]
