@@ -1,7 +1,7 @@
 //! Computes all scales, chooses the one in force, and warns of disagreements.
 
 use super::offset::{RangeOffset, TOLERANCE_M, blocks, robust_line};
-use super::overlap::{BeamWidths, beam_widths};
+use super::overlap::beam_widths;
 use super::scale::{Usable, header_scale, picks_at_depths, range_changes, usable_picks};
 use super::sounding_lag::SoundingLag;
 use super::{
@@ -11,10 +11,12 @@ use super::{
 use crate::first_return::FirstReturns;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::support::statistics::{median, spread_about};
-use bathyscope_log::survey::{Navigation, RangeSource, Survey};
+use bathyscope_log::survey::{Navigation, RangeSource, Side, Survey};
 
 /// Least change of depths that is worth a warning, metres.
 const LEAST_SAID_M: f64 = 0.02;
+/// Largest difference of two ranges of a sample that count as the same recorded range, as a share.
+const SAME_RANGE: f64 = 0.01;
 /// Note on an offset that is not taken off because of an objection.
 const REFUSED: &str = "refused";
 /// Fewest picks for a fit over the log.
@@ -53,64 +55,93 @@ pub fn calibrate(
         ScaleMode::FlatSpot if !measured => ScaleMode::Header,
         mode => mode,
     };
-    let header = header_scale(survey);
-    let measured_offset = RangeOffset::of(&picks_at_depths(survey, returns));
-    let objection = (measured_offset.zip(header))
-        .and_then(|(measured, header)| measured.objection(1.0 / header.px_per_m));
-    let mut warnings = Vec::new();
-    let (offset_m, offset_note) = match (mode, settings.offset, survey.range_source) {
-        (ScaleMode::FlatSpot, ..) => (0.0, Some("scaled on the flat stretch")),
-        (_, OffsetMode::None, _) => (0.0, Some("switched off")),
-        (_, OffsetMode::Auto, RangeSource::SurveyRecorder) => {
-            let sample_m = header.map(|header| 1.0 / header.px_per_m);
-            let excess = measured_offset.zip(sample_m);
-            warnings.extend(excess.and_then(|(found, sample_m)| found.excess(sample_m)));
-            (0.0, Some("survey-grade ranges"))
-        }
-        _ => match (measured_offset.zip(header), &objection) {
-            (Some(_), Some(objection)) => {
-                warnings.push(objection.clone());
-                (0.0, Some(REFUSED))
-            }
-            (Some((measured, _)), None) => (measured.offset_m, None),
-            (None, _) => (0.0, Some("no depths to measure it against")),
-        },
-    };
-    if mode != settings.mode {
-        warnings.push("No flat stretch gives a scale, so the recorded range is in use.".to_owned());
-    }
-    // A constant that is left in the ranges has its own warning; one with an objection may be no
-    // constant.
-    let constant = measured_offset.filter(|_| objection.is_none());
-    let lead_m = constant.map_or(0.0, |measured| measured.offset_m);
-    let spot = flat_spot.as_ref();
-    warnings.extend(spot.and_then(|spot| disagreement(spot, lead_m)));
-    if settings.mode == ScaleMode::FlatSpot {
-        let objections = spot.map(|spot| spot.objections(survey, spots.first()));
-        warnings.extend(objections.unwrap_or_default());
-    }
-    if mode == ScaleMode::FlatSpot {
-        warnings.extend(changing_range(survey, settings.ppd));
-    }
     let mut made = Calibration {
         mode,
         reach: settings.ppd,
         flat_spot,
-        header,
+        header: header_scale(survey),
         fit,
-        offset_m,
-        measured_offset,
-        offset_note,
-        beams: BeamWidths::default(),
-        sounding_lag: None,
-        warnings,
+        ..Calibration::default()
     };
+    made.sounding_lag = SoundingLag::of(survey, returns, &made);
+    let objection = take_off_offset(&mut made, survey, returns, settings);
+    if mode != settings.mode {
+        made.warnings
+            .push("No flat stretch gives a scale, so the recorded range is in use.".to_owned());
+    }
+    let spot = made.flat_spot.clone();
+    let spot = spot.as_ref();
+    // An offset with an objection may be no constant.
+    let lead_m = match objection {
+        None => spot.map_or(0.0, |spot| offset_at(spot, &made, survey, returns)),
+        Some(_) => 0.0,
+    };
+    made.warnings.extend(spot.and_then(|spot| disagreement(spot, lead_m)));
+    if settings.mode == ScaleMode::FlatSpot {
+        let objections = spot.map(|spot| spot.objections(survey, spots.first()));
+        made.warnings.extend(objections.unwrap_or_default());
+    }
+    if mode == ScaleMode::FlatSpot {
+        made.warnings.extend(changing_range(survey, settings.ppd));
+    }
     made.beams = beam_widths(survey, returns, &made);
     made.warnings.extend(made.beams.warning());
-    made.sounding_lag = SoundingLag::of(survey, returns, &made);
     made.warnings.extend(made.sounding_lag.map(|lag| lag.warning()));
     made.warnings.extend(remaining(&made));
     Ok(made)
+}
+
+/// Measures the constant between first returns and recorded depths, and takes it off the ranges of
+/// a calibration where the settings and the log allow it. Returns the objection to the constant, if
+/// there is one.
+fn take_off_offset(
+    made: &mut Calibration,
+    survey: &Survey,
+    returns: &FirstReturns,
+    settings: &CalibrationSettings,
+) -> Option<String> {
+    let sample_m = made.header.map_or(f64::NAN, |header| 1.0 / header.px_per_m);
+    let picks = picks_at_depths(survey, returns);
+    let measured = RangeOffset::of(&picks, sample_m, made.sounding_lag.is_some());
+    made.measured_offset = measured;
+    let measured = measured.filter(|_| made.header.is_some());
+    let objection = measured.and_then(|measured| measured.objection(sample_m));
+    let (offset_m, offset_note) = match (made.mode, settings.offset, survey.range_source) {
+        (ScaleMode::FlatSpot, ..) => (0.0, Some("scaled on the flat stretch")),
+        (_, OffsetMode::None, _) => (0.0, Some("switched off")),
+        (_, OffsetMode::Auto, RangeSource::SurveyRecorder) => {
+            made.warnings.extend(measured.and_then(|found| found.excess(sample_m)));
+            (0.0, Some("survey-grade ranges"))
+        }
+        _ => match (measured, &objection) {
+            (Some(_), Some(objection)) => {
+                made.warnings.push(objection.clone());
+                (0.0, Some(REFUSED))
+            }
+            (Some(measured), None) => (measured.offset_m, None),
+            (None, _) => (0.0, Some("no depths to measure it against")),
+        },
+    };
+    (made.offset_m, made.offset_note) = (offset_m, offset_note);
+    objection
+}
+
+/// Returns the constant between first returns and recorded depths at the recorded range of a flat
+/// spot, metres: a part of it is a number of samples, and these are longer at a longer range.
+fn offset_at(spot: &FlatSpot, made: &Calibration, survey: &Survey, returns: &FirstReturns) -> f64 {
+    let of_log_m = made.measured_offset.map_or(0.0, |measured| measured.offset_m);
+    let sample_m = |ping: usize| {
+        let span = Side::BOTH.into_iter().find_map(|side| survey.span(ping, side));
+        span.map_or(f64::NAN, |span| span.metres_per_sample())
+    };
+    if range_changes(survey) == 0 {
+        return of_log_m;
+    }
+    let at_spot_m = sample_m(spot.pings.start);
+    let mut picks = picks_at_depths(survey, returns);
+    picks.retain(|pick| (sample_m(pick.ping) / at_spot_m - 1.0).abs() < SAME_RANGE);
+    let of_range = RangeOffset::of(&picks, at_spot_m, made.sounding_lag.is_some());
+    of_range.map_or(of_log_m, |measured| measured.offset_m)
 }
 
 /// Returns the robust line `r = k d + b` with the header's ranges; `None` where depths hardly vary

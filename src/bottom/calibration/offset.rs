@@ -37,6 +37,11 @@ pub(super) const TOLERANCE_M: f64 = 0.04;
 /// keeps its offset.
 const MOST_DRIFT_M: f64 = 0.07;
 const MOST_UNCERTAIN_M: f64 = 0.10;
+/// Largest change of the recorded depth from the first half of a block to the second, and largest
+/// difference of its two sides, as shares of the depth, at which the ground is level: soundings
+/// that are late, and those of a wide beam, are then off by less than this.
+const LEVEL_ALONG: f64 = 0.01;
+const LEVEL_ACROSS: f64 = 0.005;
 /// Largest share of the deeper side's picks in a block that may be flagged as an above-bottom
 /// return: where there are more, the first return is not the bottom. The picks of the other blocks
 /// count, flagged or not: to leave flagged ones out would select the late ones.
@@ -78,15 +83,41 @@ pub(super) fn blocks(picks: &[Usable]) -> impl Iterator<Item = &[Usable]> {
     picks.chunk_by(|a, b| a.ping / BLOCK_PINGS == b.ping / BLOCK_PINGS)
 }
 
+/// Ground over which blocks of pings count.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Ground {
+    Any,
+    Level,
+}
+
 impl RangeOffset {
     /// Returns the offset that the picks at recorded depths, flagged or not, show; `None` where no
-    /// stretch has enough of them on both sides.
+    /// stretch has enough of them on both sides. `sample_m` is the range of one sample.
+    ///
+    /// Where soundings are late, the offset is that over level ground, where they are right all the
+    /// same. So it is where there is an objection to the offset of all blocks, and level ground at
+    /// several depths shows the same offset: soundings of a wide beam are right there, too.
+    pub(super) fn of(picks: &[Usable], sample_m: f64, are_late: bool) -> Option<Self> {
+        let all = Self::over(Ground::Any, picks)?;
+        if !are_late && all.objection(sample_m).is_none() {
+            return Some(all);
+        }
+        let is_sure = |level: &Self| {
+            let [_, uncertainty_m] = level.drift_m();
+            level.objection(sample_m).is_none() && (are_late || uncertainty_m <= MOST_UNCERTAIN_M)
+        };
+        Some(Self::over(Ground::Level, picks).filter(is_sure).unwrap_or(all))
+    }
+
+    /// Returns the offset over some ground.
     ///
     /// On a slope the nearest bottom on the upper side is nearer than the water is deep, so the
     /// deeper side of each block of pings is used: there, the nearest bottom is straight below.
-    pub(super) fn of(picks: &[Usable]) -> Option<Self> {
-        let all = blocks(picks).count();
-        let blocks: Vec<(f64, f64)> = blocks(picks).filter_map(depth_and_excess).collect();
+    fn over(ground: Ground, picks: &[Usable]) -> Option<Self> {
+        let counts = |block: &&[Usable]| ground == Ground::Any || is_level(block);
+        let all = blocks(picks).filter(counts).count();
+        let blocks: Vec<(f64, f64)> =
+            blocks(picks).filter(counts).filter_map(depth_and_excess).collect();
         let mut offsets: Vec<f64> = blocks.iter().map(|(_, excess_m)| *excess_m).collect();
         let mut depths: Vec<f64> = blocks.iter().map(|(depth_m, _)| *depth_m).collect();
         if blocks.is_empty() {
@@ -119,13 +150,18 @@ impl RangeOffset {
         ))
     }
 
+    /// Returns the change of the offset over the depth of the log and two standard errors of it,
+    /// metres: NaN and infinite where the depths do not vary.
+    fn drift_m(&self) -> [f64; 2] {
+        [((self.k - 1.0) * self.depth_m).abs(), self.k_uncertainty * self.depth_m]
+    }
+
     /// Returns the reason why the offset must not be subtracted from the ranges, in a sentence;
     /// `None` when it may be. `sample_m` is the range of one sample.
     pub(super) fn objection(&self, sample_m: f64) -> Option<String> {
         let Self { offset_m, blocks, .. } = *self;
-        let drift_m = ((self.k - 1.0) * self.depth_m).abs();
-        let drift_uncertainty_m = self.k_uncertainty * self.depth_m;
-        // False where the depths do not vary: the slope is NaN then, and its uncertainty infinite.
+        let [drift_m, drift_uncertainty_m] = self.drift_m();
+        // False where the depths do not vary.
         let is_constant = drift_m <= MOST_DRIFT_M && drift_uncertainty_m <= MOST_UNCERTAIN_M;
         let is_edge = (-(EARLY_M + EARLY_SAMPLES * sample_m)..=LATE_M + LATE_SAMPLES * sample_m)
             .contains(&offset_m);
@@ -158,6 +194,19 @@ impl RangeOffset {
             None
         }
     }
+}
+
+/// Returns true if the ground under a block of pings is level along the track and across it.
+fn is_level(block: &[Usable]) -> bool {
+    let depth_m = |picks: &[Usable]| {
+        let mut depths: Vec<f64> = picks.iter().map(|pick| pick.depth_m).collect();
+        median(&mut depths)
+    };
+    let (first, second) = block.split_at(block.len() / 2);
+    let sides = Side::BOTH.map(|side| excess_m(block, side).map_or(f64::NAN, |(excess, _)| excess));
+    let depth_of_all_m = depth_m(block);
+    (depth_m(first) - depth_m(second)).abs() <= LEVEL_ALONG * depth_of_all_m
+        && (sides[0] - sides[1]).abs() <= LEVEL_ACROSS * depth_of_all_m
 }
 
 /// Returns the median recorded depth of a block, and the median of range minus depth on its deeper
@@ -283,5 +332,39 @@ mod tests {
         let line = robust_line(&points).unwrap();
         assert!((line.slope - 1.04).abs() < 1e-3, "{line:?}");
         assert!((line.offset + 0.05).abs() < 3e-3, "{line:?}");
+    }
+
+    /// Picks over steps of 30 m at two depths with banks between them, 5 cm early; soundings are
+    /// those of `late_pings` before.
+    fn steps(late_pings: usize) -> Vec<Usable> {
+        let depth_m = |ping: usize| match ping % 600 {
+            0..200 => 3.0,
+            at @ 200..300 => 3.0 + 0.03 * (at - 200) as f64,
+            300..500 => 6.0,
+            at => 6.0 - 0.03 * (at - 500) as f64,
+        };
+        let noise_m = |ping: usize| 0.01 * [0.0, 1.0, -1.0, 0.5, -0.5][ping % 5];
+        let pick = |ping: usize| {
+            Side::BOTH.map(|side| Usable {
+                ping,
+                side,
+                sample: 100.0,
+                range_m: depth_m(ping) - 0.05 + noise_m(ping),
+                depth_m: depth_m(ping.saturating_sub(late_pings)),
+                above_bottom: false,
+            })
+        };
+        (0..2400).flat_map(pick).collect()
+    }
+
+    #[test]
+    fn late_soundings_count_over_level_ground_only() {
+        for (late_pings, are_late) in [(0, false), (30, true)] {
+            let found = RangeOffset::of(&steps(late_pings), 0.01, are_late).unwrap();
+            assert!((found.offset_m + 0.05).abs() < 0.005, "{late_pings}: {found:?}");
+            assert_eq!(found.objection(0.01), None);
+        }
+        let blocks = |are_late| RangeOffset::of(&steps(30), 0.01, are_late).unwrap().blocks;
+        assert!(blocks(true) < blocks(false) * 3 / 4);
     }
 }
