@@ -287,15 +287,21 @@ fn warn_of_lost_fixes(
     let known = KnownTimes::of(track);
     let soundings = known.unknown(soundings.iter().map(|sounding| sounding.time_s));
     let pings = known.unknown(side_scan.iter().map(|ping| ping.time_s));
-    let parts = [(soundings, "soundings"), (pings, "side-scan pings")];
-    let parts = parts.into_iter().filter_map(|(lost, of)| Some((lost?, of)));
-    let said = parts.map(|((count, [first_s, last_s]), of)| {
-        format!("{count} {of} (between {first_s:.0} s and {last_s:.0} s)")
+    let lost = [(soundings, "sounding"), (pings, "side-scan ping")];
+    let lost = lost.into_iter().filter_map(|(lost, of)| Some((lost?, of)));
+    let mut all = 0;
+    let said = lost.map(|((count, [first_s, last_s]), of)| {
+        all += count;
+        match count {
+            1 => format!("1 {of} (at {first_s:.0} s)"),
+            _ => format!("{count} {of}s (between {first_s:.0} s and {last_s:.0} s)"),
+        }
     });
     let said = said.collect::<Vec<_>>().join(" and ");
+    let [have, they, are] = if all == 1 { ["has", "it", "is"] } else { ["have", "they", "are"] };
     if !said.is_empty() {
         report.log(format!(
-            "{said} have no position, for no fix was recorded around them: they are on no map"
+            "{said} {have} no position, for no fix was recorded around then: {they} {are} on no map"
         ));
     }
 }

@@ -45,7 +45,10 @@ impl ContradictedSoundings {
     /// names of the logs.
     pub fn summary(&self, names: &[String]) -> String {
         let name = |log: usize| names.get(log).map_or("", String::as_str);
-        let [least_m, most_m] = self.depth_m;
+        let depths = match self.depth_m.map(|depth_m| format!("{depth_m:.2}")) {
+            [least, most] if least == most => format!("{least} m"),
+            [least, most] => format!("{least} to {most} m"),
+        };
         let against = self.against.iter().map(|contradiction| {
             let [own_m, other_m] = contradiction.depths_m;
             format!(
@@ -55,7 +58,7 @@ impl ContradictedSoundings {
             )
         });
         format!(
-            "{}: {} ({least_m:.2} to {most_m:.2} m), false by other logs: {}",
+            "{}: {} ({depths}), false by other logs: {}",
             name(self.log),
             self.which(),
             against.collect::<Vec<_>>().join("; ")
