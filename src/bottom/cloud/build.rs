@@ -5,7 +5,7 @@
 use super::above_bottom::{AboveDepth, height_m, way_m};
 use super::clutter::{Clutter, clutter};
 use super::specular::{
-    BeamAngles, BottomPoint, Pair, across_track, beam_angles, fixed_bottom_point, specular_point,
+    BeamAngles, BottomPoint, Pair, across_track, beam_angles, fixed_bottom_point,
 };
 use super::{
     BySource, CloudPoint, CloudSettings, Correction, DownScan, Geometry, PointCloud, PointDoubt,
@@ -170,9 +170,7 @@ pub fn place(
     progress.check()?;
     let points_of = |side: Side, ranges_m: &[f64]| -> Vec<CloudPoint> {
         let bottom_point = |ping: usize, range_m: f64| match angles.get(ping) {
-            Some(angles) => {
-                (specular_point(range_m, angles.out_rad[side as usize]), angles.slope_end(side))
-            }
+            Some(angles) => (angles.bottom_point(side, range_m), angles.slope_end(side)),
             None => (
                 fixed_bottom_point(settings.geometry, range_m, settings.alpha2_deg),
                 SlopeEnd::NO_SLOPE,

@@ -12,6 +12,10 @@
 //! Among dead bands, windows, smoothers and the recorded depth as reference, this measured best on
 //! simulated gentle, steep and rough beds alike.
 //!
+//! On a slope of less than `p` both sides see the same place up the slope, `r = d cos(beta)`, and
+//! their ranges do not tell which side that is. The point is then that straight below, at the
+//! depth by the recorder.
+//!
 //! The farther side also shows whether the slope goes on under the boat. On a bank or a step that
 //! ends beside the boat its range is the depth, and not `d cos(beta) / cos(beta - p)`. Where it is
 //! more than the depth, the ground straight below is so steep that this side does not see it.
@@ -147,9 +151,18 @@ pub(super) struct BeamAngles {
     /// Share, 0 to 1, by which the slope of the nearer first return ends before the nadir: 0 where
     /// it goes on under the boat, 1 where the bottom is level there.
     pub(super) slope_end: f64,
+    /// Share by which both first returns are nearer than the bottom straight below: on a slope of
+    /// less than the overlap both show the same place up the slope.
+    nearer_by: f64,
 }
 
 impl BeamAngles {
+    /// Returns the bottom point of the first return of a side at slant range `range_m`.
+    pub(super) fn bottom_point(&self, side: Side, range_m: f64) -> BottomPoint {
+        let below_m = range_m / (1.0 - self.nearer_by);
+        specular_point(below_m, self.out_rad[side as usize])
+    }
+
     /// Returns the share by which the slope ends that the first return of a side lies on.
     pub(super) fn slope_end(&self, side: Side) -> SlopeEnd {
         let is_up_slope = self.out_rad[side as usize] > 0.0;
@@ -215,7 +228,9 @@ fn known(pairs: &[Pair], ping: usize, of_depth: f64, overlap_rad: f64) -> BeamAn
     let steepest = MAX_SLOPE_DEG.to_radians();
     if let Some((difference_m, certain_m)) = around.middle(|pair| pair.starboard_m - pair.port_m) {
         if certain_m <= 0.0 {
-            return BeamAngles::default();
+            // The minimum is the second where the share is unknown.
+            let nearer_by = (1.0 - of_depth).max(0.0).min(1.0 - overlap_rad.cos());
+            return BeamAngles { nearer_by, ..BeamAngles::default() };
         }
         let deeper_m = around.middle(Pair::farther_m).map_or(f64::NAN, |(deeper_m, _)| deeper_m);
         let over_rad = (1.0 - certain_m / deeper_m).max(steepest.cos()).acos();
@@ -223,7 +238,11 @@ fn known(pairs: &[Pair], ping: usize, of_depth: f64, overlap_rad: f64) -> BeamAn
         let past_rad = past_nadir_rad(of_depth, slope_rad, overlap_rad);
         let out_rad =
             if difference_m > 0.0 { [slope_rad, -past_rad] } else { [-past_rad, slope_rad] };
-        return BeamAngles { out_rad, slope_end: slope_end(of_depth, slope_rad, overlap_rad) };
+        return BeamAngles {
+            out_rad,
+            slope_end: slope_end(of_depth, slope_rad, overlap_rad),
+            nearer_by: 0.0,
+        };
     }
     let ranges_m = [|pair: &Pair| pair.port_m, |pair: &Pair| pair.starboard_m];
     let out_rad = ranges_m.map(|range_m| {
@@ -236,7 +255,7 @@ fn known(pairs: &[Pair], ping: usize, of_depth: f64, overlap_rad: f64) -> BeamAn
             }
         })
     });
-    BeamAngles { out_rad, slope_end: 0.0 }
+    BeamAngles { out_rad, ..BeamAngles::default() }
 }
 
 /// Returns the share, 0 to 1, by which a slope ends before the nadir: a slope that went on there
@@ -266,7 +285,7 @@ fn past_nadir_rad(of_depth: f64, slope_rad: f64, overlap_rad: f64) -> f64 {
 
 /// Returns the bottom point of a first return at slant range `range_m` and an angle from straight
 /// below, outwards.
-pub(super) fn specular_point(range_m: f64, angle_rad: f64) -> BottomPoint {
+fn specular_point(range_m: f64, angle_rad: f64) -> BottomPoint {
     BottomPoint { depth_m: range_m * angle_rad.cos(), across_m: range_m * angle_rad.sin() }
 }
 
@@ -316,6 +335,17 @@ mod tests {
         }
         assert_eq!(beam_angles(&plane(0.0, 3.0), 0.05)[30], BeamAngles::default());
         assert_eq!(beam_angles(&plane(12.0, 0.0)[..5], 0.0)[2], BeamAngles::default());
+    }
+
+    #[test]
+    fn a_slope_of_less_than_the_overlap_is_as_deep_as_the_recorded_depth() {
+        let pairs = plane(4.0, 8.0);
+        let angles = &beam_angles(&pairs, 8f64.to_radians())[30];
+        assert_eq!(angles.out_rad, [0.0; 2]);
+        let below = angles.bottom_point(Side::Starboard, pairs[30].starboard_m);
+        assert!((below.depth_m - 3.0).abs() < 0.001 && below.across_m == 0.0, "{below:?}");
+        // Beams that end at the nadir do not see the same place.
+        assert_eq!(beam_angles(&pairs, 0.0)[30].nearer_by, 0.0);
     }
 
     #[test]
