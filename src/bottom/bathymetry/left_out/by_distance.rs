@@ -21,7 +21,10 @@ impl SigmaByDistance {
     /// left-out sounding. The neighbours predict a sounding about as well as it was measured, so
     /// that half of the square of the least miss is the noise of a depth.
     pub(super) fn of(near: &[LeftOutMiss], far: &[LeftOutMiss]) -> Self {
-        let mut steps = [bins(near, 1), bins(far, BINS)].concat();
+        // Small squares are predicted along the lines, whatever their distance: across the lines
+        // the error grows from there on.
+        let along = bins(near, 1).into_iter().map(|[_, miss_m]| [0.0, miss_m]);
+        let mut steps: Vec<[f64; 2]> = along.chain(bins(far, BINS)).collect();
         steps.sort_by(|a, b| a[0].total_cmp(&b[0]));
         let mut steps = rising(steps);
         let noise = 0.5 * steps.first().map_or(0.0, |[_, miss_m]| miss_m * miss_m);
@@ -53,7 +56,8 @@ impl SigmaByDistance {
     }
 
     /// Returns the standard deviation at a distance from the nearest sounding, metres; beyond the
-    /// distances of all left-out soundings it grows as between the last two.
+    /// distances of all left-out soundings it grows as between the last two. Its square grows with
+    /// the square of the distance, as where a slope is not known.
     pub fn at(&self, away_m: f64) -> f64 {
         let after = self.steps.partition_point(|[distance_m, _]| *distance_m <= away_m);
         let pair = match (after, self.steps.len()) {
@@ -61,8 +65,10 @@ impl SigmaByDistance {
             (after, count) => after.min(count - 1),
         };
         let ([from_m, low_m], [to_m, high_m]) = (self.steps[pair - 1], self.steps[pair]);
-        let share = (away_m - from_m) / (to_m - from_m).max(f64::MIN_POSITIVE);
-        low_m + (high_m - low_m) * share
+        let square = |value: f64| value * value;
+        let share = (square(away_m) - square(from_m))
+            / (square(to_m) - square(from_m)).max(f64::MIN_POSITIVE);
+        (square(low_m) + (square(high_m) - square(low_m)) * share).sqrt()
     }
 }
 
@@ -201,8 +207,10 @@ mod tests {
     #[test]
     fn a_stated_error_is_read_between_its_steps_and_beyond_them() {
         let sigma = SigmaByDistance { steps: vec![[1.0, 0.1], [3.0, 0.2]] };
-        for (away_m, sigma_m) in [(0.0, 0.1), (1.0, 0.1), (2.0, 0.15), (3.0, 0.2), (5.0, 0.3)] {
-            assert!((sigma.at(away_m) - sigma_m).abs() < 1e-12, "{away_m}");
+        // 0.01 + 0.03 (d² - 1) / 8
+        let squares = [(0.0, 0.01), (1.0, 0.01), (2.0, 0.02125), (3.0, 0.04), (5.0, 0.1)];
+        for (away_m, square) in squares {
+            assert!((sigma.at(away_m).powi(2) - square).abs() < 1e-12, "{away_m}");
         }
     }
 }
