@@ -53,7 +53,7 @@ fn comparisons(from: &ReportData<'_>) -> Option<Value> {
 fn common_errors(of: &CommonUncertainty) -> String {
     let metres =
         |sigma_m: f64, what: &str| (sigma_m > 0.0).then(|| format!("{what} {sigma_m:.3} m"));
-    let share = of.sound_speed_share;
+    let (share, beam_deg) = (of.sound_speed_share, of.sounder_beam_rad.to_degrees());
     let parts = [
         metres(of.range_offset_m, "side-scan against soundings"),
         (share > 0.0).then(|| format!("sound speed {:.1} % of the depth", 100.0 * share)),
@@ -62,6 +62,7 @@ fn common_errors(of: &CommonUncertainty) -> String {
         metres(of.crossings.level_m, "crossings"),
         metres(of.crossings.per_slope_m, "crossings, times the slope of the bottom,"),
         metres(of.position_m, "positions, times the slope of the bottom,"),
+        (beam_deg > 0.0).then(|| format!("wide beam of the sounder, on slopes, {beam_deg:.1}°")),
     ];
     parts.into_iter().flatten().collect::<Vec<String>>().join("; ")
 }

@@ -38,6 +38,9 @@ pub struct CommonUncertainty {
     /// Standard deviation of positions along the ground, metres, by the remaining part of the
     /// recorder's rounding: multiplied by the slope of the bottom it is an error of the depth.
     pub position_m: f64,
+    /// Least angle by which the beam of the sounder is wider than that of the side-scan, radians; 0
+    /// where it is not. On a slope soundings are then those of nearer ground.
+    pub sounder_beam_rad: f64,
 }
 
 impl CommonUncertainty {
@@ -53,6 +56,7 @@ impl CommonUncertainty {
                 .hypot(correction.gap_sigma_m()),
             crossings: CrossingError::default(),
             position_m: navigation.rounding_m,
+            sounder_beam_rad: calibration.beams.wider_rad,
         }
     }
 
@@ -76,6 +80,7 @@ impl CommonUncertainty {
             water_level_m: rms(|log| log.water_level_m),
             crossings,
             position_m: rms(|log| log.position_m),
+            sounder_beam_rad: rms(|log| log.sounder_beam_rad),
         })
     }
 
@@ -89,6 +94,7 @@ impl CommonUncertainty {
             self.water_level_m,
             self.crossings.at(slope),
             self.position_m * slope,
+            nearer_share(slope, self.sounder_beam_rad) * depth_m,
         ];
         parts.iter().map(|part| part * part).sum::<f64>().sqrt()
     }
@@ -113,6 +119,13 @@ impl CommonUncertainty {
     }
 }
 
+/// Returns the share of the depth by which the nearest ground within `beam_rad` of straight below is
+/// nearer, on a slope (metres a metre).
+fn nearer_share(slope: f64, beam_rad: f64) -> f64 {
+    let slope_rad = slope.atan();
+    if beam_rad > 0.0 { 1.0 - slope_rad.cos() / (slope_rad - beam_rad).max(0.0).cos() } else { 0.0 }
+}
+
 /// Returns the standard deviation of the constant between first-return ranges and recorded depths,
 /// with the part of the constant that remains after its correction, metres.
 fn range_offset_m(calibration: &Calibration) -> f64 {
@@ -121,4 +134,24 @@ fn range_offset_m(calibration: &Calibration) -> f64 {
     };
     let edge_m = (calibration.header).map_or(0.0, |scale| EDGE_SAMPLES / scale.px_per_m);
     left_m.hypot(0.5 * two_sigma_m).hypot(edge_m)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_wide_beam_takes_the_nearest_ground_of_a_slope() {
+        let of = |sounder_beam_rad: f64| {
+            let parts = CommonUncertainty { sounder_beam_rad, ..CommonUncertainty::default() };
+            [0.0, 5f64, 30.0].map(|slope_deg| parts.at(10.0, slope_deg.to_radians().tan()))
+        };
+        assert_eq!(of(0.0), [0.0; 3]);
+        // On 5 degrees the nearest ground lies within the beam, on 30 at its edge.
+        let expected_m =
+            [0.0, 10.0 * (1.0 - 5f64.to_radians().cos()), 10.0 * (1.0 - 0.866_03 / 0.939_69)];
+        for (found_m, expected_m) in of(10f64.to_radians()).into_iter().zip(expected_m) {
+            assert!((found_m - expected_m).abs() < 1e-4, "{found_m} {expected_m}");
+        }
+    }
 }
