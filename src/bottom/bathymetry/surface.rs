@@ -298,25 +298,30 @@ impl Surface {
     /// Returns the standard deviations of the depth's error, metres, that half and nine tenths of
     /// the known cells do not exceed; `None` where the spreads are not of errors.
     pub fn usual_error_m(&self) -> Option<[f64; 2]> {
-        let sigmas_m = self.errors_m(|_| true)?;
-        Some([0.5, 0.9].map(|share| quantile(&sigmas_m, share)))
+        let sigmas_m = self.spreads_m(|_| true);
+        let is_told = self.spread_is == Spread::OfError && !sigmas_m.is_empty();
+        is_told.then(|| [0.5, 0.9].map(|share| quantile(&sigmas_m, share)))
     }
 
     /// Returns the standard deviation of the depth's error, metres, that half of the cells with a
-    /// measured depth do not exceed; `None` where the spreads are not of errors.
+    /// measured depth do not exceed. Where too few soundings were left out to state errors, it is
+    /// their disagreement in these cells. `None` where neither is known: by inverse distance the
+    /// soundings of a cell lie far apart.
     pub fn measured_error_m(&self) -> Option<f64> {
         let is_measured = |source| matches!(source, CellSource::Sounding | CellSource::FirstReturn);
-        Some(quantile(&self.errors_m(is_measured)?, 0.5))
+        let is_told =
+            self.spread_is == Spread::OfError || self.method != SurfaceMethod::InverseDistance;
+        let sigmas_m = self.spreads_m(is_measured);
+        (is_told && !sigmas_m.is_empty()).then(|| quantile(&sigmas_m, 0.5))
     }
 
-    /// Returns the standard deviations of the known cells whose source counts, metres, rising;
-    /// `None` where the spreads are not of errors, or there are no such cells.
-    fn errors_m(&self, counts: impl Fn(CellSource) -> bool) -> Option<Vec<f64>> {
+    /// Returns the spreads of the known cells whose source counts, metres, rising.
+    fn spreads_m(&self, counts: impl Fn(CellSource) -> bool) -> Vec<f64> {
         let known = self.spread_m.iter().zip(&self.source);
         let known = known.filter(|(spread, source)| !spread.is_nan() && counts(**source));
-        let mut sigmas_m: Vec<f64> = known.map(|(spread, _)| f64::from(*spread)).collect();
-        sigmas_m.sort_by(f64::total_cmp);
-        (self.spread_is == Spread::OfError && !sigmas_m.is_empty()).then_some(sigmas_m)
+        let mut spreads_m: Vec<f64> = known.map(|(spread, _)| f64::from(*spread)).collect();
+        spreads_m.sort_by(f64::total_cmp);
+        spreads_m
     }
 
     /// Returns the shares of the known cells of each source, in the order of [`CellSource::KNOWN`].

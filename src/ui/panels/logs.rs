@@ -179,7 +179,7 @@ fn heights(ui: &mut Ui, context: &mut ViewContext<'_>) {
     if let Some(text) = app.unlevelled() {
         warning(ui, context, &app.view.options.units.sentence(&text));
     }
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         ui.label("Hold");
         hold(ui, context);
         let is_known = app.height_offsets().is_some();
