@@ -48,15 +48,18 @@ const LEVEL_ALONG: f64 = 0.02;
 /// Error of the overlap that a block shows, radians: a part divided by the tangent, by errors of
 /// the ranges, and a part on any slope.
 const BLOCK_ERROR: [f64; 2] = [0.0015, 0.009];
-/// Number of these errors within which a block agrees with an overlap.
-const AGREES: f64 = 2.0;
+/// Number of these errors within which a block shows no overlap, and within which it agrees with
+/// one: how far a beam is seen to reach depends a little on the slope, and surveys along the same
+/// lines must find the same.
+const SHOWS_NONE: f64 = 2.0;
+const AGREES: f64 = 4.0;
 /// Step between the overlaps that are tried, and the least overlap that is known, degrees.
 const STEP_DEG: f64 = 0.1;
 const LEAST_DEG: f64 = 1.0;
 /// Least share of the weight of all blocks that must agree with an overlap, and its least ratio to
-/// the share that agrees with none.
+/// the share that shows none.
 const LEAST_AGREEING: f64 = 0.3;
-const TIMES_NONE: f64 = 1.5;
+const TIMES_NONE: f64 = 2.0;
 
 /// A block of pings: the tangent of the slope beyond the overlap, the range of the falling side as a
 /// share of the depth, and true if the ground is level along the track.
@@ -203,7 +206,7 @@ fn known_overlap_rad(blocks: &[Block], level: f64) -> Option<f64> {
         .collect();
     let density = |overlap_rad: f64| -> f64 {
         let part = |&[shown_rad, error_rad, weight]: &[f64; 3]| {
-            let errors = (shown_rad - overlap_rad) / error_rad;
+            let errors = (shown_rad - overlap_rad) / (0.5 * AGREES * error_rad);
             weight / error_rad * (-0.5 * errors * errors).exp()
         };
         shown.iter().map(part).sum()
@@ -214,20 +217,19 @@ fn known_overlap_rad(blocks: &[Block], level: f64) -> Option<f64> {
         .map(|step| (f64::from(step) * STEP_DEG).to_radians())
         .map(|overlap_rad| (density(overlap_rad), overlap_rad))
         .max_by(|a, b| a.0.total_cmp(&b.0))?;
-    // Weights of the blocks that agree, and the mean of their overlaps.
-    let agreeing = |overlap_rad: f64| {
-        let agrees = |[shown_rad, error_rad, _]: &&[f64; 3]| {
-            (shown_rad - overlap_rad).abs() < AGREES * error_rad
+    // Weights of the blocks within so many errors of an overlap, and the mean of their overlaps.
+    let within = |errors: f64, overlap_rad: f64| {
+        let is_within = |[shown_rad, error_rad, _]: &&[f64; 3]| {
+            (shown_rad - overlap_rad).abs() < errors * error_rad
         };
-        let agreeing = shown.iter().filter(agrees);
-        let sums = agreeing.fold([0.0; 2], |[weights, sum_rad], [shown_rad, _, weight]| {
-            [weights + weight, sum_rad + weight * shown_rad]
+        let sums = shown.iter().filter(is_within).fold([0.0; 2], |sums, [shown_rad, _, weight]| {
+            [sums[0] + weight, sums[1] + weight * shown_rad]
         });
         (sums[0], sums[1] / sums[0])
     };
     let all: f64 = shown.iter().map(|[_, _, weight]| weight).sum();
-    let (none, _) = agreeing(0.0);
-    let (most, overlap_rad) = agreeing(overlap_rad);
+    let (none, _) = within(SHOWS_NONE, 0.0);
+    let (most, overlap_rad) = within(AGREES, overlap_rad);
     let is_known = overlap_rad.abs() >= LEAST_DEG.to_radians()
         && most > (LEAST_AGREEING * all).max(TIMES_NONE * none);
     is_known.then_some(overlap_rad)
