@@ -61,8 +61,8 @@ const LEAST_DEG: f64 = 1.0;
 const LEAST_AGREEING: f64 = 0.3;
 const TIMES_NONE: f64 = 2.0;
 
-/// A block of pings: the tangent of the slope beyond the overlap, the range of the falling side as a
-/// share of the depth, and true if the ground is level along the track.
+/// A block of pings: the tangent of the slope beyond the overlap, the range of the falling side as
+/// a share of the depth, and true if the ground is level along the track.
 #[derive(Clone, Copy, Debug)]
 struct Block {
     tangent: f64,

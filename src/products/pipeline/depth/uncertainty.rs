@@ -119,8 +119,8 @@ impl CommonUncertainty {
     }
 }
 
-/// Returns the share of the depth by which the nearest ground within `beam_rad` of straight below is
-/// nearer, on a slope (metres a metre).
+/// Returns the share of the depth by which the nearest ground within `beam_rad` of straight below
+/// is nearer, on a slope (metres a metre).
 fn nearer_share(slope: f64, beam_rad: f64) -> f64 {
     let slope_rad = slope.atan();
     if beam_rad > 0.0 { 1.0 - slope_rad.cos() / (slope_rad - beam_rad).max(0.0).cos() } else { 0.0 }
