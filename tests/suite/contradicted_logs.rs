@@ -48,7 +48,8 @@ fn process_names_false_soundings_and_leaves_them_out_when_it_is_asked_to() {
         serde_json::from_str(&text).expect("JSON")
     };
     let said = stderr_of(folder.path(), &process(&[]));
-    let expected = "east: 40 soundings between 20 s and 59 s (9.20 to 9.20 m), false by other logs: north-1 has";
+    let expected =
+        "east: 40 soundings between 20 s and 59 s (9.20 m), false by other logs: north-1 has";
     assert!(said.contains(expected) && said.contains("--adjust leaves them out"), "{said}");
     let report_before = report();
     let listed = &report_before["logs"]["contradicted"];
