@@ -6,6 +6,7 @@ keeps. A row for a kind: by the distance to the track, the RMS of the error and 
 within one and two of these, as mean (lowest to highest pond); and the largest error of the shoal's depth.
 """
 import pickle
+import shutil
 import subprocess
 import sys
 import types
@@ -64,7 +65,7 @@ def scores(program, folder, kind, seed):
     subprocess.run([str(part) for part in command], check=True, capture_output=True)
     depth, lon, lat = reach_score.raster(out, "depth.tif")
     sigma_m = reach_score.raster(out, "uncertainty.tif")[0]
-    subprocess.run(["rm", "-r", str(out)], check=True)
+    shutil.rmtree(out)
     # East and north as pond.to_lonlat places them.
     origin_lon, origin_lat = pond.to_lonlat(0, 0)
     east_m = (lon - origin_lon) / (pond.to_lonlat(1, 0)[0] - origin_lon)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Scores the program on surveys of reach.py: `score.py PROGRAM FOLDER [EFFECTS-SEED ...]`, for example `score.py bathyscope /tmp/reach cut,lag-1`.
+"""Scores the program on surveys of reach.py: `score.py PROGRAM FOLDER [EFFECTS-SEED ...]`, for example `score.py bathyscope reaches cut,lag-1`.
 
 Without names: every effect with both kinds of beams, and six combinations (212 surveys, an hour on two cores and 6 GB, of which the
 simulation is the most). FOLDER keeps the surveys, so that the next program is scored in a third of the time. Each survey is processed as

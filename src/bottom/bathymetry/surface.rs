@@ -298,9 +298,9 @@ impl Surface {
     /// Returns the standard deviations of the depth's error, metres, that half and nine tenths of
     /// the known cells do not exceed; `None` where the spreads are not of errors.
     pub fn usual_error_m(&self) -> Option<[f64; 2]> {
-        let sigmas_m = self.spreads_m(|_| true);
-        let is_told = self.spread_is == Spread::OfError && !sigmas_m.is_empty();
-        is_told.then(|| [0.5, 0.9].map(|share| quantile(&sigmas_m, share)))
+        let is_told = self.spread_is == Spread::OfError;
+        let sigmas_m = is_told.then(|| self.spreads_m(|_| true)).filter(|all| !all.is_empty())?;
+        Some([0.5, 0.9].map(|share| quantile(&sigmas_m, share)))
     }
 
     /// Returns the standard deviation of the depth's error, metres, that half of the cells with a
@@ -311,8 +311,9 @@ impl Surface {
         let is_measured = |source| matches!(source, CellSource::Sounding | CellSource::FirstReturn);
         let is_told =
             self.spread_is == Spread::OfError || self.method != SurfaceMethod::InverseDistance;
-        let sigmas_m = self.spreads_m(is_measured);
-        (is_told && !sigmas_m.is_empty()).then(|| quantile(&sigmas_m, 0.5))
+        let sigmas_m =
+            is_told.then(|| self.spreads_m(is_measured)).filter(|all| !all.is_empty())?;
+        Some(quantile(&sigmas_m, 0.5))
     }
 
     /// Returns the spreads of the known cells whose source counts, metres, rising.

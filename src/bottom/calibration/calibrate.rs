@@ -64,7 +64,8 @@ pub fn calibrate(
         ..Calibration::default()
     };
     made.sounding_lag = SoundingLag::of(survey, returns, &made);
-    let objection = take_off_offset(&mut made, survey, returns, settings);
+    let at_depths = picks_at_depths(survey, returns);
+    let objection = take_off_offset(&mut made, survey, &at_depths, settings);
     if mode != settings.mode {
         made.warnings
             .push("No flat stretch gives a scale, so the recorded range is in use.".to_owned());
@@ -73,7 +74,7 @@ pub fn calibrate(
     let spot = spot.as_ref();
     // An offset with an objection may be no constant.
     let lead_m = match objection {
-        None => spot.map_or(0.0, |spot| offset_at(spot, &made, survey, returns)),
+        None => spot.map_or(0.0, |spot| offset_at(spot, &made, survey, &at_depths)),
         Some(_) => 0.0,
     };
     made.warnings.extend(spot.and_then(|spot| disagreement(spot, lead_m)));
@@ -97,12 +98,11 @@ pub fn calibrate(
 fn take_off_offset(
     made: &mut Calibration,
     survey: &Survey,
-    returns: &FirstReturns,
+    picks: &[Usable],
     settings: &CalibrationSettings,
 ) -> Option<String> {
     let sample_m = made.header.map_or(f64::NAN, |header| 1.0 / header.px_per_m);
-    let picks = picks_at_depths(survey, returns);
-    let measured = RangeOffset::of(&picks, sample_m, made.sounding_lag.is_some());
+    let measured = RangeOffset::of(picks, sample_m, made.sounding_lag.is_some());
     made.measured_offset = measured;
     let measured = measured.filter(|_| made.header.is_some());
     let objection = measured.and_then(|measured| measured.objection(sample_m));
@@ -128,7 +128,7 @@ fn take_off_offset(
 
 /// Returns the constant between first returns and recorded depths at the recorded range of a flat
 /// spot, metres: a part of it is a number of samples, and these are longer at a longer range.
-fn offset_at(spot: &FlatSpot, made: &Calibration, survey: &Survey, returns: &FirstReturns) -> f64 {
+fn offset_at(spot: &FlatSpot, made: &Calibration, survey: &Survey, picks: &[Usable]) -> f64 {
     let of_log_m = made.measured_offset.map_or(0.0, |measured| measured.offset_m);
     let sample_m = |ping: usize| {
         let span = Side::BOTH.into_iter().find_map(|side| survey.span(ping, side));
@@ -138,8 +138,8 @@ fn offset_at(spot: &FlatSpot, made: &Calibration, survey: &Survey, returns: &Fir
         return of_log_m;
     }
     let at_spot_m = sample_m(spot.pings.start);
-    let mut picks = picks_at_depths(survey, returns);
-    picks.retain(|pick| (sample_m(pick.ping) / at_spot_m - 1.0).abs() < SAME_RANGE);
+    let is_alike = |pick: &&Usable| (sample_m(pick.ping) / at_spot_m - 1.0).abs() < SAME_RANGE;
+    let picks: Vec<Usable> = picks.iter().filter(is_alike).copied().collect();
     let of_range = RangeOffset::of(&picks, at_spot_m, made.sounding_lag.is_some());
     of_range.map_or(of_log_m, |measured| measured.offset_m)
 }

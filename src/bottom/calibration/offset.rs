@@ -94,9 +94,10 @@ impl RangeOffset {
     /// Returns the offset that the picks at recorded depths, flagged or not, show; `None` where no
     /// stretch has enough of them on both sides. `sample_m` is the range of one sample.
     ///
-    /// Where soundings are late, the offset is that over level ground, where they are right all the
-    /// same. So it is where there is an objection to the offset of all blocks, and level ground at
-    /// several depths shows the same offset: soundings of a wide beam are right there, too.
+    /// The offset is that of all blocks, or of those over level ground alone in two cases:
+    /// soundings are late, or there is an objection to the offset of all blocks and level ground at
+    /// several depths shows one offset. Soundings that are late, or have a wide beam, are right
+    /// over level ground.
     pub(super) fn of(picks: &[Usable], sample_m: f64, are_late: bool) -> Option<Self> {
         let all = Self::over(Ground::Any, picks)?;
         if !are_late && all.objection(sample_m).is_none() {

@@ -289,19 +289,14 @@ fn warn_of_lost_fixes(
     let pings = known.unknown(side_scan.iter().map(|ping| ping.time_s));
     let lost = [(soundings, "sounding"), (pings, "side-scan ping")];
     let lost = lost.into_iter().filter_map(|(lost, of)| Some((lost?, of)));
-    let mut all = 0;
-    let said = lost.map(|((count, [first_s, last_s]), of)| {
-        all += count;
-        match count {
-            1 => format!("1 {of} (at {first_s:.0} s)"),
-            _ => format!("{count} {of}s (between {first_s:.0} s and {last_s:.0} s)"),
-        }
+    let said = lost.map(|((count, [first_s, last_s]), of)| match count {
+        1 => format!("1 {of} (at {first_s:.0} s)"),
+        _ => format!("{count} {of}s (between {first_s:.0} s and {last_s:.0} s)"),
     });
     let said = said.collect::<Vec<_>>().join(" and ");
-    let [have, they, are] = if all == 1 { ["has", "it", "is"] } else { ["have", "they", "are"] };
     if !said.is_empty() {
         report.log(format!(
-            "{said} {have} no position, for no fix was recorded around then: {they} {are} on no map"
+            "without a position, and so on no map, because no fix was recorded around then: {said}"
         ));
     }
 }
