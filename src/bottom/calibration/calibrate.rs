@@ -102,7 +102,7 @@ fn take_off_offset(
     settings: &CalibrationSettings,
 ) -> Option<String> {
     let sample_m = made.header.map_or(f64::NAN, |header| 1.0 / header.px_per_m);
-    let measured = RangeOffset::of(picks, sample_m, made.sounding_lag.is_some());
+    let measured = RangeOffset::of(picks, sample_m, made.are_soundings_late(survey));
     made.measured_offset = measured;
     let measured = measured.filter(|_| made.header.is_some());
     let objection = measured.and_then(|measured| measured.objection(sample_m));
@@ -140,7 +140,7 @@ fn offset_at(spot: &FlatSpot, made: &Calibration, survey: &Survey, picks: &[Usab
     let at_spot_m = sample_m(spot.pings.start);
     let is_alike = |pick: &&Usable| (sample_m(pick.ping) / at_spot_m - 1.0).abs() < SAME_RANGE;
     let picks: Vec<Usable> = picks.iter().filter(is_alike).copied().collect();
-    let of_range = RangeOffset::of(&picks, at_spot_m, made.sounding_lag.is_some());
+    let of_range = RangeOffset::of(&picks, at_spot_m, made.are_soundings_late(survey));
     of_range.map_or(of_log_m, |measured| measured.offset_m)
 }
 

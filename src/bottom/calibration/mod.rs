@@ -355,6 +355,12 @@ impl Calibration {
         self.flat_spot.as_ref()?.factor
     }
 
+    /// Returns true if the soundings of a log are late, or were before their times were corrected:
+    /// soundings that a recorder averages stay those of several places.
+    fn are_soundings_late(&self, survey: &Survey) -> bool {
+        self.sounding_lag.is_some() || survey.sounding_lag_s > 0.0
+    }
+
     /// Returns the excess of first-return ranges over recorded depths by the scale in force, at the
     /// median depth, and two standard errors of it, metres; `None` where the log does not show it.
     pub fn remaining_offset_m(&self) -> Option<[f64; 2]> {

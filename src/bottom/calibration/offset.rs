@@ -71,8 +71,8 @@ pub struct RangeOffset {
     pub depth_m: f64,
     /// Slope of range against depth over the same blocks; NaN where the depths do not vary.
     pub k: f64,
-    /// Error of the slope from the scatter (two standard errors); infinite where the depths do not
-    /// vary.
+    /// Error of the slope from the scatter (two standard errors), and from late soundings; infinite
+    /// where the depths do not vary.
     pub k_uncertainty: f64,
     /// Largest part of the slope that the noise of the recorded depths may take away.
     pub k_attenuation: f64,
@@ -84,10 +84,13 @@ pub(super) fn blocks(picks: &[Usable]) -> impl Iterator<Item = &[Usable]> {
 }
 
 /// Ground over which blocks of pings count.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 enum Ground {
     Any,
-    Level,
+    /// Level ground, where recorded depths may all be off by a share of the depth.
+    Level {
+        off_share: f64,
+    },
 }
 
 impl RangeOffset {
@@ -107,7 +110,9 @@ impl RangeOffset {
             let [_, uncertainty_m] = level.drift_m();
             level.objection(sample_m).is_none() && (are_late || uncertainty_m <= MOST_UNCERTAIN_M)
         };
-        Some(Self::over(Ground::Level, picks).filter(is_sure).unwrap_or(all))
+        // Level ground lies between slopes, and late soundings contain a part of these.
+        let off_share = if are_late { LEVEL_ALONG } else { 0.0 };
+        Some(Self::over(Ground::Level { off_share }, picks).filter(is_sure).unwrap_or(all))
     }
 
     /// Returns the offset over some ground.
@@ -125,14 +130,19 @@ impl RangeOffset {
             return None;
         }
         let offset_m = median(&mut offsets);
-        let (k, [k_uncertainty, k_attenuation]) = slope(&blocks);
+        let depth_m = median(&mut depths);
+        let off_m = match ground {
+            Ground::Level { off_share } => off_share * depth_m,
+            Ground::Any => 0.0,
+        };
+        let (k, [k_uncertainty, k_attenuation]) = slope(&blocks, off_m);
         Some(Self {
             offset_m,
             uncertainty_m: 2.0 * MEDIAN_ERROR * spread_about(&mut offsets, offset_m)
                 / (blocks.len() as f64).sqrt(),
             blocks: blocks.len(),
             share: blocks.len() as f64 / all as f64,
-            depth_m: median(&mut depths),
+            depth_m,
             k,
             k_uncertainty,
             k_attenuation,
@@ -231,11 +241,12 @@ fn excess_m(block: &[Usable], side: Side) -> Option<(f64, f64)> {
 }
 
 /// Returns the slope of range against depth over blocks of depth and excess, with two errors of it:
-/// two standard errors, and how much the noise of the recorded depths may take away. Noise in a
-/// depth is in the excess too, with the other sign, so that over a level bed, where depths vary by
-/// their noise alone, the slope comes out near zero whatever it is (attenuation; W. A. Fuller,
-/// Measurement error models, 1987). The scatter of a handful of blocks is often small by accident.
-fn slope(blocks: &[(f64, f64)]) -> (f64, [f64; 2]) {
+/// two standard errors, with what depths that are off by up to `off_m` add, and how much the noise
+/// of the recorded depths may take away. Noise in a depth is in the excess too, with the other
+/// sign, so that over a level bed, where depths vary by their noise alone, the slope comes out near
+/// zero whatever it is (attenuation; W. A. Fuller, Measurement error models, 1987). The scatter of
+/// a handful of blocks is often small by accident.
+fn slope(blocks: &[(f64, f64)], off_m: f64) -> (f64, [f64; 2]) {
     let n = blocks.len() as f64;
     let mean_m = blocks.iter().map(|(depth_m, _)| depth_m).sum::<f64>() / n;
     let squares = blocks.iter().map(|(depth_m, _)| (depth_m - mean_m).powi(2));
@@ -244,7 +255,8 @@ fn slope(blocks: &[(f64, f64)]) -> (f64, [f64; 2]) {
         Some(line) => {
             let scatter_m = line.spread.max(LEAST_SCATTER_M) * (1.0 + HANDFUL / n);
             let attenuation = n * (scatter_m / width_m).powi(2);
-            (1.0 + line.slope, [2.0 * scatter_m / width_m, attenuation])
+            let off = off_m * n.sqrt() / width_m;
+            (1.0 + line.slope, [2.0 * scatter_m / width_m + off, attenuation])
         }
         None => (f64::NAN, [f64::INFINITY; 2]),
     }
@@ -367,5 +379,27 @@ mod tests {
         }
         let blocks = |are_late| RangeOffset::of(&steps(30), 0.01, are_late).unwrap().blocks;
         assert!(blocks(true) < blocks(false) * 3 / 4);
+    }
+
+    #[test]
+    fn late_soundings_over_two_similar_depths_show_no_factor() {
+        // Level ground at 3.0 and 3.2 m, where the deeper soundings contain a part of the bank.
+        let pick = |ping: usize| {
+            let is_deep = ping / 240 % 2 == 1;
+            let [range_m, depth_m] = if is_deep { [3.15, 3.19] } else { [2.95, 3.0] };
+            let noise_m = 0.001 * [0.0, 1.0, -1.0, 0.5, -0.5][ping % 5];
+            Side::BOTH.map(|side| Usable {
+                ping,
+                side,
+                sample: 100.0,
+                range_m: range_m + noise_m,
+                depth_m,
+                above_bottom: false,
+            })
+        };
+        let picks: Vec<Usable> = (0..4800).flat_map(pick).collect();
+        let objection = |are_late| RangeOffset::of(&picks, 0.01, are_late).unwrap().objection(0.01);
+        assert!(objection(false).unwrap().contains("by a factor of 1.05"));
+        assert_eq!(objection(true), None);
     }
 }

@@ -58,6 +58,7 @@ pub(super) fn assemble(mut log: Collected, reading: &Reading<'_>) -> Survey {
         source: log.source,
         start_unix_s: log.start_unix_s,
         clock_offset_s: 0.0,
+        sounding_lag_s: 0.0,
         swapped_sides: false,
         channels,
         side_scan: Arc::new(side_scan),

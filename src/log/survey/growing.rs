@@ -205,6 +205,7 @@ impl Survey {
         Survey {
             start_unix_s: self.start_unix_s,
             clock_offset_s: self.clock_offset_s,
+            sounding_lag_s: self.sounding_lag_s,
             swapped_sides: self.swapped_sides,
             side_scan_state: self.side_scan_state,
             range_source: self.range_source,

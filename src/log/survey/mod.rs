@@ -314,6 +314,8 @@ pub struct Survey {
     pub start_unix_s: Option<f64>,
     /// Seconds added to the recorder's clock ([`MountingSettings::clock_offset_s`]).
     pub clock_offset_s: f64,
+    /// Seconds taken off the times of the soundings ([`MountingSettings::sounding_lag_s`]).
+    pub sounding_lag_s: f64,
     /// True if port and starboard are exchanged against the recording
     /// ([`MountingSettings::swap_sides`]).
     pub swapped_sides: bool,

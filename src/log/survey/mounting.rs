@@ -151,6 +151,7 @@ impl Survey {
         self.start_unix_s = self.start_unix_s.map(|start_s| start_s + mounting.clock_offset_s);
         self.clock_offset_s += mounting.clock_offset_s;
         if mounting.sounding_lag_s != 0.0 {
+            self.sounding_lag_s += mounting.sounding_lag_s;
             for sounding in Arc::make_mut(&mut self.soundings).iter_mut() {
                 sounding.time_s -= mounting.sounding_lag_s;
             }
