@@ -19,15 +19,18 @@
 
 use super::Calibration;
 use crate::first_return::FirstReturns;
-use bathyscope_log::support::statistics::{median, quantile};
+use bathyscope_log::support::statistics::{median, quantile, usual_step};
 use bathyscope_log::survey::{Side, Survey};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Number of pings of a block that is compared, and fewest of them with all three distances.
+/// Number of pings of a block that is compared, at most and at least, and least share of them with
+/// all three distances.
 const BLOCK: usize = 20;
-const LEAST: usize = 12;
-/// Longest time between the first and the last ping of a block, seconds.
+const SHORTEST_BLOCK: usize = 4;
+const LEAST_SHARE: f64 = 0.6;
+/// Longest time between the first and the last ping of a block, seconds: the blocks of a slow
+/// recorder have fewer pings.
 const LONGEST_S: f64 = 4.0;
 /// Slopes that count as level, slopes that determine the overlap, and the fewest blocks of each;
 /// tangents of the angle. On steeper slopes the echo from the edge of the beam is weak, and comes
@@ -71,15 +74,15 @@ struct Block {
 }
 
 impl Block {
-    /// Creates the block of some pings; `None` where too few of them have all distances, or they
-    /// are too far apart in time.
-    fn of(pings: &[PingRanges]) -> Option<Self> {
+    /// Creates the block of some pings; `None` where fewer than `least` of them have all distances,
+    /// or they are too far apart in time.
+    fn of(pings: &[PingRanges], least: usize) -> Option<Self> {
         let [first, last] = [pings.first()?, pings.last()?];
         let is_whole = |ping: &&PingRanges| {
             ping.sides_m.iter().chain([&ping.depth_m]).all(|distance_m| *distance_m > 0.0)
         };
         let all: Vec<&PingRanges> = pings.iter().filter(is_whole).collect();
-        if all.len() < LEAST || last.time_s - first.time_s > LONGEST_S {
+        if all.len() < least || last.time_s - first.time_s > LONGEST_S {
             return None;
         }
         let middle = |pings: &[&PingRanges], of: &dyn Fn(&PingRanges) -> f64| {
@@ -148,24 +151,36 @@ pub(super) fn beam_widths(
         let pick = returns.side(side).get(ping);
         pick.map_or(f64::NAN, |pick| calibration.pick_range_m(survey, ping, side, pick.sample))
     };
-    let starts: Vec<usize> = (0..survey.side_scan.len()).step_by(BLOCK).collect();
+    let interval_s = usual_step(survey.side_scan.iter().map(|ping| ping.time_s));
+    let length = block_length(interval_s);
+    let starts: Vec<usize> = (0..survey.side_scan.len()).step_by(length).collect();
     let block_from = |start: usize| {
-        let pings = start..(start + BLOCK).min(survey.side_scan.len());
+        let pings = start..(start + length).min(survey.side_scan.len());
         let pings = pings.map(|ping| PingRanges {
             time_s: survey.side_scan[ping].time_s,
             sides_m: Side::BOTH.map(|side| range_m(ping, side)),
             depth_m: f64::from(survey.good_depth_m(ping)),
         });
-        Block::of(&pings.collect::<Vec<_>>())
+        Block::of(&pings.collect::<Vec<_>>(), least_of(length))
     };
     let blocks: Vec<Block> = starts.into_par_iter().filter_map(block_from).collect();
     let level = blocks.iter().filter(|block| block.is_level_along).copied();
     let widths = widths_of(&level.collect::<Vec<_>>());
     match widths {
-        None if calibration.sounding_lag.is_none() => widths_of(&blocks),
+        None if !calibration.are_soundings_late(survey) => widths_of(&blocks),
         widths => widths,
     }
     .unwrap_or_default()
+}
+
+/// Returns the number of pings of a block at a usual time between pings.
+fn block_length(interval_s: f64) -> usize {
+    ((LONGEST_S / interval_s) as usize).clamp(SHORTEST_BLOCK, BLOCK)
+}
+
+/// Returns the fewest pings with all distances that a block of `length` pings needs.
+fn least_of(length: usize) -> usize {
+    (LEAST_SHARE * length as f64).ceil() as usize
 }
 
 /// Returns the widths of the beams that some blocks show; `None` with too few blocks.
@@ -259,7 +274,9 @@ mod tests {
     }
 
     fn found(pings: &[PingRanges]) -> BeamWidths {
-        let blocks: Vec<Block> = pings.chunks(BLOCK).filter_map(Block::of).collect();
+        let length = block_length(usual_step(pings.iter().map(|ping| ping.time_s)));
+        let blocks = pings.chunks(length).filter_map(|pings| Block::of(pings, least_of(length)));
+        let blocks: Vec<Block> = blocks.collect();
         widths_of(&blocks).unwrap_or_default()
     }
 
@@ -292,6 +309,10 @@ mod tests {
             assert!((found_deg - overlap_deg).abs() < 0.8, "{overlap_deg}: {found_deg}");
         }
         assert!(found_deg(&banks(0.0)) < 0.3);
+        // Two pings a second.
+        let slow = |ping: PingRanges| PingRanges { time_s: 5.0 * ping.time_s, ..ping };
+        let slow_deg = found_deg(&banks(5.0).into_iter().map(slow).collect::<Vec<_>>());
+        assert!((slow_deg - 5.0).abs() < 0.8, "{slow_deg}");
     }
 
     /// A bank that ends beside the boat is seen by the falling side straight below.
@@ -318,7 +339,7 @@ mod tests {
             let pings = banks(5.0)[..BLOCK].to_vec().into_iter();
             let pings = pings
                 .map(|ping| PingRanges { depth_m: ping.depth_m + per_s_m * ping.time_s, ..ping });
-            Block::of(&pings.collect::<Vec<_>>()).map(|block| block.is_level_along)
+            Block::of(&pings.collect::<Vec<_>>(), least_of(BLOCK)).map(|block| block.is_level_along)
         };
         assert_eq!(falling(0.0), Some(true));
         assert_eq!(falling(0.2), Some(false));

@@ -8,7 +8,7 @@
 
 use super::Calibration;
 use crate::first_return::FirstReturns;
-use bathyscope_log::support::statistics::{SIGMA_PER_MAD, median, weighted_median};
+use bathyscope_log::support::statistics::{SIGMA_PER_MAD, median, usual_step, weighted_median};
 use bathyscope_log::survey::{Side, Survey};
 
 /// Time on each side of a ping over which ranges rise or fall evenly, seconds, and fewest pings on
@@ -115,9 +115,7 @@ struct Window {
 
 fn windows(survey: &Survey, ranges_m: &[f64]) -> Vec<Window> {
     let pings = &survey.side_scan;
-    let mut intervals_s: Vec<f64> =
-        pings.windows(2).map(|pair| pair[1].time_s - pair[0].time_s).collect();
-    let interval_s = median(&mut intervals_s);
+    let interval_s = usual_step(pings.iter().map(|ping| ping.time_s));
     if interval_s.is_nan() || interval_s <= 0.0 {
         return Vec::new();
     }

@@ -24,14 +24,15 @@
 //! either, the slope is interpolated between those before and behind.
 
 use super::{Geometry, SlopeEnd};
-use bathyscope_log::support::statistics::{SIGMA_PER_MAD, upper_median};
+use bathyscope_log::support::statistics::{SIGMA_PER_MAD, upper_median, usual_step};
 use bathyscope_log::survey::{PingNav, Side};
 use rayon::prelude::*;
 
 /// Number of pings on each side of a ping that its slope is measured over.
 const REACH: usize = 10;
-/// Fewest pings with a measured value that a slope needs.
-const MIN_PAIRS: usize = 7;
+/// Fewest pings with a measured value that a slope needs, of the pings of a fast recorder and of
+/// those of a slow one.
+const MIN_PAIRS: [usize; 2] = [7, 3];
 /// Longest time to a ping that counts as the same place, seconds.
 const MAX_AWAY_S: f64 = 2.0;
 /// Steepest slope that is used, degrees: a pick on an obstacle must not throw its bottom point far
@@ -107,12 +108,15 @@ impl Pair {
 struct Around<'a> {
     pairs: &'a [Pair],
     time_s: f64,
+    /// Fewest pings with a measured value.
+    least: usize,
     values: [f64; 2 * REACH + 1],
 }
 
 impl<'a> Around<'a> {
-    fn new(pairs: &'a [Pair], ping: usize) -> Self {
+    fn new(pairs: &'a [Pair], ping: usize, least: usize) -> Self {
         Self {
+            least,
             pairs: &pairs[ping.saturating_sub(REACH)..pairs.len().min(ping + REACH + 1)],
             time_s: pairs[ping].time_s,
             values: [0.0; 2 * REACH + 1],
@@ -130,7 +134,7 @@ impl<'a> Around<'a> {
                 count += 1;
             }
         }
-        if count < MIN_PAIRS {
+        if count < self.least {
             return None;
         }
         let values = &mut self.values[..count];
@@ -177,11 +181,14 @@ impl BeamAngles {
 /// recorder has lost, is interpolated between the angles before and behind; it is 0 where these are
 /// too far away.
 pub(super) fn beam_angles(pairs: &[Pair], overlap_rad: f64) -> Vec<BeamAngles> {
-    let shares = (0..pairs.len()).into_par_iter().map(|ping| farther_of_depth(pairs, ping));
+    let interval_s = usual_step(pairs.iter().map(|pair| pair.time_s));
+    let [most, least] = MIN_PAIRS;
+    let least = ((MAX_AWAY_S / interval_s) as usize).clamp(least, most);
+    let shares = (0..pairs.len()).into_par_iter().map(|ping| farther_of_depth(pairs, ping, least));
     let mut shares: Vec<f64> = shares.collect();
     bridge(pairs, &mut shares, |share| share);
     let shares = shares.into_par_iter().enumerate();
-    let known = shares.map(|(ping, of_depth)| known(pairs, ping, of_depth, overlap_rad));
+    let known = shares.map(|(ping, of_depth)| known(pairs, ping, least, of_depth, overlap_rad));
     let mut angles: Vec<BeamAngles> = known.collect();
     for side in [0, 1] {
         bridge(pairs, &mut angles, |angles| &mut angles.out_rad[side]);
@@ -215,16 +222,16 @@ fn bridge<T>(pairs: &[Pair], items: &mut [T], value: impl Fn(&mut T) -> &mut f64
 
 /// Returns the range of the farther side as a share of the recorded depth, around a ping; NaN where
 /// too few pings have both.
-fn farther_of_depth(pairs: &[Pair], ping: usize) -> f64 {
-    let share = Around::new(pairs, ping).middle(|pair| pair.farther_m() / pair.altitude_m);
+fn farther_of_depth(pairs: &[Pair], ping: usize, least: usize) -> f64 {
+    let share = Around::new(pairs, ping, least).middle(|pair| pair.farther_m() / pair.altitude_m);
     share.map_or(f64::NAN, |(share, _)| share)
 }
 
 /// Returns the angles at a ping from the pings around it, radians; NaN where too few of these
-/// determine them. `of_depth` is the range of the farther side as a share of the recorded depth,
-/// NaN where it is unknown.
-fn known(pairs: &[Pair], ping: usize, of_depth: f64, overlap_rad: f64) -> BeamAngles {
-    let mut around = Around::new(pairs, ping);
+/// determine them, `least` at least. `of_depth` is the range of the farther side as a share of the
+/// recorded depth, NaN where it is unknown.
+fn known(pairs: &[Pair], ping: usize, least: usize, of_depth: f64, overlap_rad: f64) -> BeamAngles {
+    let mut around = Around::new(pairs, ping, least);
     let steepest = MAX_SLOPE_DEG.to_radians();
     if let Some((difference_m, certain_m)) = around.middle(|pair| pair.starboard_m - pair.port_m) {
         if certain_m <= 0.0 {
@@ -335,6 +342,18 @@ mod tests {
         }
         assert_eq!(beam_angles(&plane(0.0, 3.0), 0.05)[30], BeamAngles::default());
         assert_eq!(beam_angles(&plane(12.0, 0.0)[..5], 0.0)[2], BeamAngles::default());
+    }
+
+    #[test]
+    fn a_slow_recorder_has_slopes_from_fewer_pings() {
+        for interval_s in [0.5, 1.0] {
+            let slow =
+                |(ping, pair): (usize, Pair)| Pair { time_s: interval_s * ping as f64, ..pair };
+            let pairs: Vec<Pair> = plane(20.0, 3.0).into_iter().enumerate().map(slow).collect();
+            let [port_rad, starboard_rad] = beam_angles(&pairs, 3f64.to_radians())[30].out_rad;
+            assert!((port_rad.to_degrees() - 20.0).abs() < 0.8, "{interval_s}: {port_rad}");
+            assert_eq!(starboard_rad, -3f64.to_radians());
+        }
     }
 
     #[test]

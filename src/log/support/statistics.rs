@@ -49,6 +49,13 @@ pub fn median(values: &mut [f64]) -> f64 {
     (lower + upper) / 2.0
 }
 
+/// Returns the median step from each value to the next; NaN for fewer than two values.
+pub fn usual_step(values: impl Iterator<Item = f64>) -> f64 {
+    let mut before = None;
+    let steps = values.filter_map(|value| before.replace(value).map(|before: f64| value - before));
+    median(&mut steps.collect::<Vec<_>>())
+}
+
 /// Returns the value with half of the weight on either side; where half of the weight is reached
 /// exactly between two neighbours, their mean, so that equal weights give the [`median`]; NaN for
 /// an empty slice. Each entry is a value and its weight, above 0. Sorts `values`.
@@ -118,6 +125,12 @@ mod tests {
         assert!(median(&mut []).is_nan());
         assert_eq!(upper_median(&mut [4.0, 1.0, 3.0, 2.0], f64::total_cmp), Some(3.0));
         assert_eq!(upper_median(&mut [], f64::total_cmp), None);
+    }
+
+    #[test]
+    fn a_gap_does_not_change_the_usual_step() {
+        assert_eq!(usual_step([0.0, 1.0, 2.0, 9.0, 10.0].into_iter()), 1.0);
+        assert!(usual_step([3.0].into_iter()).is_nan());
     }
 
     #[test]
