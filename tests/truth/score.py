@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Scores the program on surveys of reach.py: `score.py PROGRAM FOLDER [EFFECTS-SEED ...]`, for example `score.py bathyscope reaches cut,lag-1`.
 
-Without names: every effect with both kinds of beams, and six combinations (212 surveys, an hour on two cores and 6 GB, of which the
+Without names: every effect with both kinds of beams, and six combinations (218 surveys, an hour on two cores and 6 GB, of which the
 simulation is the most). FOLDER keeps the surveys, so that the next program is scored in a third of the time. Each survey is processed as
 recorded, without its side-scan, and, where it has an offset of time or place, with `--latency`. FOLDER/scores.jsonl gets a line for each.
 
@@ -13,7 +13,6 @@ share of those over 0.3 m wrong; and the warnings, with # for their numbers.
 import json
 import re
 import shutil
-import struct
 import subprocess
 import sys
 from collections import Counter, defaultdict
@@ -30,7 +29,7 @@ import reach_score  # noqa: E402  (beside reach.py)
 WITH_GOALS = "base double lost cut scarp quay layer lag lever gps".split()
 OTHERS = (
     "weed waves cone dunes sound draft tilt surface piers shoal fill quant quant10 second wash interf gain range ring unequal overlap speed "
-    "stop tight fall high"
+    "stop tight fall high slow4 slow8"
 ).split()
 COMBINED = {"cut,lag": (1, 2, 3), "lever,quant10": (1, 2, 3), "gps,waves": (1, 2, 3), "double,quay": (4, 5, 6), "layer,scarp": (4, 5, 6), "lost,weed": (4, 5, 6)}
 OFFSETS = {"lag", "lever", "gps"}
@@ -43,22 +42,6 @@ def all_names():
     names += [f"{effects}-{seed}" for effects, seeds in COMBINED.items() for seed in seeds]
     names += [f"{effect}-{seed}" for effect in OTHERS for seed in (1, 2)]
     return names + [f"halves,{effect}-1" for effect in OTHERS if effect != "overlap"]
-
-
-def without_side_scan(log, made):
-    """Writes an SL2 with the frames of its first channel alone, whose links are mended."""
-    data = log.read_bytes()
-    out, at, last, before = bytearray(data[:8]), 8, 0, 0
-    while at < len(data):
-        size, _, channel = struct.unpack_from("<HHH", data, at + 28)
-        if channel == 0:
-            frame, place = bytearray(data[at : at + size]), len(out)
-            struct.pack_into("<7I", frame, 0, place, last, 0, 0, 0, 0, 0)
-            struct.pack_into("<H", frame, 30, before)
-            last, before = place, size
-            out += frame
-        at += size
-    made.write_bytes(out)
 
 
 def processed(program, log, out, options):
@@ -123,7 +106,7 @@ def score(program, folder, name):
         survey.write(folder / name, seed, on)
     truth = reach_score.table(log.with_suffix(".truth.csv"))
     alone = folder / f"{name}-alone.sl2"
-    without_side_scan(log, alone)
+    survey.with_frames(log, alone, lambda frame, channel: channel == 0)
     ways = {"recorded": (log, []), "alone": (alone, [])} | ({"corrected": (log, ["--latency"])} if OFFSETS & set(on) else {})
     scores = {"name": name}
     for way, (log, options) in ways.items():

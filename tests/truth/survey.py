@@ -1,13 +1,16 @@
 #!/usr/bin/env python3
 """Writes surveys of `../shared/simulators/reach.py`: `survey.py FILE SEED EFFECTS [--bed SEED] [--shift METRES]`.
 
-FILE.sl2 is the log and FILE.truth.csv the truth, as reach.py writes them; EFFECTS are names with commas between them, or `base`. The echoes
-take most of the time. Surveys that differ in soundings or positions alone share them, in the folder `echoes` beside FILE.
+FILE.sl2 is the log and FILE.truth.csv the truth, as reach.py writes them; EFFECTS are names with commas between them, or `base`. `slow4` is an
+effect of this script: every fourth ping of the log, two a second, as of a slow recorder; `slow8` is one ping a second. The echoes take most
+of the time. Surveys that differ in soundings or positions alone share them, in the folder `echoes` beside FILE.
 """
 import argparse
 import csv
 import math
 import os
+import re
+import struct
 import sys
 from pathlib import Path
 
@@ -30,8 +33,15 @@ def effects(names):
     return [name for name in names.split(",") if name not in ("", "base")]
 
 
+def slowness(on):
+    """Returns the number of pings of which a slow recorder writes one, and the other effects."""
+    slow = [int(match[1]) for effect in on if (match := re.fullmatch(r"slow(\d+)", effect))]
+    return max(slow, default=1), [effect for effect in on if not effect.startswith("slow")]
+
+
 def write(file, seed, on, bed=None, shift_m=0.0):
     """Writes the log and the truth of a survey: of another bed than the seed's with `bed`, beside its lines with `shift_m`."""
+    every, on = slowness(on)
     make_bed, path = reach.Bed, reach.path
     if bed is not None:
         reach.Bed = lambda _, on: make_bed(bed, on)
@@ -45,8 +55,36 @@ def write(file, seed, on, bed=None, shift_m=0.0):
         survey = with_echoes(file, seed, on, bed, shift_m)
     finally:
         reach.Bed, reach.path = make_bed, path
-    reach.write_sl2(f"{file}.sl2", survey, np.random.default_rng(seed + 6), on)
-    write_truth(f"{file}.truth.csv", survey)
+    log = Path(f"{file}.sl2")
+    reach.write_sl2(log, survey, np.random.default_rng(seed + 6), on)
+    pings = len(survey["t"])
+    if every > 1:
+        frames_a_ping = sum(1 for _ in frames(log.read_bytes())) // pings
+        with_frames(log, log, lambda frame, channel: frame // frames_a_ping % every == 0)
+    write_truth(f"{file}.truth.csv", survey, range(0, pings, every))
+
+
+def frames(data):
+    """Returns the place, size and channel of each frame of an SL2."""
+    at = 8
+    while at < len(data):
+        size, _, channel = struct.unpack_from("<HHH", data, at + 28)
+        yield at, size, channel
+        at += size
+
+
+def with_frames(log, made, is_kept):
+    """Writes the frames of an SL2 for whose number and channel `is_kept` is true, with links that are mended."""
+    data = log.read_bytes()
+    out, last, before = bytearray(data[:8]), 0, 0
+    for number, (at, size, channel) in enumerate(frames(data)):
+        if is_kept(number, channel):
+            frame, place = bytearray(data[at : at + size]), len(out)
+            struct.pack_into("<7I", frame, 0, place, last, 0, 0, 0, 0, 0)
+            struct.pack_into("<H", frame, 30, before)
+            last, before = place, size
+            out += frame
+    made.write_bytes(out)
 
 
 def with_echoes(file, seed, on, bed, shift_m):
@@ -66,11 +104,12 @@ def with_echoes(file, seed, on, bed, shift_m):
     return survey
 
 
-def write_truth(file, survey):
+def write_truth(file, survey, pings):
     with open(file, "w", newline="") as out:
         rows = csv.writer(out)
         rows.writerow(HEADER)
-        for ping, time_s in enumerate(survey["t"]):
+        for ping in pings:
+            time_s = survey["t"][ping]
             value = lambda name: survey[name][ping]
             metres = [value("e"), value("n"), math.degrees(value("azimuth")) % 360, value("depth"), *value("true"), *value("seen")]
             metres += [value("level"), value("z"), value("s"), value("v")]
