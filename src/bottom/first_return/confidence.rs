@@ -58,6 +58,12 @@ pub(super) const REACH: usize = 8;
 /// Largest difference in range to a neighbour on a line with a pick, metres, and its growth for
 /// each ping between them: a bed that slopes 20 degrees along the track moves 5 cm at every ping.
 const ON_LINE_M: [f32; 2] = [0.10, 0.05];
+/// Movement of the bottom from ping to ping from which the picks around a ping are compared along
+/// it, metres: the boat runs up or down a bank.
+const FAST_M: f32 = 0.08;
+/// Share of the neighbouring picks on a line with a pick from which more of them do not make it
+/// more likely.
+const ENOUGH_SUPPORT: f32 = 0.9;
 /// Largest difference at which the ranges of the two sides agree, metres, and its growth as a share
 /// of the range.
 const AS_FAR: [f32; 2] = [0.25, 0.15];
@@ -103,12 +109,16 @@ impl Gathering<'_> {
                 let range_m = own[ping];
                 let on_line = |away: usize| ON_LINE_M[0] + ON_LINE_M[1] * away as f32;
                 let as_far = AS_FAR[0] + AS_FAR[1] * range_m;
-                let own = support(own, ping, range_m, on_line);
+                let own = support_along(own, ping, on_line);
                 Evidence {
                     range_m,
                     signs: self.found[this][ping].signs,
                     own,
-                    other: if is_alone { own } else { support(other, ping, range_m, |_| as_far) },
+                    other: if is_alone {
+                        own
+                    } else {
+                        support(other, ping, |_| range_m, |_| as_far)
+                    },
                     depth_m: self.depths_m[ping],
                     beyond_dead_zone_m: range_m - self.dead_zone_m as f32,
                 }
@@ -148,16 +158,42 @@ impl Gathering<'_> {
     }
 }
 
-/// Returns the share of the ranges around a ping, without that of the ping, that differ from
-/// `range_m` by no more than `allowed_m` returns for their distance in pings.
-fn support(ranges_m: &[f32], ping: usize, range_m: f32, allowed_m: impl Fn(usize) -> f32) -> f32 {
+/// Returns the share of the ranges around a ping, without that of the ping, that differ from what
+/// is expected at their ping by no more than `allowed_m` returns for their distance in pings.
+fn support(
+    ranges_m: &[f32],
+    ping: usize,
+    expected_m: impl Fn(usize) -> f32,
+    allowed_m: impl Fn(usize) -> f32,
+) -> f32 {
     let around = ping.saturating_sub(REACH)..ranges_m.len().min(ping + REACH + 1);
     let count = around.len() - 1;
     let on_line = around.filter(|&other| {
+        let off_m = (ranges_m[other] - expected_m(other)).abs();
         // Without a pick at the other ping the difference is NaN, and the comparison false.
-        other != ping && (ranges_m[other] - range_m).abs() <= allowed_m(other.abs_diff(ping))
+        other != ping && off_m <= allowed_m(other.abs_diff(ping))
     });
     on_line.count() as f32 / count.max(1) as f32
+}
+
+/// Returns the share of the ranges around a ping that are on a line with its range: about as far,
+/// or, where the bottom moves faster than [`FAST_M`], along this movement.
+fn support_along(ranges_m: &[f32], ping: usize, allowed_m: impl Fn(usize) -> f32) -> f32 {
+    let range_m = ranges_m[ping];
+    let level = support(ranges_m, ping, |_| range_m, &allowed_m);
+    if level >= ENOUGH_SUPPORT {
+        return level;
+    }
+    let away = 1..=REACH.min(ping).min(ranges_m.len() - 1 - ping);
+    let moves = away
+        .map(|away| f64::from(ranges_m[ping + away] - ranges_m[ping - away]) / (2 * away) as f64);
+    let mut moves: Vec<f64> = moves.filter(|moved| moved.is_finite()).collect();
+    let movement_m = median(&mut moves) as f32;
+    if movement_m.abs() > FAST_M {
+        let expected_m = |other: usize| range_m + movement_m * (other as f32 - ping as f32);
+        return level.max(support(ranges_m, ping, expected_m, allowed_m));
+    }
+    level
 }
 
 impl Evidence {
@@ -182,7 +218,7 @@ impl Evidence {
                 farther,
                 &[(0.0, 0.45), (2.0, 0.6), (3.0, 0.8), (6.0, 0.9), (9.0, 0.97), (14.0, 1.0)],
             ),
-            between(self.own, &[(0.3, 0.6), (0.6, 0.95), (0.9, 1.0)]),
+            between(self.own, &[(0.3, 0.6), (0.6, 0.95), (ENOUGH_SUPPORT, 1.0)]),
             between(self.of_depth(), &[(1.05, 1.0), (1.15, 0.4)]),
             between(self.above_m(), &[(0.15, 1.0), (0.25, 0.8)]),
         ];

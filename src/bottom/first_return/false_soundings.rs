@@ -318,7 +318,8 @@ fn second_echoes_by(soundings: &[Sounding], ranges_m: Vec<f64>) -> Vec<FalseSoun
     let depth_m = |index: usize| f64::from(soundings[index].depth_m);
     let is_double = |index: usize| SECOND_ECHO.contains(&(depth_m(index) / ranges_m[index]));
     let mut found = Vec::new();
-    for stretch in stretches((0..soundings.len()).filter(|&index| is_double(index))) {
+    let doubles = (0..soundings.len()).filter(|&index| is_double(index));
+    for stretch in stretches(doubles, |between| ranges_m[between].iter().all(|m| m.is_nan())) {
         let stretch = stretch.start..unseen_end(soundings, &ranges_m, stretch.end);
         let leaps_at = |inside: Range<usize>, outside: Range<usize>| {
             let middle = |of: &dyn Fn(usize) -> f64, at: Range<usize>| {
@@ -363,12 +364,18 @@ fn unseen_end(soundings: &[Sounding], ranges_m: &[f64], end: usize) -> usize {
     unseen.find(|&index| EXACT_LEAP.contains(&(depth_m(index - 1) / depth_m(index)))).unwrap_or(end)
 }
 
-/// Returns the ranges of indices that follow each other with gaps of at most [`LONGEST_PAUSE`].
-fn stretches(indices: impl Iterator<Item = usize>) -> Vec<Range<usize>> {
+/// Returns the ranges of indices that follow each other with gaps of at most [`LONGEST_PAUSE`], or
+/// with longer ones in which nothing is seen.
+fn stretches(
+    indices: impl Iterator<Item = usize>,
+    is_unseen: impl Fn(Range<usize>) -> bool,
+) -> Vec<Range<usize>> {
     let mut stretches: Vec<Range<usize>> = Vec::new();
     for index in indices {
         match stretches.last_mut() {
-            Some(last) if index - last.end <= LONGEST_PAUSE => last.end = index + 1,
+            Some(last) if index - last.end <= LONGEST_PAUSE || is_unseen(last.end..index) => {
+                last.end = index + 1;
+            }
             _ => stretches.push(index..index + 1),
         }
     }
@@ -477,6 +484,9 @@ mod tests {
         let found = find(&depth_m(95..160), &ranges_m);
         assert_eq!(found.len(), 1, "{found:?}");
         assert_eq!(found[0].soundings, 95..160);
+        // The sides see the bottom again before the depth is right.
+        let again_m = |i: usize| if (110..140).contains(&i) { f64::NAN } else { bank_m(i) };
+        assert_eq!(find(&depth_m(95..160), &seen((0..400).map(again_m))), found);
         // Without a leap back, the end of the second echo is unknown.
         assert!(
             find(&depth_m(95..400), &ranges_m).iter().all(|stretch| stretch.soundings.end <= 120)

@@ -3,6 +3,7 @@
 //! averaged along the track without smearing a sloping edge.
 
 use super::rows::SampleRows;
+use super::trend::Trend;
 use std::ops::Range;
 
 /// Rows of numbers, of equal width.
@@ -111,12 +112,14 @@ pub(super) fn peak_offset(values: &[f32], at: usize) -> f32 {
     (0.5 * (after - before) / curve).clamp(-0.5, 0.5)
 }
 
-/// Returns the stretches of rows over which the line moves no more than `limit` cells a row.
-pub(super) fn stretches(line: &[usize], limit: usize) -> Vec<Range<usize>> {
+/// Returns the stretches of rows over which the line moves no more than `limit` cells a row beside
+/// the trend.
+pub(super) fn stretches(line: &[usize], trend: &Trend, limit: usize) -> Vec<Range<usize>> {
+    let moves = |row: usize| line[row] as isize - line[row - 1] as isize - trend.step(row);
     let mut stretches: Vec<Range<usize>> = Vec::new();
     for row in 0..line.len() {
         match stretches.last_mut() {
-            Some(stretch) if line[row].abs_diff(line[row - 1]) <= limit => stretch.end = row + 1,
+            Some(stretch) if moves(row).unsigned_abs() <= limit => stretch.end = row + 1,
             _ => stretches.push(row..row + 1),
         }
     }

@@ -6,8 +6,9 @@
 //!
 //! `rows` divides the log where the line may break, and into chunks, and loads the picture. `score`
 //! measures the step at every sample and limits the line by the recorded depth, and `viterbi` finds
-//! the best path. `refine` finds the edge within a fraction of a sample on the picture that `grid`
-//! aligns along the line, with the earlier echoes just before it.
+//! the best path; where the bottom moves fast, both follow a `trend`. `refine` finds the edge
+//! within a fraction of a sample on the picture that `grid` aligns along the line, with the earlier
+//! echoes just before it.
 //!
 //! The settings were chosen on simulated ponds and verified on real recordings. Lengths that depend
 //! on the bottom are in metres, with limits in cells of the picture where they depend on the
@@ -17,17 +18,20 @@ mod grid;
 mod refine;
 mod rows;
 mod score;
+mod trend;
 mod viterbi;
 
 use super::confidence::MethodPick;
 use super::{FirstReturnSettings, Normalisation};
 use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::support::statistics::usual_step;
 use bathyscope_log::survey::{Side, Survey};
 use grid::TrackerGrid;
 use rayon::prelude::*;
 use rows::TrackerChunk;
 use score::Scores;
 use std::ops::Range;
+use trend::Trend;
 
 /// Cost in score of a place beyond the limit of a believed depth: more than any step gathers.
 const FARTHER_COST: f32 = 8.0;
@@ -75,6 +79,17 @@ pub(super) fn track(
     Ok(sides)
 }
 
+/// Conditions that the line of a chunk is found under.
+struct Task {
+    kernel: score::Kernel,
+    depths: score::Depths,
+    motion: viterbi::MotionCost,
+    /// Usual time between two pings, seconds.
+    interval_s: f64,
+    /// Length of a cell, metres.
+    cell_m: f64,
+}
+
 /// Buffers that a worker thread reuses for one chunk after another.
 #[derive(Default)]
 struct Workspace {
@@ -87,14 +102,15 @@ struct Workspace {
 impl Workspace {
     /// Returns the best line. It stays before the recorded depth where the echo shows a bottom
     /// there too.
-    fn line_within(&mut self, depths: &score::Depths, motion: &viterbi::MotionCost) -> Vec<usize> {
-        let line = self.paths.line(self.scores.grid(), motion);
+    fn line_within(&mut self, trend: &Trend, task: &Task) -> Vec<usize> {
+        let Task { depths, motion, .. } = task;
+        let line = self.paths.line(self.scores.grid(), trend, motion);
         if !depths.is_passed(&line) {
             return line;
         }
         if depths.bounds(&line) {
             depths.lower_beyond(&(0..line.len()), FARTHER_COST, &mut self.scores);
-            return self.paths.line(self.scores.grid(), motion);
+            return self.paths.line(self.scores.grid(), trend, motion);
         }
         let leaps = depths.leaps(&line);
         if leaps.is_empty() {
@@ -103,7 +119,7 @@ impl Workspace {
         for rows in &leaps {
             depths.lower_beyond(rows, FARTHER_COST, &mut self.scores);
         }
-        let bounded_line = self.paths.line(self.scores.grid(), motion);
+        let bounded_line = self.paths.line(self.scores.grid(), trend, motion);
         let mut is_restored = false;
         for rows in &leaps {
             let evidence = mean_score(self.scores.grid(), &bounded_line, rows);
@@ -112,7 +128,45 @@ impl Workspace {
                 is_restored = true;
             }
         }
-        if is_restored { self.paths.line(self.scores.grid(), motion) } else { bounded_line }
+        if is_restored { self.paths.line(self.scores.grid(), trend, motion) } else { bounded_line }
+    }
+
+    /// Finds the line along a trend, after [`Scores::measure`].
+    fn line_along(&mut self, trend: &Trend, task: &Task) -> Vec<usize> {
+        self.scores.measure_along(trend, &self.rows, &task.kernel);
+        task.depths.weigh(&mut self.scores);
+        self.line_within(trend, task)
+    }
+
+    /// Returns the line, and the trend with which it gathers most: none, or, where the line leaps
+    /// or is lost, that of a loose line or of the recorded depths.
+    fn best_line(&mut self, task: &Task) -> (Vec<usize>, Trend) {
+        self.scores.measure(&self.rows, &task.kernel);
+        task.depths.weigh(&mut self.scores);
+        let line = self.line_within(&Trend::default(), task);
+        let leaps = line.windows(2).any(|pair| pair[0].abs_diff(pair[1]) > task.motion.limit);
+        if !leaps && evidence(self.scores.grid(), &line).iter().all(Option::is_some) {
+            return (line, Trend::default());
+        }
+        let mut gathered = self.paths.gathered();
+        let loose = self.paths.line(self.scores.grid(), &Trend::default(), &task.motion.loose());
+        let loose: Vec<f64> = loose.iter().map(|&cell| cell as f64).collect();
+        let mut best = (line, Trend::default());
+        let mut is_last = false;
+        let Task { depths, interval_s, cell_m, .. } = task;
+        for trend in Trend::candidates(&loose, depths.cells(), *interval_s, *cell_m) {
+            let line = self.line_along(&trend, task);
+            is_last = self.paths.gathered() > gathered;
+            if is_last {
+                gathered = self.paths.gathered();
+                best = (line, trend);
+            }
+        }
+        // Scores and margins are those of the line that was found last.
+        if !is_last {
+            self.line_along(&best.1, task);
+        }
+        best
     }
 
     fn track(
@@ -125,16 +179,20 @@ impl Workspace {
     ) -> Vec<MethodPick> {
         let cell_m = chunk.metres_per_sample * rows::cell(normalisation.samples) as f64;
         self.rows.load(survey, normalisation, side, chunk);
-        self.scores
-            .measure(&self.rows, &score::Kernel::new(normalisation, settings, chunk, cell_m));
-        let depths = score::Depths::of(survey, chunk, cell_m);
-        depths.weigh(&mut self.scores);
         let motion = viterbi::MotionCost::at(cell_m);
-        let line = self.line_within(&depths, &motion);
+        let limit = motion.limit;
+        let times_s = chunk.pings.iter().map(|&ping| survey.side_scan[ping as usize].time_s);
+        let (line, trend) = self.best_line(&Task {
+            kernel: score::Kernel::new(normalisation, settings, chunk, cell_m),
+            depths: score::Depths::of(survey, chunk, cell_m),
+            motion,
+            interval_s: usual_step(times_s),
+            cell_m,
+        });
         let evidence = evidence(self.scores.grid(), &line);
         let apart = (RIVAL_M / cell_m).ceil() as usize;
         let margins = self.paths.margins(&line, apart);
-        let places = self.refiner.refine(&self.rows, &line, motion.limit, cell_m);
+        let places = self.refiner.refine(&self.rows, &line, &trend, limit, cell_m);
         let samples_per_cell = rows::cell(normalisation.samples) as f32;
         let kept = chunk.kept.clone();
         kept.map(|row| match evidence[row] {

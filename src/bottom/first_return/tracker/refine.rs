@@ -10,6 +10,7 @@
 use super::grid::{TrackerGrid, extract, gaussian, peak_offset, smooth, smooth_along, stretches};
 use super::rows::SampleRows;
 use super::score::{FLOOR, MOST};
+use super::trend::Trend;
 use super::viterbi::{MotionCost, Paths};
 use bathyscope_log::support::statistics::upper_median;
 use std::ops::Range;
@@ -49,21 +50,28 @@ pub(super) struct Refiner {
 
 impl Refiner {
     /// Returns the place of the edge on every row, cells. `limit` is the largest movement of the
-    /// line from row to row without a leap, cells.
+    /// line from row to row beside the trend without a leap, cells.
     pub(super) fn refine(
         &mut self,
         rows: &SampleRows,
         line: &[usize],
+        trend: &Trend,
         limit: usize,
         cell_m: f64,
     ) -> Vec<f32> {
         let reach = cells(WATER_M.1, cell_m, 5);
         self.profiles.reset(line.len(), 2 * reach + 1, 0.0);
         let mut places = Vec::with_capacity(line.len());
-        let stretches = stretches(line, limit);
+        let stretches = stretches(line, trend, limit);
         for stretch in stretches.iter().cloned() {
-            let rough: Vec<f32> = line[stretch.clone()].iter().map(|&at| at as f32).collect();
-            let straight = smooth(&rough, &gaussian(LINE_PINGS));
+            // Beside the trend, whose kinks stay.
+            let moved = |row: usize| trend.between(stretch.start, row as isize) as f32;
+            let rough: Vec<f32> =
+                stretch.clone().map(|row| line[row] as f32 - moved(row)).collect();
+            let mut straight = smooth(&rough, &gaussian(LINE_PINGS));
+            for (at, row) in straight.iter_mut().zip(stretch.clone()) {
+                *at += moved(row);
+            }
             let found = self.search(rows, &stretch, &straight, cell_m);
             extract(rows, &stretch, &found, reach, &mut self.band);
             smooth_along(&self.band, &gaussian(PROFILE_PINGS), &mut self.smoothed);
@@ -100,7 +108,7 @@ impl Refiner {
             short_steps(self.smoothed.row(row), window, self.scores.row_mut(row));
         }
         let motion = MotionCost { limit: MOVE.0, cost: MOVE.1, leap: f32::INFINITY };
-        let found = self.paths.line(&self.scores, &motion);
+        let found = self.paths.line(&self.scores, &Trend::default(), &motion);
         let placed = found.iter().zip(line).enumerate().map(|(row, (&cell, &line))| {
             line - half as f32 + cell as f32 + peak_offset(self.scores.row(row), cell)
         });

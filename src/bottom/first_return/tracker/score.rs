@@ -4,6 +4,7 @@
 use super::super::{FirstReturnSettings, Normalisation, SampleMode};
 use super::grid::TrackerGrid;
 use super::rows::{SampleRows, TrackerChunk};
+use super::trend::{Trend, overlap};
 use crate::first_return::confidence::farthest_m;
 use crate::vectors::{VectorLoop, vectorised};
 use bathyscope_log::survey::Survey;
@@ -23,8 +24,10 @@ const LOUD_COST: f32 = 0.5;
 /// Largest growth of the water's brightness with range, bytes a metre.
 const WATER_GROWS_PER_M: f64 = 8.0;
 
+/// Number of rows on either side that a row is averaged with.
+const ALONG: usize = 3;
 /// Weights of the smoothing along the track: a gaussian of 1.2 pings that sums to 64.
-const ALONG: [u16; 4] = [22, 15, 5, 1];
+const WEIGHTS: [u16; ALONG + 1] = [22, 15, 5, 1];
 
 /// Factor of smoothed values on bytes: they are kept as integers, so that sums over windows are
 /// exact.
@@ -84,6 +87,12 @@ impl Kernel {
 #[derive(Default)]
 pub(super) struct Scores {
     grid: TrackerGrid,
+    /// Trend that the rows are averaged along.
+    trend: Trend,
+    /// True for each row that was measured last.
+    is_new: Vec<bool>,
+    /// True if scores were lowered otherwise than by [`Depths::weigh`].
+    is_lowered: bool,
     fine: Vec<i16>,
     loudest: Vec<u8>,
     spare: Vec<u8>,
@@ -109,16 +118,36 @@ impl Scores {
     /// Score of a cell that does not pass the threshold or cannot be measured.
     pub(super) const CLOSED: f32 = -1.0;
 
-    /// Replaces the scores with those of the rows.
+    /// Replaces the scores with those of the rows, averaged with their neighbours.
     pub(super) fn measure(&mut self, rows: &SampleRows, kernel: &Kernel) {
+        self.grid.reset(rows.len(), rows.width, Self::CLOSED);
+        self.trend = Trend::default();
+        self.is_new.clear();
+        self.is_new.resize(rows.len(), true);
+        self.is_lowered = false;
+        vectorised(Measure { scores: self, rows, kernel });
+    }
+
+    /// Replaces the scores of the same rows with those averaged along another trend.
+    pub(super) fn measure_along(&mut self, trend: &Trend, rows: &SampleRows, kernel: &Kernel) {
+        for first in (0..rows.len()).step_by(TOGETHER) {
+            let together = first..rows.len().min(first + TOGETHER);
+            let averaged = first.saturating_sub(ALONG)..together.end + ALONG;
+            let is_new = [&self.trend, trend].iter().any(|trend| trend.moves_over(&averaged));
+            self.is_new[together].fill(is_new || self.is_lowered);
+        }
+        self.trend.clone_from(trend);
+        self.is_lowered = false;
         vectorised(Measure { scores: self, rows, kernel });
     }
 
     /// Computes the scores as [`Scores::measure`] does; not vectorised.
     #[inline(always)]
     fn measure_inlined(&mut self, rows: &SampleRows, kernel: &Kernel) {
-        self.grid.reset(rows.len(), rows.width, Self::CLOSED);
         for first in (0..rows.len()).step_by(TOGETHER) {
+            if !self.is_new[first] {
+                continue;
+            }
             let last = rows.len() - 1;
             for index in 0..TOGETHER {
                 // Where fewer rows are left, the last one is processed again.
@@ -131,6 +160,7 @@ impl Scores {
                 brightness_before(&mut self.before, sums, kernel);
                 let water = WaterBrightness { before: &self.before, quiet: &self.quiet[index] };
                 let out = self.grid.row_mut(row);
+                out.fill(Self::CLOSED);
                 step_scores(out, (sums, squares), &water, kernel, rows.recorded[row]);
                 self.find_loudest(rows, row, kernel.window);
                 close_below_level(self.grid.row_mut(row), &self.loudest, kernel.level);
@@ -162,12 +192,21 @@ impl Scores {
     #[inline(always)]
     fn smooth(&mut self, rows: &SampleRows, row: usize) {
         let at = |offset: isize| rows.row(row as isize + offset);
+        let moved = |offset: isize| self.trend.between(row, row as isize + offset);
         self.fine.clear();
         self.fine.resize(at(0).len(), 0);
         for (fine, &byte) in self.fine.iter_mut().zip(at(0)) {
-            *fine = (ALONG[0] * u16::from(byte)) as i16;
+            *fine = (WEIGHTS[0] * u16::from(byte)) as i16;
         }
-        for (offset, &weight) in (0isize..).zip(&ALONG).skip(1) {
+        for (offset, &weight) in (0isize..).zip(&WEIGHTS).skip(1) {
+            if moved(-offset) != 0 || moved(offset) != 0 {
+                for offset in [-offset, offset] {
+                    let (here, there, count) = overlap(self.fine.len(), moved(offset));
+                    let cells = self.fine[here..][..count].iter_mut().zip(&at(offset)[there..]);
+                    cells.for_each(|(fine, &byte)| *fine += (weight * u16::from(byte)) as i16);
+                }
+                continue;
+            }
             for (fine, (&before, &after)) in
                 self.fine.iter_mut().zip(at(-offset).iter().zip(at(offset)))
             {
@@ -186,7 +225,10 @@ impl Scores {
         self.loudest.clear();
         self.loudest.extend_from_slice(rows.row(row as isize));
         for offset in (-LOUD_ALONG..=LOUD_ALONG).filter(|&offset| offset != 0) {
-            for (loudest, &byte) in self.loudest.iter_mut().zip(rows.row(row as isize + offset)) {
+            let other = row as isize + offset;
+            let (here, there, count) = overlap(self.loudest.len(), self.trend.between(row, other));
+            let cells = self.loudest[here..][..count].iter_mut().zip(&rows.row(other)[there..]);
+            for (loudest, &byte) in cells {
                 *loudest = byte.max(*loudest);
             }
         }
@@ -421,12 +463,15 @@ impl Depths {
     }
 
     /// Lowers the scores of cells far from the recorded depth. The cost is small, since that depth
-    /// may be wrong; without a depth nothing changes.
+    /// may be wrong; without a depth nothing changes. Rows that were not measured last are weighed
+    /// already.
     pub(super) fn weigh(&self, scores: &mut Scores) {
         let (near, far) = DEPTH_WINDOW;
         for (row, depth) in self.known() {
-            scores.lower(row, ..self.cell(near * depth), DEPTH_COST);
-            scores.lower(row, self.cell(far * depth).., DEPTH_COST);
+            if scores.is_new[row] {
+                scores.lower(row, ..self.cell(near * depth), DEPTH_COST);
+                scores.lower(row, self.cell(far * depth).., DEPTH_COST);
+            }
         }
     }
 
@@ -457,6 +502,7 @@ impl Depths {
     pub(super) fn lower_beyond(&self, rows: &Range<usize>, cost: f32, scores: &mut Scores) {
         for (row, depth) in self.known().filter(|(row, _)| rows.contains(row)) {
             scores.lower(row, self.limit(depth).., cost);
+            scores.is_lowered = true;
         }
     }
 
@@ -475,6 +521,11 @@ impl Depths {
     /// Returns the farthest cell at which the bottom below the boat returns; `depth` is in cells.
     fn limit(&self, depth: f64) -> usize {
         self.cell(farthest_m(depth * self.cell_m) / self.cell_m)
+    }
+
+    /// Returns the depth at each row, cells of range; NaN where there is none to believe.
+    pub(super) fn cells(&self) -> &[f64] {
+        &self.cells
     }
 
     fn known(&self) -> impl Iterator<Item = (usize, f64)> {

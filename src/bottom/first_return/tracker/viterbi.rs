@@ -2,6 +2,7 @@
 //! gather.
 
 use super::grid::{TrackerGrid, highest, larger, maximum};
+use super::trend::{Trend, overlap};
 use crate::vectors::{VectorLoop, vectorised};
 
 /// Largest movement of the line from ping to ping without a leap, metres.
@@ -34,13 +35,23 @@ impl MotionCost {
             leap: LEAP_COST,
         }
     }
+
+    /// Returns the cost of a line that follows banks whose movement from row to row is not known.
+    pub(super) fn loose(&self) -> Self {
+        Self { limit: LOOSER * self.limit, cost: self.cost / LOOSER as f32, ..*self }
+    }
 }
+
+/// Factor by which a loose line moves farther at the same cost.
+const LOOSER: usize = 8;
 
 /// Score of the best path through every cell, with buffers.
 #[derive(Default)]
 pub(super) struct Paths {
     through: TrackerGrid,
     reach: Reach,
+    /// Scores of a row, moved along a trend.
+    moved: Vec<f32>,
 }
 
 impl Paths {
@@ -48,19 +59,36 @@ impl Paths {
     ///
     /// The path is solved forward, then backward: the best path through a cell gathers `forward +
     /// backward - score`, and the cell with the highest sum of a row is on the best path of all.
-    pub(super) fn line(&mut self, scores: &TrackerGrid, motion: &MotionCost) -> Vec<usize> {
-        vectorised(BestLine { paths: self, scores, motion })
+    /// Movement along `trend` has no cost.
+    pub(super) fn line(
+        &mut self,
+        scores: &TrackerGrid,
+        trend: &Trend,
+        motion: &MotionCost,
+    ) -> Vec<usize> {
+        vectorised(BestLine { paths: self, scores, trend, motion })
+    }
+
+    /// Returns the score that the line gathers that was found last.
+    pub(super) fn gathered(&self) -> f32 {
+        if self.through.len() == 0 { 0.0 } else { maximum(self.through.row(0)) }
     }
 
     /// Finds the line as [`Paths::line`] does; not vectorised.
     #[inline(always)]
-    fn line_inlined(&mut self, scores: &TrackerGrid, motion: &MotionCost) -> Vec<usize> {
+    fn line_inlined(
+        &mut self,
+        scores: &TrackerGrid,
+        trend: &Trend,
+        motion: &MotionCost,
+    ) -> Vec<usize> {
         let (width, rows) = (scores.width(), scores.len());
         self.through.reset(rows, width, 0.0);
         for row in 0..rows {
             let (before, out) = self.through.row_after(row);
             out.copy_from_slice(scores.row(row));
             if !before.is_empty() {
+                let before = moved(before, trend.step(row), &mut self.moved);
                 for (out, best) in out.iter_mut().zip(self.reach.of(before, motion)) {
                     *out += best;
                 }
@@ -78,7 +106,8 @@ impl Paths {
             for (onward, score) in onward.iter_mut().zip(scores.row(row)) {
                 *onward += score;
             }
-            let best = self.reach.of(&onward, motion);
+            let behind = moved(&onward, -trend.step(row), &mut self.moved);
+            let best = self.reach.of(behind, motion);
             onward.copy_from_slice(best);
         }
         line
@@ -110,6 +139,7 @@ impl Paths {
 struct BestLine<'a> {
     paths: &'a mut Paths,
     scores: &'a TrackerGrid,
+    trend: &'a Trend,
     motion: &'a MotionCost,
 }
 
@@ -118,7 +148,7 @@ impl VectorLoop for BestLine<'_> {
 
     #[inline(always)]
     fn run(self) -> Vec<usize> {
-        self.paths.line_inlined(self.scores, self.motion)
+        self.paths.line_inlined(self.scores, self.trend, self.motion)
     }
 }
 
@@ -184,6 +214,22 @@ impl Reach {
     }
 }
 
+/// Score of a cell that moved into the picture.
+const UNSEEN: f32 = -1e6;
+
+/// Returns the values of a row moved by some cells to the next row.
+#[inline(always)]
+fn moved<'a>(values: &'a [f32], by: isize, buffer: &'a mut Vec<f32>) -> &'a [f32] {
+    if by == 0 {
+        return values;
+    }
+    buffer.clear();
+    buffer.resize(values.len(), UNSEEN);
+    let (from, to, count) = overlap(values.len(), by);
+    buffer[to..][..count].copy_from_slice(&values[from..][..count]);
+    buffer
+}
+
 /// Computes `out = max(stay, moved - cost)` up to the end of the shortest slice.
 #[inline(always)]
 fn higher(out: &mut [f32], stay: &[f32], moved: &[f32], cost: f32) {
@@ -226,7 +272,7 @@ mod tests {
                 cost: 0.7,
                 leap: if round % 3 == 0 { f32::INFINITY } else { 2.5 },
             };
-            let line = Paths::default().line(&scores, &motion);
+            let line = Paths::default().line(&scores, &Trend::default(), &motion);
             let best = (0..width.pow(rows as u32))
                 .map(|number| {
                     let path: Vec<usize> =

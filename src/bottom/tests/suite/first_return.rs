@@ -160,6 +160,28 @@ fn tracker_follows_a_slope_under_noise() {
 }
 
 #[test]
+fn tracker_follows_a_bank_that_the_boat_runs_up() {
+    // 15 cm a ping: 33 degrees at 1.8 m a second and eight pings a second.
+    let ends = [100, 140];
+    let edge = |row: usize| 900 - 15 * (row.clamp(ends[0], ends[1]) - ends[0]);
+    let rows = noisy_rows(240, 1000, edge, 60, 90);
+    let survey = composite(&rows, 10.0, f32::NAN);
+    let settings = FirstReturnSettings { method: Method::Tracker, ..Default::default() };
+    let found = detect(&survey, &ImageSettings::default(), &settings, &Progress::new())
+        .expect("not cancelled");
+    for side in Side::BOTH {
+        for (ping, pick) in found.side(side).iter().enumerate() {
+            // Where the bank begins and ends, the trend is that of the pings before or behind: up
+            // to three pings are off.
+            let is_end = ends.iter().any(|end| ping.abs_diff(*end) < 6);
+            let off = f64::from(pick.sample) - edge(ping) as f64;
+            assert!(off.abs() < if is_end { 45.0 } else { 4.0 }, "{side:?} {ping}: {off} samples");
+            assert!(is_end || pick.confidence > 0.6, "{side:?} {ping}: {}", pick.confidence);
+        }
+    }
+}
+
+#[test]
 fn words_that_go_negative_are_warned_of() {
     let quiet = noisy_rows(20, 400, |_| 150, 40, 50);
     let loud = noisy_rows(20, 400, |_| 150, 40, 100);
