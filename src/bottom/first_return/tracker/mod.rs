@@ -90,6 +90,26 @@ struct Task {
     cell_m: f64,
 }
 
+/// Line through a chunk, with a value of each kind for each row.
+struct FoundLine {
+    /// Cell of the line.
+    cells: Vec<usize>,
+    /// Trend that the line follows.
+    trend: Trend,
+    /// Mean score around the row; `None` where the line gives no pick.
+    evidence: Vec<Option<f32>>,
+    /// Lead over the best line that passes nearer, and over the best that passes farther.
+    margins: Vec<[f32; 2]>,
+}
+
+impl FoundLine {
+    /// Returns true if the line gives a pick on each row and never moves more than `limit` cells.
+    fn is_whole(&self, limit: usize) -> bool {
+        let leaps = self.cells.windows(2).any(|pair| pair[0].abs_diff(pair[1]) > limit);
+        !leaps && self.evidence.iter().all(Option::is_some)
+    }
+}
+
 /// Buffers that a worker thread reuses for one chunk after another.
 #[derive(Default)]
 struct Workspace {
@@ -131,42 +151,40 @@ impl Workspace {
         if is_restored { self.paths.line(self.scores.grid(), trend, motion) } else { bounded_line }
     }
 
-    /// Finds the line along a trend, after [`Scores::measure`].
-    fn line_along(&mut self, trend: &Trend, task: &Task) -> Vec<usize> {
-        self.scores.measure_along(trend, &self.rows, &task.kernel);
+    /// Finds the line along the trend that the rows are averaged along. Returns it with the score
+    /// that it gathers.
+    fn found_line(&mut self, trend: Trend, task: &Task) -> (FoundLine, f32) {
         task.depths.weigh(&mut self.scores);
-        self.line_within(trend, task)
+        let cells = self.line_within(&trend, task);
+        let apart = (RIVAL_M / task.cell_m).ceil() as usize;
+        let line = FoundLine {
+            evidence: evidence(self.scores.grid(), &cells),
+            margins: self.paths.margins(&cells, apart),
+            cells,
+            trend,
+        };
+        (line, self.paths.gathered())
     }
 
-    /// Returns the line, and the trend with which it gathers most: none, or, where the line leaps
+    /// Returns the line with the trend with which it gathers most: none, or, where the line leaps
     /// or is lost, that of a loose line or of the recorded depths.
-    fn best_line(&mut self, task: &Task) -> (Vec<usize>, Trend) {
+    fn best_line(&mut self, task: &Task) -> FoundLine {
         self.scores.measure(&self.rows, &task.kernel);
-        task.depths.weigh(&mut self.scores);
-        let line = self.line_within(&Trend::default(), task);
-        let leaps = line.windows(2).any(|pair| pair[0].abs_diff(pair[1]) > task.motion.limit);
-        if !leaps && evidence(self.scores.grid(), &line).iter().all(Option::is_some) {
-            return (line, Trend::default());
+        let mut best = self.found_line(Trend::default(), task);
+        if best.0.is_whole(task.motion.limit) {
+            return best.0;
         }
-        let mut gathered = self.paths.gathered();
         let loose = self.paths.line(self.scores.grid(), &Trend::default(), &task.motion.loose());
         let loose: Vec<f64> = loose.iter().map(|&cell| cell as f64).collect();
-        let mut best = (line, Trend::default());
-        let mut is_last = false;
         let Task { depths, interval_s, cell_m, .. } = task;
         for trend in Trend::candidates(&loose, depths.cells(), *interval_s, *cell_m) {
-            let line = self.line_along(&trend, task);
-            is_last = self.paths.gathered() > gathered;
-            if is_last {
-                gathered = self.paths.gathered();
-                best = (line, trend);
+            self.scores.measure_along(&trend, &self.rows, &task.kernel);
+            let found = self.found_line(trend, task);
+            if found.1 > best.1 {
+                best = found;
             }
         }
-        // Scores and margins are those of the line that was found last.
-        if !is_last {
-            self.line_along(&best.1, task);
-        }
-        best
+        best.0
     }
 
     fn track(
@@ -182,17 +200,15 @@ impl Workspace {
         let motion = viterbi::MotionCost::at(cell_m);
         let limit = motion.limit;
         let times_s = chunk.pings.iter().map(|&ping| survey.side_scan[ping as usize].time_s);
-        let (line, trend) = self.best_line(&Task {
+        let line = self.best_line(&Task {
             kernel: score::Kernel::new(normalisation, settings, chunk, cell_m),
             depths: score::Depths::of(survey, chunk, cell_m),
             motion,
             interval_s: usual_step(times_s),
             cell_m,
         });
-        let evidence = evidence(self.scores.grid(), &line);
-        let apart = (RIVAL_M / cell_m).ceil() as usize;
-        let margins = self.paths.margins(&line, apart);
-        let places = self.refiner.refine(&self.rows, &line, &trend, limit, cell_m);
+        let FoundLine { cells, trend, evidence, margins } = line;
+        let places = self.refiner.refine(&self.rows, &cells, &trend, limit, cell_m);
         let samples_per_cell = rows::cell(normalisation.samples) as f32;
         let kept = chunk.kept.clone();
         kept.map(|row| match evidence[row] {

@@ -134,6 +134,9 @@ impl Scores {
             let together = first..rows.len().min(first + TOGETHER);
             let averaged = first.saturating_sub(ALONG)..together.end + ALONG;
             let is_new = [&self.trend, trend].iter().any(|trend| trend.moves_over(&averaged));
+            if is_new || self.is_lowered {
+                together.clone().for_each(|row| self.grid.row_mut(row).fill(Self::CLOSED));
+            }
             self.is_new[together].fill(is_new || self.is_lowered);
         }
         self.trend.clone_from(trend);
@@ -160,7 +163,6 @@ impl Scores {
                 brightness_before(&mut self.before, sums, kernel);
                 let water = WaterBrightness { before: &self.before, quiet: &self.quiet[index] };
                 let out = self.grid.row_mut(row);
-                out.fill(Self::CLOSED);
                 step_scores(out, (sums, squares), &water, kernel, rows.recorded[row]);
                 self.find_loudest(rows, row, kernel.window);
                 close_below_level(self.grid.row_mut(row), &self.loudest, kernel.level);
