@@ -54,7 +54,7 @@ pub(super) struct Counted {
 }
 
 /// Data of a log as a reader collected them.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Collected {
     /// Description of the files of the log.
     pub(super) source: Source,
@@ -98,25 +98,7 @@ pub(super) struct Collected {
 impl Collected {
     /// Creates an empty log.
     pub(super) fn new(source: Source, bytes: Vec<Bytes>, reading: &Reading<'_>) -> Self {
-        Self {
-            source,
-            bytes,
-            start_unix_s: None,
-            has_times: true,
-            channels: Vec::new(),
-            composite: Vec::new(),
-            port: Vec::new(),
-            starboard: Vec::new(),
-            pairs: Vec::new(),
-            echograms: Vec::new(),
-            depths: Vec::new(),
-            swath: Vec::new(),
-            fixes: Vec::new(),
-            projected: None,
-            range_source: RangeSource::default(),
-            report: WarningReport::default(),
-            counted_to: reading.counted_to(),
-        }
+        Self { source, bytes, has_times: true, counted_to: reading.counted_to(), ..Self::default() }
     }
 
     /// Counts a ping of the channel with this number, which the recorder or the order of the files

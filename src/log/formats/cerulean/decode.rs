@@ -26,6 +26,7 @@ const BYTES_A_POSITION: usize = 128;
 type Record = (Profile, usize, Vec<ReceivedPosition>);
 
 /// Decodes packets and collects sides and fixes.
+#[derive(Default)]
 pub(super) struct Reader<'a> {
     bytes: &'a [u8],
     /// One clock for each side: packets of one side may come in a row before those of the other.
@@ -63,19 +64,10 @@ impl<'a> Reader<'a> {
         });
         Self {
             bytes,
-            clocks: Default::default(),
             zero_ms,
             scale: Scale::of_log(bytes, pings),
-            navigation: Navigation::default(),
-            waiting: Vec::new(),
             positions_left: bytes.len() / BYTES_A_POSITION,
-            began_unix_s: None,
-            last_s: [None; 2],
-            port_ahead_s: Vec::new(),
-            start_unix_s: None,
-            halves: Default::default(),
-            others: BTreeMap::new(),
-            contradicted: 0,
+            ..Self::default()
         }
     }
 

@@ -113,7 +113,7 @@ impl PositionConverter {
 }
 
 /// Content of a trace, in SI units. Missing values are NaN or `None`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Trace {
     /// Subsystem of the sonar.
     pub(super) subsystem: u8,
@@ -280,22 +280,10 @@ fn empty(header: MessageHeader) -> Trace {
     Trace {
         subsystem: header.subsystem,
         channel: header.channel,
-        packet: 0,
-        unix_ms: 0,
-        data_format: 0,
-        samples_at: 0,
-        room: 0,
-        samples: 0,
-        first_sample: 0,
-        interval_s: 0.0,
-        weight: 0,
-        frequency_khz: None,
-        sound_mps: None,
-        altitude_m: 0.0,
-        place: None,
         heading_rad: f32::NAN,
         cog_rad: f32::NAN,
         speed_mps: f32::NAN,
+        ..Trace::default()
     }
 }
 

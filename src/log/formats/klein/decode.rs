@@ -10,6 +10,7 @@ use crate::survey::{ChannelKind, Encoding, Fix, NumberKind, RangeSource, SideSpa
 use std::collections::BTreeMap;
 
 /// Decodes pages and collects sides and fixes.
+#[derive(Default)]
 pub(super) struct Reader<'a> {
     bytes: &'a [u8],
     clock: Clock<usize>,
@@ -27,10 +28,8 @@ impl<'a> Reader<'a> {
         let known = reading.known().and_then(|known| known.start_unix_s);
         Self {
             bytes,
-            clock: Clock::default(),
             zero_ms: known.map(|start_unix_s| (start_unix_s * 1e3).round()),
-            halves: Default::default(),
-            others: BTreeMap::new(),
+            ..Self::default()
         }
     }
 

@@ -20,8 +20,9 @@ pub(super) struct PlyFile {
 }
 
 /// Encoding of numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum PlyEncoding {
+    #[default]
     Text,
     Little,
     Big,
@@ -77,6 +78,7 @@ impl Scalar {
 }
 
 /// Content of a PLY header.
+#[derive(Default)]
 struct PlyLayout {
     encoding: PlyEncoding,
     count: usize,
@@ -158,14 +160,7 @@ fn too_short(found: usize, count: usize) -> String {
 
 impl PlyLayout {
     fn parse(bytes: &[u8]) -> Result<Self, String> {
-        let mut layout = Self {
-            encoding: PlyEncoding::Text,
-            count: 0,
-            properties: Vec::new(),
-            kept_lines: Vec::new(),
-            data: 0,
-            lines: 0,
-        };
+        let mut layout = Self::default();
         let mut element = 0;
         for line in bytes.split_inclusive(|&byte| byte == b'\n') {
             layout.data += line.len();

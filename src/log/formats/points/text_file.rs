@@ -12,7 +12,7 @@ use std::io::{self, BufWriter, Write as _};
 use std::path::Path;
 
 /// Lines of a text file.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct TextFile {
     /// Comments and the header line before the first point.
     preamble: Vec<String>,
@@ -56,14 +56,7 @@ pub(super) fn read(
     requested: ColumnRequest<'_>,
 ) -> Result<(TextFile, Vec<[f64; 3]>), FaultText> {
     let text = regular_file::read_text(path, u64::MAX).map_err(|error| unreadable(&error))?;
-    let mut file = TextFile {
-        preamble: Vec::new(),
-        lines: Vec::new(),
-        guessed: None,
-        names: None,
-        blank: 0,
-        set_aside: Vec::new(),
-    };
+    let mut file = TextFile::default();
     let mut points = Vec::new();
     let mut layout: Option<ColumnLayout> = None;
     for (index, line) in text.trim_start_matches('\u{feff}').lines().enumerate() {

@@ -61,6 +61,7 @@ impl Packets {
 }
 
 /// Decodes packets and collects sides, altitudes and fixes.
+#[derive(Default)]
 pub(super) struct Reader<'a> {
     bytes: &'a [u8],
     channels: Vec<XtfChannel>,
@@ -69,7 +70,8 @@ pub(super) struct Reader<'a> {
     clock: Clock<(usize, PingHeader)>,
     /// Unix milliseconds of the first sound ping, which is the log's time zero.
     zero_ms: Option<i64>,
-    others: Packets,
+    /// Packets that are no side-scan pings.
+    pub(super) others: Packets,
     provenance: Provenance,
     /// Packets among `others` that are not read at all.
     skipped: Packets,
@@ -87,12 +89,8 @@ impl<'a> Reader<'a> {
             channels: channels::list(bytes, header),
             positions: Positions::new(header, projected.map(|projected| projected.origin_m)),
             sides: SideChannels::new(is_weighted),
-            clock: Clock::default(),
-            zero_ms: None,
-            others: Packets::default(),
             provenance: header.map_or_else(Provenance::default, |header| Provenance::of(&header)),
-            skipped: Packets::default(),
-            assumed_sound: 0,
+            ..Self::default()
         }
     }
 
@@ -168,11 +166,6 @@ impl<'a> Reader<'a> {
                 self.skipped.summary()
             ));
         }
-    }
-
-    /// Returns the packets that are no side-scan pings.
-    pub(super) fn others(&self) -> &Packets {
-        &self.others
     }
 
     fn settle(&mut self, log: &mut Collected, verdict: ClockVerdict<(usize, PingHeader)>) {

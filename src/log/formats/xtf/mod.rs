@@ -145,12 +145,12 @@ fn read(
     }
     .run(start, |packet| reader.take(&mut log, packet.start))?;
     reader.finish(&mut log, reading.known());
-    if log.channels.is_empty() && reader.others().total() > 0 {
+    if log.channels.is_empty() && reader.others.total() > 0 {
         return Err(OpenError::Unsupported {
             path,
             what: format!(
                 "this XTF file is whole, but there is no side-scan in it, only {}; open the file that the side-scan was recorded into, or export it with the sonar channels",
-                reader.others().summary()
+                reader.others.summary()
             ),
         });
     }

@@ -28,30 +28,21 @@ pub(super) const HEADING_WITHIN_S: f64 = 1.0;
 pub(super) const DEGREES: u16 = 3;
 
 /// Converts the positions of a file to degrees, also from metres of an unknown projection.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct PositionConverter {
-    units: Option<u16>,
-    /// First projected position, metres; `None` until a position in metres is converted.
-    origin: Option<[f64; 2]>,
+    /// Units of positions in the file header; `None` where it is damaged.
+    pub(super) units: Option<u16>,
+    /// First projected position, metres, or that of the log whose tail is read: the easting and
+    /// northing that are placed at longitude 0, latitude 0. `None` until a position in metres is
+    /// converted.
+    pub(super) origin_m: Option<[f64; 2]>,
 }
 
 impl PositionConverter {
-    /// Creates a converter; `units` are those of the file header, or `None` where it is damaged.
-    /// `origin` is the origin of a log whose tail is read.
-    pub(super) fn new(units: Option<u16>, origin: Option<[f64; 2]>) -> Self {
-        Self { units, origin }
-    }
-
-    /// Returns the easting and northing that are placed at longitude 0, latitude 0; `None` where no
-    /// position was in metres.
-    pub(super) fn origin_m(&self) -> Option<[f64; 2]> {
-        self.origin
-    }
-
     /// Returns true if a position is in degrees: some programs write degrees but state metres.
     fn is_degrees(&self, [x, y]: [f64; 2]) -> bool {
         let fits_degrees = x.abs() <= 180.0 && y.abs() <= 90.0;
-        self.units == Some(DEGREES) || (self.origin.is_none() && fits_degrees)
+        self.units == Some(DEGREES) || (self.origin_m.is_none() && fits_degrees)
     }
 
     /// Returns the distance between two recorded positions, metres.
@@ -69,7 +60,7 @@ impl PositionConverter {
         if self.is_degrees([x, y]) {
             return LonLat::new(x, y);
         }
-        let [x0, y0] = *self.origin.get_or_insert([x, y]);
+        let [x0, y0] = *self.origin_m.get_or_insert([x, y]);
         ProjectedTrack::frame().to_lon_lat(x - x0, y - y0)
     }
 }
@@ -92,7 +83,8 @@ pub(super) struct SentNavigation {
     positions: Vec<SentPosition>,
     /// Times, seconds, and headings, radians.
     headings: Vec<(f64, f32)>,
-    attitudes: usize,
+    /// Number of attitude packets.
+    pub(super) attitudes: usize,
 }
 
 impl SentNavigation {
@@ -153,11 +145,6 @@ impl SentNavigation {
         let heading_rad = heading_deg.to_radians();
         self.headings.push((time_s, heading_rad));
         heading_rad
-    }
-
-    /// Returns the number of attitude packets.
-    pub(super) fn attitudes(&self) -> usize {
-        self.attitudes
     }
 
     /// Converts all times to the log's time zero, sorts by time, removes packets that are far from

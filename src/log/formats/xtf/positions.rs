@@ -32,7 +32,7 @@ struct Towing {
 }
 
 /// Collects the fixes of a file and the data to move them to the sonar.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Positions {
     converter: PositionConverter,
     sent: SentNavigation,
@@ -67,20 +67,12 @@ impl Positions {
         let antenna_m =
             header.map_or([0.0; 2], |header| [header.nav_offset_y_m, header.nav_offset_x_m]);
         Self {
-            converter: PositionConverter::new(header.map(|header| header.nav_units), origin_m),
-            sent: SentNavigation::default(),
+            converter: PositionConverter { units: header.map(|header| header.nav_units), origin_m },
             has_track_headings: header
                 .is_some_and(|header| Provenance::of(&header).has_track_headings),
             antenna_m,
             latency_ms: header.map_or(0, |header| header.nav_latency_ms),
-            arms: Vec::new(),
-            unplaced: Vec::new(),
-            laybacks_m: None,
-            has_offsets: false,
-            own: 0,
-            cable_m: 0,
-            has_attitude: false,
-            span_s: None,
+            ..Self::default()
         }
     }
 
@@ -203,7 +195,7 @@ impl Positions {
             }
             log.add_fix(fix);
         }
-        log.projected = self.converter.origin_m().map(ProjectedTrack::new);
+        log.projected = self.converter.origin_m.map(ProjectedTrack::new);
         self.remark(log, [stand_ins.len(), headings], moved);
     }
 
@@ -308,7 +300,7 @@ impl Positions {
                 self.latency_ms
             ));
         }
-        if self.has_attitude || self.sent.attitudes() > 0 {
+        if self.has_attitude || self.sent.attitudes > 0 {
             say("pitch, roll and heave that the log states are not used".to_owned());
         }
     }
