@@ -1,12 +1,12 @@
 //! Reads the polygon of a water body from a GeoJSON, KML or GPX file.
 
-use super::gpx::{attribute, is, text_of};
+use super::gpx::{is, lon_lat, text_of};
 use crate::support::file_error::{FaultText, FileError};
 use crate::support::geo::LonLat;
 use crate::support::regular_file;
 use crate::survey::WaterArea;
 use quick_xml::Reader;
-use quick_xml::events::{BytesStart, Event};
+use quick_xml::events::Event;
 use serde_json::Value;
 use sha2::{Digest as _, Sha256};
 use std::path::Path;
@@ -133,7 +133,7 @@ fn of_xml(text: &str) -> Result<Rings, FaultText> {
                 if is(element, "trkpt") || is(element, "rtept") =>
             {
                 if let Some(ring) = rings.last_mut() {
-                    ring.extend(gpx_place(element));
+                    ring.extend(lon_lat(element));
                 }
             }
             Event::End(_) if in_coordinates => {
@@ -144,11 +144,6 @@ fn of_xml(text: &str) -> Result<Rings, FaultText> {
             _ => {}
         }
     }
-}
-
-fn gpx_place(element: &BytesStart<'_>) -> Option<[f64; 2]> {
-    let number = |name| attribute(element, name)?.trim().parse().ok();
-    Some([number("lon")?, number("lat")?])
 }
 
 /// Parses places of the form `lon,lat[,height]`, separated by white space.

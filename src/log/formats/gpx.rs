@@ -61,14 +61,16 @@ struct Open {
 
 impl Open {
     fn new(element: &BytesStart<'_>) -> Self {
-        let number = |name| attribute(element, name)?.trim().parse().ok();
-        let lon_lat = || Some([number("lon")?, number("lat")?]);
-        Self {
-            point: GpxPoint { lon_lat: lon_lat(), time: String::new() },
-            depth: 0,
-            in_time: false,
-        }
+        let point = GpxPoint { lon_lat: lon_lat(element), time: String::new() };
+        Self { point, depth: 0, in_time: false }
     }
+}
+
+/// Returns the longitude and latitude in the attributes of an element, degrees; `None` where they
+/// are no numbers.
+pub(super) fn lon_lat(element: &BytesStart<'_>) -> Option<[f64; 2]> {
+    let number = |name| attribute(element, name)?.trim().parse().ok();
+    Some([number("lon")?, number("lat")?])
 }
 
 /// Returns true if an element has this name, with any prefix.
