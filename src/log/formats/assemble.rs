@@ -134,10 +134,7 @@ fn join_sides(log: &mut Collected, known: Option<&Survey>) -> Vec<SidePing> {
         }
         None => composite.len() >= halves,
     };
-    if !is_composite {
-        return joined(port, starboard);
-    }
-    let mut pings = composite;
+    let mut pings = if is_composite { composite } else { joined(port, starboard) };
     pings.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
     pings
 }

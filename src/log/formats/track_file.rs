@@ -6,7 +6,7 @@ use crate::support::calendar::unix_from_text;
 use crate::support::file_error::{FaultText, FileError};
 use crate::support::geo::LonLat;
 use crate::support::regular_file;
-use crate::survey::{Bytes, ExternalTrack, Fix, Survey, Track, drop_false_fixes};
+use crate::survey::{Bytes, ExternalTrack, Fix, Survey, Track, Warning, drop_false_fixes};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -102,18 +102,14 @@ impl TrackFile {
             );
             return Err(fail(what.into()));
         }
-        let place = None;
         let stray = stray.into_iter().map(|what| format!("Of the external track {what}."));
-        let warnings = stray.map(|text| crate::survey::Warning { place, text });
-        survey.warnings.extend(warnings);
-        if outside > 0 {
-            survey.warnings.push(crate::survey::Warning {
-                place: None,
-                text: format!(
-                    "The external track does not cover {outside} of {count} pings and soundings, which are left without a place."
-                ),
-            });
-        }
+        let uncovered = (outside > 0).then(|| {
+            format!(
+                "The external track does not cover {outside} of {count} pings and soundings, which are left without a place."
+            )
+        });
+        let texts = stray.chain(uncovered);
+        survey.warnings.extend(texts.map(|text| Warning { place: None, text }));
         survey.track = Track {
             external: Some(ExternalTrack { offset_s, span_s, ..self.external.clone() }),
             ..Track::new(fixes)

@@ -189,18 +189,13 @@ fn ordered<'a>(
         (channel, role.unwrap_or_else(|| guess(channel, &unstated, header, report)))
     };
     let mut roles: Vec<(&SeenChannel, Role)> = channels.iter().copied().map(role).collect();
+    let all = roles.clone();
     let most = |role: Role| {
-        let same = roles.iter().filter(|(_, other)| *other == role);
+        let same = all.iter().filter(|(_, other)| *other == role);
         same.map(|(channel, _)| channel.pings).max().unwrap_or(0)
     };
-    let key = |&(channel, role): &(&SeenChannel, Role)| {
+    roles.sort_by_key(|&(channel, role)| {
         (channel.pings.saturating_mul(FEW) < most(role), channel.number)
-    };
-    let mut keys: Vec<(bool, u16)> = roles.iter().map(key).collect();
-    keys.sort_unstable();
-    roles.sort_by_key(|(channel, _)| {
-        let of_channel = |key: &(bool, u16)| key.1 == channel.number;
-        keys.iter().position(of_channel)
     });
     roles
 }

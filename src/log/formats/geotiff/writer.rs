@@ -37,18 +37,10 @@ struct Scratch {
 }
 
 impl Scratch {
-    /// Creates a store of tiles in an empty file.
-    fn new(file: File) -> Self {
-        Self { file, end: 0 }
-    }
-
     /// Appends a tile and its mask; returns their places.
     fn keep(&mut self, packed: &Packed) -> io::Result<ScratchTile> {
         let image = self.append(&packed.image)?;
-        let mask = match &packed.mask {
-            Some(mask) => Some(self.append(mask)?),
-            None => None,
-        };
+        let mask = packed.mask.as_deref().map(|mask| self.append(mask)).transpose()?;
         Ok(ScratchTile { image, mask })
     }
 
@@ -96,7 +88,7 @@ pub(super) struct RasterWriter<'a> {
 impl<'a> RasterWriter<'a> {
     /// Creates a writer without tiles; `scratch` is an empty file.
     pub(super) fn new(spec: &'a RasterSpec, scratch: File) -> Self {
-        let scratch = Scratch::new(scratch);
+        let scratch = Scratch { file: scratch, end: 0 };
         Self { spec, scratch, levels: Vec::new(), statistics: Statistics::default() }
     }
 

@@ -190,10 +190,8 @@ fn read_frames(
 fn format_name(kind: LowranceKind) -> String {
     let (name, version) = match kind {
         LowranceKind::Slg { version, .. } => ("Lowrance SLG", Some(version)),
-        LowranceKind::Frames { layout, version } => match layout {
-            FrameLayout::Sl2 => ("Lowrance SL2", version),
-            FrameLayout::Sl3 => ("Lowrance SL3", version),
-        },
+        LowranceKind::Frames { layout: FrameLayout::Sl2, version } => ("Lowrance SL2", version),
+        LowranceKind::Frames { layout: FrameLayout::Sl3, version } => ("Lowrance SL3", version),
     };
     version.map_or_else(|| name.to_owned(), |version| format!("{name} (version {version})"))
 }

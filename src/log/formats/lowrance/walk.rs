@@ -164,15 +164,8 @@ pub(super) fn first_frame(
     range: Range<usize>,
     lost: i64,
 ) -> Option<FrameStart> {
-    let searched = bytes.get(range.start..bytes.len().min(range.end.saturating_add(3)))?;
-    let stated =
-        searched.windows(4).map(|four| u32::from_le_bytes([four[0], four[1], four[2], four[3]]));
-    (range.start..)
-        .zip(stated)
-        .map(|(at, stated)| FrameStart {
-            at,
-            lost: i64::from(stated.wrapping_sub(at as u32).cast_signed()),
-        })
+    (range.start..range.end.min(bytes.len()))
+        .filter_map(|at| Some(FrameStart { at, lost: frame::lost_before(bytes, at)? }))
         .filter(|place| place.lost.abs_diff(lost) <= MOST_LOST)
         .find(|place| {
             let FrameCheck::Whole(frame) = layout.look(bytes, place.at, place.lost) else {

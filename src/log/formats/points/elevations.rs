@@ -192,33 +192,14 @@ fn of_raster(
     })
 }
 
+/// Reads the points of a GeoJSON file (RFC 7946): longitude, latitude, and a height from the third
+/// coordinate or a property, which the third of `names` names. Without names, values of depth
+/// properties change their sign. Features that are no point, or have no height, are left out.
 fn of_geojson(
     path: &Path,
     names: Option<&[String; 3]>,
     downwards: bool,
 ) -> Result<Elevations, FaultText> {
-    let found = read_geojson(path, names.map(|[_, _, height]| height.as_str()))?;
-    Ok(Elevations {
-        path: path.to_owned(),
-        points: turned(found.points, downwards),
-        plane: PointPlane::Degrees,
-        blank: found.left_out,
-        note: None,
-    })
-}
-
-/// Points of a GeoJSON file (RFC 7946): longitude, latitude, and a height from the third coordinate
-/// or a property.
-struct GeoJsonPoints {
-    /// Longitude and latitude, degrees, and elevation, positive up.
-    points: Vec<[f64; 3]>,
-    /// Number of features that are no point, or have no height.
-    left_out: usize,
-}
-
-/// Reads the points; `height` names the property of the height. Without it, values of depth
-/// properties change their sign.
-fn read_geojson(path: &Path, height: Option<&str>) -> Result<GeoJsonPoints, FaultText> {
     let text = regular_file::read(path, LONGEST).map_err(|error| match error.kind() {
         ErrorKind::FileTooLarge => {
             "the GeoJSON is longer than 1 GiB; write the points as CSV".into()
@@ -228,9 +209,16 @@ fn read_geojson(path: &Path, height: Option<&str>) -> Result<GeoJsonPoints, Faul
     let root: Value = serde_json::from_slice(&text)
         .map_err(|error| format!("the points are no GeoJSON: {error}"))?;
     let features = root["features"].as_array().ok_or("the GeoJSON is no FeatureCollection")?;
+    let height = names.map(|[_, _, height]| height.as_str());
     let points: Vec<[f64; 3]> =
         features.iter().filter_map(|feature| point(feature, height)).collect();
-    Ok(GeoJsonPoints { left_out: features.len() - points.len(), points })
+    Ok(Elevations {
+        path: path.to_owned(),
+        blank: features.len() - points.len(),
+        points: turned(points, downwards),
+        plane: PointPlane::Degrees,
+        note: None,
+    })
 }
 
 fn point(feature: &Value, height: Option<&str>) -> Option<[f64; 3]> {

@@ -164,16 +164,8 @@ impl ColumnLayout {
             None if is_header => requested.known.iter().copied().find_map(find),
             None => None,
         };
-        let first = || {
-            fields
-                .get(..3)?
-                .iter()
-                .map(|&field| field.to_owned())
-                .collect::<Vec<_>>()
-                .try_into()
-                .ok()
-        };
-        let guessed = if is_header && found.is_none() { first() } else { None };
+        let guessed = fields.first_chunk::<3>().filter(|_| is_header && found.is_none());
+        let guessed = guessed.map(|first| first.map(str::to_owned));
         let (columns, names) =
             found.unwrap_or_else(|| ([0, 1, 2], ["1", "2", "3"].map(str::to_owned)));
         Ok((
