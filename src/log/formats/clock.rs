@@ -16,7 +16,8 @@ const END_SLACK_S: f64 = 60.0;
 #[derive(Debug)]
 pub(super) struct Clock<T> {
     before_s: Option<f64>,
-    set_back_s: f64,
+    /// Sum of all times by which the clock was set back, seconds.
+    pub(super) set_back_s: f64,
     waiting: VecDeque<(f64, T)>,
 }
 
@@ -61,11 +62,6 @@ impl<T> Clock<T> {
         }
         self.before_s = Some(time_s);
         Some(ClockVerdict::Sound { record, time_s: time_s + self.set_back_s })
-    }
-
-    /// Returns the sum of all times by which the clock was set back, seconds.
-    pub(super) fn set_back_s(&self) -> f64 {
-        self.set_back_s
     }
 }
 

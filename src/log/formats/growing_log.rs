@@ -125,6 +125,8 @@ impl GrowingLog {
     /// When a file is shorter than before or cannot be read or copied, or the work was cancelled.
     pub fn again(known: &[(PathBuf, Bytes)], progress: &Progress) -> Result<Self, GrowingError> {
         let mut paths: Vec<PathBuf> = known.iter().map(|(path, _)| path.clone()).collect();
+        // The recording may have other files beside such a file.
+        let is_part = |path: &Path| role_by_name(path) == Some(FileRole::Part);
         for (path, _) in known.iter().filter(|(path, _)| is_part(path)) {
             let siblings = std::fs::read_dir(path.parent().unwrap_or(Path::new(".")));
             let siblings = siblings.into_iter().flatten().flatten();
@@ -288,11 +290,6 @@ fn part(file: &mut (impl Read + io::Seek), from: u64, length: u64) -> io::Result
     file.seek(SeekFrom::Start(from))?;
     file.take(length).read_to_end(&mut bytes)?;
     Ok(bytes)
-}
-
-/// Returns true if the recording may have other files beside this one.
-fn is_part(path: &Path) -> bool {
-    role_by_name(path) == Some(FileRole::Part)
 }
 
 fn has_ending_of(path: &Path, other: &Path) -> bool {

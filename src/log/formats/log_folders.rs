@@ -4,7 +4,7 @@
 use super::table::{FileRole, role_by_name};
 use crate::support::progress::Progress;
 use std::collections::VecDeque;
-use std::fs::{self, DirEntry};
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
@@ -59,7 +59,8 @@ pub fn log_folders(top: &Path, progress: &Progress) -> Vec<LogFolder> {
                 ahead.push_back((entry.path(), depth + 1));
             }
             if kind.is_file() && !is_hidden && is_log(&entry.path()) {
-                logs.push(FoundLog::new(&entry));
+                let written = entry.metadata().and_then(|known| known.modified()).ok();
+                logs.push(FoundLog { path: entry.path(), written });
             }
         }
         logs.sort_by(|a, b| b.written.cmp(&a.written).then(a.path.cmp(&b.path)));
@@ -80,13 +81,6 @@ fn is_log(path: &Path) -> bool {
         Some(FileRole::Log) => true,
         Some(FileRole::Description) => path.with_extension("").is_dir(),
         _ => false,
-    }
-}
-
-impl FoundLog {
-    fn new(entry: &DirEntry) -> Self {
-        let written = entry.metadata().and_then(|known| known.modified());
-        Self { path: entry.path(), written: written.ok() }
     }
 }
 

@@ -119,7 +119,7 @@ impl<'a> Reader<'a> {
             while let Some(verdict) = self.clocks[side as usize].next() {
                 self.settle(log, verdict);
             }
-            set_back_s = set_back_s.max(self.clocks[side as usize].set_back_s());
+            set_back_s = set_back_s.max(self.clocks[side as usize].set_back_s);
         }
         log.report.set_back(set_back_s);
         let ahead_s = upper_median(&mut self.port_ahead_s, f64::total_cmp);

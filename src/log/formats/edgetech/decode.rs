@@ -108,7 +108,7 @@ impl<'a> Reader<'a> {
             self.sensors.add_fixes(log, zero_s);
         }
         log.projected = self.places.origin_m.map(ProjectedTrack::new);
-        log.report.set_back(self.clock.set_back_s());
+        log.report.set_back(self.clock.set_back_s);
         self.remark(log);
     }
 
@@ -160,7 +160,16 @@ impl<'a> Reader<'a> {
             self.last_depth_s = Some(time_s);
             log.add_depth(ChannelKind::Primary, time_s, trace.altitude_m);
         }
-        self.keep_fix(log, trace, time_s);
+        let position = trace.place.and_then(|place| self.places.position(place));
+        if let Some(position) = position {
+            log.add_fix(Fix {
+                time_s,
+                position,
+                cog_rad: trace.cog_rad,
+                compass_rad: trace.heading_rad,
+                speed_mps: trace.speed_mps,
+            });
+        }
         if trace.packet > 1 {
             self.continued += 1;
             return;
@@ -209,19 +218,6 @@ impl<'a> Reader<'a> {
             half: HalfPing { time_s, span },
         };
         self.pairs.keep(half, trace.frequency_khz);
-    }
-
-    fn keep_fix(&mut self, log: &mut Collected, trace: &Trace, time_s: f64) {
-        let position = trace.place.and_then(|place| self.places.position(place));
-        if let Some(position) = position {
-            log.add_fix(Fix {
-                time_s,
-                position,
-                cog_rad: trace.cog_rad,
-                compass_rad: trace.heading_rad,
-                speed_mps: trace.speed_mps,
-            });
-        }
     }
 }
 

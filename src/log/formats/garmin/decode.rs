@@ -152,7 +152,7 @@ impl<'a> Reader<'a> {
         while let Some(verdict) = self.clock.next() {
             self.settle(log, verdict);
         }
-        log.report.set_back(self.clock.set_back_s());
+        log.report.set_back(self.clock.set_back_s);
         log.start_unix_s = self.header.start_unix_s;
         if self.depths == DepthEncoding::Unsigned && !self.pings.is_empty() {
             log.report.log("depths and ranges of this file are stored as unsigned integers, which few files do; compare a depth with what the unit showed");

@@ -46,7 +46,7 @@ impl Reader {
         while let Some(verdict) = self.clock.next() {
             self.settle(log, verdict);
         }
-        log.report.set_back(self.clock.set_back_s());
+        log.report.set_back(self.clock.set_back_s);
     }
 
     fn settle(&self, log: &mut Collected, verdict: ClockVerdict<(usize, PingHeader)>) {
@@ -132,8 +132,6 @@ fn sample_m(salinity: f64) -> f64 {
 
 fn fix(ping: &PingHeader, time_s: f64) -> Fix {
     Fix {
-        time_s,
-        position: lon_lat(ping.easting_m, ping.northing_m),
         // Without a heading sensor this is the course from GPS, and the file does not state whether
         // there is a sensor.
         cog_rad: if ping.heading_quality > 0 && ping.heading_decideg < 3600 {
@@ -141,12 +139,12 @@ fn fix(ping: &PingHeader, time_s: f64) -> Fix {
         } else {
             f32::NAN
         },
-        compass_rad: f32::NAN,
         speed_mps: if ping.speed_quality > 0 {
             f32::from(ping.speed_dmps) / 10.0
         } else {
             f32::NAN
         },
+        ..Fix::at(time_s, lon_lat(ping.easting_m, ping.northing_m))
     }
 }
 

@@ -74,10 +74,11 @@ fn read(
 fn collect(recording: &Recording, format: &str, reading: &Reading<'_>) -> Collected {
     let files: Vec<&Opened> =
         recording.dat.iter().map(|(dat, _)| dat).chain(&recording.sons).collect();
+    let sonar = recording.dat.as_ref().and_then(|(_, dat)| (*dat)?.sonar);
     let source = Source {
         files: files.iter().map(|file| file.path.clone()).collect(),
         format: format.to_owned(),
-        device: device_name(recording.dat.as_ref().and_then(|(_, dat)| *dat)),
+        device: sonar.map_or_else(String::new, |number| format!("sonar {number}")),
         byte_count: files.iter().map(|file| file.bytes.len() as u64).sum(),
     };
     Collected::new(source, files.iter().map(|file| file.bytes.clone()).collect(), reading)
@@ -136,12 +137,6 @@ fn remark(recording: &Recording, log: &mut Collected) {
     log.report.log(
         "the recorder does not store the side-scan range; it is estimated from the transducer's size and may be off by some percent until calibrated",
     );
-}
-
-/// Returns the recorder's number of its sonar as text; empty where unknown.
-fn device_name(dat: Option<Dat>) -> String {
-    let number = dat.and_then(|dat| dat.sonar);
-    number.map_or_else(String::new, |number| format!("sonar {number}"))
 }
 
 fn format_name(dat: Option<Dat>) -> &'static str {

@@ -62,7 +62,7 @@ impl<'a> Reader<'a> {
         while let Some(verdict) = self.clock.next() {
             self.settle(log, verdict);
         }
-        log.report.set_back(self.clock.set_back_s());
+        log.report.set_back(self.clock.set_back_s);
         log.start_unix_s = self.zero_ms.map(|zero_ms| zero_ms / 1e3);
         log.range_source = RangeSource::SurveyRecorder;
         let [low, high] = std::mem::take(&mut self.halves);

@@ -38,7 +38,7 @@ impl Reader {
         while let Some(verdict) = self.clock.next() {
             self.settle(log, verdict);
         }
-        log.report.set_back(self.clock.set_back_s());
+        log.report.set_back(self.clock.set_back_s);
         self.swath.report(log);
         if self.keel_ft != 0.0 {
             let keel_m = metres(self.keel_ft);

@@ -227,7 +227,7 @@ impl Reader {
         while let Some(verdict) = self.clock.next() {
             self.settle(log, verdict);
         }
-        log.report.set_back(self.clock.set_back_s());
+        log.report.set_back(self.clock.set_back_s);
         self.keep_before(log);
         let step_s = self.step_s.unwrap_or(USUAL_STEP_S);
         if let Some((before_s, blocks)) = self.last.take() {
@@ -261,15 +261,13 @@ fn keep(log: &mut Collected, block: &Block, time_s: f64) {
     };
     let finite = |value: f32| if value.is_finite() { value } else { f32::NAN };
     log.add_fix(Fix {
-        time_s,
-        position: lowrance_mercator_inverse(f64::from(x_m), f64::from(y_m)),
         cog_rad: finite(block.course_rad),
-        compass_rad: f32::NAN,
         speed_mps: if block.speed_kn >= 0.0 {
             finite((f64::from(block.speed_kn) * MPS_PER_KNOT) as f32)
         } else {
             f32::NAN
         },
+        ..Fix::at(time_s, lowrance_mercator_inverse(f64::from(x_m), f64::from(y_m)))
     });
 }
 

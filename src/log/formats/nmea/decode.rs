@@ -275,7 +275,7 @@ impl<'a> Reader<'a> {
         }
         self.held.append(&mut self.waiting);
         self.place(log, None);
-        log.report.set_back(self.clock.set_back_s());
+        log.report.set_back(self.clock.set_back_s);
         if self.tally.first_unix_s.is_some() {
             log.start_unix_s = self.zero_s;
         }

@@ -57,7 +57,8 @@ pub(in crate::formats) struct TablePing {
 
 /// Decodes rows and collects pings.
 pub(in crate::formats) struct Reader {
-    layout: Layout,
+    /// Columns of the table.
+    pub(super) layout: Layout,
     /// Index of the table among the log's files.
     file: usize,
     clock: Clock<Row>,
@@ -97,11 +98,6 @@ impl Reader {
             origin_m: None,
             without_place: 0,
         }
-    }
-
-    /// Returns true if the first line names the columns.
-    pub(super) fn has_header(&self) -> bool {
-        self.layout.has_header()
     }
 
     /// Returns true if the rows name rows of a picture.
@@ -146,13 +142,8 @@ impl Reader {
             let text = "a row has no range that a sonar can have, or names no row of a picture; its echoes were left out";
             log.report.at(WarningKind::Value, self.file, line.at, text);
         }
-        let fix = position.map(|position| Fix {
-            time_s,
-            position,
-            cog_rad,
-            compass_rad,
-            speed_mps: f32::NAN,
-        });
+        let fix =
+            position.map(|position| Fix { cog_rad, compass_rad, ..Fix::at(time_s, position) });
         let row = Row { at: line.at, end: line.end, depth_m, fix, ping };
         if let Some(verdict) = self.clock.push(time_s, row) {
             self.settle(log, verdict);
@@ -282,7 +273,7 @@ impl Reader {
             self.apart_s = usual_apart_s(&self.together.1).unwrap_or(APART_S);
         }
         self.keep_together(log, None);
-        log.report.set_back(self.clock.set_back_s());
+        log.report.set_back(self.clock.set_back_s);
         log.projected = self.origin_m.map(ProjectedTrack::new);
         log.has_times = has_times;
         log.start_unix_s = self.zero_s.filter(|zero_s| has_times && *zero_s >= LEAST_UNIX_S);

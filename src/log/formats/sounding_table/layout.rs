@@ -139,7 +139,6 @@ impl Layout {
         let place = degrees.map(|(lon, lat)| PlaceColumns::Degrees(lon, lat));
         let place = place.or(metres.map(|(east, north)| PlaceColumns::Metres(east, north)));
         let layout = Self {
-            separator,
             place,
             depth,
             pings,
@@ -149,9 +148,7 @@ impl Layout {
             date: find(&["date"]),
             heading: find(HEADING).or(find(&["yaw"])),
             course: find(COURSE),
-            date_order: DateOrder::Unknown,
-            is_assumed: false,
-            is_deeper: false,
+            ..Self::unnamed(separator)
         };
         let is_height = depth.is_some() && depth == height;
         let layout = layout.fitting(&lines[1..]);

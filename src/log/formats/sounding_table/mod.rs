@@ -123,7 +123,7 @@ pub(super) fn read_rows(
 ) -> Result<(), Cancelled> {
     progress.start(bytes.len() as u64);
     let mut lines = Lines::new(bytes, reading.is_growing);
-    if reader.has_header() {
+    if reader.layout.has_header() {
         lines.next();
     }
     progress.walk(0, bytes.len(), |_| {

@@ -102,7 +102,7 @@ impl<'a> Reader<'a> {
         let ping =
             (packet.kind == PING).then(|| record::<PingHeader>(self.bytes, offset)).flatten();
         let Some(ping) = ping else {
-            let set_back_s = self.clock.set_back_s();
+            let set_back_s = self.clock.set_back_s;
             self.others.count(packet.kind);
             if !self.positions.take(self.bytes, offset, &packet, set_back_s) {
                 self.skipped.count(packet.kind);
@@ -150,7 +150,7 @@ impl<'a> Reader<'a> {
         self.positions.finish(log, self.zero_ms.unwrap_or(0) as f64 / 1000.0);
         log.start_unix_s = self.zero_ms.and_then(raw::unix_s);
         log.range_source = self.provenance.range_source;
-        log.report.set_back(self.clock.set_back_s());
+        log.report.set_back(self.clock.set_back_s);
         if self.channels.iter().any(|channel| channel.ground_range) {
             log.report.log("the water column was taken out of this file (ground-range correction): there is no first return in it");
         }

@@ -127,11 +127,9 @@ impl Positions {
         let speed_kn = first_set([ping.sensor_speed_kn, ping.ship_speed_kn]);
         let before = log.fixes.len();
         log.add_fix(Fix {
-            time_s,
-            position: self.converter.place(stated),
-            cog_rad: f32::NAN,
             compass_rad,
             speed_mps: speed_kn.map_or(f32::NAN, |kn| (f64::from(kn) * MPS_PER_KNOT) as f32),
+            ..Fix::at(time_s, self.converter.place(stated))
         });
         if self.is_own(sensor, ship, layback_m.unwrap_or(0.0)) {
             self.own += usize::from(layback_m.is_some());
