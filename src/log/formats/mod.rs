@@ -23,8 +23,8 @@
 //! damaged times, and `report` collects warnings. `log_format` defines the trait of a reader, its
 //! source of files and the part of a log to read: the tail of a growing log is read like a separate
 //! log. `assemble` builds the survey from the collected log: it pairs the sides and chooses the
-//! soundings. `log_folders` finds the folders of a card that contain logs, `messages` walks over
-//! logs of messages, `nmea` reads logs of sentences and sentences in other logs, `growing_log`
+//! soundings. `log_folders` finds the folders of a card that contain logs, `walk` walks over the
+//! records of a log, `nmea` reads logs of sentences and sentences in other logs, `growing_log`
 //! copies a growing log while it is written, `table` lists the formats that are read and recognises
 //! some that are not. `track_file` reads the track of another receiver, `gauge_file` water levels,
 //! `area_file` a polygon of water, [`open_reference`] the file that a survey is compared with,
@@ -49,7 +49,6 @@ mod log_folders;
 mod log_format;
 pub mod log_writer;
 pub mod lowrance;
-mod messages;
 mod nmea;
 pub mod parquet_table;
 mod picture_table;
@@ -61,6 +60,7 @@ mod table;
 #[cfg(test)]
 mod test_logs;
 mod track_file;
+mod walk;
 pub mod xtf;
 
 pub use area_file::read_area;

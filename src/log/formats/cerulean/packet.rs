@@ -1,8 +1,8 @@
 //! Reads packets of the Ping protocol and the profile, the ping of one transducer, in packet 2198
 //! (`os_mono_profile`).
 
-use crate::formats::messages::MessageFormat;
 use crate::formats::scalar::{Fields, u16_le};
+use crate::formats::walk::MessageFormat;
 use crate::survey::{Side, SideSpan};
 
 /// Bytes before the payload.

@@ -81,7 +81,7 @@ fn read(
     let mut log = Collected::new(source, vec![opened.bytes], reading);
     let mut reader = decode::Reader::new(&bytes, reading);
     let tail = reading.from(0).filter(|_| reader.knows_zero());
-    FORMAT.read(&bytes, tail, &mut log, (reading, progress), |log, message| {
+    FORMAT.read(&bytes, (0, tail), &mut log, (reading, progress), |log, message| {
         reader.take(log, message);
     })?;
     reader.finish(&mut log);

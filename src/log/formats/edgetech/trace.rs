@@ -2,8 +2,8 @@
 //! position, in messages 80 and 82.
 
 use super::sensors::SOUNDS_MPS;
-use crate::formats::messages::MessageFormat;
 use crate::formats::scalar::Fields;
+use crate::formats::walk::MessageFormat;
 use crate::support::geo::{LonLat, MPS_PER_KNOT};
 use crate::survey::{ChannelKind, Encoding, ProjectedTrack, SideSpan};
 use chrono::NaiveDate;

@@ -65,7 +65,7 @@ fn read(opened: Opened, reading: &Reading<'_>, progress: &Progress) -> Result<Su
     let mut log = Collected::new(source, vec![opened.bytes], reading);
     let mut reader = decode::Reader::new(&bytes, reading);
     let tail = reading.from(0).filter(|_| reader.knows_zero());
-    FORMAT.read(&bytes, tail, &mut log, (reading, progress), |log, page| {
+    FORMAT.read(&bytes, (0, tail), &mut log, (reading, progress), |log, page| {
         reader.take(log, page.start);
     })?;
     reader.finish(&mut log, reading.known());

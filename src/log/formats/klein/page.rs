@@ -1,7 +1,7 @@
 //! Reads one page of a Klein SDF file: a ping with all its channels.
 
-use crate::formats::messages::MessageFormat;
 use crate::formats::scalar::{Fields, u32_le};
+use crate::formats::walk::MessageFormat;
 use crate::support::geo::LonLat;
 use chrono::NaiveDate;
 

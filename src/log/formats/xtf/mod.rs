@@ -37,7 +37,7 @@ mod sides;
 mod tests;
 
 use super::log_format::{FileSource, LogFormat, ReadRecording, Reading};
-use super::messages::MessageWalk;
+use super::walk::Walk;
 use super::{OpenError, Opened, assemble, collected::Collected};
 use crate::support::progress::{Cancelled, Progress};
 use crate::survey::{Source, Survey};
@@ -123,27 +123,19 @@ fn read(
     let mut source = opened.source(FORMAT.to_owned());
     source.device = found.header.map_or_else(String::new, device_name);
     let mut log = Collected::new(source, vec![opened.bytes], reading);
-    let report = log.report.clone();
     if found.header.is_none() {
-        report.log("the file header is damaged; channels and units were inferred from the pings");
+        log.report
+            .log("the file header is damaged; channels and units were inferred from the pings");
     }
-    let (mut reader, start) = match reading.from(0) {
-        Some(from) => {
-            let start = PACKETS.next(&bytes, from, bytes.len());
-            let reader = knowing_head(&bytes, &found, (from, reading.known()), progress)?;
-            (reader, start.unwrap_or(bytes.len()))
-        }
-        None => (decode::Reader::new(&bytes, found.header, None), found.first_packet),
+    let tail = reading.from(0);
+    let mut reader = match tail {
+        Some(from) => knowing_head(&bytes, &found, (from, reading.known()), progress)?,
+        None => decode::Reader::new(&bytes, found.header, None),
     };
-    progress.start(bytes.len().saturating_sub(start) as u64);
-    MessageWalk {
-        format: PACKETS,
-        bytes: &bytes,
-        report: &report,
-        is_growing: reading.is_growing,
-        progress,
-    }
-    .run(start, |packet| reader.take(&mut log, packet.start))?;
+    let start = (found.first_packet, tail);
+    PACKETS.read(&bytes, start, &mut log, (reading, progress), |log, packet| {
+        reader.take(log, packet.start);
+    })?;
     reader.finish(&mut log, reading.known());
     if log.channels.is_empty() && reader.others.total() > 0 {
         return Err(OpenError::Unsupported {
@@ -177,14 +169,15 @@ fn knowing_head<'a>(
         let end = from.min(found.first_packet.saturating_add(head));
         let mut reader = decode::Reader::new(&bytes[..end], found.header, known);
         let mut log = Collected::new(Source::default(), Vec::new(), &Reading::default());
-        MessageWalk {
-            format: PACKETS,
+        let walk = Walk {
             bytes: &bytes[..end],
+            file: 0,
+            noun: PACKETS.noun,
             report: &log.report.clone(),
             is_growing: true,
             progress: &Progress::new(),
-        }
-        .run(found.first_packet, |packet| reader.take(&mut log, packet.start))?;
+        };
+        PACKETS.walk(walk, found.first_packet, |packet| reader.take(&mut log, packet.start))?;
         progress.check()?;
         if reader.knows_zero(&mut log) || end == from {
             return Ok(reader.after_head(bytes));

@@ -11,10 +11,10 @@ use super::raw::{self, AttitudePacket, PACKETS, PingHeader, record};
 use super::sniff;
 use crate::formats::OpenError;
 use crate::formats::log_format::FileSource;
-use crate::formats::messages::MessageWalk;
 use crate::formats::points::{Elevations, PointPlane};
 use crate::formats::report::WarningReport;
 use crate::formats::scalar::take;
+use crate::formats::walk::Walk;
 use crate::support::geo::{LocalFrame, LonLat};
 use crate::support::progress::Progress;
 use crate::survey::nearest_in_time;
@@ -115,15 +115,16 @@ pub(in crate::formats) fn read_multibeam(
     let found = sniff(&bytes).ok_or_else(|| none("this is no XTF file"))?;
     let mut swaths: Vec<Swath> = Vec::new();
     let mut rolls: Vec<(f64, f64)> = Vec::new();
-    let walk = MessageWalk {
-        format: PACKETS,
+    let walk = Walk {
         bytes: &bytes,
+        file: 0,
+        noun: PACKETS.noun,
         report: &WarningReport::default(),
         is_growing: true,
         progress,
     };
     progress.start(bytes.len() as u64);
-    walk.run(found.first_packet, |packet| {
+    PACKETS.walk(walk, found.first_packet, |packet| {
         let packet = &bytes[packet];
         match packet.get(2) {
             Some(&BATHYMETRY) => swaths.extend(swath(packet)),

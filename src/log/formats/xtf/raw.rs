@@ -2,7 +2,7 @@
 //! Format"); and reads packet headers, with which a walk finds the next packet, and the date and
 //! time of a ping.
 
-use crate::formats::messages::MessageFormat;
+use crate::formats::walk::MessageFormat;
 use crate::support::calendar::moment;
 use bytemuck::{Pod, Zeroable};
 use chrono::{Datelike as _, NaiveDate};
