@@ -3,8 +3,7 @@
 
 use super::FileHeader;
 use super::channels::{self, SeenChannel, UNNUMBERED};
-use super::record::{Ping, RecordBody, RecordHeader};
-use super::walk::next_record;
+use super::record::{Ping, RecordBody, RecordHeader, next_record};
 use crate::formats::clock::{Clock, ClockVerdict};
 use crate::formats::collected::{Collected, Counted, HalfPing, is_range, is_sound};
 use crate::formats::report::WarningKind;

@@ -38,14 +38,14 @@ mod record;
 #[cfg(test)]
 mod tests;
 mod varstruct;
-mod walk;
 
 use super::log_format::{FileSource, LogFormat, ReadRecording, Reading};
 use super::scalar::u32_le;
+use super::walk::Walk;
 use super::{OpenError, Opened, assemble, collected::Collected};
 use crate::support::progress::Progress;
 use crate::survey::Survey;
-use record::RecordHeader;
+use record::{RecordHeader, next_record, walk_records};
 use varstruct::{VarStruct, first_item, varuint, whole_varuint};
 
 /// Bytes of the file header with its padding.
@@ -161,7 +161,7 @@ fn sniff(bytes: &[u8]) -> Option<RsdStart> {
     let first_record = if header.is_some() && RecordHeader::read(bytes, HEADER).is_some() {
         Some(HEADER)
     } else {
-        walk::next_record(bytes, 0, SEARCHED_FOR_RECORDS)
+        next_record(bytes, 0, SEARCHED_FOR_RECORDS)
     };
     (header.is_some() || first_record.is_some())
         .then(|| RsdStart { header, first_record: first_record.unwrap_or(HEADER.min(bytes.len())) })
@@ -180,21 +180,27 @@ fn read(
     let product = found.header.as_ref().and_then(|header| header.product);
     source.device = product.map_or_else(String::new, |product| format!("Garmin product {product}"));
     let mut log = Collected::new(source, vec![opened.bytes], reading);
-    let report = log.report.clone();
     if found.header.is_none() {
-        report.log(
+        log.report.log(
             "the file header is damaged; the date is not known, and the records were searched",
         );
     }
     let start = match reading.from(0) {
-        Some(from) => walk::next_record(&bytes, from, bytes.len()).unwrap_or(bytes.len()),
+        Some(from) => next_record(&bytes, from, bytes.len()).unwrap_or(bytes.len()),
         None => found.first_record,
     };
     progress.start(bytes.len().saturating_sub(start) as u64);
     let header = found.header.unwrap_or_default();
     let mut reader = decode::Reader::new(&bytes, header, found.first_record);
-    walk::RecordWalk { bytes: &bytes, report: &report, is_growing: reading.is_growing, progress }
-        .run(start, |offset, record| reader.take(&mut log, offset, record))?;
+    let walk = Walk {
+        bytes: &bytes,
+        file: 0,
+        noun: "record",
+        report: &log.report.clone(),
+        is_growing: reading.is_growing,
+        progress,
+    };
+    walk_records(walk, start, |offset, record| reader.take(&mut log, offset, record))?;
     reader.finish(&mut log, reading.known());
     if log.channels.is_empty() {
         return Err(OpenError::Broken {

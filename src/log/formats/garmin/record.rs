@@ -1,14 +1,20 @@
-//! Reads one record: its header, the fields of its ping, and the position of its samples in the
-//! file.
+//! Reads records: their header, the fields of their ping, and the position of its samples in the
+//! file; walks from record to record.
 
 use super::varstruct::{VarStruct, first_item, whole_varuint};
 use crate::formats::scalar::u32_le;
+use crate::formats::walk::Walk;
+use crate::support::progress::Cancelled;
 
 /// Value of field 0 of every record header.
-pub(super) const MAGIC: [u8; 4] = 0xB7E9_DA86_u32.to_le_bytes();
+const MAGIC: [u8; 4] = 0xB7E9_DA86_u32.to_le_bytes();
 /// Bytes before the magic number: the number of fields, and the key of field 0 with its length of
 /// 4.
-pub(super) const BEFORE_MAGIC: usize = 2;
+const BEFORE_MAGIC: usize = 2;
+/// First four bytes of the trailer of a record, as a number.
+const TRAILER_MAGIC: u32 = 0xF98E_ACBC;
+/// Bytes of the trailer: the magic number, the record's length, a checksum.
+const TRAILER: usize = 12;
 /// Bytes of the checksum after the fields of a record header. It is not checked: other readers
 /// report that it is wrong in whole records.
 const CHECKSUM: usize = 4;
@@ -142,6 +148,73 @@ fn locate(from: usize, end: usize, count: u32, has_shade: bool) -> Option<Stored
     let rest = room.checked_sub(stored)?;
     let shade = if has_shade && is_wide && rest >= samples { samples } else { 0 };
     Some(StoredSamples { offset: end - shade - stored, count, is_wide })
+}
+
+/// Calls `take` with the offset and the header of every whole record from `start` on; fails only if
+/// cancelled.
+pub(super) fn walk_records(
+    walk: Walk<'_>,
+    start: usize,
+    mut take: impl FnMut(usize, &RecordHeader),
+) -> Result<(), Cancelled> {
+    let bytes = walk.bytes;
+    walk.progress.walk(start, bytes.len(), |at| {
+        let Some(header) = RecordHeader::read(bytes, at) else {
+            return Ok(walk.over_gap(at, next_record(bytes, at + 1, bytes.len())));
+        };
+        let end = header.end();
+        if let Some(next) = behind(bytes, end) {
+            take(at, &header);
+            return Ok(next);
+        }
+        // No record follows: the size in the header may be damaged.
+        if let Some(found) = next_record(bytes, header.body, end) {
+            return Ok(walk.over_long(at, end, found));
+        }
+        if end > bytes.len() {
+            return Ok(walk.over_cut(at, "recording"));
+        }
+        take(at, &header);
+        Ok(end)
+    })
+}
+
+/// Returns the offset of the record after one that ends at `end`, if the bytes there confirm this
+/// end: a trailer, which may be truncated, another record without a trailer between, or the end of
+/// the file.
+fn behind(bytes: &[u8], end: usize) -> Option<usize> {
+    let len = bytes.len();
+    let next = end.saturating_add(TRAILER);
+    let is_record = |at| RecordHeader::read(bytes, at).is_some();
+    let has_trailer = u32_le(bytes, end) == Some(TRAILER_MAGIC);
+    if has_trailer || next == len || is_record(next) {
+        Some(next.min(len)).filter(|_| end <= len)
+    } else {
+        (end == len || is_record(end)).then_some(end)
+    }
+}
+
+/// Returns the offset of the first record header that begins in `from..to`: the magic number and
+/// readable fields identify it.
+pub(super) fn next_record(bytes: &[u8], from: usize, to: usize) -> Option<usize> {
+    let to = to.min(bytes.len());
+    let mut at = from;
+    while at < to {
+        let magic = at.checked_add(BEFORE_MAGIC)?;
+        let searched = bytes.get(magic..)?;
+        let found = at + find_magic(searched, to - at)?;
+        if RecordHeader::read(bytes, found).is_some() {
+            return Some(found);
+        }
+        at = found + 1;
+    }
+    None
+}
+
+/// Returns the index of the first magic number that begins within the first `places` bytes.
+fn find_magic(searched: &[u8], places: usize) -> Option<usize> {
+    let windows = searched.windows(MAGIC.len()).take(places);
+    windows.into_iter().position(|window| window == MAGIC.as_slice())
 }
 
 #[cfg(test)]

@@ -6,13 +6,14 @@ pub mod dat;
 mod decode;
 pub mod ping;
 mod recording;
-mod son;
 
 use super::log_format::{FileSource, LogFormat, ReadRecording, Reading};
+use super::walk::Walk;
 use super::{OpenError, Opened, assemble, collected::Collected};
 use crate::support::progress::{Cancelled, Progress};
 use crate::survey::{RangeSource, Source, Survey};
 use dat::{Dat, DatFamily};
+use ping::{byte_order, walk_pings};
 use recording::Recording;
 use std::path::Path;
 
@@ -92,21 +93,20 @@ fn read_son(
     reading: &Reading<'_>,
     progress: &Progress,
 ) -> Result<(), Cancelled> {
-    let Some(order) = son::byte_order(&opened.bytes) else {
+    let Some(order) = byte_order(&opened.bytes) else {
         return Ok(());
     };
     let name = opened.path.file_stem().unwrap_or_default().to_string_lossy();
     let mut reader = decode::Reader::new(file, name.into_owned(), dat);
-    let report = log.report.clone();
-    let walk = son::SonWalk {
+    let walk = Walk {
         bytes: &opened.bytes,
         file,
-        order,
-        report: &report,
+        noun: "ping",
+        report: &log.report.clone(),
         is_growing: reading.is_growing,
         progress,
     };
-    walk.run(reading.from(file), |offset, ping| reader.take(log, offset, ping))?;
+    walk_pings(walk, order, reading.from(file), |offset, ping| reader.take(log, offset, ping))?;
     reader.finish(log);
     Ok(())
 }

@@ -1,10 +1,15 @@
-//! Reads a ping header of a SON file: tags and values between a magic number and an end tag.
+//! Reads ping headers of a SON file, which are tags and values between a magic number and an end
+//! tag, and walks from ping to ping. The IDX file beside it is not needed: magic numbers and lengths
+//! are sufficient.
 
 use crate::formats::ByteOrder;
+use crate::formats::report::WarningKind;
 use crate::formats::scalar::take;
+use crate::formats::walk::Walk;
+use crate::support::progress::Cancelled;
 
 /// First bytes of every ping, on all units.
-pub(crate) const MAGIC: [u8; 4] = [0xC0, 0xDE, 0xAB, 0x21];
+const MAGIC: [u8; 4] = [0xC0, 0xDE, 0xAB, 0x21];
 /// The tag that ends the header.
 const END: u8 = 0x21;
 /// First tag with a value of four bytes; lower tags have a value of one byte.
@@ -13,6 +18,8 @@ const FIRST_WIDE_TAG: u8 = 0x80;
 const MOST_TAGS: usize = 100;
 /// Most plausible samples of a ping.
 const MOST_SAMPLES: u32 = 1 << 16;
+/// Bytes in which the first pings of a file are searched.
+const SEARCHED_FOR_PINGS: usize = 1 << 20;
 
 /// Values of a ping header that Bathyscope uses. The length of the header differs between units;
 /// the tags do not.
@@ -97,6 +104,72 @@ impl PingHeader {
             _ => {}
         }
     }
+}
+
+/// Returns the byte order of a file's numbers: the order in which the length of a ping leads to the
+/// next ping. `None` where there is no ping in the first megabyte.
+pub(super) fn byte_order(bytes: &[u8]) -> Option<ByteOrder> {
+    let until = bytes.len().min(SEARCHED_FOR_PINGS);
+    let mut fallback = None;
+    let mut at = 0;
+    while let Some(offset) = next_magic(bytes, at).filter(|&offset| offset < until) {
+        for order in [ByteOrder::Big, ByteOrder::Little] {
+            if let Some(ping) = PingHeader::parse(bytes, offset, order) {
+                let next = offset + ping.size();
+                if bytes.get(next..next + MAGIC.len()) == Some(&MAGIC) || next == bytes.len() {
+                    return Some(order);
+                }
+                fallback = fallback.or(Some(order));
+            }
+        }
+        at = offset + 1;
+    }
+    fallback
+}
+
+/// Calls `take` with the offset and the header of every whole ping of a file, beginning at or after
+/// `from` if it is given; fails only if cancelled.
+pub(super) fn walk_pings(
+    walk: Walk<'_>,
+    order: ByteOrder,
+    from: Option<usize>,
+    mut take: impl FnMut(usize, PingHeader),
+) -> Result<(), Cancelled> {
+    let (bytes, len) = (walk.bytes, walk.bytes.len());
+    let start = from.map_or(0, |from| next_magic(bytes, from).unwrap_or(len));
+    walk.progress.advance(start as u64);
+    walk.progress.walk(start, len, |at| {
+        let Some(ping) = PingHeader::parse(bytes, at, order) else {
+            return Ok(walk.over_gap(at, next_magic(bytes, at + 1)));
+        };
+        let next = at.saturating_add(ping.size());
+        if next == len || bytes.get(next..next + MAGIC.len()) == Some(&MAGIC) {
+            take(at, ping);
+            return Ok(next);
+        }
+        // No ping follows: the sample count may be damaged.
+        let inside = next_magic(bytes, at + ping.header_len).filter(|&found| found < next);
+        if let Some(found) = inside {
+            let text = format!(
+                "a ping says that it has {} samples, but the next begins after {}; it was dropped",
+                ping.sample_count,
+                found - at - ping.header_len
+            );
+            walk.report.at(WarningKind::Frame, walk.file, at, text);
+            return Ok(found);
+        }
+        if next > len {
+            return Ok(walk.over_cut(at, "recording"));
+        }
+        take(at, ping);
+        Ok(next)
+    })
+}
+
+/// Returns the offset of the first magic number at or after `from`.
+fn next_magic(bytes: &[u8], from: usize) -> Option<usize> {
+    let searched = bytes.get(from..)?;
+    searched.windows(4).position(|window| window == MAGIC).map(|at| from + at)
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 //! `B000.SON` to `B004.SON`.
 
 use super::dat::Dat;
-use super::son;
+use super::ping::byte_order;
 use crate::formats::{FileSource, Opened};
 use std::path::{Path, PathBuf};
 
@@ -21,7 +21,7 @@ pub(super) struct Recording {
 
 /// Recognises a DAT or a SON file by its content, and a damaged DAT by the SON files beside it.
 pub(super) fn sniff(files: &FileSource, opened: &Opened) -> Option<Recording> {
-    if son::byte_order(&opened.bytes).is_some() {
+    if byte_order(&opened.bytes).is_some() {
         Some(around_son(files, opened))
     } else {
         around_dat(files, opened)
@@ -120,7 +120,7 @@ fn gather(
         .into_iter()
         .filter(|path| has_extension(path, "son"))
         .filter_map(read)
-        .filter(|son| son::byte_order(&son.bytes).is_some())
+        .filter(|son| byte_order(&son.bytes).is_some())
         .take(MOST_SONS)
         .collect();
     if sons.is_empty() {

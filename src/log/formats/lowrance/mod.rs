@@ -13,6 +13,7 @@ mod walk;
 pub mod write;
 
 use super::log_format::{FileSource, LogFormat, ReadRecording, Reading};
+use super::walk::Walk;
 use super::{OpenError, Opened, assemble, collected::Collected, scalar};
 use crate::support::progress::{Cancelled, Progress};
 use crate::survey::Survey;
@@ -175,14 +176,15 @@ fn read_frames(
     let start = start.unwrap_or(walk::FrameStart { at: bytes.len(), lost: 0 });
     progress.advance(start.at as u64);
     let mut reader = decode::Reader::default();
-    let walk = walk::FrameWalk {
+    let walk = Walk {
         bytes,
-        layout,
+        file: 0,
+        noun: "frame",
         report: &log.report.clone(),
         is_growing: reading.is_growing,
         progress,
     };
-    walk.run(start, |frame| reader.take(log, frame))?;
+    walk::FrameWalk { walk, layout }.run(start, |frame| reader.take(log, frame))?;
     reader.finish(log);
     Ok(())
 }

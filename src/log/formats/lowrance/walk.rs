@@ -1,8 +1,9 @@
 //! Walks from frame to frame through a log and skips damaged parts.
 
 use super::frame::{self, FrameCheck, FrameLayout, LowranceFrame};
-use crate::formats::report::{WarningKind, WarningReport};
-use crate::support::progress::{Cancelled, Progress};
+use crate::formats::report::WarningKind;
+use crate::formats::walk::Walk;
+use crate::support::progress::Cancelled;
 use std::ops::Range;
 
 /// Number of bytes searched between two checks for cancellation.
@@ -13,16 +14,10 @@ const MOST_LOST: u64 = 1 << 20;
 
 /// A walk over the frames of a log.
 pub(super) struct FrameWalk<'a> {
-    /// The whole file.
-    pub(super) bytes: &'a [u8],
+    /// The file, and the report of damaged frames.
+    pub(super) walk: Walk<'a>,
     /// Layout of the file's frames.
     pub(super) layout: FrameLayout,
-    /// Report for warnings.
-    pub(super) report: &'a WarningReport,
-    /// True if the file is still being written: a truncated last frame is then no damage.
-    pub(super) is_growing: bool,
-    /// Progress of the walk.
-    pub(super) progress: &'a Progress,
 }
 
 impl FrameWalk<'_> {
@@ -33,9 +28,9 @@ impl FrameWalk<'_> {
         mut take: impl FnMut(LowranceFrame),
     ) -> Result<(), Cancelled> {
         let (mut lost, mut longest) = (start.lost, 0);
-        self.progress.walk(start.at, self.bytes.len(), |at| {
+        self.walk.progress.walk(start.at, self.walk.bytes.len(), |at| {
             let here = FrameStart { at, lost };
-            let next = match self.layout.look(self.bytes, at, lost) {
+            let next = match self.layout.look(self.walk.bytes, at, lost) {
                 FrameCheck::Whole(frame) => self.step(here, frame, &mut longest, &mut take)?,
                 FrameCheck::Cut => self.over_cut(here)?,
                 FrameCheck::Nothing => self.over_gap(here)?,
@@ -57,18 +52,13 @@ impl FrameWalk<'_> {
         take: &mut impl FnMut(LowranceFrame),
     ) -> Result<FrameStart, Cancelled> {
         let next = here.at + frame.size;
-        let goes_on =
-            next == self.bytes.len() || frame::lost_before(self.bytes, next) == Some(here.lost);
+        let goes_on = next == self.walk.bytes.len()
+            || frame::lost_before(self.walk.bytes, next) == Some(here.lost);
         if !goes_on || frame.size > *longest {
             let inside = here.at + self.layout.shortest_header();
             let found = self.find(inside, next, here.lost)?;
             if let Some(found) = found.filter(|found| !goes_on || self.reaches(*found, next)) {
-                let text = format!(
-                    "a frame says that it is {} bytes long, but the next begins after {}; it was dropped",
-                    frame.size,
-                    found.at - here.at
-                );
-                self.report.at(WarningKind::Frame, 0, here.at, text);
+                self.walk.over_long(here.at, next, found.at);
                 return Ok(found);
             }
         }
@@ -81,7 +71,7 @@ impl FrameWalk<'_> {
     fn reaches(&self, start: FrameStart, end: usize) -> bool {
         let mut at = start.at;
         while at < end {
-            match self.layout.look(self.bytes, at, start.lost) {
+            match self.layout.look(self.walk.bytes, at, start.lost) {
                 FrameCheck::Whole(frame) => at += frame.size,
                 _ => return false,
             }
@@ -90,27 +80,19 @@ impl FrameWalk<'_> {
     }
 
     fn over_cut(&self, here: FrameStart) -> Result<FrameStart, Cancelled> {
-        let len = self.bytes.len();
-        let found = self.find(here.at + 4, len, here.lost)?;
-        if found.is_none() && self.is_growing {
-            return Ok(FrameStart { at: len, ..here });
-        }
-        let text = match found {
-            Some(_) => "a frame header is damaged; the frame was dropped".to_owned(),
-            None => format!(
-                "the recording was cut inside its last frame ({} bytes of it are there); it was dropped",
-                len - here.at
-            ),
+        let Some(found) = self.find(here.at + 4, self.walk.bytes.len(), here.lost)? else {
+            return Ok(FrameStart { at: self.walk.over_cut(here.at, "recording"), ..here });
         };
-        self.report.at(WarningKind::Frame, 0, here.at, text);
-        Ok(found.unwrap_or(FrameStart { at: len, ..here }))
+        let text = "a frame header is damaged; the frame was dropped";
+        self.walk.report.at(WarningKind::Frame, 0, here.at, text);
+        Ok(found)
     }
 
     fn over_gap(&self, here: FrameStart) -> Result<FrameStart, Cancelled> {
-        let len = self.bytes.len();
+        let len = self.walk.bytes.len();
         let found = self.find(here.at + 1, len, here.lost)?;
         let to = found.unwrap_or(FrameStart { at: len, ..here });
-        if found.is_none() && self.is_growing {
+        if found.is_none() && self.walk.is_growing {
             return Ok(to);
         }
         let bytes = to.at - here.at;
@@ -127,17 +109,17 @@ impl FrameWalk<'_> {
                 format!("the last {bytes} bytes of the file belong to no frame and were skipped")
             }
         };
-        self.report.at(WarningKind::Gap, 0, here.at, text);
+        self.walk.report.at(WarningKind::Gap, 0, here.at, text);
         Ok(to)
     }
 
     /// Returns the first whole frame that begins in `from..to`.
     fn find(&self, from: usize, to: usize, lost: i64) -> Result<Option<FrameStart>, Cancelled> {
         let mut at = from;
-        while at < to.min(self.bytes.len()) {
-            self.progress.check()?;
+        while at < to.min(self.walk.bytes.len()) {
+            self.walk.progress.check()?;
             let until = to.min(at.saturating_add(BYTES_A_CHECK));
-            if let Some(found) = first_frame(self.bytes, self.layout, at..until, lost) {
+            if let Some(found) = first_frame(self.walk.bytes, self.layout, at..until, lost) {
                 return Ok(Some(found));
             }
             at = until;
