@@ -77,6 +77,7 @@ use crate::support::file_error::FileError;
 use crate::support::mapped_file::FileFault;
 use crate::support::progress::Progress;
 use crate::survey::{Bytes, Seam, Source, Survey};
+use collected::Collected;
 use log_format::{FileSource, Reading};
 use points::{Elevations, is_named_as_elevations, read_elevations};
 use std::ffi::OsStr;
@@ -156,13 +157,26 @@ struct Opened {
 }
 
 impl Opened {
-    fn source(&self, format: String) -> Source {
-        Source {
+    /// Creates an empty log of this file alone, in the format with this name.
+    fn empty_log(&self, format: &str, reading: &Reading<'_>) -> Collected {
+        let source = Source {
             files: vec![self.path.clone()],
-            format,
+            format: format.to_owned(),
             device: String::new(),
             byte_count: self.bytes.len() as u64,
-        }
+        };
+        Collected::new(source, vec![self.bytes.clone()], reading)
+    }
+
+    /// Returns the error of a file that cannot be used, with advice on what to do instead.
+    fn unsupported(&self, what: impl Into<String>) -> OpenError {
+        OpenError::Unsupported { path: self.path.clone(), what: what.into() }
+    }
+
+    /// Returns the error of a file of this format in which nothing can be used.
+    fn broken(&self, format: &str, what: impl Into<String>) -> OpenError {
+        let (path, format) = (self.path.clone(), format.to_owned());
+        OpenError::Broken { path, format, what: what.into() }
     }
 }
 
@@ -383,7 +397,7 @@ fn read_by_content(
         return Err(not_recognised(&opened.path, "the file is empty"));
     }
     if let Some(advice) = table::advice(&opened.bytes) {
-        return Err(OpenError::Unsupported { path: opened.path, what: advice.to_owned() });
+        return Err(opened.unsupported(advice));
     }
     Err(not_recognised(&opened.path, table::looked_for()))
 }

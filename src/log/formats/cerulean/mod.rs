@@ -38,7 +38,7 @@ mod scale;
 mod tests;
 
 use super::log_format::{FileSource, LogFormat, ReadRecording, Reading};
-use super::{OpenError, Opened, assemble, collected::Collected};
+use super::{OpenError, Opened, assemble};
 use crate::support::progress::Progress;
 use crate::survey::Survey;
 use packet::{FORMAT, Packet};
@@ -56,7 +56,7 @@ impl LogFormat for Cerulean {
     fn recognise(&self, _files: &FileSource, opened: &Opened) -> Option<ReadRecording> {
         sniff(&opened.bytes)?;
         let opened = opened.clone();
-        Some(Box::new(move |reading, progress| read(opened, reading, progress)))
+        Some(Box::new(move |reading, progress| read(&opened, reading, progress)))
     }
 }
 
@@ -78,27 +78,22 @@ fn sniff(bytes: &[u8]) -> Option<usize> {
 ///
 /// # Errors
 /// When the file contains no profile, or the user cancelled the reading.
-fn read(opened: Opened, reading: &Reading<'_>, progress: &Progress) -> Result<Survey, OpenError> {
-    let path = opened.path.clone();
-    let bytes = opened.bytes.clone();
-    let mut source = opened.source(NAME.to_owned());
-    source.device = "Omniscan 450".to_owned();
-    let mut log = Collected::new(source, vec![opened.bytes], reading);
-    let mut reader = decode::Reader::new(&bytes, reading);
+fn read(opened: &Opened, reading: &Reading<'_>, progress: &Progress) -> Result<Survey, OpenError> {
+    let bytes = &opened.bytes;
+    let mut log = opened.empty_log(NAME, reading);
+    log.source.device = "Omniscan 450".to_owned();
+    let mut reader = decode::Reader::new(bytes, reading);
     let tail = reading.from(0).filter(|_| reader.knows_zero());
-    FORMAT.read(&bytes, (0, tail), &mut log, (reading, progress), |log, packet| {
+    FORMAT.read(bytes, (0, tail), &mut log, (reading, progress), |log, packet| {
         reader.take(log, packet.start);
     })?;
     reader.finish(&mut log);
     if log.channels.is_empty() {
-        return Err(OpenError::Unsupported {
-            path,
-            what: format!(
-                "this svlog holds no side-scan profile of an Omniscan 450 in its {} bytes, only {}; open the log that was recorded with one",
-                bytes.len(),
-                reader.summary()
-            ),
-        });
+        return Err(opened.unsupported(format!(
+            "this svlog holds no side-scan profile of an Omniscan 450 in its {} bytes, only {}; open the log that was recorded with one",
+            bytes.len(),
+            reader.summary()
+        )));
     }
     Ok(assemble::assemble(log, reading))
 }

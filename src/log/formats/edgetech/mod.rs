@@ -33,7 +33,7 @@ mod tests;
 mod trace;
 
 use super::log_format::{FileSource, LogFormat, ReadRecording, Reading};
-use super::{OpenError, Opened, assemble, collected::Collected};
+use super::{OpenError, Opened, assemble};
 use crate::support::progress::Progress;
 use crate::survey::Survey;
 use trace::{FORMAT, MessageHeader};
@@ -51,7 +51,7 @@ impl LogFormat for EdgeTech {
     fn recognise(&self, _files: &FileSource, opened: &Opened) -> Option<ReadRecording> {
         let first = sniff(&opened.bytes)?;
         let opened = opened.clone();
-        Some(Box::new(move |reading, progress| read(opened, first, reading, progress)))
+        Some(Box::new(move |reading, progress| read(&opened, first, reading, progress)))
     }
 }
 
@@ -70,40 +70,34 @@ fn sniff(bytes: &[u8]) -> Option<usize> {
 /// # Errors
 /// When the file contains no side-scan, or the user cancelled the reading.
 fn read(
-    opened: Opened,
+    opened: &Opened,
     first: usize,
     reading: &Reading<'_>,
     progress: &Progress,
 ) -> Result<Survey, OpenError> {
-    let path = opened.path.clone();
-    let bytes = opened.bytes.clone();
-    let source = opened.source(NAME.to_owned());
-    let mut log = Collected::new(source, vec![opened.bytes], reading);
-    let mut reader = decode::Reader::new(&bytes, reading);
+    let bytes = &opened.bytes;
+    let mut log = opened.empty_log(NAME, reading);
+    let mut reader = decode::Reader::new(bytes, reading);
     let tail = reading.from(0).filter(|_| reader.knows_zero());
-    FORMAT.read(&bytes, (0, tail), &mut log, (reading, progress), |log, message| {
+    FORMAT.read(bytes, (0, tail), &mut log, (reading, progress), |log, message| {
         reader.take(log, message);
     })?;
     reader.finish(&mut log);
     let has_side_scan = log.channels.iter().any(|(_, channel)| channel.kind.side().is_some());
     if !has_side_scan && reader.sensors().total() > 0 {
-        return Err(OpenError::Unsupported {
-            path,
-            what: format!(
-                "this JSF file is whole, but there is no side-scan in it, only {}; open the file that the side-scan was recorded into",
-                reader.sensors().summary()
-            ),
-        });
+        return Err(opened.unsupported(format!(
+            "this JSF file is whole, but there is no side-scan in it, only {}; open the file that the side-scan was recorded into",
+            reader.sensors().summary()
+        )));
     }
     if !has_side_scan {
-        return Err(OpenError::Broken {
-            path,
-            format: NAME.to_owned(),
-            what: format!(
+        return Err(opened.broken(
+            NAME,
+            format!(
                 "no side-scan ping in its {} bytes from byte {first} on; copy the file again",
                 bytes.len()
             ),
-        });
+        ));
     }
     Ok(assemble::assemble(log, reading))
 }

@@ -42,7 +42,7 @@ mod varstruct;
 use super::log_format::{FileSource, LogFormat, ReadRecording, Reading};
 use super::scalar::u32_le;
 use super::walk::Walk;
-use super::{OpenError, Opened, assemble, collected::Collected};
+use super::{OpenError, Opened, assemble};
 use crate::support::progress::Progress;
 use crate::survey::Survey;
 use record::{RecordHeader, next_record, walk_records};
@@ -72,7 +72,7 @@ impl LogFormat for Garmin {
     fn recognise(&self, _files: &FileSource, opened: &Opened) -> Option<ReadRecording> {
         let found = sniff(&opened.bytes)?;
         let opened = opened.clone();
-        Some(Box::new(move |reading, progress| read(opened, found, reading, progress)))
+        Some(Box::new(move |reading, progress| read(&opened, found, reading, progress)))
     }
 }
 
@@ -169,31 +169,30 @@ fn sniff(bytes: &[u8]) -> Option<RsdStart> {
 
 /// Reads a file that [`sniff`] recognised; fails where it contains no ping, or the user cancelled.
 fn read(
-    opened: Opened,
+    opened: &Opened,
     found: RsdStart,
     reading: &Reading<'_>,
     progress: &Progress,
 ) -> Result<Survey, OpenError> {
-    let path = opened.path.clone();
-    let bytes = opened.bytes.clone();
-    let mut source = opened.source(FORMAT.to_owned());
-    let product = found.header.as_ref().and_then(|header| header.product);
-    source.device = product.map_or_else(String::new, |product| format!("Garmin product {product}"));
-    let mut log = Collected::new(source, vec![opened.bytes], reading);
+    let bytes = &opened.bytes;
+    let mut log = opened.empty_log(FORMAT, reading);
+    if let Some(product) = found.header.as_ref().and_then(|header| header.product) {
+        log.source.device = format!("Garmin product {product}");
+    }
     if found.header.is_none() {
         log.report.log(
             "the file header is damaged; the date is not known, and the records were searched",
         );
     }
     let start = match reading.from(0) {
-        Some(from) => next_record(&bytes, from, bytes.len()).unwrap_or(bytes.len()),
+        Some(from) => next_record(bytes, from, bytes.len()).unwrap_or(bytes.len()),
         None => found.first_record,
     };
     progress.start(bytes.len().saturating_sub(start) as u64);
     let header = found.header.unwrap_or_default();
-    let mut reader = decode::Reader::new(&bytes, header, found.first_record);
+    let mut reader = decode::Reader::new(bytes, header, found.first_record);
     let walk = Walk {
-        bytes: &bytes,
+        bytes,
         file: 0,
         noun: "record",
         report: &log.report.clone(),
@@ -203,14 +202,13 @@ fn read(
     walk_records(walk, start, |offset, record| reader.take(&mut log, offset, record))?;
     reader.finish(&mut log, reading.known());
     if log.channels.is_empty() {
-        return Err(OpenError::Broken {
-            path,
-            format: FORMAT.to_owned(),
-            what: format!(
+        return Err(opened.broken(
+            FORMAT,
+            format!(
                 "no ping in its {} bytes; copy the file from the unit's card again",
                 bytes.len()
             ),
-        });
+        ));
     }
     Ok(assemble::assemble(log, reading))
 }

@@ -25,7 +25,7 @@ mod page;
 mod tests;
 
 use super::log_format::{FileSource, LogFormat, ReadRecording, Reading};
-use super::{OpenError, Opened, assemble, collected::Collected};
+use super::{OpenError, Opened, assemble};
 use crate::support::progress::Progress;
 use crate::survey::Survey;
 use page::{FORMAT, Page};
@@ -41,7 +41,7 @@ impl LogFormat for Klein {
     fn recognise(&self, _files: &FileSource, opened: &Opened) -> Option<ReadRecording> {
         sniff(&opened.bytes)?;
         let opened = opened.clone();
-        Some(Box::new(move |reading, progress| read(opened, reading, progress)))
+        Some(Box::new(move |reading, progress| read(&opened, reading, progress)))
     }
 }
 
@@ -58,14 +58,12 @@ fn sniff(bytes: &[u8]) -> Option<usize> {
 ///
 /// # Errors
 /// When the file contains no side-scan that is read, or the user cancelled the reading.
-fn read(opened: Opened, reading: &Reading<'_>, progress: &Progress) -> Result<Survey, OpenError> {
-    let path = opened.path.clone();
-    let bytes = opened.bytes.clone();
-    let source = opened.source(NAME.to_owned());
-    let mut log = Collected::new(source, vec![opened.bytes], reading);
-    let mut reader = decode::Reader::new(&bytes, reading);
+fn read(opened: &Opened, reading: &Reading<'_>, progress: &Progress) -> Result<Survey, OpenError> {
+    let bytes = &opened.bytes;
+    let mut log = opened.empty_log(NAME, reading);
+    let mut reader = decode::Reader::new(bytes, reading);
     let tail = reading.from(0).filter(|_| reader.knows_zero());
-    FORMAT.read(&bytes, (0, tail), &mut log, (reading, progress), |log, page| {
+    FORMAT.read(bytes, (0, tail), &mut log, (reading, progress), |log, page| {
         reader.take(log, page.start);
     })?;
     reader.finish(&mut log, reading.known());
@@ -73,19 +71,15 @@ fn read(opened: Opened, reading: &Reading<'_>, progress: &Progress) -> Result<Su
         return Ok(assemble::assemble(log, reading));
     }
     Err(match reader.others() {
-        Some(others) => OpenError::Unsupported {
-            path,
-            what: format!(
-                "this SDF file holds only {others}, and no public source says which of their channels look to port; export XTF from SonarPro and open that"
-            ),
-        },
-        None => OpenError::Broken {
-            path,
-            format: NAME.to_owned(),
-            what: format!(
+        Some(others) => opened.unsupported(format!(
+            "this SDF file holds only {others}, and no public source says which of their channels look to port; export XTF from SonarPro and open that"
+        )),
+        None => opened.broken(
+            NAME,
+            format!(
                 "no whole page with side-scan in its {} bytes; copy the file again",
                 bytes.len()
             ),
-        },
+        ),
     })
 }

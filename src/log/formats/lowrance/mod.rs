@@ -35,7 +35,7 @@ impl LogFormat for Lowrance {
     fn recognise(&self, _files: &FileSource, opened: &Opened) -> Option<ReadRecording> {
         let found = sniff(&opened.bytes)?;
         let opened = opened.clone();
-        Some(Box::new(move |reading, progress| read(opened, found, reading, progress)))
+        Some(Box::new(move |reading, progress| read(&opened, found, reading, progress)))
     }
 }
 
@@ -126,14 +126,13 @@ fn is_row_of_frames(bytes: &[u8], layout: FrameLayout, first: walk::FrameStart) 
 /// Reads a file that [`sniff`] recognised; fails where it contains no whole frame, or the user
 /// cancelled.
 fn read(
-    opened: Opened,
+    opened: &Opened,
     kind: LowranceKind,
     reading: &Reading<'_>,
     progress: &Progress,
 ) -> Result<Survey, OpenError> {
     let format = format_name(kind);
-    let source = opened.source(format.clone());
-    let mut log = Collected::new(source, vec![opened.bytes.clone()], reading);
+    let mut log = opened.empty_log(&format, reading);
     let bytes = &opened.bytes;
     match kind {
         LowranceKind::Slg { size, .. } => {
@@ -149,14 +148,13 @@ fn read(
         }
     }
     if log.channels.is_empty() {
-        let len = opened.bytes.len();
-        return Err(OpenError::Broken {
-            path: opened.path,
-            format,
-            what: format!(
-                "no whole frame in its {len} bytes; copy the file from the unit's card again"
+        return Err(opened.broken(
+            &format,
+            format!(
+                "no whole frame in its {} bytes; copy the file from the unit's card again",
+                bytes.len()
             ),
-        });
+        ));
     }
     Ok(assemble::assemble(log, reading))
 }

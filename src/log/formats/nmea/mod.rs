@@ -36,7 +36,7 @@ mod tests;
 pub(super) use sentence::{Sentence, sentence};
 
 use super::log_format::{FileSource, LogFormat, ReadRecording, Reading};
-use super::{OpenError, Opened, assemble, collected::Collected};
+use super::{OpenError, Opened, assemble};
 use crate::support::progress::Progress;
 use crate::survey::Survey;
 use decode::Reader;
@@ -55,7 +55,7 @@ pub(super) struct Nmea;
 impl LogFormat for Nmea {
     fn recognise(&self, _files: &FileSource, opened: &Opened) -> Option<ReadRecording> {
         let opened = is_log(&opened.bytes).then(|| opened.clone())?;
-        Some(Box::new(move |reading, progress| read(opened, reading, progress)))
+        Some(Box::new(move |reading, progress| read(&opened, reading, progress)))
     }
 }
 
@@ -76,24 +76,20 @@ fn is_log(bytes: &[u8]) -> bool {
 ///
 /// # Errors
 /// When the log contains no depth, or the user cancelled the reading.
-fn read(opened: Opened, reading: &Reading<'_>, progress: &Progress) -> Result<Survey, OpenError> {
-    let bytes = opened.bytes.clone();
-    let mut log =
-        Collected::new(opened.source(NAME.to_owned()), vec![opened.bytes.clone()], reading);
+fn read(opened: &Opened, reading: &Reading<'_>, progress: &Progress) -> Result<Survey, OpenError> {
+    let bytes = &opened.bytes;
+    let mut log = opened.empty_log(NAME, reading);
     // The log is read twice: first to count its sentences, then to decode them.
     progress.start(2 * bytes.len() as u64);
     let mut tally = Tally::default();
-    let lines = || Lines::new(&bytes, reading.is_growing);
+    let lines = || Lines::new(bytes, reading.is_growing);
     lines().each(progress, |found| tally.take(&found))?;
     let Some(mut reader) = Reader::new(&tally) else {
-        return Err(OpenError::Unsupported {
-            path: opened.path,
-            what: format!(
-                "this NMEA log holds no depth in its {} bytes, only {}; have the echo sounder's sentences DPT, DBT or DBS recorded too",
-                bytes.len(),
-                tally.summary()
-            ),
-        });
+        return Err(opened.unsupported(format!(
+            "this NMEA log holds no depth in its {} bytes, only {}; have the echo sounder's sentences DPT, DBT or DBS recorded too",
+            bytes.len(),
+            tally.summary()
+        )));
     };
     lines().each(progress, |found| reader.take(&mut log, &found))?;
     reader.finish(&mut log);

@@ -110,8 +110,8 @@ impl Pair {
         let mut log = Collected::new(source, files, reading);
         let mut rows = Reader::new(self.layout.clone(), TABLE);
         sounding_table::read_rows(&table.bytes, &mut rows, &mut log, reading, progress)?;
-        let pings = numbered(&mut rows, packed.height())
-            .map_err(|what| OpenError::Unsupported { path: picture.path.clone(), what })?;
+        let pings =
+            numbered(&mut rows, packed.height()).map_err(|what| picture.unsupported(what))?;
         let grey = packed.unpack().map_err(fail)?;
         progress.check()?;
         collect(&mut log, grey, &pings);
@@ -119,18 +119,16 @@ impl Pair {
     }
 
     fn refuse(&self, fault: PictureFault) -> OpenError {
-        let path = self.picture.path.clone();
         match fault {
             PictureFault::TooLarge { .. } => {
-                OpenError::Unsupported { path, what: format!("the picture is too large: {fault}") }
+                self.picture.unsupported(format!("the picture is too large: {fault}"))
             }
-            fault => OpenError::Broken {
-                path,
-                format: NAME.to_owned(),
-                what: format!(
+            fault => self.picture.broken(
+                NAME,
+                format!(
                     "the picture cannot be unpacked ({fault}); export it again, or copy it again from where it is whole"
                 ),
-            },
+            ),
         }
     }
 }

@@ -59,11 +59,10 @@ impl LogFormat for SoundingTable {
         let opened = opened.clone();
         Some(Box::new(move |reading, progress| {
             match recognised {
-            Recognised::Table(layout) => read(opened, layout.without_pings(), reading, progress),
-            Recognised::Own => Err(OpenError::Unsupported {
-                path: opened.path,
-                what: "this is a table that Bathyscope wrote, and no recording; open the log that it was made of".to_owned(),
-            }),
+            Recognised::Table(layout) => read(&opened, layout.without_pings(), reading, progress),
+            Recognised::Own => Err(opened.unsupported(
+                "this is a table that Bathyscope wrote, and no recording; open the log that it was made of",
+            )),
         }
         }))
     }
@@ -90,22 +89,18 @@ pub(super) fn sniff(bytes: &[u8]) -> Option<Recognised> {
 /// # Errors
 /// When the table contains no depth, or the user cancelled the reading.
 fn read(
-    opened: Opened,
+    opened: &Opened,
     layout: Layout,
     reading: &Reading<'_>,
     progress: &Progress,
 ) -> Result<Survey, OpenError> {
-    let mut source = opened.source(NAME.to_owned());
-    source.device = layout.device().to_owned();
-    let mut log = Collected::new(source, vec![opened.bytes.clone()], reading);
+    let mut log = opened.empty_log(NAME, reading);
+    log.source.device = layout.device().to_owned();
     read_rows(&opened.bytes, &mut Reader::new(layout, 0), &mut log, reading, progress)?;
     if log.depths.is_empty() {
-        return Err(OpenError::Broken {
-            path: opened.path,
-            format: NAME.to_owned(),
-            what: "no row of it has a depth; write one number above 0 into the column of the depth"
-                .to_owned(),
-        });
+        let what =
+            "no row of it has a depth; write one number above 0 into the column of the depth";
+        return Err(opened.broken(NAME, what));
     }
     Ok(assemble::assemble(log, reading))
 }

@@ -61,7 +61,7 @@ impl LogFormat for Xtf {
     fn recognise(&self, _files: &FileSource, opened: &Opened) -> Option<ReadRecording> {
         let found = sniff(&opened.bytes)?;
         let opened = opened.clone();
-        Some(Box::new(move |reading, progress| read(opened, found, reading, progress)))
+        Some(Box::new(move |reading, progress| read(&opened, found, reading, progress)))
     }
 }
 
@@ -113,45 +113,37 @@ fn device_name(header: FileHeader) -> String {
 /// Reads a file that [`sniff`] recognised; fails where it contains no side-scan, or the user
 /// cancelled.
 fn read(
-    opened: Opened,
+    opened: &Opened,
     found: XtfStart,
     reading: &Reading<'_>,
     progress: &Progress,
 ) -> Result<Survey, OpenError> {
-    let path = opened.path.clone();
-    let bytes = opened.bytes.clone();
-    let mut source = opened.source(FORMAT.to_owned());
-    source.device = found.header.map_or_else(String::new, device_name);
-    let mut log = Collected::new(source, vec![opened.bytes], reading);
+    let bytes = &opened.bytes;
+    let mut log = opened.empty_log(FORMAT, reading);
+    log.source.device = found.header.map_or_else(String::new, device_name);
     if found.header.is_none() {
         log.report
             .log("the file header is damaged; channels and units were inferred from the pings");
     }
     let tail = reading.from(0);
     let mut reader = match tail {
-        Some(from) => knowing_head(&bytes, &found, (from, reading.known()), progress)?,
-        None => decode::Reader::new(&bytes, found.header, None),
+        Some(from) => knowing_head(bytes, &found, (from, reading.known()), progress)?,
+        None => decode::Reader::new(bytes, found.header, None),
     };
     let start = (found.first_packet, tail);
-    PACKETS.read(&bytes, start, &mut log, (reading, progress), |log, packet| {
+    PACKETS.read(bytes, start, &mut log, (reading, progress), |log, packet| {
         reader.take(log, packet.start);
     })?;
     reader.finish(&mut log, reading.known());
     if log.channels.is_empty() && reader.others.total() > 0 {
-        return Err(OpenError::Unsupported {
-            path,
-            what: format!(
-                "this XTF file is whole, but there is no side-scan in it, only {}; open the file that the side-scan was recorded into, or export it with the sonar channels",
-                reader.others.summary()
-            ),
-        });
+        return Err(opened.unsupported(format!(
+            "this XTF file is whole, but there is no side-scan in it, only {}; open the file that the side-scan was recorded into, or export it with the sonar channels",
+            reader.others.summary()
+        )));
     }
     if log.channels.is_empty() {
-        return Err(OpenError::Broken {
-            path,
-            format: FORMAT.to_owned(),
-            what: format!("no side-scan ping in its {} bytes; export the file again", bytes.len()),
-        });
+        let what = format!("no side-scan ping in its {} bytes; export the file again", bytes.len());
+        return Err(opened.broken(FORMAT, what));
     }
     Ok(assemble::assemble(log, reading))
 }
