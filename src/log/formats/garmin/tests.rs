@@ -1,15 +1,17 @@
-//! Tests that generated RSD files, whole, growing and damaged, are read as they were written.
+//! Tests that generated RSD files, whole, growing and damaged, are read as they were written, and
+//! hostile files as far as possible: without a panic, a hang, or memory by a stated size.
 
-mod growing;
-mod hostile;
-
-use crate::formats::test_logs::{outward, says};
-use crate::formats::{OpenError, open_bytes};
+use crate::formats::test_logs::{held, outward, places, says};
+use crate::formats::{OpenError, open_bytes, open_growing, open_tail};
 use crate::support::progress::Progress;
-use crate::survey::{ChannelKind, Side, Survey};
+use crate::survey::{ChannelKind, Encoding, Side, Survey, SurveyVersions};
+use bathyscope_test_support::Random;
 use bathyscope_test_support::garmin::{
-    self, Band, GARMIN_S, HEADER, Ping, START_UNIX_S, TILT_DEG, header,
+    Band, GARMIN_S, HEADER, Ping, START_UNIX_S, TILT_DEG, header, record, structure,
 };
+
+/// Name of the log.
+const LOG: &str = "log.rsd";
 
 /// Channels of a traditional sonar, a down-scan and a pair of sides, with numbers that units use.
 const BANDS: [Band; 4] =
@@ -53,14 +55,14 @@ fn file(pings: &[Ping]) -> Vec<u8> {
     let mut bytes = header(GARMIN_S, &BANDS);
     for (channel, ..) in CHANNELS {
         let begins = Ping { channel: Some(channel), ..Ping::default() };
-        bytes.extend(garmin::record(&begins, &[]));
+        bytes.extend(record(&begins, &[]));
     }
     bytes.extend(pings.iter().flat_map(Ping::record));
     bytes
 }
 
 fn open(bytes: Vec<u8>) -> Result<Survey, OpenError> {
-    open_bytes("log.rsd", bytes, &Progress::new())
+    open_bytes(LOG, bytes, &Progress::new())
 }
 
 fn read(bytes: Vec<u8>) -> Survey {
@@ -299,4 +301,188 @@ fn a_file_without_a_ping_is_broken() {
         assert!(matches!(error, OpenError::Broken { .. }), "{error}");
         assert!(error.to_string().contains("no ping in its"), "{error}");
     }
+}
+
+/// Reads a file that is still being written.
+fn growing(bytes: &[u8]) -> Option<Survey> {
+    open_growing(held(LOG, bytes), &Progress::new()).ok()
+}
+
+fn assert_same(grown: &Survey, whole: &Survey) {
+    assert_eq!(grown.side_scan.len(), whole.side_scan.len());
+    for (a, b) in grown.side_scan.iter().zip(whole.side_scan.iter()) {
+        assert_eq!((a.time_s, a.port, a.starboard), (b.time_s, b.port, b.starboard));
+        assert_eq!(a.depth_m.to_bits(), b.depth_m.to_bits());
+    }
+    assert_eq!(grown.soundings, whole.soundings);
+    assert_eq!(grown.channels, whole.channels);
+    assert_eq!(grown.source, whole.source);
+    assert_eq!(grown.start_unix_s, whole.start_unix_s);
+    assert!(grown.echograms == whole.echograms, "echograms");
+    assert_eq!(places(grown), places(whole));
+    for (ping, side) in (0..whole.side_scan.len()).zip(Side::BOTH.into_iter().cycle()) {
+        let levels = |survey: &Survey| {
+            let mut levels = Vec::new();
+            if let Some(samples) = survey.samples(ping, side) {
+                samples.copy_outward(&mut levels);
+            }
+            levels
+        };
+        assert_eq!(levels(grown), levels(whole), "ping {ping}");
+    }
+}
+
+/// Splits a file at many places, also within records; returns how often reading the tail was
+/// enough.
+fn split(bytes: &[u8], places: usize) -> usize {
+    let finished = growing(bytes).expect("a log");
+    let mut by_tail = 0;
+    for place in 1..places {
+        let end = bytes.len() * place / places;
+        let Some(known) = growing(&bytes[..end]) else {
+            continue;
+        };
+        // In a log that is so short, the channel of the soundings may still change.
+        if known.sounding_channel != finished.sounding_channel {
+            continue;
+        }
+        assert!(
+            known.warnings.iter().all(|warning| warning.place.is_none()),
+            "a record that is cut is no damage"
+        );
+        let Some(seam) = known.seam() else { continue };
+        let tail = open_tail(&known, &seam, held(LOG, bytes), &Progress::new()).expect("a tail");
+        let grown = known.extended(tail, &seam, &mut SurveyVersions::default());
+        if let Some(grown) = grown {
+            assert_same(&grown, &finished);
+            by_tail += usize::from(seam.from[0] > 0);
+        }
+    }
+    by_tail
+}
+
+/// Returns pings whose samples use the same bits from the first to the last.
+fn even(mut pings: Vec<Ping>) -> Vec<Ping> {
+    for ping in &mut pings {
+        ping.samples = (0..40).map(|place| place * 100).collect();
+    }
+    pings
+}
+
+#[test]
+fn tails_make_the_survey_of_the_whole_file() {
+    assert!(split(&file(&even(pings(400))), 61) > 20);
+    assert!(split(&file(&even(with_second_pair(200, 4))), 47) > 15);
+    assert!(split(&file(&even(with_second_pair(200, 20_000))), 47) > 15);
+}
+
+#[test]
+fn the_levels_of_a_log_stay_when_louder_pings_come() {
+    let mut some = even(pings(300));
+    let quiet = some.iter_mut().take(4 * 200);
+    quiet.for_each(|ping| ping.samples.iter_mut().for_each(|sample| *sample /= 16));
+    let bytes = file(&some);
+    let known = growing(&bytes[..bytes.len() * 6 / 10]).expect("a log");
+    let seam = known.seam().expect("a seam");
+    let tail = open_tail(&known, &seam, held(LOG, &bytes), &Progress::new()).expect("a tail");
+    let grown = known.extended(tail, &seam, &mut SurveyVersions::default()).expect("a log");
+    let sides = grown.side_scan.iter().flat_map(|ping| [ping.port, ping.starboard]).flatten();
+    let down =
+        grown.echograms.iter().flat_map(|echogram| echogram.pings.iter().map(|ping| ping.span));
+    let spans: Vec<_> = sides.chain(down).collect();
+    assert_eq!(spans.len(), 4 * 300);
+    assert!(spans.iter().all(|span| span.encoding == Encoding::U16 { shift: 0 }));
+    let whole_log = growing(&bytes).expect("a log");
+    assert_eq!(whole_log.echograms[0].pings[0].span.encoding, Encoding::U16 { shift: 4 });
+}
+
+/// Returns a file with two pings of each channel and few samples.
+fn small() -> Vec<u8> {
+    let mut some = pings(2);
+    some.iter_mut().for_each(|ping| ping.samples.truncate(9));
+    file(&some)
+}
+
+fn assert_bounded(bytes: Vec<u8>) {
+    let length = bytes.len();
+    if let Ok(survey) = open(bytes) {
+        let records = survey.side_scan.len() + survey.track.fixes.len() + survey.soundings.len();
+        assert!(records < length, "{records} of {length} bytes");
+        let spans = survey.side_scan.iter().flat_map(|ping| [ping.port, ping.starboard]);
+        for span in spans.flatten() {
+            assert!(span.offset + u64::from(span.count) <= length as u64);
+            assert!(span.far_m.is_finite() && span.near_m >= 0.0);
+        }
+        for fix in survey.track.fixes.iter() {
+            assert!(fix.position.lat_deg.abs() < 90.0 && fix.time_s.is_finite());
+        }
+    }
+}
+
+#[test]
+fn a_file_may_be_cut_anywhere() {
+    let bytes = small();
+    // All places within the padding of the header are alike.
+    let header = (0..HEADER).filter(|end| *end < 400 || end % 997 == 0);
+    for end in header.chain(HEADER..bytes.len()) {
+        assert_bounded(bytes[..end].to_vec());
+    }
+    let some = open(bytes[..bytes.len() - 200].to_vec()).expect("what is left");
+    assert!(!some.side_scan.is_empty());
+}
+
+#[test]
+fn any_bytes_may_be_wrong() {
+    let bytes = small();
+    let mut random = Random(7);
+    for _ in 0..4_000 {
+        let mut harmed = bytes.clone();
+        for _ in 0..=random.below(12) {
+            // Damages the header's fields, or the records.
+            let (from, to) = match random.below(4) {
+                0 => (0, 300),
+                _ => (HEADER, harmed.len()),
+            };
+            let at = from + random.below(to - from);
+            harmed[at] = [0, 0x7F, 0x80, 0xFF, random.below(256) as u8][random.below(5)];
+        }
+        assert_bounded(harmed);
+    }
+}
+
+#[test]
+fn stated_sizes_of_four_gigabytes_are_not_believed() {
+    let mut bytes = small();
+    let long = Ping { has_trailer: false, ..pings(1).remove(0) };
+    let magic_field = (0, 0xB7E9_DA86_u32.to_le_bytes().to_vec());
+    // Huge sizes of bodies, and a state with a huge count of fields.
+    for fields in [
+        [(4, vec![0xFF; 4]), (5, vec![0; 4])],
+        [(4, vec![0xFF, 0xFF, 0xFF, 0x7F]), (1, vec![0xFF; 5])],
+    ] {
+        let mut all = vec![magic_field.clone()];
+        all.extend(fields);
+        bytes.extend(structure(&all));
+        bytes.extend([1; 40]);
+    }
+    // Headers with a field, and with a count of fields, of this size.
+    bytes.extend([6, 4, 0x86, 0xDA, 0xE9, 0xB7, 0x0F, 0xFF, 0xFF, 0xFF, 0xFF, 0x0F]);
+    bytes.extend([0xFF, 4, 0x86, 0xDA, 0xE9, 0xB7, 0xFF, 0xFF, 0xFF, 0xFF, 0x0F]);
+    // Huge numbers of samples, and of fields in a body.
+    let stated = Ping { stated_samples: Some(u32::MAX), ..long.clone() };
+    bytes.extend(stated.record());
+    let mut body = long.body();
+    body[0] = 0x7F;
+    bytes.extend(record(&long, &body));
+    bytes.extend(long.record());
+    let survey = open(bytes.clone()).expect("the sound records");
+    assert_eq!(survey.side_scan.len(), 3);
+    assert_bounded(bytes);
+    // Only magic numbers, and only records with a body of two bytes or a huge stated size.
+    let magic = [6, 4, 0x86, 0xDA, 0xE9, 0xB7];
+    assert_bounded(magic.iter().copied().cycle().take(1 << 20).collect());
+    let tiny = [&[2][..], &magic[1..], &[4 << 3 | 1, 2, 0, 0, 0, 0, 0, 0]].concat();
+    assert_bounded(tiny.iter().copied().cycle().take(1 << 20).collect());
+    let lying = [&[2][..], &magic[1..], &[4 << 3 | 4, 0xFF, 0xFF, 0xFF, 0xFF, 0, 0, 0, 0]].concat();
+    assert_bounded(lying.iter().copied().cycle().take(1 << 20).collect());
 }
