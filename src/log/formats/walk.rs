@@ -1,5 +1,5 @@
-//! Walks from record to record through a log and skips damaged parts; finds the records of logs that
-//! consist of messages only, each of which begins with a marker and states its length.
+//! Walks from record to record through a log and skips damaged parts; finds the records of logs
+//! that consist of messages only, each of which begins with a marker and states its length.
 
 use super::collected::Collected;
 use super::log_format::Reading;
@@ -25,8 +25,8 @@ pub(super) struct Walk<'a> {
 }
 
 impl Walk<'_> {
-    /// Skips the record at an offset, whose stated end is beyond the record at `found`, which begins
-    /// inside it; returns `found`.
+    /// Skips the record at an offset, whose stated end is beyond the record at `found`, which
+    /// begins inside it; returns `found`.
     pub(super) fn over_long(&self, at: usize, end: usize, found: usize) -> usize {
         let text = format!(
             "a {} says that it is {} bytes long, but the next begins after {}; it was dropped",

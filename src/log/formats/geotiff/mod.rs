@@ -14,26 +14,22 @@
 //! ```
 //!
 //! `directory` lays out the tags, `metadata` writes GDAL's data of a band. `cells` reads a raster
-//! of any program, as points or cell by cell, `tiles` reads a raster of this program tile by tile;
-//! `geotransform` gives the position of cells, also for the pixels of a base map. `directory_walk`
-//! and `jpeg_blocks` check the sizes that a file claims before a decoder allocates memory by them.
+//! of any program, as points or cell by cell, and gives the position of cells, also for the pixels
+//! of a base map; `tiles` reads a raster of this program tile by tile. `claims` checks the sizes
+//! that a file claims before a decoder allocates memory by them.
 
 mod cells;
+mod claims;
 mod directory;
-mod directory_walk;
-mod geotransform;
-mod jpeg_blocks;
 mod metadata;
 mod pack;
 mod tiles;
 mod writer;
 
-pub use cells::{CellsError, RasterValues, read_cells, read_values};
-pub(crate) use directory_walk::DirectoryWalk;
-pub use directory_walk::check_claims;
-pub(crate) use geotransform::GeoKeys;
-pub use geotransform::GeoTransform;
-pub(crate) use jpeg_blocks::JpegBlocks;
+pub(crate) use cells::GeoKeys;
+pub use cells::{CellsError, GeoTransform, RasterValues, read_cells, read_values};
+pub use claims::check_claims;
+pub(crate) use claims::{DirectoryWalk, JpegBlocks};
 pub use tiles::RasterTiles;
 
 use crate::support::geo::Crs;

@@ -2,8 +2,7 @@
 
 use super::RASTER_TILE;
 use super::cells::CellsError;
-use super::directory_walk::check_claims;
-use super::jpeg_blocks::is_jpeg;
+use super::claims::{check_claims, is_jpeg};
 use crate::support::regular_file;
 use std::collections::BTreeMap;
 use std::fs::File;

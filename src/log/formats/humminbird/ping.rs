@@ -1,6 +1,6 @@
 //! Reads ping headers of a SON file, which are tags and values between a magic number and an end
-//! tag, and walks from ping to ping. The IDX file beside it is not needed: magic numbers and lengths
-//! are sufficient.
+//! tag, and walks from ping to ping. The IDX file beside it is not needed: magic numbers and
+//! lengths are sufficient.
 
 use crate::formats::ByteOrder;
 use crate::formats::report::WarningKind;
