@@ -33,7 +33,6 @@
 mod decode;
 mod navigation;
 mod packet;
-mod scale;
 #[cfg(test)]
 mod tests;
 

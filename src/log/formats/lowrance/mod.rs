@@ -1,4 +1,4 @@
-//! Reads Lowrance SL2 and SL3 files, with the depths of StructureScan 3D (`swath`), and SLG files,
+//! Reads Lowrance SL2 and SL3 files, with the depths of StructureScan 3D (`decode`), and SLG files,
 //! which contain depths and a track (`slg`); writes SL2.
 //!
 //! In: the bytes of a recording. Out: a collected log.
@@ -6,9 +6,7 @@
 mod decode;
 pub mod frame;
 mod from_log;
-mod sides;
 mod slg;
-mod swath;
 mod walk;
 pub mod write;
 

@@ -7,7 +7,6 @@
 //! GeoParquet 1.1: well-known binary, described by the key `geo` of the file. `write` and `read`
 //! use the crate `parquet` without Arrow.
 
-mod pages;
 mod read;
 mod write;
 

@@ -10,7 +10,7 @@
 //! ranges evenly, from the water column in the middle outward. A picture that is corrected to
 //! ground range has no water column: it shows no first return, and its ranges are wrong; this
 //! cannot be recognised, so a warning states the assumption. Grey levels of 8 and 16 bits are used
-//! unchanged, colours by their luminance (`pixels`).
+//! unchanged, colours by their luminance.
 //!
 //! The table. A row is a ping. Its columns are those of tables of soundings (`sounding_table`:
 //! position, depth, time, heading), each of which may be missing, and
@@ -29,7 +29,6 @@
 //!
 //! The layout is defined by this project; there is no standard.
 
-mod pixels;
 #[cfg(test)]
 mod tests;
 
@@ -38,12 +37,14 @@ use super::log_format::{FileSource, LogFormat, ReadRecording, Reading};
 use super::sounding_table::{self, Layout, Reader, Recognised, TablePing};
 use super::xtf::shift_to_fit;
 use super::{OpenError, Opened, assemble};
-use crate::support::picture_file::PictureFault;
+use crate::support::catch_panic::catch_panic;
+use crate::support::picture_file::{PictureFault, bounded_decoder};
 use crate::support::progress::Progress;
 use crate::survey::{
     Bytes, ChannelKind, Encoding, SampleOrder, SidePing, SideSpan, Source, Survey,
 };
-use pixels::{GreyPicture, PackedPicture};
+use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat};
+use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -56,6 +57,15 @@ const CHANNEL: u16 = 1;
 /// Endings of the other file that are tried, in both cases because some disks are case-sensitive.
 const TABLES: [&str; 2] = ["csv", "CSV"];
 const PICTURES: [&str; 6] = ["png", "jpg", "jpeg", "PNG", "JPG", "JPEG"];
+
+/// Most bytes that a picture may take while it is decoded.
+const LARGEST_UNPACKED: u64 = 1 << 30;
+/// Most pixels for each byte of a file: Deflate compresses 1032 bytes into one, and a byte has
+/// eight pixels of one bit. A file that states more is damaged.
+const MOST_PIXELS_A_BYTE: u64 = 8 * 1032;
+/// Marker of the end of a JPEG, and marker before its pixels.
+const END_OF_JPEG: [u8; 2] = [0xFF, 0xD9];
+const SCAN_OF_JPEG: [u8; 2] = [0xFF, 0xDA];
 
 /// Reader of the format.
 pub(super) struct PictureTable;
@@ -83,7 +93,7 @@ impl Pair {
     /// Returns the pair that a file belongs to; `None` where the other file is missing or of
     /// another kind.
     fn around(files: &FileSource, opened: &Opened) -> Option<Self> {
-        if pixels::is_picture(&opened.bytes) {
+        if picture_format(&opened.bytes).is_some() {
             let (table, layout) = beside(files, &opened.path, &TABLES, layout_of)?;
             return Some(Self { picture: opened.clone(), table, layout });
         }
@@ -91,8 +101,7 @@ impl Pair {
             return None;
         }
         let layout = layout_of(&opened.bytes)?;
-        let is_picture = |picture: &[u8]| pixels::is_picture(picture).then_some(());
-        let (picture, ()) = beside(files, &opened.path, &PICTURES, is_picture)?;
+        let (picture, _) = beside(files, &opened.path, &PICTURES, picture_format)?;
         Some(Self { picture, table: opened.clone(), layout })
     }
 
@@ -252,4 +261,90 @@ fn beside<T>(
     };
     let mut paths = endings.iter().map(|ending| path.with_extension(ending));
     paths.find_map(look)
+}
+
+/// Returns the format of a picture, PNG or JPEG, by its first bytes; `None` for other files.
+fn picture_format(bytes: &[u8]) -> Option<ImageFormat> {
+    let format = image::guess_format(bytes).ok()?;
+    matches!(format, ImageFormat::Png | ImageFormat::Jpeg).then_some(format)
+}
+
+/// A picture whose header was read.
+struct PackedPicture<'a> {
+    decoder: Box<dyn ImageDecoder + 'a>,
+}
+
+/// A picture decoded to grey levels.
+struct GreyPicture {
+    /// Number of columns.
+    width: usize,
+    /// True if a level has two bytes, the low byte first.
+    is_wide: bool,
+    /// Levels, row by row.
+    samples: Vec<u8>,
+}
+
+impl<'a> PackedPicture<'a> {
+    /// Reads the header of a picture.
+    ///
+    /// # Errors
+    /// When the picture is damaged, or states more pixels than its bytes can contain or than are
+    /// decoded.
+    fn open(bytes: &'a [u8]) -> Result<Self, PictureFault> {
+        let open = || bounded_decoder(Cursor::new(bytes), LARGEST_UNPACKED, bytes_copied);
+        let decoder = catch_panic(open).unwrap_or(Err(PictureFault::Damaged))?;
+        let (width, height) = decoder.dimensions();
+        let most = MOST_PIXELS_A_BYTE.saturating_mul(bytes.len() as u64);
+        let is_whole = picture_format(bytes) != Some(ImageFormat::Jpeg) || is_whole_jpeg(bytes);
+        if width < 2 || u64::from(width) * u64::from(height) > most || !is_whole {
+            return Err(PictureFault::Damaged);
+        }
+        Ok(Self { decoder: Box::new(decoder) })
+    }
+
+    /// Returns the number of rows.
+    fn height(&self) -> usize {
+        self.decoder.dimensions().1 as usize
+    }
+
+    /// Decodes the picture to grey levels.
+    ///
+    /// # Errors
+    /// When the picture is truncated or damaged.
+    fn unpack(self) -> Result<GreyPicture, PictureFault> {
+        catch_panic(|| unpack(self.decoder)).unwrap_or(Err(PictureFault::Damaged))
+    }
+}
+
+fn unpack(decoder: Box<dyn ImageDecoder + '_>) -> Result<GreyPicture, PictureFault> {
+    let picture = DynamicImage::from_decoder(decoder)?;
+    let width = picture.width() as usize;
+    let is_wide = is_wide(picture.color());
+    let samples = if is_wide {
+        // The bytes have the machine's byte order, which is that of the samples.
+        bytemuck::cast_slice(picture.into_luma16().as_raw()).to_vec()
+    } else {
+        picture.into_luma8().into_raw()
+    };
+    Ok(GreyPicture { width, is_wide, samples })
+}
+
+fn is_wide(colours: ColorType) -> bool {
+    colours.bytes_per_pixel() > colours.channel_count()
+}
+
+/// Returns the bytes for each pixel of the copies that [`unpack`] makes in addition to the picture.
+fn bytes_copied(colours: ColorType) -> u64 {
+    match colours {
+        ColorType::L8 => 0,
+        colours if is_wide(colours) => 4,
+        _ => 1,
+    }
+}
+
+/// Returns true if the pixels of a JPEG are followed by its end marker: the decoder would fill
+/// missing pixels with grey. Neither marker can occur among pixels.
+fn is_whole_jpeg(bytes: &[u8]) -> bool {
+    let last = |marker: [u8; 2]| bytes.windows(2).rposition(|two| two == marker);
+    last(END_OF_JPEG) > last(SCAN_OF_JPEG)
 }
