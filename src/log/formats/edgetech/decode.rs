@@ -1,12 +1,14 @@
-//! Decodes messages of a JSF file to sides, altitudes and fixes in SI units.
+//! Decodes messages of a JSF file to sides, altitudes and fixes in SI units: traces, and the
+//! messages with the speed of sound, the sonar's name and positions.
 
 use super::pair::{self, Half, Pairs};
-use super::sensors::{SOUNDS_MPS, Sensors};
-use super::trace::{HEADER, MessageHeader, PositionConverter, Trace};
+use super::trace::{HEADER, MessageHeader, PositionConverter, SOUNDS_MPS, Trace};
 use crate::formats::clock::{Clock, ClockVerdict};
 use crate::formats::collected::{Collected, Counted, HalfPing, is_sound};
 use crate::formats::log_format::Reading;
+use crate::formats::nmea::{self, Sentence};
 use crate::formats::report::WarningKind;
+use crate::formats::scalar::Fields;
 use crate::support::calendar::moment;
 use crate::survey::{ChannelKind, Fix, ProjectedTrack, RangeSource, SideSpan, Survey};
 use chrono::Datelike as _;
@@ -17,11 +19,22 @@ use std::ops::Range;
 const YEARS: std::ops::RangeInclusive<i32> = 1980..=2100;
 /// Speed of sound that is assumed where the file states none, metres a second.
 const SOUND_MPS: f64 = 1500.0;
-
 /// Most channels that are listed: no sonar has more, but damaged headers may name more.
 const MOST_CHANNELS: usize = 64;
+/// Types of messages that are read.
+const SYSTEM: u16 = 182;
+const NMEA: u16 = 2002;
+const PRESSURE: u16 = 2060;
+const DOPPLER: u16 = 2080;
+/// Longest time of a sentence before or after all traces, seconds; sentences beyond have another
+/// clock.
+const NMEA_BESIDE_S: f64 = 60.0;
+/// Bytes of a file for each position that is kept: a hostile file may consist of NMEA sentences
+/// only.
+const BYTES_A_SENTENCE: usize = 128;
 
 /// Decodes messages and collects sides, altitudes and fixes.
+#[derive(Default)]
 pub(super) struct Reader<'a> {
     bytes: &'a [u8],
     known: Option<&'a Survey>,
@@ -30,7 +43,8 @@ pub(super) struct Reader<'a> {
     zero_ms: Option<i64>,
     places: PositionConverter,
     pairs: Pairs,
-    sensors: Sensors,
+    /// Content of the messages that are no traces.
+    pub(super) sensors: Sensors,
     last_depth_s: Option<f64>,
     assumed_sound: usize,
     unread: BTreeMap<u16, usize>,
@@ -56,15 +70,15 @@ impl<'a> Reader<'a> {
         Self {
             bytes,
             known,
-            clock: Clock::default(),
             zero_ms,
             places: PositionConverter { origin_m: projected.map(|projected| projected.origin_m) },
             pairs: known.map_or_else(Pairs::default, |known| Pairs::like(bytes, known)),
-            sensors: Sensors::new(span.and_then(|span| sound_of(bytes, &span)), bytes.len()),
-            last_depth_s: None,
-            assumed_sound: 0,
-            unread: BTreeMap::new(),
-            continued: 0,
+            sensors: Sensors {
+                sound_mps: span.and_then(|span| sound_of(bytes, &span)),
+                most_sentences: bytes.len() / BYTES_A_SENTENCE,
+                ..Sensors::default()
+            },
+            ..Self::default()
         }
     }
 
@@ -101,7 +115,7 @@ impl<'a> Reader<'a> {
         log.range_source = RangeSource::SurveyRecorder;
         log.source.device = match self.known {
             Some(known) => known.source.device.clone(),
-            None => self.sensors.device(),
+            None => self.sensors.device.clone().unwrap_or_default(),
         };
         if log.fixes.is_empty() {
             let zero_s = unix_s.unwrap_or(0.0);
@@ -134,11 +148,6 @@ impl<'a> Reader<'a> {
         if others > 0 {
             log.report.log(format!("{others} messages that are no pings were skipped"));
         }
-    }
-
-    /// Returns the content of the messages that are no traces.
-    pub(super) fn sensors(&self) -> &Sensors {
-        &self.sensors
     }
 
     fn settle(&mut self, log: &mut Collected, verdict: ClockVerdict<(Trace, usize)>) {
@@ -174,7 +183,7 @@ impl<'a> Reader<'a> {
             self.continued += 1;
             return;
         }
-        let sound_mps = trace.sound_mps.or(self.sensors.sound_mps());
+        let sound_mps = trace.sound_mps.or(self.sensors.sound_mps);
         let [near_m, far_m] = trace.range_m(sound_mps.unwrap_or(SOUND_MPS));
         let kind = trace.kind();
         let number = trace.number();
@@ -226,4 +235,93 @@ fn sound_of(bytes: &[u8], span: &SideSpan) -> Option<f64> {
     let trace = Trace::of_span(bytes, span)?;
     let sound_mps = 2.0 * span.metres_per_sample() / trace.interval_s;
     SOUNDS_MPS.contains(&sound_mps).then_some(sound_mps)
+}
+
+/// Collects the content of messages other than traces.
+#[derive(Debug, Default)]
+pub(super) struct Sensors {
+    /// Last speed of sound that a sensor stated, metres a second.
+    sound_mps: Option<f64>,
+    /// Type of the sonar and number of the vehicle that carries it; `None` where the file names
+    /// neither.
+    device: Option<String>,
+    /// Sentences with their times in Unix seconds.
+    sentences: Vec<(f64, Sentence)>,
+    /// Number of sentences that a recorder writes between its traces; no more are kept.
+    most_sentences: usize,
+    counts: BTreeMap<u16, usize>,
+}
+
+impl Sensors {
+    /// Reads a message that is no trace.
+    fn take(&mut self, kind: u16, body: &[u8]) {
+        *self.counts.entry(kind).or_default() += 1;
+        let fields = Fields(body);
+        // Both messages have flags for valid fields.
+        let sound_mps = match kind {
+            PRESSURE if fields.u32(24) & 1 << 4 != 0 => f64::from(fields.i32(32)) / 1000.0,
+            DOPPLER if fields.u32(12) & 1 << 12 != 0 => f64::from(fields.i16(56)),
+            _ => f64::NAN,
+        };
+        if SOUNDS_MPS.contains(&sound_mps) {
+            self.sound_mps = Some(sound_mps);
+        }
+        match kind {
+            NMEA => {
+                let unix_s = f64::from(fields.i32(0)) + f64::from(fields.i32(4)) / 1000.0;
+                let sentence = body.get(12..).and_then(nmea::sentence);
+                let sentence = sentence.filter(|sentence| {
+                    sentence.position.is_some() && self.sentences.len() < self.most_sentences
+                });
+                self.sentences.extend(sentence.map(|sentence| (unix_s, sentence)));
+            }
+            SYSTEM if self.device.is_none() => {
+                let [system, vehicle] = [fields.i32(0), fields.i32(20)];
+                self.device = Some(format!("sonar of type {system}, vehicle {vehicle}"));
+            }
+            _ => {}
+        }
+    }
+
+    /// Returns the number of messages.
+    pub(super) fn total(&self) -> usize {
+        self.counts.values().sum()
+    }
+
+    /// Returns the number of messages by type, as `40 messages of type 2002, 1 messages of type
+    /// 182`.
+    pub(super) fn summary(&self) -> String {
+        let mut counts: Vec<(u16, usize)> = self.counts.iter().map(|(&a, &b)| (a, b)).collect();
+        counts.sort_by_key(|&(_, count)| std::cmp::Reverse(count));
+        let each = counts.iter();
+        let each = each.map(|(kind, count)| format!("{count} messages of type {kind}"));
+        each.collect::<Vec<String>>().join(", ")
+    }
+
+    /// Adds the positions of the sentences, for logs whose traces have none. `zero_s` is the log's
+    /// time zero in Unix seconds.
+    fn add_fixes(&self, log: &mut Collected, zero_s: f64) {
+        let channels = log.channels.iter();
+        let spans = channels.filter_map(|(_, channel)| channel.time_span_s);
+        let Some((from_s, to_s)) = spans.reduce(|(from, to), (a, b)| (from.min(a), to.max(b)))
+        else {
+            return;
+        };
+        for (unix_s, sentence) in &self.sentences {
+            let time_s = unix_s - zero_s;
+            let is_beside = (from_s - NMEA_BESIDE_S..=to_s + NMEA_BESIDE_S).contains(&time_s);
+            if let Some(position) = sentence.position.filter(|_| is_beside) {
+                log.add_fix(Fix {
+                    time_s,
+                    position,
+                    cog_rad: sentence.cog_rad,
+                    compass_rad: sentence.heading_rad,
+                    speed_mps: sentence.speed_mps,
+                });
+            }
+        }
+        if !log.fixes.is_empty() {
+            log.report.log("the traces hold no position; those of the NMEA sentences are used");
+        }
+    }
 }

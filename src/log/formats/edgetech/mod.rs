@@ -27,7 +27,6 @@
 
 mod decode;
 mod pair;
-mod sensors;
 #[cfg(test)]
 mod tests;
 mod trace;
@@ -84,10 +83,10 @@ fn read(
     })?;
     reader.finish(&mut log);
     let has_side_scan = log.channels.iter().any(|(_, channel)| channel.kind.side().is_some());
-    if !has_side_scan && reader.sensors().total() > 0 {
+    if !has_side_scan && reader.sensors.total() > 0 {
         return Err(opened.unsupported(format!(
             "this JSF file is whole, but there is no side-scan in it, only {}; open the file that the side-scan was recorded into",
-            reader.sensors().summary()
+            reader.sensors.summary()
         )));
     }
     if !has_side_scan {

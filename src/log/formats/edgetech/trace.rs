@@ -1,7 +1,6 @@
 //! Reads the messages of a JSF file: their header, and the ping of one channel, with its time and
 //! position, in messages 80 and 82.
 
-use super::sensors::SOUNDS_MPS;
 use crate::formats::scalar::Fields;
 use crate::formats::walk::MessageFormat;
 use crate::support::geo::{LonLat, MPS_PER_KNOT};
@@ -30,6 +29,8 @@ const SPEED_VALID: u16 = 1 << 2;
 const HEADING_VALID: u16 = 1 << 3;
 const ALTITUDE_VALID: u16 = 1 << 6;
 const SOUND_VALID: u16 = 1 << 14;
+/// Plausible speeds of sound in water, metres a second.
+pub(super) const SOUNDS_MPS: std::ops::RangeInclusive<f64> = 1300.0..=1700.0;
 /// Milliseconds of a day.
 const DAY_MS: i64 = 86_400_000;
 
