@@ -1,9 +1,8 @@
 //! Assembles a [`Survey`] from channels in file order: joins the sides, chooses the soundings,
 //! assigns depths by time and recognises noise.
 
-use super::collected::{Collected, CollectedPair, HalfPing};
+use super::collected::{Collected, CollectedPair, HalfPing, WarningReport};
 use super::log_format::Reading;
-use super::report::WarningReport;
 use crate::support::statistics::upper_median;
 use crate::survey::{
     Channel, ChannelKind, Echogram, Fix, KnownTimes, Side, SidePair, SidePing, SideScanState,

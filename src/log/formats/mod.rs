@@ -19,10 +19,10 @@
 //!
 //! `lowrance`, `garmin`, `xtf`, `edgetech`, `cerulean`, `klein`, `nmea`, `picture_table`,
 //! `sounding_table` and `humminbird` read the records of their format, skip or repair damaged parts
-//! and convert the values to SI units. All of them fill one `collected` log; `clock` recognises
-//! damaged times, and `report` collects warnings. `log_format` defines the trait of a reader, its
-//! source of files and the part of a log to read: the tail of a growing log is read like a separate
-//! log. `assemble` builds the survey from the collected log: it pairs the sides and chooses the
+//! and convert the values to SI units. All of them fill one `collected` log, with its warnings;
+//! `clock` recognises damaged times. `log_format` defines the trait of a reader, its source of
+//! files and the part of a log to read: the tail of a growing log is read like a separate log.
+//! `assemble` builds the survey from the collected log: it pairs the sides and chooses the
 //! soundings. `log_folders` finds the folders of a card that contain logs, `walk` walks over the
 //! records of a log, `nmea` reads logs of sentences and sentences in other logs, `growing_log`
 //! copies a growing log while it is written, `table` lists the formats that are read and recognises
@@ -53,7 +53,6 @@ mod nmea;
 pub mod parquet_table;
 mod picture_table;
 pub mod points;
-mod report;
 mod scalar;
 mod sounding_table;
 mod table;

@@ -1,9 +1,8 @@
 //! Walks from record to record through a log and skips damaged parts; finds the records of logs
 //! that consist of messages only, each of which begins with a marker and states its length.
 
-use super::collected::Collected;
+use super::collected::{Collected, WarningKind, WarningReport};
 use super::log_format::Reading;
-use super::report::{WarningKind, WarningReport};
 use crate::support::progress::{Cancelled, Progress};
 use std::ops::Range;
 

@@ -4,9 +4,8 @@
 use super::navigation::{Navigation, ReceivedPosition};
 use super::packet::{Packet, Profile};
 use crate::formats::clock::{Clock, ClockVerdict};
-use crate::formats::collected::{Collected, Counted, HalfPing, is_sound};
+use crate::formats::collected::{Collected, Counted, HalfPing, WarningKind, is_sound};
 use crate::formats::log_format::Reading;
-use crate::formats::report::WarningKind;
 use crate::support::calendar::unix_from_iso;
 use crate::support::statistics::upper_median;
 use crate::survey::{Encoding, LEVEL_BITS, RangeSource, Side, SidePing, SideSpan};

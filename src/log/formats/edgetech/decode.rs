@@ -4,10 +4,9 @@
 use super::pair::{self, Half, Pairs};
 use super::trace::{HEADER, MessageHeader, PositionConverter, SOUNDS_MPS, Trace};
 use crate::formats::clock::{Clock, ClockVerdict};
-use crate::formats::collected::{Collected, Counted, HalfPing, is_sound};
+use crate::formats::collected::{Collected, Counted, HalfPing, WarningKind, is_sound};
 use crate::formats::log_format::Reading;
 use crate::formats::nmea::{self, Sentence};
-use crate::formats::report::WarningKind;
 use crate::formats::scalar::Fields;
 use crate::support::calendar::moment;
 use crate::survey::{ChannelKind, Fix, ProjectedTrack, RangeSource, SideSpan, Survey};

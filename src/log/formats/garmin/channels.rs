@@ -3,7 +3,7 @@
 
 use super::FileHeader;
 use super::record::RecordBody;
-use crate::formats::report::WarningReport;
+use crate::formats::collected::WarningReport;
 use crate::survey::{ChannelKind, Survey};
 use std::collections::BTreeMap;
 

@@ -3,8 +3,7 @@
 use super::dat::{Dat, FRESH};
 use super::ping::PingHeader;
 use crate::formats::clock::{Clock, ClockVerdict};
-use crate::formats::collected::{Collected, Counted, HalfPing, is_sound};
-use crate::formats::report::WarningKind;
+use crate::formats::collected::{Collected, Counted, HalfPing, WarningKind, is_sound};
 use crate::support::geo::{LonLat, humminbird_mercator_inverse};
 use crate::survey::{ChannelKind, Fix, SideSpan};
 use std::f64::consts::PI;

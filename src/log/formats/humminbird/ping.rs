@@ -3,7 +3,7 @@
 //! lengths are sufficient.
 
 use crate::formats::ByteOrder;
-use crate::formats::report::WarningKind;
+use crate::formats::collected::WarningKind;
 use crate::formats::scalar::take;
 use crate::formats::walk::Walk;
 use crate::support::progress::Cancelled;

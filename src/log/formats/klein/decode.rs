@@ -2,9 +2,8 @@
 
 use super::page::{Band, Channel, Page};
 use crate::formats::clock::{Clock, ClockVerdict};
-use crate::formats::collected::{Collected, Counted, HalfPing, is_sound};
+use crate::formats::collected::{Collected, Counted, HalfPing, WarningKind, is_sound};
 use crate::formats::log_format::Reading;
-use crate::formats::report::WarningKind;
 use crate::formats::xtf::shift_to_fit;
 use crate::survey::{ChannelKind, Encoding, Fix, NumberKind, RangeSource, SideSpan, Survey};
 use std::collections::BTreeMap;

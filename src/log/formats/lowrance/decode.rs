@@ -13,8 +13,7 @@
 
 use super::frame::{LowranceFrame, STRUCTURE_SCAN_3D, metres};
 use crate::formats::clock::{Clock, ClockVerdict};
-use crate::formats::collected::{Collected, Counted, HalfPing, is_range, is_sound};
-use crate::formats::report::WarningKind;
+use crate::formats::collected::{Collected, Counted, HalfPing, WarningKind, is_range, is_sound};
 use crate::formats::scalar;
 use crate::support::geo::{self, LonLat, MPS_PER_KNOT};
 use crate::survey::{

@@ -18,8 +18,7 @@
 
 use super::frame::metres;
 use crate::formats::clock::{Clock, ClockVerdict};
-use crate::formats::collected::{Collected, Counted};
-use crate::formats::report::WarningKind;
+use crate::formats::collected::{Collected, Counted, WarningKind};
 use crate::formats::scalar::{Fields, u16_le};
 use crate::support::geo::{MPS_PER_KNOT, lowrance_mercator_inverse};
 use crate::support::progress::{Cancelled, Progress};

@@ -1,7 +1,7 @@
 //! Walks from frame to frame through a log and skips damaged parts.
 
 use super::frame::{self, FrameCheck, FrameLayout, LowranceFrame};
-use crate::formats::report::WarningKind;
+use crate::formats::collected::WarningKind;
 use crate::formats::walk::Walk;
 use crate::support::progress::Cancelled;
 use std::ops::Range;

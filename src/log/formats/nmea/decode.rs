@@ -7,8 +7,7 @@ use super::lines::{Found, stamps_apart_s};
 use super::sentence::Sentence;
 use super::tally::{Address, Tally, name};
 use crate::formats::clock::{Clock, ClockVerdict};
-use crate::formats::collected::{Collected, Counted};
-use crate::formats::report::WarningKind;
+use crate::formats::collected::{Collected, Counted, WarningKind};
 use crate::survey::{ChannelKind, Fix};
 use std::f32::consts::TAU;
 

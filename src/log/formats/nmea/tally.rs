@@ -1,7 +1,7 @@
 //! Counts each kind of sentence in a log, and chooses between kinds with the same content.
 
 use super::lines::Found;
-use crate::formats::report::WarningReport;
+use crate::formats::collected::WarningReport;
 use std::collections::BTreeMap;
 
 /// Talker and type of a sentence, as `GPRMC`.

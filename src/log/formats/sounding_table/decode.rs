@@ -3,9 +3,8 @@
 use super::Line;
 use super::layout::{Layout, Lengths, PlaceColumns};
 use crate::formats::clock::{Clock, ClockVerdict};
-use crate::formats::collected::{Collected, Counted, is_range};
+use crate::formats::collected::{Collected, Counted, WarningKind, is_range};
 use crate::formats::points::text_file::{fields, number};
-use crate::formats::report::WarningKind;
 use crate::support::calendar::{DateOrder, unix_from_date, unix_from_iso, unix_from_text};
 use crate::support::geo::{LonLat, distance_m};
 use crate::survey::{ChannelKind, Fix, ProjectedTrack};

@@ -4,8 +4,7 @@
 use super::channels::{self, XtfChannel};
 use super::levels::{self, Stated};
 use super::raw::PingChannel;
-use crate::formats::collected::{Collected, CollectedPair, HalfPing, is_sound};
-use crate::formats::report::WarningKind;
+use crate::formats::collected::{Collected, CollectedPair, HalfPing, WarningKind, is_sound};
 use crate::survey::{Side, SidePing, SideSpan, Survey};
 use std::collections::BTreeMap;
 
