@@ -23,7 +23,18 @@ pub(super) struct Walk<'a> {
     pub(super) progress: &'a Progress,
 }
 
-impl Walk<'_> {
+impl<'a> Walk<'a> {
+    /// Creates a walk over the first file of a log; `noun` is the word for a record.
+    pub(super) fn new(
+        bytes: &'a [u8],
+        noun: &'static str,
+        report: &'a WarningReport,
+        reading: &Reading<'_>,
+        progress: &'a Progress,
+    ) -> Self {
+        Self { bytes, file: 0, noun, report, is_growing: reading.is_growing, progress }
+    }
+
     /// Skips the record at an offset, whose stated end is beyond the record at `found`, which
     /// begins inside it; returns `found`.
     pub(super) fn over_long(&self, at: usize, end: usize, found: usize) -> usize {
@@ -115,14 +126,8 @@ impl MessageFormat {
         let len = bytes.len();
         let start = tail.map_or(first, |from| self.next(bytes, from, len).unwrap_or(len));
         progress.start(len.saturating_sub(start) as u64);
-        let walk = Walk {
-            bytes,
-            file: 0,
-            noun: self.noun,
-            report: &log.report.clone(),
-            is_growing: reading.is_growing,
-            progress,
-        };
+        let report = log.report.clone();
+        let walk = Walk::new(bytes, self.noun, &report, reading, progress);
         self.walk(walk, start, |message| take(log, message))
     }
 
@@ -190,14 +195,7 @@ mod tests {
     /// Returns the lengths of the messages that a walk finds, and the number of warnings.
     fn walked(bytes: &[u8]) -> (Vec<usize>, usize) {
         let (report, progress) = (WarningReport::default(), Progress::new());
-        let walk = Walk {
-            bytes,
-            file: 0,
-            noun: SMALL.noun,
-            report: &report,
-            is_growing: false,
-            progress: &progress,
-        };
+        let walk = Walk::new(bytes, SMALL.noun, &report, &Reading::default(), &progress);
         let mut lengths = Vec::new();
         SMALL.walk(walk, 0, |message| lengths.push(message.len())).expect("no cancel");
         (lengths, report.finish().len())

@@ -121,15 +121,10 @@ impl Navigation {
             });
             upper_median(&mut own.collect::<Vec<f64>>(), f64::total_cmp)
         };
-        let [receiver_s, autopilot_s] = [Clock::Receiver, Clock::Autopilot].map(later_s);
+        let later_s = [Clock::Receiver, Clock::Autopilot].map(later_s);
         let each = self.placed.iter().map(|(beside_s, position)| {
-            let own_s = position.own_s.and_then(|(clock, own_s)| {
-                let later_s = match clock {
-                    Clock::Receiver => receiver_s,
-                    Clock::Autopilot => autopilot_s,
-                };
-                Some(own_s + later_s?)
-            });
+            let own_s = position.own_s;
+            let own_s = own_s.and_then(|(clock, own_s)| Some(own_s + later_s[clock as usize]?));
             let is_near = |own_s: &f64| (own_s - beside_s).abs() <= MOST_APART_S;
             Fix { time_s: own_s.filter(is_near).unwrap_or(*beside_s), ..position.fix }
         });

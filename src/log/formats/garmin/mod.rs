@@ -191,14 +191,8 @@ fn read(
     progress.start(bytes.len().saturating_sub(start) as u64);
     let header = found.header.unwrap_or_default();
     let mut reader = decode::Reader::new(bytes, header, found.first_record);
-    let walk = Walk {
-        bytes,
-        file: 0,
-        noun: "record",
-        report: &log.report.clone(),
-        is_growing: reading.is_growing,
-        progress,
-    };
+    let report = log.report.clone();
+    let walk = Walk::new(bytes, "record", &report, reading, progress);
     walk_records(walk, start, |offset, record| reader.take(&mut log, offset, record))?;
     reader.finish(&mut log, reading.known());
     if log.channels.is_empty() {

@@ -102,14 +102,8 @@ fn read_son(
     };
     let name = opened.path.file_stem().unwrap_or_default().to_string_lossy();
     let mut reader = decode::Reader::new(file, name.into_owned(), dat);
-    let walk = Walk {
-        bytes: &opened.bytes,
-        file,
-        noun: "ping",
-        report: &log.report.clone(),
-        is_growing: reading.is_growing,
-        progress,
-    };
+    let report = log.report.clone();
+    let walk = Walk { file, ..Walk::new(&opened.bytes, "ping", &report, reading, progress) };
     walk_pings(walk, order, reading.from(file), |offset, ping| reader.take(log, offset, ping))?;
     reader.finish(log);
     Ok(())

@@ -119,16 +119,13 @@ impl Reader {
 }
 
 fn fix(frame: &LowranceFrame, time_s: f64, position: LonLat) -> Fix {
+    let known = |value: f32| if value.is_finite() { value } else { f32::NAN };
     Fix {
         time_s,
         position,
-        cog_rad: if frame.course_rad.is_finite() { frame.course_rad } else { f32::NAN },
+        cog_rad: known(frame.course_rad),
         // Without a compass this field is 0 on every unit seen.
-        compass_rad: if frame.heading_rad == 0.0 || !frame.heading_rad.is_finite() {
-            f32::NAN
-        } else {
-            frame.heading_rad
-        },
+        compass_rad: if frame.heading_rad == 0.0 { f32::NAN } else { known(frame.heading_rad) },
         speed_mps: if frame.speed_kn >= 0.0 {
             (f64::from(frame.speed_kn) * MPS_PER_KNOT) as f32
         } else {

@@ -172,14 +172,8 @@ fn read_frames(
     let start = start.unwrap_or(walk::FrameStart { at: bytes.len(), lost: 0 });
     progress.advance(start.at as u64);
     let mut reader = decode::Reader::default();
-    let walk = Walk {
-        bytes,
-        file: 0,
-        noun: "frame",
-        report: &log.report.clone(),
-        is_growing: reading.is_growing,
-        progress,
-    };
+    let report = log.report.clone();
+    let walk = Walk::new(bytes, "frame", &report, reading, progress);
     walk::FrameWalk { walk, layout }.run(start, |frame| reader.take(log, frame))?;
     reader.finish(log);
     Ok(())

@@ -91,10 +91,6 @@ impl PointFormat {
             }
         }
     }
-
-    fn is_text(self) -> bool {
-        matches!(self, Self::Csv | Self::Xyz)
-    }
 }
 
 /// Returns the ending of a file's name, in lower case.
@@ -141,7 +137,7 @@ fn read_format(
     requested: ColumnRequest<'_>,
 ) -> Result<PointFile, FaultText> {
     let named_otherwise = requested.named.is_some_and(|names| names != &["x", "y", "z"]);
-    if !format.is_text() && named_otherwise {
+    if !matches!(format, PointFormat::Csv | PointFormat::Xyz) && named_otherwise {
         return Err("the coordinates of a PLY or LAS file are always x, y and z".into());
     }
     let bare = |rows, points| PointFile {

@@ -161,14 +161,9 @@ fn knowing_head<'a>(
         let end = from.min(found.first_packet.saturating_add(head));
         let mut reader = decode::Reader::new(&bytes[..end], found.header, known);
         let mut log = Collected::new(Source::default(), Vec::new(), &Reading::default());
-        let walk = Walk {
-            bytes: &bytes[..end],
-            file: 0,
-            noun: PACKETS.noun,
-            report: &log.report.clone(),
-            is_growing: true,
-            progress: &Progress::new(),
-        };
+        let reading = Reading { is_growing: true, tail: None };
+        let (report, own) = (log.report.clone(), Progress::new());
+        let walk = Walk::new(&bytes[..end], PACKETS.noun, &report, &reading, &own);
         PACKETS.walk(walk, found.first_packet, |packet| reader.take(&mut log, packet.start))?;
         progress.check()?;
         if reader.knows_zero(&mut log) || end == from {

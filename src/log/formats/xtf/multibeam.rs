@@ -11,7 +11,7 @@ use super::raw::{self, AttitudePacket, PACKETS, PingHeader, record};
 use super::sniff;
 use crate::formats::OpenError;
 use crate::formats::collected::WarningReport;
-use crate::formats::log_format::FileSource;
+use crate::formats::log_format::{FileSource, Reading};
 use crate::formats::points::{Elevations, PointPlane};
 use crate::formats::scalar::take;
 use crate::formats::walk::Walk;
@@ -115,14 +115,9 @@ pub(in crate::formats) fn read_multibeam(
     let found = sniff(&bytes).ok_or_else(|| none("this is no XTF file"))?;
     let mut swaths: Vec<Swath> = Vec::new();
     let mut rolls: Vec<(f64, f64)> = Vec::new();
-    let walk = Walk {
-        bytes: &bytes,
-        file: 0,
-        noun: PACKETS.noun,
-        report: &WarningReport::default(),
-        is_growing: true,
-        progress,
-    };
+    let reading = Reading { is_growing: true, tail: None };
+    let report = WarningReport::default();
+    let walk = Walk::new(&bytes, PACKETS.noun, &report, &reading, progress);
     progress.start(bytes.len() as u64);
     PACKETS.walk(walk, found.first_packet, |packet| {
         let packet = &bytes[packet];
