@@ -26,7 +26,7 @@
 //! soundings. `log_folders` finds the folders of a card that contain logs, `walk` walks over the
 //! records of a log, `nmea` reads logs of sentences and sentences in other logs, `growing_log`
 //! copies a growing log while it is written, `table` lists the formats that are read and recognises
-//! some that are not. `track_file` reads the track of another receiver, `gauge_file` water levels,
+//! some that are not. `instrument_files` reads the track of another receiver and water levels,
 //! `area_file` a polygon of water, [`open_reference`] the file that a survey is compared with,
 //! `points` and `geotiff` depths of other programs; `points` and `geotiff` also write such files,
 //! as `parquet_table` writes tables of columns.
@@ -39,11 +39,11 @@ mod clock;
 mod collected;
 mod edgetech;
 mod garmin;
-mod gauge_file;
 pub mod geotiff;
 mod gpx;
 mod growing_log;
 pub mod humminbird;
+mod instrument_files;
 mod klein;
 mod log_folders;
 mod log_format;
@@ -58,19 +58,17 @@ mod sounding_table;
 mod table;
 #[cfg(test)]
 mod test_logs;
-mod track_file;
 mod walk;
 pub mod xtf;
 
 pub use area_file::read_area;
-pub use gauge_file::read_gauge;
 pub use growing_log::{GrowingError, GrowingLog};
+pub use instrument_files::{TrackFile, read_gauge};
 pub use log_folders::{FoundLog, LogFolder, log_folders};
 pub(crate) use scalar::ByteOrder;
 pub use table::{
     FORMATS, FileRole, FormatEntry, endings_to_show, formats_to_open, role_by_name, writer_for,
 };
-pub use track_file::TrackFile;
 
 use crate::support::file_error::FileError;
 use crate::support::mapped_file::FileFault;

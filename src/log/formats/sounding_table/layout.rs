@@ -1,7 +1,7 @@
 //! Recognises the columns of a table by their names, or by their values.
 
+use crate::formats::instrument_files::{HEADING, LAT, LON, TIME};
 use crate::formats::points::text_file::{fields, is_header, number, separator_of};
-use crate::formats::track_file::{HEADING, LAT, LON, TIME};
 use crate::support::calendar::DateOrder;
 use crate::support::geo::METRES_PER_FOOT;
 
