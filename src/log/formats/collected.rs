@@ -2,6 +2,7 @@
 //! [`Survey`](crate::survey::Survey): channels apart, in file order; and the warnings about the
 //! log.
 
+use super::Opened;
 use super::log_format::Reading;
 use crate::support::geo::LonLat;
 use crate::survey::{
@@ -101,8 +102,15 @@ pub(super) struct Collected {
 }
 
 impl Collected {
-    /// Creates an empty log.
-    pub(super) fn new(source: Source, bytes: Vec<Bytes>, reading: &Reading<'_>) -> Self {
+    /// Creates an empty log of these files, in the format with this name.
+    pub(super) fn new(files: &[&Opened], format: &str, reading: &Reading<'_>) -> Self {
+        let source = Source {
+            files: files.iter().map(|file| file.path.clone()).collect(),
+            format: format.to_owned(),
+            device: String::new(),
+            byte_count: files.iter().map(|file| file.bytes.len() as u64).sum(),
+        };
+        let bytes = files.iter().map(|file| file.bytes.clone()).collect();
         Self { source, bytes, has_times: true, counted_to: reading.counted_to(), ..Self::default() }
     }
 

@@ -73,8 +73,7 @@ pub use table::{
 use crate::support::file_error::FileError;
 use crate::support::mapped_file::FileFault;
 use crate::support::progress::Progress;
-use crate::survey::{Bytes, Seam, Source, Survey};
-use collected::Collected;
+use crate::survey::{Bytes, Seam, Survey};
 use log_format::{FileSource, Reading};
 use points::{Elevations, is_named_as_elevations, read_elevations};
 use std::ffi::OsStr;
@@ -154,17 +153,6 @@ struct Opened {
 }
 
 impl Opened {
-    /// Creates an empty log of this file alone, in the format with this name.
-    fn empty_log(&self, format: &str, reading: &Reading<'_>) -> Collected {
-        let source = Source {
-            files: vec![self.path.clone()],
-            format: format.to_owned(),
-            device: String::new(),
-            byte_count: self.bytes.len() as u64,
-        };
-        Collected::new(source, vec![self.bytes.clone()], reading)
-    }
-
     /// Returns the error of a file that cannot be used, with advice on what to do instead.
     fn unsupported(&self, what: impl Into<String>) -> OpenError {
         OpenError::Unsupported { path: self.path.clone(), what: what.into() }

@@ -32,7 +32,7 @@ mod tests;
 mod trace;
 
 use super::log_format::{FileSource, LogFormat, ReadRecording, Reading};
-use super::{OpenError, Opened, assemble};
+use super::{OpenError, Opened, assemble, collected::Collected};
 use crate::support::progress::Progress;
 use crate::survey::Survey;
 use trace::{FORMAT, MessageHeader};
@@ -75,7 +75,7 @@ fn read(
     progress: &Progress,
 ) -> Result<Survey, OpenError> {
     let bytes = &opened.bytes;
-    let mut log = opened.empty_log(NAME, reading);
+    let mut log = Collected::new(&[opened], NAME, reading);
     let mut reader = decode::Reader::new(bytes, reading);
     let tail = reading.from(0).filter(|_| reader.knows_zero());
     FORMAT.read(bytes, (0, tail), &mut log, (reading, progress), |log, message| {

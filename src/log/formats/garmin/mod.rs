@@ -42,7 +42,7 @@ mod varstruct;
 use super::log_format::{FileSource, LogFormat, ReadRecording, Reading};
 use super::scalar::u32_le;
 use super::walk::Walk;
-use super::{OpenError, Opened, assemble};
+use super::{OpenError, Opened, assemble, collected::Collected};
 use crate::support::progress::Progress;
 use crate::survey::Survey;
 use record::{RecordHeader, next_record, walk_records};
@@ -175,7 +175,7 @@ fn read(
     progress: &Progress,
 ) -> Result<Survey, OpenError> {
     let bytes = &opened.bytes;
-    let mut log = opened.empty_log(FORMAT, reading);
+    let mut log = Collected::new(&[opened], FORMAT, reading);
     if let Some(product) = found.header.as_ref().and_then(|header| header.product) {
         log.source.device = format!("Garmin product {product}");
     }

@@ -202,19 +202,14 @@ pub(super) fn next_record(bytes: &[u8], from: usize, to: usize) -> Option<usize>
     while at < to {
         let magic = at.checked_add(BEFORE_MAGIC)?;
         let searched = bytes.get(magic..)?;
-        let found = at + find_magic(searched, to - at)?;
+        let mut windows = searched.windows(MAGIC.len()).take(to - at);
+        let found = at + windows.position(|window| window == MAGIC)?;
         if RecordHeader::read(bytes, found).is_some() {
             return Some(found);
         }
         at = found + 1;
     }
     None
-}
-
-/// Returns the index of the first magic number that begins within the first `places` bytes.
-fn find_magic(searched: &[u8], places: usize) -> Option<usize> {
-    let windows = searched.windows(MAGIC.len()).take(places);
-    windows.into_iter().position(|window| window == MAGIC.as_slice())
 }
 
 #[cfg(test)]

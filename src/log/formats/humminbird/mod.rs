@@ -12,7 +12,7 @@ use super::log_format::{FileSource, LogFormat, ReadRecording, Reading};
 use super::walk::Walk;
 use super::{OpenError, Opened, assemble, collected::Collected};
 use crate::support::progress::{Cancelled, Progress};
-use crate::survey::{RangeSource, Source, Survey};
+use crate::survey::{RangeSource, Survey};
 use dat::{Dat, DatFamily};
 use ping::{byte_order, walk_pings};
 use std::path::{Path, PathBuf};
@@ -57,7 +57,13 @@ fn read(
             what: "no B00n.SON file with pings lies in the folder of the same name; copy that folder from the card too".into(),
         });
     }
-    let mut log = collect(&recording, format, reading);
+    // The DAT file comes first.
+    let files: Vec<&Opened> =
+        recording.dat.iter().map(|(dat, _)| dat).chain(&recording.sons).collect();
+    let mut log = Collected::new(&files, format, reading);
+    if let Some(number) = dat.and_then(|dat| dat.sonar) {
+        log.source.device = format!("sonar {number}");
+    }
     log.start_unix_s = dat.and_then(|dat| dat.start_unix_s).map(f64::from);
     progress.start(recording.sons.iter().map(|son| son.bytes.len() as u64).sum());
     let first_son = log.bytes.len() - recording.sons.len();
@@ -73,20 +79,6 @@ fn read(
     }
     remark(&recording, &mut log);
     Ok(assemble::assemble(log, reading))
-}
-
-/// Creates an empty log of the recording's files, the DAT file first.
-fn collect(recording: &Recording, format: &str, reading: &Reading<'_>) -> Collected {
-    let files: Vec<&Opened> =
-        recording.dat.iter().map(|(dat, _)| dat).chain(&recording.sons).collect();
-    let sonar = recording.dat.as_ref().and_then(|(_, dat)| (*dat)?.sonar);
-    let source = Source {
-        files: files.iter().map(|file| file.path.clone()).collect(),
-        format: format.to_owned(),
-        device: sonar.map_or_else(String::new, |number| format!("sonar {number}")),
-        byte_count: files.iter().map(|file| file.bytes.len() as u64).sum(),
-    };
-    Collected::new(source, files.iter().map(|file| file.bytes.clone()).collect(), reading)
 }
 
 fn read_son(

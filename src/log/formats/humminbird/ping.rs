@@ -69,7 +69,10 @@ impl PingHeader {
                 return (header.sample_count > 0).then_some(header);
             }
             if tag < FIRST_WIDE_TAG {
-                header.narrow(tag, *bytes.get(at)?);
+                let value = *bytes.get(at)?;
+                if tag == 0x50 {
+                    header.beam = Some(value);
+                }
                 at += 1;
             } else {
                 header.wide(tag, order.u32(take(bytes, at)?));
@@ -82,12 +85,6 @@ impl PingHeader {
     /// Returns the bytes of header and samples together.
     pub(crate) fn size(&self) -> usize {
         self.header_len + self.sample_count as usize
-    }
-
-    fn narrow(&mut self, tag: u8, value: u8) {
-        if tag == 0x50 {
-            self.beam = Some(value);
-        }
     }
 
     fn wide(&mut self, tag: u8, value: u32) {

@@ -25,7 +25,7 @@ mod page;
 mod tests;
 
 use super::log_format::{FileSource, LogFormat, ReadRecording, Reading};
-use super::{OpenError, Opened, assemble};
+use super::{OpenError, Opened, assemble, collected::Collected};
 use crate::support::progress::Progress;
 use crate::survey::Survey;
 use page::{FORMAT, Page};
@@ -60,7 +60,7 @@ fn sniff(bytes: &[u8]) -> Option<usize> {
 /// When the file contains no side-scan that is read, or the user cancelled the reading.
 fn read(opened: &Opened, reading: &Reading<'_>, progress: &Progress) -> Result<Survey, OpenError> {
     let bytes = &opened.bytes;
-    let mut log = opened.empty_log(NAME, reading);
+    let mut log = Collected::new(&[opened], NAME, reading);
     let mut reader = decode::Reader::new(bytes, reading);
     let tail = reading.from(0).filter(|_| reader.knows_zero());
     FORMAT.read(bytes, (0, tail), &mut log, (reading, progress), |log, page| {

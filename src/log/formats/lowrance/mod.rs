@@ -130,7 +130,7 @@ fn read(
     progress: &Progress,
 ) -> Result<Survey, OpenError> {
     let format = format_name(kind);
-    let mut log = opened.empty_log(&format, reading);
+    let mut log = Collected::new(&[opened], &format, reading);
     let bytes = &opened.bytes;
     match kind {
         LowranceKind::Slg { size, .. } => {

@@ -36,7 +36,7 @@ mod tests;
 pub(super) use sentence::{Sentence, sentence};
 
 use super::log_format::{FileSource, LogFormat, ReadRecording, Reading};
-use super::{OpenError, Opened, assemble};
+use super::{OpenError, Opened, assemble, collected::Collected};
 use crate::support::progress::Progress;
 use crate::survey::Survey;
 use decode::Reader;
@@ -78,7 +78,7 @@ fn is_log(bytes: &[u8]) -> bool {
 /// When the log contains no depth, or the user cancelled the reading.
 fn read(opened: &Opened, reading: &Reading<'_>, progress: &Progress) -> Result<Survey, OpenError> {
     let bytes = &opened.bytes;
-    let mut log = opened.empty_log(NAME, reading);
+    let mut log = Collected::new(&[opened], NAME, reading);
     // The log is read twice: first to count its sentences, then to decode them.
     progress.start(2 * bytes.len() as u64);
     let mut tally = Tally::default();

@@ -40,9 +40,7 @@ use super::{OpenError, Opened, assemble};
 use crate::support::catch_panic::catch_panic;
 use crate::support::picture_file::{PictureFault, bounded_decoder};
 use crate::support::progress::Progress;
-use crate::survey::{
-    Bytes, ChannelKind, Encoding, SampleOrder, SidePing, SideSpan, Source, Survey,
-};
+use crate::survey::{Bytes, ChannelKind, Encoding, SampleOrder, SidePing, SideSpan, Survey};
 use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat};
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -109,14 +107,7 @@ impl Pair {
         let fail = |fault: PictureFault| self.refuse(fault);
         let packed = PackedPicture::open(&self.picture.bytes).map_err(fail)?;
         let [table, picture] = [&self.table, &self.picture];
-        let source = Source {
-            files: vec![picture.path.clone(), table.path.clone()],
-            format: NAME.to_owned(),
-            device: String::new(),
-            byte_count: (picture.bytes.len() + table.bytes.len()) as u64,
-        };
-        let files = vec![picture.bytes.clone(), table.bytes.clone()];
-        let mut log = Collected::new(source, files, reading);
+        let mut log = Collected::new(&[picture, table], NAME, reading);
         let mut rows = Reader::new(self.layout.clone(), TABLE);
         sounding_table::read_rows(&table.bytes, &mut rows, &mut log, reading, progress)?;
         let pings =

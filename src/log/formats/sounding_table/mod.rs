@@ -94,7 +94,7 @@ fn read(
     reading: &Reading<'_>,
     progress: &Progress,
 ) -> Result<Survey, OpenError> {
-    let mut log = opened.empty_log(NAME, reading);
+    let mut log = Collected::new(&[opened], NAME, reading);
     log.source.device = layout.device().to_owned();
     read_rows(&opened.bytes, &mut Reader::new(layout, 0), &mut log, reading, progress)?;
     if log.depths.is_empty() {

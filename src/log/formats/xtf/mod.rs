@@ -40,7 +40,7 @@ use super::log_format::{FileSource, LogFormat, ReadRecording, Reading};
 use super::walk::Walk;
 use super::{OpenError, Opened, assemble, collected::Collected};
 use crate::support::progress::{Cancelled, Progress};
-use crate::survey::{Source, Survey};
+use crate::survey::Survey;
 pub(super) use levels::shift_to_fit;
 pub(super) use multibeam::read_multibeam;
 use raw::{FileHeader, PACKETS, record};
@@ -119,7 +119,7 @@ fn read(
     progress: &Progress,
 ) -> Result<Survey, OpenError> {
     let bytes = &opened.bytes;
-    let mut log = opened.empty_log(FORMAT, reading);
+    let mut log = Collected::new(&[opened], FORMAT, reading);
     log.source.device = found.header.map_or_else(String::new, device_name);
     if found.header.is_none() {
         log.report
@@ -160,7 +160,7 @@ fn knowing_head<'a>(
     loop {
         let end = from.min(found.first_packet.saturating_add(head));
         let mut reader = decode::Reader::new(&bytes[..end], found.header, known);
-        let mut log = Collected::new(Source::default(), Vec::new(), &Reading::default());
+        let mut log = Collected::new(&[], FORMAT, &Reading::default());
         let reading = Reading { is_growing: true, tail: None };
         let (report, own) = (log.report.clone(), Progress::new());
         let walk = Walk::new(&bytes[..end], PACKETS.noun, &report, &reading, &own);
