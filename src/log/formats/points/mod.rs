@@ -8,7 +8,6 @@
 
 mod copc;
 mod elevations;
-mod las_claims;
 mod las_file;
 mod las_writer;
 mod ply_file;
