@@ -8,7 +8,6 @@ use crate::formats::geotiff::{DirectoryWalk, check_claims};
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use tiff::ColorType;
-use tiff::decoder::Decoder;
 use tiff::tags::Tag;
 
 /// Red, green, blue and opacity; all four are 0 where transparent.
@@ -55,7 +54,7 @@ impl Coding {
     ///
     /// # Errors
     /// When the colours of the picture cannot be read, or their type is not supported.
-    pub(super) fn read<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Self, BaseMapFault> {
+    pub(super) fn read(decoder: &mut Tiff) -> Result<Self, BaseMapFault> {
         let colours = decoder.colortype()?;
         let (kind, bytes) = match colours {
             // The file states a palette, or GDAL left the type at grey because the palette was
@@ -124,12 +123,12 @@ fn rgb(y: u8, cb: u8, cr: u8) -> RgbaPixel {
     [byte(y + 1.402 * cr), byte(y - 0.344_136 * cb - 0.714_136 * cr), byte(y + 1.772 * cb), 255]
 }
 
-fn has_palette<R: Read + Seek>(decoder: &mut Decoder<R>) -> bool {
+fn has_palette(decoder: &mut Tiff) -> bool {
     decoder.find_tag(Tag::ColorMap).is_ok_and(|map| map.is_some())
 }
 
 /// Reads the palette of the picture: all reds, then all greens, then all blues, in 16 bits.
-fn palette<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Vec<RgbaPixel>, BaseMapFault> {
+fn palette(decoder: &mut Tiff) -> Result<Vec<RgbaPixel>, BaseMapFault> {
     let map = decoder.get_tag_u16_vec(Tag::ColorMap)?;
     let count = map.len() / 3;
     let byte = |at: usize| (map[at] >> 8) as u8;

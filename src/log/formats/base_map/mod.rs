@@ -17,7 +17,7 @@ use crate::support::geo::{Crs, LonLat};
 use crate::support::progress::{Cancelled, Progress};
 use crate::support::regular_file;
 use colours::{AsGrey, Coding, hide, masked_size};
-use std::io::{self, Read, Seek};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 use tiff::TiffError;
@@ -109,7 +109,7 @@ impl Georeference {
     /// # Errors
     /// When the picture has no EPSG number or no transform, its system is not supported, or it is
     /// not north up.
-    fn read<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Self, BaseMapFault> {
+    fn read(decoder: &mut Tiff) -> Result<Self, BaseMapFault> {
         let keys = GeoKeys::read(decoder);
         let code = if keys.is_geographic() { keys.geographic() } else { keys.projected() };
         let nowhere = |what: &str| {

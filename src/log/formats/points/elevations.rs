@@ -47,9 +47,9 @@ pub enum PointPlane {
 }
 
 impl PointPlane {
-    /// Returns the plane of a file that names a system by its EPSG number; `otherwise` where it
-    /// names none, or a private number.
-    fn of_epsg(epsg: Option<u32>, otherwise: Self) -> Self {
+    /// Returns the plane of a file that names a system by its EPSG number; metres where it names
+    /// none, or a private number.
+    fn of_epsg(epsg: Option<u32>) -> Self {
         // First private number; the meaning of private numbers is defined elsewhere in the file.
         const PRIVATE: u16 = 32_767;
         const WGS84: u16 = 4326;
@@ -57,7 +57,7 @@ impl PointPlane {
             Some((Some(zone), _)) => PointPlane::Utm(zone),
             Some((None, Ok(WGS84))) => PointPlane::Degrees,
             Some((None, Ok(number @ 1..PRIVATE))) => PointPlane::Epsg(number),
-            _ => otherwise,
+            _ => PointPlane::Metres,
         }
     }
 }
@@ -130,11 +130,7 @@ fn read(argument: &OsStr) -> Result<Elevations, FileError> {
     Ok(Elevations {
         path,
         points: turned(file.points, downwards || depths),
-        plane: if degrees {
-            PointPlane::Degrees
-        } else {
-            PointPlane::of_epsg(file.epsg, PointPlane::Metres)
-        },
+        plane: if degrees { PointPlane::Degrees } else { PointPlane::of_epsg(file.epsg) },
         blank: file.blank,
         note: (!notes.is_empty()).then(|| notes.join("; ")),
     })
@@ -185,7 +181,7 @@ fn of_raster(
         plane: if raster.is_degrees {
             PointPlane::Degrees
         } else {
-            PointPlane::of_epsg(raster.projected.map(u32::from), PointPlane::Metres)
+            PointPlane::of_epsg(raster.projected.map(u32::from))
         },
         blank: 0,
         note,

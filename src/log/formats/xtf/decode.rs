@@ -103,7 +103,7 @@ impl<'a> Reader<'a> {
         let Some(ping) = ping else {
             let set_back_s = self.clock.set_back_s;
             self.others.count(packet.kind);
-            if !self.positions.take(self.bytes, offset, &packet, set_back_s) {
+            if !self.positions.sent.take(self.bytes, offset, &packet, set_back_s) {
                 self.skipped.count(packet.kind);
             }
             return;

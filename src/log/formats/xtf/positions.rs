@@ -5,7 +5,7 @@ use super::from_log::Provenance;
 use super::navigation::{
     HEADING_WITHIN_S, PositionConverter, SentNavigation, SentPosition, recorded,
 };
-use super::raw::{FileHeader, PacketHeader, PingHeader};
+use super::raw::{FileHeader, PingHeader};
 use crate::formats::collected::Collected;
 use crate::support::geo::{LocalFrame, LonLat, MPS_PER_KNOT};
 use crate::survey::{Fix, ProjectedTrack, nearest_in_time};
@@ -35,7 +35,8 @@ struct Towing {
 #[derive(Debug, Default)]
 pub(super) struct Positions {
     converter: PositionConverter,
-    sent: SentNavigation,
+    /// Positions and headings of packets that are no pings.
+    pub(super) sent: SentNavigation,
     /// True if headings are those of the track, not of a compass.
     has_track_headings: bool,
     /// Position of the antenna from the ship's reference point.
@@ -87,17 +88,6 @@ impl Positions {
             span_s: None,
             ..self
         }
-    }
-
-    /// Reads a packet that is no ping; returns true if its type is read.
-    pub(super) fn take(
-        &mut self,
-        bytes: &[u8],
-        offset: usize,
-        packet: &PacketHeader,
-        set_back_s: f64,
-    ) -> bool {
-        self.sent.take(bytes, offset, packet, set_back_s)
     }
 
     /// Adds the position of a ping. `transducer_m` is the transducer's position from the ship's
