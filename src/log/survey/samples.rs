@@ -27,20 +27,12 @@ impl Bytes {
     /// Returns the fault that has made the bytes, or the data that was read from them, wrong since
     /// the file at `path` was opened; `None` while they are right. See [`MappedFile::fault`].
     pub fn fault(&self, path: &Path) -> Option<FileFault> {
-        match self {
-            Bytes::Mapped(map) => map.fault(path),
-            Bytes::Held(_) => None,
-            Bytes::Packed { file, .. } => file.fault(path),
-        }
+        self.mapped()?.fault(path)
     }
 
     /// Returns true if the bytes are in a file that other programs can reach.
     pub fn is_shared(&self) -> bool {
-        match self {
-            Bytes::Mapped(map) => map.is_shared(),
-            Bytes::Held(_) => false,
-            Bytes::Packed { file, .. } => file.is_shared(),
-        }
+        self.mapped().is_some_and(MappedFile::is_shared)
     }
 
     /// Returns true if the sample spans point into unpacked samples, not into the file.
@@ -60,10 +52,15 @@ impl Bytes {
     /// from there on the bytes are zero. `None` while all could be read. The call does not access
     /// the disk.
     pub fn lost(&self) -> Option<FileFault> {
+        self.mapped()?.lost()
+    }
+
+    /// Returns the map of the file; `None` for bytes in memory.
+    fn mapped(&self) -> Option<&MappedFile> {
         match self {
-            Bytes::Mapped(map) => map.lost(),
+            Bytes::Mapped(map) => Some(map),
             Bytes::Held(_) => None,
-            Bytes::Packed { file, .. } => file.lost(),
+            Bytes::Packed { file, .. } => file.mapped(),
         }
     }
 }
