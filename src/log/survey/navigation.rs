@@ -75,7 +75,7 @@ pub struct PingNav {
 /// Position and heading of every side-scan ping ([`Survey::side_scan`]), every sounding
 /// ([`Survey::soundings`]) and every ping of a swath ([`Survey::swath`]); the lists are shared by
 /// all copies.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Navigation {
     /// One entry per side-scan ping.
     pub pings: Arc<Vec<PingNav>>,
@@ -104,15 +104,23 @@ impl Navigation {
     /// at all of them.
     pub fn of_pings(pings: impl IntoIterator<Item = PingNav>) -> Self {
         let pings: Vec<PingNav> = pings.into_iter().collect();
-        Self {
-            moving: pings.len(),
-            pings: Arc::new(pings),
-            soundings: Arc::default(),
-            swath: Arc::default(),
-            antenna: Arc::default(),
-            projection: Projection::Enu,
-            rounding_m: 0.0,
-            zero_heading: 0,
+        Self { moving: pings.len(), pings: Arc::new(pings), ..Self::default() }
+    }
+
+    /// Converts a WGS84 position to metres east and north in the plane of this navigation; inverse
+    /// of [`Navigation::to_lon_lat`].
+    pub fn to_plane(&self, track: &Track, position: LonLat) -> [f64; 2] {
+        self.projection.place(track, position)
+    }
+
+    /// Converts a place in the plane of this navigation to a WGS84 position.
+    pub fn to_lon_lat(&self, track: &Track, east_m: f64, north_m: f64) -> LonLat {
+        match self.projection {
+            Projection::Enu => track.frame.to_lon_lat(east_m, north_m),
+            Projection::Mercator => {
+                let [x0, y0] = web_mercator(track.frame.origin());
+                web_mercator_inverse(x0 + east_m, y0 + north_m)
+            }
         }
     }
 }
@@ -139,9 +147,7 @@ impl PingNav {
         let (sin, cos) = self.heading_rad.sin_cos();
         self.heading_rad.is_finite().then_some([cos, -sin])
     }
-}
 
-impl PingNav {
     /// Returns the place `out_m` outward on a side of the boat; `None` without a heading.
     pub fn abeam(&self, side: Side, out_m: f64) -> Option<[f64; 2]> {
         let [x, y] = self.starboard()?;
@@ -159,25 +165,6 @@ impl Projection {
                 let [x, y] = web_mercator(position);
                 let [x0, y0] = web_mercator(track.frame.origin());
                 [x - x0, y - y0]
-            }
-        }
-    }
-}
-
-impl Navigation {
-    /// Converts a WGS84 position to metres east and north in the plane of this navigation; inverse
-    /// of [`Navigation::to_lon_lat`].
-    pub fn to_plane(&self, track: &Track, position: LonLat) -> [f64; 2] {
-        self.projection.place(track, position)
-    }
-
-    /// Converts a place in the plane of this navigation to a WGS84 position.
-    pub fn to_lon_lat(&self, track: &Track, east_m: f64, north_m: f64) -> LonLat {
-        match self.projection {
-            Projection::Enu => track.frame.to_lon_lat(east_m, north_m),
-            Projection::Mercator => {
-                let [x0, y0] = web_mercator(track.frame.origin());
-                web_mercator_inverse(x0 + east_m, y0 + north_m)
             }
         }
     }
