@@ -371,17 +371,17 @@ impl Navigator<'_> {
             return None;
         }
         let motion = self.fitted.at(time_s);
-        if motion.east_m.is_nan() {
+        if motion.place_m[0].is_nan() {
             return None;
         }
         let recorded = self.recorded_at(time_s)?;
         let projection = self.positions.projection;
         let place = match (self.positions.heading.source, projection) {
             (HeadingSource::Steps, _) => projection.place(self.track, recorded.position),
-            (_, Projection::Enu) => [motion.east_m, motion.north_m],
+            (_, Projection::Enu) => motion.place_m,
             (_, Projection::Mercator) => {
-                let at = self.track.frame.to_lon_lat(motion.east_m, motion.north_m);
-                projection.place(self.track, at)
+                let [east_m, north_m] = motion.place_m;
+                projection.place(self.track, self.track.frame.to_lon_lat(east_m, north_m))
             }
         };
         let [east_m, north_m] = self.shift_m.map_or(place, |by_m| self.moved(place, by_m));
