@@ -5,7 +5,7 @@ mod edit;
 
 pub use edit::LogPart;
 
-use super::{Identity, Navigation, PingNav, Sounding, Survey, turn_rates_deg_s};
+use super::{Identity, Navigation, PingNav, Sounding, Survey, run_ranges, turn_rates_deg_s};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::sync::Arc;
@@ -269,10 +269,16 @@ impl Exclusions {
         };
         let mut spans = automatic(times_s, places, settings);
         let mut made = Self::default();
-        match named(survey, settings, &ping_times) {
+        let own = Identity::of(survey);
+        match settings.log.as_ref().filter(|log| !own.is_same_log(log)) {
+            Some(other) => made.warnings.push(format!(
+                "excluded.stretches are not applied: they belong to {}, a log of {} bytes and {} pings",
+                other.file, other.byte_count, other.pings
+            )),
             // Later spans replace earlier ones, so that named stretches replace turns and stops.
-            Ok(named) => spans.extend(named),
-            Err(other) => made.warnings.push(other.to_string()),
+            None => spans.extend(settings.stretches.iter().filter_map(|stretch| {
+                Some((stretch.span_s(&ping_times)?, stretch.reason))
+            })),
         }
         made.pings = flags(&ping_times, &spans);
         made.soundings = flags(&sounding_times, &spans);
@@ -375,31 +381,6 @@ fn runs(
     long.map(|span| (span, Some(reason))).collect()
 }
 
-/// Error of stretches that belong to another log.
-#[derive(Debug, thiserror::Error)]
-#[error(
-    "excluded.stretches are not applied: they belong to {}, a log of {} bytes and {} pings",
-    .0.file, .0.byte_count, .0.pings
-)]
-struct StretchesOfOtherLog<'a>(&'a Identity);
-
-/// Returns the stretches in the settings as time spans.
-///
-/// # Errors
-/// When the stretches belong to another log.
-fn named<'a>(
-    survey: &Survey,
-    settings: &'a ExclusionSettings,
-    ping_times: &[f64],
-) -> Result<Vec<TimeSpan>, StretchesOfOtherLog<'a>> {
-    let own = Identity::of(survey);
-    if let Some(log) = settings.log.as_ref().filter(|log| !own.is_same_log(log)) {
-        return Err(StretchesOfOtherLog(log));
-    }
-    let span = |stretch: &Stretch| Some((stretch.span_s(ping_times)?, stretch.reason));
-    Ok(settings.stretches.iter().filter_map(span).collect())
-}
-
 /// Returns the reason of the exclusion at each time; empty where no time is excluded.
 fn flags(times_s: &[f64], spans: &[TimeSpan]) -> Vec<Option<ExclusionReason>> {
     let mut flags = vec![None; times_s.len()];
@@ -419,20 +400,15 @@ fn stretches(
     flags: &[Option<ExclusionReason>],
     are_pings: bool,
 ) -> Vec<ExcludedStretch> {
-    let mut start = 0;
-    let mut found = Vec::new();
-    for same in flags.chunk_by(|a, b| a == b) {
-        let last = start + same.len() - 1;
-        if let Some(reason) = same[0] {
-            found.push(ExcludedStretch {
-                pings: are_pings.then_some([start, last]),
-                time_s: [times_s[start], times_s[last]],
-                reason,
-            });
-        }
-        start = last + 1;
-    }
-    found
+    let of_run = |run: Range<usize>| {
+        let ends = [run.start, run.end - 1];
+        Some(ExcludedStretch {
+            pings: are_pings.then_some(ends),
+            time_s: ends.map(|end| times_s[end]),
+            reason: flags[run.start]?,
+        })
+    };
+    run_ranges(flags, |a, b| a == b).filter_map(of_run).collect()
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@
 //! fitted over a few seconds is accurate to about a degree.
 
 use super::local_fit::{LocalFit, TimedPosition};
-use super::{Track, runs};
+use super::{Track, run_ranges};
 use crate::support::outline::between;
 use crate::support::statistics::{ends, quantile};
 use std::ops::Range;
@@ -375,7 +375,7 @@ fn segments(places: &[TimedPosition], max_gap_s: f64, max_gap_m: f64) -> Vec<Ran
         after.time_s - before.time_s > max_gap_s
             || apart_m(before.place_m, after.place_m) > max_gap_m
     };
-    runs(places, |before, after| !is_gap(before, after)).collect()
+    run_ranges(places, |before, after| !is_gap(before, after)).collect()
 }
 
 /// Checks which times have a known place on a track; `None` inside for a track without fixes.

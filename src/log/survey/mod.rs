@@ -449,7 +449,10 @@ pub fn nearest_in_time<T>(items: &[T], time_s: f64, time_of: impl Fn(&T) -> f64)
 }
 
 /// Returns the index ranges of the runs of items in which each belongs together with the next.
-fn runs<T>(items: &[T], together: impl Fn(&T, &T) -> bool) -> impl Iterator<Item = Range<usize>> {
+fn run_ranges<T>(
+    items: &[T],
+    together: impl Fn(&T, &T) -> bool,
+) -> impl Iterator<Item = Range<usize>> {
     let mut end = 0;
     items.chunk_by(together).map(move |run| {
         end += run.len();
