@@ -51,9 +51,7 @@ impl LogPart {
         };
         places.windows(2).map(step_m).sum()
     }
-}
 
-impl LogPart {
     /// Returns the part of consecutive soundings with a fault, such as a lost bottom, around a
     /// time; `None` where the sounding nearest in time has no fault, or is too far away in time.
     pub fn of_false_soundings(survey: &Survey, time_s: f64) -> Option<Self> {
@@ -202,24 +200,19 @@ fn without(other: &Stretch, part: LogPart, survey: &Survey) -> Vec<Stretch> {
     let rest = match part {
         LogPart::Pings(part) => pings_of(other, survey).and_then(|whole| {
             let before = |ping: usize| ping.checked_sub(1);
-            cut(whole, part, before, |ping| ping.checked_add(1))
-                .map(|rest| rest.into_iter().map(LogPart::Pings).collect())
+            cut(whole, part, before, |ping| ping.checked_add(1), LogPart::Pings)
         }),
         LogPart::Time(part) => other.time_s.and_then(|whole| {
             let before = |time_s: f64| Some(time_s.next_down());
-            cut(whole, part, before, |time_s| Some(time_s.next_up()))
-                .map(|rest| rest.into_iter().map(LogPart::Time).collect())
+            cut(whole, part, before, |time_s| Some(time_s.next_up()), LogPart::Time)
         }),
     };
-    let rest: Option<Vec<LogPart>> = rest;
-    match rest {
-        Some(rest) => {
-            let of_rest = |part| Stretch { trusted: other.trusted, ..stretch(part, other.reason) };
-            rest.into_iter().map(of_rest).collect()
-        }
+    let Some(rest) = rest else {
         // The stretch is apart and stays as it was given, even if by times.
-        None => vec![other.clone()],
-    }
+        return vec![other.clone()];
+    };
+    let of_rest = |part| Stretch { trusted: other.trusted, ..stretch(part, other.reason) };
+    rest.into_iter().map(of_rest).collect()
 }
 
 /// Returns the pieces of a span before and after another span; `None` where the two are apart.
@@ -228,15 +221,15 @@ fn cut<T: Copy + PartialOrd>(
     [from, to]: [T; 2],
     before: impl Fn(T) -> Option<T>,
     after: impl Fn(T) -> Option<T>,
-) -> Option<Vec<[T; 2]>> {
+    part: fn([T; 2]) -> LogPart,
+) -> Option<Vec<LogPart>> {
     if last < from || to < first {
         return None;
     }
-    let head = before(from).filter(|end| first <= *end);
-    let tail = after(to).filter(|start| *start <= last);
-    let head = head.map(|end| [first, end]);
-    let tail = tail.map(|start| [start, last]);
-    Some(head.into_iter().chain(tail).collect())
+    let head = before(from).map(|end| [first, end]);
+    let tail = after(to).map(|start| [start, last]);
+    let pieces = [head, tail].into_iter().flatten();
+    Some(pieces.filter(|[start, end]| start <= end).map(part).collect())
 }
 
 #[cfg(test)]
