@@ -97,11 +97,12 @@ pub struct Stretch {
 impl Stretch {
     /// Returns the first and last time of the stretch, seconds of the log; `None` where its first
     /// ping is not in the log.
-    fn span_s(&self, ping_times: &[f64]) -> Option<[f64; 2]> {
+    fn span_s(&self, survey: &Survey) -> Option<[f64; 2]> {
+        let pings = &survey.side_scan;
         match self.pings {
             Some([first, last]) => {
-                let last = last.min(ping_times.len().checked_sub(1)?);
-                Some([*ping_times.get(first)?, *ping_times.get(last)?])
+                let last = last.min(pings.len().checked_sub(1)?);
+                Some([pings.get(first)?.time_s, pings.get(last)?.time_s])
             }
             None => self.time_s,
         }
@@ -198,13 +199,8 @@ impl ExclusionSettings {
 
     /// Returns the first and last time of each trusted stretch, seconds of the log.
     fn trusted_spans_s(&self, survey: &Survey) -> Vec<[f64; 2]> {
-        if !self.stretches.iter().any(|stretch| stretch.trusted) {
-            return Vec::new();
-        }
-        let ping_times: Vec<f64> = survey.side_scan.iter().map(|ping| ping.time_s).collect();
-        let spans = self.stretches_of(survey);
-        let spans = spans.iter().filter(|stretch| stretch.trusted);
-        spans.filter_map(|stretch| stretch.span_s(&ping_times)).collect()
+        let trusted = self.stretches_of(survey).iter().filter(|stretch| stretch.trusted);
+        trusted.filter_map(|stretch| stretch.span_s(survey)).collect()
     }
 
     /// Returns true if nothing can be excluded.
@@ -277,7 +273,7 @@ impl Exclusions {
             )),
             // Later spans replace earlier ones, so that named stretches replace turns and stops.
             None => spans.extend(settings.stretches.iter().filter_map(|stretch| {
-                Some((stretch.span_s(&ping_times)?, stretch.reason))
+                Some((stretch.span_s(survey)?, stretch.reason))
             })),
         }
         made.pings = flags(&ping_times, &spans);

@@ -34,9 +34,8 @@ impl Identity {
     /// Returns the identity of an open survey.
     pub fn of(survey: &Survey) -> Self {
         let file = survey.source.files.first();
-        let name = file.and_then(|file| file.file_name());
         Self {
-            file: name.map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
+            file: file.and_then(|file| file_name(file)).unwrap_or_default(),
             byte_count: survey.source.byte_count,
             pings: survey.side_scan.len(),
             swapped_sides: survey.swapped_sides,

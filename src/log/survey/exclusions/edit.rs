@@ -78,14 +78,14 @@ impl ExclusionSettings {
         let (mut whole, mut others) = (part, Vec::new());
         for stretch in self.stretches_of(survey) {
             let joined = (stretch.reason == Some(ExclusionReason::Drawn))
-                .then(|| joined(whole, &stretch, survey))
+                .then(|| joined(whole, stretch, survey))
                 .flatten();
             match joined {
                 Some(joined) => whole = joined,
                 None => others.push(stretch),
             }
         }
-        let rest = others.iter().flat_map(|stretch| without(stretch, whole, survey));
+        let rest = others.into_iter().flat_map(|stretch| without(stretch, whole, survey));
         let drawn = stretch(whole, Some(ExclusionReason::Drawn));
         self.with_stretches(survey, rest.chain([drawn]).collect())
     }
@@ -127,13 +127,10 @@ impl ExclusionSettings {
     }
 
     /// Returns the stretches if they belong to this log, otherwise none.
-    pub(super) fn stretches_of(&self, survey: &Survey) -> Vec<Stretch> {
+    pub(super) fn stretches_of(&self, survey: &Survey) -> &[Stretch] {
         let own = Identity::of(survey);
-        if self.log.as_ref().is_none_or(|log| own.is_same_log(log)) {
-            self.stretches.clone()
-        } else {
-            Vec::new()
-        }
+        let is_own = self.log.as_ref().is_none_or(|log| own.is_same_log(log));
+        if is_own { &self.stretches } else { &[] }
     }
 
     /// Returns the settings with these stretches of this log, in the order in which a project
