@@ -80,25 +80,6 @@ impl Simulated {
         bytes
     }
 
-    /// Writes the truth about every ping as CSV:
-    /// `ping,time_s,lon,lat,east_m,north_m,heading_deg,depth_m,metres_per_sample,`
-    /// `port_range_m,port_weed,starboard_range_m,starboard_weed`.
-    ///
-    /// # Errors
-    /// When writing fails.
-    pub fn write_truth_csv(&self, out: &mut impl Write) -> io::Result<()> {
-        truth::write_pings(&self.pings, out)
-    }
-
-    /// Writes the truth about the objects as CSV, one line per object and pass that insonified the
-    /// object.
-    ///
-    /// # Errors
-    /// When writing fails.
-    pub fn write_objects_csv(&self, out: &mut impl Write) -> io::Result<()> {
-        truth::write_objects(&self.objects, self.pings.len(), out)
-    }
-
     /// Returns the true depth of the ground (objects included, weed not) at a place in the survey's
     /// local coordinate frame, metres; negative on land.
     pub fn bed_depth_m(&self, east_m: f64, north_m: f64) -> f64 {
