@@ -248,7 +248,6 @@ mod tests {
     fn level_echo() -> Echo {
         let mut scene = Scene::gentle();
         scene.bed.mean_depth_m = 3.0;
-        scene.bed.terrace = None;
         let world =
             World { bed: SceneBed::level(&scene.bed), objects: Vec::new(), weed: Vec::new() };
         let beam = Beam::new(&scene.recorder, 12.0);

@@ -58,10 +58,8 @@ impl PlacedObject {
 pub(super) fn place(scene: &Scene, path: &Path, seed: u64) -> Vec<PlacedObject> {
     let mut random = Random::new(seed, RandomPurpose::Objects, 0);
     let scattered = (0..scene.scattered_objects).map(|_| scatter(path, &mut random));
-    let all: Vec<ObjectSettings> = scene.objects.iter().cloned().chain(scattered).collect();
-    all.into_iter()
-        .enumerate()
-        .map(|(index, settings)| PlacedObject::new(settings, seed.wrapping_add(index as u64)))
+    let all = scene.objects.iter().cloned().chain(scattered).enumerate();
+    all.map(|(index, settings)| PlacedObject::new(settings, seed.wrapping_add(index as u64)))
         .collect()
 }
 

@@ -7,7 +7,7 @@ use super::listener::World;
 use super::objects;
 use super::path::{BoatPose, Path};
 use super::random::{Random, RandomPurpose};
-use super::recorder::{GRAIN, Receiver, speckle_stream};
+use super::recorder::{GRAIN, Receiver};
 use super::scene::Scene;
 use super::truth::{self, ObjectPass, ObjectTruth, PingTruth, SideTruth};
 use super::visibility::{Trace, visible_part};
@@ -229,7 +229,7 @@ impl<'a> SimulationRun<'a> {
         // Rolling to starboard turns the starboard beam down and the port beam up.
         let roll_rad = side.to_starboard(trouble.roll_rad);
         let echo = receiver.listen(&self.world, pose, side, roll_rad);
-        let mut random = speckle_stream(self.seed, ping, side);
+        let mut random = Random::new(self.seed, RandomPurpose::Speckle, 2 * ping + side as u64);
         let mut fish = Vec::from_iter(self.fish(trouble, side, echo.first_return_m));
         fish.extend(self.surface(ping));
         for shoal in &self.shoals {

@@ -109,14 +109,11 @@ fn bed(random: &mut Random, depth_m: f64, range_m: f64) -> BedSettings {
         slope_deg: random.between(12.0, 35.0),
     });
     BedSettings {
-        seed: None,
         kind,
         mean_depth_m: depth_m,
         terrace: None,
         bank,
         ripples,
-        pits: Vec::new(),
-        mounds: Vec::new(),
         ..BedSettings::default()
     }
 }
