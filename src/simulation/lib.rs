@@ -44,7 +44,6 @@ mod path;
 mod random;
 mod recorder;
 mod scene;
-mod shape;
 mod simulate;
 mod training_scene;
 mod truth;
