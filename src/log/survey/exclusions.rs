@@ -410,8 +410,7 @@ fn stretches(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::survey::{SidePing, Sounding};
-    use std::sync::Arc;
+    use crate::survey::SidePing;
 
     /// Creates a log of a minute at ten pings a second: 20 s north at 2 m/s, a turn of 12 degrees a
     /// second for 15 s, 15 s straight, 10 s at rest.

@@ -244,7 +244,7 @@ impl Survey {
         // Pings are in time order in the file, except for a few neighbours.
         let from = pings.saturating_sub(NEIGHBOURS);
         let near = || self.side_scan.iter().skip(from).take(2 * NEIGHBOURS);
-        let ends = |ping: &super::SidePing| {
+        let ends = |ping: &SidePing| {
             [ping.port, ping.starboard].map(|side| {
                 let span = side?;
                 let width = span.encoding.width() as u64;
@@ -433,7 +433,6 @@ fn wider<T>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::survey::{Bytes, SidePing};
     use std::path::PathBuf;
 
     /// Creates a log of one record per ping: 100 bytes of header, 200 port and 200 starboard

@@ -448,6 +448,18 @@ pub fn nearest_in_time<T>(items: &[T], time_s: f64, time_of: impl Fn(&T) -> f64)
     }
 }
 
+/// Returns the item nearest to `time_s` as [`nearest_in_time`] does; `None` where none is within
+/// `within_s`.
+fn nearest_within<T>(
+    items: &[T],
+    time_s: f64,
+    within_s: f64,
+    time_of: impl Fn(&T) -> f64,
+) -> Option<&T> {
+    let nearest = &items[nearest_in_time(items, time_s, &time_of)?];
+    ((time_of(nearest) - time_s).abs() <= within_s).then_some(nearest)
+}
+
 /// Returns the index ranges of the runs of items in which each belongs together with the next.
 fn run_ranges<T>(
     items: &[T],

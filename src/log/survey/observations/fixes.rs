@@ -71,7 +71,7 @@ pub(crate) fn drop_false_fixes(fixes: &mut Vec<Fix>, has_times: bool) -> Vec<Str
         ));
         return sentences;
     }
-    sentences.extend(sentence(&pieces, fixes, fastest_mps));
+    sentences.extend(sentence(&pieces, count, fixes, fastest_mps));
     let is_false = |index: usize| {
         let piece = pieces.partition_point(|piece| piece.last < index);
         pieces.get(piece).is_some_and(|piece| piece.is_false)
@@ -185,9 +185,8 @@ fn mark_false(pieces: &mut [Piece], fixes: &[Fix], fastest_mps: f64) {
     }
 }
 
-/// Returns the sentence about the fixes that are left out; `None` where there are none.
-fn sentence(pieces: &[Piece], fixes: &[Fix], fastest_mps: f64) -> Option<String> {
-    let dropped: usize = pieces.iter().filter(|piece| piece.is_false).map(Piece::len).sum();
+/// Returns the sentence about the `dropped` fixes that are left out; `None` where there are none.
+fn sentence(pieces: &[Piece], dropped: usize, fixes: &[Fix], fastest_mps: f64) -> Option<String> {
     let index = pieces.iter().position(|piece| piece.is_false)?;
     let first = &fixes[pieces[index].first];
     let beside = |index: usize| pieces.get(index).filter(|piece| !piece.is_false);

@@ -6,7 +6,7 @@
 
 use crate::support::geo::distance_m;
 use crate::support::statistics::upper_median;
-use crate::survey::{Fix, SidePing, Sounding, SoundingFault, nearest_in_time};
+use crate::survey::{Fix, SidePing, Sounding, SoundingFault, nearest_within};
 use std::ops::RangeInclusive;
 
 /// Largest step between soundings that is not a jump: metres, and share of the smaller depth,
@@ -48,9 +48,8 @@ const LONGEST_LOSS: usize = 4096;
 /// Soundings are in time order.
 pub(crate) fn give_depths(pings: &mut [SidePing], soundings: &[Sounding]) {
     for ping in pings {
-        let nearest = nearest_in_time(soundings, ping.time_s, |sounding| sounding.time_s)
-            .map(|index| &soundings[index])
-            .filter(|sounding| (sounding.time_s - ping.time_s).abs() <= NEAREST_SOUNDING_S);
+        let nearest =
+            nearest_within(soundings, ping.time_s, NEAREST_SOUNDING_S, |sounding| sounding.time_s);
         ping.depth_m = nearest.map_or(f32::NAN, |sounding| sounding.depth_m);
         ping.depth_fault = nearest.and_then(|sounding| sounding.fault);
     }
