@@ -165,21 +165,17 @@ impl NumberKind {
             (NumberKind::I8, &[a]) => f64::from(a.cast_signed().unsigned_abs()),
             (NumberKind::U16, &[a, b]) => f64::from(u16::from_le_bytes([a, b])),
             (NumberKind::I16, &[a, b]) => f64::from(i16::from_le_bytes([a, b]).unsigned_abs()),
-            (_, &[a, b, c, d]) => self.magnitude_of(u32::from_le_bytes([a, b, c, d])),
-            _ => f64::NAN,
-        }
-    }
-
-    /// Returns the magnitude of a number of four bytes.
-    fn magnitude_of(self, bits: u32) -> f64 {
-        match self {
-            NumberKind::I32 => f64::from(bits.cast_signed().unsigned_abs()),
-            NumberKind::F32 => f64::from(f32::from_bits(bits)).abs(),
-            NumberKind::IbmF32 => {
+            (NumberKind::U32, &[a, b, c, d]) => f64::from(u32::from_le_bytes([a, b, c, d])),
+            (NumberKind::I32, &[a, b, c, d]) => {
+                f64::from(i32::from_le_bytes([a, b, c, d]).unsigned_abs())
+            }
+            (NumberKind::F32, &[a, b, c, d]) => f64::from(f32::from_le_bytes([a, b, c, d])).abs(),
+            (NumberKind::IbmF32, &[a, b, c, d]) => {
+                let bits = u32::from_le_bytes([a, b, c, d]);
                 let power = 4 * (((bits >> 24) & 0x7F) as i16 - 64) - 24;
                 f64::from(bits & 0xFF_FFFF) * power_of_two(power)
             }
-            _ => f64::from(bits),
+            _ => f64::NAN,
         }
     }
 }
