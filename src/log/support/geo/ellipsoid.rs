@@ -101,6 +101,13 @@ pub fn metres_per_degree(at: LonLat) -> [f64; 2] {
     [(vertical_m * cos).max(1.0), meridian_m].map(f64::to_radians)
 }
 
+/// Returns the degrees from one meridian east to another, -180 to 180: across the antimeridian
+/// 179.9 and -179.9 are neighbours.
+pub(crate) fn east_of_deg(from_deg: f64, to_deg: f64) -> f64 {
+    let east_deg = to_deg - from_deg;
+    east_deg - 360.0 * (east_deg / 360.0).round()
+}
+
 /// Returns the metres along the shortest line on WGS84 between two positions.
 ///
 /// The chord between the positions is bent to the ellipsoid's curvature in its direction at its
@@ -169,12 +176,9 @@ fn earth_centred(position: LonLat) -> [f64; 3] {
 fn middle(positions: impl Iterator<Item = LonLat> + Clone) -> LonLat {
     let count = positions.clone().count().max(1) as f64;
     let first_deg = positions.clone().next().map_or(0.0, |at| at.lon_deg);
-    let beyond = |at: LonLat| {
-        let off_deg = at.lon_deg - first_deg;
-        off_deg - 360.0 * (off_deg / 360.0).round()
-    };
+    let beyond = positions.clone().map(|at| east_of_deg(first_deg, at.lon_deg));
     LonLat::new(
-        first_deg + positions.clone().map(beyond).sum::<f64>() / count,
+        first_deg + beyond.sum::<f64>() / count,
         positions.map(|at| at.lat_deg).sum::<f64>() / count,
     )
 }
@@ -217,8 +221,7 @@ mod tests {
             let off_m = (distance_m(from, to) - length_m).abs();
             let allowed_m = if length_m < 20e3 { 1e-4 } else { 1e-6 * length_m };
             assert!(off_m < allowed_m, "{off_m} m of {length_m}");
-            let off_deg = course_rad(from, to).to_degrees() - course_deg;
-            let off_deg = off_deg - 360.0 * (off_deg / 360.0).round();
+            let off_deg = east_of_deg(course_deg, course_rad(from, to).to_degrees());
             assert!(off_deg.abs() < 1e-4 + 1e-8 * length_m, "{off_deg} of {course_deg}");
         }
         let here = at((5.0, 52.0));

@@ -1,7 +1,7 @@
 //! Removes false positions: those farther from the positions before and after than the boat can
 //! have gone.
 
-use crate::support::geo::distance_m;
+use crate::support::geo::{distance_m, east_of_deg};
 use crate::support::statistics::{quantile, upper_median};
 use crate::survey::{Fix, run_ranges};
 
@@ -82,13 +82,6 @@ pub(crate) fn drop_false_fixes(fixes: &mut Vec<Fix>, has_times: bool) -> Vec<Str
         !is_false(index - 1)
     });
     sentences
-}
-
-/// Returns the degrees from one meridian east to another, -180 to 180: across the antimeridian
-/// 179.9 and -179.9 are neighbours.
-fn east_of_deg(from_deg: f64, to_deg: f64) -> f64 {
-    let east_deg = to_deg - from_deg;
-    east_deg - 360.0 * (east_deg / 360.0).round()
 }
 
 /// Removes fixes that are far away from all others because of a damaged record; returns a sentence
