@@ -226,11 +226,6 @@ impl ExcludedStretch {
     pub fn part(&self) -> LogPart {
         self.pings.map_or(LogPart::Time(self.time_s), LogPart::Pings)
     }
-
-    /// Returns the length of the stretch along the track, metres.
-    pub fn length_m(&self, survey: &Survey, navigation: &Navigation) -> f64 {
-        self.part().length_m(survey, navigation)
-    }
 }
 
 /// Exclusions of a log: the reason for each excluded side-scan ping, sounding and ping of a swath.
