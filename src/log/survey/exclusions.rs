@@ -473,18 +473,8 @@ mod tests {
         let (survey, navigation) = sailed(true);
         let mut settings = turns_and_stops();
         settings.stretches = vec![
-            Stretch {
-                pings: Some([250, 299]),
-                time_s: None,
-                reason: Some(ExclusionReason::Bad),
-                trusted: false,
-            },
-            Stretch {
-                pings: None,
-                time_s: Some([5.0, 5.95]),
-                reason: Some(ExclusionReason::Drawn),
-                trusted: false,
-            },
+            edit::stretch(LogPart::Pings([250, 299]), Some(ExclusionReason::Bad)),
+            edit::stretch(LogPart::Time([5.0, 5.95]), Some(ExclusionReason::Drawn)),
         ];
         assert_eq!(settings.check(), Ok(()));
         let out = Exclusions::new(&survey, &navigation, &settings);

@@ -153,7 +153,7 @@ fn start_s(stretch: &Stretch) -> f64 {
     stretch.time_s.map_or(0.0, |[from_s, _]| from_s)
 }
 
-fn stretch(part: LogPart, reason: Option<ExclusionReason>) -> Stretch {
+pub(super) fn stretch(part: LogPart, reason: Option<ExclusionReason>) -> Stretch {
     let (pings, time_s) = match part {
         LogPart::Pings(pings) => (Some(pings), None),
         LogPart::Time(time_s) => (None, Some(time_s)),
@@ -246,12 +246,7 @@ mod tests {
         let (survey, navigation) = sailed(true);
         let pings = |first, last| LogPart::Pings([first, last]);
         let mut given = ExclusionSettings::default();
-        given.stretches.push(Stretch {
-            pings: None,
-            time_s: Some([1.0, 9.95]),
-            reason: Some(Bad),
-            trusted: false,
-        });
+        given.stretches.push(stretch(LogPart::Time([1.0, 9.95]), Some(Bad)));
         let one = given.excluding(&survey, pings(120, 139));
         let two = one.excluding(&survey, pings(140, 159));
         assert_eq!(named(&two), [([120, 159], Some(Drawn))], "they touch");
