@@ -249,16 +249,11 @@ impl Exclusions {
         if settings.is_empty() {
             return Self::default();
         }
-        let ping_times: Vec<f64> = survey.side_scan.iter().map(|ping| ping.time_s).collect();
-        let sounding_times: Vec<f64> =
-            survey.soundings.iter().map(|sounding| sounding.time_s).collect();
         // Turns and stops are found at the pings, or at the soundings where the log has no pings.
-        let (times_s, places) = if !ping_times.is_empty() {
-            (&ping_times, &navigation.pings)
-        } else {
-            (&sounding_times, &navigation.soundings)
-        };
-        let mut spans = automatic(times_s, places, settings);
+        let times_s = survey.record_times_s();
+        let has_pings = !survey.side_scan.is_empty();
+        let places = if has_pings { &navigation.pings } else { &navigation.soundings };
+        let mut spans = automatic(&times_s, places, settings);
         let mut made = Self::default();
         let own = Identity::of(survey);
         match settings.log.as_ref().filter(|log| !own.is_same_log(log)) {
@@ -271,15 +266,11 @@ impl Exclusions {
                 Some((stretch.span_s(survey)?, stretch.reason))
             })),
         }
-        made.pings = flags(&ping_times, &spans);
-        made.soundings = flags(&sounding_times, &spans);
-        let swath_times: Vec<f64> = survey.swath.iter().map(|ping| ping.time_s).collect();
-        made.swath = flags(&swath_times, &spans);
-        made.stretches = if !ping_times.is_empty() {
-            stretches(&ping_times, &made.pings, true)
-        } else {
-            stretches(&sounding_times, &made.soundings, false)
-        };
+        made.pings = flags(&survey.side_scan, |ping| ping.time_s, &spans);
+        made.soundings = flags(&survey.soundings, |sounding| sounding.time_s, &spans);
+        made.swath = flags(&survey.swath, |ping| ping.time_s, &spans);
+        let flags = if has_pings { &made.pings } else { &made.soundings };
+        made.stretches = stretches(&times_s, flags, has_pings);
         made
     }
 
@@ -372,12 +363,16 @@ fn runs(
     long.map(|span| (span, Some(reason))).collect()
 }
 
-/// Returns the reason of the exclusion at each time; empty where no time is excluded.
-fn flags(times_s: &[f64], spans: &[TimeSpan]) -> Vec<Option<ExclusionReason>> {
-    let mut flags = vec![None; times_s.len()];
+/// Returns the reason of the exclusion of each record; empty where no record is excluded.
+fn flags<T>(
+    records: &[T],
+    time_s: impl Fn(&T) -> f64,
+    spans: &[TimeSpan],
+) -> Vec<Option<ExclusionReason>> {
+    let mut flags = vec![None; records.len()];
     for ([from_s, to_s], reason) in spans {
-        let first = times_s.partition_point(|time_s| time_s < from_s);
-        let after = times_s.partition_point(|time_s| time_s <= to_s);
+        let first = records.partition_point(|record| time_s(record) < *from_s);
+        let after = records.partition_point(|record| time_s(record) <= *to_s);
         if let Some(inside) = flags.get_mut(first..after) {
             inside.fill(*reason);
         }
