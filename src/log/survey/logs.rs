@@ -92,12 +92,11 @@ pub fn distinct_names<'a>(logs: impl Iterator<Item = &'a Survey>) -> Vec<String>
             }
         }
     }
-    let same: Vec<usize> = (0..names.len())
-        .map(|log| names[..log].iter().filter(|name| **name == names[log]).count())
-        .collect();
-    for (name, before) in names.iter_mut().zip(same) {
+    // Backward, so that the names before are as they were.
+    for log in (1..names.len()).rev() {
+        let before = names[..log].iter().filter(|name| **name == names[log]).count();
         if before > 0 {
-            *name = format!("{name} ({})", before + 1);
+            names[log] = format!("{} ({})", names[log], before + 1);
         }
     }
     names
