@@ -67,7 +67,7 @@ impl FoundExclusions {
     pub fn new(survey: &Survey, navigation: &Navigation, settings: &ExclusionSettings) -> Self {
         let exclusions = Exclusions::new(survey, navigation, settings);
         let lengths_m = (exclusions.stretches.iter())
-            .map(|stretch| stretch.length_m(survey, navigation))
+            .map(|stretch| stretch.part().length_m(survey, navigation))
             .collect();
         Self { exclusions, lengths_m }
     }

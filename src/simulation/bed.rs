@@ -1,9 +1,9 @@
 //! Computes the depth of the ground at every place from swells, roughness, stones, and the shapes
 //! that water makes of sand: ripples in patches, scoured pits, mounds and hollows.
 
-use super::arithmetic::{cos, exp, sin};
+use super::arithmetic::{cos, exp, ln, sin};
 use super::random::{NoiseField, Random, RandomPurpose, mix, smooth};
-use super::scene::{Bank, BedKind, BedSettings, Mound, Pit, RippleSettings, Terrace};
+use super::scene::{BedKind, BedSettings, Mound, Pit, RippleSettings, Terrace};
 use std::f64::consts::PI;
 
 /// Properties of a kind of ground.
@@ -35,9 +35,7 @@ impl BedKind {
             BedKind::Steep => Character {
                 slope_deg: 20.0,
                 wavelengths_m: [24.0, 15.0, 10.0],
-                roughness_m: [(0.6, 0.004), (0.0, 0.0)],
-                stones: false,
-                texture_shape: 5.0,
+                ..BedKind::Gentle.character()
             },
             BedKind::Rough => Character {
                 slope_deg: 6.0,
@@ -142,16 +140,18 @@ impl SceneBed {
             mounds: settings.mounds.clone(),
             texture: NoiseField::new(seed, RandomPurpose::Texture, TEXTURE_M),
             // A log-normal texture with the variance 1 / shape of the gamma distribution of mean 1.
-            texture_spread: super::arithmetic::ln(1.0 + 1.0 / character.texture_shape).sqrt(),
+            texture_spread: ln(1.0 + 1.0 / character.texture_shape).sqrt(),
             patches: NoiseField::new(seed, RandomPurpose::Patches, PATCHES.0),
             patch_spread: settings.patch_factor * PATCHES.1,
             scatter_power: settings.scatter_power,
             terrace: settings.terrace.clone(),
-            bank: settings.bank.as_ref().map(Bank::shape),
+            bank: (settings.bank.as_ref())
+                .map(|bank| [0.5 * bank.length_m, 0.5 * bank.width_m, tangent(bank.slope_deg)]),
         }
     }
 
-    /// Creates a level, even ground at the mean depth, on which echo levels are set.
+    /// Creates a level, even ground without a shore at the mean depth, on which echo levels are
+    /// set.
     pub(super) fn level(settings: &BedSettings) -> Self {
         Self {
             swells: Vec::new(),
@@ -162,7 +162,8 @@ impl SceneBed {
             mounds: Vec::new(),
             texture_spread: 0.0,
             patch_spread: 0.0,
-            scatter_power: settings.scatter_power,
+            terrace: None,
+            bank: None,
             ..Self::new(settings, 0)
         }
     }
@@ -205,7 +206,7 @@ impl SceneBed {
         let patches = self.patch_spread * self.patches.at(east_m, north_m);
         let variance =
             self.texture_spread * self.texture_spread + self.patch_spread * self.patch_spread;
-        super::arithmetic::exp(texture + patches - 0.5 * variance)
+        exp(texture + patches - 0.5 * variance)
     }
 }
 
@@ -307,12 +308,6 @@ impl Terrace {
         let east = 1.0 - smooth(beyond(east_m - self.east_m, self.length_m));
         let north = 1.0 - smooth(beyond(north_m - self.north_m, self.width_m));
         east * north
-    }
-}
-
-impl Bank {
-    fn shape(&self) -> [f64; 3] {
-        [0.5 * self.length_m, 0.5 * self.width_m, tangent(self.slope_deg)]
     }
 }
 

@@ -73,28 +73,21 @@ impl Scene {
     /// When the text is not TOML, names an unknown setting, or describes a scene that
     /// [`Scene::check`] refuses.
     pub fn from_toml(text: &str) -> Result<Self, SceneError> {
-        let scene: Self = toml::from_str(text).map_err(|error| SceneError(sentence(&error)))?;
+        let on_one_line = |error: toml::de::Error| {
+            SceneError(error.message().lines().collect::<Vec<_>>().join(", "))
+        };
+        let scene: Self = toml::from_str(text).map_err(on_one_line)?;
         scene.check()?;
         Ok(scene)
     }
-}
 
-/// Returns the error of the TOML parser on one line.
-fn sentence(error: &toml::de::Error) -> String {
-    error.message().lines().collect::<Vec<_>>().join(", ")
-}
-
-impl Scene {
     /// Checks that the scene can be simulated.
     ///
     /// # Errors
     /// One sentence about the first setting that is out of bounds.
     pub fn check(&self) -> Result<(), SceneError> {
         self.check_ground()?;
-        self.check_track()?;
-        self.check_recorder()?;
-        self.check_mounting()?;
-        self.check_artefacts()?;
+        self.check_survey()?;
         self.check_objects()?;
         self.check_clutter()?;
         self.check_size()
@@ -157,7 +150,8 @@ impl Scene {
         Ok(())
     }
 
-    fn check_track(&self) -> Result<(), SceneError> {
+    /// Checks track, recorder, mounting and faults.
+    fn check_survey(&self) -> Result<(), SceneError> {
         let track = &self.track;
         few("corners", track.corners_m.len())?;
         for corner in track.corners_m.iter().flatten() {
@@ -175,22 +169,6 @@ impl Scene {
             ping_rate_hz: 0.5..=100.0,
             fix_rate_hz: 0.1..=100.0,
         });
-        Ok(())
-    }
-
-    fn check_mounting(&self) -> Result<(), SceneError> {
-        all_within!("mounting", self.mounting, {
-            forward_m: -200.0..=200.0,
-            right_m: -100.0..=100.0,
-            heading_offset_deg: -180.0..=180.0,
-            clock_offset_s: -864_000.0..=864_000.0,
-            latency_s: -10.0..=10.0,
-            sounding_lag_s: 0.0..=10.0,
-        });
-        Ok(())
-    }
-
-    fn check_recorder(&self) -> Result<(), SceneError> {
         all_within!("recorder", self.recorder, {
             range_m: 1.0..=500.0,
             samples_per_side: 64.0..=32_000.0,
@@ -210,10 +188,14 @@ impl Scene {
             sonar_samples: 16.0..=60_000.0,
             sonar_every: 1.0..=1e6,
         });
-        Ok(())
-    }
-
-    fn check_artefacts(&self) -> Result<(), SceneError> {
+        all_within!("mounting", self.mounting, {
+            forward_m: -200.0..=200.0,
+            right_m: -100.0..=100.0,
+            heading_offset_deg: -180.0..=180.0,
+            clock_offset_s: -864_000.0..=864_000.0,
+            latency_s: -10.0..=10.0,
+            sounding_lag_s: 0.0..=10.0,
+        });
         all_within!("artefacts", self.artefacts, {
             ring_down: 0.0..=1e3,
             gain_wander_db: 0.0..=20.0,
@@ -279,15 +261,20 @@ impl Scene {
         Ok(())
     }
 
+    /// Returns the number of pings along a way, or until the survey ends; it may have a fraction.
+    pub(super) fn pings_along(&self, path: &Path) -> f64 {
+        let whole_s = path.length_m() / self.track.speed_mps;
+        let seconds = self.duration_s.map_or(whole_s, |end| end.min(whole_s));
+        seconds * self.track.ping_rate_hz
+    }
+
     fn check_size(&self) -> Result<(), SceneError> {
         if self.track.lines == 0 && self.track.cross_lines == 0 {
             return Err(SceneError(
                 "the track has no line: set track.lines or track.cross_lines to at least 1".into(),
             ));
         }
-        let whole_s = Path::new(&self.track).length_m() / self.track.speed_mps;
-        let seconds = self.duration_s.map_or(whole_s, |end| end.min(whole_s));
-        let pings = seconds * self.track.ping_rate_hz;
+        let pings = self.pings_along(&Path::new(&self.track));
         if pings > MAX_PINGS {
             return Err(SceneError(format!(
                 "the track gives {pings:.0} pings, more than {MAX_PINGS}: shorten the lines or lower track.ping_rate_hz"

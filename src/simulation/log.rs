@@ -1,13 +1,14 @@
-//! Writes the simulated log: fixes, recorded depths, and the frames of all channels in time order.
+//! Writes the simulated log (fixes, recorded depths, and the frames of all channels in time order)
+//! and the tables of the truth.
 
 use super::arithmetic::exp;
 use super::random::{Random, RandomPurpose};
-use super::simulate::{ReceivedPing, SimulationRun, mercator};
+use super::simulate::{ReceivedPing, Simulated, SimulationRun, mercator};
 use bathyscope_log::formats::lowrance::write::{
     COMPOSITE, DOWN_SCAN, PRIMARY, Sl2Frame, WrittenFix, frequency_code, usual_frequency_khz,
 };
-use bathyscope_log::survey::ChannelKind;
 use std::f64::consts::TAU;
+use std::io::{self, Write};
 
 /// Noise of the recorded course, degrees (standard deviation).
 const COURSE_NOISE_DEG: f64 = 1.5;
@@ -70,9 +71,8 @@ impl SimulationRun<'_> {
         let true_depth_m = ping.truth.depth_m;
         let range_m = sonar_range_m(true_depth_m);
         let samples = self.scene.recorder.sonar_samples as usize;
-        for (channel, kind) in [(PRIMARY, ChannelKind::Primary), (DOWN_SCAN, ChannelKind::DownScan)]
-        {
-            let bytes = echogram(kind, samples, range_m, true_depth_m, self.seed, ping.ping);
+        for channel in [PRIMARY, DOWN_SCAN] {
+            let bytes = echogram(channel, samples, range_m, true_depth_m, self.seed, ping.ping);
             log.push(channel, [0.0, range_m], depth_m, moment, bytes);
         }
     }
@@ -93,7 +93,7 @@ impl SimulationRun<'_> {
 ///
 /// The column is plausible, not physical: only its depth matters.
 fn echogram(
-    kind: ChannelKind,
+    channel: u16,
     samples: usize,
     range_m: f64,
     depth_m: f64,
@@ -102,8 +102,8 @@ fn echogram(
 ) -> Vec<u8> {
     // The traditional sonar has a wide cone and a long pulse, the down-scan a thin fan and a short
     // pulse.
-    let (stream, onset_m, tail_m, level) = match kind {
-        ChannelKind::DownScan => (2 * ping, 0.02, 0.35, 175.0),
+    let (stream, onset_m, tail_m, level) = match channel {
+        DOWN_SCAN => (2 * ping, 0.02, 0.35, 175.0),
         _ => (2 * ping + 1, 0.06, 0.8, 215.0),
     };
     let mut random = Random::new(seed, RandomPurpose::Echogram, stream);
@@ -172,4 +172,98 @@ impl Log {
             bytes,
         });
     }
+}
+
+impl Simulated {
+    /// Writes the truth about the pings as CSV, one line per recorded ping:
+    /// `ping,time_s,lon,lat,east_m,north_m,heading_deg,depth_m,metres_per_sample,port_range_m,port_weed,starboard_range_m,starboard_weed`.
+    ///
+    /// # Errors
+    /// When writing fails.
+    pub fn write_truth_csv(&self, out: &mut impl Write) -> io::Result<()> {
+        writeln!(
+            out,
+            "ping,time_s,lon,lat,east_m,north_m,heading_deg,depth_m,metres_per_sample,\
+             port_range_m,port_weed,starboard_range_m,starboard_weed"
+        )?;
+        for (index, ping) in self.pings.iter().enumerate() {
+            writeln!(
+                out,
+                "{index},{:.3},{:.9},{:.9},{:.4},{:.4},{:.4},{:.4},{:.9},{},{},{},{}",
+                ping.time_s,
+                ping.position.lon_deg,
+                ping.position.lat_deg,
+                ping.east_m,
+                ping.north_m,
+                ping.heading_rad.to_degrees(),
+                ping.depth_m,
+                ping.metres_per_sample,
+                metres(ping.port.first_return_m),
+                u8::from(ping.port.weed),
+                metres(ping.starboard.first_return_m),
+                u8::from(ping.starboard.weed),
+            )?;
+        }
+        Ok(())
+    }
+
+    /// Writes the truth about the objects as CSV, one line per sighting, and one with empty fields
+    /// for an object that was never insonified:
+    /// `object,kind,lon,lat,east_m,north_m,length_m,width_m,height_m,heading_deg,side,first_ping,last_ping,near_m,far_m,shadow_start_m,shadow_end_m,box_first_ping,box_last_ping,box_near_m,box_far_m,shown`.
+    /// The box is around the part of echo and shadow that a picture shows, and is what a detector
+    /// should propose; `shown` is 0 where nothing is shown ([`crate::ObjectPass::shown`]).
+    ///
+    /// # Errors
+    /// When writing fails.
+    pub fn write_objects_csv(&self, out: &mut impl Write) -> io::Result<()> {
+        writeln!(
+            out,
+            "object,kind,lon,lat,east_m,north_m,length_m,width_m,height_m,heading_deg,\
+             side,first_ping,last_ping,near_m,far_m,shadow_start_m,shadow_end_m,\
+             box_first_ping,box_last_ping,box_near_m,box_far_m,shown"
+        )?;
+        for (index, object) in self.objects.iter().enumerate() {
+            let what = format!(
+                "{index},{},{:.9},{:.9},{:.3},{:.3},{:.3},{:.3},{:.3},{:.1}",
+                object.kind.name(),
+                object.position.lon_deg,
+                object.position.lat_deg,
+                object.east_m,
+                object.north_m,
+                object.length_m,
+                object.width_m,
+                object.height_m,
+                object.heading_deg,
+            );
+            if object.sightings.is_empty() {
+                writeln!(out, "{what},,,,,,,,,,,,")?;
+            }
+            for seen in &object.sightings {
+                let pings = seen.pings(self.pings.len());
+                let [box_near_m, box_far_m] = seen.echo_and_shadow_m();
+                writeln!(
+                    out,
+                    "{what},{},{},{},{},{},{},{},{},{},{},{},{}",
+                    seen.side.name(),
+                    seen.first_ping,
+                    seen.last_ping,
+                    metres(seen.near_m),
+                    metres(seen.far_m),
+                    metres(seen.shadow_m[0]),
+                    metres(seen.shadow_m[1]),
+                    pings.start,
+                    pings.end - 1,
+                    metres(box_near_m),
+                    metres(box_far_m),
+                    u8::from(seen.shown.is_some()),
+                )?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Formats metres for a table; empty when there is no value.
+fn metres(value: f64) -> String {
+    if value.is_finite() { format!("{value:.4}") } else { String::new() }
 }

@@ -54,24 +54,14 @@ impl Path {
         let corners = corners(track);
         let mut path = Self { legs: Vec::new(), length_m: 0.0 };
         let mut from = corners[0];
-        if let [from, to] = corners[..]
-            && track.bend_deg_per_m != 0.0
-        {
-            let heading = bearing(to[0] - from[0], to[1] - from[1]);
-            let turn_per_m = track.bend_deg_per_m.to_radians();
-            path.push(from, heading, distance(from, to), turn_per_m);
-            return path;
+        for corner in corners.windows(3) {
+            from = path.turn(from, corner[1], corner[2], track.turn_radius_m);
         }
-        for index in 1..corners.len() {
-            let corner = corners[index];
-            let heading = bearing(corner[0] - from[0], corner[1] - from[1]);
-            let length = distance(from, corner);
-            let Some(next) = corners.get(index + 1) else {
-                path.push(from, heading, length, 0.0);
-                break;
-            };
-            from = path.turn(from, corner, *next, track.turn_radius_m);
-        }
+        let last = corners[corners.len() - 1];
+        // Only a single line bends.
+        let bend_deg_per_m = if corners.len() == 2 { track.bend_deg_per_m } else { 0.0 };
+        let heading = bearing(last[0] - from[0], last[1] - from[1]);
+        path.push(from, heading, distance(from, last), bend_deg_per_m.to_radians());
         path
     }
 

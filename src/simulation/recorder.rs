@@ -7,8 +7,8 @@ use super::bed::SceneBed;
 use super::echo::Echo;
 use super::listener::{Beam, Listener, World};
 use super::path::BoatPose;
-use super::random::{Random, RandomPurpose};
-use super::scene::{BedSettings, Curve, RecorderSettings, Scene};
+use super::random::Random;
+use super::scene::{Curve, RecorderSettings, Scene};
 use super::visibility::Trace;
 use bathyscope_log::survey::Side;
 use std::ops::Range;
@@ -91,14 +91,8 @@ impl<'a> Receiver<'a> {
 
     /// Returns the strongest power after gain from a level bottom at the mean depth.
     fn level_bottom(&self) -> f64 {
-        let settings = BedSettings {
-            mean_depth_m: self.scene.bed.mean_depth_m,
-            terrace: None,
-            bank: None,
-            ..self.scene.bed.clone()
-        };
-        let world =
-            World { bed: SceneBed::level(&settings), objects: Vec::new(), weed: Vec::new() };
+        let bed = SceneBed::level(&self.scene.bed);
+        let world = World { bed, objects: Vec::new(), weed: Vec::new() };
         let pose = BoatPose { east_m: 0.0, north_m: 0.0, heading_rad: 0.0 };
         let echo = self.listen(&world, pose, Side::Starboard, 0.0);
         self.after_gain(&echo.power, 0..self.samples).into_iter().fold(0.0, f64::max)
@@ -337,11 +331,6 @@ fn pulse(deviation_samples: f64) -> Vec<f64> {
         .collect();
     let sum: f64 = taps.iter().sum();
     taps.into_iter().map(|tap| tap / sum).collect()
-}
-
-/// Creates the stream of random numbers for the speckle of one side of a ping.
-pub(super) fn speckle_stream(seed: u64, ping: u64, side: Side) -> Random {
-    Random::new(seed, RandomPurpose::Speckle, 2 * ping + side as u64)
 }
 
 #[cfg(test)]

@@ -505,8 +505,6 @@ impl Artefacts {
     /// Returns the settings of a recording without faults: speckle and ring-down only.
     pub fn none() -> Self {
         Self {
-            speckle: true,
-            ring_down: 1.0,
             gain_wander_db: 0.0,
             fish: 0.0,
             interference: 0.0,
@@ -515,13 +513,9 @@ impl Artefacts {
             second_echo_db: 0.0,
             roll_deg: 0.0,
             depth_noise_m: 0.0,
-            depth_scale: 1.0,
-            depth_offset_m: 0.0,
-            position_m: 0.0,
             dropouts: 0.0,
             range_change: 1.0,
-            surface_m: 0.0,
-            glints: 0.0,
+            ..Self::default()
         }
     }
 }

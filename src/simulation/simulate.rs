@@ -7,7 +7,7 @@ use super::listener::World;
 use super::objects;
 use super::path::{BoatPose, Path};
 use super::random::{Random, RandomPurpose};
-use super::recorder::{GRAIN, Receiver, speckle_stream};
+use super::recorder::{GRAIN, Receiver};
 use super::scene::Scene;
 use super::truth::{self, ObjectPass, ObjectTruth, PingTruth, SideTruth};
 use super::visibility::{Trace, visible_part};
@@ -47,7 +47,7 @@ const CHUNK: usize = 64;
 /// When `progress` was cancelled.
 pub fn simulate(scene: &Scene, seed: u64, progress: &Progress) -> Result<Simulated, Cancelled> {
     let run = SimulationRun::new(scene, seed);
-    let count = run.ping_count();
+    let count = scene.pings_along(&run.path).ceil() as u64;
     progress.start(count);
     let mut received = Vec::new();
     for first in (0..count).step_by(CHUNK) {
@@ -78,25 +78,6 @@ impl Simulated {
         // refuses.
         self.write_sl2(&mut bytes).ok();
         bytes
-    }
-
-    /// Writes the truth about every ping as CSV:
-    /// `ping,time_s,lon,lat,east_m,north_m,heading_deg,depth_m,metres_per_sample,`
-    /// `port_range_m,port_weed,starboard_range_m,starboard_weed`.
-    ///
-    /// # Errors
-    /// When writing fails.
-    pub fn write_truth_csv(&self, out: &mut impl Write) -> io::Result<()> {
-        truth::write_pings(&self.pings, out)
-    }
-
-    /// Writes the truth about the objects as CSV, one line per object and pass that insonified the
-    /// object.
-    ///
-    /// # Errors
-    /// When writing fails.
-    pub fn write_objects_csv(&self, out: &mut impl Write) -> io::Result<()> {
-        truth::write_objects(&self.objects, self.pings.len(), out)
     }
 
     /// Returns the true depth of the ground (objects included, weed not) at a place in the survey's
@@ -171,13 +152,6 @@ impl<'a> SimulationRun<'a> {
         }
     }
 
-    fn ping_count(&self) -> u64 {
-        let track = &self.scene.track;
-        let whole_s = self.path.length_m() / track.speed_mps;
-        let duration_s = self.scene.duration_s.map_or(whole_s, |end| end.min(whole_s));
-        (duration_s * track.ping_rate_hz).ceil() as u64
-    }
-
     /// Returns the recorded time of a ping, whole milliseconds.
     pub(super) fn milliseconds(&self, ping: u64) -> i32 {
         (ping as f64 * 1000.0 / self.scene.track.ping_rate_hz).round() as i32
@@ -199,18 +173,13 @@ impl<'a> SimulationRun<'a> {
         let pose = self.pose_at(time_s);
         let changed = trouble.range_m != self.scene.recorder.range_m;
         let receiver = &self.receivers[usize::from(changed)];
-        let [port, starboard] =
-            Side::BOTH.map(|side| self.side(ping, pose, side, &trouble, receiver));
-        let [left, right] = if !self.scene.mounting.swap_sides {
-            [&port.1, &starboard.1]
-        } else {
-            [&starboard.1, &port.1]
-        };
+        let sides = Side::BOTH.map(|side| self.side(ping, pose, side, &trouble, receiver));
+        let [(port, left), (starboard, right)] = &sides;
+        let [left, right] =
+            if self.scene.mounting.swap_sides { [right, left] } else { [left, right] };
         let mut composite: Vec<u8> = left.iter().rev().copied().collect();
         composite.extend(right);
-        let seen = |side: Side, echo: &Echo| -> Vec<(Side, ObjectEcho)> {
-            echo.seen.iter().map(|seen| (side, *seen)).collect()
-        };
+        let echoes = || Side::BOTH.into_iter().zip([port, starboard]);
         let position = self.scene_frame.to_lon_lat(pose.east_m, pose.north_m);
         let [east_m, north_m] = self.frame.to_enu(position);
         Some(ReceivedPing {
@@ -223,15 +192,15 @@ impl<'a> SimulationRun<'a> {
                 heading_rad: pose.heading_rad,
                 depth_m: self.world.depth_m(pose.east_m, pose.north_m),
                 metres_per_sample: receiver.metres_per_sample,
-                port: side_truth(&port.0),
-                starboard: side_truth(&starboard.0),
+                port: side_truth(port),
+                starboard: side_truth(starboard),
             },
-            seen: [seen(Side::Port, &port.0), seen(Side::Starboard, &starboard.0)].concat(),
-            traces: [
-                traces(&port.0, Side::Port, &trouble, receiver),
-                traces(&starboard.0, Side::Starboard, &trouble, receiver),
-            ]
-            .concat(),
+            seen: echoes()
+                .flat_map(|(side, echo)| echo.seen.iter().map(move |seen| (side, *seen)))
+                .collect(),
+            traces: echoes()
+                .flat_map(|(side, echo)| traces(echo, side, &trouble, receiver))
+                .collect(),
             composite,
             range_m: receiver.range_m,
         })
@@ -248,7 +217,7 @@ impl<'a> SimulationRun<'a> {
         // Rolling to starboard turns the starboard beam down and the port beam up.
         let roll_rad = side.to_starboard(trouble.roll_rad);
         let echo = receiver.listen(&self.world, pose, side, roll_rad);
-        let mut random = speckle_stream(self.seed, ping, side);
+        let mut random = Random::new(self.seed, RandomPurpose::Speckle, 2 * ping + side as u64);
         let mut fish = Vec::from_iter(self.fish(trouble, side, echo.first_return_m));
         fish.extend(self.surface(ping));
         for shoal in &self.shoals {

@@ -109,14 +109,11 @@ fn bed(random: &mut Random, depth_m: f64, range_m: f64) -> BedSettings {
         slope_deg: random.between(12.0, 35.0),
     });
     BedSettings {
-        seed: None,
         kind,
         mean_depth_m: depth_m,
         terrace: None,
         bank,
         ripples,
-        pits: Vec::new(),
-        mounds: Vec::new(),
         ..BedSettings::default()
     }
 }
@@ -274,101 +271,65 @@ fn objects(random: &mut Random, strip: &Strip) -> Vec<ObjectSettings> {
 }
 
 /// Draws an object of random kind, size, heading, burial and material, at the centre of the scene;
-/// the caller sets its place.
+/// the caller sets its place. Another order of the numbers would change the survey of a seed.
 fn object(random: &mut Random, depth_m: f64) -> ObjectSettings {
     let kind = ObjectKind::ALL[(random.bits() % 7) as usize];
-    let build = Build::random(random, kind);
+    let [length_m, width_m, height_m] = usual_size_m(random, kind);
+    let [weakest_db, strongest_db] = match kind {
+        ObjectKind::Rock | ObjectKind::Log => [-4.0, 5.0],
+        ObjectKind::Block => [-2.0, 8.0],
+        ObjectKind::Cylinder => [-3.0, 8.0],
+        ObjectKind::Tyre => [-4.0, 6.0],
+        ObjectKind::Boat => [-3.0, 7.0],
+        ObjectKind::Effigy => [-1.0, 10.0],
+    };
+    let strength_db = random.between(weakest_db, strongest_db);
     // No object is higher than 0.4 of the depth: the shadow of a higher one would have no end.
-    let height_m = build.height_m.min(0.4 * depth_m);
+    let height_m = height_m.min(0.4 * depth_m);
     let burial = if random.chance(0.35) { random.between(0.0, 0.45) } else { 0.0 };
     ObjectSettings {
         kind,
         east_m: 0.0,
         north_m: 0.0,
-        length_m: build.length_m,
-        width_m: build.width_m,
+        length_m,
+        width_m,
         height_m,
         heading_deg: random.between(0.0, 360.0),
         buried_m: burial * height_m,
-        strength_db: Some(build.strength_db),
+        strength_db: Some(strength_db),
     }
 }
 
-/// Size and material of an object.
-struct Build {
-    length_m: f64,
-    width_m: f64,
-    height_m: f64,
-    /// Strength of the material's echo over that of the ground, dB.
-    strength_db: f64,
-}
-
-impl Build {
-    /// Draws a build that is usual for the kind. The numbers are drawn in the order of the fields:
-    /// another order would change the survey of a seed.
-    fn random(random: &mut Random, kind: ObjectKind) -> Self {
-        match kind {
-            ObjectKind::Rock => {
-                // Boulders of a glacial river reach four metres (the recorded river shows some).
-                let size_m = log_between(random, 0.5, 4.0);
-                Self {
-                    length_m: size_m,
-                    width_m: size_m * random.between(0.65, 1.0),
-                    height_m: size_m * random.between(0.35, 0.7),
-                    strength_db: random.between(-4.0, 5.0),
-                }
-            }
-            ObjectKind::Block => {
-                let size_m = log_between(random, 0.5, 1.6);
-                Self {
-                    length_m: size_m,
-                    width_m: size_m * random.between(0.5, 1.0),
-                    height_m: size_m * random.between(0.4, 0.9),
-                    strength_db: random.between(-2.0, 8.0),
-                }
-            }
-            ObjectKind::Cylinder => {
-                let thick_m = log_between(random, 0.2, 0.7);
-                Self {
-                    length_m: (thick_m * random.between(3.0, 10.0)).clamp(1.0, 5.0),
-                    width_m: thick_m,
-                    height_m: thick_m,
-                    strength_db: random.between(-3.0, 8.0),
-                }
-            }
-            ObjectKind::Tyre => {
-                let size_m = log_between(random, 0.55, 1.3);
-                Self {
-                    length_m: size_m,
-                    width_m: size_m,
-                    height_m: size_m * random.between(0.26, 0.34),
-                    strength_db: random.between(-4.0, 6.0),
-                }
-            }
-            ObjectKind::Boat => {
-                let length_m = random.between(3.0, 5.2);
-                Self {
-                    length_m,
-                    width_m: length_m * random.between(0.32, 0.42),
-                    height_m: random.between(0.45, 0.9),
-                    strength_db: random.between(-3.0, 7.0),
-                }
-            }
-            ObjectKind::Log => {
-                let length_m = random.between(2.2, 7.0);
-                Self {
-                    length_m,
-                    width_m: length_m * random.between(0.25, 0.5),
-                    height_m: random.between(0.2, 0.5),
-                    strength_db: random.between(-4.0, 5.0),
-                }
-            }
-            ObjectKind::Effigy => Self {
-                length_m: random.between(1.55, 1.9),
-                width_m: random.between(0.7, 1.3),
-                height_m: random.between(0.22, 0.34),
-                strength_db: random.between(-1.0, 10.0),
-            },
+/// Draws a length, a width and a height that are usual for a kind, metres.
+fn usual_size_m(random: &mut Random, kind: ObjectKind) -> [f64; 3] {
+    match kind {
+        ObjectKind::Rock => {
+            // Boulders of a glacial river reach four metres (the recorded river shows some).
+            let size_m = log_between(random, 0.5, 4.0);
+            [size_m, size_m * random.between(0.65, 1.0), size_m * random.between(0.35, 0.7)]
+        }
+        ObjectKind::Block => {
+            let size_m = log_between(random, 0.5, 1.6);
+            [size_m, size_m * random.between(0.5, 1.0), size_m * random.between(0.4, 0.9)]
+        }
+        ObjectKind::Cylinder => {
+            let thick_m = log_between(random, 0.2, 0.7);
+            [(thick_m * random.between(3.0, 10.0)).clamp(1.0, 5.0), thick_m, thick_m]
+        }
+        ObjectKind::Tyre => {
+            let size_m = log_between(random, 0.55, 1.3);
+            [size_m, size_m, size_m * random.between(0.26, 0.34)]
+        }
+        ObjectKind::Boat => {
+            let length_m = random.between(3.0, 5.2);
+            [length_m, length_m * random.between(0.32, 0.42), random.between(0.45, 0.9)]
+        }
+        ObjectKind::Log => {
+            let length_m = random.between(2.2, 7.0);
+            [length_m, length_m * random.between(0.25, 0.5), random.between(0.2, 0.5)]
+        }
+        ObjectKind::Effigy => {
+            [(1.55, 1.9), (0.7, 1.3), (0.22, 0.34)].map(|(low, high)| random.between(low, high))
         }
     }
 }
@@ -417,7 +378,6 @@ fn weed_clumps(random: &mut Random, strip: &Strip) -> Vec<WeedClump> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ObjectKind;
 
     #[test]
     fn every_random_scene_can_be_simulated_and_all_kinds_occur() {

@@ -6,7 +6,6 @@ use super::scene::ObjectKind;
 use super::visibility::VisiblePart;
 use bathyscope_log::support::geo::LonLat;
 use bathyscope_log::survey::Side;
-use std::io::{self, Write};
 use std::ops::Range;
 
 /// The truth about one recorded side-scan ping. East and north are metres in the survey's local
@@ -175,94 +174,4 @@ pub(super) fn note(sightings: &mut Vec<ObjectPass>, ping: usize, side: Side, see
             shown: None,
         }),
     }
-}
-
-/// Writes one line per recorded ping:
-/// `ping,time_s,lon,lat,east_m,north_m,heading_deg,depth_m,metres_per_sample,port_range_m,port_weed,starboard_range_m,starboard_weed`.
-pub(super) fn write_pings(pings: &[PingTruth], out: &mut impl Write) -> io::Result<()> {
-    writeln!(
-        out,
-        "ping,time_s,lon,lat,east_m,north_m,heading_deg,depth_m,metres_per_sample,\
-         port_range_m,port_weed,starboard_range_m,starboard_weed"
-    )?;
-    for (index, ping) in pings.iter().enumerate() {
-        writeln!(
-            out,
-            "{index},{:.3},{:.9},{:.9},{:.4},{:.4},{:.4},{:.4},{:.9},{},{},{},{}",
-            ping.time_s,
-            ping.position.lon_deg,
-            ping.position.lat_deg,
-            ping.east_m,
-            ping.north_m,
-            ping.heading_rad.to_degrees(),
-            ping.depth_m,
-            ping.metres_per_sample,
-            metres(ping.port.first_return_m),
-            u8::from(ping.port.weed),
-            metres(ping.starboard.first_return_m),
-            u8::from(ping.starboard.weed),
-        )?;
-    }
-    Ok(())
-}
-
-/// Writes one line per sighting, and one with empty fields for an object that was never insonified:
-/// `object,kind,lon,lat,east_m,north_m,length_m,width_m,height_m,heading_deg,side,first_ping,last_ping,near_m,far_m,shadow_start_m,shadow_end_m,box_first_ping,box_last_ping,box_near_m,box_far_m,shown`.
-/// The box is around the part of echo and shadow that a picture shows, and is what a detector
-/// should propose; `shown` is 0 where nothing is shown ([`ObjectPass::shown`]). `count` is the
-/// number of recorded pings.
-pub(super) fn write_objects(
-    objects: &[ObjectTruth],
-    count: usize,
-    out: &mut impl Write,
-) -> io::Result<()> {
-    writeln!(
-        out,
-        "object,kind,lon,lat,east_m,north_m,length_m,width_m,height_m,heading_deg,\
-         side,first_ping,last_ping,near_m,far_m,shadow_start_m,shadow_end_m,\
-         box_first_ping,box_last_ping,box_near_m,box_far_m,shown"
-    )?;
-    for (index, object) in objects.iter().enumerate() {
-        let what = format!(
-            "{index},{},{:.9},{:.9},{:.3},{:.3},{:.3},{:.3},{:.3},{:.1}",
-            object.kind.name(),
-            object.position.lon_deg,
-            object.position.lat_deg,
-            object.east_m,
-            object.north_m,
-            object.length_m,
-            object.width_m,
-            object.height_m,
-            object.heading_deg,
-        );
-        if object.sightings.is_empty() {
-            writeln!(out, "{what},,,,,,,,,,,,")?;
-        }
-        for seen in &object.sightings {
-            let pings = seen.pings(count);
-            let [box_near_m, box_far_m] = seen.echo_and_shadow_m();
-            writeln!(
-                out,
-                "{what},{},{},{},{},{},{},{},{},{},{},{},{}",
-                seen.side.name(),
-                seen.first_ping,
-                seen.last_ping,
-                metres(seen.near_m),
-                metres(seen.far_m),
-                metres(seen.shadow_m[0]),
-                metres(seen.shadow_m[1]),
-                pings.start,
-                pings.end - 1,
-                metres(box_near_m),
-                metres(box_far_m),
-                u8::from(seen.shown.is_some()),
-            )?;
-        }
-    }
-    Ok(())
-}
-
-/// Formats metres for a table; empty when there is no value.
-fn metres(value: f64) -> String {
-    if value.is_finite() { format!("{value:.4}") } else { String::new() }
 }

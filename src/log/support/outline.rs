@@ -14,7 +14,7 @@ pub fn is_crossed([[x0, y0], [x1, y1]]: [[f64; 2]; 2], [x, y]: [f64; 2]) -> bool
 }
 
 /// Returns the edges of a ring that lists each corner once.
-pub fn edges(ring: &[[f64; 2]]) -> impl Iterator<Item = [[f64; 2]; 2]> {
+pub fn edges<T: Copy>(ring: &[T]) -> impl Iterator<Item = [T; 2]> {
     let next = ring.iter().cycle().skip(1);
     ring.iter().zip(next).map(|(from, to)| [*from, *to])
 }

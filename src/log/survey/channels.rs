@@ -5,7 +5,7 @@
 //! one pair is shown. A channel that looks down can be shown in place of the side-scan
 //! ([`Survey::looking_down`]).
 
-use super::{ChannelKind, SidePing, SideScanState, SideSpan, Survey, give_depths, nearest_in_time};
+use super::{ChannelKind, SidePing, SideScanState, SideSpan, Survey, give_depths, nearest_within};
 use std::sync::Arc;
 
 /// Largest difference in time between pings of two channels that belong together, seconds.
@@ -157,10 +157,8 @@ impl Survey {
             recorded.iter().map(|ping| self.below(ping)).collect()
         } else {
             let beside = |ping: &SidePing| {
-                let nearest = nearest_in_time(recorded, ping.time_s, |other| other.time_s);
-                let nearest = nearest
-                    .map(|index| recorded[index])
-                    .filter(|other| (other.time_s - ping.time_s).abs() <= LONGEST_APART_S);
+                let nearest =
+                    nearest_within(recorded, ping.time_s, LONGEST_APART_S, |other| other.time_s);
                 SidePing { port: None, starboard: nearest.map(|other| other.span), ..*ping }
             };
             self.side_scan.iter().map(beside).collect()
@@ -175,11 +173,8 @@ impl Survey {
     /// Makes a side-scan ping of a ping of a channel that looks down, with the recorded depth
     /// nearest in time.
     fn below(&self, ping: &EchogramPing) -> SidePing {
-        let soundings = &self.soundings;
-        let nearest = nearest_in_time(soundings, ping.time_s, |other| other.time_s);
-        let nearest = nearest.map(|index| soundings[index]);
         let nearest =
-            nearest.filter(|sounding| (sounding.time_s - ping.time_s).abs() <= LONGEST_APART_S);
+            nearest_within(&self.soundings, ping.time_s, LONGEST_APART_S, |other| other.time_s);
         SidePing {
             time_s: ping.time_s,
             depth_m: nearest.map_or(f32::NAN, |sounding| sounding.depth_m),

@@ -5,7 +5,7 @@ mod edit;
 
 pub use edit::LogPart;
 
-use super::{Identity, Navigation, PingNav, Sounding, Survey, turn_rates_deg_s};
+use super::{Identity, Navigation, PingNav, Sounding, Survey, run_ranges, turn_rates_deg_s};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::sync::Arc;
@@ -97,11 +97,12 @@ pub struct Stretch {
 impl Stretch {
     /// Returns the first and last time of the stretch, seconds of the log; `None` where its first
     /// ping is not in the log.
-    fn span_s(&self, ping_times: &[f64]) -> Option<[f64; 2]> {
+    fn span_s(&self, survey: &Survey) -> Option<[f64; 2]> {
+        let pings = &survey.side_scan;
         match self.pings {
             Some([first, last]) => {
-                let last = last.min(ping_times.len().checked_sub(1)?);
-                Some([*ping_times.get(first)?, *ping_times.get(last)?])
+                let last = last.min(pings.len().checked_sub(1)?);
+                Some([pings.get(first)?.time_s, pings.get(last)?.time_s])
             }
             None => self.time_s,
         }
@@ -198,13 +199,8 @@ impl ExclusionSettings {
 
     /// Returns the first and last time of each trusted stretch, seconds of the log.
     fn trusted_spans_s(&self, survey: &Survey) -> Vec<[f64; 2]> {
-        if !self.stretches.iter().any(|stretch| stretch.trusted) {
-            return Vec::new();
-        }
-        let ping_times: Vec<f64> = survey.side_scan.iter().map(|ping| ping.time_s).collect();
-        let spans = self.stretches_of(survey);
-        let spans = spans.iter().filter(|stretch| stretch.trusted);
-        spans.filter_map(|stretch| stretch.span_s(&ping_times)).collect()
+        let trusted = self.stretches_of(survey).iter().filter(|stretch| stretch.trusted);
+        trusted.filter_map(|stretch| stretch.span_s(survey)).collect()
     }
 
     /// Returns true if nothing can be excluded.
@@ -230,11 +226,6 @@ impl ExcludedStretch {
     pub fn part(&self) -> LogPart {
         self.pings.map_or(LogPart::Time(self.time_s), LogPart::Pings)
     }
-
-    /// Returns the length of the stretch along the track, metres.
-    pub fn length_m(&self, survey: &Survey, navigation: &Navigation) -> f64 {
-        self.part().length_m(survey, navigation)
-    }
 }
 
 /// Exclusions of a log: the reason for each excluded side-scan ping, sounding and ping of a swath.
@@ -258,31 +249,28 @@ impl Exclusions {
         if settings.is_empty() {
             return Self::default();
         }
-        let ping_times: Vec<f64> = survey.side_scan.iter().map(|ping| ping.time_s).collect();
-        let sounding_times: Vec<f64> =
-            survey.soundings.iter().map(|sounding| sounding.time_s).collect();
         // Turns and stops are found at the pings, or at the soundings where the log has no pings.
-        let (times_s, places) = if !ping_times.is_empty() {
-            (&ping_times, &navigation.pings)
-        } else {
-            (&sounding_times, &navigation.soundings)
-        };
-        let mut spans = automatic(times_s, places, settings);
+        let times_s = survey.record_times_s();
+        let has_pings = !survey.side_scan.is_empty();
+        let places = if has_pings { &navigation.pings } else { &navigation.soundings };
+        let mut spans = automatic(&times_s, places, settings);
         let mut made = Self::default();
-        match named(survey, settings, &ping_times) {
+        let own = Identity::of(survey);
+        match settings.log.as_ref().filter(|log| !own.is_same_log(log)) {
+            Some(other) => made.warnings.push(format!(
+                "excluded.stretches are not applied: they belong to {}, a log of {} bytes and {} pings",
+                other.file, other.byte_count, other.pings
+            )),
             // Later spans replace earlier ones, so that named stretches replace turns and stops.
-            Ok(named) => spans.extend(named),
-            Err(other) => made.warnings.push(other.to_string()),
+            None => spans.extend(settings.stretches.iter().filter_map(|stretch| {
+                Some((stretch.span_s(survey)?, stretch.reason))
+            })),
         }
-        made.pings = flags(&ping_times, &spans);
-        made.soundings = flags(&sounding_times, &spans);
-        let swath_times: Vec<f64> = survey.swath.iter().map(|ping| ping.time_s).collect();
-        made.swath = flags(&swath_times, &spans);
-        made.stretches = if !ping_times.is_empty() {
-            stretches(&ping_times, &made.pings, true)
-        } else {
-            stretches(&sounding_times, &made.soundings, false)
-        };
+        made.pings = flags(&survey.side_scan, |ping| ping.time_s, &spans);
+        made.soundings = flags(&survey.soundings, |sounding| sounding.time_s, &spans);
+        made.swath = flags(&survey.swath, |ping| ping.time_s, &spans);
+        let flags = if has_pings { &made.pings } else { &made.soundings };
+        made.stretches = stretches(&times_s, flags, has_pings);
         made
     }
 
@@ -375,37 +363,16 @@ fn runs(
     long.map(|span| (span, Some(reason))).collect()
 }
 
-/// Error of stretches that belong to another log.
-#[derive(Debug, thiserror::Error)]
-#[error(
-    "excluded.stretches are not applied: they belong to {}, a log of {} bytes and {} pings",
-    .0.file, .0.byte_count, .0.pings
-)]
-struct StretchesOfOtherLog<'a>(&'a Identity);
-
-/// Returns the stretches in the settings as time spans.
-///
-/// # Errors
-/// When the stretches belong to another log.
-fn named<'a>(
-    survey: &Survey,
-    settings: &'a ExclusionSettings,
-    ping_times: &[f64],
-) -> Result<Vec<TimeSpan>, StretchesOfOtherLog<'a>> {
-    let own = Identity::of(survey);
-    if let Some(log) = settings.log.as_ref().filter(|log| !own.is_same_log(log)) {
-        return Err(StretchesOfOtherLog(log));
-    }
-    let span = |stretch: &Stretch| Some((stretch.span_s(ping_times)?, stretch.reason));
-    Ok(settings.stretches.iter().filter_map(span).collect())
-}
-
-/// Returns the reason of the exclusion at each time; empty where no time is excluded.
-fn flags(times_s: &[f64], spans: &[TimeSpan]) -> Vec<Option<ExclusionReason>> {
-    let mut flags = vec![None; times_s.len()];
+/// Returns the reason of the exclusion of each record; empty where no record is excluded.
+fn flags<T>(
+    records: &[T],
+    time_s: impl Fn(&T) -> f64,
+    spans: &[TimeSpan],
+) -> Vec<Option<ExclusionReason>> {
+    let mut flags = vec![None; records.len()];
     for ([from_s, to_s], reason) in spans {
-        let first = times_s.partition_point(|time_s| time_s < from_s);
-        let after = times_s.partition_point(|time_s| time_s <= to_s);
+        let first = records.partition_point(|record| time_s(record) < *from_s);
+        let after = records.partition_point(|record| time_s(record) <= *to_s);
         if let Some(inside) = flags.get_mut(first..after) {
             inside.fill(*reason);
         }
@@ -419,27 +386,21 @@ fn stretches(
     flags: &[Option<ExclusionReason>],
     are_pings: bool,
 ) -> Vec<ExcludedStretch> {
-    let mut start = 0;
-    let mut found = Vec::new();
-    for same in flags.chunk_by(|a, b| a == b) {
-        let last = start + same.len() - 1;
-        if let Some(reason) = same[0] {
-            found.push(ExcludedStretch {
-                pings: are_pings.then_some([start, last]),
-                time_s: [times_s[start], times_s[last]],
-                reason,
-            });
-        }
-        start = last + 1;
-    }
-    found
+    let of_run = |run: Range<usize>| {
+        let ends = [run.start, run.end - 1];
+        Some(ExcludedStretch {
+            pings: are_pings.then_some(ends),
+            time_s: ends.map(|end| times_s[end]),
+            reason: flags[run.start]?,
+        })
+    };
+    run_ranges(flags, |a, b| a == b).filter_map(of_run).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::survey::{SidePing, Sounding};
-    use std::sync::Arc;
+    use crate::survey::SidePing;
 
     /// Creates a log of a minute at ten pings a second: 20 s north at 2 m/s, a turn of 12 degrees a
     /// second for 15 s, 15 s straight, 10 s at rest.
@@ -507,18 +468,8 @@ mod tests {
         let (survey, navigation) = sailed(true);
         let mut settings = turns_and_stops();
         settings.stretches = vec![
-            Stretch {
-                pings: Some([250, 299]),
-                time_s: None,
-                reason: Some(ExclusionReason::Bad),
-                trusted: false,
-            },
-            Stretch {
-                pings: None,
-                time_s: Some([5.0, 5.95]),
-                reason: Some(ExclusionReason::Drawn),
-                trusted: false,
-            },
+            edit::stretch(LogPart::Pings([250, 299]), Some(ExclusionReason::Bad)),
+            edit::stretch(LogPart::Time([5.0, 5.95]), Some(ExclusionReason::Drawn)),
         ];
         assert_eq!(settings.check(), Ok(()));
         let out = Exclusions::new(&survey, &navigation, &settings);

@@ -4,9 +4,10 @@
 //! two recorded positions points to one of eight directions, or nowhere. The direction of a line
 //! fitted over a few seconds is accurate to about a degree.
 
-use super::Track;
 use super::local_fit::{LocalFit, TimedPosition};
-use crate::support::statistics::quantile;
+use super::{Track, run_ranges};
+use crate::support::outline::between;
+use crate::support::statistics::{ends, quantile};
 use std::ops::Range;
 
 /// Longest time between two fixes that one fit covers, seconds (or three fix intervals, where those
@@ -60,8 +61,8 @@ const LEAST_STEP_M: f64 = 1e-3;
 /// Place and motion of the boat at a time; NaN where unknown.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Motion {
-    pub(super) east_m: f64,
-    pub(super) north_m: f64,
+    /// Place, metres east and north.
+    pub(super) place_m: [f64; 2],
     /// Velocity to the east and north, metres a second; NaN where nothing can be fitted.
     pub(super) velocity: [f64; 2],
     /// True if the boat moves by more than its fixes can resolve.
@@ -69,8 +70,7 @@ pub(super) struct Motion {
 }
 
 impl Motion {
-    const UNKNOWN: Self =
-        Self { east_m: f64::NAN, north_m: f64::NAN, velocity: [f64::NAN; 2], moving: false };
+    const UNKNOWN: Self = Self { place_m: [f64::NAN; 2], velocity: [f64::NAN; 2], moving: false };
 
     pub(super) fn speed_mps(&self) -> f64 {
         self.velocity[0].hypot(self.velocity[1])
@@ -120,12 +120,8 @@ impl FittedTrack {
     /// its first record, with equal weights, as the time for which it is repeated has no meaning.
     /// `None` where the records do not repeat fixes.
     fn in_order(track: &Track, stays: &[Stay], window_s: f64) -> Option<Self> {
-        let mut between_s: Vec<f64> =
-            stays.windows(2).map(|pair| pair[1].first_s - pair[0].first_s).collect();
-        between_s.sort_unstable_by(f64::total_cmp);
-        let mut steps_m: Vec<f64> =
-            stays.windows(2).map(|pair| step_m(&pair[0], &pair[1])).collect();
-        steps_m.sort_unstable_by(f64::total_cmp);
+        let between_s = sorted_steps(stays, |from, to| to.first_s - from.first_s);
+        let steps_m = sorted_steps(stays, step_m);
         if between_s.is_empty() || record_interval_s(track) >= REPEATS * quantile(&between_s, 0.5) {
             return None;
         }
@@ -133,8 +129,7 @@ impl FittedTrack {
         let longest_s = quantile(&between_s, NEARLY_ALL);
         let place = |stay: &Stay| TimedPosition {
             time_s: stay.first_s,
-            east_m: stay.east_m,
-            north_m: stay.north_m,
+            place_m: stay.place_m,
             weight: 1.0,
         };
         let places: Vec<TimedPosition> = stays.iter().map(place).collect();
@@ -159,8 +154,7 @@ impl FittedTrack {
                 let speed = fit.velocity[0].hypot(fit.velocity[1]);
                 let travelled_m = speed * 2.0 * half_window_s;
                 Motion {
-                    east_m: fit.position[0],
-                    north_m: fit.position[1],
+                    place_m: fit.position,
                     velocity: fit.velocity,
                     moving: speed >= REST_SPEED_MPS && travelled_m >= MOVED * self.resolution_m,
                 }
@@ -211,7 +205,8 @@ impl FittedTrack {
 
     /// Returns true if two consecutive fixes are close enough to interpolate between them.
     fn is_bridged(&self, before: &TimedPosition, after: &TimedPosition) -> bool {
-        after.time_s - before.time_s <= self.bridge_s && apart_m(before, after) <= self.bridge_m
+        after.time_s - before.time_s <= self.bridge_s
+            && apart_m(before.place_m, after.place_m) <= self.bridge_m
     }
 
     /// Returns the fit over the whole window, or over a narrower one where the boat turns, and half
@@ -263,11 +258,7 @@ impl FittedTrack {
         let share =
             if span_s > 0.0 { ((time_s - before.time_s) / span_s).clamp(0.0, 1.0) } else { 0.0 };
         let share = if self.is_bridged(before, after) { share } else { share.round() };
-        Motion {
-            east_m: before.east_m + share * (after.east_m - before.east_m),
-            north_m: before.north_m + share * (after.north_m - before.north_m),
-            ..Motion::UNKNOWN
-        }
+        Motion { place_m: between(before.place_m, after.place_m, share), ..Motion::UNKNOWN }
     }
 }
 
@@ -276,12 +267,23 @@ impl FittedTrack {
 struct Stay {
     first_s: f64,
     last_s: f64,
-    east_m: f64,
-    north_m: f64,
+    /// The position, metres east and north.
+    place_m: [f64; 2],
+}
+
+fn apart_m(from_m: [f64; 2], to_m: [f64; 2]) -> f64 {
+    (to_m[0] - from_m[0]).hypot(to_m[1] - from_m[1])
 }
 
 fn step_m(from: &Stay, to: &Stay) -> f64 {
-    (to.east_m - from.east_m).hypot(to.north_m - from.north_m)
+    apart_m(from.place_m, to.place_m)
+}
+
+/// Returns the steps from each item to the next, in ascending order.
+fn sorted_steps<T>(items: &[T], step: impl Fn(&T, &T) -> f64) -> Vec<f64> {
+    let mut steps: Vec<f64> = items.windows(2).map(|pair| step(&pair[0], &pair[1])).collect();
+    steps.sort_unstable_by(f64::total_cmp);
+    steps
 }
 
 fn stays(track: &Track) -> Vec<Stay> {
@@ -294,8 +296,8 @@ fn stays(track: &Track) -> Vec<Stay> {
         match stays.last_mut() {
             Some(stay) if shown == Some(fix.position) => stay.last_s = fix.time_s,
             _ => {
-                let [east_m, north_m] = track.frame.to_enu(fix.position);
-                stays.push(Stay { first_s: fix.time_s, last_s: fix.time_s, east_m, north_m });
+                let place_m = track.frame.to_enu(fix.position);
+                stays.push(Stay { first_s: fix.time_s, last_s: fix.time_s, place_m });
                 shown = Some(fix.position);
             }
         }
@@ -326,10 +328,8 @@ fn fix_interval_s(stays: &[Stay]) -> f64 {
         return 0.0;
     }
     let sampled = &stays[1..stays.len().min(400)];
-    let mut between: Vec<f64> =
-        sampled.windows(2).map(|pair| pair[1].first_s - pair[0].first_s).collect();
-    between.sort_unstable_by(f64::total_cmp);
-    let change_s = quantile(&between, 0.1);
+    let between_s = sorted_steps(sampled, |from, to| to.first_s - from.first_s);
+    let change_s = quantile(&between_s, 0.1);
     let beat = |interval_s: f64| {
         let (sin, cos) = sampled.iter().fold((0.0, 0.0), |(sin, cos), stay| {
             let (s, c) = (std::f64::consts::TAU * stay.first_s / interval_s).sin_cos();
@@ -340,16 +340,14 @@ fn fix_interval_s(stays: &[Stay]) -> f64 {
     let keeps_beat =
         |interval_s: &f64| change_s >= LEAST_CHANGE * interval_s && beat(*interval_s) > 0.8;
     let known = KNOWN_INTERVALS_S.into_iter().find(keeps_beat);
-    known.unwrap_or_else(|| between[between.len() / 20].clamp(0.0, 0.1))
+    known.unwrap_or_else(|| between_s[between_s.len() / 20].clamp(0.0, 0.1))
 }
 
 /// Returns the median time between two records with a position, seconds.
 fn record_interval_s(track: &Track) -> f64 {
     let fixes = &track.fixes[..track.fixes.len().min(400)];
-    let mut between: Vec<f64> =
-        fixes.windows(2).map(|pair| pair[1].time_s - pair[0].time_s).collect();
-    between.sort_unstable_by(f64::total_cmp);
-    if between.is_empty() { f64::INFINITY } else { quantile(&between, 0.5) }
+    let between_s = sorted_steps(fixes, |from, to| to.time_s - from.time_s);
+    if between_s.is_empty() { f64::INFINITY } else { quantile(&between_s, 0.5) }
 }
 
 /// Makes one or more measurements of each stay, around its middle, where the rounding error is as
@@ -364,8 +362,7 @@ fn places(stays: &[Stay], repeats_s: f64) -> Vec<TimedPosition> {
         for part in 0..parts as usize {
             places.push(TimedPosition {
                 time_s: stay.first_s + (part as f64 + 0.5) / parts * length_s - repeats_s / 2.0,
-                east_m: stay.east_m,
-                north_m: stay.north_m,
+                place_m: stay.place_m,
                 weight: (length_s / parts).max(0.02),
             });
         }
@@ -373,24 +370,12 @@ fn places(stays: &[Stay], repeats_s: f64) -> Vec<TimedPosition> {
     places
 }
 
-fn apart_m(from: &TimedPosition, to: &TimedPosition) -> f64 {
-    (to.east_m - from.east_m).hypot(to.north_m - from.north_m)
-}
-
 fn segments(places: &[TimedPosition], max_gap_s: f64, max_gap_m: f64) -> Vec<Range<usize>> {
-    let mut segments = Vec::new();
-    let mut start = 0;
-    for index in 1..=places.len() {
-        let before = &places[index - 1];
-        let ends = places.get(index).is_none_or(|place| {
-            place.time_s - before.time_s > max_gap_s || apart_m(before, place) > max_gap_m
-        });
-        if ends {
-            segments.push(start..index);
-            start = index;
-        }
-    }
-    segments
+    let is_gap = |before: &TimedPosition, after: &TimedPosition| {
+        after.time_s - before.time_s > max_gap_s
+            || apart_m(before.place_m, after.place_m) > max_gap_m
+    };
+    run_ranges(places, |before, after| !is_gap(before, after)).collect()
 }
 
 /// Checks which times have a known place on a track; `None` inside for a track without fixes.
@@ -422,15 +407,12 @@ fn resolution_m(stays: &[Stay]) -> f64 {
 
 /// Returns the smallest step of the recorded positions along an axis, metres; at most 1.
 fn axis_resolution_m(places: &[TimedPosition], axis: usize) -> f64 {
-    let steps = places.windows(2).map(|pair| (pair[1].axis_m(axis) - pair[0].axis_m(axis)).abs());
+    let steps = places.windows(2).map(|pair| (pair[1].place_m[axis] - pair[0].place_m[axis]).abs());
     steps.filter(|step_m| *step_m > LEAST_STEP_M).fold(1.0, f64::min)
 }
 
 /// Returns the length that some places cover along an axis, metres.
 fn span_m(places: &[TimedPosition], axis: usize) -> f64 {
-    let values = places.iter().map(|place| place.axis_m(axis));
-    let ends = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
-        [low.min(value), high.max(value)]
-    });
-    (ends[1] - ends[0]).max(0.0)
+    let [low_m, high_m] = ends(places.iter().map(|place| place.place_m[axis]));
+    (high_m - low_m).max(0.0)
 }

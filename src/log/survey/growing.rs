@@ -154,12 +154,13 @@ impl Survey {
         let later_s = self.clock_shift_s(&tail, seam)?;
         tail.shift(later_s);
         tail.scale_like(self);
-        let join = Join(seam.time_s);
-        let [kept, added] = join.of(&self.track.fixes, &tail.track.fixes, |fix| fix.time_s);
+        let at_s = seam.time_s;
+        let [kept, added] = join(at_s, &self.track.fixes, &tail.track.fixes, |fix| fix.time_s);
         let new = &tail.track.fixes[added..];
         let fixes = versions.fixes.next(&self.track.fixes, kept, new);
-        let mut from_s = seam.time_s;
-        let [kept, added] = join.of(&self.soundings, &tail.soundings, |sounding| sounding.time_s);
+        let mut from_s = at_s;
+        let [kept, added] =
+            join(at_s, &self.soundings, &tail.soundings, |sounding| sounding.time_s);
         let new = &tail.soundings[added..];
         let has_side_scan = !(self.side_scan.is_empty() && tail.side_scan.is_empty());
         let soundings = (versions.soundings).next_changed(&self.soundings, kept, new, |all| {
@@ -167,17 +168,17 @@ impl Survey {
             from_s = all.get(marked).map_or(from_s, |sounding| from_s.min(sounding.time_s));
             marked
         });
-        let [kept, added] = join.of(&self.side_scan, &tail.side_scan, |ping| ping.time_s);
+        let [kept, added] = join(at_s, &self.side_scan, &tail.side_scan, |ping| ping.time_s);
         let new = &tail.side_scan[added..];
         let side_scan = (versions.side_scan).next_changed(&self.side_scan, kept, new, |all| {
             let from = all.partition_point(|ping| ping.time_s < from_s - NEAREST_SOUNDING_S);
             give_depths(&mut all[from..], &soundings);
             from
         });
-        let [kept, added] = join.of(&self.swath, &tail.swath, |ping| ping.time_s);
+        let [kept, added] = join(at_s, &self.swath, &tail.swath, |ping| ping.time_s);
         let swath = (versions.swath).next(&self.swath, kept, &tail.swath[added..]);
         let of_channels = &mut versions.echograms;
-        let echograms = joined_echograms(&self.echograms, &tail.echograms, &join, of_channels);
+        let echograms = joined_echograms(&self.echograms, &tail.echograms, at_s, of_channels);
         let before = |place: &Option<(usize, u64)>| match place {
             Some((file, offset)) => seam.from.get(*file).is_none_or(|from| offset < from),
             None => true,
@@ -196,7 +197,7 @@ impl Survey {
             bytes: tail.bytes.clone(),
             ..self.without_records()
         };
-        longer.pairs = self.extended_pairs(&tail, seam.time_s, &longer);
+        longer.pairs = self.extended_pairs(&tail, at_s, &longer);
         Some(longer)
     }
 
@@ -243,7 +244,7 @@ impl Survey {
         // Pings are in time order in the file, except for a few neighbours.
         let from = pings.saturating_sub(NEIGHBOURS);
         let near = || self.side_scan.iter().skip(from).take(2 * NEIGHBOURS);
-        let ends = |ping: &super::SidePing| {
+        let ends = |ping: &SidePing| {
             [ping.port, ping.starboard].map(|side| {
                 let span = side?;
                 let width = span.encoding.width() as u64;
@@ -367,21 +368,16 @@ impl Survey {
     }
 }
 
-/// Time at which a log and its tail meet, seconds.
-struct Join(f64);
-
-impl Join {
-    /// Returns the number of records of the log before the time, and the index of the first record
-    /// of the tail that is not before it.
-    fn of<T>(&self, log: &[T], tail: &[T], time_s: impl Fn(&T) -> f64) -> [usize; 2] {
-        [log, tail].map(|records| records.partition_point(|record| time_s(record) < self.0))
-    }
+/// Returns the number of records of a log before the time at which its tail begins, and the index
+/// of the first record of the tail that is not before it.
+fn join<T>(at_s: f64, log: &[T], tail: &[T], time_s: impl Fn(&T) -> f64) -> [usize; 2] {
+    [log, tail].map(|records| records.partition_point(|record| time_s(record) < at_s))
 }
 
 fn joined_echograms(
     log: &[Echogram],
     tail: &[Echogram],
-    join: &Join,
+    at_s: f64,
     versions: &mut BTreeMap<ChannelKind, Versions<EchogramPing>>,
 ) -> Vec<Echogram> {
     let of = |echograms: &[Echogram], kind| {
@@ -393,7 +389,7 @@ fn joined_echograms(
     kinds.dedup();
     let each = kinds.into_iter().map(|kind| {
         let (known, tail) = (of(log, kind), of(tail, kind));
-        let [kept, added] = join.of(&known, &tail, |ping| ping.time_s);
+        let [kept, added] = join(at_s, &known, &tail, |ping| ping.time_s);
         let versions = versions.entry(kind).or_default();
         Echogram { kind, pings: versions.next(&known, kept, &tail[added..]) }
     });
@@ -415,9 +411,8 @@ fn joined_channels(log: &[Channel], tail: &[Channel], later_s: f64) -> Vec<Chann
         known.ping_count += added.ping_count;
         known.time_span_s = wider(known.time_span_s, time_span_s, f64::min, f64::max);
         known.range_m = wider(known.range_m, added.range_m, f32::min, f32::max);
-        let counts =
-            wider(Some(known.sample_count), Some(added.sample_count), usize::min, usize::max);
-        known.sample_count = counts.unwrap_or_default();
+        let ((least, most), (other_least, other_most)) = (known.sample_count, added.sample_count);
+        known.sample_count = (least.min(other_least), most.max(other_most));
     }
     channels.sort_by(|a, b| (a.kind, &a.recorder_name).cmp(&(b.kind, &b.recorder_name)));
     channels
@@ -438,7 +433,6 @@ fn wider<T>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::survey::{Bytes, SidePing};
     use std::path::PathBuf;
 
     /// Creates a log of one record per ping: 100 bytes of header, 200 port and 200 starboard

@@ -4,17 +4,10 @@
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TimedPosition {
     pub(super) time_s: f64,
-    pub(super) east_m: f64,
-    pub(super) north_m: f64,
+    /// The position, metres east and north.
+    pub(super) place_m: [f64; 2],
     /// Weight in the fit: the time for which the recorder repeated the position, seconds.
     pub(super) weight: f64,
-}
-
-impl TimedPosition {
-    /// Returns the coordinate along an axis, metres: east for 0, north for 1.
-    pub(super) fn axis_m(&self, axis: usize) -> f64 {
-        [self.east_m, self.north_m][axis]
-    }
 }
 
 /// Weighted least-squares fit around a time: a line for the velocity, a parabola for the position
@@ -47,8 +40,8 @@ impl Moments {
             for (order, sum) in moments.time.iter_mut().enumerate() {
                 *sum += power;
                 if order < 3 {
-                    moments.place[0][order] += power * place.east_m;
-                    moments.place[1][order] += power * place.north_m;
+                    moments.place[0][order] += power * place.place_m[0];
+                    moments.place[1][order] += power * place.place_m[1];
                 }
                 power *= t;
             }
@@ -115,7 +108,8 @@ fn misfit_m(
     for place in places {
         let t = (place.time_s - time_s) / half_window_s;
         let [east, north] = curves.map(|[a, b, c]| a + t * (b + t * c));
-        square += place.weight * ((place.east_m - east).powi(2) + (place.north_m - north).powi(2));
+        let [east_m, north_m] = place.place_m;
+        square += place.weight * ((east_m - east).powi(2) + (north_m - north).powi(2));
         weight += place.weight;
     }
     (square / weight).sqrt()

@@ -34,9 +34,8 @@ impl Identity {
     /// Returns the identity of an open survey.
     pub fn of(survey: &Survey) -> Self {
         let file = survey.source.files.first();
-        let name = file.and_then(|file| file.file_name());
         Self {
-            file: name.map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
+            file: file.and_then(|file| file_name(file)).unwrap_or_default(),
             byte_count: survey.source.byte_count,
             pings: survey.side_scan.len(),
             swapped_sides: survey.swapped_sides,
@@ -93,12 +92,11 @@ pub fn distinct_names<'a>(logs: impl Iterator<Item = &'a Survey>) -> Vec<String>
             }
         }
     }
-    let same: Vec<usize> = (0..names.len())
-        .map(|log| names[..log].iter().filter(|name| **name == names[log]).count())
-        .collect();
-    for (name, before) in names.iter_mut().zip(same) {
+    // Backward, so that the names before are as they were.
+    for log in (1..names.len()).rev() {
+        let before = names[..log].iter().filter(|name| **name == names[log]).count();
         if before > 0 {
-            *name = format!("{name} ({})", before + 1);
+            names[log] = format!("{} ({})", names[log], before + 1);
         }
     }
     names

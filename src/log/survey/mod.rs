@@ -57,6 +57,7 @@ use crate::support::file_error::FileError;
 use crate::support::geo::{LocalFrame, distance_m};
 use crate::support::mapped_file::FileFault;
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -445,6 +446,30 @@ pub fn nearest_in_time<T>(items: &[T], time_s: f64, time_of: impl Fn(&T) -> f64)
         (Some(_), _) => Some(before),
         (None, _) => None,
     }
+}
+
+/// Returns the item nearest to `time_s` as [`nearest_in_time`] does; `None` where none is within
+/// `within_s`.
+fn nearest_within<T>(
+    items: &[T],
+    time_s: f64,
+    within_s: f64,
+    time_of: impl Fn(&T) -> f64,
+) -> Option<&T> {
+    let nearest = &items[nearest_in_time(items, time_s, &time_of)?];
+    ((time_of(nearest) - time_s).abs() <= within_s).then_some(nearest)
+}
+
+/// Returns the index ranges of the runs of items in which each belongs together with the next.
+fn run_ranges<T>(
+    items: &[T],
+    together: impl Fn(&T, &T) -> bool,
+) -> impl Iterator<Item = Range<usize>> {
+    let mut end = 0;
+    items.chunk_by(together).map(move |run| {
+        end += run.len();
+        end - run.len()..end
+    })
 }
 
 #[cfg(test)]

@@ -75,7 +75,7 @@ pub struct PingNav {
 /// Position and heading of every side-scan ping ([`Survey::side_scan`]), every sounding
 /// ([`Survey::soundings`]) and every ping of a swath ([`Survey::swath`]); the lists are shared by
 /// all copies.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Navigation {
     /// One entry per side-scan ping.
     pub pings: Arc<Vec<PingNav>>,
@@ -104,15 +104,23 @@ impl Navigation {
     /// at all of them.
     pub fn of_pings(pings: impl IntoIterator<Item = PingNav>) -> Self {
         let pings: Vec<PingNav> = pings.into_iter().collect();
-        Self {
-            moving: pings.len(),
-            pings: Arc::new(pings),
-            soundings: Arc::default(),
-            swath: Arc::default(),
-            antenna: Arc::default(),
-            projection: Projection::Enu,
-            rounding_m: 0.0,
-            zero_heading: 0,
+        Self { moving: pings.len(), pings: Arc::new(pings), ..Self::default() }
+    }
+
+    /// Converts a WGS84 position to metres east and north in the plane of this navigation; inverse
+    /// of [`Navigation::to_lon_lat`].
+    pub fn to_plane(&self, track: &Track, position: LonLat) -> [f64; 2] {
+        self.projection.place(track, position)
+    }
+
+    /// Converts a place in the plane of this navigation to a WGS84 position.
+    pub fn to_lon_lat(&self, track: &Track, east_m: f64, north_m: f64) -> LonLat {
+        match self.projection {
+            Projection::Enu => track.frame.to_lon_lat(east_m, north_m),
+            Projection::Mercator => {
+                let [x0, y0] = web_mercator(track.frame.origin());
+                web_mercator_inverse(x0 + east_m, y0 + north_m)
+            }
         }
     }
 }
@@ -139,9 +147,7 @@ impl PingNav {
         let (sin, cos) = self.heading_rad.sin_cos();
         self.heading_rad.is_finite().then_some([cos, -sin])
     }
-}
 
-impl PingNav {
     /// Returns the place `out_m` outward on a side of the boat; `None` without a heading.
     pub fn abeam(&self, side: Side, out_m: f64) -> Option<[f64; 2]> {
         let [x, y] = self.starboard()?;
@@ -159,25 +165,6 @@ impl Projection {
                 let [x, y] = web_mercator(position);
                 let [x0, y0] = web_mercator(track.frame.origin());
                 [x - x0, y - y0]
-            }
-        }
-    }
-}
-
-impl Navigation {
-    /// Converts a WGS84 position to metres east and north in the plane of this navigation; inverse
-    /// of [`Navigation::to_lon_lat`].
-    pub fn to_plane(&self, track: &Track, position: LonLat) -> [f64; 2] {
-        self.projection.place(track, position)
-    }
-
-    /// Converts a place in the plane of this navigation to a WGS84 position.
-    pub fn to_lon_lat(&self, track: &Track, east_m: f64, north_m: f64) -> LonLat {
-        match self.projection {
-            Projection::Enu => track.frame.to_lon_lat(east_m, north_m),
-            Projection::Mercator => {
-                let [x0, y0] = web_mercator(track.frame.origin());
-                web_mercator_inverse(x0 + east_m, y0 + north_m)
             }
         }
     }
@@ -239,15 +226,11 @@ pub fn navigate_with(
     positions: PositionSettings<'_>,
     progress: &Progress,
 ) -> Result<Navigation, Cancelled> {
-    let PositionSettings { heading: settings, mounting, shift, projection } = positions;
     let navigator = Navigator {
-        compass_offset_rad: mounting.heading_offset_deg.to_radians(),
-        latency_s: mounting.latency_s,
-        shift_m: shift.by_m(),
+        positions,
+        shift_m: positions.shift.by_m(),
         track: &survey.track,
-        fitted: FittedTrack::new(&survey.track, settings.window_s),
-        source: settings.source,
-        projection,
+        fitted: FittedTrack::new(&survey.track, positions.heading.window_s),
     };
     let records = survey.side_scan.len() + survey.soundings.len() + survey.swath.len();
     progress.start(records as u64);
@@ -256,27 +239,22 @@ pub fn navigate_with(
     let (mut soundings, _) =
         navigator.place_all(&survey.soundings, |sounding| sounding.time_s, progress)?;
     let (mut swath, _) = navigator.place_all(&survey.swath, |ping| ping.time_s, progress)?;
-    if settings.source == HeadingSource::Steps {
-        head_along_steps(&mut pings);
-        head_along_steps(&mut soundings);
-        head_along_steps(&mut swath);
-    }
     let mut antenna = Vec::new();
-    if let Some(arm_m) = mounting.lever_arm_m() {
+    if let Some(arm_m) = positions.mounting.lever_arm_m() {
         antenna = pings.iter().map(PingNav::place).collect();
         navigator.move_by(arm_m, &mut pings, &survey.side_scan, |ping| ping.time_s);
         navigator.move_by(arm_m, &mut soundings, &survey.soundings, |sounding| sounding.time_s);
         navigator.move_by(arm_m, &mut swath, &survey.swath, |ping| ping.time_s);
     }
     Ok(Navigation {
-        rounding_m: navigator.fitted.rounding_m(settings.source != HeadingSource::Steps),
+        rounding_m: navigator.fitted.rounding_m(!navigator.is_by_steps()),
         antenna: Arc::new(antenna),
         zero_heading: pings.iter().filter(|ping| ping.heading_rad.is_nan()).count(),
         moving,
         pings: Arc::new(pings),
         soundings: Arc::new(soundings),
         swath: Arc::new(swath),
-        projection,
+        projection: positions.projection,
     })
 }
 
@@ -295,18 +273,16 @@ fn head_along_steps(places: &mut [PingNav]) {
 struct Navigator<'a> {
     track: &'a Track,
     fitted: FittedTrack,
-    source: HeadingSource,
-    /// Added to the compass heading, radians.
-    compass_offset_rad: f64,
-    /// Delay of the recorded positions, seconds: the position of the boat at a time is recorded
-    /// this much later.
-    latency_s: f64,
+    positions: PositionSettings<'a>,
     /// Added to every place, metres east and north; `None` for no shift.
     shift_m: Option<[f64; 2]>,
-    projection: Projection,
 }
 
 impl Navigator<'_> {
+    fn is_by_steps(&self) -> bool {
+        self.positions.heading.source == HeadingSource::Steps
+    }
+
     /// Moves places from the antenna to the transducer, by metres forward and to starboard. Places
     /// stay where no record has a heading.
     fn move_by<T: Sync>(
@@ -317,10 +293,10 @@ impl Navigator<'_> {
         time_s: impl Fn(&T) -> f64 + Sync,
     ) {
         let headings = places.par_iter().zip(records).map(|(place, record)| {
-            if self.source != HeadingSource::Steps {
+            if !self.is_by_steps() {
                 return place.heading_rad;
             }
-            let motion = self.fitted.at(time_s(record) + self.latency_s);
+            let motion = self.fitted.at(time_s(record) + self.positions.mounting.latency_s);
             if motion.moving { motion.velocity[0].atan2(motion.velocity[1]) } else { f64::NAN }
         });
         let headings: Vec<f64> = headings.collect();
@@ -340,19 +316,21 @@ impl Navigator<'_> {
 
     /// Returns a place of the plane, moved by metres on the ground.
     fn moved(&self, [east_m, north_m]: [f64; 2], by_m: [f64; 2]) -> [f64; 2] {
-        match self.projection {
+        let projection = self.positions.projection;
+        match projection {
             Projection::Enu => [east_m + by_m[0], north_m + by_m[1]],
             Projection::Mercator => {
                 let [x0, y0] = web_mercator(self.track.frame.origin());
                 let at = web_mercator_inverse(x0 + east_m, y0 + north_m);
                 let [lon_m, lat_m] = metres_per_degree(at);
                 let moved = LonLat::new(at.lon_deg + by_m[0] / lon_m, at.lat_deg + by_m[1] / lat_m);
-                self.projection.place(self.track, moved)
+                projection.place(self.track, moved)
             }
         }
     }
 
-    /// Returns one place per record, and the number of records at which the boat moves.
+    /// Returns one place per record, and the number of records at which the boat moves. Headings
+    /// along the steps are set if these are the source.
     fn place_all<T: Sync>(
         &self,
         records: &[T],
@@ -364,9 +342,10 @@ impl Navigator<'_> {
             progress.check()?;
             let mut moving = 0;
             for (place, record) in places.iter_mut().zip(records) {
-                let (placed, moves) = self.place(time_s(record));
-                *place = placed;
-                moving += usize::from(moves);
+                if let Some((placed, moves)) = self.place(time_s(record)) {
+                    *place = placed;
+                    moving += usize::from(moves);
+                }
             }
             progress.advance(records.len() as u64);
             Ok(moving)
@@ -376,77 +355,63 @@ impl Navigator<'_> {
             .zip(records.par_chunks(CHUNK))
             .map(place_chunk)
             .try_reduce(|| 0, |a, b| Ok(a + b))?;
+        if self.is_by_steps() {
+            head_along_steps(&mut places);
+        }
         Ok((places, moving))
     }
 
-    fn place(&self, time_s: f64) -> (PingNav, bool) {
-        let compass = self.recorded_at(time_s);
-        let time_s = time_s + self.latency_s;
+    /// Returns the place at a time, and true if the boat moves there; `None` where the place is not
+    /// known.
+    fn place(&self, time_s: f64) -> Option<(PingNav, bool)> {
+        let compass = self.recorded_at(time_s)?;
+        let time_s = time_s + self.positions.mounting.latency_s;
         let external = self.track.external.as_ref();
         if external.is_some_and(|track| time_s < track.span_s[0] || time_s > track.span_s[1]) {
-            return (PingNav::UNKNOWN, false);
+            return None;
         }
         let motion = self.fitted.at(time_s);
-        let recorded = self.recorded_at(time_s);
-        if motion.east_m.is_nan() {
-            return (PingNav::UNKNOWN, false);
+        if motion.place_m[0].is_nan() {
+            return None;
         }
-        let [east_m, north_m] = match self.source {
-            HeadingSource::Steps => match recorded {
-                Some(index) => self.projection.place(self.track, self.track.fixes[index].position),
-                None => return (PingNav::UNKNOWN, false),
-            },
-            _ => self.project(&motion),
-        };
-        let [east_m, north_m] = match self.shift_m {
-            Some(by_m) => self.moved([east_m, north_m], by_m),
-            None => [east_m, north_m],
-        };
-        let place = PingNav {
-            east_m,
-            north_m,
-            heading_rad: self.heading_rad(&motion, recorded, compass),
-            speed_mps: motion.speed_mps(),
-        };
-        (place, motion.moving)
-    }
-
-    /// Returns the index of the last fix recorded at or before a time (the first fix where the time
-    /// is before it); `None` without fixes.
-    fn recorded_at(&self, time_s: f64) -> Option<usize> {
-        let after = self.track.fixes.partition_point(|fix| fix.time_s <= time_s);
-        (!self.track.fixes.is_empty()).then(|| after.saturating_sub(1))
-    }
-
-    fn project(&self, motion: &Motion) -> [f64; 2] {
-        match self.projection {
-            Projection::Enu => [motion.east_m, motion.north_m],
-            Projection::Mercator => {
-                let frame = &self.track.frame;
-                self.projection.place(self.track, frame.to_lon_lat(motion.east_m, motion.north_m))
+        let recorded = self.recorded_at(time_s)?;
+        let projection = self.positions.projection;
+        let place = match (self.positions.heading.source, projection) {
+            (HeadingSource::Steps, _) => projection.place(self.track, recorded.position),
+            (_, Projection::Enu) => motion.place_m,
+            (_, Projection::Mercator) => {
+                let [east_m, north_m] = motion.place_m;
+                projection.place(self.track, self.track.frame.to_lon_lat(east_m, north_m))
             }
-        }
+        };
+        let [east_m, north_m] = self.shift_m.map_or(place, |by_m| self.moved(place, by_m));
+        let heading_rad = self.heading_rad(&motion, recorded, compass);
+        let place = PingNav { east_m, north_m, heading_rad, speed_mps: motion.speed_mps() };
+        Some((place, motion.moving))
+    }
+
+    /// Returns the last fix recorded at or before a time (the first fix where the time is before
+    /// it); `None` without fixes.
+    fn recorded_at(&self, time_s: f64) -> Option<&Fix> {
+        let after = self.track.fixes.partition_point(|fix| fix.time_s <= time_s);
+        self.track.fixes.get(after.saturating_sub(1))
     }
 
     /// Returns the heading in the plane, radians; NaN where there is none. A compass heading is
     /// taken from the fix `compass`, which was recorded with the echo: the compass is a separate
     /// instrument without the latency of the receiver.
-    fn heading_rad(&self, motion: &Motion, recorded: Option<usize>, compass: Option<usize>) -> f64 {
-        let index = match self.source {
-            HeadingSource::Compass => compass,
-            _ => recorded,
-        };
-        let fix = index.map(|index| &self.track.fixes[index]);
+    fn heading_rad(&self, motion: &Motion, recorded: &Fix, compass: &Fix) -> f64 {
         let in_plane = |recorded_rad: f32, fix: &Fix| {
             f64::from(recorded_rad) + self.true_north_rad(fix.position)
         };
-        match (self.source, fix) {
-            (HeadingSource::TrackFit, _) if motion.moving => {
+        match self.positions.heading.source {
+            HeadingSource::TrackFit if motion.moving => {
                 motion.velocity[0].atan2(motion.velocity[1])
             }
-            (HeadingSource::Cog, Some(fix)) if motion.moving => in_plane(fix.cog_rad, fix),
-            (HeadingSource::Compass, Some(fix)) => {
-                in_plane(fix.compass_rad, fix) + self.compass_offset_rad
+            HeadingSource::Cog if motion.moving => in_plane(recorded.cog_rad, recorded),
+            HeadingSource::Compass => {
+                let offset_rad = self.positions.mounting.heading_offset_deg.to_radians();
+                in_plane(compass.compass_rad, compass) + offset_rad
             }
             _ => f64::NAN,
         }
@@ -455,7 +420,7 @@ impl Navigator<'_> {
     /// Returns the direction of true north in the plane, radians: recorded headings count from true
     /// north, which is not the north of a plane whose origin is kilometres east or west.
     fn true_north_rad(&self, position: LonLat) -> f64 {
-        match self.projection {
+        match self.positions.projection {
             Projection::Enu => self.track.frame.true_north_rad(position),
             Projection::Mercator => 0.0,
         }

@@ -30,15 +30,13 @@ impl Survey {
         };
         let mut fixes: Vec<Range<usize>> = Vec::new();
         for span in &spans {
-            let count = |is_in: &dyn Fn(f64) -> bool| {
-                let all = &self.track.fixes;
-                all.partition_point(|fix| is_in(fix.time_s))
-            };
-            // The last fix before the stretch is valid at its first record.
-            let valid = count(&|time_s| time_s <= span.start).saturating_sub(1);
+            let all = &self.track.fixes;
+            let begun = all.partition_point(|fix| fix.time_s <= span.start);
             let taken_to = fixes.last().map_or(0, |stretch| stretch.end);
-            let start = valid.max(taken_to);
-            fixes.push(start..count(&|time_s| time_s < span.end).max(start));
+            // The last fix before the stretch is valid at its first record.
+            let start = begun.saturating_sub(1).max(taken_to);
+            let end = all.partition_point(|fix| fix.time_s < span.end);
+            fixes.push(start..end.max(start));
         }
         let chosen_soundings = if by_sides {
             indices(&self.soundings, &spans, |sounding| sounding.time_s)
@@ -47,11 +45,7 @@ impl Survey {
         };
         let chosen_swath = indices(&self.swath, &spans, |ping| ping.time_s);
         let survey = Self {
-            side_scan: Arc::new(if by_sides {
-                select(&self.side_scan, records)
-            } else {
-                Vec::new()
-            }),
+            side_scan: Arc::new(select(&self.side_scan, records)),
             echograms: self.echograms.iter().map(echogram).collect(),
             soundings: Arc::new(select(&self.soundings, &chosen_soundings)),
             swath: Arc::new(select(&self.swath, &chosen_swath)),
@@ -59,7 +53,7 @@ impl Survey {
             ..self.clone()
         };
         let navigation = Navigation {
-            pings: Arc::new(if by_sides { select(&navigation.pings, records) } else { Vec::new() }),
+            pings: Arc::new(select(&navigation.pings, records)),
             soundings: Arc::new(select(&navigation.soundings, &chosen_soundings)),
             swath: Arc::new(select(&navigation.swath, &chosen_swath)),
             ..navigation.clone()

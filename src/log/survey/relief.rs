@@ -35,10 +35,7 @@ impl AcrossTrack {
 
     /// Returns the depth of the bottom at a node minus the depth under the boat, metres.
     fn deeper_at(&self, node: usize) -> f64 {
-        match node.checked_sub(1) {
-            Some(behind) => f64::from(self.deeper_m[behind]),
-            None => 0.0,
-        }
+        node.checked_sub(1).map_or(0.0, |behind| f64::from(self.deeper_m[behind]))
     }
 
     /// Returns the depth of the bottom at a distance minus the depth under the boat, metres; beyond

@@ -27,20 +27,12 @@ impl Bytes {
     /// Returns the fault that has made the bytes, or the data that was read from them, wrong since
     /// the file at `path` was opened; `None` while they are right. See [`MappedFile::fault`].
     pub fn fault(&self, path: &Path) -> Option<FileFault> {
-        match self {
-            Bytes::Mapped(map) => map.fault(path),
-            Bytes::Held(_) => None,
-            Bytes::Packed { file, .. } => file.fault(path),
-        }
+        self.mapped()?.fault(path)
     }
 
     /// Returns true if the bytes are in a file that other programs can reach.
     pub fn is_shared(&self) -> bool {
-        match self {
-            Bytes::Mapped(map) => map.is_shared(),
-            Bytes::Held(_) => false,
-            Bytes::Packed { file, .. } => file.is_shared(),
-        }
+        self.mapped().is_some_and(MappedFile::is_shared)
     }
 
     /// Returns true if the sample spans point into unpacked samples, not into the file.
@@ -60,10 +52,15 @@ impl Bytes {
     /// from there on the bytes are zero. `None` while all could be read. The call does not access
     /// the disk.
     pub fn lost(&self) -> Option<FileFault> {
+        self.mapped()?.lost()
+    }
+
+    /// Returns the map of the file; `None` for bytes in memory.
+    fn mapped(&self) -> Option<&MappedFile> {
         match self {
-            Bytes::Mapped(map) => map.lost(),
+            Bytes::Mapped(map) => Some(map),
             Bytes::Held(_) => None,
-            Bytes::Packed { file, .. } => file.lost(),
+            Bytes::Packed { file, .. } => file.mapped(),
         }
     }
 }
@@ -168,21 +165,17 @@ impl NumberKind {
             (NumberKind::I8, &[a]) => f64::from(a.cast_signed().unsigned_abs()),
             (NumberKind::U16, &[a, b]) => f64::from(u16::from_le_bytes([a, b])),
             (NumberKind::I16, &[a, b]) => f64::from(i16::from_le_bytes([a, b]).unsigned_abs()),
-            (_, &[a, b, c, d]) => self.magnitude_of(u32::from_le_bytes([a, b, c, d])),
-            _ => f64::NAN,
-        }
-    }
-
-    /// Returns the magnitude of a number of four bytes.
-    fn magnitude_of(self, bits: u32) -> f64 {
-        match self {
-            NumberKind::I32 => f64::from(bits.cast_signed().unsigned_abs()),
-            NumberKind::F32 => f64::from(f32::from_bits(bits)).abs(),
-            NumberKind::IbmF32 => {
+            (NumberKind::U32, &[a, b, c, d]) => f64::from(u32::from_le_bytes([a, b, c, d])),
+            (NumberKind::I32, &[a, b, c, d]) => {
+                f64::from(i32::from_le_bytes([a, b, c, d]).unsigned_abs())
+            }
+            (NumberKind::F32, &[a, b, c, d]) => f64::from(f32::from_le_bytes([a, b, c, d])).abs(),
+            (NumberKind::IbmF32, &[a, b, c, d]) => {
+                let bits = u32::from_le_bytes([a, b, c, d]);
                 let power = 4 * (((bits >> 24) & 0x7F) as i16 - 64) - 24;
                 f64::from(bits & 0xFF_FFFF) * power_of_two(power)
             }
-            _ => f64::from(bits),
+            _ => f64::NAN,
         }
     }
 }

@@ -223,8 +223,6 @@ fn at(moves: &[(f64, LonLat)], time_s: f64) -> Option<LonLat> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::support::geo::distance_m;
-    use crate::survey::Fix;
 
     #[test]
     fn a_log_twenty_kilometres_off_keeps_its_lengths_to_a_few_millimetres_a_kilometre() {

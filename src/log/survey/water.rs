@@ -2,7 +2,7 @@
 //! table over time.
 
 use crate::support::geo::LonLat;
-use crate::support::outline::is_crossed;
+use crate::support::outline::{edges, is_crossed};
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
@@ -27,13 +27,9 @@ pub struct WaterArea {
 impl WaterArea {
     /// Returns true if a place is in the area.
     pub fn contains(&self, at: LonLat) -> bool {
-        let corner = |at: &LonLat| [at.lon_deg, at.lat_deg];
-        let crossed = self.rings.iter().map(|ring| {
-            let next = ring.iter().cycle().skip(1);
-            let edges = ring.iter().zip(next).map(|(from, to)| [corner(from), corner(to)]);
-            edges.filter(|edge| is_crossed(*edge, corner(&at))).count()
-        });
-        crossed.sum::<usize>() % 2 == 1
+        let corner = |at: LonLat| [at.lon_deg, at.lat_deg];
+        let edges = self.rings.iter().flat_map(|ring| edges(ring));
+        edges.filter(|edge| is_crossed(edge.map(corner), corner(at))).count() % 2 == 1
     }
 }
 

@@ -61,28 +61,22 @@ impl CoordinateFormat {
     /// is split, so that 59.99996' becomes a whole degree and an angle that rounds to zero is not
     /// south or west.
     fn angle(self, degrees: f64, [positive, negative]: [&str; 2]) -> String {
-        let count = |per_degree: u64| (degrees.abs() * per_degree as f64).round() as u64;
-        let (written, is_zero) = match self {
-            Self::Degrees | Self::Utm => {
-                let units = count(1_000_000);
-                let (whole, rest) = (units / 1_000_000, units % 1_000_000);
-                (format!("{whole}.{rest:06}°"), units == 0)
-            }
-            Self::Minutes => {
-                let units = count(60 * 10_000);
-                let (minutes, rest) = (units / 10_000, units % 10_000);
-                let (whole, minutes) = (minutes / 60, minutes % 60);
-                (format!("{whole}° {minutes:02}.{rest:04}'"), units == 0)
-            }
+        let per_degree: u64 = match self {
+            Self::Degrees | Self::Utm => 1_000_000,
+            Self::Minutes => 60 * 10_000,
+            Self::Seconds => 3600 * 100,
+        };
+        let units = (degrees.abs() * per_degree as f64).round() as u64;
+        let (whole, rest) = (units / per_degree, units % per_degree);
+        let written = match self {
+            Self::Degrees | Self::Utm => format!("{whole}.{rest:06}°"),
+            Self::Minutes => format!("{whole}° {:02}.{:04}'", rest / 10_000, rest % 10_000),
             Self::Seconds => {
-                let units = count(3600 * 100);
-                let (seconds, rest) = (units / 100, units % 100);
-                let (whole, minutes, seconds) = (seconds / 3600, seconds / 60 % 60, seconds % 60);
-                let written = format!("{whole}° {minutes:02}' {seconds:02}.{rest:02}\"");
-                (written, units == 0)
+                let (minutes, seconds) = (rest / 6000, rest / 100 % 60);
+                format!("{whole}° {minutes:02}' {seconds:02}.{:02}\"", rest % 100)
             }
         };
-        let hemisphere = if degrees < 0.0 && !is_zero { negative } else { positive };
+        let hemisphere = if degrees < 0.0 && units > 0 { negative } else { positive };
         format!("{written} {hemisphere}")
     }
 }

@@ -226,12 +226,11 @@ impl Crs {
             ))
         };
         let known = known.ok_or_else(unknown)?;
-        let kind = match epsg {
-            WGS84 => Kind::Degrees,
-            WEB_MERCATOR => Kind::WebMercator,
-            32_601..=32_660 => Kind::Utm(UtmZone { number: (epsg - 32_600) as u8, north: true }),
-            32_701..=32_760 => Kind::Utm(UtmZone { number: (epsg - 32_700) as u8, north: false }),
-            _ => Kind::Other(Arc::new(projection(epsg, known.proj4, known.wkt)?)),
+        let kind = match (epsg, UtmZone::from_epsg(epsg.into())) {
+            (WGS84, _) => Kind::Degrees,
+            (WEB_MERCATOR, _) => Kind::WebMercator,
+            (_, Some(zone)) => Kind::Utm(zone),
+            (_, None) => Kind::Other(Arc::new(projection(epsg, known.proj4, known.wkt)?)),
         };
         Ok(Self { epsg, wkt: without_shift(known.wkt), kind })
     }
@@ -462,7 +461,6 @@ fn quoted_after<'a>(text: &'a str, word: &str) -> &'a str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::support::geo::CrsChoice;
 
     #[test]
     fn area_scales_are_those_of_proj() {

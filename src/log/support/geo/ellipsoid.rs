@@ -2,6 +2,7 @@
 //! and lengths, courses and areas of lines that a user draws.
 
 use super::LonLat;
+use crate::support::outline::edges;
 
 /// Equatorial radius of WGS84, metres.
 const A_M: f64 = 6_378_137.0;
@@ -69,9 +70,7 @@ impl LocalFrame {
     /// 0 on the meridian of the origin, and 0.3 degrees at 20 km east of the origin at 60 degrees
     /// north.
     pub(crate) fn true_north_rad(&self, position: LonLat) -> f64 {
-        let (sin_lon, cos_lon) = position.lon_deg.to_radians().sin_cos();
-        let (sin_lat, cos_lat) = position.lat_deg.to_radians().sin_cos();
-        let north = [-sin_lat * cos_lon, -sin_lat * sin_lon, cos_lat];
+        let north = Self::new(position).north;
         dot(self.east, north).atan2(dot(self.north, north))
     }
 
@@ -102,15 +101,26 @@ pub fn metres_per_degree(at: LonLat) -> [f64; 2] {
     [(vertical_m * cos).max(1.0), meridian_m].map(f64::to_radians)
 }
 
+/// Returns the degrees from one meridian east to another, -180 to 180: across the antimeridian
+/// 179.9 and -179.9 are neighbours.
+pub(crate) fn east_of_deg(from_deg: f64, to_deg: f64) -> f64 {
+    let east_deg = to_deg - from_deg;
+    east_deg - 360.0 * (east_deg / 360.0).round()
+}
+
 /// Returns the metres along the shortest line on WGS84 between two positions.
 ///
 /// The chord between the positions is bent to the ellipsoid's curvature in its direction at its
 /// middle (Euler's radius): accurate within 0.1 mm of the geodesic up to 20 km and within a
 /// millionth up to 500 km.
 pub fn distance_m(from: LonLat, to: LonLat) -> f64 {
-    let chord_m = chord_m(from, to);
+    let ends = [from, to].map(earth_centred);
+    let squares = [0, 1, 2].map(|axis| (ends[1][axis] - ends[0][axis]).powi(2));
+    let chord_m = squares.iter().sum::<f64>().sqrt();
     let middle = middle([from, to].into_iter());
-    let [east_m, north_m] = step_m(middle, from, to);
+    let frame = LocalFrame::new(middle);
+    let [a, b] = [from, to].map(|at| frame.to_enu(at));
+    let [east_m, north_m] = [b[0] - a[0], b[1] - a[1]];
     let sin_lat = middle.lat_deg.to_radians().sin();
     let bend = 1.0 - E2 * sin_lat * sin_lat;
     let across_m = A_M / bend.sqrt();
@@ -140,8 +150,7 @@ pub fn course_rad(from: LonLat, to: LonLat) -> f64 {
 pub fn area_m2(corners: &[LonLat]) -> f64 {
     let frame = LocalFrame::new(middle(corners.iter().copied()));
     let places: Vec<[f64; 2]> = corners.iter().map(|at| frame.to_enu(*at)).collect();
-    let next = places.iter().cycle().skip(1);
-    let twice = places.iter().zip(next).map(|(a, b)| a[0] * b[1] - b[0] * a[1]);
+    let twice = edges(&places).map(|[a, b]| a[0] * b[1] - b[0] * a[1]);
     0.5 * twice.sum::<f64>().abs()
 }
 
@@ -162,30 +171,14 @@ fn earth_centred(position: LonLat) -> [f64; 3] {
     [normal_m * cos_lat * cos_lon, normal_m * cos_lat * sin_lon, normal_m * (1.0 - E2) * sin_lat]
 }
 
-fn chord_m(from: LonLat, to: LonLat) -> f64 {
-    let [a, b] = [from, to].map(earth_centred);
-    let squares = [0, 1, 2].map(|axis| (b[axis] - a[axis]).powi(2));
-    squares.iter().sum::<f64>().sqrt()
-}
-
-/// Returns the step between two positions in the plane at `origin`, metres east and north.
-fn step_m(origin: LonLat, from: LonLat, to: LonLat) -> [f64; 2] {
-    let frame = LocalFrame::new(origin);
-    let [a, b] = [from, to].map(|at| frame.to_enu(at));
-    [b[0] - a[0], b[1] - a[1]]
-}
-
 /// Returns the mean of some positions, which may be on both sides of the date line; an arbitrary
 /// position where there are none.
 fn middle(positions: impl Iterator<Item = LonLat> + Clone) -> LonLat {
     let count = positions.clone().count().max(1) as f64;
     let first_deg = positions.clone().next().map_or(0.0, |at| at.lon_deg);
-    let beyond = |at: LonLat| {
-        let off_deg = at.lon_deg - first_deg;
-        off_deg - 360.0 * (off_deg / 360.0).round()
-    };
+    let beyond = positions.clone().map(|at| east_of_deg(first_deg, at.lon_deg));
     LonLat::new(
-        first_deg + positions.clone().map(beyond).sum::<f64>() / count,
+        first_deg + beyond.sum::<f64>() / count,
         positions.map(|at| at.lat_deg).sum::<f64>() / count,
     )
 }
@@ -228,8 +221,7 @@ mod tests {
             let off_m = (distance_m(from, to) - length_m).abs();
             let allowed_m = if length_m < 20e3 { 1e-4 } else { 1e-6 * length_m };
             assert!(off_m < allowed_m, "{off_m} m of {length_m}");
-            let off_deg = course_rad(from, to).to_degrees() - course_deg;
-            let off_deg = off_deg - 360.0 * (off_deg / 360.0).round();
+            let off_deg = east_of_deg(course_deg, course_rad(from, to).to_degrees());
             assert!(off_deg.abs() < 1e-4 + 1e-8 * length_m, "{off_deg} of {course_deg}");
         }
         let here = at((5.0, 52.0));

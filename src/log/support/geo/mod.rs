@@ -16,6 +16,7 @@ mod projections;
 
 pub use coordinates::CoordinateFormat;
 pub use crs::{Crs, CrsChoice, CrsError, MapPlane, SourceCrs};
+pub(crate) use ellipsoid::east_of_deg;
 pub use ellipsoid::{LocalFrame, area_m2, compass_deg, course_rad, distance_m, metres_per_degree};
 pub use projections::{
     UtmZone, humminbird_mercator_inverse, lowrance_mercator, lowrance_mercator_inverse,

@@ -51,9 +51,7 @@ impl LogPart {
         };
         places.windows(2).map(step_m).sum()
     }
-}
 
-impl LogPart {
     /// Returns the part of consecutive soundings with a fault, such as a lost bottom, around a
     /// time; `None` where the sounding nearest in time has no fault, or is too far away in time.
     pub fn of_false_soundings(survey: &Survey, time_s: f64) -> Option<Self> {
@@ -80,14 +78,14 @@ impl ExclusionSettings {
         let (mut whole, mut others) = (part, Vec::new());
         for stretch in self.stretches_of(survey) {
             let joined = (stretch.reason == Some(ExclusionReason::Drawn))
-                .then(|| joined(whole, &stretch, survey))
+                .then(|| joined(whole, stretch, survey))
                 .flatten();
             match joined {
                 Some(joined) => whole = joined,
                 None => others.push(stretch),
             }
         }
-        let rest = others.iter().flat_map(|stretch| without(stretch, whole, survey));
+        let rest = others.into_iter().flat_map(|stretch| without(stretch, whole, survey));
         let drawn = stretch(whole, Some(ExclusionReason::Drawn));
         self.with_stretches(survey, rest.chain([drawn]).collect())
     }
@@ -129,13 +127,10 @@ impl ExclusionSettings {
     }
 
     /// Returns the stretches if they belong to this log, otherwise none.
-    pub(super) fn stretches_of(&self, survey: &Survey) -> Vec<Stretch> {
+    pub(super) fn stretches_of(&self, survey: &Survey) -> &[Stretch] {
         let own = Identity::of(survey);
-        if self.log.as_ref().is_none_or(|log| own.is_same_log(log)) {
-            self.stretches.clone()
-        } else {
-            Vec::new()
-        }
+        let is_own = self.log.as_ref().is_none_or(|log| own.is_same_log(log));
+        if is_own { &self.stretches } else { &[] }
     }
 
     /// Returns the settings with these stretches of this log, in the order in which a project
@@ -158,7 +153,7 @@ fn start_s(stretch: &Stretch) -> f64 {
     stretch.time_s.map_or(0.0, |[from_s, _]| from_s)
 }
 
-fn stretch(part: LogPart, reason: Option<ExclusionReason>) -> Stretch {
+pub(super) fn stretch(part: LogPart, reason: Option<ExclusionReason>) -> Stretch {
     let (pings, time_s) = match part {
         LogPart::Pings(pings) => (Some(pings), None),
         LogPart::Time(time_s) => (None, Some(time_s)),
@@ -202,24 +197,19 @@ fn without(other: &Stretch, part: LogPart, survey: &Survey) -> Vec<Stretch> {
     let rest = match part {
         LogPart::Pings(part) => pings_of(other, survey).and_then(|whole| {
             let before = |ping: usize| ping.checked_sub(1);
-            cut(whole, part, before, |ping| ping.checked_add(1))
-                .map(|rest| rest.into_iter().map(LogPart::Pings).collect())
+            cut(whole, part, before, |ping| ping.checked_add(1), LogPart::Pings)
         }),
         LogPart::Time(part) => other.time_s.and_then(|whole| {
             let before = |time_s: f64| Some(time_s.next_down());
-            cut(whole, part, before, |time_s| Some(time_s.next_up()))
-                .map(|rest| rest.into_iter().map(LogPart::Time).collect())
+            cut(whole, part, before, |time_s| Some(time_s.next_up()), LogPart::Time)
         }),
     };
-    let rest: Option<Vec<LogPart>> = rest;
-    match rest {
-        Some(rest) => {
-            let of_rest = |part| Stretch { trusted: other.trusted, ..stretch(part, other.reason) };
-            rest.into_iter().map(of_rest).collect()
-        }
+    let Some(rest) = rest else {
         // The stretch is apart and stays as it was given, even if by times.
-        None => vec![other.clone()],
-    }
+        return vec![other.clone()];
+    };
+    let of_rest = |part| Stretch { trusted: other.trusted, ..stretch(part, other.reason) };
+    rest.into_iter().map(of_rest).collect()
 }
 
 /// Returns the pieces of a span before and after another span; `None` where the two are apart.
@@ -228,15 +218,15 @@ fn cut<T: Copy + PartialOrd>(
     [from, to]: [T; 2],
     before: impl Fn(T) -> Option<T>,
     after: impl Fn(T) -> Option<T>,
-) -> Option<Vec<[T; 2]>> {
+    part: fn([T; 2]) -> LogPart,
+) -> Option<Vec<LogPart>> {
     if last < from || to < first {
         return None;
     }
-    let head = before(from).filter(|end| first <= *end);
-    let tail = after(to).filter(|start| *start <= last);
-    let head = head.map(|end| [first, end]);
-    let tail = tail.map(|start| [start, last]);
-    Some(head.into_iter().chain(tail).collect())
+    let head = before(from).map(|end| [first, end]);
+    let tail = after(to).map(|start| [start, last]);
+    let pieces = [head, tail].into_iter().flatten();
+    Some(pieces.filter(|[start, end]| start <= end).map(part).collect())
 }
 
 #[cfg(test)]
@@ -256,12 +246,7 @@ mod tests {
         let (survey, navigation) = sailed(true);
         let pings = |first, last| LogPart::Pings([first, last]);
         let mut given = ExclusionSettings::default();
-        given.stretches.push(Stretch {
-            pings: None,
-            time_s: Some([1.0, 9.95]),
-            reason: Some(Bad),
-            trusted: false,
-        });
+        given.stretches.push(stretch(LogPart::Time([1.0, 9.95]), Some(Bad)));
         let one = given.excluding(&survey, pings(120, 139));
         let two = one.excluding(&survey, pings(140, 159));
         assert_eq!(named(&two), [([120, 159], Some(Drawn))], "they touch");

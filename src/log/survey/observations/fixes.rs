@@ -1,9 +1,9 @@
 //! Removes false positions: those farther from the positions before and after than the boat can
 //! have gone.
 
-use crate::support::geo::distance_m;
+use crate::support::geo::{distance_m, east_of_deg};
 use crate::support::statistics::{quantile, upper_median};
-use crate::survey::Fix;
+use crate::survey::{Fix, run_ranges};
 
 /// Distance from the track's median position beyond which a position is damaged data, degrees (some
 /// 200 km). Such positions are removed first, because they would distort the speeds of the boat.
@@ -71,7 +71,7 @@ pub(crate) fn drop_false_fixes(fixes: &mut Vec<Fix>, has_times: bool) -> Vec<Str
         ));
         return sentences;
     }
-    sentences.extend(sentence(&pieces, fixes, fastest_mps));
+    sentences.extend(sentence(&pieces, count, fixes, fastest_mps));
     let is_false = |index: usize| {
         let piece = pieces.partition_point(|piece| piece.last < index);
         pieces.get(piece).is_some_and(|piece| piece.is_false)
@@ -82,13 +82,6 @@ pub(crate) fn drop_false_fixes(fixes: &mut Vec<Fix>, has_times: bool) -> Vec<Str
         !is_false(index - 1)
     });
     sentences
-}
-
-/// Returns the degrees from one meridian east to another, -180 to 180: across the antimeridian
-/// 179.9 and -179.9 are neighbours.
-fn east_of_deg(from_deg: f64, to_deg: f64) -> f64 {
-    let east_deg = to_deg - from_deg;
-    east_deg - 360.0 * (east_deg / 360.0).round()
 }
 
 /// Removes fixes that are far away from all others because of a damaged record; returns a sentence
@@ -154,17 +147,8 @@ fn can_follow(from: &Fix, to: &Fix, fastest_mps: f64) -> bool {
 }
 
 fn pieces(fixes: &[Fix], fastest_mps: f64) -> Vec<Piece> {
-    let mut pieces = Vec::new();
-    let mut first = 0;
-    for index in 1..=fixes.len() {
-        let ends =
-            fixes.get(index).is_none_or(|next| !can_follow(&fixes[index - 1], next, fastest_mps));
-        if ends {
-            pieces.push(Piece { first, last: index - 1, is_false: false });
-            first = index;
-        }
-    }
-    pieces
+    let together = run_ranges(fixes, |before, after| can_follow(before, after, fastest_mps));
+    together.map(|run| Piece { first: run.start, last: run.end - 1, is_false: false }).collect()
 }
 
 /// Marks as false the short pieces that the boat cannot have reached from the pieces that are kept,
@@ -178,32 +162,24 @@ fn mark_false(pieces: &mut [Piece], fixes: &[Fix], fastest_mps: f64) {
     let Some(longest) = longest else {
         return;
     };
-    let follows = |before: &Piece, after: &Piece| {
-        can_follow(&fixes[before.last], &fixes[after.first], fastest_mps)
-    };
-    let mut kept = longest;
-    for index in longest + 1..pieces.len() {
-        let piece = pieces[index];
-        if follows(&pieces[kept], &piece) || length_s(&piece) > LONGEST_S {
-            kept = index
-        } else {
-            pieces[index].is_false = true
-        }
-    }
-    kept = longest;
-    for index in (0..longest).rev() {
-        let piece = pieces[index];
-        if follows(&piece, &pieces[kept]) || length_s(&piece) > LONGEST_S {
-            kept = index
-        } else {
-            pieces[index].is_false = true
+    let later: Vec<usize> = (longest + 1..pieces.len()).collect();
+    let earlier: Vec<usize> = (0..longest).rev().collect();
+    for outward in [later, earlier] {
+        let mut kept = longest;
+        for index in outward {
+            let [before, after] = [kept.min(index), kept.max(index)].map(|index| pieces[index]);
+            let follows = can_follow(&fixes[before.last], &fixes[after.first], fastest_mps);
+            if follows || length_s(&pieces[index]) > LONGEST_S {
+                kept = index
+            } else {
+                pieces[index].is_false = true
+            }
         }
     }
 }
 
-/// Returns the sentence about the fixes that are left out; `None` where there are none.
-fn sentence(pieces: &[Piece], fixes: &[Fix], fastest_mps: f64) -> Option<String> {
-    let dropped: usize = pieces.iter().filter(|piece| piece.is_false).map(Piece::len).sum();
+/// Returns the sentence about the `dropped` fixes that are left out; `None` where there are none.
+fn sentence(pieces: &[Piece], dropped: usize, fixes: &[Fix], fastest_mps: f64) -> Option<String> {
     let index = pieces.iter().position(|piece| piece.is_false)?;
     let first = &fixes[pieces[index].first];
     let beside = |index: usize| pieces.get(index).filter(|piece| !piece.is_false);

@@ -6,8 +6,7 @@
 
 use crate::support::geo::distance_m;
 use crate::support::statistics::upper_median;
-use crate::survey::{Fix, SidePing, Sounding, SoundingFault, nearest_in_time};
-use Way::{Down, Up};
+use crate::survey::{Fix, SidePing, Sounding, SoundingFault, nearest_within};
 use std::ops::RangeInclusive;
 
 /// Largest step between soundings that is not a jump: metres, and share of the smaller depth,
@@ -49,9 +48,8 @@ const LONGEST_LOSS: usize = 4096;
 /// Soundings are in time order.
 pub(crate) fn give_depths(pings: &mut [SidePing], soundings: &[Sounding]) {
     for ping in pings {
-        let nearest = nearest_in_time(soundings, ping.time_s, |sounding| sounding.time_s)
-            .map(|index| &soundings[index])
-            .filter(|sounding| (sounding.time_s - ping.time_s).abs() <= NEAREST_SOUNDING_S);
+        let nearest =
+            nearest_within(soundings, ping.time_s, NEAREST_SOUNDING_S, |sounding| sounding.time_s);
         ping.depth_m = nearest.map_or(f32::NAN, |sounding| sounding.depth_m);
         ping.depth_fault = nearest.and_then(|sounding| sounding.fault);
     }
@@ -81,8 +79,10 @@ pub(crate) fn mark_faults_from(
     }
     // A leap below the bottom may not have been followed by the leap back yet.
     if !has_side_scan {
-        let leap = (from.saturating_sub(LONGEST_LOSS).max(1)..quiet)
-            .find(|&index| is_leap(soundings, fixes, index - 1, index, Down));
+        let leap = (from.saturating_sub(LONGEST_LOSS).max(1)..quiet).find(|&index| {
+            is_leap(soundings, fixes, index - 1, index)
+                && soundings[index].depth_m > soundings[index - 1].depth_m
+        });
         quiet = leap.unwrap_or(quiet);
     }
     let first = quiet.saturating_sub(REACH + 1);
@@ -161,23 +161,24 @@ fn leaps_below(
     fixes: &[Fix],
     others: &[usize],
 ) -> Vec<RangeInclusive<usize>> {
-    let leaps = |at: usize, way| is_leap(soundings, fixes, others[at - 1], others[at], way);
-    let leaps_at_all = |at: &usize| leaps(*at, Down) || leaps(*at, Up);
+    let leaps = |at: &usize| is_leap(soundings, fixes, others[*at - 1], others[*at]);
     let depth_m = |at: usize| soundings[others[at]].depth_m;
     let below = |entry: usize| {
         let last = others.len().min(entry + LONGEST_LOSS);
         let before_m = depth_m(entry - 1);
         let back = (entry + 1..last).find(|&at| depth_m(at) < LEAP_RATIO * before_m)?;
         let least = (back - entry).div_ceil(LEAP_SHARE);
-        let before = (1..entry).rev().take(least).find(leaps_at_all).unwrap_or(0);
-        let after = (back + 1..others.len()).take(least).find(leaps_at_all);
+        let before = (1..entry).rev().take(least).find(leaps).unwrap_or(0);
+        let after = (back + 1..others.len()).take(least).find(leaps);
         let after = after.unwrap_or(others.len());
-        let is_false = leaps(back, Up) && entry - before + after - back >= least;
+        let is_back = leaps(&back) && depth_m(back) < depth_m(back - 1);
+        let is_false = is_back && entry - before + after - back >= least;
         is_false.then_some(entry..back)
     };
     let mut found: Vec<RangeInclusive<usize>> = Vec::new();
     let mut next = 1;
-    while let Some(entry) = (next..others.len()).find(|&at| leaps(at, Down)) {
+    let goes_down = |at: &usize| leaps(at) && depth_m(*at) > depth_m(*at - 1);
+    while let Some(entry) = (next..others.len()).find(goes_down) {
         let lost = below(entry);
         next = lost.as_ref().map_or(entry + 1, |lost| lost.end);
         found.extend(lost.map(|lost| others[lost.start]..=others[lost.end - 1]));
@@ -185,20 +186,11 @@ fn leaps_below(
     found
 }
 
-/// Direction of a leap.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Way {
-    Down,
-    Up,
-}
-
-/// Returns true if the depth leaps from one sounding to a later one in a direction.
-fn is_leap(soundings: &[Sounding], fixes: &[Fix], earlier: usize, index: usize, way: Way) -> bool {
+/// Returns true if the depth leaps, down or up, from one sounding to a later one.
+fn is_leap(soundings: &[Sounding], fixes: &[Fix], earlier: usize, index: usize) -> bool {
     let (before, here) = (&soundings[earlier], &soundings[index]);
-    let [shallow_m, deep_m] = match way {
-        Down => [before.depth_m, here.depth_m],
-        Up => [here.depth_m, before.depth_m],
-    };
+    let shallow_m = before.depth_m.min(here.depth_m);
+    let deep_m = before.depth_m.max(here.depth_m);
     let leap_m = deep_m - shallow_m;
     deep_m >= LEAP_RATIO * shallow_m
         && leap_m > LEAP_M
