@@ -9,7 +9,6 @@ use bathyscope_bottom::planning::{Plan, PlanError, PlanSettings, WaterState, pla
 use bathyscope_bottom::presentation::text;
 use bathyscope_log::formats::read_area;
 use bathyscope_log::support::geo::{LocalFrame, LonLat};
-use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::WaterArea;
 use bathyscope_products::export::{PlanFormat, PlannedWay, is_same_file};
 use bathyscope_products::pipeline::list_objects;
@@ -129,19 +128,19 @@ fn planned(
     area: Option<&WaterArea>,
     frame: &LocalFrame,
 ) -> Result<Plan, Failure> {
-    let progress = Progress::new();
-    let status = StatusLine::new(&progress);
-    let logs = all_processed(opened, &status, &progress)?;
+    let status = StatusLine::new();
+    let logs = all_processed(opened, &status)?;
     status.step("what is known");
     let review = survey_review(opened);
-    let objects = list_objects(&logs, &review, &progress)?;
-    let known = survey_coverage(&logs, &objects, &progress)?.ok_or(PlanError::NoLog)?;
+    let progress = &status.progress;
+    let objects = list_objects(&logs, &review, progress)?;
+    let known = survey_coverage(&logs, &objects, progress)?.ok_or(PlanError::NoLog)?;
     let rings = area.map(|area| {
         let ring = |ring: &Vec<LonLat>| ring.iter().map(|at| frame.to_enu(*at)).collect();
         area.rings.iter().map(ring).collect::<Vec<Vec<[f64; 2]>>>()
     });
     status.step("lines");
-    plan(&known, rings.as_deref(), settings, &progress).map_err(|error| match area {
+    plan(&known, rings.as_deref(), settings, progress).map_err(|error| match area {
         Some(area) if error.is_about_area() => format!("{error}: {}", area.path.display()).into(),
         _ => error.into(),
     })

@@ -9,8 +9,9 @@ use bathyscope_log::support::file_error::FileError;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::support::regular_file;
 use bathyscope_log::survey::Survey;
-use bathyscope_products::pipeline::{self, Preset, Products, Settings, SourceError};
+use bathyscope_products::pipeline::{self, Preset, ProcessedLog, Settings, SourceError};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Sources of settings: the preset, then the files, then each `--set`; the last one wins.
 #[derive(Debug, Default, clap::Args)]
@@ -85,17 +86,24 @@ impl LogOpener {
         check_against(&survey, &self.settings)?;
         Ok(survey)
     }
+}
 
-    /// Runs the pipeline on a log that was opened.
-    pub(super) fn process(
-        &self,
-        survey: &Survey,
-        status: &StatusLine,
-        progress: &Progress,
-    ) -> Result<Products, Cancelled> {
-        status.work_on("", survey.side_scan.len());
-        pipeline::run(survey, &self.settings, None, progress, |stage| status.step(stage.name()))
-    }
+/// Runs the pipeline on a log; results that do not depend on the changed settings are taken from
+/// `previous`.
+///
+/// # Errors
+/// When the work was cancelled.
+pub(super) fn processed(
+    survey: &Arc<Survey>,
+    settings: &Settings,
+    previous: Option<&ProcessedLog>,
+    status: &StatusLine,
+) -> Result<ProcessedLog, Cancelled> {
+    let previous = previous.map(|log| &log.products);
+    let products = pipeline::run(survey, settings, previous, &status.progress, |stage| {
+        status.step(stage.name());
+    })?;
+    Ok(ProcessedLog::new(survey.clone(), products))
 }
 
 /// Returns the path of the log, for sentences that do not yet end with a path.

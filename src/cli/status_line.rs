@@ -24,6 +24,8 @@ const WIDTH: usize = 79;
 
 /// Line on stderr with the current step and the share of it that is done, until dropped.
 pub(super) struct StatusLine {
+    /// Progress of the work, from which the share is read.
+    pub progress: Progress,
     step: Arc<Mutex<Step>>,
     is_terminal: bool,
     /// Sender without messages: when dropped, the painter thread ends.
@@ -49,8 +51,9 @@ struct Work {
 }
 
 impl StatusLine {
-    /// Starts to show `progress`.
-    pub(super) fn new(progress: &Progress) -> Self {
+    /// Creates a progress and starts to show it.
+    pub(super) fn new() -> Self {
+        let progress = Progress::new();
         let step = Arc::new(Mutex::new(Step {
             name: String::new(),
             began: Instant::now(),
@@ -58,12 +61,12 @@ impl StatusLine {
         }));
         let is_terminal = std::io::stderr().is_terminal();
         let (going_on, stop) = mpsc::channel();
-        let (shown, progress) = (step.clone(), progress.clone());
+        let (shown, read) = (step.clone(), progress.clone());
         let painter = std::thread::spawn(move || {
             let mut lines = Lines::default();
             while stop.recv_timeout(LOOK) == Err(RecvTimeoutError::Timeout) {
                 let step = lock(&shown).clone();
-                let fraction = progress.fraction();
+                let fraction = read.fraction();
                 if is_terminal && !step.name.is_empty() {
                     write_over(format_args!("{} {:3.0} %", step.name, 100.0 * fraction));
                 } else if let Some(line) = lines.next(&step, fraction, Instant::now()) {
@@ -74,12 +77,12 @@ impl StatusLine {
                 write_over(format_args!(""));
             }
         });
-        Self { step, is_terminal, going_on: Some(going_on), painter: Some(painter) }
+        Self { progress, step, is_terminal, going_on: Some(going_on), painter: Some(painter) }
     }
 
-    /// Starts to show `progress`, in a step of this name.
-    pub(super) fn at(name: &str, progress: &Progress) -> Self {
-        let line = Self::new(progress);
+    /// Creates a progress and starts to show it, in a step of this name.
+    pub(super) fn at(name: &str) -> Self {
+        let line = Self::new();
         line.step(name);
         line
     }

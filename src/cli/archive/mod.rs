@@ -49,12 +49,11 @@ fn make_maps(
     logs: &[LogRecord],
     offsets: &Offsets,
 ) -> Result<(), Failure> {
-    let progress = Progress::new();
-    let status = StatusLine::at("maps", &progress);
-    progress.start(tiles.len() as u64);
+    let status = StatusLine::at("maps");
+    status.progress.start(tiles.len() as u64);
     let done = each_in_parallel(tiles, MOST_AT_ONCE, |tile| {
         let made = write_tile(archive, *tile, logs, offsets, &Progress::new());
-        progress.advance(1);
+        status.progress.advance(1);
         made
     });
     drop(status);
@@ -227,9 +226,8 @@ pub(crate) fn run_archive(args: &ArchiveArgs) -> Result<(), Failure> {
         output::results(format_args!("removed {tile}: no log has rows in it any more"))?;
     }
     write_index(&archive, &logs, &all)?;
-    let progress = Progress::new();
-    let status = StatusLine::at("map tiles", &progress);
-    let joined = write_map_tiles(&archive, &all, &progress)?;
+    let status = StatusLine::at("map tiles");
+    let joined = write_map_tiles(&archive, &all, &status.progress)?;
     drop(status);
     if joined == MapTilesState::Made {
         output::results(

@@ -38,7 +38,7 @@ pub(super) fn search(
     let score = score.unwrap_or(f64::from(shown.score()));
     let mut found = Found::new(&shown);
     let searches = [(load(model)?.with_nms(nms), LEAST_SCORE), (shown, score as f32)];
-    let status = StatusLine::new(&Progress::new());
+    let status = StatusLine::new();
     for (number, log) in (1..).zip(logs) {
         status.step(&format!("log {number} of {}", logs.len()));
         let known = Known::open(log, truth, searches[0].0.pixel_m())?;

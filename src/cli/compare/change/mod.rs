@@ -81,8 +81,7 @@ pub(super) fn run(args: &CompareArgs, folder: &Path) -> Result<(), Failure> {
             ));
         }
     }
-    let progress = Progress::new();
-    let status = StatusLine::at("change", &progress);
+    let status = StatusLine::at("change");
     let assumed = args.change.errors();
     let (mut totals, mut written, mut shown) = (ChangeTotals::default(), Vec::new(), None);
     let mut observed = Observed::default();
@@ -99,7 +98,7 @@ pub(super) fn run(args: &CompareArgs, folder: &Path) -> Result<(), Failure> {
         if written.is_empty() {
             make_folder(folder)?;
         }
-        written.push(change.write(folder, &errors, &regions, &progress)?);
+        written.push(change.write(folder, &errors, &regions, &status.progress)?);
         shown.get_or_insert_with(|| record::picture(&change.rise_m, part.size()));
     }
     let Some(shown) = shown else {
