@@ -105,10 +105,10 @@ enum Command {
     /// Make the map and the mosaic of tiles of an archive
     Tile(archive::TileArgs),
     /// Find the height offsets between the logs of an archive from where they cross
-    Adjust(archive::AdjustArgs),
+    Adjust(archive::adjust::AdjustArgs),
     /// List which log, ping, side and sample of an archive cover a place
     #[command(alias = "who")]
-    Coverage(archive::CoverageArgs),
+    Coverage(archive::coverage::CoverageArgs),
     /// Find objects on the bottom, in logs or pictures, with a YOLO model
     Detect(detect::DetectArgs),
     /// Write what was decided about a log's boxes: places for maps, pictures with labels for
@@ -240,8 +240,8 @@ impl Command {
             Self::Archive(args) => archive::run_archive(&args),
             Self::Tiles(args) => archive::run_tiles(&args),
             Self::Tile(args) => archive::run_tile(&args),
-            Self::Adjust(args) => archive::run_adjust(&args),
-            Self::Coverage(args) => archive::run_coverage(&args),
+            Self::Adjust(args) => archive::adjust::run(&args),
+            Self::Coverage(args) => archive::coverage::run(&args),
             Self::Detect(args) => detect::run(args),
             Self::Review(args) => review::run(args),
             Self::Snapshot(args) => snapshot::run(args),

@@ -213,10 +213,6 @@ fn each(inputs: &[LogInput], how: &How<'_>, args: &ProcessArgs) -> Result<(), Fa
     all_or(failed, inputs.len())
 }
 
-/// Most logs that are in memory at the same time, one for each worker thread. More would only need
-/// more memory, since the work on one log is parallel, too.
-const MOST_AT_ONCE: usize = 4;
-
 /// Adds every log to the archive of the folder. A log that cannot be used does not prevent the
 /// others from being added.
 fn add_tiles(inputs: &[LogInput], args: &ProcessArgs) -> Result<(), Failure> {
@@ -232,14 +228,7 @@ fn add_tiles(inputs: &[LogInput], args: &ProcessArgs) -> Result<(), Failure> {
         return Ok(());
     };
     let archive = Archive::open_for(folder, &first.logs.settings)?;
-    let status = StatusLine::at("tiles");
-    status.progress.start(inputs.len() as u64);
-    let done = each_in_parallel(inputs, MOST_AT_ONCE, |input| {
-        let added = added(&archive, input);
-        status.progress.advance(1);
-        added
-    });
-    drop(status);
+    let done = each_in_parallel("tiles", inputs, |input| added(&archive, input));
     let mut failed = 0;
     for (input, added) in inputs.iter().zip(done) {
         match added {
