@@ -230,8 +230,17 @@ fn run_dataset(args: &DatasetArgs, seed: u64) -> Result<(), Failure> {
             })
             .collect::<Result<Vec<PartRecord>, Failure>>()
     })?;
-    let manifest = Manifest::new(args, seed, &made);
-    dataset.manifest(&manifest)?;
+    dataset.manifest(&Manifest {
+        program: "bathyscope simulate --dataset",
+        version: env!("CARGO_PKG_VERSION"),
+        seed,
+        split: args.split.0,
+        per_scene: args.per_scene,
+        pixel_m: PIXEL_M,
+        tile_px: TILE_PX,
+        classes: ObjectKind::ALL.map(ObjectKind::name),
+        parts: &made,
+    })?;
     drop(status);
     let labels: usize = made.iter().map(|made| made.part.labels.values().sum::<usize>()).sum();
     output::results(format_args!(
@@ -383,20 +392,4 @@ struct Manifest<'a> {
     tile_px: usize,
     classes: [&'static str; ObjectKind::ALL.len()],
     parts: &'a [PartRecord],
-}
-
-impl<'a> Manifest<'a> {
-    fn new(args: &DatasetArgs, seed: u64, parts: &'a [PartRecord]) -> Self {
-        Self {
-            program: "bathyscope simulate --dataset",
-            version: env!("CARGO_PKG_VERSION"),
-            seed,
-            split: args.split.0,
-            per_scene: args.per_scene,
-            pixel_m: PIXEL_M,
-            tile_px: TILE_PX,
-            classes: ObjectKind::ALL.map(ObjectKind::name),
-            parts,
-        }
-    }
 }

@@ -217,13 +217,10 @@ pub(super) fn open(inputs: &[LogInput]) -> Result<(Vec<OpenedLog>, usize), Failu
 /// # Errors
 /// When `failed` is above 0; the error has both numbers.
 pub(super) fn all_or(failed: usize, all: usize) -> Result<(), Failure> {
-    match failed {
-        0 => Ok(()),
-        _ => {
-            Err(format!("{failed} of {all} logs could not be processed, for the reasons above")
-                .into())
-        }
+    if failed == 0 {
+        return Ok(());
     }
+    Err(format!("{failed} of {all} logs could not be processed, for the reasons above").into())
 }
 
 fn add(opened: &mut Vec<OpenedLog>, log: OpenedLog, path: &Path) {

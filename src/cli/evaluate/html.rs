@@ -4,7 +4,7 @@ use super::{Outcome, table};
 use bathyscope_bottom::presentation::page::{Template, TemplateFault, Value, context, fill};
 use bathyscope_bottom::presentation::plot::{Axis, Plot, PlotCurve};
 use bathyscope_objects::Rect;
-use bathyscope_objects::metrics::CurvePoint;
+use bathyscope_objects::metrics::{CurvePoint, TrueBox};
 
 /// Size of the plot of the curves, pixels.
 const PLOT_PX: [f64; 2] = [360.0, 360.0];
@@ -90,54 +90,32 @@ fn confusion(outcome: &Outcome) -> Vec<Value> {
     rows.map(|(index, (name, cells))| context!(index, name, cells => cells.to_vec())).collect()
 }
 
-/// Line of the list of mistakes.
-struct MistakeLine<'a> {
-    what: &'static str,
-    picture: usize,
-    class: usize,
-    score: Option<f32>,
-    rect: &'a Rect,
-}
-
 /// Lists false alarms by falling score, then misses by falling size.
-fn list<'a>(outcome: &'a Outcome) -> Vec<MistakeLine<'a>> {
-    let (paired, evaluation) = (&outcome.paired, &outcome.darknet);
-    let alarms = evaluation.false_alarms.iter().map(|alarm| {
-        let predicted = &paired.images[alarm.image].predicted[alarm.predicted];
-        MistakeLine {
-            what: alarm.cause.name(),
-            picture: alarm.image,
-            class: predicted.class,
-            score: Some(predicted.score),
-            rect: &predicted.rect,
-        }
-    });
-    let misses = evaluation.misses.iter().map(|miss| {
-        let truth = &paired.images[miss.image].truth[miss.truth];
-        MistakeLine {
-            what: "missed",
-            picture: miss.image,
-            class: truth.class,
-            score: None,
-            rect: &truth.rect,
-        }
-    });
-    let mut misses: Vec<MistakeLine<'a>> = misses.collect();
-    misses.sort_by(|a, b| b.rect.area().total_cmp(&a.rect.area()));
-    alarms.chain(misses).collect()
-}
-
 fn mistakes(outcome: &Outcome) -> Value {
-    let (all, paired) = (list(outcome), &outcome.paired);
-    let lines = all.iter().take(MOST_ROWS).map(|mistake| {
-        let Rect { x0, y0, x1, y1 } = mistake.rect;
+    let (paired, evaluation) = (&outcome.paired, &outcome.darknet);
+    let line = |picture: usize, class: usize, what: &str, score: Option<f32>, rect: &Rect| {
+        let Rect { x0, y0, x1, y1 } = rect;
         context! {
-            picture => &paired.names[mistake.picture],
-            class => &paired.classes[mistake.class],
-            what => mistake.what,
-            score => mistake.score.map(|score| format!("{score:.3}")),
+            picture => &paired.names[picture],
+            class => &paired.classes[class],
+            what,
+            score => score.map(|score| format!("{score:.3}")),
             edges => format!("{x0:.0}, {y0:.0}, {x1:.0}, {y1:.0}"),
         }
+    };
+    let alarms = evaluation.false_alarms.iter().map(|alarm| {
+        let predicted = &paired.images[alarm.image].predicted[alarm.predicted];
+        let score = Some(predicted.score);
+        line(alarm.image, predicted.class, alarm.cause.name(), score, &predicted.rect)
     });
-    context!(all => all.len(), most => MOST_ROWS, lines => lines.collect::<Vec<Value>>())
+    let misses = evaluation.misses.iter();
+    let mut misses: Vec<(usize, &TrueBox)> =
+        misses.map(|miss| (miss.image, &paired.images[miss.image].truth[miss.truth])).collect();
+    misses.sort_by(|(_, a), (_, b)| b.rect.area().total_cmp(&a.rect.area()));
+    let misses = misses.into_iter();
+    let misses =
+        misses.map(|(picture, truth)| line(picture, truth.class, "missed", None, &truth.rect));
+    let lines: Vec<Value> = alarms.chain(misses).take(MOST_ROWS).collect();
+    let all = evaluation.false_alarms.len() + evaluation.misses.len();
+    context!(all, most => MOST_ROWS, lines)
 }
