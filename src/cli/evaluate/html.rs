@@ -19,12 +19,12 @@ pub(super) fn of(outcome: &Outcome) -> Result<String, TemplateFault> {
     let confusion = confusion(outcome);
     let values = context! {
         iou => outcome.iou.to_string(),
-        score => outcome.score.to_string(),
+        score => outcome.boxes.score.to_string(),
         plots => plots.map(|plot| Value::from_safe_string(plot.svg(PLOT_PX))),
         columns => confusion.len(),
         confusion,
         figures => table::of(outcome).trim_end(),
-        notes => &outcome.paired.notes,
+        notes => &outcome.boxes.paired.notes,
         mistakes => mistakes(outcome),
     };
     fill(&[TEMPLATE], values)
@@ -36,7 +36,7 @@ fn precision_over_recall(outcome: &Outcome) -> Plot {
         name: name.to_owned(),
         points: (points.iter()).map(|point| [point.recall, point.precision]).collect(),
     };
-    let of_class = (outcome.paired.classes.iter().zip(&all.classes))
+    let of_class = (outcome.boxes.paired.classes.iter().zip(&all.classes))
         .map(|(name, class)| curve(name, &class.curve));
     Plot {
         title: "Precision over recall".to_owned(),
@@ -63,12 +63,12 @@ fn shares_over_score(outcome: &Outcome) -> Plot {
             curve("recall", |point| point.recall),
         ],
         mark: None,
-        limit: Some((outcome.score, at_score(outcome))),
+        limit: Some((outcome.boxes.score, at_score(outcome))),
     }
 }
 
 fn at_score(outcome: &Outcome) -> String {
-    format!("score {}", outcome.score)
+    format!("score {}", outcome.boxes.score)
 }
 
 /// Returns a share as a step function of the score: between two scores that occur, the boxes shown
@@ -85,14 +85,14 @@ fn steps(curve: &[CurvePoint], of: fn(&CurvePoint) -> f64) -> Vec<[f64; 2]> {
 
 /// Returns the rows of the matrix, whose names are those of the columns too.
 fn confusion(outcome: &Outcome) -> Vec<Value> {
-    let names = outcome.paired.classes.iter().map(String::as_str).chain(["background"]);
+    let names = outcome.boxes.paired.classes.iter().map(String::as_str).chain(["background"]);
     let rows = names.zip(outcome.darknet.confusion.rows()).enumerate();
     rows.map(|(index, (name, cells))| context!(index, name, cells => cells.to_vec())).collect()
 }
 
 /// Lists false alarms by falling score, then misses by falling size.
 fn mistakes(outcome: &Outcome) -> Value {
-    let (paired, evaluation) = (&outcome.paired, &outcome.darknet);
+    let (paired, evaluation) = (&outcome.boxes.paired, &outcome.darknet);
     let line = |picture: usize, class: usize, what: &str, score: Option<f32>, rect: &Rect| {
         let Rect { x0, y0, x1, y1 } = rect;
         context! {
