@@ -27,7 +27,7 @@ pub use echo::{Parts, TopShape, parts};
 pub use group::{Group, group};
 pub use object_height::{HeightSource, ObjectHeight};
 pub use pairs::{GroupSettings, Sighting};
-pub(crate) use passes::count_seen;
+pub(crate) use passes::distinct_passes;
 pub use passes::{LogPings, PassCount, PassLog, passes_over};
 pub use place::Placer;
 pub use shadow::{ShadowError, ShadowHeight};
