@@ -13,9 +13,9 @@ use serde::Serialize;
 use std::fmt::Write as _;
 
 /// Least share of an object that must lie in a tile for the object to have a label there.
-const LEAST_SHARE: f32 = 0.4;
+pub(crate) const LEAST_SHARE: f32 = 0.4;
 /// Least width and height of a box, pixels.
-const LEAST_PX: f32 = 6.0;
+pub(crate) const LEAST_PX: f32 = 6.0;
 /// The edges of a tile, in its own pixels.
 const FRAME: Rect = Rect::new([0.0, 0.0], [TILE_PX as f32, TILE_PX as f32]);
 

@@ -2,6 +2,7 @@
 //! is checked before it is used.
 
 use super::{BoxId, Certainty, Review, Reviewed, State, held, is_name};
+use crate::labels::MOST_CLASSES;
 use crate::{Mark, MeasuredShadow, ObjectExtent};
 use bathyscope_log::support::regular_file;
 use bathyscope_log::survey::{Identity, Side, Survey};
@@ -15,7 +16,6 @@ const LARGEST_FILE: u64 = 64 << 20;
 /// Version of the layout of the file.
 const VERSION: u32 = 1;
 const MOST_BOXES: usize = 200_000;
-const MOST_CLASSES: usize = 1_000;
 /// Greatest number of searched stretches; a review written by this program has two or three.
 const MOST_SEARCHED: usize = 1_000;
 /// Greatest length of a note, characters.
@@ -57,10 +57,9 @@ pub struct ReviewRows {
 /// # Errors
 /// When the file cannot be read, or is too large: a sentence with the path.
 pub fn read_text(path: &Path, what: &str) -> Result<String, ReviewError> {
-    let cannot = |why: String| {
-        ReviewError::new(format!("cannot read the {what}: {why}: {}", path.display()))
-    };
-    regular_file::read_text(path, LARGEST_FILE).map_err(|error| cannot(error.to_string()))
+    regular_file::read_text(path, LARGEST_FILE).map_err(|error| {
+        ReviewError::new(format!("cannot read the {what}: {error}: {}", path.display()))
+    })
 }
 
 #[derive(Serialize, Deserialize)]
@@ -266,10 +265,6 @@ impl Review {
                 "this review is damaged: a class name is empty, too long or there twice",
             ));
         }
-        Self::collect(rows, of)
-    }
-
-    fn collect(rows: ReviewRows, of: &Identity) -> Result<Self, ReviewError> {
         let mut review = Review::new(of.clone(), rows.classes);
         let mut seen = HashSet::new();
         let mut models: HashSet<Arc<str>> = HashSet::new();
