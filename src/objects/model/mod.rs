@@ -4,17 +4,16 @@
 //! In: an ONNX file, and pictures. Out: boxes with classes and scores, or a reason why the file
 //! cannot be used.
 //!
-//! Three modules check the network: `screen` refuses harmful files before anything is computed,
-//! `constants` refuses tensors that would become too large during compilation, and `cost` refuses
-//! networks that would take too much memory or time to run. `tract` compiles and runs the network;
-//! `fast_layers` replaces layers that tract computes slowly: convolutions of 3 x 3 (by `winograd`),
-//! and maxima. `load` limits the time of this work and catches its failures, and holds the model
-//! that comes with the program. `family` infers the layout of the boxes from the outputs' shapes;
-//! `sidecar` reads the JSON file next to the model and the metadata inside the model, and converts
-//! a network's confidence to the share of right boxes at that confidence. `input` computes the
-//! input numbers of the network.
+//! Two modules check the network: `screen` refuses harmful files before anything is computed, and
+//! `cost` refuses tensors that would become too large during compilation, and networks that would
+//! take too much memory or time to run. `tract` compiles and runs the network; `fast_layers`
+//! replaces layers that tract computes slowly: convolutions of 3 x 3 (by `winograd`), and maxima.
+//! `load` limits the time of this work and catches its failures, and holds the model that comes
+//! with the program. `family` infers the layout of the boxes from the outputs' shapes; `sidecar`
+//! reads the JSON file next to the model and the metadata inside the model, and converts a
+//! network's confidence to the share of right boxes at that confidence. `input` computes the input
+//! numbers of the network.
 
-mod constants;
 mod cost;
 mod error;
 mod family;
