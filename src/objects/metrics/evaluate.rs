@@ -1,8 +1,7 @@
 //! Computes all figures of one set of pictures.
 
-use super::confusion::Confusion;
 use super::matched::{AtScore, Matched, rank, total};
-use super::mistakes::{FalseAlarm, Miss};
+use super::mistakes::{Confusion, FalseAlarm, Miss};
 use super::precision::{CurvePoint, MatchCounts, average_precision, curve};
 use super::ranking::{ANY_SIZE, Sizes};
 use super::{BoxMatching, Image, MetricSettings};

@@ -1,7 +1,6 @@
 //! Pairs predictions with truths once, so that they can be counted at any score.
 
-use super::confusion::{Confusion, confusion};
-use super::mistakes::{FalseAlarm, Miss, false_alarms, misses, shown_images};
+use super::mistakes::{Confusion, FalseAlarm, Miss, confusion, false_alarms, misses, shown_images};
 use super::precision::{CurvePoint, MatchCounts, curve};
 use super::ranking::{ANY_SIZE, Ranked, Ranking, Sizes};
 use super::{Image, MetricSettings};
