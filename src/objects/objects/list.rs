@@ -171,7 +171,7 @@ mod tests {
     use crate::objects::LogId;
     use crate::review::{BoxId, Reviewed};
     use crate::targets::Target;
-    use crate::targets::testing::target;
+    use crate::testing::target;
     use bathyscope_log::survey::{Navigation, Survey};
     use std::sync::Arc;
 

@@ -127,7 +127,7 @@ fn joined(sightings: &[Sighting<'_>], mut members: Vec<usize>, settings: &GroupS
 mod tests {
     use super::*;
     use crate::Mark;
-    use crate::targets::testing::target;
+    use crate::testing::target;
     use bathyscope_log::survey::Side;
 
     /// Pings from the beginning of one log to the beginning of the next.

@@ -20,8 +20,6 @@ mod profile;
 mod seen;
 mod shadow;
 mod shape;
-#[cfg(test)]
-pub(crate) mod testing;
 
 pub use echo::{Parts, TopShape, parts};
 pub use group::{Group, group};
