@@ -56,7 +56,7 @@ pub struct ReviewRows {
 ///
 /// # Errors
 /// When the file cannot be read, or is too large: a sentence with the path.
-pub fn read_text(path: &Path, what: &str) -> Result<String, ReviewError> {
+pub(crate) fn read_text(path: &Path, what: &str) -> Result<String, ReviewError> {
     regular_file::read_text(path, LARGEST_FILE).map_err(|error| {
         ReviewError::new(format!("cannot read the {what}: {error}: {}", path.display()))
     })
@@ -145,24 +145,19 @@ struct Versioned {
 impl Review {
     /// Returns the review as the text of a file.
     pub fn to_json(&self) -> String {
-        let ReviewRows { classes, searched, boxes } = self.to_rows();
-        let stored =
-            Stored { version: VERSION, survey: self.identity.clone(), classes, searched, boxes };
-        // All values are strings, whole numbers and finite numbers, so writing cannot fail.
-        serde_json::to_string_pretty(&stored).unwrap_or_default()
-    }
-
-    /// Returns the review row by row.
-    pub(crate) fn to_rows(&self) -> ReviewRows {
         let searched = self.searched.iter().map(|search| SearchRow {
             model: search.model.to_string(),
             pings: [search.pings.start, search.pings.end],
         });
-        ReviewRows {
+        let stored = Stored {
+            version: VERSION,
+            survey: self.identity.clone(),
             classes: self.classes.clone(),
             searched: searched.collect(),
             boxes: self.boxes().map(|review_box| self.row(review_box)).collect(),
-        }
+        };
+        // All values are strings, whole numbers and finite numbers, so writing cannot fail.
+        serde_json::to_string_pretty(&stored).unwrap_or_default()
     }
 
     /// Returns the row of a box of this review.
@@ -187,20 +182,11 @@ impl Review {
         }
     }
 
-    /// Reads the review of the log `of` from a file.
-    ///
-    /// # Errors
-    /// When the file cannot be read, or as [`Review::from_json`]; the error holds the path.
-    pub fn open(path: &Path, of: &Identity) -> Result<Self, ReviewError> {
-        let text = read_text(path, "review")?;
-        Self::from_json(&text, of).map_err(|error| error.at(path))
-    }
-
     /// Reads the review of an open log from a file. The log may have grown since the file was
     /// written.
     ///
     /// # Errors
-    /// As [`Review::open`].
+    /// When the file cannot be read, or as [`Review::from_json`]; the error holds the path.
     pub fn open_for(path: &Path, survey: &Survey) -> Result<Self, ReviewError> {
         let own = Identity::of(survey);
         let text = read_text(path, "review")?;

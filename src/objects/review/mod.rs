@@ -15,7 +15,8 @@ mod queue;
 mod tiles;
 
 pub use edit::Edit;
-pub use file::{BoxRow, ReviewError, ReviewRows, SearchRow, read_text};
+pub(crate) use file::read_text;
+pub use file::{BoxRow, ReviewError, ReviewRows, SearchRow};
 pub use queue::{DecisionCounts, Queue, Sort};
 pub use tiles::ReviewedTile;
 
