@@ -62,7 +62,12 @@ pub(super) struct PlanArgs {
 pub(super) fn run(args: PlanArgs) -> Result<(), Failure> {
     // Checked before the work, which takes minutes for a long survey.
     let format = PlanFormat::of(&args.output)?;
-    let settings = args.plan_settings();
+    let settings = PlanSettings {
+        minutes: args.minutes,
+        speed_mps: args.speed,
+        turn_radius_m: args.turn_radius,
+        spacing_m: args.spacing,
+    };
     settings.check()?;
     let area = args.area.as_deref().map(read_area).transpose()?;
     args.refuse_overwrite()?;
@@ -98,15 +103,6 @@ pub(super) fn run(args: PlanArgs) -> Result<(), Failure> {
 }
 
 impl PlanArgs {
-    fn plan_settings(&self) -> PlanSettings {
-        PlanSettings {
-            minutes: self.minutes,
-            speed_mps: self.speed,
-            turn_radius_m: self.turn_radius,
-            spacing_m: self.spacing,
-        }
-    }
-
     /// Refuses to write the lines over a file that they are made from.
     fn refuse_overwrite(&self) -> Result<(), Failure> {
         let read = self.surveys.iter().chain(&self.area).chain(&self.review);
