@@ -3,6 +3,15 @@
 
 use super::{ObjectHeight, Target};
 
+/// Greatest distance between sightings of one object, in standard deviations of their joint
+/// uncertainty.
+const SIGMAS: f64 = 3.0;
+/// Standard deviation of the receiver's own position between lines, metres, which
+/// [`Target::sigma_m`] does not include.
+const RECEIVER_SIGMA_M: f64 = 0.3;
+/// Standard deviation of the position of a whole log, metres, due to another day or another
+/// receiver. It is used between sightings of different logs.
+const LOG_SIGMA_M: f64 = 1.0;
 /// Limits of the distance sailed, metres, and of the change of heading, radians, below which two
 /// sightings on the same side are of one pass: a boat that goes straight on passes an object once.
 const ONE_PASS_M: f64 = 8.0;
@@ -17,26 +26,6 @@ const OTHER_CLASS: f64 = 3.0;
 /// a share of the object's extent; and the largest extent that is used, metres.
 const SIZE_SIGMA: f64 = 0.2;
 const LARGEST_M: f64 = 4.0;
-
-/// Limits of the distance between two sightings of one object.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct GroupSettings {
-    /// Greatest distance between sightings of one object, in standard deviations of their joint
-    /// uncertainty.
-    pub sigmas: f64,
-    /// Standard deviation of the receiver's own position between lines, metres, which
-    /// [`Target::sigma_m`] does not include.
-    pub receiver_sigma_m: f64,
-    /// Standard deviation of the position of a whole log, metres, due to another day or another
-    /// receiver. It is used between sightings of different logs.
-    pub log_sigma_m: f64,
-}
-
-impl Default for GroupSettings {
-    fn default() -> Self {
-        Self { sigmas: 3.0, receiver_sigma_m: 0.3, log_sigma_m: 1.0 }
-    }
-}
 
 /// A box that may show the same object as other boxes.
 #[derive(Clone, Copy, Debug)]
@@ -76,12 +65,12 @@ pub struct Group {
 /// badly known place (in a sharp turn, under the boat) has a wide uncertainty, so it can still join
 /// a neighbour, but only after well placed ones have been paired. An object with a single sighting
 /// is a group of one. Groups are sorted by their first sighting.
-pub fn group(sightings: &[Sighting<'_>], settings: &GroupSettings) -> Vec<Group> {
+pub fn group(sightings: &[Sighting<'_>]) -> Vec<Group> {
     let mut owner: Vec<usize> = (0..sightings.len()).collect();
     let mut members: Vec<Vec<usize>> = owner.iter().map(|&index| vec![index]).collect();
-    for (a, b) in pairs(sightings, settings) {
+    for (a, b) in pairs(sightings) {
         let (a, b) = (owner[a], owner[b]);
-        if a == b || !joins(sightings, &members[a], &members[b], settings) {
+        if a == b || !joins(sightings, &members[a], &members[b]) {
             continue;
         }
         let moved = std::mem::take(&mut members[b]);
@@ -93,7 +82,7 @@ pub fn group(sightings: &[Sighting<'_>], settings: &GroupSettings) -> Vec<Group>
     let mut groups: Vec<Group> = members
         .into_iter()
         .filter(|members| !members.is_empty())
-        .map(|members| joined(sightings, members, settings))
+        .map(|members| joined(sightings, members))
         .collect();
     groups.sort_by_key(|group| group.members[0]);
     groups
@@ -101,12 +90,7 @@ pub fn group(sightings: &[Sighting<'_>], settings: &GroupSettings) -> Vec<Group>
 
 /// Returns true if two groups can be one object: no pass saw members of both as separate objects,
 /// and every member is near enough to the common place.
-fn joins(
-    sightings: &[Sighting<'_>],
-    ours: &[usize],
-    theirs: &[usize],
-    settings: &GroupSettings,
-) -> bool {
+fn joins(sightings: &[Sighting<'_>], ours: &[usize], theirs: &[usize]) -> bool {
     let seen_apart = ours.iter().any(|&one| {
         let mut others = theirs.iter();
         others.any(|&other| same_pass(&sightings[one], &sightings[other]))
@@ -115,33 +99,29 @@ fn joins(
         return false;
     }
     let both = || ours.iter().chain(theirs);
-    let (place, _) = common(both().map(|&index| sightings[index].target), settings);
+    let (place, _) = common(both().map(|&index| sightings[index].target));
     let of_one_log = both().all(|&index| sightings[index].log == sightings[ours[0]].log);
-    let log_sigma_m = if of_one_log { 0.0 } else { settings.log_sigma_m };
+    let log_sigma_m = if of_one_log { 0.0 } else { LOG_SIGMA_M };
     let size_m = both().map(|&index| size_m(sightings[index].target)).fold(0.0, f64::max);
     both().all(|&index| {
         let target = sightings[index].target;
         let either = size_m * size_m + log_sigma_m * log_sigma_m;
-        let spread = spread(target, settings).plus(PositionCovariance::round(either));
+        let spread = spread(target).plus(PositionCovariance::round(either));
         let off_m = [target.east_m - place[0], target.north_m - place[1]];
-        spread.squared_sigmas(off_m) < settings.sigmas * settings.sigmas
+        spread.squared_sigmas(off_m) < SIGMAS * SIGMAS
     })
 }
 
 /// Returns the uncertainty of a sighting relative to sightings of other lines.
-fn spread(target: &Target, settings: &GroupSettings) -> PositionCovariance {
-    PositionCovariance::of(target)
-        .plus(PositionCovariance::round(settings.receiver_sigma_m.powi(2)))
+fn spread(target: &Target) -> PositionCovariance {
+    PositionCovariance::of(target).plus(PositionCovariance::round(RECEIVER_SIGMA_M.powi(2)))
 }
 
 /// Returns the mean place, weighted by the inverse of the covariances, and its covariance.
-fn common<'a>(
-    targets: impl Iterator<Item = &'a Target>,
-    settings: &GroupSettings,
-) -> ([f64; 2], PositionCovariance) {
+fn common<'a>(targets: impl Iterator<Item = &'a Target>) -> ([f64; 2], PositionCovariance) {
     let (mut information, mut sum) = (PositionCovariance::round(0.0), [0.0; 2]);
     for target in targets {
-        let weight = spread(target, settings).inverse();
+        let weight = spread(target).inverse();
         let [east, north] = weight.times([target.east_m, target.north_m]);
         sum = [sum[0] + east, sum[1] + north];
         information = information.plus(weight);
@@ -150,10 +130,10 @@ fn common<'a>(
     (covariance.times(sum), covariance)
 }
 
-fn joined(sightings: &[Sighting<'_>], mut members: Vec<usize>, settings: &GroupSettings) -> Group {
+fn joined(sightings: &[Sighting<'_>], mut members: Vec<usize>) -> Group {
     members.sort_unstable();
     let all = || members.iter().map(|&index| &sightings[index]);
-    let ([east_m, north_m], covariance) = common(all().map(|sighting| sighting.target), settings);
+    let ([east_m, north_m], covariance) = common(all().map(|sighting| sighting.target));
     let support = |class: usize| -> f64 {
         let same = all().filter(|sighting| sighting.class == Some(class));
         same.map(|sighting| sighting.score.max(0.0)).sum()
@@ -264,14 +244,10 @@ fn size_m(target: &Target) -> f64 {
 
 /// Returns the squared distance of two sightings in standard deviations (larger if their classes
 /// differ), and their joint covariance.
-fn apart(
-    a: &Sighting<'_>,
-    b: &Sighting<'_>,
-    settings: &GroupSettings,
-) -> (f64, PositionCovariance) {
+fn apart(a: &Sighting<'_>, b: &Sighting<'_>) -> (f64, PositionCovariance) {
     let size_m = size_m(a.target).max(size_m(b.target));
-    let of_logs = if a.log == b.log { 0.0 } else { 2.0 * settings.log_sigma_m.powi(2) };
-    let either = 2.0 * settings.receiver_sigma_m.powi(2) + of_logs + size_m * size_m;
+    let of_logs = if a.log == b.log { 0.0 } else { 2.0 * LOG_SIGMA_M.powi(2) };
+    let either = 2.0 * RECEIVER_SIGMA_M.powi(2) + of_logs + size_m * size_m;
     let spread = PositionCovariance::of(a.target)
         .plus(PositionCovariance::of(b.target))
         .plus(PositionCovariance::round(either));
@@ -285,18 +261,18 @@ fn apart(
 
 /// Returns the pairs that may be one object, the likeliest first. The order is by `d^2 + ln det S`,
 /// so that two certain sightings come before an uncertain one that fits anything.
-fn pairs(sightings: &[Sighting<'_>], settings: &GroupSettings) -> Vec<(usize, usize)> {
+fn pairs(sightings: &[Sighting<'_>]) -> Vec<(usize, usize)> {
     let mut by_east: Vec<usize> = (0..sightings.len()).collect();
     by_east.sort_by(|&a, &b| {
         let [a, b] = [a, b].map(|index| sightings[index].target.east_m);
         a.total_cmp(&b)
     });
     let of_one_log = sightings.iter().all(|sighting| sighting.log == sightings[0].log);
-    let log_sigma_m = if of_one_log { 0.0 } else { settings.log_sigma_m };
+    let log_sigma_m = if of_one_log { 0.0 } else { LOG_SIGMA_M };
     let reach_m = |sighting: &Sighting<'_>| {
-        let receiver_sigma_m = settings.receiver_sigma_m.hypot(log_sigma_m);
+        let receiver_sigma_m = RECEIVER_SIGMA_M.hypot(log_sigma_m);
         let sigma_m = sighting.target.sigma_m.hypot(receiver_sigma_m);
-        settings.sigmas * (sigma_m + size_m(sighting.target))
+        SIGMAS * (sigma_m + size_m(sighting.target))
     };
     let widest_m = 2.0 * sightings.iter().map(reach_m).fold(0.0, f64::max);
     let mut pairs = Vec::new();
@@ -307,8 +283,8 @@ fn pairs(sightings: &[Sighting<'_>], settings: &GroupSettings) -> Vec<(usize, us
             .take_while(|&&b| sightings[b].target.east_m - one.target.east_m <= widest_m);
         for &b in near {
             let other = &sightings[b];
-            let (squared, spread) = apart(one, other, settings);
-            if squared < settings.sigmas * settings.sigmas && !same_pass(one, other) {
+            let (squared, spread) = apart(one, other);
+            if squared < SIGMAS * SIGMAS && !same_pass(one, other) {
                 let unlikely = squared + spread.determinant().ln();
                 pairs.push((unlikely, a.min(b), a.max(b)));
             }
@@ -364,7 +340,7 @@ mod tests {
                 score,
             })
             .collect();
-        group(&sightings, &GroupSettings::default())
+        group(&sightings)
     }
 
     fn members(targets: &[Target]) -> Vec<Vec<usize>> {

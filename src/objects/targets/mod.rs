@@ -20,7 +20,7 @@ mod shadow;
 mod shape;
 
 pub use echo::{Parts, TopShape, parts};
-pub use group::{Group, GroupSettings, Sighting, group};
+pub use group::{Group, Sighting, group};
 pub use object_height::{HeightSource, ObjectHeight};
 pub(crate) use passes::distinct_passes;
 pub use passes::{LogPings, PassCount, PassLog, passes_over};
