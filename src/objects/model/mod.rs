@@ -59,8 +59,6 @@ pub struct Model {
     /// The network's class names, then the class of boxes without a known class, unless it is one
     /// of them.
     names: Vec<String>,
-    /// Number of the network's classes.
-    classes: usize,
     /// Index of the class of boxes without a known class.
     nameless: usize,
     pixel_m: f64,
@@ -104,7 +102,7 @@ impl Model {
 
     /// Returns the network's class names, in the network's order.
     pub fn classes(&self) -> &[String] {
-        &self.names[..self.classes]
+        &self.names[..self.family.classes]
     }
 
     /// Returns the names that [`Scored::class`] and [`super::Detection::class`] are indices of: the
