@@ -5,7 +5,7 @@
 //!
 //! `ranking` pairs the boxes of each picture and sorts the pairs of a class by score, `precision`
 //! computes curves and average precision from them, `mistakes` lists the mistakes to examine and
-//! counts boxes by true and proposed class, `matched` keeps the pairs to be counted at any score,
+//! counts boxes by true and proposed class, [`Matched`] keeps the pairs to be counted at any score,
 //! and [`evaluate`] collects all results.
 //!
 //! Two rules are in use and give different numbers from the same boxes: Darknet's (used for the
@@ -13,13 +13,11 @@
 //! `mean_average_precision`, and [`MetricSettings::coco`] the same as `pycocotools` (tests).
 
 mod evaluate;
-mod matched;
 mod mistakes;
 mod precision;
 mod ranking;
 
-pub use evaluate::{Evaluation, SizeReport, evaluate};
-pub use matched::{AtScore, Matched};
+pub use evaluate::{AtScore, Evaluation, Matched, SizeReport, evaluate};
 pub use mistakes::{Cause, Confusion};
 pub use precision::{ApMethod, CurvePoint, MatchCounts};
 
