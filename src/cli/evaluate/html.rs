@@ -43,7 +43,7 @@ fn precision_over_recall(outcome: &Outcome) -> Plot {
         across: Axis::new("recall", [0.0, 1.0]),
         up: Axis::new("precision", [0.0, 1.0]),
         curves: [curve("all classes", &all.curve)].into_iter().chain(of_class).collect(),
-        mark: Some(([all.counts.recall(), all.counts.precision()], at_score(outcome))),
+        mark: Some(([all.shown.counts.recall(), all.shown.counts.precision()], at_score(outcome))),
         limit: None,
     }
 }
@@ -86,13 +86,13 @@ fn steps(curve: &[CurvePoint], of: fn(&CurvePoint) -> f64) -> Vec<[f64; 2]> {
 /// Returns the rows of the matrix, whose names are those of the columns too.
 fn confusion(outcome: &Outcome) -> Vec<Value> {
     let names = outcome.boxes.paired.classes.iter().map(String::as_str).chain(["background"]);
-    let rows = names.zip(outcome.darknet.confusion.rows()).enumerate();
+    let rows = names.zip(outcome.darknet.shown.confusion.rows()).enumerate();
     rows.map(|(index, (name, cells))| context!(index, name, cells => cells.to_vec())).collect()
 }
 
 /// Lists false alarms by falling score, then misses by falling size.
 fn mistakes(outcome: &Outcome) -> Value {
-    let (paired, evaluation) = (&outcome.boxes.paired, &outcome.darknet);
+    let (paired, shown) = (&outcome.boxes.paired, &outcome.darknet.shown);
     let line = |picture: usize, class: usize, what: &str, score: Option<f32>, rect: &Rect| {
         let Rect { x0, y0, x1, y1 } = rect;
         context! {
@@ -103,12 +103,12 @@ fn mistakes(outcome: &Outcome) -> Value {
             edges => format!("{x0:.0}, {y0:.0}, {x1:.0}, {y1:.0}"),
         }
     };
-    let alarms = evaluation.false_alarms.iter().map(|alarm| {
+    let alarms = shown.false_alarms.iter().map(|alarm| {
         let predicted = &paired.images[alarm.image].predicted[alarm.predicted];
         let score = Some(predicted.score);
         line(alarm.image, predicted.class, alarm.cause.name(), score, &predicted.rect)
     });
-    let misses = evaluation.misses.iter();
+    let misses = shown.misses.iter();
     let mut misses: Vec<(usize, &TrueBox)> =
         misses.map(|miss| (miss.image, &paired.images[miss.image].truth[miss.truth])).collect();
     misses.sort_by(|(_, a), (_, b)| b.rect.area().total_cmp(&a.rect.area()));
@@ -116,6 +116,6 @@ fn mistakes(outcome: &Outcome) -> Value {
     let misses =
         misses.map(|(picture, truth)| line(picture, truth.class, "missed", None, &truth.rect));
     let lines: Vec<Value> = alarms.chain(misses).take(MOST_ROWS).collect();
-    let all = evaluation.false_alarms.len() + evaluation.misses.len();
+    let all = shown.false_alarms.len() + shown.misses.len();
     context!(all, most => MOST_ROWS, lines)
 }

@@ -10,7 +10,7 @@ pub(super) fn of(outcome: &Outcome) -> Value {
     let (darknet, coco) = (&outcome.darknet, &outcome.coco);
     let classes: Vec<Value> = (0..outcome.boxes.paired.classes.len())
         .map(|class| {
-            let mut report = counts(&darknet.classes[class].counts);
+            let mut report = counts(&darknet.shown.classes[class]);
             report["name"] = json!(outcome.boxes.paired.classes[class]);
             report["ap_all_points"] = json!(darknet.classes[class].ap);
             report["ap_11_points"] = json!(outcome.eleven.classes[class].ap);
@@ -20,7 +20,7 @@ pub(super) fn of(outcome: &Outcome) -> Value {
             report
         })
         .collect();
-    let mut all = counts(&darknet.counts);
+    let mut all = counts(&darknet.shown.counts);
     all["map_all_points"] = json!(darknet.map);
     all["map_11_points"] = json!(outcome.eleven.map);
     all["map_coco"] = json!(coco.map);
@@ -89,7 +89,7 @@ fn sizes(outcome: &Outcome) -> Vec<Value> {
 fn confusion(outcome: &Outcome) -> Value {
     let mut labels = outcome.boxes.paired.classes.clone();
     labels.push("background".into());
-    let cells: Vec<&[usize]> = outcome.darknet.confusion.rows().collect();
+    let cells: Vec<&[usize]> = outcome.darknet.shown.confusion.rows().collect();
     json!({ "rows": "truth", "columns": "predicted", "labels": labels, "cells": cells })
 }
 
@@ -99,7 +99,7 @@ fn edges(rect: &Rect) -> [f32; 4] {
 
 fn false_alarms(outcome: &Outcome) -> Vec<Value> {
     let paired = &outcome.boxes.paired;
-    let list = outcome.darknet.false_alarms.iter().map(|alarm| {
+    let list = outcome.darknet.shown.false_alarms.iter().map(|alarm| {
         let predicted = &paired.images[alarm.image].predicted[alarm.predicted];
         json!({
             "picture": paired.names[alarm.image],
@@ -114,7 +114,7 @@ fn false_alarms(outcome: &Outcome) -> Vec<Value> {
 
 fn misses(outcome: &Outcome) -> Vec<Value> {
     let paired = &outcome.boxes.paired;
-    let list = outcome.darknet.misses.iter().map(|miss| {
+    let list = outcome.darknet.shown.misses.iter().map(|miss| {
         let truth = &paired.images[miss.image].truth[miss.truth];
         json!({
             "picture": paired.names[miss.image],

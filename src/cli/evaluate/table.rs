@@ -35,7 +35,7 @@ fn read(outcome: &Outcome) -> String {
 }
 
 fn counts(outcome: &Outcome) -> String {
-    let (width, evaluation) = (width(outcome), &outcome.darknet);
+    let (width, shown) = (width(outcome), &outcome.darknet.shown);
     let mut text = format!(
         "Boxes of score {} and more, found above IoU {} (Darknet's rule)\n",
         outcome.boxes.score, outcome.iou
@@ -58,10 +58,10 @@ fn counts(outcome: &Outcome) -> String {
             share(counts.darknet_iou()),
         );
     };
-    for (name, class) in outcome.boxes.paired.classes.iter().zip(&evaluation.classes) {
-        line(name, &class.counts);
+    for (name, counts) in outcome.boxes.paired.classes.iter().zip(&shown.classes) {
+        line(name, counts);
     }
-    line("all", &evaluation.counts);
+    line("all", &shown.counts);
     text + "Darknet's IoU counts a false alarm as 0.\n"
 }
 
@@ -118,7 +118,7 @@ fn confusion(outcome: &Outcome) -> String {
         text += &format!("  {name:>6}");
     }
     text += "\n";
-    for (name, row) in names().zip(outcome.darknet.confusion.rows()) {
+    for (name, row) in names().zip(outcome.darknet.shown.confusion.rows()) {
         text += &format!("{name:<width$}");
         for (column, count) in names().zip(row) {
             let wide = column.chars().count().max(6);
@@ -130,7 +130,7 @@ fn confusion(outcome: &Outcome) -> String {
 }
 
 fn mistakes(outcome: &Outcome) -> String {
-    let false_alarms = &outcome.darknet.false_alarms;
+    let false_alarms = &outcome.darknet.shown.false_alarms;
     let mut text = format!("False alarms: {}", false_alarms.len());
     let causes = [Cause::Background, Cause::Duplicate, Cause::OtherClass, Cause::Loose];
     for (index, cause) in causes.into_iter().enumerate() {

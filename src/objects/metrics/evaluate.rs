@@ -108,8 +108,6 @@ fn total(counts: impl Iterator<Item = MatchCounts>) -> MatchCounts {
 /// Results for one class.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ClassReport {
-    /// Counts at the score of the settings.
-    pub counts: MatchCounts,
     /// Average precision at the IoU of the settings; NaN without truths.
     pub ap: f64,
     /// Mean of the average precisions at IoU 0.5, 0.55 .. 0.95; NaN without truths.
@@ -138,8 +136,8 @@ pub struct SizeReport {
 pub struct Evaluation {
     /// Results for each class.
     pub classes: Vec<ClassReport>,
-    /// Counts of all classes together.
-    pub counts: MatchCounts,
+    /// Counts and mistakes at the score of the settings.
+    pub shown: AtScore,
     /// Mean of the classes' `ap`; NaN without truths.
     pub map: f64,
     /// Mean of the classes' `ap_50_95`; NaN without truths.
@@ -149,12 +147,6 @@ pub struct Evaluation {
     pub curve: Vec<CurvePoint>,
     /// Results for each range of sizes, from small to large.
     pub sizes: Vec<SizeReport>,
-    /// Boxes by true and by predicted class.
-    pub confusion: Confusion,
-    /// False alarms, by falling score.
-    pub false_alarms: Vec<FalseAlarm>,
-    /// Misses, picture by picture.
-    pub misses: Vec<Miss>,
 }
 
 impl Evaluation {
@@ -162,20 +154,9 @@ impl Evaluation {
     /// `shown`. `shown` is the evaluation of the same pictures with only the boxes that an analyst
     /// is shown.
     pub fn counted_as(self, shown: Evaluation) -> Self {
-        let classes = self.classes.into_iter().zip(shown.classes);
         let sizes = self.sizes.into_iter().zip(shown.sizes);
-        Self {
-            classes: classes
-                .map(|(ranked, shown)| ClassReport { counts: shown.counts, ..ranked })
-                .collect(),
-            sizes: sizes
-                .map(|(ranked, shown)| SizeReport { counts: shown.counts, ..ranked })
-                .collect(),
-            map: self.map,
-            map_50_95: self.map_50_95,
-            curve: self.curve,
-            ..shown
-        }
+        let sizes = sizes.map(|(ranked, shown)| SizeReport { counts: shown.counts, ..ranked });
+        Self { sizes: sizes.collect(), shown: shown.shown, ..self }
     }
 }
 
@@ -184,29 +165,22 @@ impl Evaluation {
 pub fn evaluate(images: &[Image], classes: usize, settings: &MetricSettings) -> Evaluation {
     let matched = Matched::new(images, classes, settings);
     let images = &matched.images;
-    let AtScore { classes: at_score, counts, confusion, false_alarms, misses } =
-        matched.at(settings.score);
     let reports: Vec<ClassReport> = matched
         .rankings
         .iter()
         .zip(ap_50_95(images, classes, settings, &ANY_SIZE))
-        .zip(at_score)
-        .map(|((ranking, ap_50_95), counts)| ClassReport {
-            counts,
+        .map(|(ranking, ap_50_95)| ClassReport {
             ap: average_precision(ranking, settings.ap),
             ap_50_95,
             curve: curve(&ranking.ranked, ranking.truths),
         })
         .collect();
     Evaluation {
-        counts,
         map: mean(reports.iter().map(|report| report.ap), settings),
         map_50_95: mean(reports.iter().map(|report| report.ap_50_95), settings),
         curve: matched.curve(),
         sizes: sizes(images, classes, settings),
-        confusion,
-        false_alarms,
-        misses,
+        shown: matched.at(settings.score),
         classes: reports,
     }
 }

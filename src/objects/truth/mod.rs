@@ -422,8 +422,8 @@ mod tests {
             assert_eq!(counts.missed(), 3 - found);
             let settings = MetricSettings { score, ..MetricSettings::darknet() };
             let whole = evaluate(comparison.matched.images(), 3, &settings);
-            assert_eq!(standing.counts, whole.counts);
-            assert_eq!(standing.confusion, whole.confusion);
+            assert_eq!(standing.counts, whole.shown.counts);
+            assert_eq!(standing.confusion, whole.shown.confusion);
             assert_eq!(comparison.curve(), whole.curve);
         }
     }
