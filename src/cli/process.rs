@@ -7,7 +7,7 @@ use super::folders::{Folders, name_of};
 use super::settings::{SettingsArgs, processed};
 use super::status_line::StatusLine;
 use super::survey_logs::{
-    self, LogInput, OpenedLog, all_or, is_of, open, open_reference, survey_review, take_reviews,
+    self, LogInput, OpenedLog, all_or, open, open_reference, survey_review, take_reviews,
 };
 use super::{Failure, output};
 use bathyscope_bottom::bathymetry::compare::Matching;
@@ -17,6 +17,7 @@ use bathyscope_bottom::presentation::text;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::{MountingSettings, Survey};
 use bathyscope_objects::Model;
+use bathyscope_objects::review::Review;
 use bathyscope_products::archive::{Added, Archive, LogRecord, add};
 use bathyscope_products::outputs::{self, Order, Product};
 use bathyscope_products::pipeline::joint::{
@@ -200,8 +201,8 @@ fn each(inputs: &[LogInput], how: &How<'_>, args: &ProcessArgs) -> Result<(), Fa
                 Some(_) => folders.next(&name),
                 None => chosen(folders.next_free(&name, &logs))?,
             };
-            let own = args.review.iter().filter(|path| is_of(path, &logs[0]));
-            let own: Vec<PathBuf> = own.cloned().collect();
+            let is_own = |path: &&PathBuf| Review::open_for(path, &logs[0].survey).is_ok();
+            let own: Vec<PathBuf> = args.review.iter().filter(is_own).cloned().collect();
             take_reviews(&mut logs, &own)?;
             how.process_into(&logs, &folder)
         });

@@ -80,8 +80,12 @@ impl LogOpener {
     pub(super) fn open(&self, path: &Path, progress: &Progress) -> Result<Survey, Failure> {
         let track = self.track.as_ref();
         let recorded = formats::open(path, progress)?;
-        let survey = pipeline::as_set(recorded, &self.settings, track)
-            .map_err(|error| format!("{error}{}", of_log(&error, path)))?;
+        let survey =
+            pipeline::as_set(recorded, &self.settings, track).map_err(|error| match error {
+                SourceError::System(_) => format!("{error}: {}", path.display()),
+                // It ends with the path of the track.
+                SourceError::Track(_) => error.to_string(),
+            })?;
         tell_of_drawing(&survey, &self.settings);
         check_against(&survey, &self.settings)?;
         Ok(survey)
@@ -104,14 +108,6 @@ pub(super) fn processed(
         status.step(stage.name());
     })?;
     Ok(ProcessedLog::new(survey.clone(), products))
-}
-
-/// Returns the path of the log, for sentences that do not yet end with a path.
-fn of_log(error: &SourceError, path: &Path) -> String {
-    match error {
-        SourceError::System(_) => format!(": {}", path.display()),
-        SourceError::Track(_) => String::new(),
-    }
 }
 
 /// Warns if bottom edits are next to the log and are not used: a run uses only the settings that it

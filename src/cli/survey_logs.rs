@@ -252,11 +252,6 @@ fn is_same(one: &Survey, other: &Survey) -> bool {
         && one.bytes.iter().zip(&other.bytes).take(count).all(|(one, other)| one[..] == other[..])
 }
 
-/// Returns true if a file contains the review of the boxes of a log.
-pub(super) fn is_of(path: &Path, log: &OpenedLog) -> bool {
-    Review::open_for(path, &log.survey).is_ok()
-}
-
 /// Sets each review that is named by its file as the review of the log that it belongs to, in place
 /// of the log's earlier review.
 ///
