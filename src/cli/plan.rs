@@ -105,9 +105,8 @@ pub(super) fn run(args: PlanArgs) -> Result<(), Failure> {
 impl PlanArgs {
     /// Refuses to write the lines over a file that they are made from.
     fn refuse_overwrite(&self) -> Result<(), Failure> {
-        let read = self.surveys.iter().chain(&self.area).chain(&self.review);
-        let mut same = read.filter(|path| is_same_file(path, &self.output));
-        match same.next() {
+        let mut read = self.surveys.iter().chain(&self.area).chain(&self.review);
+        match read.find(|path| is_same_file(path, &self.output)) {
             Some(path) => Err(format!(
                 "the lines would be written over a file that they are made from; choose another name: {}",
                 path.display()

@@ -75,40 +75,36 @@ pub(super) fn inputs(
     settings: &SettingsArgs,
     track: Option<PathBuf>,
 ) -> Result<Vec<LogInput>, Failure> {
-    match paths {
-        [path] if is_project(path) => {
-            if settings.are_given() || track.is_some() {
-                return Err(format!(
-                    "a project brings its settings; change them in it, or name its logs: {}",
-                    path.display()
-                )
-                .into());
-            }
-            of_project(path)
+    if let Some(path) = paths.iter().find(|path| is_project(path)) {
+        if paths.len() > 1 {
+            return Err(format!(
+                "a project is processed by itself; name it alone: {}",
+                path.display()
+            )
+            .into());
         }
-        paths => {
-            if let Some(path) = paths.iter().find(|path| is_project(path)) {
-                return Err(format!(
-                    "a project is processed by itself; name it alone: {}",
-                    path.display()
-                )
-                .into());
-            }
-            let mut settings = settings.resolve()?;
-            if track.is_some() {
-                settings.track.file = track;
-            }
-            let logs = Arc::new(LogOpener::new(settings)?);
-            for path in paths.iter().flat_map(|path| formats::unusable_in(path)) {
-                output::notify(format_args!(
-                    "warning: passed over, for it is no log that can be read: {}",
-                    path.display()
-                ));
-            }
-            let paths = logs_of(paths).into_iter();
-            Ok(paths.map(|path| LogInput::of_log(path, logs.clone())).collect())
+        if settings.are_given() || track.is_some() {
+            return Err(format!(
+                "a project brings its settings; change them in it, or name its logs: {}",
+                path.display()
+            )
+            .into());
         }
+        return of_project(path);
     }
+    let mut settings = settings.resolve()?;
+    if track.is_some() {
+        settings.track.file = track;
+    }
+    let logs = Arc::new(LogOpener::new(settings)?);
+    for path in paths.iter().flat_map(|path| formats::unusable_in(path)) {
+        output::notify(format_args!(
+            "warning: passed over, for it is no log that can be read: {}",
+            path.display()
+        ));
+    }
+    let paths = logs_of(paths).into_iter();
+    Ok(paths.map(|path| LogInput::of_log(path, logs.clone())).collect())
 }
 
 fn of_project(path: &Path) -> Result<Vec<LogInput>, Failure> {
