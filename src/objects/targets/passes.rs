@@ -90,31 +90,23 @@ fn is_same_pass(one: &LogPings, other: &LogPings, logs: &[PassLog<'_>]) -> bool 
     if log == other_log {
         return a.start < b.end + GAP && b.start < a.end + GAP;
     }
-    let Some((a, b)) = moment(one, logs).zip(moment(other, logs)) else {
+    let both = moment(one, logs).zip(moment(other, logs));
+    let Some((([a_from_s, a_to_s], a), ([b_from_s, b_to_s], b))) = both else {
         return false;
     };
-    let [[a_from_s, a_to_s], [b_from_s, b_to_s]] = [a.unix_s, b.unix_s];
     let at_once = a_from_s <= b_to_s + SAME_TIME_S && b_from_s <= a_to_s + SAME_TIME_S;
-    at_once && f64::hypot(a.place[0] - b.place[0], a.place[1] - b.place[1]) < SAME_PLACE_M
+    at_once && f64::hypot(a[0] - b[0], a[1] - b[1]) < SAME_PLACE_M
 }
 
-/// Time of some pings, and place of the boat.
-struct Moment {
-    /// First and last time, Unix seconds.
-    unix_s: [f64; 2],
-    /// Place of the boat on the middle ping, metres east and north.
-    place: [f64; 2],
-}
-
-/// Returns the time of some pings and the place of the boat; `None` if the log does not hold the
-/// time or the place.
-fn moment((log, pings): &LogPings, logs: &[PassLog<'_>]) -> Option<Moment> {
+/// Returns the first and the last time of some pings, Unix seconds, and the place of the boat on
+/// the middle one, metres east and north; `None` if the log does not hold the time or the place.
+fn moment((log, pings): &LogPings, logs: &[PassLog<'_>]) -> Option<([f64; 2], [f64; 2])> {
     let (survey, navigation) = logs.get(*log)?;
     let start_s = survey.start_unix_s?;
     let last = pings.end.checked_sub(1)?.max(pings.start);
     let unix_s = |ping: usize| Some(start_s + survey.side_scan.get(ping)?.time_s);
     let boat = navigation.pings.get(usize::midpoint(pings.start, last))?;
-    Some(Moment { unix_s: [unix_s(pings.start)?, unix_s(last)?], place: boat.place() })
+    Some(([unix_s(pings.start)?, unix_s(last)?], boat.place()))
 }
 
 /// Returns every pass in which the side-scan could insonify a place (metres in the survey's plane):
