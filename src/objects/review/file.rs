@@ -34,10 +34,6 @@ impl ReviewError {
     fn new(what: impl Into<String>) -> Self {
         Self { what: what.into(), id: None }
     }
-
-    fn at(self, path: &Path) -> Self {
-        Self { what: format!("{self}: {}", path.display()), ..self }
-    }
 }
 
 /// Contents of a review, row by row, for the files that hold it.
@@ -192,8 +188,10 @@ impl Review {
         let text = read_text(path, "review")?;
         let of: Option<OfLog> = serde_json::from_str(&text).ok();
         let of = of.map(|of| of.survey).filter(|of| survey.is_or_was(of));
-        let read = Self::from_json(&text, of.as_ref().unwrap_or(&own));
-        Ok(read.map_err(|error| error.at(path))?.carried_to(own))
+        let read = Self::from_json(&text, of.as_ref().unwrap_or(&own)).map_err(|error| {
+            ReviewError { what: format!("{error}: {}", path.display()), ..error }
+        })?;
+        Ok(read.carried_to(own))
     }
 
     /// Reads the text of a file.
