@@ -348,13 +348,13 @@ mod tests {
         assert_eq!(add(&mut gathered, 1, [30.0, 50.0]), None);
         assert_eq!(add(&mut gathered, 2, [100.0, 120.0]), None);
         assert_eq!(add(&mut gathered, 3, [390.0, 416.0]), Some(2));
-        let first = gathered.merged(1, Nms::PLAIN, 0.45);
+        let first = gathered.merged(1, Nms::default(), 0.45);
         let starts =
             |found: &[Scored]| found.iter().map(|found_box| found_box.rect.y0).collect::<Vec<_>>();
         // An object that the first row of tiles cuts off at its end is not reported yet; two rows
         // show it whole.
         assert_eq!([starts(&first[0]), starts(&first[1])], [[30.0], [100.0]]);
-        assert_eq!(gathered.merged(2, Nms::PLAIN, 0.45)[0].len(), 3);
+        assert_eq!(gathered.merged(2, Nms::default(), 0.45)[0].len(), 3);
         assert_eq!((grid.end_of(1), grid.end_of(3)), (416.0, 1000.0));
     }
 

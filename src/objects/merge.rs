@@ -173,7 +173,7 @@ mod tests {
     }
 
     fn merged(seen: Vec<TileDetection>) -> Vec<(f32, f32, f32)> {
-        merge(seen, Nms::PLAIN, 0.45)
+        merge(seen, Nms::default(), 0.45)
             .iter()
             .map(|merged_box| (merged_box.score, merged_box.rect.y0, merged_box.rect.y1))
             .collect()
