@@ -132,8 +132,7 @@ fn confusion(outcome: &Outcome) -> String {
 fn mistakes(outcome: &Outcome) -> String {
     let false_alarms = &outcome.darknet.shown.false_alarms;
     let mut text = format!("False alarms: {}", false_alarms.len());
-    let causes = [Cause::Background, Cause::Duplicate, Cause::OtherClass, Cause::Loose];
-    for (index, cause) in causes.into_iter().enumerate() {
+    for (index, cause) in Cause::ALL.into_iter().enumerate() {
         let count = false_alarms.iter().filter(|alarm| alarm.cause == cause).count();
         let separator = if index == 0 { " (" } else { ", " };
         text += &format!("{separator}{} {count}", cause.name());

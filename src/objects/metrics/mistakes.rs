@@ -4,6 +4,7 @@
 use super::ranking::{MatchOutcome, Ranked};
 use super::{Image, MetricSettings, TrueBox, iou};
 use crate::{Rect, Scored};
+use bathyscope_log::named;
 
 /// Cause of a false alarm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,15 +19,13 @@ pub enum Cause {
     Loose,
 }
 
-impl Cause {
-    /// Returns the cause in a word or two, for tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Cause::Background => "background",
-            Cause::Duplicate => "duplicate",
-            Cause::OtherClass => "other class",
-            Cause::Loose => "loose box",
-        }
+named! {
+    /// All causes, in the order of tables.
+    pub Cause {
+        Background: "background",
+        Duplicate: "duplicate",
+        OtherClass: "other class",
+        Loose: "loose box",
     }
 }
 
