@@ -5,7 +5,6 @@ use super::status_line::StatusLine;
 use super::{Failure, output};
 use bathyscope_bottom::calibration::PingRange;
 use bathyscope_log::formats::read_area;
-use bathyscope_log::support::progress::Progress;
 use bathyscope_products::export::{LogPartChoice, TimeBound, check_copy, copy_log};
 use std::path::PathBuf;
 
@@ -40,11 +39,10 @@ pub(super) fn run(args: &ConvertArgs) -> Result<(), Failure> {
         area: args.area.as_deref().map(read_area).transpose()?,
     };
     let opener = LogOpener::new(args.settings.resolve()?)?;
-    let progress = Progress::new();
-    let status = StatusLine::at("conversion", &progress);
-    let survey = opener.open(&args.log, &progress)?;
+    let status = StatusLine::at("conversion");
+    let survey = opener.open(&args.log, &status.progress)?;
     let positions = opener.settings.position_settings();
-    let copied = copy_log(&args.output, &survey, positions, &choice, &progress);
+    let copied = copy_log(&args.output, &survey, positions, &choice, &status.progress);
     drop(status);
     let copied = copied.map_err(|error| format!("{error}: {}", args.log.display()))?;
     for loss in &copied.losses {

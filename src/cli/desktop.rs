@@ -33,7 +33,7 @@ pub(super) fn run(args: &DesktopArgs) -> Result<(), Failure> {
         None => (data_folder()?, Some(program()?)),
     };
     let files = share_files(program.as_deref(), super::program());
-    for ShareFile { path, content } in &files {
+    for (path, content) in &files {
         let path = folder.join(path);
         if args.remove { remove(&path)? } else { write(&path, content)? }
     }
@@ -44,7 +44,7 @@ pub(super) fn run(args: &DesktopArgs) -> Result<(), Failure> {
         refresh("update-desktop-database", &folder.join(APPLICATIONS));
     }
     let did = if args.remove { "removed" } else { "wrote" };
-    let paths: Vec<&str> = files.iter().map(|file| file.path.as_str()).collect();
+    let paths: Vec<&str> = files.iter().map(|(path, _)| path.as_str()).collect();
     output::results(format_args!("{did} in {}: {}", folder.display(), paths.join(", ")))
 }
 
@@ -123,20 +123,8 @@ const APPLICATIONS: &str = "applications";
 /// Folder of file types.
 const MIME: &str = "mime";
 
-/// File and its path within the `share` folder.
-struct ShareFile {
-    /// Path within the folder, with `/` between the names.
-    pub path: String,
-    /// Content of the file.
-    pub content: Vec<u8>,
-}
-
-impl ShareFile {
-    fn new(path: impl Into<String>, content: impl Into<Vec<u8>>) -> Self {
-        let (path, content) = (path.into(), content.into());
-        Self { path, content }
-    }
-}
+/// Path of a file within the `share` folder, with `/` between the names, and its content.
+type ShareFile = (String, Vec<u8>);
 
 /// Returns desktop entry, file types, icon, manual pages and completions of a command; the entry
 /// starts the program at a path, or without one by its name.
@@ -146,14 +134,14 @@ fn share_files(program: Option<&str>, command: clap::Command) -> Vec<ShareFile> 
         None => entry(),
     };
     let mut files = vec![
-        ShareFile::new(format!("{APPLICATIONS}/bathyscope.desktop"), entry),
-        ShareFile::new(format!("{MIME}/packages/bathyscope.xml"), types()),
-        ShareFile::new("icons/hicolor/scalable/apps/bathyscope.svg", ICON),
+        (format!("{APPLICATIONS}/bathyscope.desktop"), entry.into_bytes()),
+        (format!("{MIME}/packages/bathyscope.xml"), types().into_bytes()),
+        ("icons/hicolor/scalable/apps/bathyscope.svg".to_owned(), ICON.into()),
     ];
     files.extend(COMPLETIONS.map(|(shell, path)| {
         let mut text = Vec::new();
         generate(shell, &mut command.clone(), NAME, &mut text);
-        ShareFile::new(path, text)
+        (path.to_owned(), text)
     }));
     files.extend(manual_pages(command));
     files
@@ -203,7 +191,7 @@ fn manual_pages(command: clap::Command) -> Vec<ShareFile> {
         let mut text = Vec::new();
         // Writing into memory cannot fail.
         page.render(&mut text).ok();
-        ShareFile::new(format!("man/man1/{}", page.get_filename()), text)
+        (format!("man/man1/{}", page.get_filename()), text)
     };
     all.map(page).collect()
 }
@@ -268,9 +256,9 @@ mod tests {
         let command = crate::cli::program();
         let files = share_files(None, command.clone());
         let text = |path: &str| {
-            let file = files.iter().find(|file| file.path == path);
-            let file = file.unwrap_or_else(|| panic!("{path} is missing"));
-            String::from_utf8(file.content.clone()).unwrap()
+            let file = files.iter().find(|(found, _)| found == path);
+            let (_, content) = file.unwrap_or_else(|| panic!("{path} is missing"));
+            String::from_utf8(content.clone()).unwrap()
         };
         let of_program = text("man/man1/bathyscope.1");
         assert!(of_program.contains("bathyscope\\-process(1)"));

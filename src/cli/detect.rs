@@ -2,7 +2,7 @@
 //! other programs.
 
 use super::folders::Folders;
-use super::settings::{LogOpener, SettingsArgs};
+use super::settings::{LogOpener, SettingsArgs, processed};
 use super::status_line::StatusLine;
 use super::survey_logs::logs_of;
 use super::{Failure, output};
@@ -12,7 +12,6 @@ use bathyscope_log::support::progress::Progress;
 use bathyscope_objects::model::shipped;
 use bathyscope_objects::{DetectorSettings, Model, ModelError, Picture};
 use bathyscope_products::outputs::{self, Proposed, Replaced, RunFolder};
-use bathyscope_products::pipeline::ProcessedLog;
 use image::{ColorType, DynamicImage, ImageDecoder as _};
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -133,13 +132,12 @@ fn search_survey(
     logs: &LogOpener,
     run: RunFolder,
 ) -> Result<(String, Replaced), Failure> {
-    let progress = Progress::new();
-    let survey = logs.open(input, &progress)?;
-    let status = StatusLine::new(&progress);
-    let products = logs.process(&survey, &status, &progress)?;
-    let log = ProcessedLog::new(Arc::new(survey), products);
+    let survey = Arc::new(logs.open(input, &Progress::new())?);
+    let status = StatusLine::new();
+    status.work_on("", survey.side_scan.len());
+    let log = processed(&survey, &logs.settings, None, &status)?;
     status.step("detecting");
-    let (found, replaced) = outputs::write_detected(&log, model, run, &progress)
+    let (found, replaced) = outputs::write_detected(&log, model, run, &status.progress)
         .map_err(|error| format!("{error}: {}", input.display()))?;
     Ok((proposed_in_words(&found, model.names()), replaced))
 }
@@ -151,14 +149,14 @@ fn search_picture(
     settings: &DetectorSettings,
     run: RunFolder,
 ) -> Result<(String, Replaced), Failure> {
-    let progress = Progress::new();
-    let _status = StatusLine::at("detecting", &progress);
+    let status = StatusLine::at("detecting");
     let picture = read_picture(input).map_err(|Failure { sentence }| {
         format!("cannot read the picture: {sentence}: {}", input.display())
     })?;
     let name = input.file_name().unwrap_or_default().to_string_lossy();
+    let progress = &status.progress;
     let (found, replaced) =
-        outputs::write_detected_in_picture(&name, &picture, model, settings, run, &progress)
+        outputs::write_detected_in_picture(&name, &picture, model, settings, run, progress)
             .map_err(|error| format!("{error}: {}", input.display()))?;
     let names = found.iter().map(|detection| model.names()[detection.class].as_str());
     Ok((boxes_in_words(names), replaced))

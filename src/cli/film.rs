@@ -60,9 +60,8 @@ pub(super) fn run(args: FilmArgs) -> Result<(), Failure> {
     let mut shell = Shell::new(app);
     shell.show_alone(Alone::View(View::Waterfall));
     let studio = Studio::new()?;
-    let progress = Progress::new();
-    let status = StatusLine::at("film", &progress);
-    write(&args.output, args.size, args.fps, &frames, &studio, &mut shell, &progress)?;
+    let status = StatusLine::at("film");
+    write(&args.output, args.size, args.fps, &frames, &studio, &mut shell, &status.progress)?;
     drop(status);
     output::notify(format_args!(
         "{} frames, {:.0} s, {:.1} times as fast as the boat; drawn by {}",

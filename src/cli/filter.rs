@@ -5,7 +5,6 @@ use super::status_line::StatusLine;
 use super::{Failure, output};
 use bathyscope_bottom::cloud::outliers;
 use bathyscope_log::formats::points::{self, PointFormat, split_columns};
-use bathyscope_log::support::progress::Progress;
 use bathyscope_products::export::kept_points;
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -49,9 +48,8 @@ pub(super) fn run(args: FilterArgs) -> Result<(), Failure> {
     if let Some(note) = &file.note {
         output::notify(format_args!("warning: {note}: {}", path.display()));
     }
-    let progress = Progress::new();
-    let status = StatusLine::at("outliers", &progress);
-    let kept = outliers::keep(&file.points, radius, min_neighbors, &progress)?;
+    let status = StatusLine::at("outliers");
+    let kept = outliers::keep(&file.points, radius, min_neighbors, &status.progress)?;
     status.step("writing");
     kept_points(&destination, format, &file, &kept)?;
     drop(status);

@@ -1,5 +1,5 @@
 //! Reads the command line, runs the subcommand that it names and returns the exit code. Each
-//! subcommand has its own file.
+//! subcommand but `manual` has its own file.
 //!
 //! In: arguments of the command line. Out: a window, or files and lines of text, and an exit code.
 //!
@@ -18,7 +18,6 @@ mod film;
 mod filter;
 mod folders;
 mod info;
-mod manual;
 mod output;
 mod plan;
 mod process;
@@ -26,9 +25,6 @@ mod review;
 mod settings;
 mod simulate;
 #[cfg(feature = "gui")]
-mod snapshot;
-#[cfg(not(feature = "gui"))]
-#[path = "no_window.rs"]
 mod snapshot;
 #[cfg(feature = "gui")]
 mod sonogram;
@@ -42,6 +38,7 @@ pub use simulate::known_objects;
 pub use crate::app::crash_report::write_crash_report;
 pub use bathyscope_log::support::catch_panic::is_to_be_printed;
 
+use crate::app::manual::{self, Topic};
 use bathyscope_log::formats::formats_to_open;
 use bathyscope_log::support::catch_panic::panic_as_error;
 use bathyscope_products::pipeline::settings::slips;
@@ -105,10 +102,10 @@ enum Command {
     /// Make the map and the mosaic of tiles of an archive
     Tile(archive::TileArgs),
     /// Find the height offsets between the logs of an archive from where they cross
-    Adjust(archive::AdjustArgs),
+    Adjust(archive::adjust::AdjustArgs),
     /// List which log, ping, side and sample of an archive cover a place
     #[command(alias = "who")]
-    Coverage(archive::CoverageArgs),
+    Coverage(archive::coverage::CoverageArgs),
     /// Find objects on the bottom, in logs or pictures, with a YOLO model
     Detect(detect::DetectArgs),
     /// Write what was decided about a log's boxes: places for maps, pictures with labels for
@@ -125,7 +122,10 @@ enum Command {
     /// Make a survey of known truth: log, truth and objects
     Simulate(simulate::SimulateArgs),
     /// Print the manual, or one page of it, as Markdown
-    Manual(manual::ManualArgs),
+    Manual {
+        /// The page to print; all pages without it
+        topic: Option<Topic>,
+    },
     /// Open projects and logs by double click: writes a desktop entry, file types, manual pages and
     /// completions for this user
     Desktop(desktop::DesktopArgs),
@@ -240,8 +240,8 @@ impl Command {
             Self::Archive(args) => archive::run_archive(&args),
             Self::Tiles(args) => archive::run_tiles(&args),
             Self::Tile(args) => archive::run_tile(&args),
-            Self::Adjust(args) => archive::run_adjust(&args),
-            Self::Coverage(args) => archive::run_coverage(&args),
+            Self::Adjust(args) => archive::adjust::run(&args),
+            Self::Coverage(args) => archive::coverage::run(&args),
             Self::Detect(args) => detect::run(args),
             Self::Review(args) => review::run(args),
             Self::Snapshot(args) => snapshot::run(args),
@@ -250,8 +250,43 @@ impl Command {
             #[cfg(feature = "gui")]
             Self::Film(args) => film::run(args),
             Self::Simulate(args) => simulate::run(args),
-            Self::Manual(args) => manual::run(args),
+            Self::Manual { topic } => {
+                output::results(topic.map_or_else(manual::whole, Topic::text).trim_end())
+            }
             Self::Desktop(args) => desktop::run(&args),
         }
+    }
+}
+
+/// `bathyscope snapshot` in a build without a window: returns an error.
+#[cfg(not(feature = "gui"))]
+mod snapshot {
+    use super::Failure;
+    use crate::app::LogOrigin;
+    use std::ffi::OsString;
+    use std::path::Path;
+
+    /// Message of commands that would draw a picture of the window.
+    pub(crate) const NO_WINDOW: &str = "this build of Bathyscope has no window and draws no pictures of one; build it with the feature gui, or try `bathyscope process SURVEY -o DIR`";
+
+    /// `bathyscope snapshot` with any arguments.
+    #[derive(Debug, clap::Args)]
+    pub(crate) struct SnapshotArgs {
+        /// This build has no window, and draws no pictures of one
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true, hide = true)]
+        _arguments: Vec<OsString>,
+    }
+
+    /// Returns the error that this build has no window.
+    pub(crate) fn run(_: SnapshotArgs) -> Result<(), Failure> {
+        Err(NO_WINDOW.into())
+    }
+
+    /// Returns the error that this build has no window.
+    pub(crate) fn draw_into(
+        _: &LogOrigin,
+        _: &Path,
+    ) -> Result<(Vec<&'static str>, String), Failure> {
+        Err(NO_WINDOW.into())
     }
 }

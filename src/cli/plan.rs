@@ -9,7 +9,6 @@ use bathyscope_bottom::planning::{Plan, PlanError, PlanSettings, WaterState, pla
 use bathyscope_bottom::presentation::text;
 use bathyscope_log::formats::read_area;
 use bathyscope_log::support::geo::{LocalFrame, LonLat};
-use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::WaterArea;
 use bathyscope_products::export::{PlanFormat, PlannedWay, is_same_file};
 use bathyscope_products::pipeline::list_objects;
@@ -63,7 +62,12 @@ pub(super) struct PlanArgs {
 pub(super) fn run(args: PlanArgs) -> Result<(), Failure> {
     // Checked before the work, which takes minutes for a long survey.
     let format = PlanFormat::of(&args.output)?;
-    let settings = args.plan_settings();
+    let settings = PlanSettings {
+        minutes: args.minutes,
+        speed_mps: args.speed,
+        turn_radius_m: args.turn_radius,
+        spacing_m: args.spacing,
+    };
     settings.check()?;
     let area = args.area.as_deref().map(read_area).transpose()?;
     args.refuse_overwrite()?;
@@ -99,20 +103,10 @@ pub(super) fn run(args: PlanArgs) -> Result<(), Failure> {
 }
 
 impl PlanArgs {
-    fn plan_settings(&self) -> PlanSettings {
-        PlanSettings {
-            minutes: self.minutes,
-            speed_mps: self.speed,
-            turn_radius_m: self.turn_radius,
-            spacing_m: self.spacing,
-        }
-    }
-
     /// Refuses to write the lines over a file that they are made from.
     fn refuse_overwrite(&self) -> Result<(), Failure> {
-        let read = self.surveys.iter().chain(&self.area).chain(&self.review);
-        let mut same = read.filter(|path| is_same_file(path, &self.output));
-        match same.next() {
+        let mut read = self.surveys.iter().chain(&self.area).chain(&self.review);
+        match read.find(|path| is_same_file(path, &self.output)) {
             Some(path) => Err(format!(
                 "the lines would be written over a file that they are made from; choose another name: {}",
                 path.display()
@@ -129,19 +123,19 @@ fn planned(
     area: Option<&WaterArea>,
     frame: &LocalFrame,
 ) -> Result<Plan, Failure> {
-    let progress = Progress::new();
-    let status = StatusLine::new(&progress);
-    let logs = all_processed(opened, &status, &progress)?;
+    let status = StatusLine::new();
+    let logs = all_processed(opened, &status)?;
     status.step("what is known");
     let review = survey_review(opened);
-    let objects = list_objects(&logs, &review, &progress)?;
-    let known = survey_coverage(&logs, &objects, &progress)?.ok_or(PlanError::NoLog)?;
+    let progress = &status.progress;
+    let objects = list_objects(&logs, &review, progress)?;
+    let known = survey_coverage(&logs, &objects, progress)?.ok_or(PlanError::NoLog)?;
     let rings = area.map(|area| {
         let ring = |ring: &Vec<LonLat>| ring.iter().map(|at| frame.to_enu(*at)).collect();
         area.rings.iter().map(ring).collect::<Vec<Vec<[f64; 2]>>>()
     });
     status.step("lines");
-    plan(&known, rings.as_deref(), settings, &progress).map_err(|error| match area {
+    plan(&known, rings.as_deref(), settings, progress).map_err(|error| match area {
         Some(area) if error.is_about_area() => format!("{error}: {}", area.path.display()).into(),
         _ => error.into(),
     })

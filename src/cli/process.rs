@@ -4,10 +4,10 @@
 use super::archive::each_in_parallel;
 use super::detect::{self, proposed_in_words};
 use super::folders::{Folders, name_of};
-use super::settings::SettingsArgs;
+use super::settings::{SettingsArgs, processed};
 use super::status_line::StatusLine;
 use super::survey_logs::{
-    self, LogInput, OpenedLog, all_or, is_of, open, open_reference, survey_review, take_reviews,
+    self, LogInput, OpenedLog, all_or, open, open_reference, survey_review, take_reviews,
 };
 use super::{Failure, output};
 use bathyscope_bottom::bathymetry::compare::Matching;
@@ -17,12 +17,13 @@ use bathyscope_bottom::presentation::text;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::{MountingSettings, Survey};
 use bathyscope_objects::Model;
+use bathyscope_objects::review::Review;
 use bathyscope_products::archive::{Added, Archive, LogRecord, add};
 use bathyscope_products::outputs::{self, Order, Product};
 use bathyscope_products::pipeline::joint::{
     LogPositions, RequestedCorrection, compare_heights, position_offsets,
 };
-use bathyscope_products::pipeline::{self, Derived, ProcessedLog, Settings};
+use bathyscope_products::pipeline::{Derived, ProcessedLog, Settings};
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
 use std::ffi::{OsStr, OsString};
@@ -200,8 +201,8 @@ fn each(inputs: &[LogInput], how: &How<'_>, args: &ProcessArgs) -> Result<(), Fa
                 Some(_) => folders.next(&name),
                 None => chosen(folders.next_free(&name, &logs))?,
             };
-            let own = args.review.iter().filter(|path| is_of(path, &logs[0]));
-            let own: Vec<PathBuf> = own.cloned().collect();
+            let is_own = |path: &&PathBuf| Review::open_for(path, &logs[0].survey).is_ok();
+            let own: Vec<PathBuf> = args.review.iter().filter(is_own).cloned().collect();
             take_reviews(&mut logs, &own)?;
             how.process_into(&logs, &folder)
         });
@@ -212,10 +213,6 @@ fn each(inputs: &[LogInput], how: &How<'_>, args: &ProcessArgs) -> Result<(), Fa
     }
     all_or(failed, inputs.len())
 }
-
-/// Most logs that are in memory at the same time, one for each worker thread. More would only need
-/// more memory, since the work on one log is parallel, too.
-const MOST_AT_ONCE: usize = 4;
 
 /// Adds every log to the archive of the folder. A log that cannot be used does not prevent the
 /// others from being added.
@@ -232,15 +229,7 @@ fn add_tiles(inputs: &[LogInput], args: &ProcessArgs) -> Result<(), Failure> {
         return Ok(());
     };
     let archive = Archive::open_for(folder, &first.logs.settings)?;
-    let progress = Progress::new();
-    let status = StatusLine::at("tiles", &progress);
-    progress.start(inputs.len() as u64);
-    let done = each_in_parallel(inputs, MOST_AT_ONCE, |input| {
-        let added = added(&archive, input);
-        progress.advance(1);
-        added
-    });
-    drop(status);
+    let done = each_in_parallel("tiles", inputs, |input| added(&archive, input));
     let mut failed = 0;
     for (input, added) in inputs.iter().zip(done) {
         match added {
@@ -310,31 +299,30 @@ impl How<'_> {
         let Some(first) = opened.first() else {
             return Ok(());
         };
-        let progress = Progress::new();
-        let status = StatusLine::new(&progress);
+        let status = StatusLine::new();
         let datum = datum(self.held, opened)?;
-        let open = |argument| open_reference(argument, first, &progress);
+        let open = |argument| open_reference(argument, first, &status.progress);
         let reference = self.reference.map(open).transpose()?.map(Arc::new);
         let surveys = opened.iter().map(|log| &*log.survey);
         let run = outputs::begin(folder, surveys, reference.as_deref())?;
-        let mut logs = all_processed(opened, &status, &progress)?;
+        let mut logs = all_processed(opened, &status)?;
         let mut corrections = Vec::new();
         if let ([log], true) = (logs.as_slice(), self.adjust) {
             corrections = RequestedCorrection::of_one_log(&log.survey.name(), self.wanted);
         }
         if self.wanted.latencies {
             status.step("sounding lag");
-            logs = timed(opened, &logs, &mut corrections, &status, &progress)?;
+            logs = timed(opened, &logs, &mut corrections, &status)?;
         }
         // The shift of the positions of a single log cannot be found.
         let wanted = Wanted { shifts: self.wanted.shifts && logs.len() > 1, ..self.wanted };
         if wanted.is_anything() {
             status.step("positions");
-            logs = placed(&logs, wanted, &mut corrections, &status, &progress)?;
+            logs = placed(&logs, wanted, &mut corrections, &status)?;
         }
         if self.adjust && logs.len() > 1 {
             status.step("height offsets");
-            logs = adjusted(&logs, datum, &mut corrections, &status, &progress)?;
+            logs = adjusted(&logs, datum, &mut corrections, &status)?;
         }
         let review = survey_review(opened);
         let max_gap_m = first.settings.surface.max_gap_m;
@@ -348,7 +336,7 @@ impl How<'_> {
             review: &review,
             corrections: &corrections,
         };
-        let written = outputs::write(&order, run, &progress, |what| status.step(what))?;
+        let written = outputs::write(&order, run, &status.progress, |what| status.step(what))?;
         drop(status);
         for warning in &written.report.warnings {
             output::notify(format_args!("warning: {warning}"));
@@ -372,7 +360,6 @@ impl How<'_> {
 pub(crate) fn all_processed(
     opened: &[OpenedLog],
     status: &StatusLine,
-    progress: &Progress,
 ) -> Result<Vec<ProcessedLog>, Failure> {
     let process = |(number, log): (usize, &OpenedLog)| -> Result<ProcessedLog, Failure> {
         let name = match opened.len() {
@@ -380,7 +367,7 @@ pub(crate) fn all_processed(
             count => format!("log {number} of {count}"),
         };
         status.work_on(&name, log.survey.side_scan.len());
-        let log = processed(&log.survey, &log.settings, None, status, progress)?;
+        let log = processed(&log.survey, &log.settings, None, status)?;
         log.survey.check_files()?;
         Ok(log)
     };
@@ -390,25 +377,6 @@ pub(crate) fn all_processed(
     logs
 }
 
-/// Runs the pipeline on a log; results that do not depend on the changed settings are taken from
-/// `previous`.
-///
-/// # Errors
-/// When the work was cancelled.
-fn processed(
-    survey: &Arc<Survey>,
-    settings: &Settings,
-    previous: Option<&ProcessedLog>,
-    status: &StatusLine,
-    progress: &Progress,
-) -> Result<ProcessedLog, Cancelled> {
-    let previous = previous.map(|log| &log.products);
-    let products = pipeline::run(survey, settings, previous, progress, |stage| {
-        status.step(stage.name());
-    })?;
-    Ok(ProcessedLog::new(survey.clone(), products))
-}
-
 /// Returns the logs with their soundings corrected for the lag that first returns show; adds the
 /// corrections to `corrections`.
 fn timed(
@@ -416,7 +384,6 @@ fn timed(
     logs: &[ProcessedLog],
     corrections: &mut Vec<RequestedCorrection>,
     status: &StatusLine,
-    progress: &Progress,
 ) -> Result<Vec<ProcessedLog>, Cancelled> {
     let names = outputs::log_names(logs);
     let with = |((opened, log), name): ((&OpenedLog, &ProcessedLog), &String)| {
@@ -428,7 +395,7 @@ fn timed(
         let more = MountingSettings { sounding_lag_s: lag.told_s(), ..MountingSettings::default() };
         settings.mounting.sounding_lag_s += more.sounding_lag_s;
         let survey = Arc::new(Survey::clone(&opened.survey).mounted(&more));
-        processed(&survey, &settings, None, status, progress)
+        processed(&survey, &settings, None, status)
     };
     opened.iter().zip(logs).zip(&names).map(with).collect()
 }
@@ -440,9 +407,8 @@ fn placed(
     wanted: Wanted,
     corrections: &mut Vec<RequestedCorrection>,
     status: &StatusLine,
-    progress: &Progress,
 ) -> Result<Vec<ProcessedLog>, Cancelled> {
-    let found = position_offsets(logs, wanted, progress)?;
+    let found = position_offsets(logs, wanted, &status.progress)?;
     for (index, name) in outputs::log_names(logs).iter().enumerate() {
         let of_log = found.as_ref().and_then(|found| found.get(index));
         corrections.extend(RequestedCorrection::of_positions(name, wanted, of_log));
@@ -461,7 +427,7 @@ fn placed(
         if settings == *log.products.settings {
             Ok(log.clone())
         } else {
-            processed(&log.survey, &settings, Some(log), status, progress)
+            processed(&log.survey, &settings, Some(log), status)
         }
     };
     logs.iter().zip(&found).map(with).collect()
@@ -488,9 +454,8 @@ fn adjusted(
     datum: Datum,
     corrections: &mut Vec<RequestedCorrection>,
     status: &StatusLine,
-    progress: &Progress,
 ) -> Result<Vec<ProcessedLog>, Cancelled> {
-    let mut found = compare_heights(logs, datum, progress)?;
+    let mut found = compare_heights(logs, datum, &status.progress)?;
     if let Datum::Log(held) = datum {
         found.offsets.raise(held, logs[held].products.correction.height_offset_m());
     }
@@ -505,7 +470,7 @@ fn adjusted(
             settings.excluded = settings.excluded.excluding(&log.survey, stretch.part());
             corrections.push(RequestedCorrection::of_false_soundings(&names[index], stretch));
         }
-        processed(&log.survey, &settings, Some(log), status, progress)
+        processed(&log.survey, &settings, Some(log), status)
     };
     logs.iter().enumerate().map(&mut with).collect()
 }

@@ -6,7 +6,6 @@ use super::settings::SettingsArgs;
 use super::status_line::StatusLine;
 use super::survey_logs::{OpenedLog, all_or, inputs, open, survey_review, take_reviews};
 use super::{Failure, output};
-use bathyscope_log::support::progress::Progress;
 use bathyscope_objects::review::{Review, ReviewError};
 use bathyscope_products::export::DatasetPart;
 use bathyscope_products::outputs;
@@ -47,12 +46,11 @@ pub(super) fn run(args: ReviewArgs) -> Result<(), Failure> {
         [] => take_sidecars(&mut opened)?,
         named => take_reviews(&mut opened, named)?,
     }
-    let progress = Progress::new();
-    let status = StatusLine::new(&progress);
-    let logs = all_processed(&opened, &status, &progress)?;
+    let status = StatusLine::new();
+    let logs = all_processed(&opened, &status)?;
     status.step("writing");
     let review = survey_review(&opened);
-    let written = outputs::write_boxes(&logs, &review, args.part, &args.output, &progress)?;
+    let written = outputs::write_boxes(&logs, &review, args.part, &args.output, &status.progress)?;
     drop(status);
     output::results(written.summary(&args.output))?;
     all_or(failed, inputs.len())

@@ -9,8 +9,9 @@ use bathyscope_log::support::file_error::FileError;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::support::regular_file;
 use bathyscope_log::survey::Survey;
-use bathyscope_products::pipeline::{self, Preset, Products, Settings, SourceError};
+use bathyscope_products::pipeline::{self, Preset, ProcessedLog, Settings, SourceError};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Sources of settings: the preset, then the files, then each `--set`; the last one wins.
 #[derive(Debug, Default, clap::Args)]
@@ -79,31 +80,34 @@ impl LogOpener {
     pub(super) fn open(&self, path: &Path, progress: &Progress) -> Result<Survey, Failure> {
         let track = self.track.as_ref();
         let recorded = formats::open(path, progress)?;
-        let survey = pipeline::as_set(recorded, &self.settings, track)
-            .map_err(|error| format!("{error}{}", of_log(&error, path)))?;
+        let survey =
+            pipeline::as_set(recorded, &self.settings, track).map_err(|error| match error {
+                SourceError::System(_) => format!("{error}: {}", path.display()),
+                // It ends with the path of the track.
+                SourceError::Track(_) => error.to_string(),
+            })?;
         tell_of_drawing(&survey, &self.settings);
         check_against(&survey, &self.settings)?;
         Ok(survey)
     }
-
-    /// Runs the pipeline on a log that was opened.
-    pub(super) fn process(
-        &self,
-        survey: &Survey,
-        status: &StatusLine,
-        progress: &Progress,
-    ) -> Result<Products, Cancelled> {
-        status.work_on("", survey.side_scan.len());
-        pipeline::run(survey, &self.settings, None, progress, |stage| status.step(stage.name()))
-    }
 }
 
-/// Returns the path of the log, for sentences that do not yet end with a path.
-fn of_log(error: &SourceError, path: &Path) -> String {
-    match error {
-        SourceError::System(_) => format!(": {}", path.display()),
-        SourceError::Track(_) => String::new(),
-    }
+/// Runs the pipeline on a log; results that do not depend on the changed settings are taken from
+/// `previous`.
+///
+/// # Errors
+/// When the work was cancelled.
+pub(super) fn processed(
+    survey: &Arc<Survey>,
+    settings: &Settings,
+    previous: Option<&ProcessedLog>,
+    status: &StatusLine,
+) -> Result<ProcessedLog, Cancelled> {
+    let previous = previous.map(|log| &log.products);
+    let products = pipeline::run(survey, settings, previous, &status.progress, |stage| {
+        status.step(stage.name());
+    })?;
+    Ok(ProcessedLog::new(survey.clone(), products))
 }
 
 /// Warns if bottom edits are next to the log and are not used: a run uses only the settings that it

@@ -48,9 +48,8 @@ pub(super) fn run(args: SimulateArgs) -> Result<(), Failure> {
         Some(path) => read_scene(path)?,
         None => Scene::demo(),
     };
-    let progress = Progress::new();
-    let status = StatusLine::at("simulating", &progress);
-    let survey = simulate(&scene, args.seed, &progress)?;
+    let status = StatusLine::at("simulating");
+    let survey = simulate(&scene, args.seed, &status.progress)?;
     status.step("writing");
     let written = write(&survey, prefix)?;
     drop(status);
@@ -210,9 +209,8 @@ fn run_dataset(args: &DatasetArgs, seed: u64) -> Result<(), Failure> {
         pool = pool.num_threads(threads);
     }
     let pool = pool.build().map_err(|error| format!("cannot start the threads: {error}"))?;
-    let progress = Progress::new();
-    let status = StatusLine::at("simulating pictures", &progress);
-    progress.start(images.iter().sum::<usize>() as u64);
+    let status = StatusLine::at("simulating pictures");
+    status.progress.start(images.iter().sum::<usize>() as u64);
     let per_scene = usize::from(args.per_scene);
     let surveys = folder.join("surveys");
     let made = pool.install(|| {
@@ -226,14 +224,23 @@ fn run_dataset(args: &DatasetArgs, seed: u64) -> Result<(), Failure> {
                     per_scene,
                     images,
                     surveys: args.surveys.then(|| surveys.join(part.name())),
-                    progress: &progress,
+                    progress: &status.progress,
                 };
                 maker.part()
             })
             .collect::<Result<Vec<PartRecord>, Failure>>()
     })?;
-    let manifest = Manifest::new(args, seed, &made);
-    dataset.manifest(&manifest)?;
+    dataset.manifest(&Manifest {
+        program: "bathyscope simulate --dataset",
+        version: env!("CARGO_PKG_VERSION"),
+        seed,
+        split: args.split.0,
+        per_scene: args.per_scene,
+        pixel_m: PIXEL_M,
+        tile_px: TILE_PX,
+        classes: ObjectKind::ALL.map(ObjectKind::name),
+        parts: &made,
+    })?;
     drop(status);
     let labels: usize = made.iter().map(|made| made.part.labels.values().sum::<usize>()).sum();
     output::results(format_args!(
@@ -385,20 +392,4 @@ struct Manifest<'a> {
     tile_px: usize,
     classes: [&'static str; ObjectKind::ALL.len()],
     parts: &'a [PartRecord],
-}
-
-impl<'a> Manifest<'a> {
-    fn new(args: &DatasetArgs, seed: u64, parts: &'a [PartRecord]) -> Self {
-        Self {
-            program: "bathyscope simulate --dataset",
-            version: env!("CARGO_PKG_VERSION"),
-            seed,
-            split: args.split.0,
-            per_scene: args.per_scene,
-            pixel_m: PIXEL_M,
-            tile_px: TILE_PX,
-            classes: ObjectKind::ALL.map(ObjectKind::name),
-            parts,
-        }
-    }
 }

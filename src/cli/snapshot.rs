@@ -157,12 +157,9 @@ pub(super) fn run(args: SnapshotArgs) -> Result<(), Failure> {
     open(&mut app, &args.survey.map_or(LogOrigin::Demo, LogOrigin::Path))?;
     take_over(&mut app, settings)?;
     select(&mut app, args.pings)?;
-    if let Some(truth) = args.truth {
-        app.apply(Command::OpenFile(FileToOpen::Truth(truth)));
-        wait(&mut app)?;
-    }
-    if let Some(path) = args.base_map {
-        app.apply(Command::OpenFile(FileToOpen::BaseMap(path)));
+    let files = [args.truth.map(FileToOpen::Truth), args.base_map.map(FileToOpen::BaseMap)];
+    for file in files.into_iter().flatten() {
+        app.apply(Command::OpenFile(file));
         wait(&mut app)?;
     }
     if let Some(path) = args.reference {

@@ -44,9 +44,8 @@ pub(super) fn run(args: SonogramArgs) -> Result<(), Failure> {
     let (mut shell, name) = (Shell::new(log.app), log.name);
     shell.show_alone(Alone::View(View::Waterfall));
     let studio = Studio::new()?;
-    let progress = Progress::new();
-    let status = StatusLine::at("sonogram", &progress);
-    progress.start(pages.len() as u64);
+    let status = StatusLine::at("sonogram");
+    status.progress.start(pages.len() as u64);
     for (number, pings) in pages.iter().enumerate() {
         let share = (pings.end - pings.start) as f64 / page as f64;
         let width = ((f64::from(width) * share).round() as u32).max(NARROWEST.min(width));
@@ -55,7 +54,7 @@ pub(super) fn run(args: SonogramArgs) -> Result<(), Failure> {
         shell.app.logs.check_files()?;
         let file = format!("{name}_{:04}.png", number + 1);
         write_picture(&picture, &args.output.join(file))?;
-        progress.advance(1);
+        status.progress.advance(1);
     }
     drop(status);
     output::notify(format_args!(

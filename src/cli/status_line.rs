@@ -24,6 +24,8 @@ const WIDTH: usize = 79;
 
 /// Line on stderr with the current step and the share of it that is done, until dropped.
 pub(super) struct StatusLine {
+    /// Progress of the work, from which the share is read.
+    pub progress: Progress,
     step: Arc<Mutex<Step>>,
     is_terminal: bool,
     /// Sender without messages: when dropped, the painter thread ends.
@@ -36,34 +38,31 @@ pub(super) struct StatusLine {
 struct Step {
     name: String,
     began: Instant,
-    work: Work,
-}
-
-/// Subject of the steps, such as one of several logs.
-#[derive(Clone, Debug, Default)]
-struct Work {
-    /// Name before the step's name; empty if all steps are about one thing.
-    name: String,
-    /// Number of its side-scan pings; 0 if it has none.
+    /// Name of its subject, such as one of several logs, before its own; empty if all steps are
+    /// about one thing.
+    subject: String,
+    /// Number of side-scan pings of the subject; 0 if it has none.
     pings: usize,
 }
 
 impl StatusLine {
-    /// Starts to show `progress`.
-    pub(super) fn new(progress: &Progress) -> Self {
+    /// Creates a progress and starts to show it.
+    pub(super) fn new() -> Self {
+        let progress = Progress::new();
         let step = Arc::new(Mutex::new(Step {
             name: String::new(),
             began: Instant::now(),
-            work: Work::default(),
+            subject: String::new(),
+            pings: 0,
         }));
         let is_terminal = std::io::stderr().is_terminal();
         let (going_on, stop) = mpsc::channel();
-        let (shown, progress) = (step.clone(), progress.clone());
+        let (shown, read) = (step.clone(), progress.clone());
         let painter = std::thread::spawn(move || {
             let mut lines = Lines::default();
             while stop.recv_timeout(LOOK) == Err(RecvTimeoutError::Timeout) {
                 let step = lock(&shown).clone();
-                let fraction = progress.fraction();
+                let fraction = read.fraction();
                 if is_terminal && !step.name.is_empty() {
                     write_over(format_args!("{} {:3.0} %", step.name, 100.0 * fraction));
                 } else if let Some(line) = lines.next(&step, fraction, Instant::now()) {
@@ -74,12 +73,12 @@ impl StatusLine {
                 write_over(format_args!(""));
             }
         });
-        Self { step, is_terminal, going_on: Some(going_on), painter: Some(painter) }
+        Self { progress, step, is_terminal, going_on: Some(going_on), painter: Some(painter) }
     }
 
-    /// Starts to show `progress`, in a step of this name.
-    pub(super) fn at(name: &str, progress: &Progress) -> Self {
-        let line = Self::new(progress);
+    /// Creates a progress and starts to show it, in a step of this name.
+    pub(super) fn at(name: &str) -> Self {
+        let line = Self::new();
         line.step(name);
         line
     }
@@ -87,7 +86,8 @@ impl StatusLine {
     /// Sets the subject of the following steps: its name, such as `log 2 of 5`, or empty if there
     /// is one subject only, and the number of its side-scan pings.
     pub(super) fn work_on(&self, name: &str, pings: usize) {
-        lock(&self.step).work = Work { name: name.to_owned(), pings };
+        let mut step = lock(&self.step);
+        (step.subject, step.pings) = (name.to_owned(), pings);
     }
 
     /// Begins a step of this name.
@@ -95,9 +95,9 @@ impl StatusLine {
         let (ended, begun) = {
             let mut step = lock(&self.step);
             let ended = step.ended(Instant::now());
-            step.name = match step.work.name.as_str() {
+            step.name = match step.subject.as_str() {
                 "" => name.to_owned(),
-                work => format!("{work}: {name}"),
+                subject => format!("{subject}: {name}"),
             };
             step.began = Instant::now();
             (ended, step.name.clone())
@@ -123,7 +123,7 @@ impl Step {
     /// Returns the rate of a share of the work, pings a second, after a comma; empty if it is
     /// unknown.
     fn rate(&self, share: f32, passed: Duration) -> String {
-        let rate = self.work.pings as f32 * share / passed.as_secs_f32().max(f32::MIN_POSITIVE);
+        let rate = self.pings as f32 * share / passed.as_secs_f32().max(f32::MIN_POSITIVE);
         if rate > 0.0 && rate.is_finite() { format!(", {rate:.0} pings/s") } else { String::new() }
     }
 }
@@ -220,7 +220,7 @@ mod tests {
     use super::*;
 
     fn step(name: &str, began: Instant, pings: usize) -> Step {
-        Step { name: name.to_owned(), began, work: Work { pings, ..Work::default() } }
+        Step { name: name.to_owned(), began, subject: String::new(), pings }
     }
 
     #[test]

@@ -75,40 +75,36 @@ pub(super) fn inputs(
     settings: &SettingsArgs,
     track: Option<PathBuf>,
 ) -> Result<Vec<LogInput>, Failure> {
-    match paths {
-        [path] if is_project(path) => {
-            if settings.are_given() || track.is_some() {
-                return Err(format!(
-                    "a project brings its settings; change them in it, or name its logs: {}",
-                    path.display()
-                )
-                .into());
-            }
-            of_project(path)
+    if let Some(path) = paths.iter().find(|path| is_project(path)) {
+        if paths.len() > 1 {
+            return Err(format!(
+                "a project is processed by itself; name it alone: {}",
+                path.display()
+            )
+            .into());
         }
-        paths => {
-            if let Some(path) = paths.iter().find(|path| is_project(path)) {
-                return Err(format!(
-                    "a project is processed by itself; name it alone: {}",
-                    path.display()
-                )
-                .into());
-            }
-            let mut settings = settings.resolve()?;
-            if track.is_some() {
-                settings.track.file = track;
-            }
-            let logs = Arc::new(LogOpener::new(settings)?);
-            for path in paths.iter().flat_map(|path| formats::unusable_in(path)) {
-                output::notify(format_args!(
-                    "warning: passed over, for it is no log that can be read: {}",
-                    path.display()
-                ));
-            }
-            let paths = logs_of(paths).into_iter();
-            Ok(paths.map(|path| LogInput::of_log(path, logs.clone())).collect())
+        if settings.are_given() || track.is_some() {
+            return Err(format!(
+                "a project brings its settings; change them in it, or name its logs: {}",
+                path.display()
+            )
+            .into());
         }
+        return of_project(path);
     }
+    let mut settings = settings.resolve()?;
+    if track.is_some() {
+        settings.track.file = track;
+    }
+    let logs = Arc::new(LogOpener::new(settings)?);
+    for path in paths.iter().flat_map(|path| formats::unusable_in(path)) {
+        output::notify(format_args!(
+            "warning: passed over, for it is no log that can be read: {}",
+            path.display()
+        ));
+    }
+    let paths = logs_of(paths).into_iter();
+    Ok(paths.map(|path| LogInput::of_log(path, logs.clone())).collect())
 }
 
 fn of_project(path: &Path) -> Result<Vec<LogInput>, Failure> {
@@ -217,13 +213,10 @@ pub(super) fn open(inputs: &[LogInput]) -> Result<(Vec<OpenedLog>, usize), Failu
 /// # Errors
 /// When `failed` is above 0; the error has both numbers.
 pub(super) fn all_or(failed: usize, all: usize) -> Result<(), Failure> {
-    match failed {
-        0 => Ok(()),
-        _ => {
-            Err(format!("{failed} of {all} logs could not be processed, for the reasons above")
-                .into())
-        }
+    if failed == 0 {
+        return Ok(());
     }
+    Err(format!("{failed} of {all} logs could not be processed, for the reasons above").into())
 }
 
 fn add(opened: &mut Vec<OpenedLog>, log: OpenedLog, path: &Path) {
@@ -253,11 +246,6 @@ fn is_same(one: &Survey, other: &Survey) -> bool {
     count == others
         && one.source.byte_count == other.source.byte_count
         && one.bytes.iter().zip(&other.bytes).take(count).all(|(one, other)| one[..] == other[..])
-}
-
-/// Returns true if a file contains the review of the boxes of a log.
-pub(super) fn is_of(path: &Path, log: &OpenedLog) -> bool {
-    Review::open_for(path, &log.survey).is_ok()
 }
 
 /// Sets each review that is named by its file as the review of the log that it belongs to, in place

@@ -171,10 +171,10 @@ fn search(
     // A bridge hands the tiles out in their order, so that the searched part is always the survey's
     // beginning and not scattered pieces.
     (0..count).par_bridge().try_for_each(|index| {
-        let place = grid.of_picture(index, pictures);
-        let seen = look(place.picture, place.tile)?;
+        let (picture, tile) = grid.of_picture(index, pictures);
+        let seen = look(picture, tile)?;
         let mut gathered = gathered.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(rows) = gathered.add(place, seen) {
+        if let Some(rows) = gathered.add(picture, tile, seen) {
             let found = named(gathered.merged(rows, model.nms(), iou));
             let tiles = rows * grid.counts[0] * pictures;
             on_found(found, tiles, grid.end_of(rows));
@@ -210,9 +210,9 @@ impl<'a> Gathered<'a> {
     }
 
     /// Stores the boxes of a tile. Returns the number of rows that are done if a report is due.
-    fn add(&mut self, place: InPicture, seen: Vec<TileDetection>) -> Option<usize> {
-        let row = place.tile / self.grid.counts[0];
-        self.seen[place.picture][place.tile] = seen;
+    fn add(&mut self, picture: usize, tile: usize, seen: Vec<TileDetection>) -> Option<usize> {
+        let row = tile / self.grid.counts[0];
+        self.seen[picture][tile] = seen;
         self.missing[row] -= 1;
         while self.missing.get(self.done) == Some(&0) {
             self.done += 1;
@@ -240,14 +240,6 @@ impl<'a> Gathered<'a> {
             })
             .collect()
     }
-}
-
-/// A tile and the picture that it belongs to, both by index.
-#[derive(Clone, Copy)]
-struct InPicture {
-    picture: usize,
-    /// Index of the tile in its picture.
-    tile: usize,
 }
 
 /// Returns a box cut at the end of the picture, for a tile that reaches beyond it; `None` if most
@@ -280,12 +272,12 @@ impl TileGrid {
         self.counts[0] * self.counts[1]
     }
 
-    /// Returns the tile that is searched as the `index`th: the order is one row of tiles of all
-    /// pictures, then the next row.
-    fn of_picture(&self, index: usize, pictures: usize) -> InPicture {
+    /// Returns the picture and its tile, both by index, that are searched as the `index`th: the
+    /// order is one row of tiles of all pictures, then the next row.
+    fn of_picture(&self, index: usize, pictures: usize) -> (usize, usize) {
         let [across, _] = self.counts;
         let (row, rest) = (index / (across * pictures), index % (across * pictures));
-        InPicture { picture: rest / across, tile: row * across + rest % across }
+        (rest / across, row * across + rest % across)
     }
 
     /// Returns the row of pixels at which the first `rows` rows of tiles end, excluded.
@@ -336,18 +328,17 @@ mod tests {
         let grid = TileGrid::new([500, 1000], [416, 416]);
         assert_eq!(grid.counts, [2, 3]);
         let mut gathered = Gathered::new(&grid, 2);
-        let seen = |place: InPicture, [y0, y1]: [f32; 2]| {
-            let tile = grid.place(place.tile).1;
+        let seen = |tile: usize, [y0, y1]: [f32; 2]| {
+            let tile = grid.place(tile).1;
             let rect = Rect::new([10.0, y0 - tile.y0], [20.0, y1 - tile.y0]);
             let found = Scored::new(0, 0.5, rect);
             vec![TileDetection::new(found, tile, 500.0, 1000.0)]
         };
-        let places: Vec<InPicture> = (0..12).map(|index| grid.of_picture(index, 2)).collect();
-        let order: Vec<[usize; 2]> =
-            places.iter().map(|place| [place.picture, place.tile]).collect();
-        assert_eq!(order[..5], [[0, 0], [0, 1], [1, 0], [1, 1], [0, 2]]);
+        let places: Vec<(usize, usize)> = (0..12).map(|index| grid.of_picture(index, 2)).collect();
+        assert_eq!(places[..5], [(0, 0), (0, 1), (1, 0), (1, 1), (0, 2)]);
         let add = |gathered: &mut Gathered<'_>, index: usize, rows: [f32; 2]| {
-            gathered.add(places[index], seen(places[index], rows))
+            let (picture, tile) = places[index];
+            gathered.add(picture, tile, seen(tile, rows))
         };
         assert_eq!(add(&mut gathered, 0, [400.0, 416.0]), None);
         // The second row is done before the first.
@@ -357,13 +348,13 @@ mod tests {
         assert_eq!(add(&mut gathered, 1, [30.0, 50.0]), None);
         assert_eq!(add(&mut gathered, 2, [100.0, 120.0]), None);
         assert_eq!(add(&mut gathered, 3, [390.0, 416.0]), Some(2));
-        let first = gathered.merged(1, Nms::PLAIN, 0.45);
+        let first = gathered.merged(1, Nms::default(), 0.45);
         let starts =
             |found: &[Scored]| found.iter().map(|found_box| found_box.rect.y0).collect::<Vec<_>>();
         // An object that the first row of tiles cuts off at its end is not reported yet; two rows
         // show it whole.
         assert_eq!([starts(&first[0]), starts(&first[1])], [[30.0], [100.0]]);
-        assert_eq!(gathered.merged(2, Nms::PLAIN, 0.45)[0].len(), 3);
+        assert_eq!(gathered.merged(2, Nms::default(), 0.45)[0].len(), 3);
         assert_eq!((grid.end_of(1), grid.end_of(3)), (416.0, 1000.0));
     }
 

@@ -93,11 +93,11 @@ pub(super) fn merge(seen: Vec<TileDetection>, nms: Nms, iou: f32) -> Vec<Scored>
         seen.into_iter().partition(|seen| seen.cut);
     cut.sort_by(|a, b| b.found.score.total_cmp(&a.found.score));
 
-    let mut wholes = Bands(HashMap::new());
+    let mut wholes = Bands::default();
     for (index, seen) in whole.iter().enumerate() {
-        wholes.add(&seen.found.rect, (index, *seen));
+        wholes.add(index, *seen);
     }
-    let mut pieces = Bands(HashMap::new());
+    let mut pieces = Bands::default();
     let mut joined: Vec<Scored> = Vec::new();
     for seen in cut {
         let rect = seen.found.rect;
@@ -111,38 +111,36 @@ pub(super) fn merge(seen: Vec<TileDetection>, nms: Nms, iou: f32) -> Vec<Scored>
             }
             continue;
         }
-        let piece = pieces
-            .near(&rect)
-            .find(|(_, other): &&(usize, TileDetection)| other.continues(&seen))
-            .map(|(object, _)| *object);
-        let object = piece.unwrap_or(joined.len());
+        let piece = pieces.near(&rect).find(|(_, other)| other.continues(&seen));
+        let object = piece.map_or(joined.len(), |(object, _)| *object);
         match joined.get_mut(object) {
             Some(object) => object.rect = object.rect.hull(&rect),
             None => joined.push(seen.found),
         }
-        pieces.add(&rect, (object, seen));
+        pieces.add(object, seen);
     }
     joined.extend(whole.iter().map(|seen| seen.found));
     suppress(&mut joined, nms, iou);
     joined
 }
 
-/// Boxes by the bands of rows that they lie in.
-struct Bands<T>(HashMap<i64, Vec<T>>);
+/// Boxes by the bands of rows that they lie in, each with an index.
+#[derive(Default)]
+struct Bands(HashMap<i64, Vec<(usize, TileDetection)>>);
 
-impl<T: Copy> Bands<T> {
+impl Bands {
     fn bands(rect: &Rect) -> std::ops::RangeInclusive<i64> {
         // A box is at most as high as a tile, so that it lies in few bands.
         (rect.y0 / BAND_PX).floor() as i64..=(rect.y1 / BAND_PX).floor() as i64
     }
 
-    fn add(&mut self, rect: &Rect, what: T) {
-        for band in Self::bands(rect) {
-            self.0.entry(band).or_default().push(what);
+    fn add(&mut self, index: usize, seen: TileDetection) {
+        for band in Self::bands(&seen.found.rect) {
+            self.0.entry(band).or_default().push((index, seen));
         }
     }
 
-    fn near(&self, rect: &Rect) -> impl Iterator<Item = &T> {
+    fn near(&self, rect: &Rect) -> impl Iterator<Item = &(usize, TileDetection)> {
         Self::bands(rect).flat_map(|band| self.0.get(&band).into_iter().flatten())
     }
 }
@@ -175,7 +173,7 @@ mod tests {
     }
 
     fn merged(seen: Vec<TileDetection>) -> Vec<(f32, f32, f32)> {
-        merge(seen, Nms::PLAIN, 0.45)
+        merge(seen, Nms::default(), 0.45)
             .iter()
             .map(|merged_box| (merged_box.score, merged_box.rect.y0, merged_box.rect.y1))
             .collect()

@@ -17,19 +17,13 @@ pub enum OverlapMeasure {
     Darknet,
 }
 
-/// Rule by which boxes are suppressed.
+/// Rule by which boxes are suppressed; by default, plain IoU within each class.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Nms {
     /// The measure that is compared with the threshold.
     pub overlap: OverlapMeasure,
     /// True if a box also hides boxes of other classes.
     pub across_classes: bool,
-}
-
-#[cfg(test)]
-impl Nms {
-    /// Plain IoU within each class.
-    pub(crate) const PLAIN: Nms = Nms { overlap: OverlapMeasure::Plain, across_classes: false };
 }
 
 impl OverlapMeasure {
@@ -162,8 +156,8 @@ mod tests {
     fn an_overlap_equal_to_the_threshold_is_kept() {
         // Two boxes of 4 x 2 that share 2 x 2: IoU 1/3.
         let pair = vec![scored(0, 0.5, [2.0, 0.0, 6.0, 2.0]), scored(0, 0.9, [0.0, 0.0, 4.0, 2.0])];
-        assert_eq!(scores(pair.clone(), Nms::PLAIN, 1.0 / 3.0), [0.9, 0.5]);
-        assert_eq!(scores(pair, Nms::PLAIN, 0.33), [0.9]);
+        assert_eq!(scores(pair.clone(), Nms::default(), 1.0 / 3.0), [0.9, 0.5]);
+        assert_eq!(scores(pair, Nms::default(), 0.33), [0.9]);
     }
 
     #[test]
@@ -179,8 +173,8 @@ mod tests {
     fn other_classes_are_hidden_only_when_asked() {
         let edges = [0.0, 0.0, 4.0, 2.0];
         let pair = vec![scored(0, 0.9, edges), scored(1, 0.8, edges)];
-        assert_eq!(scores(pair.clone(), Nms::PLAIN, 0.5), [0.9, 0.8]);
-        let across = Nms { across_classes: true, ..Nms::PLAIN };
+        assert_eq!(scores(pair.clone(), Nms::default(), 0.5), [0.9, 0.8]);
+        let across = Nms { across_classes: true, ..Nms::default() };
         assert_eq!(scores(pair, across, 0.5), [0.9]);
     }
 
@@ -194,7 +188,7 @@ mod tests {
             scored(0, f32::NAN, [9.0, 9.0, 10.0, 10.0]),
             scored(0, 0.6, [f32::INFINITY, 9.0, 10.0, 10.0]),
         ];
-        assert_eq!(scores(chain, Nms::PLAIN, 0.5), [0.9, 0.7]);
+        assert_eq!(scores(chain, Nms::default(), 0.5), [0.9, 0.7]);
     }
 
     /// Suppresses boxes by the definition of the rule, without the sweep: in falling order of

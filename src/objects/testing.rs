@@ -1,6 +1,9 @@
-//! Creates surveys for the tests of this crate.
+//! Creates surveys and targets for the tests of this crate.
 
-use bathyscope_log::survey::{Bytes, Navigation, PingNav, SidePing, SideSpan, Survey};
+use super::targets::Target;
+use super::{Mark, ObjectExtent};
+use bathyscope_log::support::geo::LonLat;
+use bathyscope_log::survey::{Bytes, Navigation, PingNav, Side, SidePing, SideSpan, Survey};
 
 /// Creates a survey of pings a tenth of a second apart at 2 m/s, which is 0.2 m for each ping, with
 /// 100 samples over 10 m; sample i of ping p has the level `level(p, i)`.
@@ -21,4 +24,31 @@ pub(super) fn survey(pings: usize, level: impl Fn(usize, usize) -> u8) -> (Surve
 /// for tests that use only the distance sailed.
 pub(super) fn navigation_of(pings: usize) -> Navigation {
     Navigation::of_pings(vec![PingNav::northbound([0.0; 2], 2.0); pings])
+}
+
+/// Creates a sighting at the survey's origin by a boat that heads north, without a height.
+pub(super) fn target() -> Target {
+    Target {
+        mark: Mark::new(Side::Port, 100..105, [1.0, 2.0]),
+        extent: ObjectExtent::Found,
+        measured_shadow: None,
+        parts: None,
+        slant_m: 5.0,
+        ground_m: 4.0,
+        altitude_m: 3.0,
+        east_m: 0.0,
+        north_m: 0.0,
+        position: LonLat::new(0.0, 0.0),
+        length_m: 0.6,
+        width_m: 0.4,
+        height_m: f64::NAN,
+        shadow_m: [f64::NAN; 2],
+        height_sigma_m: f64::NAN,
+        depth_m: 3.0,
+        sigma_m: 0.3,
+        along_sigma_m: 0.3,
+        across_sigma_m: 0.3,
+        heading_rad: 0.0,
+        sailed_m: 10.0,
+    }
 }

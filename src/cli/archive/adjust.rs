@@ -5,7 +5,6 @@ use crate::cli::status_line::StatusLine;
 use crate::cli::{Failure, output};
 use bathyscope_bottom::bathymetry::position_offsets::Wanted;
 use bathyscope_bottom::presentation::text;
-use bathyscope_log::support::progress::Progress;
 use bathyscope_products::Error;
 use bathyscope_products::archive::{Adjusted, Archive, OffsetRow, adjust};
 use serde::Serialize;
@@ -81,9 +80,8 @@ pub(crate) fn run(args: &AdjustArgs) -> Result<(), Failure> {
 
 /// Finds the offsets of an archive and writes its table.
 pub(super) fn adjusted(archive: &Archive, wanted: Wanted) -> Result<Adjusted, Error> {
-    let progress = Progress::new();
-    let _status = StatusLine::at("height offsets", &progress);
-    adjust(archive, wanted, &progress)
+    let status = StatusLine::at("height offsets");
+    adjust(archive, wanted, &status.progress)
 }
 
 /// Prints warnings about the differences that no offset explains, and the logs that no tie connects

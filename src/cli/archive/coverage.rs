@@ -6,7 +6,6 @@ use bathyscope_bottom::presentation::text;
 use bathyscope_log::formats::read_area;
 use bathyscope_log::support::calendar;
 use bathyscope_log::support::geo::LonLat;
-use bathyscope_log::support::progress::Progress;
 use bathyscope_products::archive::{Archive, CoverageQuery, PingCoverage, coverage_at};
 use serde::Serialize;
 use std::path::PathBuf;
@@ -76,9 +75,8 @@ pub(crate) fn run(args: &CoverageArgs) -> Result<(), Failure> {
         (None, Some(SearchPlace { at, radius_m })) => CoverageQuery::Around(at, radius_m),
         (None, None) => return Err("give a place or an area".into()),
     };
-    let progress = Progress::new();
-    let status = StatusLine::at("rows of pings", &progress);
-    let found = coverage_at(&archive, asked, &progress)?;
+    let status = StatusLine::at("rows of pings");
+    let found = coverage_at(&archive, asked, &status.progress)?;
     drop(status);
     if args.json {
         output::json(&found.iter().map(Printed::new).collect::<Vec<_>>())

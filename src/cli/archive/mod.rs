@@ -2,13 +2,8 @@
 //!
 //! In: arguments of these commands. Out: files of the archive, and lines of text.
 
-mod adjust;
-mod coverage;
-
-pub(crate) use adjust::AdjustArgs;
-pub(crate) use adjust::run as run_adjust;
-pub(crate) use coverage::CoverageArgs;
-pub(crate) use coverage::run as run_coverage;
+pub(super) mod adjust;
+pub(super) mod coverage;
 
 use super::status_line::StatusLine;
 use super::{Failure, output};
@@ -26,7 +21,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::thread;
 
-/// Most tiles that are in memory at the same time, one for each worker thread.
+/// Most tiles or logs that are in memory at the same time, one for each worker thread. More would
+/// only need more memory, since the work on one of them is parallel, too.
 const MOST_AT_ONCE: usize = 4;
 
 /// Prints a warning that names the logs missing from the table of offsets; no warning if the table
@@ -49,15 +45,9 @@ fn make_maps(
     logs: &[LogRecord],
     offsets: &Offsets,
 ) -> Result<(), Failure> {
-    let progress = Progress::new();
-    let status = StatusLine::at("maps", &progress);
-    progress.start(tiles.len() as u64);
-    let done = each_in_parallel(tiles, MOST_AT_ONCE, |tile| {
-        let made = write_tile(archive, *tile, logs, offsets, &Progress::new());
-        progress.advance(1);
-        made
+    let done = each_in_parallel("maps", tiles, |tile| {
+        write_tile(archive, *tile, logs, offsets, &Progress::new())
     });
-    drop(status);
     for (tile, made) in tiles.iter().zip(done) {
         let record = made?;
         output::results(format_args!("wrote {}", of_tile(*tile, &record)))?;
@@ -83,14 +73,17 @@ fn of_tile(tile: TileId, record: &TileRecord) -> String {
 }
 
 /// Calls `work` on each of many things, on as many threads as there are processors and at most
-/// `most`; the results are in the order of the things. The threads are not those of rayon: a rayon
-/// thread that waits for a part of its own work would begin the next thing meanwhile. Here each
-/// thread has never more than one thing in memory.
+/// [`MOST_AT_ONCE`], and shows the progress in a step of this name; the results are in the order of
+/// the things. The threads are not those of rayon: a rayon thread that waits for a part of its own
+/// work would begin the next thing meanwhile. Here each thread has never more than one thing in
+/// memory.
 pub(super) fn each_in_parallel<T: Sync, R: Send>(
+    name: &str,
     things: &[T],
-    most: usize,
     work: impl Fn(&T) -> R + Sync,
 ) -> Vec<R> {
+    let status = StatusLine::at(name);
+    status.progress.start(things.len() as u64);
     let next = AtomicUsize::new(0);
     let done = Mutex::new(Vec::with_capacity(things.len()));
     let worker = || {
@@ -99,12 +92,13 @@ pub(super) fn each_in_parallel<T: Sync, R: Send>(
             things.get(index).map(|thing| (index, thing))
         } {
             let result = work(thing);
+            status.progress.advance(1);
             done.lock().unwrap_or_else(PoisonError::into_inner).push((index, result));
         }
     };
     let processors = thread::available_parallelism().map_or(1, std::num::NonZero::get);
     thread::scope(|scope| {
-        for _ in 0..processors.min(most).min(things.len()) {
+        for _ in 0..processors.min(MOST_AT_ONCE).min(things.len()) {
             scope.spawn(worker);
         }
     });
@@ -227,9 +221,8 @@ pub(crate) fn run_archive(args: &ArchiveArgs) -> Result<(), Failure> {
         output::results(format_args!("removed {tile}: no log has rows in it any more"))?;
     }
     write_index(&archive, &logs, &all)?;
-    let progress = Progress::new();
-    let status = StatusLine::at("map tiles", &progress);
-    let joined = write_map_tiles(&archive, &all, &progress)?;
+    let status = StatusLine::at("map tiles");
+    let joined = write_map_tiles(&archive, &all, &status.progress)?;
     drop(status);
     if joined == MapTilesState::Made {
         output::results(
@@ -250,7 +243,7 @@ mod tests {
     #[test]
     fn results_are_in_the_order_of_the_things() {
         let things: Vec<usize> = (0..500).collect();
-        assert_eq!(each_in_parallel(&things, 4, |thing| thing * 2)[77], 154);
-        assert!(each_in_parallel(&[] as &[u8], 4, |_| ()).is_empty());
+        assert_eq!(each_in_parallel("doubling", &things, |thing| thing * 2)[77], 154);
+        assert!(each_in_parallel("nothing", &[] as &[u8], |_| ()).is_empty());
     }
 }

@@ -140,9 +140,8 @@ fn points(args: &CompareArgs) -> Result<(), Failure> {
     into_one_plane(&mut measured, &mut reference)?;
     let matching = args.matching();
     let by = matching.in_words();
-    let progress = Progress::new();
-    let status = StatusLine::at("matching", &progress);
-    let matches = match_points(&measured.points, &reference.points, matching, &progress)?;
+    let status = StatusLine::at("matching");
+    let matches = match_points(&measured.points, &reference.points, matching, &status.progress)?;
     drop(status);
     let comparison = Comparison::new(measured.points.len(), &matches, args.water_level);
     if matches.is_empty() {
@@ -275,17 +274,17 @@ fn compare_logs(args: &CompareArgs) -> Result<(), Failure> {
     let Some(first) = opened.first() else {
         return Ok(());
     };
-    let progress = Progress::new();
-    let status = StatusLine::new(&progress);
-    let measured = all_processed(&opened, &status, &progress)?;
+    let status = StatusLine::new();
+    let measured = all_processed(&opened, &status)?;
     status.step("comparing");
-    let reference = Arc::new(open_reference(&args.reference, first, &progress)?);
+    let progress = &status.progress;
+    let reference = Arc::new(open_reference(&args.reference, first, progress)?);
     let matching = args.matching();
-    let agreement = Agreement::with_reference(&measured, &reference, matching, &progress)?;
+    let agreement = Agreement::with_reference(&measured, &reference, matching, progress)?;
     if let Some(path) = &args.output {
         write_differences(path, &measured, &agreement)?;
     }
-    let inputs = reference.inputs(&progress)?;
+    let inputs = reference.inputs(progress)?;
     let record = ComparisonRecord::new(&measured, &agreement, &inputs)?;
     drop(status);
     for note in &reference.notes {
@@ -307,9 +306,7 @@ fn compare_logs(args: &CompareArgs) -> Result<(), Failure> {
 /// points.
 fn elevations(argument: &OsStr, settings: &SettingsArgs) -> Result<Elevations, Failure> {
     let opened = opened(argument, settings)?;
-    let progress = Progress::new();
-    let status = StatusLine::new(&progress);
-    let logs = all_processed(&opened, &status, &progress)?;
+    let logs = all_processed(&opened, &StatusLine::new())?;
     let points = logs.iter().flat_map(|log| pipeline::positions(&log.survey, &log.products));
     Ok(Elevations {
         path: argument.into(),

@@ -4,7 +4,7 @@ use super::{Outcome, table};
 use bathyscope_bottom::presentation::page::{Template, TemplateFault, Value, context, fill};
 use bathyscope_bottom::presentation::plot::{Axis, Plot, PlotCurve};
 use bathyscope_objects::Rect;
-use bathyscope_objects::metrics::CurvePoint;
+use bathyscope_objects::metrics::{CurvePoint, TrueBox};
 
 /// Size of the plot of the curves, pixels.
 const PLOT_PX: [f64; 2] = [360.0, 360.0];
@@ -19,12 +19,12 @@ pub(super) fn of(outcome: &Outcome) -> Result<String, TemplateFault> {
     let confusion = confusion(outcome);
     let values = context! {
         iou => outcome.iou.to_string(),
-        score => outcome.score.to_string(),
+        score => outcome.boxes.score.to_string(),
         plots => plots.map(|plot| Value::from_safe_string(plot.svg(PLOT_PX))),
         columns => confusion.len(),
         confusion,
         figures => table::of(outcome).trim_end(),
-        notes => &outcome.paired.notes,
+        notes => &outcome.boxes.paired.notes,
         mistakes => mistakes(outcome),
     };
     fill(&[TEMPLATE], values)
@@ -36,14 +36,14 @@ fn precision_over_recall(outcome: &Outcome) -> Plot {
         name: name.to_owned(),
         points: (points.iter()).map(|point| [point.recall, point.precision]).collect(),
     };
-    let of_class = (outcome.paired.classes.iter().zip(&all.classes))
+    let of_class = (outcome.boxes.paired.classes.iter().zip(&all.classes))
         .map(|(name, class)| curve(name, &class.curve));
     Plot {
         title: "Precision over recall".to_owned(),
         across: Axis::new("recall", [0.0, 1.0]),
         up: Axis::new("precision", [0.0, 1.0]),
         curves: [curve("all classes", &all.curve)].into_iter().chain(of_class).collect(),
-        mark: Some(([all.counts.recall(), all.counts.precision()], at_score(outcome))),
+        mark: Some(([all.shown.counts.recall(), all.shown.counts.precision()], at_score(outcome))),
         limit: None,
     }
 }
@@ -63,12 +63,12 @@ fn shares_over_score(outcome: &Outcome) -> Plot {
             curve("recall", |point| point.recall),
         ],
         mark: None,
-        limit: Some((outcome.score, at_score(outcome))),
+        limit: Some((outcome.boxes.score, at_score(outcome))),
     }
 }
 
 fn at_score(outcome: &Outcome) -> String {
-    format!("score {}", outcome.score)
+    format!("score {}", outcome.boxes.score)
 }
 
 /// Returns a share as a step function of the score: between two scores that occur, the boxes shown
@@ -85,59 +85,37 @@ fn steps(curve: &[CurvePoint], of: fn(&CurvePoint) -> f64) -> Vec<[f64; 2]> {
 
 /// Returns the rows of the matrix, whose names are those of the columns too.
 fn confusion(outcome: &Outcome) -> Vec<Value> {
-    let names = outcome.paired.classes.iter().map(String::as_str).chain(["background"]);
-    let rows = names.zip(outcome.darknet.confusion.rows()).enumerate();
+    let names = outcome.boxes.paired.classes.iter().map(String::as_str).chain(["background"]);
+    let rows = names.zip(outcome.darknet.shown.confusion.rows()).enumerate();
     rows.map(|(index, (name, cells))| context!(index, name, cells => cells.to_vec())).collect()
 }
 
-/// Line of the list of mistakes.
-struct MistakeLine<'a> {
-    what: &'static str,
-    picture: usize,
-    class: usize,
-    score: Option<f32>,
-    rect: &'a Rect,
-}
-
 /// Lists false alarms by falling score, then misses by falling size.
-fn list<'a>(outcome: &'a Outcome) -> Vec<MistakeLine<'a>> {
-    let (paired, evaluation) = (&outcome.paired, &outcome.darknet);
-    let alarms = evaluation.false_alarms.iter().map(|alarm| {
-        let predicted = &paired.images[alarm.image].predicted[alarm.predicted];
-        MistakeLine {
-            what: alarm.cause.name(),
-            picture: alarm.image,
-            class: predicted.class,
-            score: Some(predicted.score),
-            rect: &predicted.rect,
-        }
-    });
-    let misses = evaluation.misses.iter().map(|miss| {
-        let truth = &paired.images[miss.image].truth[miss.truth];
-        MistakeLine {
-            what: "missed",
-            picture: miss.image,
-            class: truth.class,
-            score: None,
-            rect: &truth.rect,
-        }
-    });
-    let mut misses: Vec<MistakeLine<'a>> = misses.collect();
-    misses.sort_by(|a, b| b.rect.area().total_cmp(&a.rect.area()));
-    alarms.chain(misses).collect()
-}
-
 fn mistakes(outcome: &Outcome) -> Value {
-    let (all, paired) = (list(outcome), &outcome.paired);
-    let lines = all.iter().take(MOST_ROWS).map(|mistake| {
-        let Rect { x0, y0, x1, y1 } = mistake.rect;
+    let (paired, shown) = (&outcome.boxes.paired, &outcome.darknet.shown);
+    let line = |picture: usize, class: usize, what: &str, score: Option<f32>, rect: &Rect| {
+        let Rect { x0, y0, x1, y1 } = rect;
         context! {
-            picture => &paired.names[mistake.picture],
-            class => &paired.classes[mistake.class],
-            what => mistake.what,
-            score => mistake.score.map(|score| format!("{score:.3}")),
+            picture => &paired.names[picture],
+            class => &paired.classes[class],
+            what,
+            score => score.map(|score| format!("{score:.3}")),
             edges => format!("{x0:.0}, {y0:.0}, {x1:.0}, {y1:.0}"),
         }
+    };
+    let alarms = shown.false_alarms.iter().map(|alarm| {
+        let predicted = &paired.images[alarm.image].predicted[alarm.predicted];
+        let score = Some(predicted.score);
+        line(alarm.image, predicted.class, alarm.cause.name(), score, &predicted.rect)
     });
-    context!(all => all.len(), most => MOST_ROWS, lines => lines.collect::<Vec<Value>>())
+    let misses = shown.misses.iter();
+    let mut misses: Vec<(usize, &TrueBox)> =
+        misses.map(|miss| (miss.image, &paired.images[miss.image].truth[miss.truth])).collect();
+    misses.sort_by(|(_, a), (_, b)| b.rect.area().total_cmp(&a.rect.area()));
+    let misses = misses.into_iter();
+    let misses =
+        misses.map(|(picture, truth)| line(picture, truth.class, "missed", None, &truth.rect));
+    let lines: Vec<Value> = alarms.chain(misses).take(MOST_ROWS).collect();
+    let all = shown.false_alarms.len() + shown.misses.len();
+    context!(all, most => MOST_ROWS, lines)
 }

@@ -8,10 +8,10 @@ use serde_json::{Value, json};
 /// Returns all figures, with the lists of mistakes and the curve.
 pub(super) fn of(outcome: &Outcome) -> Value {
     let (darknet, coco) = (&outcome.darknet, &outcome.coco);
-    let classes: Vec<Value> = (0..outcome.paired.classes.len())
+    let classes: Vec<Value> = (0..outcome.boxes.paired.classes.len())
         .map(|class| {
-            let mut report = counts(&darknet.classes[class].counts);
-            report["name"] = json!(outcome.paired.classes[class]);
+            let mut report = counts(&darknet.shown.classes[class]);
+            report["name"] = json!(outcome.boxes.paired.classes[class]);
             report["ap_all_points"] = json!(darknet.classes[class].ap);
             report["ap_11_points"] = json!(outcome.eleven.classes[class].ap);
             report["ap_coco"] = json!(coco.classes[class].ap);
@@ -20,24 +20,24 @@ pub(super) fn of(outcome: &Outcome) -> Value {
             report
         })
         .collect();
-    let mut all = counts(&darknet.counts);
+    let mut all = counts(&darknet.shown.counts);
     all["map_all_points"] = json!(darknet.map);
     all["map_11_points"] = json!(outcome.eleven.map);
     all["map_coco"] = json!(coco.map);
     all["map_coco_50_95"] = json!(coco.map_50_95);
     all["curve"] = curve(&darknet.curve);
     json!({
-        "truth": source(&outcome.truth),
-        "predicted": source(&outcome.predicted),
+        "truth": source(&outcome.boxes.truth),
+        "predicted": source(&outcome.boxes.predicted),
         "iou": outcome.iou,
-        "score": outcome.score,
+        "score": outcome.boxes.score,
         "all": all,
         "classes": classes,
         "sizes": sizes(outcome),
         "confusion": confusion(outcome),
         "false_alarms": false_alarms(outcome),
         "misses": misses(outcome),
-        "notes": outcome.paired.notes,
+        "notes": outcome.boxes.paired.notes,
     })
 }
 
@@ -87,9 +87,9 @@ fn sizes(outcome: &Outcome) -> Vec<Value> {
 }
 
 fn confusion(outcome: &Outcome) -> Value {
-    let mut labels = outcome.paired.classes.clone();
+    let mut labels = outcome.boxes.paired.classes.clone();
     labels.push("background".into());
-    let cells: Vec<&[usize]> = outcome.darknet.confusion.rows().collect();
+    let cells: Vec<&[usize]> = outcome.darknet.shown.confusion.rows().collect();
     json!({ "rows": "truth", "columns": "predicted", "labels": labels, "cells": cells })
 }
 
@@ -98,8 +98,8 @@ fn edges(rect: &Rect) -> [f32; 4] {
 }
 
 fn false_alarms(outcome: &Outcome) -> Vec<Value> {
-    let paired = &outcome.paired;
-    let list = outcome.darknet.false_alarms.iter().map(|alarm| {
+    let paired = &outcome.boxes.paired;
+    let list = outcome.darknet.shown.false_alarms.iter().map(|alarm| {
         let predicted = &paired.images[alarm.image].predicted[alarm.predicted];
         json!({
             "picture": paired.names[alarm.image],
@@ -113,8 +113,8 @@ fn false_alarms(outcome: &Outcome) -> Vec<Value> {
 }
 
 fn misses(outcome: &Outcome) -> Vec<Value> {
-    let paired = &outcome.paired;
-    let list = outcome.darknet.misses.iter().map(|miss| {
+    let paired = &outcome.boxes.paired;
+    let list = outcome.darknet.shown.misses.iter().map(|miss| {
         let truth = &paired.images[miss.image].truth[miss.truth];
         json!({
             "picture": paired.names[miss.image],

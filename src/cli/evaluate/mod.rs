@@ -86,13 +86,10 @@ struct Boxes {
     score: f64,
 }
 
-/// Sources of the boxes, and the results of the evaluation.
+/// Boxes, and the results of the evaluation.
 struct Outcome {
-    truth: BoxSource,
-    predicted: BoxSource,
-    paired: Paired,
+    boxes: Boxes,
     iou: f64,
-    score: f64,
     /// Evaluation by Darknet's rule, with the average precision over all points.
     darknet: Evaluation,
     /// Evaluation by Darknet's rule, with the average precision over 11 points.
@@ -119,11 +116,8 @@ impl Outcome {
             eleven: measure(MetricSettings { ap: ApMethod::Voc11, ..darknet.clone() }),
             darknet: measure(darknet),
             coco: measure(MetricSettings::coco()),
-            truth: boxes.truth,
-            predicted: boxes.predicted,
-            paired: boxes.paired,
+            boxes,
             iou,
-            score: boxes.score,
         }
     }
 }
@@ -146,7 +140,7 @@ pub(super) fn run(args: EvaluateArgs) -> Result<(), Failure> {
     if args.json {
         return output::json(&json::of(&outcome));
     }
-    for note in &outcome.paired.notes {
+    for note in &outcome.boxes.paired.notes {
         output::notify(format_args!("note: {note}"));
     }
     output::results(table::of(&outcome).trim_end())

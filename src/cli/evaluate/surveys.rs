@@ -36,9 +36,9 @@ pub(super) fn search(
     let shown = load(model)?;
     let nms = Nms { across_classes: false, ..shown.nms() };
     let score = score.unwrap_or(f64::from(shown.score()));
-    let mut found = Found::new(&shown);
+    let mut found = Found { classes: shown.classes().to_vec(), ..Found::default() };
     let searches = [(load(model)?.with_nms(nms), LEAST_SCORE), (shown, score as f32)];
-    let status = StatusLine::new(&Progress::new());
+    let status = StatusLine::new();
     for (number, log) in (1..).zip(logs) {
         status.step(&format!("log {number} of {}", logs.len()));
         let known = Known::open(log, truth, searches[0].0.pixel_m())?;
@@ -101,6 +101,7 @@ impl Known {
 }
 
 /// Boxes found so far: a picture for each side of each log.
+#[derive(Default)]
 struct Found {
     classes: Vec<String>,
     names: Vec<String>,
@@ -109,15 +110,6 @@ struct Found {
 }
 
 impl Found {
-    fn new(model: &Model) -> Self {
-        Self {
-            classes: model.classes().to_vec(),
-            names: Vec::new(),
-            ranked: Vec::new(),
-            shown: Vec::new(),
-        }
-    }
-
     /// Searches a log with both models: first for the ranked boxes, then for the shown ones.
     fn add(&mut self, known: &Known, searches: &[(Model, f32); 2]) -> Result<(), DetectError> {
         let name = known.survey.name();

@@ -20,13 +20,14 @@ fn share(value: f64) -> String {
 
 /// Returns the number of characters of the widest class name.
 fn width(outcome: &Outcome) -> usize {
-    let names = outcome.paired.classes.iter();
+    let names = outcome.boxes.paired.classes.iter();
     names.map(|name| name.chars().count()).max().unwrap_or(0).max("background".len())
 }
 
 fn read(outcome: &Outcome) -> String {
     let mut text = String::new();
-    for (what, source) in [("truth", &outcome.truth), ("predicted", &outcome.predicted)] {
+    for (what, source) in [("truth", &outcome.boxes.truth), ("predicted", &outcome.boxes.predicted)]
+    {
         let BoxSource { format, pictures, boxes, path } = source;
         text += &format!("{what:<10} {format}, {pictures} pictures, {boxes} boxes: {path}\n");
     }
@@ -34,10 +35,10 @@ fn read(outcome: &Outcome) -> String {
 }
 
 fn counts(outcome: &Outcome) -> String {
-    let (width, evaluation) = (width(outcome), &outcome.darknet);
+    let (width, shown) = (width(outcome), &outcome.darknet.shown);
     let mut text = format!(
         "Boxes of score {} and more, found above IoU {} (Darknet's rule)\n",
-        outcome.score, outcome.iou
+        outcome.boxes.score, outcome.iou
     );
     text += &format!(
         "{:<width$}  truths   found   false  missed  precision  recall     F1  IoU of found  Darknet's IoU\n",
@@ -57,10 +58,10 @@ fn counts(outcome: &Outcome) -> String {
             share(counts.darknet_iou()),
         );
     };
-    for (name, class) in outcome.paired.classes.iter().zip(&evaluation.classes) {
-        line(name, &class.counts);
+    for (name, counts) in outcome.boxes.paired.classes.iter().zip(&shown.classes) {
+        line(name, counts);
     }
-    line("all", &evaluation.counts);
+    line("all", &shown.counts);
     text + "Darknet's IoU counts a false alarm as 0.\n"
 }
 
@@ -75,7 +76,7 @@ fn precisions(outcome: &Outcome) -> String {
         let range = share(range);
         text += &format!("{name:<width$}  {all:>10}  {eleven:>9}  {coco:>9}  {range:>22}\n");
     };
-    for (class, name) in outcome.paired.classes.iter().enumerate() {
+    for (class, name) in outcome.boxes.paired.classes.iter().enumerate() {
         let at = evaluations.map(|evaluation| evaluation.classes[class].ap);
         line(name, at, outcome.coco.classes[class].ap_50_95);
     }
@@ -108,7 +109,7 @@ fn sizes(outcome: &Outcome) -> String {
 fn confusion(outcome: &Outcome) -> String {
     let width = width(outcome);
     let names = || {
-        let classes = outcome.paired.classes.iter().map(String::as_str);
+        let classes = outcome.boxes.paired.classes.iter().map(String::as_str);
         classes.chain(["background"])
     };
     let mut text = String::from("What was taken for what (rows: truth; columns: prediction)\n");
@@ -117,7 +118,7 @@ fn confusion(outcome: &Outcome) -> String {
         text += &format!("  {name:>6}");
     }
     text += "\n";
-    for (name, row) in names().zip(outcome.darknet.confusion.rows()) {
+    for (name, row) in names().zip(outcome.darknet.shown.confusion.rows()) {
         text += &format!("{name:<width$}");
         for (column, count) in names().zip(row) {
             let wide = column.chars().count().max(6);
@@ -129,10 +130,9 @@ fn confusion(outcome: &Outcome) -> String {
 }
 
 fn mistakes(outcome: &Outcome) -> String {
-    let false_alarms = &outcome.darknet.false_alarms;
+    let false_alarms = &outcome.darknet.shown.false_alarms;
     let mut text = format!("False alarms: {}", false_alarms.len());
-    let causes = [Cause::Background, Cause::Duplicate, Cause::OtherClass, Cause::Loose];
-    for (index, cause) in causes.into_iter().enumerate() {
+    for (index, cause) in Cause::ALL.into_iter().enumerate() {
         let count = false_alarms.iter().filter(|alarm| alarm.cause == cause).count();
         let separator = if index == 0 { " (" } else { ", " };
         text += &format!("{separator}{} {count}", cause.name());

@@ -1,17 +1,113 @@
-//! Computes all figures of one set of pictures.
+//! Pairs predictions with truths once, so that they can be counted at any score, and computes all
+//! figures of one set of pictures.
 
-use super::confusion::Confusion;
-use super::matched::{AtScore, Matched, rank, total};
-use super::mistakes::{FalseAlarm, Miss};
+use super::mistakes::{Confusion, FalseAlarm, Miss, confusion, false_alarms, misses, shown_images};
 use super::precision::{CurvePoint, MatchCounts, average_precision, curve};
-use super::ranking::{ANY_SIZE, Sizes};
+use super::ranking::{ANY_SIZE, Ranked, Ranking, Sizes};
 use super::{BoxMatching, Image, MetricSettings};
+use rayon::prelude::*;
+
+/// Pictures whose boxes are paired. Predictions choose their truths by falling score, so the pairs
+/// at a score are those of the whole set down to that score: to move a confidence slider takes a
+/// count, not a new pairing.
+#[derive(Clone, Debug)]
+pub struct Matched {
+    images: Vec<Image>,
+    rankings: Vec<Ranking>,
+    settings: MetricSettings,
+}
+
+/// Counts and mistakes of the boxes of at least a score.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AtScore {
+    /// Counts of each class.
+    pub classes: Vec<MatchCounts>,
+    /// Counts of all classes together.
+    pub counts: MatchCounts,
+    /// Boxes by true and by predicted class.
+    pub confusion: Confusion,
+    /// False alarms, by falling score.
+    pub false_alarms: Vec<FalseAlarm>,
+    /// Misses, picture by picture.
+    pub misses: Vec<Miss>,
+}
+
+impl Matched {
+    /// Pairs predictions with truths of `classes` classes at the IoU of the settings; boxes whose
+    /// class index is not below `classes` are left out.
+    pub fn new(images: &[Image], classes: usize, settings: &MetricSettings) -> Self {
+        let images: Vec<Image> =
+            images.iter().map(|boxes| ignore_classes_from(boxes, classes)).collect();
+        Self {
+            rankings: rank(&images, classes, settings, settings.iou, &ANY_SIZE),
+            images,
+            settings: settings.clone(),
+        }
+    }
+
+    /// Returns the boxes by picture, in the order that the indices of false alarms and misses refer
+    /// to.
+    pub fn images(&self) -> &[Image] {
+        &self.images
+    }
+
+    /// Counts the predictions of at least a score.
+    pub fn at(&self, score: f32) -> AtScore {
+        let classes: Vec<MatchCounts> =
+            self.rankings.iter().map(|ranking| MatchCounts::shown(ranking, score)).collect();
+        let shown = self.rankings.iter().flat_map(|ranking| ranking.shown(score));
+        let shown = shown_images(&self.images, shown);
+        AtScore {
+            counts: total(classes.iter().copied()),
+            confusion: confusion(&self.images, &shown, classes.len(), &self.settings),
+            false_alarms: false_alarms(&self.images, &shown, &self.settings),
+            misses: misses(&self.images, &shown),
+            classes,
+        }
+    }
+
+    /// Returns precision, recall and F1 of all classes together, for every score that occurs, by
+    /// falling score.
+    pub fn curve(&self) -> Vec<CurvePoint> {
+        let all = self.rankings.iter().flat_map(|ranking| &ranking.ranked);
+        let mut all: Vec<Ranked> = all.copied().collect();
+        all.sort_by(|a, b| b.score.total_cmp(&a.score));
+        let truths = self.rankings.iter().map(|ranking| ranking.truths).sum();
+        curve(&all, truths)
+    }
+}
+
+/// Returns a copy whose truths of classes from `classes` on are ignored. They are not removed,
+/// because the indices of the boxes must stay.
+fn ignore_classes_from(boxes: &Image, classes: usize) -> Image {
+    let mut boxes = boxes.clone();
+    for truth in &mut boxes.truth {
+        truth.ignored |= truth.class >= classes;
+    }
+    boxes
+}
+
+/// Pairs and sorts the boxes of each class.
+fn rank(
+    images: &[Image],
+    classes: usize,
+    settings: &MetricSettings,
+    threshold: f64,
+    sizes: &Sizes,
+) -> Vec<Ranking> {
+    (0..classes)
+        .into_par_iter()
+        .map(|class| Ranking::new(images, class, settings, threshold, sizes))
+        .collect()
+}
+
+fn total(counts: impl Iterator<Item = MatchCounts>) -> MatchCounts {
+    counts.fold(MatchCounts::default(), MatchCounts::plus)
+}
 
 /// Results for one class.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ClassReport {
-    /// Counts at the score of the settings.
-    pub counts: MatchCounts,
     /// Average precision at the IoU of the settings; NaN without truths.
     pub ap: f64,
     /// Mean of the average precisions at IoU 0.5, 0.55 .. 0.95; NaN without truths.
@@ -40,8 +136,8 @@ pub struct SizeReport {
 pub struct Evaluation {
     /// Results for each class.
     pub classes: Vec<ClassReport>,
-    /// Counts of all classes together.
-    pub counts: MatchCounts,
+    /// Counts and mistakes at the score of the settings.
+    pub shown: AtScore,
     /// Mean of the classes' `ap`; NaN without truths.
     pub map: f64,
     /// Mean of the classes' `ap_50_95`; NaN without truths.
@@ -51,12 +147,6 @@ pub struct Evaluation {
     pub curve: Vec<CurvePoint>,
     /// Results for each range of sizes, from small to large.
     pub sizes: Vec<SizeReport>,
-    /// Boxes by true and by predicted class.
-    pub confusion: Confusion,
-    /// False alarms, by falling score.
-    pub false_alarms: Vec<FalseAlarm>,
-    /// Misses, picture by picture.
-    pub misses: Vec<Miss>,
 }
 
 impl Evaluation {
@@ -64,20 +154,9 @@ impl Evaluation {
     /// `shown`. `shown` is the evaluation of the same pictures with only the boxes that an analyst
     /// is shown.
     pub fn counted_as(self, shown: Evaluation) -> Self {
-        let classes = self.classes.into_iter().zip(shown.classes);
         let sizes = self.sizes.into_iter().zip(shown.sizes);
-        Self {
-            classes: classes
-                .map(|(ranked, shown)| ClassReport { counts: shown.counts, ..ranked })
-                .collect(),
-            sizes: sizes
-                .map(|(ranked, shown)| SizeReport { counts: shown.counts, ..ranked })
-                .collect(),
-            map: self.map,
-            map_50_95: self.map_50_95,
-            curve: self.curve,
-            ..shown
-        }
+        let sizes = sizes.map(|(ranked, shown)| SizeReport { counts: shown.counts, ..ranked });
+        Self { sizes: sizes.collect(), shown: shown.shown, ..self }
     }
 }
 
@@ -85,30 +164,23 @@ impl Evaluation {
 /// `classes` are left out.
 pub fn evaluate(images: &[Image], classes: usize, settings: &MetricSettings) -> Evaluation {
     let matched = Matched::new(images, classes, settings);
-    let images = matched.images();
-    let AtScore { classes: at_score, counts, confusion, false_alarms, misses } =
-        matched.at(settings.score);
+    let images = &matched.images;
     let reports: Vec<ClassReport> = matched
-        .rankings()
+        .rankings
         .iter()
         .zip(ap_50_95(images, classes, settings, &ANY_SIZE))
-        .zip(at_score)
-        .map(|((ranking, ap_50_95), counts)| ClassReport {
-            counts,
+        .map(|(ranking, ap_50_95)| ClassReport {
             ap: average_precision(ranking, settings.ap),
             ap_50_95,
             curve: curve(&ranking.ranked, ranking.truths),
         })
         .collect();
     Evaluation {
-        counts,
         map: mean(reports.iter().map(|report| report.ap), settings),
         map_50_95: mean(reports.iter().map(|report| report.ap_50_95), settings),
         curve: matched.curve(),
         sizes: sizes(images, classes, settings),
-        confusion,
-        false_alarms,
-        misses,
+        shown: matched.at(settings.score),
         classes: reports,
     }
 }

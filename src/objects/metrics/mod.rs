@@ -3,27 +3,22 @@
 //! In: true and predicted boxes by picture. Out: precision, recall, average precision, confusion
 //! and mistakes.
 //!
-//! `matching` pairs the boxes of one picture, `ranking` sorts the pairs of a class by score,
-//! `precision` computes curves and average precision from them, `confusion` counts boxes by true
-//! and proposed class, `mistakes` lists the mistakes to examine, `matched` keeps the pairs to be
-//! counted at any score, and [`evaluate`] collects all results.
+//! `ranking` pairs the boxes of each picture and sorts the pairs of a class by score, `precision`
+//! computes curves and average precision from them, `mistakes` lists the mistakes to examine and
+//! counts boxes by true and proposed class, [`Matched`] keeps the pairs to be counted at any score,
+//! and [`evaluate`] collects all results.
 //!
 //! Two rules are in use and give different numbers from the same boxes: Darknet's (used for the
 //! published figures) and COCO's. [`MetricSettings::darknet`] gives the same numbers as
 //! `mean_average_precision`, and [`MetricSettings::coco`] the same as `pycocotools` (tests).
 
-mod confusion;
 mod evaluate;
-mod matched;
-mod matching;
 mod mistakes;
 mod precision;
 mod ranking;
 
-pub use confusion::Confusion;
-pub use evaluate::{Evaluation, SizeReport, evaluate};
-pub use matched::{AtScore, Matched};
-pub use mistakes::Cause;
+pub use evaluate::{AtScore, Evaluation, Matched, SizeReport, evaluate};
+pub use mistakes::{Cause, Confusion};
 pub use precision::{ApMethod, CurvePoint, MatchCounts};
 
 use super::{Rect, Scored};

@@ -1,7 +1,6 @@
 //! Computes counts, precision and recall, and their curves over the score.
 
-use super::matching::MatchOutcome;
-use super::ranking::{Ranked, Ranking};
+use super::ranking::{MatchOutcome, Ranked, Ranking};
 
 /// Method to compute one number from a precision-recall curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

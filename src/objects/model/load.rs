@@ -108,8 +108,34 @@ pub(super) fn from_bytes(
     let known_count = known.as_ref().map(Vec::len);
     let (family, name) = understand(&outputs, &input, &sidecar, &metadata, known_count)?;
     prepare_as_trained(&mut input, name, &sidecar)?;
-    let names = class_names(known, family.classes)?;
-    Ok(assemble(network, family, input, names, &sidecar, name))
+    let mut names = class_names(known, family.classes)?;
+    let mut description = describe(name, sidecar.family.is_none(), &names, &input);
+    let nameless = class_index(&mut names, NAMELESS_CLASS);
+    let augments = sidecar.test_time_augmentation == Some(Augmentation::Mirrored);
+    if augments {
+        description.push_str(", with test-time augmentation (mirrored)");
+    }
+    let thresholds = &sidecar.thresholds;
+    Ok(Model {
+        network,
+        family,
+        input,
+        names,
+        nameless,
+        pixel_m: sidecar.pixel_m.unwrap_or(0.04),
+        levelled: sidecar.level != Some(LevelEntry::Raw),
+        score: thresholds.score.unwrap_or(0.25),
+        iou: thresholds.iou.unwrap_or(0.45),
+        name_score: thresholds.name.unwrap_or(0.0),
+        nms: Nms {
+            overlap: thresholds.nms.unwrap_or_default(),
+            across_classes: thresholds.class_agnostic.unwrap_or(false),
+        },
+        vote: thresholds.vote,
+        augments,
+        calibration: sidecar.calibration().unwrap_or_default(),
+        description,
+    })
 }
 
 /// Reads, checks and compiles a network.
@@ -275,46 +301,6 @@ fn class_names(known: Option<Vec<String>>, classes: usize) -> Result<Vec<String>
             names.len()
         ))),
         None => Ok((0..classes).map(|class| format!("class {class}")).collect()),
-    }
-}
-
-fn assemble(
-    network: Arc<Network>,
-    family: DetectorFamily,
-    input: InputSpec,
-    names: Vec<String>,
-    sidecar: &Sidecar,
-    name: FamilyName,
-) -> Model {
-    let thresholds = &sidecar.thresholds;
-    let mut description = describe(name, sidecar.family.is_none(), &names, &input);
-    let mut with_nameless = names;
-    let classes = with_nameless.len();
-    let nameless = class_index(&mut with_nameless, NAMELESS_CLASS);
-    let augments = sidecar.test_time_augmentation == Some(Augmentation::Mirrored);
-    if augments {
-        description.push_str(", with test-time augmentation (mirrored)");
-    }
-    Model {
-        network,
-        family,
-        input,
-        names: with_nameless,
-        classes,
-        nameless,
-        pixel_m: sidecar.pixel_m.unwrap_or(0.04),
-        levelled: sidecar.level != Some(LevelEntry::Raw),
-        score: thresholds.score.unwrap_or(0.25),
-        iou: thresholds.iou.unwrap_or(0.45),
-        name_score: thresholds.name.unwrap_or(0.0),
-        nms: Nms {
-            overlap: thresholds.nms.unwrap_or_default(),
-            across_classes: thresholds.class_agnostic.unwrap_or(false),
-        },
-        vote: thresholds.vote,
-        augments,
-        calibration: sidecar.calibration().unwrap_or_default(),
-        description,
     }
 }
 

@@ -1,10 +1,9 @@
 //! Compiles and runs neural networks in the format ONNX with the crate `tract`. Only this module,
-//! `screen`, `constants` and `cost` (which check the same graph before it is compiled or run) and
-//! `fast_layers` (which replaces some of its layers) use tract.
+//! `screen` and `cost` (which check the same graph before it is compiled or run) and `fast_layers`
+//! (which replaces some of its layers) use tract.
 
 use super::Unusable;
-use super::constants::check_constants;
-use super::cost::check_cost;
+use super::cost::{check_constants, check_cost};
 use super::fast_layers::replace_layers;
 use super::screen::Declared;
 use bathyscope_log::support::catch_panic::catch_panic;

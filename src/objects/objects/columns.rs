@@ -55,18 +55,12 @@ pub enum ColumnValues {
 impl ColumnValues {
     /// Returns true for numbers, which are aligned at the right.
     pub fn is_number(&self) -> bool {
-        match self {
-            Count(_) | Number(..) | Length(_) | Measured(_) => true,
-            Text(_) | State(_) | Position(_) => false,
-        }
+        matches!(self, Count(_) | Number(..) | Length(_) | Measured(_))
     }
 
     /// Returns true for lengths, whose unit is that of the window.
     pub fn is_length(&self) -> bool {
-        match self {
-            Length(_) | Measured(_) => true,
-            Text(_) | State(_) | Position(_) | Count(_) | Number(..) => false,
-        }
+        matches!(self, Length(_) | Measured(_))
     }
 }
 

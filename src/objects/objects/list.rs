@@ -2,7 +2,7 @@
 
 use super::{LogBox, Object, ObjectBox, ObjectNumbers};
 use crate::review::State;
-use crate::targets::{GroupSettings, PassLog, Sighting, group};
+use crate::targets::{PassLog, Sighting, group};
 use crate::{NAMELESS_CLASS, class_index};
 use std::collections::HashMap;
 
@@ -155,7 +155,7 @@ fn joined(boxes: &[ObjectBox], logs: &[PassLog<'_>], is_rejected: bool) -> Vec<O
         })
         .unzip();
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    let groups = group(&sightings, &GroupSettings::default()).into_iter();
+    let groups = group(&sightings).into_iter();
     let objects = groups.filter_map(|mut group| {
         for member in &mut group.members {
             *member = members[*member];
@@ -171,7 +171,7 @@ mod tests {
     use crate::objects::LogId;
     use crate::review::{BoxId, Reviewed};
     use crate::targets::Target;
-    use crate::targets::testing::target;
+    use crate::testing::target;
     use bathyscope_log::survey::{Navigation, Survey};
     use std::sync::Arc;
 

@@ -4,12 +4,11 @@
 //! before. Out: the objects that the boxes are sightings of. The window, products, report and plan
 //! all use this list.
 //!
-//! `review` determines which boxes count, `object` combines all boxes of an object, `numbers` keeps
-//! the numbers of objects, `list` joins boxes into objects, `columns` defines the table of objects.
+//! `review` determines which boxes count and keeps the numbers of objects, `object` combines all
+//! boxes of an object, `list` joins boxes into objects, `columns` defines the table of objects.
 
 mod columns;
 mod list;
-mod numbers;
 mod object;
 mod review;
 
@@ -17,9 +16,8 @@ pub use columns::{
     ColumnValue, ColumnValues, LOGS_COLUMN, ListedObject, OBJECT_COLUMNS, ObjectColumn,
 };
 pub use list::ObjectList;
-pub use numbers::{LogNumbers, ObjectNumbers};
 pub use object::{Object, ObjectBox, ObjectState};
-pub use review::{KeptReview, LogReview, SurveyReview};
+pub use review::{KeptReview, LogNumbers, LogReview, ObjectNumbers, SurveyReview};
 
 use crate::review::BoxId;
 

@@ -3,7 +3,7 @@
 use super::{LogBox, LogId};
 use crate::ObjectExtent;
 use crate::review::{Certainty, Reviewed, State};
-use crate::targets::{Group, LogPings, ObjectHeight, PassCount, PassLog, Target, count_seen};
+use crate::targets::{Group, LogPings, ObjectHeight, PassCount, PassLog, Target, distinct_passes};
 use bathyscope_log::named;
 use bathyscope_log::support::geo::LonLat;
 use serde::{Deserialize, Serialize};
@@ -135,7 +135,7 @@ impl Object {
             height: group.height,
             depth_m: target.map_or(f64::NAN, |target| target.depth_m),
             heading_rad: target.map_or(f64::NAN, |target| target.heading_rad),
-            sightings: count_seen(seen_on.iter().cloned(), logs),
+            sightings: distinct_passes(&seen_on, logs).len(),
             remarks: remarks.join("; "),
             seen_on,
             members: group.members,

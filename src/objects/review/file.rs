@@ -2,6 +2,7 @@
 //! is checked before it is used.
 
 use super::{BoxId, Certainty, Review, Reviewed, State, held, is_name};
+use crate::labels::MOST_CLASSES;
 use crate::{Mark, MeasuredShadow, ObjectExtent};
 use bathyscope_log::support::regular_file;
 use bathyscope_log::survey::{Identity, Side, Survey};
@@ -15,7 +16,6 @@ const LARGEST_FILE: u64 = 64 << 20;
 /// Version of the layout of the file.
 const VERSION: u32 = 1;
 const MOST_BOXES: usize = 200_000;
-const MOST_CLASSES: usize = 1_000;
 /// Greatest number of searched stretches; a review written by this program has two or three.
 const MOST_SEARCHED: usize = 1_000;
 /// Greatest length of a note, characters.
@@ -33,10 +33,6 @@ pub struct ReviewError {
 impl ReviewError {
     fn new(what: impl Into<String>) -> Self {
         Self { what: what.into(), id: None }
-    }
-
-    fn at(self, path: &Path) -> Self {
-        Self { what: format!("{self}: {}", path.display()), ..self }
     }
 }
 
@@ -56,11 +52,10 @@ pub struct ReviewRows {
 ///
 /// # Errors
 /// When the file cannot be read, or is too large: a sentence with the path.
-pub fn read_text(path: &Path, what: &str) -> Result<String, ReviewError> {
-    let cannot = |why: String| {
-        ReviewError::new(format!("cannot read the {what}: {why}: {}", path.display()))
-    };
-    regular_file::read_text(path, LARGEST_FILE).map_err(|error| cannot(error.to_string()))
+pub(crate) fn read_text(path: &Path, what: &str) -> Result<String, ReviewError> {
+    regular_file::read_text(path, LARGEST_FILE).map_err(|error| {
+        ReviewError::new(format!("cannot read the {what}: {error}: {}", path.display()))
+    })
 }
 
 #[derive(Serialize, Deserialize)]
@@ -146,24 +141,19 @@ struct Versioned {
 impl Review {
     /// Returns the review as the text of a file.
     pub fn to_json(&self) -> String {
-        let ReviewRows { classes, searched, boxes } = self.to_rows();
-        let stored =
-            Stored { version: VERSION, survey: self.identity.clone(), classes, searched, boxes };
-        // All values are strings, whole numbers and finite numbers, so writing cannot fail.
-        serde_json::to_string_pretty(&stored).unwrap_or_default()
-    }
-
-    /// Returns the review row by row.
-    pub(crate) fn to_rows(&self) -> ReviewRows {
         let searched = self.searched.iter().map(|search| SearchRow {
             model: search.model.to_string(),
             pings: [search.pings.start, search.pings.end],
         });
-        ReviewRows {
+        let stored = Stored {
+            version: VERSION,
+            survey: self.identity.clone(),
             classes: self.classes.clone(),
             searched: searched.collect(),
             boxes: self.boxes().map(|review_box| self.row(review_box)).collect(),
-        }
+        };
+        // All values are strings, whole numbers and finite numbers, so writing cannot fail.
+        serde_json::to_string_pretty(&stored).unwrap_or_default()
     }
 
     /// Returns the row of a box of this review.
@@ -188,27 +178,20 @@ impl Review {
         }
     }
 
-    /// Reads the review of the log `of` from a file.
-    ///
-    /// # Errors
-    /// When the file cannot be read, or as [`Review::from_json`]; the error holds the path.
-    pub fn open(path: &Path, of: &Identity) -> Result<Self, ReviewError> {
-        let text = read_text(path, "review")?;
-        Self::from_json(&text, of).map_err(|error| error.at(path))
-    }
-
     /// Reads the review of an open log from a file. The log may have grown since the file was
     /// written.
     ///
     /// # Errors
-    /// As [`Review::open`].
+    /// When the file cannot be read, or as [`Review::from_json`]; the error holds the path.
     pub fn open_for(path: &Path, survey: &Survey) -> Result<Self, ReviewError> {
         let own = Identity::of(survey);
         let text = read_text(path, "review")?;
         let of: Option<OfLog> = serde_json::from_str(&text).ok();
         let of = of.map(|of| of.survey).filter(|of| survey.is_or_was(of));
-        let read = Self::from_json(&text, of.as_ref().unwrap_or(&own));
-        Ok(read.map_err(|error| error.at(path))?.carried_to(own))
+        let read = Self::from_json(&text, of.as_ref().unwrap_or(&own)).map_err(|error| {
+            ReviewError { what: format!("{error}: {}", path.display()), ..error }
+        })?;
+        Ok(read.carried_to(own))
     }
 
     /// Reads the text of a file.
@@ -266,10 +249,6 @@ impl Review {
                 "this review is damaged: a class name is empty, too long or there twice",
             ));
         }
-        Self::collect(rows, of)
-    }
-
-    fn collect(rows: ReviewRows, of: &Identity) -> Result<Self, ReviewError> {
         let mut review = Review::new(of.clone(), rows.classes);
         let mut seen = HashSet::new();
         let mut models: HashSet<Arc<str>> = HashSet::new();

@@ -2,14 +2,9 @@
 //! boxes, and the true boxes in each.
 
 use super::{Review, Reviewed, State};
-use crate::dataset::PictureBoxes;
+use crate::dataset::{LEAST_PX, LEAST_SHARE, PictureBoxes};
 use crate::{Labelled, NAMELESS_CLASS, ObjectExtent, Raster, Rect, TILE_PX};
 use bathyscope_log::survey::Side;
-
-/// Least share of a box that must lie in a tile for the box to be a label there.
-const LEAST_SHARE: f32 = 0.4;
-/// Least width and height of a label, pixels.
-const LEAST_PX: f32 = 6.0;
 
 /// Side of the square around a point in which detections are ignored, metres.
 const POINT_M: f32 = 2.0;

@@ -6,28 +6,23 @@
 //! `echo` finds the echo and the shadow inside a box (`profile` computes the levels and the edges),
 //! `seen` computes distances and a height from them, `shadow` computes a height from a shadow that
 //! the analyst measures, `place` computes the position on the bottom, `passes` finds the passes of
-//! the boat that covered a place, `group` joins sightings from several lines into one object
-//! (`pairs` finds the sightings that may be one, and the uncertainty of their places),
+//! the boat that covered a place, `group` joins sightings from several lines into one object,
 //! `object_height` combines their heights into one, `shape` fits a solid to the recorded levels.
 
 mod echo;
 mod group;
 mod object_height;
-mod pairs;
 mod passes;
 mod place;
 mod profile;
 mod seen;
 mod shadow;
 mod shape;
-#[cfg(test)]
-pub(crate) mod testing;
 
 pub use echo::{Parts, TopShape, parts};
-pub use group::{Group, group};
+pub use group::{Group, Sighting, group};
 pub use object_height::{HeightSource, ObjectHeight};
-pub use pairs::{GroupSettings, Sighting};
-pub(crate) use passes::count_seen;
+pub(crate) use passes::distinct_passes;
 pub use passes::{LogPings, PassCount, PassLog, passes_over};
 pub use place::Placer;
 pub use shadow::{ShadowError, ShadowHeight};

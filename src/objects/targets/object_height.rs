@@ -149,7 +149,7 @@ fn mean(targets: &[&Target]) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::targets::testing::target;
+    use crate::testing::target;
 
     fn seen(height_m: f64, height_sigma_m: f64) -> Target {
         Target { height_m, height_sigma_m, ..target() }

@@ -3,6 +3,7 @@
 
 use super::SurveyTruth;
 use crate::dataset::KnownObject;
+use crate::labels::MOST_CLASSES;
 use crate::review::{Review, ReviewError, read_text};
 use crate::{Mark, ObjectExtent, class_index};
 use bathyscope_log::support::file_error::FileError;
@@ -12,8 +13,6 @@ use std::path::Path;
 
 /// Greatest number of sightings: more than any survey holds.
 const MOST_OBJECTS: usize = 200_000;
-/// Greatest number of classes: more than any detector of this kind has.
-const MOST_CLASSES: usize = 1_000;
 
 /// Reason why a file does not describe the open survey, in a sentence without the path.
 #[derive(Debug, thiserror::Error)]

@@ -18,7 +18,8 @@ const SOURCE: &str = "source.tif";
 
 /// Depth map in one file, or in many.
 pub(super) struct DepthMaps {
-    path: PathBuf,
+    /// Path that the argument names.
+    pub path: PathBuf,
     files: Vec<PathBuf>,
 }
 
@@ -41,11 +42,6 @@ impl DepthMaps {
         Ok(Self { path: path.to_owned(), files })
     }
 
-    /// Returns the path that was passed to [`open`](Self::open).
-    pub(super) fn path(&self) -> &Path {
-        &self.path
-    }
-
     /// Returns true if every file of the map has a file of standard deviations.
     pub(super) fn has_errors(&self) -> bool {
         self.files.iter().all(|file| beside(file, UNCERTAINTY).is_some())
@@ -59,12 +55,10 @@ impl DepthMaps {
     /// Reads the parts whose bounds meet those of a part of another map.
     pub(super) fn around(&self, other: &DepthPart) -> Result<Vec<DepthPart>, Failure> {
         let own = other.bounds_deg();
-        let parts = self.files.iter().map(|file| {
-            let part = DepthPart::read(file)?;
-            let meets = boxes_meet(own, part.bounds_deg());
-            Ok(meets.then_some(part))
-        });
-        parts.filter_map(Result::transpose).collect()
+        let is_near = |part: &Result<DepthPart, Failure>| {
+            part.as_ref().map_or(true, |part| boxes_meet(own, part.bounds_deg()))
+        };
+        self.parts().filter(is_near).collect()
     }
 }
 

@@ -77,12 +77,11 @@ pub(super) fn run(args: &CompareArgs, folder: &Path) -> Result<(), Failure> {
         if !map.has_errors() {
             output::notify(format_args!(
                 "warning: there is no uncertainty.tif beside the depths, so that only the systematic error counts: {}",
-                map.path().display()
+                map.path.display()
             ));
         }
     }
-    let progress = Progress::new();
-    let status = StatusLine::at("change", &progress);
+    let status = StatusLine::at("change");
     let assumed = args.change.errors();
     let (mut totals, mut written, mut shown) = (ChangeTotals::default(), Vec::new(), None);
     let mut observed = Observed::default();
@@ -99,20 +98,20 @@ pub(super) fn run(args: &CompareArgs, folder: &Path) -> Result<(), Failure> {
         if written.is_empty() {
             make_folder(folder)?;
         }
-        written.push(change.write(folder, &errors, &regions, &progress)?);
+        written.push(change.write(folder, &errors, &regions, &status.progress)?);
         shown.get_or_insert_with(|| record::picture(&change.rise_m, part.size()));
     }
     let Some(shown) = shown else {
         return Err(format!(
             "the two maps have no cell in common: {} and {}",
-            newer.path().display(),
-            older.path().display()
+            newer.path.display(),
+            older.path.display()
         )
         .into());
     };
     write_styles(&written, &totals)?;
     let errors = observed.errors(&assumed);
-    let record = ChangeRecord::new([newer.path(), older.path()], &totals, errors, observed.share());
+    let record = ChangeRecord::new([&newer.path, &older.path], &totals, errors, observed.share());
     write_json(&folder.join("change.json"), &record)?;
     // With many tiles, one picture would show a part as if it were all.
     let shown = (written.len() == 1).then_some(shown);

@@ -5,14 +5,17 @@
 //! a logarithm of power, in standard deviations of single-look speckle, which has one of 1.28 in ln
 //! power for any recorder: `ln(bottom + strength * object) / 1.28`, no lower than the darkest
 //! shadow. Strength and darkness belong to a pass, size and heading to the object, and each pass
-//! may place the object a little elsewhere, because of its receiver's error.
+//! may place the object a little elsewhere, because of its receiver's error. The parameters with
+//! which the search begins are derived from the box of the object.
 
-use super::initial_guess::{InitialGuess, beginnings};
 use super::levels::BoxLevels;
 use super::predict::PosedSolid;
-use super::problem::{FitState, Numbers, OF_OBJECT, Problem};
-use super::search::{follow, search};
+use super::problem::{
+    DARKNESS, FitState, Numbers, OF_LOOK, OF_OBJECT, OutlineEdge, Problem, STRENGTH,
+};
 use super::solid::ShapeKind;
+use crate::targets::Target;
+use std::f64::consts::{PI, TAU};
 
 /// The best fit of one kind of solid.
 #[derive(Clone, Debug)]
@@ -156,6 +159,187 @@ impl CoarseSearch {
             |states: Vec<FitState>| states.into_iter().map(|state| state.numbers).collect();
         of_kinds.into_iter().map(|(kind, states)| (kind, numbers(states))).collect()
     }
+}
+
+/// Changes one parameter after the other, with a larger step after an improvement and a smaller one
+/// otherwise, and then repeats the change of the whole round (Hooke and Jeeves). No derivatives are
+/// used, because predictions have kinks.
+fn search(problem: &Problem<'_>, state: &mut FitState, rounds: usize) {
+    let mut trial = state.clone();
+    for _ in 0..rounds {
+        let before = state.numbers.clone();
+        for number in (0..before.len()).filter(|number| !problem.is_fixed(*number)) {
+            let step = state.steps[number];
+            let better = try_both_ways(state, &mut trial, step, |trial, by| {
+                problem.change(trial, number, by);
+            });
+            state.steps[number] = step * if better { 1.3 } else { 0.5 };
+        }
+        for (index, edge) in OutlineEdge::ALL.into_iter().enumerate() {
+            let step = state.edge_steps[index];
+            let move_edge = |trial: &mut FitState, by: f64| problem.move_edge(trial, edge, by);
+            let better = step > 0.0 && try_both_ways(state, &mut trial, step, move_edge);
+            state.edge_steps[index] = step * if better { 1.3 } else { 0.5 };
+        }
+        // If the round changed nothing, there is no direction to continue in.
+        if state.numbers != before {
+            go_on(problem, state, &mut trial, &before);
+        }
+        if state.is_settled() {
+            break;
+        }
+    }
+}
+
+/// Moves all numbers once more as they have moved since `before`, if that lowers the cost.
+fn go_on(problem: &Problem<'_>, state: &mut FitState, trial: &mut FitState, before: &[f64]) {
+    trial.copy_from(state);
+    for (number, before) in trial.numbers.iter_mut().zip(before) {
+        *number += *number - before;
+    }
+    problem.all(trial);
+    if trial.cost < state.cost {
+        std::mem::swap(state, trial);
+    }
+}
+
+/// Changes a state by a step, or by the same step in the other direction, if that lowers the cost.
+/// Returns true if the state was changed.
+fn try_both_ways(
+    state: &mut FitState,
+    trial: &mut FitState,
+    step: f64,
+    change: impl Fn(&mut FitState, f64),
+) -> bool {
+    let better = [step, -step].into_iter().any(|by| {
+        trial.copy_from(state);
+        change(trial, by);
+        trial.cost < state.cost
+    });
+    if better {
+        std::mem::swap(state, trial);
+    }
+    better
+}
+
+/// Searches on from the `most` best states for some rounds, and drops the others. The states are
+/// then sorted, the best first.
+fn follow(problem: &Problem<'_>, states: &mut Vec<FitState>, most: usize, rounds: usize) {
+    let by_cost = |a: &FitState, b: &FitState| a.cost.total_cmp(&b.cost);
+    states.sort_by(by_cost);
+    states.truncate(most);
+    for state in &mut *states {
+        search(problem, state, rounds);
+    }
+    states.sort_by(by_cost);
+}
+
+/// Number of initial headings over half a circle.
+const HEADINGS: usize = 8;
+/// Offsets outward from the box's place at which a search begins, as shares of the box.
+const OUTWARD: [f64; 3] = [-0.15, 0.0, 0.15];
+
+/// Logarithm of the ratio of two steepnesses above which a search begins with both.
+const STEEPNESS_APART: f64 = 0.3;
+
+/// Initial guess of an object from one of its boxes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct InitialGuess {
+    /// Place of the object, metres east and north.
+    place_m: [f64; 2],
+    /// Direction of the track, radians clockwise from north.
+    heading_rad: f64,
+    /// Extents along and across the track, metres.
+    along_m: f64,
+    across_m: f64,
+    /// Extent of the box across the track on a level bottom, its shadow included, metres.
+    box_m: f64,
+    /// Unit vector (east, north) across the track, to the side of the look.
+    outward: [f64; 2],
+    /// Height, metres; NaN without a visible shadow.
+    height_m: f64,
+}
+
+impl InitialGuess {
+    /// Creates the guess from a placed box and its look.
+    pub(super) fn of(target: &Target, look: &BoxLevels) -> Self {
+        Self {
+            place_m: [target.east_m, target.north_m],
+            heading_rad: target.heading_rad,
+            along_m: target.length_m,
+            across_m: target.width_m,
+            box_m: look.across_m(),
+            outward: look.pings.first().map_or([0.0; 2], |ping| ping.outward),
+            height_m: height_m(target),
+        }
+    }
+
+    /// Returns the initial parameters of a look.
+    fn of_look(&self) -> [f64; OF_LOOK] {
+        let [east_m, north_m] = self.place_m;
+        [east_m, north_m, STRENGTH[0], DARKNESS, 0.0]
+    }
+}
+
+/// Returns the initial height: that of the box, or, if its shadow is not whole enough for a height,
+/// that of the shadow in the middle of the box.
+fn height_m(target: &Target) -> f64 {
+    let in_middle_m = || {
+        let [start_m, end_m] = target.parts?.shadow_m?;
+        Some(target.altitude_m * (end_m - start_m) / end_m)
+    };
+    if target.height_m.is_finite() { target.height_m } else { in_middle_m().unwrap_or(f64::NAN) }
+}
+
+/// Returns initial parameters: the solid has a typical slenderness, its length follows from the
+/// extents along the track, across it, or both, and it is in the middle of the picture or a little
+/// nearer or farther.
+fn beginnings(kind: ShapeKind, start: &InitialGuess) -> Vec<Numbers> {
+    let usual = kind.usual();
+    let slenderness = usual.typical_slenderness;
+    let headings = match kind {
+        ShapeKind::Tyre => 1,
+        _ if kind.is_boat() => 2 * HEADINGS,
+        _ => HEADINGS,
+    };
+    let turn_rad = if kind.is_boat() { TAU } else { PI };
+    let mut all = Vec::new();
+    for heading in 0..headings {
+        let off_rad = turn_rad * heading as f64 / headings as f64;
+        let (sin, cos) = (off_rad.sin().abs(), off_rad.cos().abs());
+        let by_along_m = start.along_m.max(0.2) / (cos + sin / slenderness);
+        let by_across_m = start.across_m.max(0.1) / (sin + cos / slenderness);
+        // About half of a box is shadow.
+        let by_box_m = 0.6 * start.box_m / (sin + cos / slenderness);
+        let both_m = (by_along_m * by_across_m).sqrt();
+        for length_m in [by_along_m, by_across_m, both_m, by_box_m] {
+            let length_m = length_m.clamp(usual.length_m[0], usual.length_m[1]);
+            let heading_rad = start.heading_rad + off_rad;
+            let steepnesses = steepnesses(kind, start.height_m * slenderness / length_m);
+            for (steepness, out) in
+                steepnesses.flat_map(|steepness| OUTWARD.map(|out| (steepness, out)))
+            {
+                let sizes = [length_m.ln(), slenderness.ln(), steepness.ln()];
+                let mut of_look = start.of_look();
+                let out_m = out * start.box_m;
+                of_look[0] += out_m * start.outward[0];
+                of_look[1] += out_m * start.outward[1];
+                all.push([&[heading_rad], &sizes[..], &[0.0], &of_look].concat());
+            }
+        }
+    }
+    all
+}
+
+/// Returns initial steepnesses: that of the shadow, if it is known. The shadow of a boat may be
+/// that of a thwart or of one end, so the search for a boat begins with a usual steepness as well.
+fn steepnesses(kind: ShapeKind, by_shadow: f64) -> impl Iterator<Item = f64> {
+    let [low, high] = kind.usual().steepness;
+    let usual = (low * high).sqrt();
+    let known = (by_shadow > 0.0).then(|| by_shadow.clamp(low, high));
+    let is_far = |known: f64| (known / usual).ln().abs() > STEEPNESS_APART;
+    let is_other = known.is_none_or(|known| kind.is_boat() && is_far(known));
+    known.into_iter().chain(is_other.then_some(usual))
 }
 
 #[cfg(test)]

@@ -8,12 +8,10 @@
 //! picture, there is no shape, and the reason is returned.
 
 mod fit;
-mod initial_guess;
 mod levels;
 mod predict;
 mod problem;
 mod ray;
-mod search;
 mod solid;
 
 pub use levels::BoxLevels;
@@ -21,8 +19,7 @@ pub use predict::{PosedSolid, ShapeOnPing};
 pub use solid::{ShapeKind, Solid};
 
 use super::Target;
-use fit::{ShapeFit, fits};
-use initial_guess::InitialGuess;
+use fit::{InitialGuess, ShapeFit, fits};
 
 /// A solid that explains the recorded levels of an object.
 #[derive(Clone, Debug, PartialEq)]

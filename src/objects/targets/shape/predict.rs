@@ -236,17 +236,7 @@ mod tests {
             outward: [1.0, 0.0],
             levels: vec![0.0; 120],
         };
-        BoxLevels {
-            altitude_m: 3.0,
-            recorded_m: [5.0, 0.05],
-            from_m: 5.0,
-            step_m: 0.05,
-            bins: 120,
-            ping_m: 0.1,
-            noise: 0.5,
-            together: 1,
-            pings: (0..21).map(ping).collect(),
-        }
+        BoxLevels::of_pings((0..21).map(ping).collect(), 0.1, [5.0, 0.05])
     }
 
     /// Creates a block 1 m across the track, 2 m long and 0.5 m high, with its near side 6 m out,

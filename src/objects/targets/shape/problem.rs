@@ -408,17 +408,7 @@ mod tests {
                 outward: [1.0, 0.0],
                 levels: numbers(bins, -3.0, 3.0),
             };
-            let look = BoxLevels {
-                altitude_m: 2.0,
-                recorded_m: [0.0, 0.1],
-                from_m: 0.0,
-                step_m: 0.1,
-                bins,
-                ping_m: 0.2,
-                pings: (0..3).map(ping).collect(),
-                noise: 1.0,
-                together: 1,
-            };
+            let look = BoxLevels::of_pings((0..3).map(ping).collect(), 0.2, [0.0, 0.1]);
             // A quarter of the bins are in the shadow, where only noise is expected.
             let predicted = Predicted {
                 bottom: positive(numbers(3 * bins, -1.0, 1.0)),

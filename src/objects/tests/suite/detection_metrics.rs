@@ -105,15 +105,15 @@ fn cocos_rule_gives_the_figures_of_pycocotools() {
             let what = format!("{name}, class {class}");
             same(&what, report.ap, theirs.ap50[class]);
             same(&what, report.ap_50_95, theirs.ap50_95[class]);
-            same(&what, report.counts.recall(), theirs.recall50[class]);
+            same(&what, ours.shown.classes[class].recall(), theirs.recall50[class]);
         }
         for (size, report) in ours.sizes.iter().enumerate() {
             let what = format!("{name}, size {size}");
             same(&what, report.map, theirs.sizes_map50[size]);
             same(&what, report.map_50_95, theirs.sizes_map50_95[size]);
         }
-        assert_eq!(ours.counts.found, theirs.hits50, "{name}");
-        same(name, ours.counts.iou_sum, Some(theirs.iou_sum50));
+        assert_eq!(ours.shown.counts.found, theirs.hits50, "{name}");
+        same(name, ours.shown.counts.iou_sum, Some(theirs.iou_sum50));
         seen += 1;
     }
     assert_eq!(seen, 21);
@@ -147,7 +147,7 @@ fn counts_confusion_and_mistakes_tell_the_same_story() {
     for case in cases() {
         for settings in [MetricSettings::coco(), MetricSettings::darknet()] {
             let images = images(&case);
-            let ours = evaluate(&images, case.classes, &settings);
+            let ours = evaluate(&images, case.classes, &settings).shown;
             let (confusion, counts) = (&ours.confusion, ours.counts);
             let background = confusion.classes();
             let diagonal: usize = (0..background).map(|class| confusion.at(class, class)).sum();
@@ -201,7 +201,7 @@ fn worked_example() -> Vec<Image> {
 #[test]
 fn a_worked_example_by_hand() {
     let ours = evaluate(&worked_example(), 2, &MetricSettings::darknet());
-    let counts = ours.counts;
+    let counts = ours.shown.counts;
     // Found: the first box, IoU 80 / 100. False: the second, the third, the one without an object
     // and the loose one.
     assert_eq!((counts.found, counts.false_alarms, counts.missed()), (1, 4, 2));
@@ -211,12 +211,12 @@ fn a_worked_example_by_hand() {
     assert!((counts.iou_of_matches() - 0.8).abs() < 1e-12);
     assert!((counts.darknet_iou() - 0.16).abs() < 1e-12);
     // Rows and columns: stone, tyre, background.
-    let rows: Vec<&[usize]> = ours.confusion.rows().collect();
+    let rows: Vec<&[usize]> = ours.shown.confusion.rows().collect();
     assert_eq!(rows, [[1, 0, 1], [1, 0, 0], [2, 1, 0]]);
-    let causes: Vec<Cause> = ours.false_alarms.iter().map(|alarm| alarm.cause).collect();
+    let causes: Vec<Cause> = ours.shown.false_alarms.iter().map(|alarm| alarm.cause).collect();
     assert_eq!(causes, [Cause::Duplicate, Cause::OtherClass, Cause::Background, Cause::Loose]);
     let missed: Vec<(usize, usize)> =
-        ours.misses.iter().map(|miss| (miss.image, miss.truth)).collect();
+        ours.shown.misses.iter().map(|miss| (miss.image, miss.truth)).collect();
     assert_eq!(missed, [(0, 1), (1, 0)]);
     // The tyre's own box is below the score, but on the curve of its class: 1 of 2 at its end.
     let tyre = &ours.classes[1].curve;
@@ -227,7 +227,7 @@ fn a_worked_example_by_hand() {
 
 #[test]
 fn boxes_of_unknown_classes_are_left_out() {
-    let ours = evaluate(&worked_example(), 1, &MetricSettings::coco());
+    let ours = evaluate(&worked_example(), 1, &MetricSettings::coco()).shown;
     assert_eq!(ours.counts.truths, 2);
     assert_eq!(ours.confusion.classes(), 1);
     assert!(ours.misses.iter().all(|miss| (miss.image, miss.truth) != (0, 1)));

@@ -3,6 +3,7 @@
 //! remedy; and no file makes the program panic.
 
 use bathyscope_log::support::progress::Progress;
+use bathyscope_objects::model::Unusable;
 use bathyscope_objects::{DetectorSettings, Model, Picture, Scored, find_in_picture};
 use proptest::prelude::*;
 use std::collections::BTreeMap;
@@ -23,6 +24,18 @@ fn load(name: &str) -> Model {
 
 fn refusal(path: &Path) -> String {
     Model::load(path).expect_err("a refused model").to_string()
+}
+
+/// Loads the YOLOv8 model with a sidecar text.
+fn yolov8(sidecar: &str) -> Result<Model, Unusable> {
+    let bytes = fs::read(models().join("yolov8.onnx")).expect("a model");
+    Model::from_bytes(bytes, Some(sidecar))
+}
+
+/// Returns the boxes that the YOLOv8 model finds in the picture with a sidecar text.
+fn found(sidecar: &str, score: f32) -> Vec<Scored> {
+    let model = yolov8(sidecar).expect("a usable sidecar");
+    model.detect(&picture(), score, IOU).expect("boxes")
 }
 
 /// Creates the picture that `make.py` draws: 96 x 80 in colour.
@@ -152,9 +165,7 @@ fn missing_companions_are_named() {
 
 #[test]
 fn a_sidecar_corrects_the_guess_or_is_refused() {
-    let bytes = fs::read(models().join("yolov8.onnx")).expect("a model");
-    let with = |text: &str| Model::from_bytes(bytes.clone(), Some(text));
-    let model = with(
+    let model = yolov8(
         r#"{"family": "yolov11", "names": ["a", "b", "c"], "pixel_m": 0.1, "input": {"resize": "stretch"},
             "thresholds": {"score": 0.6, "iou": 0.3, "nms": "darknet"}, "training": {"epochs": 3}}"#,
     )
@@ -162,7 +173,7 @@ fn a_sidecar_corrects_the_guess_or_is_refused() {
     assert_eq!(model.classes(), ["a", "b", "c"]);
     assert_eq!((model.pixel_m(), model.score(), model.iou()), (0.1, 0.6, 0.3));
     assert!(model.description().contains("stretched (by its JSON file)"));
-    let error_of = |text: &str| with(text).expect_err("a wrong sidecar").to_string();
+    let error_of = |text: &str| yolov8(text).expect_err("a wrong sidecar").to_string();
     assert!(error_of("{").contains("sidecar JSON file is wrong"));
     assert!(error_of(r#"{"family": "ssd"}"#).contains("unknown variant `ssd`"));
     assert!(error_of(r#"{"names": ["a"]}"#).contains("1 class names are given, but"));
@@ -172,9 +183,8 @@ fn a_sidecar_corrects_the_guess_or_is_refused() {
 
 #[test]
 fn a_box_is_named_from_a_confidence_on_and_is_an_object_below_it() {
-    let bytes = fs::read(models().join("yolov8.onnx")).expect("a model");
     let named = |sidecar: &str, name_score: Option<f32>| {
-        let model = Model::from_bytes(bytes.clone(), Some(sidecar)).expect("a usable sidecar");
+        let model = yolov8(sidecar).expect("a usable sidecar");
         assert_eq!(model.names(), ["rock", "tyre", "log", "object"]);
         let settings =
             DetectorSettings { score: Some(SCORE), name_score, ..DetectorSettings::default() };
@@ -194,18 +204,13 @@ fn a_box_is_named_from_a_confidence_on_and_is_an_object_below_it() {
     let sidecar = format!(r#"{{"thresholds": {{"name": {between}}}}}"#);
     assert_eq!(named(&sidecar, None), some);
     assert_eq!(named(&sidecar, Some(0.0)), all);
-    let refused = Model::from_bytes(bytes.clone(), Some(r#"{"thresholds": {"name": 2}}"#));
+    let refused = yolov8(r#"{"thresholds": {"name": 2}}"#);
     let error = refused.expect_err("a wrong sidecar").to_string();
     assert!(error.contains("thresholds.name"), "{error}");
 }
 
 #[test]
 fn boxes_vote_when_the_sidecar_says_so_and_stay_wherever_the_slider_is() {
-    let bytes = fs::read(models().join("yolov8.onnx")).expect("a model");
-    let found = |sidecar: &str, score: f32| {
-        let model = Model::from_bytes(bytes.clone(), Some(sidecar)).expect("a usable sidecar");
-        model.detect(&picture(), score, IOU).expect("boxes")
-    };
     let voting = r#"{"thresholds": {"vote": 0.65}}"#;
     let (plain, voted) = (found("{}", SCORE), found(voting, SCORE));
     assert_eq!(plain.len(), voted.len());
@@ -215,17 +220,12 @@ fn boxes_vote_when_the_sidecar_says_so_and_stay_wherever_the_slider_is() {
     let surest = voted.len() / 2;
     assert_eq!(found(voting, voted[surest].score), voted[..=surest]);
     assert_eq!(found(voting, 0.02)[..voted.len()], voted);
-    let refused = Model::from_bytes(bytes.clone(), Some(r#"{"thresholds": {"vote": 2}}"#));
+    let refused = yolov8(r#"{"thresholds": {"vote": 2}}"#);
     assert!(refused.expect_err("a share").to_string().contains("lie between 0 and 1"));
 }
 
 #[test]
 fn confidences_are_calibrated_as_the_sidecar_says() {
-    let bytes = fs::read(models().join("yolov8.onnx")).expect("a model");
-    let found = |sidecar: &str, score: f32| {
-        let model = Model::from_bytes(bytes.clone(), Some(sidecar)).expect("a usable sidecar");
-        model.detect(&picture(), score, IOU).expect("boxes")
-    };
     let halved = r#"{"calibration": [[0.5, 0.25], [1.0, 0.5]]}"#;
     let (plain, calibrated) = (found("{}", 0.4), found(halved, 0.2));
     assert!(plain.len() > 1);
@@ -236,15 +236,14 @@ fn confidences_are_calibrated_as_the_sidecar_says() {
     }
     // No box has such a high score after the calibration.
     assert_eq!(found(halved, 0.6), []);
-    let refused = Model::from_bytes(bytes.clone(), Some(r#"{"calibration": [[0.5, 0.2]]}"#));
+    let refused = yolov8(r#"{"calibration": [[0.5, 0.2]]}"#);
     let text = refused.expect_err("no map").to_string();
     assert!(text.contains("rise from 0 to a confidence of 1"), "{text}");
 }
 
 #[test]
 fn a_mirrored_pass_sees_the_same_and_is_less_sure_than_the_surer() {
-    let bytes = fs::read(models().join("yolov8.onnx")).expect("a model");
-    let model = |sidecar: &str| Model::from_bytes(bytes.clone(), Some(sidecar)).expect("a model");
+    let model = |sidecar: &str| yolov8(sidecar).expect("a model");
     let (once, twice) = (model("{}"), model(r#"{"test_time_augmentation": "mirrored"}"#));
     assert!(!once.description().contains("test-time augmentation"));
     assert!(twice.description().contains("test-time augmentation (mirrored)"));

@@ -9,8 +9,7 @@ use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::{HeadingSettings, Navigation, Projection, Side, Survey, navigate};
 use bathyscope_objects::Mark;
 use bathyscope_objects::targets::{
-    Group, GroupSettings, LogPings, PassCount, Placer, Sighting as Claim, Target, group,
-    passes_over,
+    Group, LogPings, PassCount, Placer, Sighting as Claim, Target, group, passes_over,
 };
 use bathyscope_products::pipeline::{ObjectLocator, Settings};
 use bathyscope_simulation::{Bank, ObjectKind, ObjectPass, ObjectSettings, Scene, Simulated};
@@ -336,7 +335,7 @@ fn an_object_seen_from_several_lines_is_one() {
     for (scene, seed) in [(dense_scene(), 1), (dense_scene(), 2), (turning_scene(), 10)] {
         let sailed = sail(&scene, seed);
         let placed = placed(&sailed);
-        let groups = group(&claims(&sailed, &placed), &GroupSettings::default());
+        let groups = group(&claims(&sailed, &placed));
         let mut objects: Vec<usize> = placed.iter().map(|sighting| sighting.0).collect();
         objects.dedup();
         let object_of = |group: &Group| placed[group.members[0]].0;
