@@ -5,15 +5,13 @@
 
 mod choices;
 mod crosslines;
-mod plane;
 mod residuals;
 mod surface;
 mod uncertainty;
 
 pub use choices::{GeometryChoice, choices};
 pub use crosslines::{Crosslines, crosslines};
-pub(crate) use plane::CloudPlane;
-pub use plane::depth_points;
 pub(crate) use residuals::{NamedComparison, comparisons};
-pub use surface::{joint_depth_points, joint_depth_surface, log_echoes};
+pub(crate) use surface::CloudPlane;
+pub use surface::{depth_points, joint_depth_points, joint_depth_surface, log_echoes};
 pub use uncertainty::CommonUncertainty;

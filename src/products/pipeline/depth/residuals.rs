@@ -1,6 +1,6 @@
 //! Compares side-scan points, and those of a swath, with the soundings of the same survey.
 
-use super::plane::CloudPlane;
+use super::surface::CloudPlane;
 use crate::pipeline::{ProcessedLog, Products};
 use bathyscope_bottom::bathymetry::compare::{Comparison, Match, Matching, match_points};
 use bathyscope_bottom::cloud::{CloudPoint, PointSource};
@@ -98,8 +98,7 @@ fn points<T>(
 ) -> (Vec<[f64; 3]>, Vec<T>) {
     let mut found = (Vec::new(), Vec::new());
     for log in logs {
-        let plane = CloudPlane::new(&log.survey, &log.products, map.clone());
-        for (place, point) in plane.points(&log.products, &counts) {
+        for (place, point) in CloudPlane::shared(log, map).points(&counts) {
             found.0.push(place);
             found.1.push(read(&log.survey, point));
         }

@@ -1,12 +1,139 @@
-//! Computes the surface of the depths of a survey.
+//! Transforms the points of a cloud into the metres of a map, and computes the surface of the
+//! depths of a survey there.
 
-use super::plane::CloudPlane;
-use crate::pipeline::{ProcessedLog, Products};
-use bathyscope_bottom::bathymetry::{DepthPoint, Surface, SwathDepth, surface};
+use crate::pipeline::{ProcessedLog, Products, map_plane};
+use bathyscope_bottom::bathymetry::{DepthPoint, Surface, SurfaceSettings, SwathDepth, surface};
+use bathyscope_bottom::cloud::{CloudPoint, PointClass, PointCloud};
 use bathyscope_bottom::swath::{LogEchoes, PingPlace, SideEchoes, correct};
-use bathyscope_log::support::geo::MapPlane;
+use bathyscope_log::support::geo::{CrsError, LonLat, MapPlane};
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::{PingNav, Side, Survey};
+
+/// Transformation of a log's cloud into the plane of its maps.
+#[derive(Clone)]
+pub(crate) struct CloudPlane<'a> {
+    /// Plane of the maps.
+    pub map: MapPlane,
+    /// Survey of the log.
+    pub survey: &'a Survey,
+    products: &'a Products,
+}
+
+impl<'a> CloudPlane<'a> {
+    /// Creates the transformation into the plane of the coordinate system that `crs` names.
+    ///
+    /// # Errors
+    /// When the system is unknown, or does not fit the survey's place.
+    pub(crate) fn of(survey: &'a Survey, products: &'a Products) -> Result<Self, CrsError> {
+        Ok(Self { map: map_plane(survey, &products.settings)?, survey, products })
+    }
+
+    /// Creates the transformation of one of several logs into the plane that all of them share.
+    pub(super) fn shared(log: &'a ProcessedLog, map: &MapPlane) -> Self {
+        Self { map: map.clone(), survey: &log.survey, products: &log.products }
+    }
+
+    /// Returns longitude and latitude of a place in the plane.
+    pub(crate) fn to_lon_lat(&self, place: [f64; 2]) -> LonLat {
+        self.map.to_lon_lat(place)
+    }
+
+    /// Returns the kept points for which `chosen` is true, each with its easting, northing and
+    /// elevation, metres.
+    pub(super) fn points(
+        &self,
+        chosen: impl Fn(&CloudPoint) -> bool,
+    ) -> impl Iterator<Item = ([f64; 3], &'a CloudPoint)> {
+        let chosen = self.products.kept_points().filter(move |point| chosen(point));
+        let placed = chosen.map(|point| (self.place(point), point));
+        placed.filter(|(place, _)| is_finite(place))
+    }
+
+    /// Returns the kept points that count for the surface, as weighted depths.
+    fn depth_points(&self) -> Vec<DepthPoint> {
+        let Products { cloud, classes, settings, .. } = self.products;
+        depth_points(cloud, classes, &settings.surface, |point| self.place(point))
+    }
+
+    /// Returns the depths under the boat that follow from the slope of a first return of one side
+    /// alone, weighted as first returns.
+    fn slope_points(&self) -> Vec<DepthPoint> {
+        let Products { depths, navigation, settings, .. } = self.products;
+        let weight = settings.surface.side_scan_weight;
+        let depths = depths.iter().zip(navigation.pings.iter());
+        let by_slope = depths.filter(|(depth, _)| depth.by_slope && weight > 0.0);
+        let placed = by_slope.map(|(depth, at)| {
+            let [east_m, north_m] = self.plane_place(at.place());
+            [east_m, north_m, -f64::from(depth.depth_m)]
+        });
+        placed.filter(is_finite).map(|place| first_return(place, weight)).collect()
+    }
+
+    /// Returns the first returns that one side alone sees above the recorded depth for long, and
+    /// that do not count: weed, a bank or a scarp. Their weight is 0.
+    fn doubtful_points(&self) -> Vec<DepthPoint> {
+        let Products { cloud, classes, .. } = self.products;
+        let doubtful = cloud.points.iter().zip(classes.iter()).filter(|(point, class)| {
+            **class == PointClass::AboveBottom && point.above_bottom_m > 0.0
+        });
+        let placed = doubtful.map(|(point, _)| self.place(point)).filter(is_finite);
+        placed.map(|place| first_return(place, 0.0)).collect()
+    }
+
+    fn echoes(&self) -> LogEchoes<'a> {
+        log_echoes(self.survey, self.products, |place| self.plane_place(place))
+    }
+
+    fn place(&self, point: &CloudPoint) -> [f64; 3] {
+        let [east_m, north_m] = self.plane_place([point.east_m, point.north_m]);
+        [east_m, north_m, point.z_m]
+    }
+
+    /// Returns east and north in the map's plane of a place in the log's plane.
+    fn plane_place(&self, [east_m, north_m]: [f64; 2]) -> [f64; 2] {
+        let navigation = &self.products.navigation;
+        self.map.place(navigation.to_lon_lat(&self.survey.track, east_m, north_m))
+    }
+}
+
+/// Returns a depth from a first return.
+fn first_return([east_m, north_m, z_m]: [f64; 3], weight: f64) -> DepthPoint {
+    DepthPoint { east_m, north_m, depth_m: -z_m, weight, is_sounding: false, slope_end: f32::NAN }
+}
+
+/// Returns the kept points of a cloud that count for a surface, as weighted depths; `place` returns
+/// east, north and elevation of a point in the surface's plane.
+pub fn depth_points(
+    cloud: &PointCloud,
+    classes: &[PointClass],
+    settings: &SurfaceSettings,
+    place: impl Fn(&CloudPoint) -> [f64; 3],
+) -> Vec<DepthPoint> {
+    let weighted = || {
+        let weighted = cloud.kept(classes).map(|(_, point)| (point, settings.weight(point)));
+        weighted.filter(|(_, weight)| *weight > 0.0)
+    };
+    // Counted first: a vector of a million points that grows takes three times their memory for a
+    // moment.
+    let mut points = Vec::with_capacity(weighted().count());
+    let placed = weighted().map(|(point, weight)| (place(point), weight, point));
+    points.extend(placed.filter(|(place, ..)| is_finite(place)).map(
+        |([east_m, north_m, z_m], weight, point)| DepthPoint {
+            east_m,
+            north_m,
+            depth_m: -z_m,
+            weight,
+            is_sounding: !point.source.is_side_scan(),
+            slope_end: point.slope_end.share(),
+        },
+    ));
+    points
+}
+
+/// Returns true if all coordinates of a place are finite.
+fn is_finite(place: &[f64; 3]) -> bool {
+    place.iter().all(|value| value.is_finite())
+}
 
 /// Computes the surface of the kept points of all logs of a survey in the plane of a map, by the
 /// `surface.*` settings of the first log. The points of each log have the weights of its own
@@ -27,26 +154,22 @@ pub fn joint_depth_surface(
     };
     let settings = &first.products.settings.surface;
     let mut points = joint_depth_points(logs, map, progress)?;
-    for log in logs {
-        let plane = CloudPlane::new(&log.survey, &log.products, map.clone());
-        points.append(&mut plane.slope_points(&log.products));
-    }
+    let planes: Vec<CloudPlane<'_>> = logs.iter().map(|log| CloudPlane::shared(log, map)).collect();
+    points.extend(planes.iter().flat_map(CloudPlane::slope_points));
     let mut made = match settings.swath {
         SwathDepth::Off => surface(points, settings, progress)?,
         _ => {
             let mut made = surface(points.clone(), settings, progress)?;
             if let Some(made) = &mut made {
-                let echoes: Vec<LogEchoes<'_>> =
-                    logs.iter().map(|log| echoes_of(log, map)).collect();
+                let echoes = planes.iter().map(CloudPlane::echoes).collect();
                 correct(made, echoes, &points, progress, settings.swath)?;
             }
             made
         }
     };
     if let Some(made) = &mut made {
-        for log in logs {
-            let plane = CloudPlane::new(&log.survey, &log.products, map.clone());
-            made.doubt(&plane.doubtful_points(&log.products));
+        for plane in &planes {
+            made.doubt(&plane.doubtful_points());
         }
     }
     Ok(made)
@@ -65,17 +188,9 @@ pub fn joint_depth_points(
     let mut points = Vec::new();
     for log in logs {
         progress.check()?;
-        let plane = CloudPlane::new(&log.survey, &log.products, map.clone());
-        points.append(&mut plane.depth_points(&log.products));
+        points.append(&mut CloudPlane::shared(log, map).depth_points());
     }
     Ok(points)
-}
-
-fn echoes_of<'a>(log: &'a ProcessedLog, map: &MapPlane) -> LogEchoes<'a> {
-    let (track, navigation) = (&log.survey.track, &log.products.navigation);
-    log_echoes(&log.survey, &log.products, |[east_m, north_m]| {
-        map.place(navigation.to_lon_lat(track, east_m, north_m))
-    })
 }
 
 /// Returns the echoes and places of the pings of a log, for depths from echo levels. `place`

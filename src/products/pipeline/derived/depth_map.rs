@@ -1,8 +1,8 @@
 //! Makes the depth map of a survey, which the files and the window share.
 
 use crate::pipeline::{
-    CloudPlane, CommonUncertainty, ProcessedLog, Same, clip_area, colour_range_m,
-    joint_depth_points, joint_depth_surface,
+    CommonUncertainty, ProcessedLog, Same, clip_area, colour_range_m, joint_depth_points,
+    joint_depth_surface, map_plane,
 };
 use bathyscope_bottom::bathymetry::isobaths::{
     ClipArea, DepthExtent, IsobathSettings, NoIsobaths, with_shoalest,
@@ -11,7 +11,7 @@ use bathyscope_bottom::bathymetry::{
     self, CellSource, DepthPoint, Light, Surface, SurfaceSettings, hill_shade,
 };
 use bathyscope_bottom::cloud::{PointClass, PointCloud};
-use bathyscope_log::support::geo::{CrsChoice, MapPlane, bounds_deg};
+use bathyscope_log::support::geo::{Crs, CrsChoice, MapPlane, bounds_deg};
 use bathyscope_log::support::outline::bounds;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::{Navigation, Survey};
@@ -83,7 +83,9 @@ impl DepthMap {
         let Some(ProcessedLog { survey, products }) = logs.first() else {
             return Ok(None);
         };
-        let map = CloudPlane::or_utm(survey, products).map;
+        let origin = survey.track.frame.origin();
+        let utm = |_| MapPlane::new(Crs::utm(origin), origin);
+        let map = map_plane(survey, &products.settings).unwrap_or_else(utm);
         let Some(mut surface) = joint_depth_surface(logs, &map, progress)? else {
             return Ok(None);
         };
