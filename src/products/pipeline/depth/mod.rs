@@ -3,14 +3,13 @@
 //!
 //! In: the results of logs, and settings. Out: surfaces, isobaths, comparisons and crossings.
 
-mod choices;
 mod crosslines;
 mod residuals;
 mod surface;
 mod uncertainty;
 
-pub use choices::{GeometryChoice, choices};
 pub use crosslines::{Crosslines, crosslines};
+pub use residuals::{GeometryChoice, choices};
 pub(crate) use residuals::{NamedComparison, comparisons};
 pub(crate) use surface::CloudPlane;
 pub use surface::{depth_points, joint_depth_points, joint_depth_surface, log_echoes};
