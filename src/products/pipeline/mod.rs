@@ -41,8 +41,8 @@ pub use agreement::{Agreement, LogDifferences, MissionLog, Reference, ResidualTa
 pub use clip_area::clip_area;
 pub(crate) use depth::{CloudPlane, NamedComparison, comparisons};
 pub use depth::{
-    CommonUncertainty, Crosslines, GeometryChoice, choices, crosslines, depth_points,
-    joint_depth_points, joint_depth_surface, log_echoes,
+    CommonUncertainty, GeometryChoice, choices, depth_points, joint_depth_points,
+    joint_depth_surface, log_echoes,
 };
 pub(crate) use derived::Contours;
 pub use derived::{
@@ -53,6 +53,7 @@ pub use derived::{
 pub use fingerprint::{Fingerprint, in_hexadecimal};
 pub(crate) use fingerprint::{LogFiles, sha256_of};
 pub use growing::{GrowingResults, extend};
+pub use joint::{Crosslines, crosslines};
 pub use log_report::CalibrationReport;
 pub use log_settings::{LogSettings, SettingValues, setting_values};
 pub(crate) use log_settings::{

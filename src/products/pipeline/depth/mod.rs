@@ -1,14 +1,12 @@
-//! Computes the products of the depths: the surface, isobaths, the agreement of side-scan with
-//! soundings, and the crossline analysis. All are in the coordinate system that `crs` names.
+//! Computes the products of the depths: the surface, its uncertainty, and the agreement of
+//! side-scan with soundings. All are in the coordinate system that `crs` names.
 //!
-//! In: the results of logs, and settings. Out: surfaces, isobaths, comparisons and crossings.
+//! In: the results of logs, and settings. Out: surfaces, uncertainties and comparisons.
 
-mod crosslines;
 mod residuals;
 mod surface;
 mod uncertainty;
 
-pub use crosslines::{Crosslines, crosslines};
 pub use residuals::{GeometryChoice, choices};
 pub(crate) use residuals::{NamedComparison, comparisons};
 pub(crate) use surface::CloudPlane;
