@@ -73,9 +73,7 @@ pub fn adjust(archive: &Archive, wanted: Wanted, progress: &Progress) -> Result<
             ties,
             group: found.group,
             is_pinned: pinned[index].is_some(),
-            shift: shifts[index].shift,
-            shift_error_m: shifts[index].shift_error_m,
-            latency_error_s: shifts[index].latency_error_s,
+            found: shifts[index],
             level: levels[index],
         }
     });

@@ -27,15 +27,9 @@ pub(super) fn shifts(
     wanted: Wanted,
     progress: &Progress,
 ) -> Result<Vec<FoundShift>, Error> {
-    let before = logs.iter().map(|log| match known.row(&log.log) {
-        Some(row) => FoundShift {
-            shift: row.shift,
-            shift_error_m: row.shift_error_m,
-            latency_error_s: row.latency_error_s,
-        },
-        None => FoundShift::NONE,
-    });
-    let before: Vec<FoundShift> = before.collect();
+    let found_before =
+        |log: &LogRecord| known.row(&log.log).map_or(FoundShift::NONE, |row| row.found);
+    let before: Vec<FoundShift> = logs.iter().map(found_before).collect();
     if !wanted.is_anything() {
         return Ok(before);
     }
