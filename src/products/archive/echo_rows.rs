@@ -5,8 +5,7 @@
 
 use super::log_record::LogRecord;
 use super::log_rows::{self, LogRows, RowsByTile, TileRow};
-use super::offsets::Offsets;
-use super::positions::moved;
+use super::offsets::{Offsets, moved};
 use super::tile::TileId;
 use crate::Error;
 use crate::pipeline::{depth_points, log_echoes};

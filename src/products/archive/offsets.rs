@@ -3,7 +3,7 @@
 //! and pin; pinned offsets are kept.
 
 use super::log_record::LogRecord;
-use super::record::Archive;
+use super::record::{Archive, MOST_MOVED_M};
 use crate::Error;
 use crate::export::write_bytes;
 use bathyscope_bottom::bathymetry::height_offsets as solver;
@@ -91,6 +91,14 @@ pub(super) fn as_written(shift: Shift) -> Shift {
         north_m: rounded(shift.north_m, MOST_SHIFT_M),
         latency_s: rounded(shift.latency_s, MOST_LATENCY_S),
     }
+}
+
+/// Returns a place with its correction, metres of the zone; the place moves by no more than
+/// [`MOST_MOVED_M`], for which the halo has room.
+pub(super) fn moved(place: [f64; 2], shift: Shift, velocity_mps: [f64; 2]) -> [f64; 2] {
+    let [x, y] = shift.at(velocity_mps);
+    let share = (MOST_MOVED_M / x.hypot(y).max(MOST_MOVED_M)).min(1.0);
+    [place[0] + share * x, place[1] + share * y]
 }
 
 /// The offsets of an archive.

@@ -5,9 +5,8 @@
 
 use super::echo_rows::StoredEchoes;
 use super::log_record::LogRecord;
-use super::offsets::Offsets;
+use super::offsets::{Offsets, moved};
 use super::point_rows::{self, PointRow};
-use super::positions::moved;
 use super::record::Archive;
 use super::tile::{TileId, beside, tile_bounds_deg, tiles_read};
 use super::{ECHOES, POINTS};
