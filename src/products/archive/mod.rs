@@ -44,7 +44,6 @@ mod tile;
 mod tile_content;
 mod tile_files;
 mod tile_map;
-mod tile_mosaic;
 
 pub use add::{Added, add};
 pub use adjust::{Adjusted, adjust};
