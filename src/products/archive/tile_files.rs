@@ -2,7 +2,7 @@
 //! `isobaths.geojson`, `mosaic.tif` and, last, `tile.json`, the record of their inputs. The mosaic
 //! is joined from the parts of all logs.
 
-use super::log_mosaic::{in_words, levels_spec, open_part};
+use super::log_mosaic::{in_words, open_part, write_levels};
 use super::log_record::LogRecord;
 use super::offsets::Offsets;
 use super::record::{Archive, ArchiveRecord};
@@ -11,7 +11,7 @@ use super::tile_map::{TileMap, tile_map};
 use super::{ECHOES, LONGEST_RECORD, MOSAIC, POINTS, WEIGHTS, fingerprint, names_in, remove};
 use crate::Error;
 use crate::export::{
-    DrawnLines, geotiff, isobaths_geojson, make_folder, metres_raster, source_raster, write_json,
+    DrawnLines, isobaths_geojson, make_folder, metres_raster, source_raster, write_json,
 };
 use crate::pipeline::Fingerprint;
 use bathyscope_bottom::bathymetry::{Surface, SurfaceMethod, SwathDepth};
@@ -24,7 +24,6 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// The folder of the maps.
 pub(super) const TILES: &str = "tiles";
@@ -389,18 +388,12 @@ fn write_mosaic(
     if places.is_empty() {
         return Ok(0);
     }
-    let cells = AtomicUsize::new(0);
     let draw = |place: [usize; 2]| {
         let here = parts.iter().filter(|part| part.levels.may_hold(place));
-        let levels = join_parts(here.map(|part| part.read(place)), overlap)?;
-        let known = levels.iter().filter(|level| **level > 0).count();
-        cells.fetch_add(known, Ordering::Relaxed);
-        Ok(levels)
+        join_parts(here.map(|part| part.read(place)), overlap)
     };
     let description = format!("Side-scan mosaic of all logs in tile {tile} of an archive");
-    let spec = levels_spec(tile, &grid, description);
-    geotiff(path, &spec, &places, draw, progress)?;
-    Ok(cells.into_inner())
+    write_levels(path, (tile, &grid), description, &places, draw, progress)
 }
 
 /// Files of the part of a log in the mosaic of a tile.
