@@ -79,9 +79,7 @@ impl InZone {
     /// Returns the west, south, east and north edge of the place, metres.
     fn bounds_m(&self) -> [f64; 4] {
         match self {
-            Self::Around([x, y], radius_m) => {
-                [x - radius_m, y - radius_m, x + radius_m, y + radius_m]
-            }
+            Self::Around([x, y], radius_m) => beside([*x, *y, *x, *y], *radius_m),
             Self::Within(area) => area.bounds_m,
         }
     }

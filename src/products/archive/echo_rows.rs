@@ -6,7 +6,7 @@
 use super::log_record::LogRecord;
 use super::log_rows::{self, LogRows, RowsByTile, TileRow};
 use super::offsets::{Offsets, moved};
-use super::tile::TileId;
+use super::tile::{TileId, is_within};
 use crate::Error;
 use crate::pipeline::{depth_points, log_echoes};
 use bathyscope_bottom::swath::{
@@ -184,7 +184,7 @@ impl StoredEchoes {
         paths: &[impl AsRef<Path>],
         log: &LogRecord,
         offsets: &Offsets,
-        [west_m, south_m, east_m, north_m]: [f64; 4],
+        within_m: [f64; 4],
     ) -> Result<Self, Error> {
         let (shift, offset_m) = (offsets.shift_of(&log.log), offsets.of(&log.log));
         let mut rows = Vec::new();
@@ -194,8 +194,7 @@ impl StoredEchoes {
                 place.place_m = moved(place.place_m, shift, row.velocity_mps);
                 // An offset is added to elevations, so it is subtracted from depths.
                 place.transducer_m -= offset_m;
-                let [x, y] = place.place_m;
-                if (west_m..east_m).contains(&x) && (south_m..north_m).contains(&y) {
+                if is_within(within_m, place.place_m) {
                     rows.push(row);
                 }
             }

@@ -1,6 +1,6 @@
 //! Holds a log while its rows are made and assigned to tiles.
 
-use super::tile::TileId;
+use super::tile::{TileId, beside};
 use crate::Error;
 use crate::pipeline::Products;
 use bathyscope_bottom::bathymetry::crosslines::{TrackDepth, velocity_mps};
@@ -154,7 +154,7 @@ pub(super) fn by_tile(points: impl Iterator<Item = (usize, LonLat)>, halo_m: f64
                 continue;
             }
             let own = (rank == 0).then(|| TileId::at(zone, place));
-            let around = [x - halo_m, y - halo_m, x + halo_m, y + halo_m];
+            let around = beside([x, y, x, y], halo_m);
             for tile in TileId::touched(zone, around).filter(|tile| tile.holds(place, halo_m)) {
                 tiles.entry(tile).or_default().push(TileRow {
                     index,

@@ -8,7 +8,7 @@ use super::log_record::LogRecord;
 use super::offsets::{Offsets, moved};
 use super::point_rows::{self, PointRow};
 use super::record::Archive;
-use super::tile::{TileId, beside, tile_bounds_deg, tiles_read};
+use super::tile::{TileId, beside, is_within, tile_bounds_deg, tiles_read};
 use super::{ECHOES, POINTS};
 use crate::Error;
 use crate::pipeline::clip_area;
@@ -259,8 +259,4 @@ fn echoes_around(
         stored.push(StoredEchoes::read(&paths, log, offsets, within_m)?);
     }
     Ok(stored)
-}
-
-fn is_within([west_m, south_m, east_m, north_m]: [f64; 4], [x, y]: [f64; 2]) -> bool {
-    (west_m..east_m).contains(&x) && (south_m..north_m).contains(&y)
 }
