@@ -24,7 +24,6 @@
 
 mod add;
 mod adjust;
-mod area;
 mod coverage;
 mod echo_rows;
 mod footprint;
