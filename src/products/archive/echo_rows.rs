@@ -12,7 +12,7 @@ use crate::pipeline::{depth_points, log_echoes};
 use bathyscope_bottom::swath::{
     LaidOutLog, LearntLevels, LogEchoes, PingChunk, PingPlace, SampleSource, SideEchoes,
 };
-use bathyscope_log::formats::parquet_table::{Column, Values, read_parquet};
+use bathyscope_log::formats::parquet_table::{Column, Values};
 use bathyscope_log::support::geo::{LonLat, UtmZone};
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::Side;
@@ -248,31 +248,22 @@ const OTHERS: [&str; 7] =
 
 pub(super) fn read(path: &Path) -> Result<Vec<EchoRow>, Error> {
     let damaged = || log_rows::damaged("its columns are not those of echoes of an archive", path);
-    let numbers = log_rows::numbers(path, &NUMBERS)?.ok_or_else(damaged)?;
-    let Ok(
-        [
-            Values::Whole(pings),
-            Values::Whole(chunks),
-            Values::Whole(settings),
-            Values::Whole(segments),
-            Values::Flag(weed),
-            Values::Bytes(port),
-            Values::Bytes(starboard),
-        ],
-    ) = <[Values; 7]>::try_from(read_parquet(path, &OTHERS)?)
+    let (numbers, others) = log_rows::columns(path, &NUMBERS, &OTHERS)?.ok_or_else(damaged)?;
+    let [
+        Values::Whole(pings),
+        Values::Whole(chunks),
+        Values::Whole(settings),
+        Values::Whole(segments),
+        Values::Flag(weed),
+        Values::Bytes(port),
+        Values::Bytes(starboard),
+    ] = others
     else {
         return Err(damaged());
     };
-    let count = pings.len();
-    let others =
-        [chunks.len(), settings.len(), segments.len(), weed.len(), port.len(), starboard.len()];
-    if (numbers.iter().map(Vec::len).chain(others)).any(|length| length != count) {
-        return Err(damaged());
-    }
     let levels = port.into_iter().zip(starboard);
-    let number_at = |column: usize, index: usize| numbers[column][index];
     let row = |(index, (port, starboard)): (usize, (Vec<u8>, Vec<u8>))| {
-        let number = |column: usize| number_at(column, index);
+        let number = |column: usize| numbers[column][index];
         let side = |near: usize| SideEchoes {
             near_m: number(near),
             step_m: number(near + 1),
@@ -286,7 +277,7 @@ pub(super) fn read(path: &Path) -> Result<Vec<EchoRow>, Error> {
                 pings: 0..0,
                 range_setting,
                 stretch: u32::try_from(segment).ok()?,
-                gain: number_at(12, index),
+                gain: number(12),
             }),
             _ => None,
         };
