@@ -9,11 +9,11 @@ use super::record::{Archive, ArchiveRecord};
 use super::tile::{TileId, tiles_read};
 use super::tile_map::{TileMap, tile_map};
 use super::{ECHOES, LONGEST_RECORD, MOSAIC, POINTS, WEIGHTS, fingerprint, names_in, remove};
-use crate::Error;
 use crate::export::{
     DrawnLines, isobaths_geojson, make_folder, metres_raster, source_raster, write_json,
 };
 use crate::pipeline::Fingerprint;
+use crate::{Error, PROGRAM};
 use bathyscope_bottom::bathymetry::{Surface, SurfaceMethod, SwathDepth};
 use bathyscope_bottom::mosaic::{MosaicPart, join_parts};
 use bathyscope_log::formats::geotiff::{Band, CellsError, RasterSpec, RasterTiles};
@@ -135,7 +135,7 @@ impl MadeFrom {
             })
         });
         Self {
-            program: format!("bathyscope {}", env!("CARGO_PKG_VERSION")),
+            program: PROGRAM.to_owned(),
             archive: archive.record.clone(),
             logs: with_rows.collect(),
             mosaic: parts.collect(),

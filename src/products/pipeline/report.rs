@@ -4,6 +4,7 @@ use super::fingerprint::{Fingerprint, hash_inputs, in_hexadecimal};
 use super::joint::{LogsReport, RequestedCorrection};
 use super::log_report::{CalibrationReport, RunCounts, SwathCounts};
 use super::{CommonUncertainty, Preset, Products, Settings};
+use crate::PROGRAM;
 use bathyscope_bottom::cloud::{
     ClassCounts, PointClass, PointCloud, PointSource, Residuals, TrackShare, residuals,
 };
@@ -94,7 +95,7 @@ impl Report {
         let above_bottom = cloud.points.iter().filter(|point| point.is_above_bottom());
         let above_bottom_kept = products.kept_points().filter(|point| point.is_above_bottom());
         Ok(Self {
-            program: format!("bathyscope {}", env!("CARGO_PKG_VERSION")),
+            program: PROGRAM.to_owned(),
             run: String::new(),
             inputs: inputs(survey, products, progress)?,
             format: survey.source.format.clone(),
