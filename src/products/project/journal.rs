@@ -170,17 +170,6 @@ impl Keeper {
     }
 }
 
-/// Handle that syncs a journal to the disk.
-#[derive(Debug)]
-pub(super) struct Syncing(File);
-
-impl Syncing {
-    /// Syncs the journal to the disk, and waits for it.
-    pub(super) fn sync(&self) -> io::Result<()> {
-        self.0.sync_data()
-    }
-}
-
 impl ProjectJournal {
     /// Opens the journal at a path for this window alone; returns the journal and its content.
     ///
@@ -264,8 +253,8 @@ impl ProjectJournal {
     }
 
     /// Returns a handle with which any thread can sync all lines written so far to the disk.
-    pub(super) fn syncing(&self) -> io::Result<Syncing> {
-        self.file.try_clone().map(Syncing)
+    pub(super) fn handle(&self) -> io::Result<File> {
+        self.file.try_clone()
     }
 
     /// Removes the journal: the project's file contains all its changes.

@@ -99,11 +99,11 @@ fn try_lock(file: &File) -> io::Result<Locked> {
     match file.try_lock() {
         Ok(()) => Ok(Locked::Ours),
         Err(TryLockError::WouldBlock) => Ok(Locked::Taken),
-        Err(TryLockError::Error(error)) if error.kind() == io::ErrorKind::Unsupported => {
-            Ok(Locked::Unknown)
-        }
-        // Errors of Linux for file systems without locks.
-        Err(TryLockError::Error(error)) if matches!(error.raw_os_error(), Some(37 | 38 | 95)) => {
+        // The numbers are errors of Linux for file systems without locks.
+        Err(TryLockError::Error(error))
+            if error.kind() == io::ErrorKind::Unsupported
+                || matches!(error.raw_os_error(), Some(37 | 38 | 95)) =>
+        {
             Ok(Locked::Unknown)
         }
         Err(TryLockError::Error(error)) => Err(error),

@@ -16,16 +16,13 @@ pub(super) fn to_text(path: &Path, folder: &Path) -> String {
     let shared = (path.components().zip(folder.components()))
         .take_while(|(one, other)| one == other)
         .count();
-    let is_elsewhere = path.has_root() && shared == 0;
-    let mut parts = Vec::new();
-    if is_elsewhere {
+    if path.has_root() && shared == 0 {
         return text_of(&path);
     }
-    let up = folder.components().skip(shared);
-    parts.extend(up.map(|_| "..".to_owned()));
+    let up = folder.components().skip(shared).map(|_| "..".to_owned());
     let down = path.components().skip(shared);
-    parts.extend(down.map(|part| encoded(part.as_os_str().as_encoded_bytes())));
-    parts.join("/")
+    let down = down.map(|part| encoded(part.as_os_str().as_encoded_bytes()));
+    up.chain(down).collect::<Vec<_>>().join("/")
 }
 
 /// Returns the path for a text, in the project's folder.

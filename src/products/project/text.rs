@@ -108,8 +108,7 @@ pub(super) fn read_as_written(text: &str) -> Result<(Rows, u32), ProjectError> {
         if key.to_string() == MARK {
             continue;
         }
-        let text = one_line(&value);
-        let row = Row { text, line: number };
+        let row = Row { text: one_line(&value), line: number };
         if let Some(first) = rows.get(&key) {
             let first = first.line;
             return wrong(format!("`{key}` stands here and in line {first}; keep one of them"));
