@@ -9,7 +9,7 @@ use bathyscope_bottom::cloud::{
     ClassCounts, PointClass, PointCloud, PointSource, Residuals, TrackShare, residuals,
 };
 use bathyscope_log::support::progress::{Cancelled, Progress};
-use bathyscope_log::survey::{ExcludedStretch, FaultCounts, HeadingSource, Side, Survey, Track};
+use bathyscope_log::survey::{ExcludedStretch, FaultCounts, HeadingSource, Side, Survey};
 use serde::Serialize;
 use sha2::{Digest as _, Sha256};
 use std::collections::HashSet;
@@ -259,7 +259,14 @@ pub(super) fn warnings(survey: &Survey, products: &Products) -> Vec<String> {
 
 /// Returns sentences on the source of positions and on their corrections.
 fn positions(survey: &Survey, settings: &Settings) -> String {
-    let mut said = whose(&survey.track);
+    let mut said = match &survey.track.external {
+        Some(external) => format!(
+            "Positions are those of {}, {} s later than it says.",
+            external.path.file_name().unwrap_or_default().display(),
+            external.offset_s
+        ),
+        None => "Positions are the recorder's GPS.".to_owned(),
+    };
     let system = survey.track.projected.as_ref();
     if let Some(system) = system.and_then(|projected| projected.system.as_ref()) {
         said += &format!(" Its metres are taken for those of {system}.");
@@ -273,17 +280,6 @@ fn corrected_positions(settings: &Settings) -> String {
     let mounting = settings.mounting.statement(compass);
     let both = [mounting, settings.position_shift.statement()].join(" ");
     both.trim().to_owned()
-}
-
-fn whose(track: &Track) -> String {
-    match &track.external {
-        Some(external) => format!(
-            "Positions are those of {}, {} s later than it says.",
-            external.path.file_name().unwrap_or_default().display(),
-            external.offset_s
-        ),
-        None => "Positions are the recorder's GPS.".to_owned(),
-    }
 }
 
 /// Returns the files of the log, and those of the water levels and of the isobaths' area if these

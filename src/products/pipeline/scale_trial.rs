@@ -1,6 +1,6 @@
 //! Computes the effect of another scale on a log before any setting is changed.
 
-use super::{Products, Settings};
+use super::Products;
 use bathyscope_bottom::calibration::{
     self, Calibration, CalibrationSettings, FlatSpot, PingRange, RangeAtDepth, ScaleMode,
 };
@@ -32,15 +32,6 @@ pub struct ScaleEffect {
     pub residuals: Option<[Residuals; 2]>,
 }
 
-/// Returns the calibration settings with the scale of a stretch.
-pub(super) fn with_stretch(settings: &Settings, pings: PingRange) -> CalibrationSettings {
-    CalibrationSettings {
-        mode: ScaleMode::FlatSpot,
-        pings: Some(pings),
-        ..settings.calibration.clone()
-    }
-}
-
 impl ScaleTrial {
     /// Computes the scale that a stretch of pings gives, and its effect on a log with its results.
     ///
@@ -60,7 +51,11 @@ impl ScaleTrial {
         let points = calibration::ranges_at_depths(survey, &returns);
         let effect = match spot.ppd {
             Some(_) => {
-                let settings = with_stretch(&products.settings, pings);
+                let settings = CalibrationSettings {
+                    mode: ScaleMode::FlatSpot,
+                    pings: Some(pings),
+                    ..products.settings.calibration.clone()
+                };
                 let made = products.calibrated(survey, &returns, &settings, progress)?;
                 effect(survey, products, &made, progress)?
             }
