@@ -15,7 +15,6 @@ mod export;
 mod garbled;
 mod html_report;
 mod large_boxes;
-mod missions;
 mod mosaic;
 mod mosaic_gain;
 mod navigation;
