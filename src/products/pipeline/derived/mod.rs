@@ -27,7 +27,7 @@ pub use depth_map::{DepthMap, DepthMapKey};
 pub(crate) use isobaths::Contours;
 pub use isobaths::{IsobathKey, Isobaths};
 pub use mosaic::{FINEST, Mosaic, MosaicKey, MosaicPlane};
-pub use side_scan::{PictureKey, mosaic_layout, mosaic_layout_by};
+pub use side_scan::{Pass, PictureKey, mosaic_layout, mosaic_layout_by, passes_over, place_of};
 
 use crate::pipeline::ProcessedLog;
 use bathyscope_bottom::bathymetry::isobaths::{IsobathSettings, NoIsobaths};

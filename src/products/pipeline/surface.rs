@@ -1,7 +1,7 @@
-//! Transforms the points of a cloud into the metres of a map, and computes the surface of the
-//! depths of a survey there.
+//! Transforms the points of a cloud into the metres of a map, in the coordinate system that `crs`
+//! names, and computes the surface of the depths of a survey there.
 
-use crate::pipeline::{ProcessedLog, Products, map_plane};
+use super::{ProcessedLog, Products, map_plane};
 use bathyscope_bottom::bathymetry::{DepthPoint, Surface, SurfaceSettings, SwathDepth, surface};
 use bathyscope_bottom::cloud::{CloudPoint, PointClass, PointCloud};
 use bathyscope_bottom::swath::{LogEchoes, PingPlace, SideEchoes, correct};
