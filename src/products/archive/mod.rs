@@ -54,7 +54,7 @@ pub use offsets::{OffsetRow, Offsets};
 pub use record::{Archive, contents};
 pub use tile::{TILE_M, TileId};
 pub use tile_files::{TileRecord, TileState, remove_left_over, tile_state, write_tile};
-pub use tile_map::{tile_map, tile_surface};
+pub use tile_map::TileInputs;
 
 use crate::Error;
 use crate::pipeline::Fingerprint;

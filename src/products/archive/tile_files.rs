@@ -7,7 +7,7 @@ use super::log_record::LogRecord;
 use super::offsets::Offsets;
 use super::record::{Archive, ArchiveRecord};
 use super::tile::{TileId, tiles_read};
-use super::tile_map::{TileMap, tile_map};
+use super::tile_map::{TileInputs, TileMap};
 use super::{ECHOES, LONGEST_RECORD, MOSAIC, POINTS, WEIGHTS, fingerprint, names_in, remove};
 use crate::export::{
     DrawnLines, isobaths_geojson, make_folder, metres_raster, source_raster, write_json,
@@ -240,7 +240,8 @@ pub fn write_tile(
             archive.folder().display()
         )));
     }
-    let made = tile_map(archive, tile, logs, offsets, progress)?;
+    let inputs = TileInputs { archive, tile, logs, offsets, progress };
+    let made = inputs.map()?;
     let folder = folder_of(archive, tile);
     make_folder(&folder)?;
     // From here on the files of the tile may be a mixture of two maps.
@@ -251,14 +252,7 @@ pub fn write_tile(
         depth_m: Vec::new(),
         bounds_m: Vec::new(),
         isobaths: 0,
-        mosaic_cells: write_mosaic(
-            archive,
-            tile,
-            logs,
-            offsets,
-            &folder.join(MOSAIC_FILE),
-            progress,
-        )?,
+        mosaic_cells: write_mosaic(&inputs, &folder.join(MOSAIC_FILE))?,
         files: Vec::new(),
     };
     if let Some(made) = made {
@@ -360,14 +354,8 @@ fn logs_in_order(tile: TileId, logs: &[LogRecord]) -> Vec<&LogRecord> {
 ///
 /// # Errors
 /// When a part cannot be read, the file cannot be written, or the work was cancelled.
-fn write_mosaic(
-    archive: &Archive,
-    tile: TileId,
-    logs: &[LogRecord],
-    offsets: &Offsets,
-    path: &Path,
-    progress: &Progress,
-) -> Result<usize, Error> {
+fn write_mosaic(inputs: &TileInputs<'_>, path: &Path) -> Result<usize, Error> {
+    let TileInputs { archive, tile, logs, offsets, progress } = *inputs;
     let overlap = archive.record.settings()?.mosaic.overlap;
     let grid = archive.record.mosaic_grid(tile)?;
     let parts = (logs_in_order(tile, logs).into_iter())
