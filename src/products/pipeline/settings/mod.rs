@@ -224,8 +224,6 @@ impl Settings {
                     ..HeadingSettings::default()
                 },
                 outliers: OutlierSettings { radius_m: 3.011, min_neighbors: 10 },
-                detector: DetectorSettings::default(),
-                mosaic: MosaicSettings::default(),
                 surface: SurfaceSettings { above_bottom: true, ..SurfaceSettings::default() },
                 ..Self::default()
             },
