@@ -168,8 +168,8 @@ impl LogTiles<'_> {
         if let Some((pings, footprints)) = seen {
             write(PINGS, ping_rows::columns(log, pings, footprints))?;
         }
-        if let Some((echoes, rows)) =
-            (self.echoes.as_ref()).and_then(|echoes| Some((echoes, echoes.rows.get(&tile)?)))
+        if let Some(echoes) = &self.echoes
+            && let Some(rows) = echoes.rows.get(&tile)
         {
             write(ECHOES, echoes.columns(log, rows))?;
         }

@@ -218,18 +218,14 @@ impl DepthMap {
     /// Returns west, south, east and north of the grid in the plane of the survey, metres; computed
     /// once, since the map on the screen needs them each time it is drawn.
     pub fn bounds_m(&self) -> [f64; 4] {
-        *self.bounds_m.get_or_init(|| self.bounds_in_survey_m())
-    }
-
-    fn bounds_in_survey_m(&self) -> [f64; 4] {
-        let [west_m, south_m, east_m, north_m] = self.surface.grid.bounds_m();
-        // The edges of a UTM zone's grid are bent by centimetres in the plane of the survey, so
-        // their middles are included.
-        let middle_east_m = 0.5 * (west_m + east_m);
-        let middle_north_m = 0.5 * (north_m + south_m);
-        let eastings_m = [west_m, middle_east_m, east_m].into_iter();
-        let northings_m = [south_m, middle_north_m, north_m];
-        let places = eastings_m.flat_map(|e| northings_m.map(|n| [e, n]));
-        bounds(places.map(|place| self.to_survey(place)))
+        *self.bounds_m.get_or_init(|| {
+            let [west_m, south_m, east_m, north_m] = self.surface.grid.bounds_m();
+            // The edges of a UTM zone's grid are bent by centimetres in the plane of the survey, so
+            // their middles are included.
+            let eastings_m = [west_m, 0.5 * (west_m + east_m), east_m].into_iter();
+            let northings_m = [south_m, 0.5 * (north_m + south_m), north_m];
+            let places = eastings_m.flat_map(|e| northings_m.map(|n| [e, n]));
+            bounds(places.map(|place| self.to_survey(place)))
+        })
     }
 }
