@@ -38,7 +38,8 @@ impl Owner {
     /// unknown.
     pub(crate) fn may_run(&self) -> bool {
         let is_here = self.host == host();
-        !is_here || !cfg!(target_os = "linux") || process_exists(self.pid)
+        let runs = || Path::new("/proc").join(self.pid.to_string()).exists();
+        !is_here || !cfg!(target_os = "linux") || runs()
     }
 }
 
@@ -50,10 +51,6 @@ impl fmt::Display for Owner {
         }
         Ok(())
     }
-}
-
-fn process_exists(pid: u32) -> bool {
-    Path::new("/proc").join(pid.to_string()).exists()
 }
 
 fn host() -> String {

@@ -17,7 +17,8 @@ pub(super) fn to_text(path: &Path, folder: &Path) -> String {
         .take_while(|(one, other)| one == other)
         .count();
     if path.has_root() && shared == 0 {
-        return text_of(&path);
+        let text = encoded(path.as_os_str().as_encoded_bytes());
+        return if cfg!(windows) { text.replace('\\', "/") } else { text };
     }
     let up = folder.components().skip(shared).map(|_| "..".to_owned());
     let down = path.components().skip(shared);
@@ -66,12 +67,6 @@ fn plain(path: &str) -> Option<PathBuf> {
         Some(share) => format!(r"\\{share}").into(),
         None => path.into(),
     })
-}
-
-/// Returns an absolute path as text.
-fn text_of(path: &Path) -> String {
-    let text = encoded(path.as_os_str().as_encoded_bytes());
-    if cfg!(windows) { text.replace('\\', "/") } else { text }
 }
 
 /// Returns the path without `.`, and without `..` where possible; links are not resolved.
