@@ -175,6 +175,9 @@ pub(super) fn geometry(rows: &[TileRow]) -> Column {
     Column::new("geometry", Values::Points(places))
 }
 
+/// Columns of numbers, and others.
+type Columns<const N: usize> = (Vec<Vec<f64>>, [Values; N]);
+
 /// Reads columns of numbers, and others; `None` where one of the numbers is of another type, or the
 /// columns differ in length.
 ///
@@ -184,7 +187,7 @@ pub(super) fn columns<const N: usize>(
     path: &Path,
     numbers: &[&str],
     others: &[&str; N],
-) -> Result<Option<(Vec<Vec<f64>>, [Values; N])>, Error> {
+) -> Result<Option<Columns<N>>, Error> {
     let numbers = read_parquet(path, numbers)?.into_iter().map(|values| match values {
         Values::Double(values) => Some(values),
         _ => None,
