@@ -6,10 +6,10 @@
 //! `log` is one log, `history` holds the states for undo, and `past` stores them on disk. `rows`
 //! converts a project to lines and back, `row` is one line, `text` reads and writes all lines and
 //! converts those of older versions, `paths` converts the paths of files. `store` writes the file
-//! under a temporary name and renames it, with every change in a `journal` beside it, guarded by a
-//! `lock`. `find` searches for logs that were moved, and makes the inputs for work without a
-//! window; `untitled` finds the decisions about logs that are in no named project. Logs are never
-//! written.
+//! under a temporary name and renames it, with every change in a `journal` beside it, which one
+//! window at a time has. `find` searches for logs that were moved, and makes the inputs for work
+//! without a window; `untitled` finds the decisions about logs that are in no named project. Logs
+//! are never written.
 //!
 //! # The file
 //!
@@ -81,7 +81,6 @@
 mod find;
 mod history;
 mod journal;
-mod lock;
 mod log;
 mod measurement;
 mod past;

@@ -7,7 +7,7 @@
 //! - Only one window has a project open at a time. If that cannot be ensured, a file that another
 //!   program changed meanwhile is not replaced.
 
-use super::journal::{Entry, NoJournal, ProjectJournal, Read};
+use super::journal::{Entry, NoJournal, Owner, ProjectJournal, Read};
 use super::past::{Past, PastStep, history_of};
 use super::row::Rows;
 use super::text::{VERSION, migrate};
@@ -21,8 +21,6 @@ use std::ffi::OsString;
 use std::fs::{self, File};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
-
-pub(crate) use super::lock::Owner;
 
 /// Ending of a project's file name.
 pub const ENDING: &str = "bathyscope";
