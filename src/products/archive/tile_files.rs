@@ -260,7 +260,7 @@ pub fn write_tile(
         record.depth_m = Vec::from(made.surface.range_m());
         record.bounds_m = (made.surface.known_bounds_m()).map_or_else(Vec::new, Vec::from);
         record.isobaths = made.isobaths.len();
-        write_files(archive, tile, &made, progress)?;
+        write_files(&inputs, &made)?;
     }
     for name in FILES.into_iter().skip(1) {
         let is_made = match name {
@@ -277,12 +277,8 @@ pub fn write_tile(
     Ok(record)
 }
 
-fn write_files(
-    archive: &Archive,
-    tile: TileId,
-    made: &TileMap,
-    progress: &Progress,
-) -> Result<(), Error> {
+fn write_files(inputs: &TileInputs<'_>, made: &TileMap) -> Result<(), Error> {
+    let TileInputs { archive, tile, progress, .. } = *inputs;
     let folder = folder_of(archive, tile);
     let surface = &made.surface;
     let how = how(archive, surface)?;
@@ -360,10 +356,14 @@ fn write_mosaic(inputs: &TileInputs<'_>, path: &Path) -> Result<usize, Error> {
     let grid = archive.record.mosaic_grid(tile)?;
     let parts = (logs_in_order(tile, logs).into_iter())
         .map(|log| {
-            let factor = offsets.level_factor(&log.log);
-            StoredPart::open(archive, tile, &log.log, overlap.is_weighted(), factor)
+            let open = |kind: &str| open_part(archive, kind, tile, &log.log);
+            let (levels, path) = open(MOSAIC)?;
+            let weights = overlap.is_weighted().then(|| open(WEIGHTS)).transpose()?;
+            let weights = weights.map(|(weights, _)| weights);
+            let factor = offsets.level_factor(&log.log) as f32;
+            Ok(StoredPart { path, levels, weights, factor })
         })
-        .collect::<Result<Vec<_>, _>>()?;
+        .collect::<Result<Vec<_>, Error>>()?;
     if let Some(other) = (parts.iter()).find(|part| part.levels.size() != [grid.columns, grid.rows])
     {
         return Err(Error::from(format!(
@@ -394,23 +394,6 @@ struct StoredPart {
 }
 
 impl StoredPart {
-    fn open(
-        archive: &Archive,
-        tile: TileId,
-        log: &str,
-        is_weighted: bool,
-        factor: f64,
-    ) -> Result<Self, Error> {
-        let (levels, path) = open_part(archive, MOSAIC, tile, log)?;
-        let weights = is_weighted.then(|| open_part(archive, WEIGHTS, tile, log));
-        Ok(Self {
-            path,
-            levels,
-            weights: weights.transpose()?.map(|(weights, _)| weights),
-            factor: factor as f32,
-        })
-    }
-
     fn read(&self, place: [usize; 2]) -> io::Result<MosaicPart> {
         let fail = |error: CellsError| io::Error::other(in_words(&error, &self.path));
         let weights = self.weights.as_ref().map(|weights| weights.values(place));
