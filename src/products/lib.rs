@@ -45,7 +45,6 @@
 #![cfg_attr(test, allow(clippy::expect_used, clippy::unwrap_used))]
 
 pub mod archive;
-mod error;
 pub mod export;
 pub mod file_in_use;
 pub mod file_name;
@@ -55,4 +54,46 @@ pub mod outputs;
 pub mod pipeline;
 pub mod project;
 
-pub use error::Error;
+use bathyscope_bottom::bathymetry::isobaths::NoIsobaths;
+use bathyscope_bottom::presentation::page::TemplateFault;
+use bathyscope_log::formats::OpenError;
+use bathyscope_log::support::file_error::FileError;
+use bathyscope_log::support::geo::CrsError;
+use bathyscope_log::support::progress::Cancelled;
+use bathyscope_objects::DetectError;
+use std::io;
+
+/// Name and version of the program, as files state them.
+pub(crate) const PROGRAM: &str = concat!("bathyscope ", env!("CARGO_PKG_VERSION"));
+
+/// Reason why work failed or was cancelled, in a sentence that names the problem, the place and the
+/// remedy.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct Error(String);
+
+impl From<String> for Error {
+    fn from(sentence: String) -> Self {
+        Self(sentence)
+    }
+}
+
+impl<Fault: std::error::Error + 'static> From<FileError<Fault>> for Error {
+    fn from(error: FileError<Fault>) -> Self {
+        Self(error.to_string())
+    }
+}
+
+/// Takes the sentences of other errors.
+macro_rules! from_sentences {
+    ($($error:ty),+) => {$(
+        impl From<$error> for Error {
+            fn from(error: $error) -> Self {
+                Self(error.to_string())
+            }
+        }
+    )+};
+}
+
+from_sentences!(&str, Cancelled, CrsError, DetectError, NoIsobaths, OpenError);
+from_sentences!(TemplateFault, io::Error, serde_json::Error);

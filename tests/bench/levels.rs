@@ -5,9 +5,8 @@
 //! those of cells more than a metre from a sounding. A recording has no known bed: points are left
 //! out of the map and then predicted, with levels and without.
 
-use super::missions::Mission;
 use super::surface::{BETWEEN_M, KINDS, errors_of, from_levels, scene};
-use super::truth::{map, map_with};
+use super::truth::{Mission, map, map_with};
 use bathyscope_bottom::bathymetry::{FromLevels, Surface, SurfaceSettings, SwathDepth};
 use bathyscope_bottom::cloud::{CloudPoint, PointSource, Residuals};
 use bathyscope_bottom::swath::PingPlace;

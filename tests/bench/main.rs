@@ -19,8 +19,6 @@ mod lines;
 mod many_logs;
 mod map;
 mod memory;
-#[path = "../../src/products/tests/suite/missions.rs"]
-mod missions;
 mod mosaic;
 mod outliers;
 mod products;

@@ -7,8 +7,7 @@
 //! and two across. The ponds with mounds are gentle ones with mounds and hollows midway between the
 //! lines.
 
-use super::missions::{Mission, repeatability};
-use super::truth::MapError;
+use super::truth::{MapError, Mission, repeatability};
 use bathyscope_bottom::bathymetry::{Surface, SurfaceMethod, SurfaceSettings, SwathDepth};
 use bathyscope_bottom::cloud::Residuals;
 use bathyscope_simulation::{Mound, Scene};

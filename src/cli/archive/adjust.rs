@@ -3,7 +3,7 @@
 
 use crate::cli::status_line::StatusLine;
 use crate::cli::{Failure, output};
-use bathyscope_bottom::bathymetry::position_offsets::Wanted;
+use bathyscope_bottom::bathymetry::position_offsets::{FoundShift, Wanted};
 use bathyscope_bottom::presentation::text;
 use bathyscope_products::Error;
 use bathyscope_products::archive::{Adjusted, Archive, OffsetRow, adjust};
@@ -63,13 +63,13 @@ pub(crate) fn run(args: &AdjustArgs) -> Result<(), Failure> {
             ties: row.ties,
             group: row.group,
             pinned: row.is_pinned,
-            east_m: row.shift.east_m,
-            north_m: row.shift.north_m,
-            shift_error_m: known(row.shift_error_m),
-            latency_s: row.shift.latency_s,
-            latency_error_s: known(row.latency_error_s),
-            level_factor: row.level_factor(),
-            level_ties: row.level_ties(),
+            east_m: row.found.shift.east_m,
+            north_m: row.found.shift.north_m,
+            shift_error_m: known(row.found.shift_error_m),
+            latency_s: row.found.shift.latency_s,
+            latency_error_s: known(row.found.latency_error_s),
+            level_factor: row.level.factor,
+            level_ties: row.level.ties,
         });
         return output::json(&printed.collect::<Vec<_>>());
     }
@@ -135,21 +135,19 @@ fn of_log(row: &OffsetRow) -> String {
         ),
     };
     let mut text = format!("{}: {:+.4} m, {how}", row.name, row.offset_m);
-    let shift = row.shift;
-    if !row.shift_error_m.is_nan() {
+    let FoundShift { shift, shift_error_m, latency_error_s } = row.found;
+    if !shift_error_m.is_nan() {
         text += &format!(
             "; positions {:+.2} m east, {:+.2} m north, standard error {:.2} m",
-            shift.east_m, shift.north_m, row.shift_error_m
+            shift.east_m, shift.north_m, shift_error_m
         );
     }
-    if !row.latency_error_s.is_nan() {
-        text += &format!(
-            "; {:+.2} s late, standard error {:.2} s",
-            shift.latency_s, row.latency_error_s
-        );
+    if !latency_error_s.is_nan() {
+        text +=
+            &format!("; {:+.2} s late, standard error {:.2} s", shift.latency_s, latency_error_s);
     }
-    if row.level_ties() > 0 {
-        text += &format!("; levels times {:.3}", row.level_factor());
+    if row.level.ties > 0 {
+        text += &format!("; levels times {:.3}", row.level.factor);
     }
     text
 }

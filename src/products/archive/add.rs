@@ -78,6 +78,8 @@ pub fn add(
 
 /// All that a log adds to the tiles of an archive, before any of it is written.
 struct LogTiles<'a> {
+    archive: &'a Archive,
+    progress: &'a Progress,
     log: &'a LogRows<'a>,
     points: RowsByTile,
     pings: PingsByTile,
@@ -115,6 +117,8 @@ fn write_rows(
         SwathDepth::Always => Some(EchoesByTile::new(&rows, archive.record.halo_m, progress)?),
     };
     let spread = LogTiles {
+        archive,
+        progress,
         log: &rows,
         points,
         echoes,
@@ -130,7 +134,7 @@ fn write_rows(
     let tiles: BTreeSet<TileId> = tiles.copied().collect();
     for tile in tiles {
         progress.check()?;
-        let (rows, soundings) = spread.write(archive, tile, progress)?;
+        let (rows, soundings) = spread.write(tile)?;
         if !rows.files.is_empty() {
             record.points += rows.core_points;
             record.soundings += soundings;
@@ -143,17 +147,12 @@ fn write_rows(
 impl LogTiles<'_> {
     /// Writes the rows and the part of the mosaic that the log has in a tile; returns their record
     /// and the number of soundings in the tile that count for maps.
-    fn write(
-        &self,
-        archive: &Archive,
-        tile: TileId,
-        progress: &Progress,
-    ) -> Result<(TileRows, usize), Error> {
+    fn write(&self, tile: TileId) -> Result<(TileRows, usize), Error> {
         let log = self.log;
         let mut files = Vec::new();
         let mut write = |kind: &str, columns: Vec<Column>| {
             let name = Archive::rows_name(kind, tile, log.sha256);
-            files.push(write_file(archive, &name, &columns, &self.made)?);
+            files.push(self.write_file(&name, &columns)?);
             Ok::<_, Error>(())
         };
         let of_tile = self.points.get(&tile);
@@ -168,12 +167,12 @@ impl LogTiles<'_> {
         if let Some((pings, footprints)) = seen {
             write(PINGS, ping_rows::columns(log, pings, footprints))?;
         }
-        if let Some((echoes, rows)) =
-            (self.echoes.as_ref()).and_then(|echoes| Some((echoes, echoes.rows.get(&tile)?)))
+        if let Some(echoes) = &self.echoes
+            && let Some(rows) = echoes.rows.get(&tile)
         {
             write(ECHOES, echoes.columns(log, rows))?;
         }
-        let (mosaic_cells, parts) = self.write_mosaic(archive, tile, progress)?;
+        let (mosaic_cells, parts) = self.write_mosaic(tile)?;
         files.extend(parts);
         let grounds = seen
             .into_iter()
@@ -196,38 +195,30 @@ impl LogTiles<'_> {
 
     /// Writes the log's part of the mosaic of a tile; returns the number of cells that have a
     /// level, and the files.
-    fn write_mosaic(
-        &self,
-        archive: &Archive,
-        tile: TileId,
-        progress: &Progress,
-    ) -> Result<(usize, Vec<Fingerprint>), Error> {
-        let cells = self.mosaic.write(archive, tile, self.log.sha256, progress)?;
+    fn write_mosaic(&self, tile: TileId) -> Result<(usize, Vec<Fingerprint>), Error> {
+        let Self { archive, progress, log, .. } = *self;
+        let cells = self.mosaic.write(archive, tile, log.sha256, progress)?;
         let mut files = Vec::new();
         for kind in self.mosaic.kinds().iter().filter(|_| cells > 0) {
-            let name = Archive::rows_name(kind, tile, self.log.sha256);
+            let name = Archive::rows_name(kind, tile, log.sha256);
             files.push(fingerprint(archive.folder(), &name, &Progress::new())?);
         }
         Ok((cells, files))
     }
-}
 
-fn write_file(
-    archive: &Archive,
-    name: &str,
-    columns: &[Column],
-    made: &str,
-) -> Result<Fingerprint, Error> {
-    let path = archive.folder().join(name);
-    make_folder(path.parent().unwrap_or(archive.folder()))?;
-    let places = columns.iter().find_map(|column| match &column.values {
-        Values::Points(places) => Some(places.as_slice()),
-        _ => None,
-    });
-    let keys =
-        [("geo", geo_key("geometry", places.unwrap_or_default())), ("bathyscope", made.to_owned())];
-    write_atomically(&path, |file| write_parquet(file, columns, &keys))?;
-    fingerprint(archive.folder(), name, &Progress::new())
+    fn write_file(&self, name: &str, columns: &[Column]) -> Result<Fingerprint, Error> {
+        let folder = self.archive.folder();
+        let path = folder.join(name);
+        make_folder(path.parent().unwrap_or(folder))?;
+        let places = columns.iter().find_map(|column| match &column.values {
+            Values::Points(places) => Some(places.as_slice()),
+            _ => None,
+        });
+        let geo = geo_key("geometry", places.unwrap_or_default());
+        let keys = [("geo", geo), ("bathyscope", self.made.clone())];
+        write_atomically(&path, |file| write_parquet(file, columns, &keys))?;
+        fingerprint(folder, name, &Progress::new())
+    }
 }
 
 /// Removes the files of the log in tiles where it has no rows any more.

@@ -5,15 +5,14 @@
 
 use super::log_record::LogRecord;
 use super::log_rows::{self, LogRows, RowsByTile, TileRow};
-use super::offsets::Offsets;
-use super::positions::moved;
-use super::tile::TileId;
+use super::offsets::{Offsets, moved};
+use super::tile::{TileId, is_within};
 use crate::Error;
 use crate::pipeline::{depth_points, log_echoes};
 use bathyscope_bottom::swath::{
     LaidOutLog, LearntLevels, LogEchoes, PingChunk, PingPlace, SampleSource, SideEchoes,
 };
-use bathyscope_log::formats::parquet_table::{Column, Values, read_parquet};
+use bathyscope_log::formats::parquet_table::{Column, Values};
 use bathyscope_log::support::geo::{LonLat, UtmZone};
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::Side;
@@ -185,7 +184,7 @@ impl StoredEchoes {
         paths: &[impl AsRef<Path>],
         log: &LogRecord,
         offsets: &Offsets,
-        [west_m, south_m, east_m, north_m]: [f64; 4],
+        within_m: [f64; 4],
     ) -> Result<Self, Error> {
         let (shift, offset_m) = (offsets.shift_of(&log.log), offsets.of(&log.log));
         let mut rows = Vec::new();
@@ -195,8 +194,7 @@ impl StoredEchoes {
                 place.place_m = moved(place.place_m, shift, row.velocity_mps);
                 // An offset is added to elevations, so it is subtracted from depths.
                 place.transducer_m -= offset_m;
-                let [x, y] = place.place_m;
-                if (west_m..east_m).contains(&x) && (south_m..north_m).contains(&y) {
+                if is_within(within_m, place.place_m) {
                     rows.push(row);
                 }
             }
@@ -250,31 +248,22 @@ const OTHERS: [&str; 7] =
 
 pub(super) fn read(path: &Path) -> Result<Vec<EchoRow>, Error> {
     let damaged = || log_rows::damaged("its columns are not those of echoes of an archive", path);
-    let numbers = log_rows::numbers(path, &NUMBERS)?.ok_or_else(damaged)?;
-    let Ok(
-        [
-            Values::Whole(pings),
-            Values::Whole(chunks),
-            Values::Whole(settings),
-            Values::Whole(segments),
-            Values::Flag(weed),
-            Values::Bytes(port),
-            Values::Bytes(starboard),
-        ],
-    ) = <[Values; 7]>::try_from(read_parquet(path, &OTHERS)?)
+    let (numbers, others) = log_rows::columns(path, &NUMBERS, &OTHERS)?.ok_or_else(damaged)?;
+    let [
+        Values::Whole(pings),
+        Values::Whole(chunks),
+        Values::Whole(settings),
+        Values::Whole(segments),
+        Values::Flag(weed),
+        Values::Bytes(port),
+        Values::Bytes(starboard),
+    ] = others
     else {
         return Err(damaged());
     };
-    let count = pings.len();
-    let others =
-        [chunks.len(), settings.len(), segments.len(), weed.len(), port.len(), starboard.len()];
-    if (numbers.iter().map(Vec::len).chain(others)).any(|length| length != count) {
-        return Err(damaged());
-    }
     let levels = port.into_iter().zip(starboard);
-    let number_at = |column: usize, index: usize| numbers[column][index];
     let row = |(index, (port, starboard)): (usize, (Vec<u8>, Vec<u8>))| {
-        let number = |column: usize| number_at(column, index);
+        let number = |column: usize| numbers[column][index];
         let side = |near: usize| SideEchoes {
             near_m: number(near),
             step_m: number(near + 1),
@@ -288,7 +277,7 @@ pub(super) fn read(path: &Path) -> Result<Vec<EchoRow>, Error> {
                 pings: 0..0,
                 range_setting,
                 stretch: u32::try_from(segment).ok()?,
-                gain: number_at(12, index),
+                gain: number(12),
             }),
             _ => None,
         };

@@ -1,5 +1,7 @@
 //! Describes the ground that a side-scan ping insonified.
 
+use bathyscope_log::support::outline::box_around;
+
 /// Slant ranges that one side of a ping recorded, calibrated, with the true speed of sound.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct SideRange {
@@ -112,10 +114,7 @@ impl Footprint {
         let corners = reaches
             .flatten()
             .flat_map(|out_m| [-self.behind_m, self.ahead_m].map(|along_m| corner(out_m, along_m)));
-        corners.fold(None, |bounds: Option<[f64; 4]>, [x, y]| {
-            let [west, south, east, north] = bounds.unwrap_or([x, y, x, y]);
-            Some([west.min(x), south.min(y), east.max(x), north.max(y)])
-        })
+        corners.map(|[x, y]| [x, y, x, y]).reduce(box_around)
     }
 }
 

@@ -14,7 +14,7 @@ use bathyscope_bottom::bathymetry::CellSource;
 use bathyscope_bottom::presentation::colours::{depth_colour, uncertainty_colour};
 use bathyscope_log::formats::geotiff::NODATA;
 use bathyscope_log::support::calendar::whole_seconds;
-use bathyscope_log::support::geo::{Crs, UtmZone};
+use bathyscope_log::support::geo::UtmZone;
 use bathyscope_log::support::outline;
 use bathyscope_log::support::printable::xml;
 use bathyscope_log::support::statistics::ends;
@@ -169,7 +169,6 @@ fn vrt(zone: UtmZone, tiles: &[TileId], layer: &IndexLayer) -> String {
 /// Returns an item of STAC 1.1. Such an item must have a time: that of a map spans the first to the
 /// last row that the map was made from.
 fn item(tile: TileId, record: &TileRecord, span_unix_s: [f64; 2]) -> Value {
-    let [west, south, ..] = tile.bounds_m();
     let asset = |file: &str, title: &str, kind: &str| json!({ "href": format!("../{TILES}/{tile}/{file}"), "title": title, "type": kind, "roles": ["data"] });
     let raster = "image/tiff; application=geotiff; profile=cloud-optimized";
     let lines = "application/geo+json";
@@ -195,8 +194,8 @@ fn item(tile: TileId, record: &TileRecord, span_unix_s: [f64; 2]) -> Value {
             "datetime": null,
             "start_datetime": whole_seconds(span_unix_s[0]),
             "end_datetime": whole_seconds(span_unix_s[1]),
-            "proj:code": format!("EPSG:{}", Crs::of_zone(tile.zone).epsg()),
-            "proj:bbox": [west, south, west + TILE_M, south + TILE_M],
+            "proj:code": format!("EPSG:{}", tile.zone.epsg()),
+            "proj:bbox": tile.bounds_m(),
             "depth_m": record.depth_m,
             "cells": record.cells,
         },

@@ -19,6 +19,7 @@ use bathyscope_log::formats::geotiff::{
 use bathyscope_log::support::geo::{Crs, MapPlane, UtmZone};
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use std::collections::{BTreeMap, BTreeSet};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -102,7 +103,9 @@ impl LogMosaic {
         if self.settings.overlap.is_weighted() {
             tile_part.write_weights(&path(WEIGHTS)?, &places, &description, progress)?;
         }
-        tile_part.write_levels(&path(MOSAIC)?, &places, &description, progress)
+        let draw = |place| Ok(tile_part.draw(place).levels);
+        let description = format!("Part of the {description}");
+        write_levels(&path(MOSAIC)?, (tile, &grid), description, &places, draw, progress)
     }
 
     /// Returns the kinds of files that each tile has of this mosaic.
@@ -147,26 +150,6 @@ impl TilePart<'_> {
         }
     }
 
-    /// Writes the levels of the part; returns the number of cells that have one.
-    fn write_levels(
-        &self,
-        path: &Path,
-        places: &[[usize; 2]],
-        description: &str,
-        progress: &Progress,
-    ) -> Result<usize, Error> {
-        let cells = AtomicUsize::new(0);
-        let draw = |place| {
-            let levels = self.draw(place).levels;
-            let known = levels.iter().filter(|level| **level > 0).count();
-            cells.fetch_add(known, Ordering::Relaxed);
-            Ok(levels)
-        };
-        let spec = levels_spec(self.tile, &self.grid, format!("Part of the {description}"));
-        geotiff(path, &spec, places, draw, progress)?;
-        Ok(cells.into_inner())
-    }
-
     fn write_weights(
         &self,
         path: &Path,
@@ -209,8 +192,28 @@ pub(super) fn in_words(error: &CellsError, path: &Path) -> String {
     )
 }
 
+/// Writes levels over the grid of a tile's mosaic; returns the number of cells that have one.
+pub(super) fn write_levels(
+    path: &Path,
+    (tile, grid): (TileId, &Grid),
+    description: String,
+    places: &[[usize; 2]],
+    draw: impl Fn([usize; 2]) -> io::Result<Vec<u8>> + Sync,
+    progress: &Progress,
+) -> Result<usize, Error> {
+    let cells = AtomicUsize::new(0);
+    let counted = |place| {
+        let levels = draw(place)?;
+        let known = levels.iter().filter(|level| **level > 0).count();
+        cells.fetch_add(known, Ordering::Relaxed);
+        Ok(levels)
+    };
+    geotiff(path, &levels_spec(tile, grid, description), places, counted, progress)?;
+    Ok(cells.into_inner())
+}
+
 /// Returns the description of a raster of levels over the grid of a tile's mosaic.
-pub(super) fn levels_spec(tile: TileId, grid: &Grid, description: String) -> RasterSpec {
+fn levels_spec(tile: TileId, grid: &Grid, description: String) -> RasterSpec {
     RasterSpec {
         cells: CellFormat::Level,
         band: Some(Band::ECHO_LEVEL),

@@ -3,11 +3,11 @@
 
 use super::LONGEST_RECORD;
 use super::tile::TileId;
-use crate::Error;
 use crate::pipeline::{
     Fingerprint, LogFiles, SettingValues, Settings, deserialize_values, in_hexadecimal,
     setting_values,
 };
+use crate::{Error, PROGRAM};
 use bathyscope_bottom::swath::LearntLevels;
 use bathyscope_log::support::regular_file;
 use bathyscope_log::survey::Survey;
@@ -125,7 +125,7 @@ impl LogRecord {
             log: files.sha256.clone(),
             name: survey.name(),
             made: Origin {
-                program: format!("bathyscope {}", env!("CARGO_PKG_VERSION")),
+                program: PROGRAM.to_owned(),
                 files: files.files.clone(),
                 settings: of_rows(settings),
                 bottom_edits: (!settings.bottom.is_empty())

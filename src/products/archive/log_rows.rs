@@ -1,6 +1,6 @@
 //! Holds a log while its rows are made and assigned to tiles.
 
-use super::tile::TileId;
+use super::tile::{TileId, beside};
 use crate::Error;
 use crate::pipeline::Products;
 use bathyscope_bottom::bathymetry::crosslines::{TrackDepth, velocity_mps};
@@ -154,7 +154,7 @@ pub(super) fn by_tile(points: impl Iterator<Item = (usize, LonLat)>, halo_m: f64
                 continue;
             }
             let own = (rank == 0).then(|| TileId::at(zone, place));
-            let around = [x - halo_m, y - halo_m, x + halo_m, y + halo_m];
+            let around = beside([x, y, x, y], halo_m);
             for tile in TileId::touched(zone, around).filter(|tile| tile.holds(place, halo_m)) {
                 tiles.entry(tile).or_default().push(TileRow {
                     index,
@@ -175,16 +175,31 @@ pub(super) fn geometry(rows: &[TileRow]) -> Column {
     Column::new("geometry", Values::Points(places))
 }
 
-/// Reads columns of numbers; `None` where a column is of another type.
+/// Columns of numbers, and others.
+type Columns<const N: usize> = (Vec<Vec<f64>>, [Values; N]);
+
+/// Reads columns of numbers, and others; `None` where one of the numbers is of another type, or the
+/// columns differ in length.
 ///
 /// # Errors
 /// When the file cannot be read.
-pub(super) fn numbers(path: &Path, names: &[&str]) -> Result<Option<Vec<Vec<f64>>>, Error> {
-    let numbers = read_parquet(path, names)?.into_iter().map(|values| match values {
+pub(super) fn columns<const N: usize>(
+    path: &Path,
+    numbers: &[&str],
+    others: &[&str; N],
+) -> Result<Option<Columns<N>>, Error> {
+    let numbers = read_parquet(path, numbers)?.into_iter().map(|values| match values {
         Values::Double(values) => Some(values),
         _ => None,
     });
-    Ok(numbers.collect())
+    let Some(numbers) = numbers.collect::<Option<Vec<Vec<f64>>>>() else {
+        return Ok(None);
+    };
+    let others = read_parquet(path, others)?;
+    let count = others.first().map_or(0, Values::row_count);
+    let mut counts = numbers.iter().map(Vec::len).chain(others.iter().map(Values::row_count));
+    let is_even = counts.all(|other| other == count);
+    Ok(<[Values; N]>::try_from(others).ok().filter(|_| is_even).map(|others| (numbers, others)))
 }
 
 /// Returns the error of a file with other columns than those of its kind.

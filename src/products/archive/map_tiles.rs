@@ -9,7 +9,6 @@ use super::tile_content::TileContents;
 use super::tile_files::{DEPTH, DEPTH_FILES, TileRecord};
 use super::tile_map::{isobath_settings, without_error};
 use super::{LONGEST_RECORD, fingerprint, remove};
-use crate::Error;
 use crate::export::tile_sets::{TileSet, TileStore, map_page, mbtiles, pmtiles};
 use crate::export::{make_folder, write_json};
 use crate::map_tiles::{
@@ -17,6 +16,7 @@ use crate::map_tiles::{
     ZoomRange,
 };
 use crate::pipeline::Fingerprint;
+use crate::{Error, PROGRAM};
 use bathyscope_bottom::bathymetry::isobaths::{Isobath, IsobathSettings};
 use bathyscope_bottom::bathymetry::{Grid, Light, Surface, hill_shade};
 use bathyscope_bottom::presentation::ticks::round_up;
@@ -100,7 +100,7 @@ pub fn write_map_tiles(
         return Ok(MapTilesState::None);
     }
     let made = MadeFrom {
-        program: program(),
+        program: PROGRAM.to_owned(),
         tiles: (maps.iter())
             .map(|(tile, record)| (tile.to_string(), depth_files(record)))
             .collect(),
@@ -117,10 +117,6 @@ pub fn write_map_tiles(
     let files = files.collect::<Result<_, Error>>()?;
     write_json(&folder.join(RECORD), &Record { made, files })?;
     Ok(MapTilesState::Made)
-}
-
-fn program() -> String {
-    format!("bathyscope {}", env!("CARGO_PKG_VERSION"))
 }
 
 /// Returns the files of a tile that the web map depends on.
@@ -205,7 +201,7 @@ impl ArchiveTiles {
             isobaths: settings,
         };
         let drawn_with = DrawnWith {
-            program: program(),
+            program: PROGRAM.to_owned(),
             finest_zoom: zooms.finest,
             range_m: scales.range_m,
             exaggeration: light.exaggeration,

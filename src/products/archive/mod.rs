@@ -14,24 +14,21 @@
 //! log. `add` writes a log's rows (`log_rows`): `point_rows`, `ping_rows` and `echo_rows`, and
 //! `log_mosaic`, its part of the mosaic. `footprint` is the ground that a ping insonified, from
 //! which `coverage` finds the logs that cover a place. `adjust` computes the heights of logs
-//! against each other from `log_overlaps`, the corrections of their `positions` and, by
-//! `level_factors`, the levels of their echoes; `offsets` is the table of all three. `tile_map`
-//! makes the map of a tile, with its lines cut at the edges of the tile, `tile_mosaic` joins the
-//! parts of its mosaic, and `tile_files` writes both; `map_tiles` joins all maps to one web map:
-//! `tile_content` reads the maps of tiles, and `map_parts` stores parts that were drawn before.
+//! against each other, the corrections of their positions and the levels of their echoes, where
+//! logs cross or overlap; `offsets` is the table of all three. `tile_map` makes the map of a tile,
+//! with its lines cut at the edges of the tile, and `tile_files` joins the parts of its mosaic and
+//! writes both; `map_tiles` joins all maps to one web map: `tile_content` reads the maps of tiles,
+//! and `map_parts` stores parts that were drawn before.
 //! Files are written under a temporary name, then renamed, and a log's record is written last, so
 //! that the remains of a killed program are no part of the archive.
 
 mod add;
 mod adjust;
-mod area;
 mod coverage;
 mod echo_rows;
 mod footprint;
 mod index;
-mod level_factors;
 mod log_mosaic;
-mod log_overlaps;
 mod log_record;
 mod log_rows;
 mod map_parts;
@@ -39,14 +36,12 @@ mod map_tiles;
 mod offsets;
 mod ping_rows;
 mod point_rows;
-mod positions;
 pub mod readers;
 mod record;
 mod tile;
 mod tile_content;
 mod tile_files;
 mod tile_map;
-mod tile_mosaic;
 
 pub use add::{Added, add};
 pub use adjust::{Adjusted, adjust};
@@ -58,7 +53,7 @@ pub use offsets::{OffsetRow, Offsets};
 pub use record::{Archive, contents};
 pub use tile::{TILE_M, TileId};
 pub use tile_files::{TileRecord, TileState, remove_left_over, tile_state, write_tile};
-pub use tile_map::{tile_map, tile_surface};
+pub use tile_map::TileInputs;
 
 use crate::Error;
 use crate::pipeline::Fingerprint;

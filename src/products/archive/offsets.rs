@@ -3,12 +3,12 @@
 //! and pin; pinned offsets are kept.
 
 use super::log_record::LogRecord;
-use super::record::Archive;
+use super::record::{Archive, MOST_MOVED_M};
 use crate::Error;
 use crate::export::write_bytes;
 use bathyscope_bottom::bathymetry::height_offsets as solver;
 use bathyscope_bottom::bathymetry::height_offsets::{Datum, HeightOffsets, LogOverlap};
-use bathyscope_bottom::bathymetry::position_offsets::Shift;
+use bathyscope_bottom::bathymetry::position_offsets::{FoundShift, Shift};
 use bathyscope_log::support::regular_file;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -61,19 +61,16 @@ pub struct OffsetRow {
     /// True if a person has set the offset: the log is then a benchmark, its offset is kept, and
     /// the others are compared with it.
     pub is_pinned: bool,
-    /// Correction of the positions of the log; all zero where none was requested.
-    pub shift: Shift,
-    /// Standard error of the shift in either direction, metres; NaN where no shift was computed.
-    pub shift_error_m: f64,
-    /// Standard error of the latency, seconds; NaN where no latency was computed.
-    pub latency_error_s: f64,
+    /// Correction of the positions of the log, with its errors; [`FoundShift::NONE`] where none was
+    /// requested.
+    pub found: FoundShift,
     /// Factor on the levels of its echoes in mosaics.
-    pub(super) level: LevelFactor,
+    pub level: LevelFactor,
 }
 
-/// Factor on the levels of a log.
+/// Factor on the levels of a log, which makes them agree with the levels of the other logs.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct LevelFactor {
+pub struct LevelFactor {
     /// Factor, rounded to a thousandth; 1 for a log that shows no place in common with others.
     pub factor: f64,
     /// Number of blocks of ground that the log showed with others when the factor was computed; a
@@ -96,18 +93,12 @@ pub(super) fn as_written(shift: Shift) -> Shift {
     }
 }
 
-impl OffsetRow {
-    /// Returns the factor on the levels of the log's echoes in mosaics, which makes them agree with
-    /// the levels of the other logs.
-    pub fn level_factor(&self) -> f64 {
-        self.level.factor
-    }
-
-    /// Returns the number of blocks of ground that the mosaic of the log has in common with those
-    /// of others.
-    pub fn level_ties(&self) -> usize {
-        self.level.ties
-    }
+/// Returns a place with its correction, metres of the zone; the place moves by no more than
+/// [`MOST_MOVED_M`], for which the halo has room.
+pub(super) fn moved(place: [f64; 2], shift: Shift, velocity_mps: [f64; 2]) -> [f64; 2] {
+    let [x, y] = shift.at(velocity_mps);
+    let share = (MOST_MOVED_M / x.hypot(y).max(MOST_MOVED_M)).min(1.0);
+    [place[0] + share * x, place[1] + share * y]
 }
 
 /// The offsets of an archive.
@@ -166,12 +157,12 @@ impl Offsets {
 
     /// Returns the correction of the positions of a log; zero for a log without a row.
     pub(crate) fn shift_of(&self, log: &str) -> Shift {
-        self.row(log).map_or(Shift::default(), |row| row.shift)
+        self.row(log).map_or(Shift::default(), |row| row.found.shift)
     }
 
     /// Returns the factor on the levels of a log; 1 for a log without a row.
-    pub fn level_factor(&self, log: &str) -> f64 {
-        self.row(log).map_or(1.0, OffsetRow::level_factor)
+    pub(super) fn level_factor(&self, log: &str) -> f64 {
+        self.row(log).map_or(1.0, |row| row.level.factor)
     }
 
     /// Returns all rows, by the names of the logs.
@@ -201,7 +192,8 @@ fn fields(row: &OffsetRow) -> [String; COLUMNS.len()] {
     let error = |value: f64, decimals: usize| {
         if value.is_nan() { String::new() } else { format!("{value:.decimals$}") }
     };
-    let Shift { east_m, north_m, latency_s } = row.shift;
+    let FoundShift { shift, shift_error_m, latency_error_s } = row.found;
+    let Shift { east_m, north_m, latency_s } = shift;
     [
         row.name.clone(),
         row.log.clone(),
@@ -213,9 +205,9 @@ fn fields(row: &OffsetRow) -> [String; COLUMNS.len()] {
         u8::from(row.is_pinned).to_string(),
         format!("{:.3}", east_m + 0.0),
         format!("{:.3}", north_m + 0.0),
-        error(row.shift_error_m, 3),
+        error(shift_error_m, 3),
         format!("{:.3}", latency_s + 0.0),
-        error(row.latency_error_s, 3),
+        error(latency_error_s, 3),
         format!("{:.3}", row.level.factor),
         row.level.ties.to_string(),
     ]
@@ -296,13 +288,15 @@ fn row_of(fields: [&str; COLUMNS.len()]) -> Option<OffsetRow> {
             "1" | "yes" | "true" => true,
             _ => return None,
         },
-        shift: Shift {
-            east_m: shift(east_m, MOST_SHIFT_M)?,
-            north_m: shift(north_m, MOST_SHIFT_M)?,
-            latency_s: shift(latency_s, MOST_LATENCY_S)?,
+        found: FoundShift {
+            shift: Shift {
+                east_m: shift(east_m, MOST_SHIFT_M)?,
+                north_m: shift(north_m, MOST_SHIFT_M)?,
+                latency_s: shift(latency_s, MOST_LATENCY_S)?,
+            },
+            shift_error_m: number(shift_error_m).unwrap_or(f64::NAN),
+            latency_error_s: number(latency_error_s).unwrap_or(f64::NAN),
         },
-        shift_error_m: number(shift_error_m).unwrap_or(f64::NAN),
-        latency_error_s: number(latency_error_s).unwrap_or(f64::NAN),
         level: LevelFactor { factor: factor?, ties: level_ties.parse().unwrap_or(0) },
     })
 }

@@ -7,7 +7,7 @@ use super::log_rows::{self, LogRows, RowsByTile, TileRow};
 use super::tile::TileId;
 use crate::Error;
 use bathyscope_bottom::mosaic::joined_way_m;
-use bathyscope_log::formats::parquet_table::{Column, Values, read_parquet};
+use bathyscope_log::formats::parquet_table::{Column, Values};
 use bathyscope_log::support::geo::{LonLat, UtmZone};
 use bathyscope_log::survey::{Side, SideSpan};
 use std::collections::BTreeMap;
@@ -248,23 +248,17 @@ const OTHERS: [&str; 5] = ["port_samples", "starboard_samples", "ping", "left_ou
 /// When the file cannot be read, or its columns are not those of pings.
 pub(super) fn read(path: &Path) -> Result<Vec<PingRow>, Error> {
     let damaged = || log_rows::damaged("its columns are not those of pings of an archive", path);
-    let numbers = log_rows::numbers(path, &NUMBERS)?.ok_or_else(damaged)?;
-    let Ok(
-        [
-            Values::Whole(port),
-            Values::Whole(starboard),
-            Values::Whole(pings),
-            Values::Flag(excluded),
-            Values::Time(times),
-        ],
-    ) = <[Values; 5]>::try_from(read_parquet(path, &OTHERS)?)
+    let (numbers, others) = log_rows::columns(path, &NUMBERS, &OTHERS)?.ok_or_else(damaged)?;
+    let [
+        Values::Whole(port),
+        Values::Whole(starboard),
+        Values::Whole(pings),
+        Values::Flag(excluded),
+        Values::Time(times),
+    ] = others
     else {
         return Err(damaged());
     };
-    let others = [port.len(), starboard.len(), excluded.len(), times.len()];
-    if numbers.iter().map(Vec::len).chain(others).any(|length| length != pings.len()) {
-        return Err(damaged());
-    }
     let row = |index: usize| {
         let number = |column: usize| numbers[column][index];
         // A side without a number of samples was not recorded.

@@ -79,7 +79,10 @@ pub(super) fn read(path: &Path) -> Result<Vec<PointRow>, Error> {
         "velocity_y_mps",
     ];
     let damaged = || log_rows::damaged("its columns are not those of points of an archive", path);
-    let Ok(
+    let columns = read_parquet(path, &NAMES)?;
+    let is_even = columns.windows(2).all(|pair| pair[0].row_count() == pair[1].row_count());
+    let columns = <[Values; 9]>::try_from(columns).ok().filter(|_| is_even);
+    let Some(
         [
             Values::Double(x),
             Values::Double(y),
@@ -91,24 +94,10 @@ pub(super) fn read(path: &Path) -> Result<Vec<PointRow>, Error> {
             Values::Float(velocity_x),
             Values::Float(velocity_y),
         ],
-    ) = <[Values; 9]>::try_from(read_parquet(path, &NAMES)?)
+    ) = columns
     else {
         return Err(damaged());
     };
-    let lengths = [
-        x.len(),
-        y.len(),
-        depth_m.len(),
-        weight.len(),
-        sounding.len(),
-        confidence.len(),
-        time_s.len(),
-        velocity_x.len(),
-        velocity_y.len(),
-    ];
-    if lengths.iter().any(|length| *length != x.len()) {
-        return Err(damaged());
-    }
     let row = |index: usize| PointRow {
         depth: DepthPoint {
             east_m: x[index],

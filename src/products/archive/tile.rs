@@ -88,9 +88,8 @@ impl TileId {
     }
 
     /// Returns true if the tile, made larger by `halo_m` on all sides, holds a place of its zone.
-    pub fn holds(&self, [x, y]: [f64; 2], halo_m: f64) -> bool {
-        let [west, south, east, north] = self.bounds_m();
-        (west - halo_m..east + halo_m).contains(&x) && (south - halo_m..north + halo_m).contains(&y)
+    pub fn holds(&self, place: [f64; 2], halo_m: f64) -> bool {
+        is_within(beside(self.bounds_m(), halo_m), place)
     }
 }
 
@@ -162,6 +161,11 @@ pub(super) fn tiles_read(swath: SwathDepth, tile: TileId) -> Vec<TileId> {
         SwathDepth::Off | SwathDepth::Auto => vec![tile],
         SwathDepth::Always => TileId::touched(tile.zone, beside(tile.bounds_m(), 1.0)).collect(),
     }
+}
+
+/// Returns true if a place is in a box (west, south, east and north) or on its west or south edge.
+pub(super) fn is_within([west_m, south_m, east_m, north_m]: [f64; 4], [x, y]: [f64; 2]) -> bool {
+    (west_m..east_m).contains(&x) && (south_m..north_m).contains(&y)
 }
 
 /// Returns a box made larger by `by_m` on all sides.

@@ -1,25 +1,29 @@
 //! Writes and reads the files of a tile: `tiles/NAME/depth.tif`, `uncertainty.tif`, `source.tif`,
-//! `isobaths.geojson`, `mosaic.tif` and, last, `tile.json`, the record of their inputs.
+//! `isobaths.geojson`, `mosaic.tif` and, last, `tile.json`, the record of their inputs. The mosaic
+//! is joined from the parts of all logs.
 
+use super::log_mosaic::{in_words, open_part, write_levels};
 use super::log_record::LogRecord;
 use super::offsets::Offsets;
 use super::record::{Archive, ArchiveRecord};
 use super::tile::{TileId, tiles_read};
-use super::tile_map::{TileMap, tile_map};
-use super::tile_mosaic::{logs_in_order, write_mosaic};
+use super::tile_map::{TileInputs, TileMap};
 use super::{ECHOES, LONGEST_RECORD, MOSAIC, POINTS, WEIGHTS, fingerprint, names_in, remove};
-use crate::Error;
 use crate::export::{
     DrawnLines, isobaths_geojson, make_folder, metres_raster, source_raster, write_json,
 };
 use crate::pipeline::Fingerprint;
+use crate::{Error, PROGRAM};
 use bathyscope_bottom::bathymetry::{Surface, SurfaceMethod, SwathDepth};
-use bathyscope_log::formats::geotiff::{Band, RasterSpec};
+use bathyscope_bottom::mosaic::{MosaicPart, join_parts};
+use bathyscope_log::formats::geotiff::{Band, CellsError, RasterSpec, RasterTiles};
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::support::regular_file;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 use std::fs;
-use std::path::PathBuf;
+use std::io;
+use std::path::{Path, PathBuf};
 
 /// The folder of the maps.
 pub(super) const TILES: &str = "tiles";
@@ -63,7 +67,7 @@ struct MadeFrom {
     archive: ArchiveRecord,
     logs: Vec<TileLog>,
     /// Parts of the mosaic, in the order in which they are laid over each other.
-    mosaic: Vec<MosaicPart>,
+    mosaic: Vec<PartRecord>,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -79,7 +83,7 @@ struct TileLog {
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct MosaicPart {
+struct PartRecord {
     log: String,
     sha256: String,
     /// SHA-256 of the weights of the levels; empty where all levels have the same weight.
@@ -123,7 +127,7 @@ impl MadeFrom {
         });
         let parts = logs_in_order(tile, logs).into_iter().filter_map(|log| {
             let rows = log.rows_in(tile)?;
-            Some(MosaicPart {
+            Some(PartRecord {
                 log: log.log.clone(),
                 sha256: rows.sha256_of(MOSAIC).to_owned(),
                 weights_sha256: rows.sha256_of(WEIGHTS).to_owned(),
@@ -131,7 +135,7 @@ impl MadeFrom {
             })
         });
         Self {
-            program: format!("bathyscope {}", env!("CARGO_PKG_VERSION")),
+            program: PROGRAM.to_owned(),
             archive: archive.record.clone(),
             logs: with_rows.collect(),
             mosaic: parts.collect(),
@@ -236,7 +240,8 @@ pub fn write_tile(
             archive.folder().display()
         )));
     }
-    let made = tile_map(archive, tile, logs, offsets, progress)?;
+    let inputs = TileInputs { archive, tile, logs, offsets, progress };
+    let made = inputs.map()?;
     let folder = folder_of(archive, tile);
     make_folder(&folder)?;
     // From here on the files of the tile may be a mixture of two maps.
@@ -247,14 +252,7 @@ pub fn write_tile(
         depth_m: Vec::new(),
         bounds_m: Vec::new(),
         isobaths: 0,
-        mosaic_cells: write_mosaic(
-            archive,
-            tile,
-            logs,
-            offsets,
-            &folder.join(MOSAIC_FILE),
-            progress,
-        )?,
+        mosaic_cells: write_mosaic(&inputs, &folder.join(MOSAIC_FILE))?,
         files: Vec::new(),
     };
     if let Some(made) = made {
@@ -262,7 +260,7 @@ pub fn write_tile(
         record.depth_m = Vec::from(made.surface.range_m());
         record.bounds_m = (made.surface.known_bounds_m()).map_or_else(Vec::new, Vec::from);
         record.isobaths = made.isobaths.len();
-        write_files(archive, tile, &made, progress)?;
+        write_files(&inputs, &made)?;
     }
     for name in FILES.into_iter().skip(1) {
         let is_made = match name {
@@ -279,12 +277,8 @@ pub fn write_tile(
     Ok(record)
 }
 
-fn write_files(
-    archive: &Archive,
-    tile: TileId,
-    made: &TileMap,
-    progress: &Progress,
-) -> Result<(), Error> {
+fn write_files(inputs: &TileInputs<'_>, made: &TileMap) -> Result<(), Error> {
+    let TileInputs { archive, tile, progress, .. } = *inputs;
     let folder = folder_of(archive, tile);
     let surface = &made.surface;
     let how = how(archive, surface)?;
@@ -335,4 +329,78 @@ fn how(archive: &Archive, surface: &Surface) -> Result<String, Error> {
         "By {method}{instead} in cells of {} m, none farther than {} m from a depth.",
         surface.grid.cell_m, settings.max_gap_m
     ))
+}
+
+/// Returns the logs that have a part in the mosaic of a tile, in the order in which they are laid
+/// over each other: by the time of recording, as in `bathyscope process`. Logs without a known time
+/// come first; logs that began at the same time are ordered by their hashes.
+fn logs_in_order(tile: TileId, logs: &[LogRecord]) -> Vec<&LogRecord> {
+    let has_part = |log: &&LogRecord| log.rows_in(tile).is_some_and(|rows| rows.mosaic_cells > 0);
+    let mut with_part: Vec<&LogRecord> = logs.iter().filter(has_part).collect();
+    let start_s = |log: &LogRecord| log.start_unix_s.unwrap_or(f64::NEG_INFINITY);
+    with_part.sort_by(|a, b| {
+        let in_time = start_s(a).total_cmp(&start_s(b));
+        in_time.then_with(|| a.log.cmp(&b.log))
+    });
+    with_part
+}
+
+/// Writes the mosaic of a tile and returns the number of cells that have a level. Writes no file if
+/// there is no such cell. Memory grows neither with the cells nor with the logs.
+///
+/// # Errors
+/// When a part cannot be read, the file cannot be written, or the work was cancelled.
+fn write_mosaic(inputs: &TileInputs<'_>, path: &Path) -> Result<usize, Error> {
+    let TileInputs { archive, tile, logs, offsets, progress } = *inputs;
+    let overlap = archive.record.settings()?.mosaic.overlap;
+    let grid = archive.record.mosaic_grid(tile)?;
+    let parts = (logs_in_order(tile, logs).into_iter())
+        .map(|log| {
+            let open = |kind: &str| open_part(archive, kind, tile, &log.log);
+            let (levels, path) = open(MOSAIC)?;
+            let weights = overlap.is_weighted().then(|| open(WEIGHTS)).transpose()?;
+            let weights = weights.map(|(weights, _)| weights);
+            let factor = offsets.level_factor(&log.log) as f32;
+            Ok(StoredPart { path, levels, weights, factor })
+        })
+        .collect::<Result<Vec<_>, Error>>()?;
+    if let Some(other) = (parts.iter()).find(|part| part.levels.size() != [grid.columns, grid.rows])
+    {
+        return Err(Error::from(format!(
+            "this part of the mosaic has other cells than the archive; process its log again: {}",
+            other.path.display()
+        )));
+    }
+    let places: BTreeSet<[usize; 2]> = parts.iter().flat_map(|part| part.levels.tiles()).collect();
+    let places: Vec<[usize; 2]> = places.into_iter().collect();
+    if places.is_empty() {
+        return Ok(0);
+    }
+    let draw = |place: [usize; 2]| {
+        let here = parts.iter().filter(|part| part.levels.may_hold(place));
+        join_parts(here.map(|part| part.read(place)), overlap)
+    };
+    let description = format!("Side-scan mosaic of all logs in tile {tile} of an archive");
+    write_levels(path, (tile, &grid), description, &places, draw, progress)
+}
+
+/// Files of the part of a log in the mosaic of a tile.
+struct StoredPart {
+    path: PathBuf,
+    levels: RasterTiles,
+    weights: Option<RasterTiles>,
+    /// Factor on the levels of the log.
+    factor: f32,
+}
+
+impl StoredPart {
+    fn read(&self, place: [usize; 2]) -> io::Result<MosaicPart> {
+        let fail = |error: CellsError| io::Error::other(in_words(&error, &self.path));
+        let weights = self.weights.as_ref().map(|weights| weights.values(place));
+        let part = MosaicPart {
+            levels: self.levels.levels(place).map_err(fail)?,
+            weights: weights.transpose().map_err(fail)?.unwrap_or_default(),
+        };
+        Ok(part.brightened(self.factor))
+    }
 }

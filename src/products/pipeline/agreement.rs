@@ -200,9 +200,7 @@ impl Agreement {
         })
         .collect()
     }
-}
 
-impl Agreement {
     /// Returns the comparison of all points of the logs from which this agreement was made, and of
     /// the points of each group of sources that has some.
     pub(crate) fn by_source(&self, logs: &[ProcessedLog]) -> Vec<NamedComparison> {

@@ -65,7 +65,7 @@ pub(super) fn hash_inputs(
     let files = survey.source.files.iter().zip(&survey.bytes);
     files
         .map(|(path, bytes)| {
-            let hashed = hash(&bytes[..], || progress.check(), |count| progress.advance(count));
+            let hashed = hash(&bytes[..], progress, |count| progress.advance(count));
             // Reading memory cannot fail; the only error is a cancellation. `Survey::check_files`
             // detects bytes that read as zero because the file changed.
             let (bytes, sha256) = hashed.map_err(|_| Cancelled)?;
@@ -127,7 +127,7 @@ pub(super) fn hash_file(path: &Path, progress: &Progress) -> Result<Fingerprint,
     };
     let from = regular_file::open(path).map_err(fail)?;
     progress.start(from.metadata().map_err(fail)?.len());
-    let hashed = hash(from, || progress.check(), |count| progress.advance(count));
+    let hashed = hash(from, progress, |count| progress.advance(count));
     let (bytes, sha256) = hashed.map_err(fail)?;
     Ok(Fingerprint { file: path.display().to_string(), bytes, sha256 })
 }
@@ -137,19 +137,19 @@ pub(super) fn hash_file(path: &Path, progress: &Progress) -> Result<Fingerprint,
 /// # Errors
 /// The system's error; [`io::ErrorKind::Other`] when the work was cancelled.
 pub(crate) fn sha256_of(from: impl Read, progress: &Progress) -> io::Result<(u64, String)> {
-    hash(from, || progress.check(), |_| ())
+    hash(from, progress, |_| ())
 }
 
-/// Computes the length and SHA-256 of the bytes read; an error of `check` stops the reading.
+/// Computes the length and SHA-256 of the bytes read; a cancellation stops the reading.
 fn hash(
     mut from: impl Read,
-    check: impl Fn() -> Result<(), Cancelled>,
+    progress: &Progress,
     on_read: impl Fn(u64),
 ) -> io::Result<(u64, String)> {
     let (mut hash, mut bytes) = (Sha256::new(), 0);
     let mut chunk = vec![0; CHUNK];
     loop {
-        check().map_err(io::Error::other)?;
+        progress.check().map_err(io::Error::other)?;
         let count = from.read(&mut chunk)?;
         if count == 0 {
             return Ok((bytes, in_hexadecimal(&hash.finalize())));

@@ -6,19 +6,20 @@
 //!
 //! `settings` defines every setting and the two presets, `log_settings` the settings that one of
 //! several logs has of its own. `run_stages` defines the stages and which of them a change of
-//! settings makes stale, and runs them; `products` holds their results, `engine` runs them on a
-//! worker for the window, `growing` runs them over the added part of a log that is being written,
-//! `task` runs any work on another thread. `derived` computes the joint results of all logs, once
-//! and on demand, and the places of echoes. `depth` makes the depth map and its products,
+//! settings makes stale, and runs them; `products` holds their results, `growing` runs them over
+//! the added part of a log that is being written, `task` runs any work on another thread. `derived`
+//! computes the joint results of all logs, once and on demand, the places of echoes, and the passes
+//! over a place. `surface` makes the depth map, `clip_area` the area that clips its isobaths, and
+//! `uncertainty` the error that all its depths have in common; `relief` is the bottom across the
+//! track. `residuals` compares side-scan with soundings, also with another geometry or scale,
 //! `agreement` compares points with a reference, `objects` computes the places of objects, `report`
-//! sums a run up (`log_report` holds the part on each log), `scale_trial` computes the effect of
-//! another scale, `fingerprint` distinguishes versions of files, `source` corrects a log where its
-//! file has wrong or no data on itself, `survey_coverage` computes the starting point of a plan of
-//! further lines, `joint` combines all logs of a survey. No files are written here: see `outputs`.
+//! sums a run up (`log_report` holds the part on each log), `fingerprint` distinguishes versions of
+//! files, `source` corrects a log where its file has wrong or no data on itself, `survey_coverage`
+//! computes the starting point of a plan of further lines, `joint` combines all logs of a survey.
+//! No files are written here: see `outputs`.
 
 mod agreement;
 mod clip_area;
-mod depth;
 mod derived;
 mod fingerprint;
 mod growing;
@@ -26,48 +27,48 @@ pub mod joint;
 mod log_report;
 mod log_settings;
 mod objects;
-mod passes;
 mod products;
 mod relief;
 mod report;
+mod residuals;
 mod run_stages;
-mod scale_trial;
 pub mod settings;
 mod source;
+mod surface;
 mod survey_coverage;
 mod task;
+mod uncertainty;
 
 pub use agreement::{Agreement, LogDifferences, MissionLog, Reference, ResidualTables, positions};
 pub use clip_area::clip_area;
-pub(crate) use depth::{CloudPlane, NamedComparison, comparisons};
-pub use depth::{
-    CommonUncertainty, Crosslines, GeometryChoice, choices, crosslines, depth_points,
-    joint_depth_points, joint_depth_surface, log_echoes,
-};
 pub(crate) use derived::Contours;
 pub use derived::{
     Bottom, BottomColour, BottomKey, CornerGround, DepthMap, DepthMapKey, Derived, FINEST,
-    IsobathKey, Isobaths, Mosaic, MosaicKey, MosaicPlane, PictureKey, mosaic_layout,
-    mosaic_layout_by,
+    IsobathKey, Isobaths, Mosaic, MosaicKey, MosaicPlane, Pass, PictureKey, mosaic_layout,
+    mosaic_layout_by, passes_over, place_of,
 };
 pub use fingerprint::{Fingerprint, in_hexadecimal};
 pub(crate) use fingerprint::{LogFiles, sha256_of};
 pub use growing::{GrowingResults, extend};
+pub use joint::{Crosslines, crosslines};
 pub use log_report::CalibrationReport;
 pub use log_settings::{LogSettings, SettingValues, setting_values};
 pub(crate) use log_settings::{
     deserialize_values, from_values, is_of_one_log, is_setting, with_values,
 };
 pub use objects::{ObjectLocator, list_objects, object_shape};
-pub use passes::{Pass, passes_over, place_of};
 pub use products::{LogLatency, ProcessedLog, Products, colour_range_m};
 pub use report::Report;
+pub use residuals::{GeometryChoice, ScaleEffect, ScaleTrial, choices};
+pub(crate) use residuals::{NamedComparison, comparisons};
 pub use run_stages::{Stage, run};
-pub use scale_trial::{ScaleEffect, ScaleTrial};
 pub use settings::{Preset, Settings, SettingsError};
 pub use source::{SourceError, SourceKey, as_mounted, as_set};
+pub(crate) use surface::CloudPlane;
+pub use surface::{depth_points, joint_depth_points, joint_depth_surface, log_echoes};
 pub use survey_coverage::survey_coverage;
 pub use task::{Background, Jobs, Same, Task, TaskOutcome};
+pub use uncertainty::CommonUncertainty;
 
 use bathyscope_log::support::geo::{CrsError, MapPlane};
 use bathyscope_log::survey::Survey;

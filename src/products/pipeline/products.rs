@@ -142,7 +142,7 @@ impl ProcessedLog {
     }
 
     /// Returns the kept points, in the order of the cloud.
-    pub fn kept_points(&self) -> impl Iterator<Item = &bathyscope_bottom::cloud::CloudPoint> {
+    pub fn kept_points(&self) -> impl Iterator<Item = &CloudPoint> {
         self.products.kept_points()
     }
 }

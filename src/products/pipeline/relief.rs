@@ -1,6 +1,6 @@
 //! Computes the shape of the bottom across the track from the depths that the log itself measured.
 
-use super::depth::depth_points;
+use super::surface::depth_points;
 use bathyscope_bottom::bathymetry::{Surface, SurfaceMethod, SurfaceSettings, surface_of_depths};
 use bathyscope_bottom::cloud::{CloudPoint, PointClass, PointCloud};
 use bathyscope_log::support::progress::{Cancelled, Progress};

@@ -4,11 +4,12 @@ use super::fingerprint::{Fingerprint, hash_inputs, in_hexadecimal};
 use super::joint::{LogsReport, RequestedCorrection};
 use super::log_report::{CalibrationReport, RunCounts, SwathCounts};
 use super::{CommonUncertainty, Preset, Products, Settings};
+use crate::PROGRAM;
 use bathyscope_bottom::cloud::{
     ClassCounts, PointClass, PointCloud, PointSource, Residuals, TrackShare, residuals,
 };
 use bathyscope_log::support::progress::{Cancelled, Progress};
-use bathyscope_log::survey::{ExcludedStretch, FaultCounts, HeadingSource, Side, Survey, Track};
+use bathyscope_log::survey::{ExcludedStretch, FaultCounts, HeadingSource, Side, Survey};
 use serde::Serialize;
 use sha2::{Digest as _, Sha256};
 use std::collections::HashSet;
@@ -94,7 +95,7 @@ impl Report {
         let above_bottom = cloud.points.iter().filter(|point| point.is_above_bottom());
         let above_bottom_kept = products.kept_points().filter(|point| point.is_above_bottom());
         Ok(Self {
-            program: format!("bathyscope {}", env!("CARGO_PKG_VERSION")),
+            program: PROGRAM.to_owned(),
             run: String::new(),
             inputs: inputs(survey, products, progress)?,
             format: survey.source.format.clone(),
@@ -258,7 +259,14 @@ pub(super) fn warnings(survey: &Survey, products: &Products) -> Vec<String> {
 
 /// Returns sentences on the source of positions and on their corrections.
 fn positions(survey: &Survey, settings: &Settings) -> String {
-    let mut said = whose(&survey.track);
+    let mut said = match &survey.track.external {
+        Some(external) => format!(
+            "Positions are those of {}, {} s later than it says.",
+            external.path.file_name().unwrap_or_default().display(),
+            external.offset_s
+        ),
+        None => "Positions are the recorder's GPS.".to_owned(),
+    };
     let system = survey.track.projected.as_ref();
     if let Some(system) = system.and_then(|projected| projected.system.as_ref()) {
         said += &format!(" Its metres are taken for those of {system}.");
@@ -272,17 +280,6 @@ fn corrected_positions(settings: &Settings) -> String {
     let mounting = settings.mounting.statement(compass);
     let both = [mounting, settings.position_shift.statement()].join(" ");
     both.trim().to_owned()
-}
-
-fn whose(track: &Track) -> String {
-    match &track.external {
-        Some(external) => format!(
-            "Positions are those of {}, {} s later than it says.",
-            external.path.file_name().unwrap_or_default().display(),
-            external.offset_s
-        ),
-        None => "Positions are the recorder's GPS.".to_owned(),
-    }
 }
 
 /// Returns the files of the log, and those of the water levels and of the isobaths' area if these

@@ -103,7 +103,7 @@ pub fn run(
     let exclusions = run.exclusions(&navigation);
     let found = run.found()?;
     let judged = run.judged(&found, &exclusions);
-    let mut run = run.over(judged.as_deref().unwrap_or(survey));
+    let mut run = Run { survey: judged.as_deref().unwrap_or(survey), ..run };
     let returns = run.returns(&found);
     let counted = counted(&returns, &exclusions);
     let (flat_spots, calibration) =
@@ -180,15 +180,6 @@ struct PointResults {
 }
 
 impl<'a, OnStage: FnMut(Stage)> Run<'a, OnStage> {
-    /// Returns this run over another version of the survey, whose soundings were judged.
-    fn over<'b>(self, survey: &'b Survey) -> Run<'b, OnStage>
-    where
-        'a: 'b,
-    {
-        let Self { settings, previous, stale, progress, on_stage, .. } = self;
-        Run { survey, settings, previous, stale, progress, on_stage }
-    }
-
     /// Returns the earlier results if that of this stage is still valid.
     fn reusable(&self, stage: Stage) -> Option<&'a Products> {
         self.previous.filter(|old| match stage {

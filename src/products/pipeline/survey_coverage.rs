@@ -2,8 +2,8 @@
 //! disagreements of all logs in one plane.
 
 use super::ProcessedLog;
-use super::depth::depth_points;
 use super::joint::track_depths;
+use super::surface::depth_points;
 use bathyscope_bottom::bathymetry::crosslines::{TrackDepth, crossings};
 use bathyscope_bottom::bathymetry::{DepthPoint, sigma_by_distance};
 use bathyscope_bottom::planning::{Doubt, InsonifiedSide, SeenObject, SigmaLaw, SurveyCoverage};

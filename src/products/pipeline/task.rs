@@ -154,7 +154,7 @@ impl<K: PartialEq, T: Send + 'static> Background<K, T> {
 
 /// Shared value as a key: equal if it is the same allocation, not if the contents are equal. The
 /// key keeps the value alive, so that its address is not used again.
-pub struct Same<T>(pub std::sync::Arc<T>);
+pub struct Same<T>(pub Arc<T>);
 
 impl<T> Clone for Same<T> {
     fn clone(&self) -> Self {
@@ -164,7 +164,7 @@ impl<T> Clone for Same<T> {
 
 impl<T> PartialEq for Same<T> {
     fn eq(&self, other: &Self) -> bool {
-        std::sync::Arc::ptr_eq(&self.0, &other.0)
+        Arc::ptr_eq(&self.0, &other.0)
     }
 }
 

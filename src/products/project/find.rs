@@ -1,16 +1,22 @@
 //! Finds the logs of a project: at their recorded place, or moved with the project or within its
-//! folder.
+//! folder; and makes the inputs for work without a window: the logs at their present places, each
+//! with its settings.
 
-use super::log::{LogFile, LogKey};
+use super::log::{LogFile, LogKey, ProjectLog};
+use super::store::{folder_of, read_with_changes};
 use super::{Project, paths};
-use crate::pipeline::sha256_of;
+use crate::Error;
+use crate::pipeline::{Settings, sha256_of};
 use bathyscope_log::formats::{self, FileRole};
+use bathyscope_log::support::geo::LocalFrame;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::support::regular_file;
+use bathyscope_log::survey::Survey;
 use std::collections::VecDeque;
 use std::fs;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Greatest depth of the folders searched below the project's folder.
 const DEEPEST: usize = 5;
@@ -144,10 +150,7 @@ fn starts_recording(log: &LogFile, path: &Path) -> bool {
 }
 
 /// Opens the log in a file; `None` if the file is not a log.
-fn opened(
-    path: &Path,
-    progress: &Progress,
-) -> Result<Option<bathyscope_log::survey::Survey>, Cancelled> {
+fn opened(path: &Path, progress: &Progress) -> Result<Option<Survey>, Cancelled> {
     match formats::open(path, progress) {
         Ok(survey) => Ok(Some(survey)),
         Err(formats::OpenError::Cancelled(cancelled)) => Err(cancelled),
@@ -180,11 +183,78 @@ fn files_below(folder: &Path) -> Vec<PathBuf> {
     files
 }
 
+/// Log of a project, to be opened and processed.
+#[derive(Clone, Debug)]
+pub struct ProjectInput {
+    /// The log, with the present path of its file.
+    pub log: Arc<ProjectLog>,
+    /// Settings with which the log is processed; the water levels and the area that they name are
+    /// loaded.
+    pub settings: Settings,
+    /// Confidence from which undecided proposals count.
+    pub least_confidence: f32,
+    /// Local coordinate frame of all logs of the project, as in the window; `None` if the project
+    /// has no origin yet.
+    pub frame: Option<LocalFrame>,
+    /// Warning about the log's file; `None` if there is none.
+    pub warning: Option<String>,
+}
+
+/// Returns the visible logs of a project, in their order, with the changes in the journal beside
+/// it: those of a window that has it open, or was killed.
+///
+/// # Errors
+/// When the project cannot be read, contains no visible log, or a log or a file that its settings
+/// name is missing.
+pub fn inputs(path: &Path, progress: &Progress) -> Result<Vec<ProjectInput>, Error> {
+    let mut project = read_with_changes(path)?;
+    // Loaded once for all logs.
+    project.settings.load_area().map_err(|error| error.0)?;
+    let folder = folder_of(path);
+    let places = find(&project, &folder, progress)?;
+    let mut inputs = Vec::new();
+    for (log, (_, found)) in project.logs().iter().zip(places) {
+        if !log.is_visible {
+            continue;
+        }
+        let (name, file) = (&log.name, log.file.path.display());
+        let warning = (found == LogLocation::Changed).then(|| log.is_changed());
+        let log = match found {
+            LogLocation::Here | LogLocation::Changed => log.clone(),
+            LogLocation::Moved(path) => Arc::new(log.at(&path)),
+            LogLocation::Replaced => {
+                return Err(format!(
+                    "another recording lies where the log `{name}` of the project was; put it back beside the project: {file}"
+                )
+                .into());
+            }
+            LogLocation::Missing => {
+                return Err(format!(
+                    "the log `{name}` of the project is not there; put it back, or anywhere below the project's folder: {file}"
+                )
+                .into());
+            }
+        };
+        let mut settings = project.settings_of(&log).map_err(|error| error.0)?;
+        settings.load_files().map_err(|error| error.0)?;
+        let frame = project.origin.map(LocalFrame::new);
+        inputs.push(ProjectInput {
+            log,
+            settings,
+            least_confidence: project.least_confidence(),
+            frame,
+            warning,
+        });
+    }
+    if inputs.is_empty() {
+        return Err(format!("the project has no log that is shown: {}", path.display()).into());
+    }
+    Ok(inputs)
+}
+
 #[cfg(test)]
 mod tests {
-    use super::super::log::ProjectLog;
     use super::*;
-    use bathyscope_log::survey::Survey;
 
     fn survey(path: &Path) -> Survey {
         formats::open(path, &Progress::new()).expect("a log")

@@ -30,14 +30,6 @@ impl MeasurementKind {
             Self::Height => "height",
         }
     }
-
-    /// Returns the least number of corners with which the quantity can be measured.
-    fn least_corners(self) -> usize {
-        match self {
-            Self::Distance | Self::Profile | Self::Height => 2,
-            Self::Area => 3,
-        }
-    }
 }
 
 /// Place in a log's side-scan at which a corner was set.
@@ -136,7 +128,8 @@ impl Measurement {
 
     /// Returns true if there are enough corners to measure the quantity.
     pub fn is_measurable(&self) -> bool {
-        self.corners.len() >= self.kind.least_corners()
+        let least = if self.kind == MeasurementKind::Area { 3 } else { 2 };
+        self.corners.len() >= least
     }
 }
 

@@ -6,10 +6,10 @@
 //! `log` is one log, `history` holds the states for undo, and `past` stores them on disk. `rows`
 //! converts a project to lines and back, `row` is one line, `text` reads and writes all lines and
 //! converts those of older versions, `paths` converts the paths of files. `store` writes the file
-//! under a temporary name and renames it, with every change in a `journal` beside it, guarded by a
-//! `lock`. `find` searches for logs that were moved, `inputs` makes the inputs for work without a
-//! window, `untitled` finds the decisions about logs that are in no named project. Logs are never
-//! written.
+//! under a temporary name and renames it, with every change in a `journal` beside it, which one
+//! window at a time has. `find` searches for logs that were moved, and makes the inputs for work
+//! without a window; `untitled` finds the decisions about logs that are in no named project. Logs
+//! are never written.
 //!
 //! # The file
 //!
@@ -80,9 +80,7 @@
 
 mod find;
 mod history;
-mod inputs;
 mod journal;
-mod lock;
 mod log;
 mod measurement;
 mod past;
@@ -93,9 +91,8 @@ mod store;
 mod text;
 mod untitled;
 
-pub use find::{LogLocation, find};
+pub use find::{LogLocation, ProjectInput, find, inputs};
 pub use history::{History, HistoryStep};
-pub use inputs::{ProjectInput, inputs};
 pub use log::{LogFile, LogKey, ProjectLog, read_bottom};
 pub use measurement::{Measurement, MeasurementKind, Pick};
 pub use past::{PastStep, UNDONE};
@@ -288,9 +285,7 @@ impl Project {
         };
         self.logs.sort_by(by_order);
     }
-}
 
-impl Project {
     /// Returns the project with each log at the path that has the name of its file, if there is
     /// one among `paths`.
     pub fn with_logs_at(&self, paths: &[PathBuf]) -> Self {

@@ -16,16 +16,14 @@ pub(super) fn to_text(path: &Path, folder: &Path) -> String {
     let shared = (path.components().zip(folder.components()))
         .take_while(|(one, other)| one == other)
         .count();
-    let is_elsewhere = path.has_root() && shared == 0;
-    let mut parts = Vec::new();
-    if is_elsewhere {
-        return text_of(&path);
+    if path.has_root() && shared == 0 {
+        let text = encoded(path.as_os_str().as_encoded_bytes());
+        return if cfg!(windows) { text.replace('\\', "/") } else { text };
     }
-    let up = folder.components().skip(shared);
-    parts.extend(up.map(|_| "..".to_owned()));
+    let up = folder.components().skip(shared).map(|_| "..".to_owned());
     let down = path.components().skip(shared);
-    parts.extend(down.map(|part| encoded(part.as_os_str().as_encoded_bytes())));
-    parts.join("/")
+    let down = down.map(|part| encoded(part.as_os_str().as_encoded_bytes()));
+    up.chain(down).collect::<Vec<_>>().join("/")
 }
 
 /// Returns the path for a text, in the project's folder.
@@ -69,12 +67,6 @@ fn plain(path: &str) -> Option<PathBuf> {
         Some(share) => format!(r"\\{share}").into(),
         None => path.into(),
     })
-}
-
-/// Returns an absolute path as text.
-fn text_of(path: &Path) -> String {
-    let text = encoded(path.as_os_str().as_encoded_bytes());
-    if cfg!(windows) { text.replace('\\', "/") } else { text }
 }
 
 /// Returns the path without `.`, and without `..` where possible; links are not resolved.

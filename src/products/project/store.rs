@@ -7,7 +7,7 @@
 //! - Only one window has a project open at a time. If that cannot be ensured, a file that another
 //!   program changed meanwhile is not replaced.
 
-use super::journal::{Entry, NoJournal, ProjectJournal, Read, Syncing};
+use super::journal::{Entry, NoJournal, Owner, ProjectJournal, Read};
 use super::past::{Past, PastStep, history_of};
 use super::row::Rows;
 use super::text::{VERSION, migrate};
@@ -21,8 +21,6 @@ use std::ffi::OsString;
 use std::fs::{self, File};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
-
-pub(crate) use super::lock::Owner;
 
 /// Ending of a project's file name.
 pub const ENDING: &str = "bathyscope";
@@ -133,11 +131,10 @@ impl Store {
         let (text, sha256) = text_of(&path)?;
         let (written, version) = text::read_as_written(&text).map_err(wrong)?;
         let folder = folder_of(&path);
-        let saved =
-            rows::read(migrate(written.clone(), version, VERSION), &folder).map_err(wrong)?;
+        let rows = migrate(written.clone(), version, VERSION);
+        let saved = rows::read(rows.clone(), &folder).map_err(wrong)?;
         let mut notes = Vec::new();
         let mut project = saved.clone();
-        let rows = migrate(written.clone(), version, VERSION);
         let mut past = Past::read(&path, (&saved, rows), &sha256, &folder);
         match unsaved(&read, &sha256) {
             Some((entries, entry_version)) if !entries.is_empty() => {
@@ -308,7 +305,7 @@ impl Store {
         let about = Entry::Saved { sha256: sha256.clone(), version: VERSION };
         journal.append(&about).map_err(not_writable(&path))?;
         Ok(Saving {
-            journal: journal.syncing().map_err(not_writable(&path))?,
+            journal: journal.handle().map_err(not_writable(&path))?,
             path,
             expected,
             text,
@@ -347,7 +344,7 @@ pub struct Saving {
     sha256: String,
     project: Project,
     past: Past,
-    journal: Syncing,
+    journal: File,
 }
 
 /// Result of a [`Saving`].
@@ -373,7 +370,7 @@ impl Saving {
         {
             return Err(StoreError::new(StoreFault::Changed, path));
         }
-        self.journal.sync().map_err(not_writable(path))?;
+        self.journal.sync_data().map_err(not_writable(path))?;
         let written = export::write_atomically(path, |mut file| {
             file.write_all(self.text.as_bytes())?;
             file.sync_all()

@@ -4,10 +4,9 @@ use bathyscope_log::support::geo::LonLat;
 use bathyscope_log::survey::Side;
 use bathyscope_objects::Mark;
 use bathyscope_objects::review::{BoxId, Certainty, Edit, Review};
-use change::Change;
+use changes::Change;
 use std::process::Command;
 
-pub(super) mod change;
 mod changes;
 mod on_disk;
 

@@ -108,8 +108,7 @@ pub(super) fn read_as_written(text: &str) -> Result<(Rows, u32), ProjectError> {
         if key.to_string() == MARK {
             continue;
         }
-        let text = one_line(&value);
-        let row = Row { text, line: number };
+        let row = Row { text: one_line(&value), line: number };
         if let Some(first) = rows.get(&key) {
             let first = first.line;
             return wrong(format!("`{key}` stands here and in line {first}; keep one of them"));
@@ -128,14 +127,9 @@ fn version(text: &str) -> Result<u32, ProjectError> {
     let lines = text.lines().zip(1..);
     let mut statements =
         lines.filter(|(line, _)| !line.trim().is_empty() && !line.starts_with('#'));
-    let no_project = |line| {
-        ProjectError::line(
-            line,
-            format!(
-                "this is no project of Bathyscope: it does not begin with `{MARK} = {VERSION}`"
-            ),
-        )
-    };
+    let what =
+        format!("this is no project of Bathyscope: it does not begin with `{MARK} = {VERSION}`");
+    let no_project = |line| ProjectError::line(line, &what);
     let (line, number) = statements.next().ok_or_else(|| no_project(1))?;
     let value = line.split_once('=').filter(|(key, _)| key.trim() == MARK);
     let value = value.and_then(|(_, value)| parse_value(value.trim()).ok());

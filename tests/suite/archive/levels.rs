@@ -5,7 +5,7 @@ use crate::cli::{refusal, run};
 use bathyscope_bottom::bathymetry::{CellSource, Grid, Surface};
 use bathyscope_log::formats::geotiff::read_cells;
 use bathyscope_log::support::progress::Progress;
-use bathyscope_products::archive::{Archive, Offsets, TileId, contents, tile_surface};
+use bathyscope_products::archive::{Archive, Offsets, TileId, TileInputs, contents};
 use bathyscope_simulation::{Mound, Scene, simulate};
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -88,7 +88,9 @@ fn tiles_from_levels_meet_to_the_bit_and_are_as_their_neighbours_change() {
         let edge_m = east.bounds_m()[0];
         let [one, other] = [*west, *east].map(|tile| {
             let grid = strip(*west, edge_m);
-            tile_surface(&archive, tile, grid, &logs, &offsets, &progress).expect("a surface")
+            let (archive, logs, offsets) = (&archive, &logs, &offsets);
+            let inputs = TileInputs { archive, tile, logs, offsets, progress: &progress };
+            inputs.surface(grid).expect("a surface")
         });
         assert_eq!(bits(&one.depth_m), bits(&other.depth_m));
         assert_eq!(bits(&one.spread_m), bits(&other.spread_m));

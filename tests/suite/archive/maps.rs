@@ -5,7 +5,7 @@ use crate::cli::{refusal, run};
 use bathyscope_bottom::bathymetry::{DepthPoint, Grid, Surface, local_surface};
 use bathyscope_log::formats::parquet_table::{Values, read_parquet};
 use bathyscope_log::support::progress::Progress;
-use bathyscope_products::archive::{Archive, Offsets, TILE_M, TileId, contents, tile_map};
+use bathyscope_products::archive::{Archive, Offsets, TILE_M, TileId, TileInputs, contents};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;
@@ -80,8 +80,9 @@ fn tiles_are_parts_of_the_map_of_all_logs_and_agree_across_their_edges_to_the_bi
     let single = cells(&local_surface(&all, whole, 20.0, &progress).expect("nobody cancels"));
     let mut joined = BTreeMap::new();
     for tile in &tiles {
-        let made = tile_map(&archive, *tile, &logs, &Offsets::default(), &progress).expect("a map");
-        let of_tile = cells(&made.expect("depths").surface);
+        let (archive, logs, offsets) = (&archive, &logs, &Offsets::default());
+        let inputs = TileInputs { archive, tile: *tile, logs, offsets, progress: &progress };
+        let of_tile = cells(&inputs.map().expect("a map").expect("depths").surface);
         assert!(of_tile.len() > 500, "{tile}: {}", of_tile.len());
         joined.extend(of_tile);
     }

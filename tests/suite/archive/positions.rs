@@ -5,7 +5,7 @@ use super::{add, sail, zigzag};
 use crate::cli::{refusal, run};
 use bathyscope_log::formats::lowrance::{FILE_HEADER, frame::Sl2Header};
 use bathyscope_log::support::progress::Progress;
-use bathyscope_products::archive::{Archive, Offsets, contents, tile_map};
+use bathyscope_products::archive::{Archive, Offsets, TileInputs, contents};
 use bathyscope_simulation::{BedSettings, Mound, Scene};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -99,8 +99,9 @@ fn depths_m(folder: &Path) -> BTreeMap<[i64; 2], f32> {
         (archive.logs().expect("records"), Offsets::read(&archive).expect("a table"));
     let mut found = BTreeMap::new();
     for tile in contents(&archive).expect("records").into_keys() {
-        let map = tile_map(&archive, tile, &logs, &offsets, &Progress::new()).expect("a map");
-        let Some(map) = map else { continue };
+        let (archive, logs, offsets, progress) = (&archive, &logs, &offsets, &Progress::new());
+        let inputs = TileInputs { archive, tile, logs, offsets, progress };
+        let Some(map) = inputs.map().expect("a map") else { continue };
         let grid = map.surface.grid;
         for (cell, depth_m) in map.surface.depth_m.iter().enumerate() {
             let place = grid.centre(cell / grid.columns, cell % grid.columns);

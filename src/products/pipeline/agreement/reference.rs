@@ -65,7 +65,11 @@ impl Reference {
     ) -> Result<Self, Error> {
         match open_reference(argument, progress)? {
             ReferenceFile::Points(file) => Self::of_points(file, survey, settings),
-            ReferenceFile::Log(log) => Ok(Self::of_mission(*log)),
+            ReferenceFile::Log(log) => {
+                let path = log.source.files.first().cloned().unwrap_or_default();
+                let log = MissionLog { survey: Arc::new(*log), settings: None };
+                Ok(Self::of_logs(&path, vec![log]))
+            }
         }
     }
 
@@ -88,14 +92,6 @@ impl Reference {
             notes: [file.note, guess, blank].into_iter().flatten().collect(),
             path: file.path,
         })
-    }
-
-    /// Creates a reference of another mission of one log, which is processed with the settings of
-    /// the survey that is compared with it.
-    fn of_mission(survey: Survey) -> Self {
-        let path = survey.source.files.first().cloned().unwrap_or_default();
-        let log = MissionLog { survey: Arc::new(survey), settings: None };
-        Self::of_logs(&path, vec![log])
     }
 
     /// Creates a reference of another mission of several logs; `path` is that of their folder or

@@ -314,28 +314,25 @@ impl Bottom {
     }
 
     fn corner(&self, row: usize, column: usize, [east_m, north_m]: [f64; 2]) -> BottomCorner {
-        let grid = &self.surface().grid;
+        let surface = self.surface();
+        let grid = &surface.grid;
         let is_inside = row < grid.rows && column < grid.columns;
         let cell = row * grid.columns + column;
-        let surface = self.surface();
         let depth_m = if is_inside { surface.depth_m[cell] } else { f32::NAN };
         let ground = match depth_m.is_nan() {
             true => CornerGround::Unknown,
             false if surface.source[cell] == CellSource::None => CornerGround::Level,
             false => CornerGround::Depth,
         };
-        let up_m = match ground {
-            CornerGround::Unknown => 0.0,
-            CornerGround::Level | CornerGround::Depth => -f64::from(depth_m),
-        };
+        let up_m = if depth_m.is_nan() { 0.0 } else { -f64::from(depth_m) };
+        let rgb = if is_inside { self.rgb[cell] } else { UNSEEN };
         BottomCorner {
             place_m: [east_m, north_m, up_m],
             normal: surface.normal(row, column),
-            rgb: if is_inside { self.rgb[cell] } else { UNSEEN },
-            far_rgb: match (is_inside, &self.far_rgb) {
-                (false, _) => UNSEEN,
-                (true, Some(far_rgb)) => far_rgb[cell],
-                (true, None) => self.rgb[cell],
+            rgb,
+            far_rgb: match &self.far_rgb {
+                Some(far_rgb) if is_inside => far_rgb[cell],
+                _ => rgb,
             },
             ground,
         }

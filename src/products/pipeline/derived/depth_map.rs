@@ -1,8 +1,8 @@
 //! Makes the depth map of a survey, which the files and the window share.
 
 use crate::pipeline::{
-    CloudPlane, CommonUncertainty, ProcessedLog, Same, clip_area, colour_range_m,
-    joint_depth_points, joint_depth_surface,
+    CommonUncertainty, ProcessedLog, Same, clip_area, colour_range_m, joint_depth_points,
+    joint_depth_surface, map_plane,
 };
 use bathyscope_bottom::bathymetry::isobaths::{
     ClipArea, DepthExtent, IsobathSettings, NoIsobaths, with_shoalest,
@@ -11,7 +11,7 @@ use bathyscope_bottom::bathymetry::{
     self, CellSource, DepthPoint, Light, Surface, SurfaceSettings, hill_shade,
 };
 use bathyscope_bottom::cloud::{PointClass, PointCloud};
-use bathyscope_log::support::geo::{CrsChoice, MapPlane, bounds_deg};
+use bathyscope_log::support::geo::{Crs, CrsChoice, MapPlane, bounds_deg};
 use bathyscope_log::support::outline::bounds;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::{Navigation, Survey};
@@ -83,7 +83,9 @@ impl DepthMap {
         let Some(ProcessedLog { survey, products }) = logs.first() else {
             return Ok(None);
         };
-        let map = CloudPlane::or_utm(survey, products).map;
+        let origin = survey.track.frame.origin();
+        let utm = |_| MapPlane::new(Crs::utm(origin), origin);
+        let map = map_plane(survey, &products.settings).unwrap_or_else(utm);
         let Some(mut surface) = joint_depth_surface(logs, &map, progress)? else {
             return Ok(None);
         };
@@ -216,18 +218,14 @@ impl DepthMap {
     /// Returns west, south, east and north of the grid in the plane of the survey, metres; computed
     /// once, since the map on the screen needs them each time it is drawn.
     pub fn bounds_m(&self) -> [f64; 4] {
-        *self.bounds_m.get_or_init(|| self.bounds_in_survey_m())
-    }
-
-    fn bounds_in_survey_m(&self) -> [f64; 4] {
-        let [west_m, south_m, east_m, north_m] = self.surface.grid.bounds_m();
-        // The edges of a UTM zone's grid are bent by centimetres in the plane of the survey, so
-        // their middles are included.
-        let middle_east_m = 0.5 * (west_m + east_m);
-        let middle_north_m = 0.5 * (north_m + south_m);
-        let eastings_m = [west_m, middle_east_m, east_m].into_iter();
-        let northings_m = [south_m, middle_north_m, north_m];
-        let places = eastings_m.flat_map(|e| northings_m.map(|n| [e, n]));
-        bounds(places.map(|place| self.to_survey(place)))
+        *self.bounds_m.get_or_init(|| {
+            let [west_m, south_m, east_m, north_m] = self.surface.grid.bounds_m();
+            // The edges of a UTM zone's grid are bent by centimetres in the plane of the survey, so
+            // their middles are included.
+            let eastings_m = [west_m, 0.5 * (west_m + east_m), east_m].into_iter();
+            let northings_m = [south_m, 0.5 * (north_m + south_m), north_m];
+            let places = eastings_m.flat_map(|e| northings_m.map(|n| [e, n]));
+            bounds(places.map(|place| self.to_survey(place)))
+        })
     }
 }

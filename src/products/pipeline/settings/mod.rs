@@ -3,11 +3,10 @@
 //! In: keys with values, as text. Out: checked settings, and their explanations.
 //!
 //! `rows` is the table of the settings: key, range, unit, words. `table` defines a row and checks
-//! values against it, `help` makes the help and the manual's page, `keys` applies files and
-//! assignments to settings, `display_units` converts a number to the unit of the window.
+//! values against it, `keys` applies files and assignments to settings, and makes the help and the
+//! manual's page, `display_units` converts a number to the unit of the window.
 
 mod display_units;
-mod help;
 mod keys;
 pub mod rows;
 mod table;
@@ -15,10 +14,8 @@ mod table;
 mod tests;
 
 pub use display_units::ShownNumber;
-pub use help::{help, markdown, row};
 pub(crate) use keys::in_one_line;
-pub use keys::renamed;
-pub use keys::slips;
+pub use keys::{help, markdown, renamed, row, slips};
 pub use table::{
     Control, ControlValue, Number, SettingChoice, SettingKind, SettingRow, SettingScope,
 };
@@ -227,8 +224,6 @@ impl Settings {
                     ..HeadingSettings::default()
                 },
                 outliers: OutlierSettings { radius_m: 3.011, min_neighbors: 10 },
-                detector: DetectorSettings::default(),
-                mosaic: MosaicSettings::default(),
                 surface: SurfaceSettings { above_bottom: true, ..SurfaceSettings::default() },
                 ..Self::default()
             },

@@ -61,19 +61,6 @@ pub enum ControlValue {
     Name(&'static str),
 }
 
-impl SettingRow {
-    /// Gives the setting the value of its control; a value of another kind changes nothing.
-    pub fn set(&self, settings: &mut Settings, value: ControlValue) {
-        match (&self.kind, value) {
-            (SettingKind::Number(number), ControlValue::Number(value)) => {
-                (number.set)(settings, value);
-            }
-            (SettingKind::Choice(choice), ControlValue::Name(name)) => (choice.set)(settings, name),
-            _ => {}
-        }
-    }
-}
-
 /// Setting that is a number.
 #[derive(Debug)]
 pub struct Number {
@@ -232,6 +219,17 @@ pub(super) fn choose<T: DeserializeOwned>(chosen: &mut T, name: &str) {
 }
 
 impl SettingRow {
+    /// Gives the setting the value of its control; a value of another kind changes nothing.
+    pub fn set(&self, settings: &mut Settings, value: ControlValue) {
+        match (&self.kind, value) {
+            (SettingKind::Number(number), ControlValue::Number(value)) => {
+                (number.set)(settings, value);
+            }
+            (SettingKind::Choice(choice), ControlValue::Name(name)) => (choice.set)(settings, name),
+            _ => {}
+        }
+    }
+
     /// Checks that the value of the setting is in its range.
     pub(super) fn check(&self, settings: &Settings) -> Result<(), SettingsError> {
         let ([least, most], values) = match &self.kind {

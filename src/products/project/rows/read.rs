@@ -230,12 +230,10 @@ impl RowReading<'_> {
             }
             log.name = name;
         }
-        let colour: Option<String> = lines.optional("colour")?;
-        log.colour = colour
-            .map(|text| {
-                colour_of(&text).ok_or_else(|| lines.wrong("colour", "is written \"#d95f02\""))
-            })
-            .transpose()?;
+        if let Some(text) = lines.optional::<String>("colour")? {
+            let wrong = || lines.wrong("colour", "is written \"#d95f02\"");
+            log.colour = Some(colour_of(&text).ok_or_else(wrong)?);
+        }
         log.is_visible = lines.optional("visible")?.unwrap_or(true);
         log.order = match lines.optional("order")? {
             None => 0.0,

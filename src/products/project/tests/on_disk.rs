@@ -1,7 +1,7 @@
 //! Tests of projects on disk: opened, saved, after a killed program, open twice, changed by other
 //! programs, in folders that cannot be written.
 
-use super::change::Change;
+use super::changes::Change;
 use crate::project::store::{StoreFault, read};
 use crate::project::{self, LogFile, Project, ProjectLog, Store};
 use bathyscope_log::formats;

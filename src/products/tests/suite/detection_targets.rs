@@ -89,11 +89,7 @@ fn objects_lie_by_the_bottom_that_was_drawn_over_them() {
             altitude_m(&returns, mark)
         };
         let found_m = altitude_m(&sailed.returns, mark).expect("a place");
-        let other = match mark.side {
-            Side::Port => Side::Starboard,
-            Side::Starboard => Side::Port,
-        };
-        assert_eq!(drawn(other, 1.5), Some(found_m));
+        assert_eq!(drawn(mark.side.other(), 1.5), Some(found_m));
         let drawn_m = drawn(mark.side, 1.5).expect("a place");
         assert!((drawn_m - 1.5).abs() < 0.1 && found_m > 1.8, "{found_m} {drawn_m}");
     }

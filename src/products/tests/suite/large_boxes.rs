@@ -46,20 +46,11 @@ fn survey(level: impl Fn(usize, f64) -> Option<u8>) -> (Survey, Navigation) {
         near_m: 0.0,
         far_m: 0.1 * SAMPLES as f32,
     };
-    let side_scan: Vec<SidePing> = (0..PINGS)
-        .map(|ping| SidePing {
-            time_s: ping as f64 * 0.1,
-            depth_m: ALTITUDE_M as f32,
-            depth_fault: None,
-            port: None,
-            starboard: Some(span(ping)),
-        })
-        .collect();
-    let survey = Survey {
-        side_scan: Arc::new(side_scan),
-        bytes: vec![Bytes::Held(Arc::new(bytes))],
-        ..Survey::default()
-    };
+    let pings = (0..PINGS).map(|ping| SidePing {
+        starboard: Some(span(ping)),
+        ..SidePing::with_depth(ping as f64 * 0.1, ALTITUDE_M as f32)
+    });
+    let survey = Survey { bytes: vec![Bytes::Held(Arc::new(bytes))], ..Survey::of_pings(pings) };
     let places = (0..PINGS).map(|ping| PingNav {
         east_m: 0.0,
         north_m: north_m(ping),

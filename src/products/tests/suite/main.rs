@@ -7,7 +7,14 @@
     reason = "their failure is the failure of the test"
 )]
 
-mod bathymetry;
+/// Surfaces and what is drawn from them, against what other programs make of the same numbers and
+/// against simulated truth.
+mod bathymetry {
+    mod change;
+    mod height_offsets;
+    mod isobaths;
+    mod ponds;
+}
 mod calibration;
 mod cloud;
 mod detection_targets;
@@ -15,7 +22,6 @@ mod export;
 mod garbled;
 mod html_report;
 mod large_boxes;
-mod missions;
 mod mosaic;
 mod mosaic_gain;
 mod navigation;
@@ -23,7 +29,6 @@ mod offsets;
 mod picture_log;
 mod point_classes;
 mod rates;
-mod river;
 mod swath;
 mod trusted_depths;
 mod truth;

@@ -1,8 +1,7 @@
 //! The mosaic of simulated surveys: objects at their true places, no holes, no seams, even levels.
 
 use crate::detection_targets::trough;
-use crate::missions::Mission;
-use crate::truth::KnownSurvey;
+use crate::truth::{KnownSurvey, Mission};
 use bathyscope_bottom::bathymetry::Grid;
 use bathyscope_bottom::mosaic::{
     Gain, GainTable, MosaicLayout, MosaicLog, MosaicSettings, Overlap, TILE_CELLS, TileIndex,

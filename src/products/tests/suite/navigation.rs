@@ -34,19 +34,12 @@ fn sailed(duration_s: f64, fixes_hz: f64, path: impl Fn(f64) -> Option<[f64; 2]>
             position = path(tick / fixes_hz).map_or(position, rounded);
         }
         fixes.push(Fix { time_s, position, cog_rad: 1.0, compass_rad: 2.0, speed_mps: f32::NAN });
-        side_scan.push(SidePing {
-            time_s,
-            depth_m: 3.0,
-            depth_fault: None,
-            port: None,
-            starboard: None,
-        });
+        side_scan.push(SidePing::with_depth(time_s, 3.0));
     }
     Survey {
-        side_scan: std::sync::Arc::new(side_scan),
         side_scan_state: SideScanState::Usable,
         track: Track::new(fixes),
-        ..Survey::default()
+        ..Survey::of_pings(side_scan)
     }
 }
 

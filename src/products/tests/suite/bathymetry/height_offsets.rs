@@ -23,11 +23,13 @@ fn cases() -> Vec<Case> {
     serde_json::from_str(include_str!("height_offsets.json")).expect("cases")
 }
 
+fn crossing(logs: [usize; 2], difference_m: f64, slope: f64) -> LogOverlap {
+    LogOverlap::new(logs, OverlapKind::Crossing, [0.0; 2], difference_m, slope)
+}
+
 fn log_overlaps(case: &Case) -> Vec<LogOverlap> {
-    let log_overlap = |&(first, second, difference_m, slope)| {
-        let logs = [first, second];
-        LogOverlap::new(logs, OverlapKind::Crossing, [0.0; 2], difference_m, slope)
-    };
+    let log_overlap =
+        |&(first, second, difference_m, slope)| crossing([first, second], difference_m, slope);
     case.log_overlaps.iter().map(log_overlap).collect()
 }
 
@@ -73,10 +75,8 @@ fn the_datum_may_be_one_log_and_differences_stay() {
 
 #[test]
 fn what_is_not_connected_is_said() {
-    let log_overlap = |first, second, difference_m| {
-        let logs = [first, second];
-        LogOverlap::new(logs, OverlapKind::Crossing, [0.0; 2], difference_m, f64::NAN)
-    };
+    let log_overlap =
+        |first, second, difference_m| crossing([first, second], difference_m, f64::NAN);
     // Logs 0 and 3 meet, so do 1 and 4; log 2 meets none, and 5 only on a place without a depth.
     let met = [
         log_overlap(0, 3, 0.2),
@@ -99,10 +99,7 @@ fn what_is_not_connected_is_said() {
 
 #[test]
 fn overlaps_that_contradict_each_other_by_metres_determine_no_offset() {
-    let log_overlap = |difference_m| {
-        let logs = [0, 1];
-        LogOverlap::new(logs, OverlapKind::Crossing, [0.0; 2], difference_m, 0.1)
-    };
+    let log_overlap = |difference_m| crossing([0, 1], difference_m, 0.1);
     let false_depths = [6.1, -5.2, 0.3, 12.0].map(log_overlap);
     let found = adjust(2, &false_depths, Datum::Mean);
     for log in &found.logs {
@@ -116,10 +113,7 @@ fn overlaps_that_contradict_each_other_by_metres_determine_no_offset() {
 
 #[test]
 fn heights_that_differ_beyond_their_error_are_named_until_they_are_levelled_or_held() {
-    let log_overlap = |first, second, difference_m| {
-        let logs = [first, second];
-        LogOverlap::new(logs, OverlapKind::Crossing, [0.0; 2], difference_m, 0.02)
-    };
+    let log_overlap = |first, second, difference_m| crossing([first, second], difference_m, 0.02);
     // Elevations of log 1 are 0.35 m above those of log 0, and those of log 2 below.
     let met = [0.349, 0.351, 0.350, 0.348].map(|difference_m| log_overlap(0, 1, difference_m));
     let more = [-0.051, -0.049, -0.050].map(|difference_m| log_overlap(0, 2, difference_m));

@@ -1,8 +1,7 @@
 //! Depth maps of simulated ponds against their beds; `cargo bench -- surface` prints the figures
 //! over many.
 
-use crate::missions::{Mission, repeatability};
-use crate::truth::MapError;
+use crate::truth::{MapError, Mission, repeatability};
 use bathyscope_bottom::bathymetry::crosslines::{Crossing, TrackDepth, crossings};
 use bathyscope_bottom::bathymetry::{CellSource, Surface, SurfaceSettings, SwathDepth};
 use bathyscope_bottom::cloud::{PointSource, Residuals};

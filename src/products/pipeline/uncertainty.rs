@@ -1,8 +1,8 @@
 //! Computes the uncertainty that all depths of a survey have in common. Left-out soundings do not
 //! show it, since the depths that remain have the same error.
 
-use crate::pipeline::joint::crossing_error;
-use crate::pipeline::{ProcessedLog, Products};
+use super::joint::crossing_error;
+use super::{ProcessedLog, Products};
 use bathyscope_bottom::bathymetry::{CrossingError, Spread, Surface};
 use bathyscope_bottom::calibration::Calibration;
 use bathyscope_log::support::progress::{Cancelled, Progress};
