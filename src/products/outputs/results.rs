@@ -2,16 +2,15 @@
 //! file needs it. Fits shapes to objects and lists objects as rows of tables.
 
 use super::content::{Missing, Need};
-use super::depth::NO_SURFACE;
 use super::depth::map_tiles::MapTiles;
 use super::ground::{SideScanCoverage, mosaic_grid};
 use super::order::{Order, When, log_names, log_points, survey_name};
 use crate::Error;
 use crate::export::{self, LogPoints, ObjectLog, TrackPiece};
 use crate::pipeline::{
-    Agreement, Bottom, BottomColour, CloudPlane, Contours, Crosslines, DepthMap, Fingerprint,
-    Isobaths, Mosaic, MosaicPlane, NamedComparison, ProcessedLog, Products, comparisons,
-    crosslines, list_objects, mosaic_layout, object_shape,
+    Agreement, CloudPlane, Contours, Crosslines, DepthMap, Fingerprint, Isobaths, Mosaic,
+    MosaicPlane, NamedComparison, ProcessedLog, Products, comparisons, crosslines, list_objects,
+    mosaic_layout, object_shape,
 };
 use bathyscope_bottom::bathymetry::{DepthPoint, Surface, spot_radius_m, spot_soundings};
 use bathyscope_bottom::mosaic::{MosaicLayout, footprint};
@@ -150,9 +149,9 @@ impl<'a> Results<'a> {
                 })
             }
             Need::Footprint => silent(self.ground()?.shapes.is_empty()),
-            Need::Surface => self.surface()?.is_none().then(|| because(NO_DEPTH_MAP)),
+            Need::Surface => self.depth_map()?.is_none().then(|| because(NO_DEPTH_MAP)),
             Need::Hardness => {
-                silent(self.surface()?.is_none_or(|surface| surface.hardness_db.is_none()))
+                silent(self.depth_map()?.is_none_or(|map| map.surface.hardness_db.is_none()))
             }
             Need::Levels => self.contours()?.as_ref().err().map(|why| because(&why.to_string())),
             Need::Isobaths => {
@@ -267,19 +266,20 @@ impl<'a> Results<'a> {
         made.map(Option::as_ref)
     }
 
-    /// Returns the surface of the depth map; `None` where there is no map.
-    pub(super) fn surface(&self) -> Result<Option<&Surface>, Error> {
-        Ok(self.depth_map()?.map(|depth_map| &depth_map.surface))
+    /// Returns the depth map for a file that needs one.
+    ///
+    /// # Errors
+    /// When there is no map or it cannot be computed.
+    pub(super) fn needed_depth_map(&self) -> Result<&Arc<DepthMap>, Error> {
+        Ok(self.depth_map()?.ok_or(NO_SURFACE)?)
     }
 
-    /// Returns the bottom with at most `most_corners` corners; `None` where there is no depth map.
-    pub(super) fn bottom(
-        &self,
-        colour: BottomColour,
-        most_corners: usize,
-    ) -> Result<Option<Arc<Bottom>>, Error> {
-        let (derived, logs) = (self.order.derived, self.order.logs);
-        Ok(derived.bottom(logs, colour, most_corners, self.progress)?)
+    /// Returns the surface of the depth map for a file that needs one.
+    ///
+    /// # Errors
+    /// As [`Results::needed_depth_map`].
+    pub(super) fn surface(&self) -> Result<&Surface, Error> {
+        Ok(&self.needed_depth_map()?.surface)
     }
 
     /// Returns the isobaths, or the reason why there are none.
@@ -300,7 +300,7 @@ impl<'a> Results<'a> {
                 Ok(isobaths) => isobaths,
                 Err(why) => return Ok(Err(why)),
             };
-            let depth_map = self.depth_map()?.ok_or(NO_SURFACE)?;
+            let depth_map = self.needed_depth_map()?;
             Ok(Ok(Contours::new(depth_map, isobaths, self.progress)?))
         })
     }
@@ -310,7 +310,7 @@ impl<'a> Results<'a> {
     pub(super) fn map_tiles(&self, file: &Path) -> Result<&MapTiles, Error> {
         let folder = file.parent().unwrap_or(file);
         once(&self.computed.map_tiles, || {
-            let depth_map = self.depth_map()?.ok_or(NO_SURFACE)?;
+            let depth_map = self.needed_depth_map()?;
             // Too many isobaths are reported for the files of isobaths; the map is drawn without
             // isobaths.
             let isobaths = self.isobaths()?.unwrap_or_default();
@@ -540,6 +540,8 @@ fn outline(of: &ProcessedLog, target: &Target) -> Option<[LonLat; 4]> {
     is_known.then(|| target.corners().map(place))
 }
 
+/// Error that is not expected: the registry requires a surface before it writes one.
+pub(super) const NO_SURFACE: &str = "there is no depth map";
 const NO_DEPTH_MAP: &str = "no depth map: the depths span no surface (a single straight line, or none near another within surface.max_gap_m)";
 const NO_RESIDUALS: &str = "no residuals: there are no side-scan points near a sounding, and no track crosses itself or another";
 

@@ -4,7 +4,7 @@
 use crate::Error;
 use crate::export::{Summary, TexturedMesh, glb};
 use crate::outputs::content::{FileContent, FileResult};
-use crate::outputs::results::Results;
+use crate::outputs::results::{NO_SURFACE, Results};
 use crate::pipeline::{Bottom, BottomColour};
 use bathyscope_bottom::bathymetry::{Grid, Surface};
 use bathyscope_bottom::presentation::colours::Rgb;
@@ -19,8 +19,9 @@ const MOST_PIXELS: usize = 2048;
 
 /// Writes `bottom.glb`.
 pub(crate) fn write(results: &Results<'_>, path: &Path) -> FileResult {
-    let bottom = results.bottom(BottomColour::Depth, MOST_CORNERS)?;
-    let bottom = bottom.ok_or(super::NO_SURFACE)?;
+    let (derived, logs) = (results.order.derived, results.order.logs);
+    let bottom = derived.bottom(logs, BottomColour::Depth, MOST_CORNERS, results.progress)?;
+    let bottom = bottom.ok_or(NO_SURFACE)?;
     let surface = bottom.surface();
     let middle = middle(&surface.grid);
     let mut mesh = mesh(surface, middle);

@@ -30,7 +30,7 @@ impl<'a> DrawnContours<'a> {
     /// # Errors
     /// When the survey has no depth map, or its isobaths cannot be drawn.
     pub(crate) fn of(results: &'a Results<'_>) -> Result<Self, Error> {
-        let grid = &results.surface()?.ok_or(super::NO_SURFACE)?.grid;
+        let grid = &results.surface()?.grid;
         let middle = grid.centre(grid.rows / 2, grid.columns / 2);
         let settings = &results.products.settings.isobaths;
         let contours = results.contours()?.as_ref().map_err(Clone::clone)?;

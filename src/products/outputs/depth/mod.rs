@@ -13,9 +13,6 @@ pub(super) mod tiles;
 use crate::pipeline::Products;
 use bathyscope_bottom::bathymetry::Surface;
 
-/// Error that is not expected: the registry requires a surface before it writes one.
-pub(super) const NO_SURFACE: &str = "there is no depth map";
-
 /// Describes the corrections, applied or not, and the interpolation of the cells.
 fn applied(products: &Products, surface: &Surface) -> String {
     let settings = &products.settings;

@@ -9,7 +9,6 @@ use crate::export::{
 use crate::outputs::content::{FileContent, FileResult};
 use crate::outputs::ground::raster_over;
 use crate::outputs::results::Results;
-use crate::pipeline::CloudPlane;
 use bathyscope_bottom::bathymetry::isobaths::shoalest_m;
 use bathyscope_bottom::bathymetry::{CellSource, Grid, Spread, Surface};
 use bathyscope_bottom::presentation::colours::{
@@ -20,10 +19,12 @@ use bathyscope_log::support::geo::MapPlane;
 use std::path::Path;
 
 /// A raster to write.
-struct RasterLayer {
+struct RasterLayer<'a> {
     band: Band,
     what: &'static str,
     colour: fn(f32) -> [u8; 3],
+    /// Values of the cells of the surface; NaN where none is known.
+    values: &'a [f32],
 }
 
 const fn band(name: &'static str, positive_down: bool) -> Band {
@@ -35,17 +36,19 @@ const STEPS: usize = 10;
 
 /// Writes `depth.tif`.
 pub(crate) fn depth(results: &Results<'_>, path: &Path) -> FileResult {
+    let surface = results.surface()?;
     let layer = RasterLayer {
         band: band("depth", true),
         what: "Depth in metres, positive down",
         colour: depth_colour,
+        values: &surface.depth_m,
     };
-    write(&layer, |surface| &surface.depth_m, results, path)
+    write(&layer, surface, results, path)
 }
 
 /// Writes `uncertainty.tif`.
 pub(crate) fn uncertainty(results: &Results<'_>, path: &Path) -> FileResult {
-    let surface = results.surface()?.ok_or(super::NO_SURFACE)?;
+    let surface = results.surface()?;
     let what = match surface.spread_is {
         Spread::OfError => {
             "Standard deviation in metres of the depth's error, as left-out depths show it"
@@ -56,49 +59,54 @@ pub(crate) fn uncertainty(results: &Results<'_>, path: &Path) -> FileResult {
         band: band("standard deviation of depth", false),
         what,
         colour: uncertainty_colour,
+        values: &surface.spread_m,
     };
-    write(&layer, |surface| &surface.spread_m, results, path)
+    write(&layer, surface, results, path)
 }
 
 /// Writes `distance.tif`.
 pub(crate) fn distance(results: &Results<'_>, path: &Path) -> FileResult {
+    let surface = results.surface()?;
     let layer = RasterLayer {
         band: band("distance to the nearest depth", false),
         what: "Distance in metres from a cell to the nearest depth",
         colour: distance_colour,
+        values: &surface.distance_m,
     };
-    write(&layer, |surface| &surface.distance_m, results, path)
+    write(&layer, surface, results, path)
 }
 
 /// Writes `shoalest.tif`.
 pub(crate) fn shoalest(results: &Results<'_>, path: &Path) -> FileResult {
-    let depth_map = results.depth_map()?.ok_or(super::NO_SURFACE)?;
-    let points = depth_map.depth_points(results.progress)?;
+    let depth_map = results.needed_depth_map()?;
+    let surface = &depth_map.surface;
     let layer = RasterLayer {
         band: band("shoalest depth", true),
         what: "Shoalest depth in metres that was measured in a cell, positive down",
         colour: depth_colour,
+        values: &shoalest_m(&surface.grid, &depth_map.depth_points(results.progress)?),
     };
-    let values = shoalest_m(&depth_map.surface.grid, &points);
-    write_values(&layer, &values, results, path)
+    write(&layer, surface, results, path)
 }
 
 /// Writes `hardness.tif`.
 pub(crate) fn hardness(results: &Results<'_>, path: &Path) -> FileResult {
+    let surface = results.surface()?;
     let layer = RasterLayer {
         band: Band { unit: "decibel", ..band("brightness of the bed over the median", false) },
         what: "How much brighter the bed is than the median of the map, decibels of power, as echo levels tell it: without slope, angle, range and gain",
         colour: share_colour,
+        values: surface.hardness_db.as_deref().unwrap_or_default(),
     };
-    write(&layer, |surface| surface.hardness_db.as_deref().unwrap_or_default(), results, path)
+    write(&layer, surface, results, path)
 }
 
 /// Writes `source.tif`.
 pub(crate) fn source(results: &Results<'_>, path: &Path) -> FileResult {
-    let surface = results.surface()?.ok_or(super::NO_SURFACE)?;
-    let (grid, plane) = (&surface.grid, &results.plane);
-    let spec = raster_over(grid, &plane.map);
-    let about = format!("{}. {}", plane.survey.name(), applied(results.products, surface));
+    let surface = results.surface()?;
+    let (grid, map) = (&surface.grid, &results.plane.map);
+    let spec = raster_over(grid, map);
+    let about = format!("{}. {}", results.survey.name(), applied(results.products, surface));
     source_raster(path, spec, surface, &about, results.progress)?;
     qgis_classes(&path.with_extension("qml"), &CellSource::classes())?;
     let values = surface.source.iter().map(|source| match source {
@@ -106,13 +114,12 @@ pub(crate) fn source(results: &Results<'_>, path: &Path) -> FileResult {
         source => f32::from(*source as u8),
     });
     let values: Vec<f32> = values.collect();
-    let summary = summary(plane, grid, &values);
-    Ok(FileContent::in_system(&plane.map.crs, summary))
+    Ok(FileContent::in_system(&map.crs, summary(map, grid, &values)))
 }
 
 /// Writes `depth.xyz`: the middles of the cells that have a depth.
 pub(crate) fn xyz(results: &Results<'_>, path: &Path) -> FileResult {
-    let surface = results.surface()?.ok_or(super::NO_SURFACE)?;
+    let surface = results.surface()?;
     let map = &results.plane.map;
     let cells = known_cells(surface, map).map(|(_, place, depth_m)| (place, depth_m));
     let decimals = if map.crs.is_degrees() { 9 } else { 3 };
@@ -123,7 +130,7 @@ pub(crate) fn xyz(results: &Results<'_>, path: &Path) -> FileResult {
 /// Writes `bottom.copc.laz`: the cells that have a depth as points, each with the source of its
 /// depth, so that inferred depths are not mistaken for measured ones.
 pub(crate) fn points(results: &Results<'_>, path: &Path) -> FileResult {
-    let depth_map = results.depth_map()?.ok_or(super::NO_SURFACE)?;
+    let depth_map = results.needed_depth_map()?;
     let (surface, map) = (&depth_map.surface, &results.plane.map);
     let cell = |(index, place, depth_m): (usize, [f64; 2], f32)| BottomCell {
         place,
@@ -154,47 +161,37 @@ fn known_cells<'a>(
     known.map(move |(index, &depth_m)| (index, map.in_crs(grid.centre_of(index)), depth_m))
 }
 
+/// Writes a raster over the cells of a surface, and its colours beside it.
 fn write(
-    layer: &RasterLayer,
-    values: impl Fn(&Surface) -> &[f32],
+    layer: &RasterLayer<'_>,
+    surface: &Surface,
     results: &Results<'_>,
     path: &Path,
 ) -> FileResult {
-    let surface = results.surface()?.ok_or(super::NO_SURFACE)?;
-    write_values(layer, values(surface), results, path)
-}
-
-fn write_values(
-    layer: &RasterLayer,
-    values: &[f32],
-    results: &Results<'_>,
-    path: &Path,
-) -> FileResult {
-    let surface = results.surface()?.ok_or(super::NO_SURFACE)?;
-    let (grid, plane) = (&surface.grid, &results.plane);
+    let (grid, map) = (&surface.grid, &results.plane.map);
     let applied = applied(results.products, surface);
     let spec = RasterSpec {
         cells: CellFormat::Metres,
         band: Some(layer.band),
-        description: format!("{}; {}. {applied}", layer.what, plane.survey.name()),
-        ..raster_over(grid, &plane.map)
+        description: format!("{}; {}. {applied}", layer.what, results.survey.name()),
+        ..raster_over(grid, map)
     };
-    metres_raster(path, &spec, grid, values, results.progress)?;
-    let summary = summary(plane, grid, values);
+    metres_raster(path, &spec, grid, layer.values, results.progress)?;
+    let summary = summary(map, grid, layer.values);
     let range = summary.values.unwrap_or_default();
     qgis_style(&path.with_extension("qml"), range, STEPS, layer.colour)?;
     Ok(FileContent::in_system(&spec.crs, summary))
 }
 
 /// Returns the number and range of the known values, and the extent of the whole raster.
-fn summary(plane: &CloudPlane<'_>, grid: &Grid, values: &[f32]) -> Summary {
+fn summary(map: &MapPlane, grid: &Grid, values: &[f32]) -> Summary {
     let mut summary = Summary::default();
     let known = values.iter().filter(|value| !value.is_nan());
     known.for_each(|value| summary.add([f64::NAN; 2], f64::from(*value)));
     let corners = [[0, 0], [grid.rows, grid.columns]];
     for [rows, columns] in corners.map(|corner| corner.map(|cells| cells as f64)) {
         let corner = [grid.west_m + columns * grid.cell_m, grid.north_m - rows * grid.cell_m];
-        summary.reach(plane.map.in_crs(corner));
+        summary.reach(map.in_crs(corner));
     }
     summary
 }

@@ -46,7 +46,7 @@ pub(crate) fn page(results: &Results<'_>, path: &Path) -> FileResult {
 }
 
 fn content(results: &Results<'_>, tiles: &MapTiles, picture: TileStyle) -> FileResult {
-    let surface = results.surface()?.ok_or(super::NO_SURFACE)?;
+    let surface = results.surface()?;
     let mut summary = Summary {
         count: tiles.store.tiles(picture).len(),
         values: Some(surface.range_m()),
