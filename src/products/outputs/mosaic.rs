@@ -15,7 +15,7 @@ use std::path::Path;
 /// GeoTIFF with one band of levels with a mask, or with colours and opacity. Memory does not grow
 /// with the area.
 pub(super) fn write(results: &Results<'_>, path: &Path) -> FileResult {
-    let (settings, map) = (&results.products.settings.mosaic, &results.plane.map);
+    let (settings, map) = (&results.products.settings.mosaic, &results.map);
     let mosaic = results.mosaic()?;
     let grid = mosaic_grid(mosaic.as_deref(), settings.cell_m)?;
     let logs = mosaic.as_ref().map_or(&[][..], |mosaic| &mosaic.logs);

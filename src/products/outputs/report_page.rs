@@ -71,7 +71,7 @@ pub(super) fn write(run: &OutputRun<'_>, path: &Path) -> Result<(), Error> {
         survey: results.survey,
         products,
         report: &run.report,
-        map: &results.plane.map,
+        map: &results.map,
         depth_map: results.depth_map()?.map(AsRef::as_ref),
         isobaths: &isobaths,
         mosaic: mosaic.as_deref(),

@@ -106,7 +106,7 @@ fn log_record(
     log: &ProcessedLog,
     name: &str,
 ) -> Result<LogResiduals, Error> {
-    let (alone, map, progress) = (slice::from_ref(log), &results.plane.map, results.progress);
+    let (alone, map, progress) = (slice::from_ref(log), &results.map, results.progress);
     Ok(LogResiduals {
         log: name.to_owned(),
         statement: log.products.correction.statement(),

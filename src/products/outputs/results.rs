@@ -8,13 +8,13 @@ use super::order::{Order, When, log_names, log_points, survey_name};
 use crate::Error;
 use crate::export::{self, LogPoints, ObjectLog, TrackPiece};
 use crate::pipeline::{
-    Agreement, CloudPlane, Contours, Crosslines, DepthMap, Fingerprint, Isobaths, Mosaic,
-    MosaicPlane, NamedComparison, ProcessedLog, Products, comparisons, crosslines, list_objects,
+    Agreement, Contours, Crosslines, DepthMap, Fingerprint, Isobaths, Mosaic, MosaicPlane,
+    NamedComparison, ProcessedLog, Products, comparisons, crosslines, list_objects, map_plane,
     mosaic_layout, object_shape,
 };
 use bathyscope_bottom::bathymetry::{DepthPoint, Surface, spot_radius_m, spot_soundings};
 use bathyscope_bottom::mosaic::{MosaicLayout, footprint};
-use bathyscope_log::support::geo::LonLat;
+use bathyscope_log::support::geo::{LonLat, MapPlane};
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::{Identity, Survey};
 use bathyscope_objects::objects::{
@@ -35,7 +35,8 @@ pub(super) struct Results<'a> {
     pub order: &'a Order<'a>,
     pub survey: &'a Survey,
     pub products: &'a Products,
-    pub plane: CloudPlane<'a>,
+    /// Plane of the maps of the survey.
+    pub map: MapPlane,
     /// Name of each log.
     pub names: Vec<String>,
     pub progress: &'a Progress,
@@ -104,7 +105,7 @@ impl<'a> Results<'a> {
             order,
             survey,
             products,
-            plane: CloudPlane::of(survey, products)?,
+            map: map_plane(survey, &products.settings)?,
             names: log_names(order.logs),
             progress,
             computed: Arc::default(),
@@ -114,7 +115,7 @@ impl<'a> Results<'a> {
     /// Returns the same results with another progress.
     pub(super) fn with_progress<'b>(&'b self, progress: &'b Progress) -> Results<'b> {
         Results {
-            plane: self.plane.clone(),
+            map: self.map.clone(),
             names: self.names.clone(),
             computed: self.computed.clone(),
             progress,
@@ -181,11 +182,6 @@ impl<'a> Results<'a> {
         })
     }
 
-    /// Converts a place on the map to longitude and latitude.
-    pub(super) fn to_lon_lat(&self, place: [f64; 2]) -> LonLat {
-        self.plane.to_lon_lat(place)
-    }
-
     /// Returns the logs of the survey, one or several, with their results.
     pub(super) fn logs(&self) -> impl Iterator<Item = (&'a Survey, &'a Products)> {
         let logs = self.order.logs.iter();
@@ -242,7 +238,7 @@ impl<'a> Results<'a> {
     /// Returns the ground that the side-scan insonified.
     pub(super) fn ground(&self) -> Result<&SideScanCoverage, Error> {
         once(&self.computed.ground, || {
-            let map = &self.plane.map;
+            let map = &self.map;
             let layouts: Vec<MosaicLayout> = self
                 .logs()
                 .map(|(survey, products)| mosaic_layout(survey, products, map))
@@ -340,7 +336,7 @@ impl<'a> Results<'a> {
     /// Compares side-scan with the soundings, over all logs.
     pub(super) fn comparisons(&self) -> Result<&[NamedComparison], Error> {
         let made = once(&self.computed.comparisons, || {
-            Ok(comparisons(self.order.logs, &self.plane.map, self.progress)?)
+            Ok(comparisons(self.order.logs, &self.map, self.progress)?)
         });
         made.map(Vec::as_slice)
     }
@@ -355,7 +351,7 @@ impl<'a> Results<'a> {
 
     /// Returns the mosaic in the plane of the map; `None` where no log has echoes with a place.
     pub(super) fn mosaic(&self) -> Result<Option<Arc<Mosaic>>, Error> {
-        let plane = MosaicPlane::Map(self.plane.map.clone());
+        let plane = MosaicPlane::Map(self.map.clone());
         Ok(self.order.derived.mosaic(self.order.logs, plane, self.progress)?)
     }
 

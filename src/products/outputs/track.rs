@@ -36,7 +36,7 @@ pub(super) fn kmz(results: &Results<'_>, path: &Path) -> FileResult {
 
 /// Writes `track.shp` with its companions, in the coordinate system of the map.
 pub(super) fn shapefile(results: &Results<'_>, path: &Path) -> FileResult {
-    let crs = &results.plane.map.crs;
+    let crs = &results.map.crs;
     let names = ["ping_from", "ping_to", "length_m"];
     let lines = lines(results, &results.name());
     let lines = export::lines_shapefile(path, crs, &names, &lines)?;
@@ -62,7 +62,7 @@ fn line(name: &str, number: usize, piece: &TrackPiece) -> LabelledLine {
 /// Writes `footprint.geojson`.
 pub(super) fn footprint_geojson(results: &Results<'_>, path: &Path) -> FileResult {
     let (ground, name) = (results.ground()?, results.name());
-    let place = |at| results.to_lon_lat(at);
+    let place = |at| results.map.to_lon_lat(at);
     let areas = export::footprint_geojson(path, &name, &ground.shapes, ground.area_m2, place)?;
     Ok(with_area(ground, areas))
 }
@@ -70,7 +70,7 @@ pub(super) fn footprint_geojson(results: &Results<'_>, path: &Path) -> FileResul
 /// Writes `footprint.kmz`.
 pub(super) fn footprint_kmz(results: &Results<'_>, path: &Path) -> FileResult {
     let (ground, name) = (results.ground()?, results.name());
-    let place = |at| results.to_lon_lat(at);
+    let place = |at| results.map.to_lon_lat(at);
     let areas = export::areas_kmz(path, &name, &ground.shapes, place)?;
     Ok(with_area(ground, areas))
 }
@@ -83,7 +83,7 @@ fn with_area(ground: &SideScanCoverage, areas: Summary) -> FileContent {
 /// footprint, isobaths, depth areas, soundings and objects that exist. Map programs draw the layers
 /// in the order in which they are added here, the first at the bottom.
 pub(super) fn geopackage(results: &Results<'_>, path: &Path) -> FileResult {
-    let map = &results.plane.map;
+    let map = &results.map;
     let placed = MapGeometry::new(map);
     let has = |need| Ok::<bool, Error>(results.missing(need)?.is_none());
     let mut layers = Vec::new();

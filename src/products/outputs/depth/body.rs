@@ -25,12 +25,12 @@ pub(crate) fn write(results: &Results<'_>, path: &Path) -> FileResult {
     let surface = bottom.surface();
     let middle = middle(&surface.grid);
     let mut mesh = mesh(surface, middle);
-    mesh.name = results.plane.survey.name();
+    mesh.name = results.survey.name();
     mesh.pictures.push(("depth", png(&surface.grid, &bottom.rgb)?));
     if let Some(picture) = mosaic(results, &bottom)? {
         mesh.pictures.push(("mosaic", picture));
     }
-    let map = &results.plane.map;
+    let map = &results.map;
     let crs = &map.crs;
     mesh.extras = json!({
         "what": format!("The bottom in metres from a place of the survey: x east, y up from the depths' own zero, z south. {}", results.products.correction.statement()),

@@ -38,7 +38,7 @@ impl<'a> DrawnContours<'a> {
             contours,
             settings,
             index_levels_m: settings.index_levels_m(&contours.isobaths.levels_m),
-            ground: results.plane.map.area_scale_at(middle).recip(),
+            ground: results.map.area_scale_at(middle).recip(),
         })
     }
 
@@ -55,7 +55,7 @@ impl<'a> DrawnContours<'a> {
 /// Writes `isobaths.geojson`.
 pub(crate) fn isobaths_geojson(results: &Results<'_>, path: &Path) -> FileResult {
     let drawn = DrawnContours::of(results)?;
-    let place = |at| results.to_lon_lat(at);
+    let place = |at| results.map.to_lon_lat(at);
     let lines = export::isobaths_geojson(path, &drawn.lines(), place)?;
     Ok(FileContent::in_degrees(lines))
 }
@@ -70,7 +70,7 @@ pub(crate) fn isobaths_kmz(results: &Results<'_>, path: &Path) -> FileResult {
 /// Writes `isobaths.shp` with its companions, in the coordinate system of the map.
 pub(crate) fn isobaths_shapefile(results: &Results<'_>, path: &Path) -> FileResult {
     let lines = named_lines(&DrawnContours::of(results)?, results);
-    let crs = &results.plane.map.crs;
+    let crs = &results.map.crs;
     let lines = export::lines_shapefile(path, crs, &["depth_m", "length_m"], &lines)?;
     Ok(FileContent::in_system(crs, lines))
 }
@@ -78,14 +78,14 @@ pub(crate) fn isobaths_shapefile(results: &Results<'_>, path: &Path) -> FileResu
 /// Writes `depth_areas.geojson`.
 pub(crate) fn depth_areas(results: &Results<'_>, path: &Path) -> FileResult {
     let drawn = DrawnContours::of(results)?;
-    let place = |at| results.to_lon_lat(at);
+    let place = |at| results.map.to_lon_lat(at);
     let areas = export::depth_areas_geojson(path, &drawn.contours.areas, drawn.ground, place)?;
     Ok(FileContent::in_degrees(areas))
 }
 
 /// Writes `spot_soundings.geojson`.
 pub(crate) fn spot_soundings(results: &Results<'_>, path: &Path) -> FileResult {
-    let place = |at| results.to_lon_lat(at);
+    let place = |at| results.map.to_lon_lat(at);
     let settings = &results.products.settings.isobaths;
     let soundings = results.spot_soundings()?;
     let points = export::spot_soundings_geojson(path, soundings, settings, place)?;
@@ -108,7 +108,7 @@ fn named_lines(drawn: &DrawnContours<'_>, results: &Results<'_>) -> Vec<Labelled
         let [light, dark] = COLOURS;
         let depth = drawn.settings.in_unit(line.depth_m);
         LabelledLine {
-            points: line.points.iter().map(|at| results.to_lon_lat(*at)).collect(),
+            points: line.points.iter().map(|at| results.map.to_lon_lat(*at)).collect(),
             label: format!("{depth} {}", drawn.settings.unit.symbol()),
             numbers: vec![line.depth_m, ground * line.length_m()],
             colour: [0, 1, 2].map(|part| (light[part] + share * (dark[part] - light[part])) as u8),

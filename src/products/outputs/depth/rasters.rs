@@ -104,7 +104,7 @@ pub(crate) fn hardness(results: &Results<'_>, path: &Path) -> FileResult {
 /// Writes `source.tif`.
 pub(crate) fn source(results: &Results<'_>, path: &Path) -> FileResult {
     let surface = results.surface()?;
-    let (grid, map) = (&surface.grid, &results.plane.map);
+    let (grid, map) = (&surface.grid, &results.map);
     let spec = raster_over(grid, map);
     let about = format!("{}. {}", results.survey.name(), applied(results.products, surface));
     source_raster(path, spec, surface, &about, results.progress)?;
@@ -120,7 +120,7 @@ pub(crate) fn source(results: &Results<'_>, path: &Path) -> FileResult {
 /// Writes `depth.xyz`: the middles of the cells that have a depth.
 pub(crate) fn xyz(results: &Results<'_>, path: &Path) -> FileResult {
     let surface = results.surface()?;
-    let map = &results.plane.map;
+    let map = &results.map;
     let cells = known_cells(surface, map).map(|(_, place, depth_m)| (place, depth_m));
     let decimals = if map.crs.is_degrees() { 9 } else { 3 };
     let cells = export::depth_xyz(path, decimals, cells, results.progress)?;
@@ -131,7 +131,7 @@ pub(crate) fn xyz(results: &Results<'_>, path: &Path) -> FileResult {
 /// depth, so that inferred depths are not mistaken for measured ones.
 pub(crate) fn points(results: &Results<'_>, path: &Path) -> FileResult {
     let depth_map = results.needed_depth_map()?;
-    let (surface, map) = (&depth_map.surface, &results.plane.map);
+    let (surface, map) = (&depth_map.surface, &results.map);
     let cell = |(index, place, depth_m): (usize, [f64; 2], f32)| BottomCell {
         place,
         depth_m,
@@ -168,7 +168,7 @@ fn write(
     results: &Results<'_>,
     path: &Path,
 ) -> FileResult {
-    let (grid, map) = (&surface.grid, &results.plane.map);
+    let (grid, map) = (&surface.grid, &results.map);
     let applied = applied(results.products, surface);
     let spec = RasterSpec {
         cells: CellFormat::Metres,

@@ -3,7 +3,7 @@
 use crate::pipeline::{Products, map_plane};
 use bathyscope_bottom::bathymetry::{DepthPoint, SurfaceSettings};
 use bathyscope_bottom::cloud::{CloudPoint, PointClass, PointCloud};
-use bathyscope_log::support::geo::{Crs, CrsError, LonLat, MapPlane};
+use bathyscope_log::support::geo::{Crs, MapPlane};
 use bathyscope_log::survey::{Navigation, Survey, Track};
 
 /// Transformation of a log's cloud into the plane of its maps.
@@ -11,24 +11,13 @@ use bathyscope_log::survey::{Navigation, Survey, Track};
 pub(crate) struct CloudPlane<'a> {
     /// Plane of the maps.
     pub map: MapPlane,
-    /// Survey of the log.
-    pub survey: &'a Survey,
     track: &'a Track,
     navigation: &'a Navigation,
 }
 
 impl<'a> CloudPlane<'a> {
-    /// Creates the transformation into the plane of the coordinate system that `crs` names.
-    ///
-    /// # Errors
-    /// When the system is unknown, or does not fit the survey's place.
-    pub(crate) fn of(survey: &'a Survey, products: &'a Products) -> Result<Self, CrsError> {
-        let map = map_plane(survey, &products.settings)?;
-        Ok(Self::new(survey, products, map))
-    }
-
-    /// Creates the transformation as [`of`](Self::of) does, or into the UTM zone if the system that
-    /// `crs` names cannot be used.
+    /// Creates the transformation into the plane of the coordinate system that `crs` names, or of
+    /// the UTM zone if that system cannot be used.
     pub(crate) fn or_utm(survey: &'a Survey, products: &'a Products) -> Self {
         let origin = survey.track.frame.origin();
         let utm = |_| MapPlane::new(Crs::utm(origin), origin);
@@ -38,12 +27,7 @@ impl<'a> CloudPlane<'a> {
 
     /// Creates the transformation of one of several logs into the plane that all of them share.
     pub(crate) fn new(survey: &'a Survey, products: &'a Products, map: MapPlane) -> Self {
-        Self { map, survey, track: &survey.track, navigation: &products.navigation }
-    }
-
-    /// Returns longitude and latitude of a place in the plane.
-    pub(crate) fn to_lon_lat(&self, place: [f64; 2]) -> LonLat {
-        self.map.to_lon_lat(place)
+        Self { map, track: &survey.track, navigation: &products.navigation }
     }
 
     /// Returns the kept points for which `chosen` is true, each with its easting, northing and
