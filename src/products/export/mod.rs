@@ -50,8 +50,8 @@ pub(crate) use cloud_las::cloud_las;
 pub use dataset::{DatasetFolder, DatasetPart, PartSummary};
 pub use figure::{MeasuredFigure, figure_csv, figure_geojson, profile_csv};
 pub(crate) use geopackage::geopackage;
-pub(crate) use geotiff::source_raster;
 pub use geotiff::{geotiff, metres_raster};
+pub(crate) use geotiff::{raster_over, source_raster};
 pub use glb::{TexturedMesh, glb};
 pub(crate) use isobaths::{
     DrawnLines, depth_areas_geojson, isobaths_geojson, spot_soundings_geojson, storage_csv,
@@ -72,8 +72,8 @@ pub use qgis_style::qgis_style;
 pub(crate) use survey_layers::{
     MapGeometry, depth_area_layer, footprint_layer, isobath_layer, spot_sounding_layer, track_layer,
 };
+pub(crate) use track::{SideScanCoverage, footprint_geojson, track_geojson, track_gpx};
 pub use track::{TrackPiece, TrackPoint, track};
-pub(crate) use track::{footprint_geojson, track_geojson, track_gpx};
 pub(crate) use vector::{LabelledLine, areas_kmz, lines_kmz, lines_shapefile};
 
 use bathyscope_bottom::cloud::PointSource;

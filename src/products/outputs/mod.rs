@@ -8,19 +8,20 @@
 //! replace their own inputs, `earlier_run` finds the files that are out of date. `order` is the
 //! request, `content` describes the content of a file and the inputs without which it cannot be
 //! made. `clouds` writes the files of points, `track` those of the track, and all lines and areas
-//! in one file, `depth` the depth map and the products made from it, `residuals` and `comparison`
-//! the agreement of the depths, `mosaic` the side-scan mosaic, `object_files` the objects of a
-//! search and of a review, `report_page` writes the report; `manifest` lists and describes the
-//! files. `boxes` writes reviewed boxes, `training_tiles` pictures of them for training, `ground`
-//! computes the place of a raster.
+//! in one file, `rasters` the depth map as rasters and text, `body` the bottom for 3D programs,
+//! `contours` isobaths, depth areas and storage, `tiles` the map as web tiles, `residuals` and
+//! `comparison` the agreement of the depths, `mosaic` the side-scan mosaic, `object_files` the
+//! objects of a search and of a review, `report_page` writes the report; `manifest` lists and
+//! describes the files. `boxes` writes reviewed boxes, `training_tiles` pictures of them for
+//! training.
 
+mod body;
 mod boxes;
 mod clouds;
 mod comparison;
 mod content;
-mod depth;
+mod contours;
 mod earlier_run;
-mod ground;
 mod groups;
 mod manifest;
 mod mosaic;
@@ -28,11 +29,13 @@ mod object_files;
 mod order;
 mod overwrite;
 mod product_files;
+mod rasters;
 mod registry;
 mod report_page;
 mod residuals;
 mod results;
 mod run_folder;
+mod tiles;
 mod track;
 mod training_tiles;
 mod write;

@@ -8,7 +8,9 @@ mod kinds;
 use super::content::{FileResult, Need};
 use super::order::{Product, When};
 use super::results::Results;
-use super::{clouds, comparison, depth, mosaic, object_files, residuals, track};
+use super::{
+    body, clouds, comparison, contours, mosaic, object_files, rasters, residuals, tiles, track,
+};
 use kinds::{
     CLASSED_POINTS, KEPT_POINTS, LAS_POINTS, NOT_OF_BODY, NOT_OF_CLOUD, NOT_OF_DEPTHS,
     NOT_OF_MOSAIC, NOT_OF_POINTS, boxes, boxes_of, cloud, compared, contours, described, footprint,
@@ -198,7 +200,7 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
         "Depth in metres, positive down",
         "depth_m",
         "depth map, metres",
-        depth::rasters::depth,
+        rasters::depth,
     ),
     raster(
         "depth/uncertainty.tif",
@@ -206,7 +208,7 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
         "Standard deviation in metres of the depths that carry a cell",
         "standard_deviation_m",
         "standard deviation of the depths in a cell, metres",
-        depth::rasters::uncertainty,
+        rasters::uncertainty,
     ),
     raster(
         "depth/shoalest.tif",
@@ -214,7 +216,7 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
         "Shoalest depth in metres that was measured in a cell, positive down",
         "depth_m",
         "shoalest depth measured in each cell, metres",
-        depth::rasters::shoalest,
+        rasters::shoalest,
     ),
     raster(
         "depth/distance.tif",
@@ -222,7 +224,7 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
         "Distance in metres from a cell to the nearest depth",
         "distance_m",
         "distance to the nearest depth, metres",
-        depth::rasters::distance,
+        rasters::distance,
     ),
     raster(
         "depth/source.tif",
@@ -230,7 +232,7 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
         "Source of the depth in each cell: 4 a sounding, 3 a first return, 2 echo levels, 1 interpolated",
         "class",
         "source of the depth in each cell",
-        depth::rasters::source,
+        rasters::source,
     ),
     OutputFile {
         needs: &[Need::Surface, Need::Hardness],
@@ -240,7 +242,7 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
             "How much brighter the bed is than the median of the map, decibels of power, without slope, angle, range and gain",
             "hardness_db",
             "how hard the bed is, decibels (with surface.swath)",
-            depth::rasters::hardness,
+            rasters::hardness,
         )
     },
     OutputFile {
@@ -251,7 +253,7 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
             "East, north and depth in metres, positive down, of every cell of the depth map that has one",
             "depth_m",
             "cells of the depth map as plain text",
-            depth::rasters::xyz,
+            rasters::xyz,
         )
     },
     OutputFile {
@@ -263,7 +265,7 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
             "The depth map as a mesh with its colours and the mosaic as pictures (glTF 2.0: y up, metres)",
             "depth_m",
             "the bottom for 3D programs",
-            depth::body::write,
+            body::write,
         )
     },
     OutputFile {
@@ -274,13 +276,13 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
             "The cells of the depth map as points: z is minus the depth, source as in source.tif; what nothing measured is marked synthetic",
             "z_m",
             "cells of the depth map as points, with the source of each depth",
-            depth::rasters::points,
+            body::points,
         )
     },
-    isobaths("isobaths/isobaths.geojson", depth::contours::isobaths_geojson),
+    isobaths("isobaths/isobaths.geojson", contours::isobaths_geojson),
     OutputFile {
         needs: &[Need::Surface, Need::Levels, Need::Isobaths],
-        ..isobaths("isobaths/isobaths.kmz", depth::contours::isobaths_kmz)
+        ..isobaths("isobaths/isobaths.kmz", contours::isobaths_kmz)
     },
     OutputFile {
         needs: &[Need::Surface, Need::Levels, Need::Isobaths],
@@ -290,14 +292,14 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
             "isobaths/isobaths.prj",
             "isobaths/isobaths.cpg",
         ],
-        ..isobaths("isobaths/isobaths.shp", depth::contours::isobaths_shapefile)
+        ..isobaths("isobaths/isobaths.shp", contours::isobaths_shapefile)
     },
     contours(
         "isobaths/depth_areas.geojson",
         "Areas between depths",
         "areas",
         "areas between them",
-        depth::contours::depth_areas,
+        contours::depth_areas,
     ),
     OutputFile {
         needs: &[Need::Surface, Need::Area],
@@ -306,7 +308,7 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
             "The shoalest depths of their surroundings",
             "points",
             "depths as a chart prints them, shoal first",
-            depth::contours::spot_soundings,
+            contours::spot_soundings,
         )
     },
     contours(
@@ -314,25 +316,25 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
         "Area and volume below each depth",
         "levels",
         "area and volume below each level",
-        depth::contours::storage,
+        contours::storage,
     ),
     map_tiles(
         "map_tiles/depth.mbtiles",
         "Tiles of the depth map with isobaths in Web Mercator, PNG (MBTiles 1.3)",
         "depth map with isobaths for plotters and phones (OpenCPN, Locus)",
-        depth::tiles::chart,
+        tiles::chart,
     ),
     map_tiles(
         "map_tiles/depth.pmtiles",
         "Tiles of the depth map in Web Mercator, PNG (PMTiles 3)",
         "depth map for web maps",
-        depth::tiles::colours,
+        tiles::colours,
     ),
     map_tiles(
         "map_tiles/depth_values.pmtiles",
         "Elevations, minus the depths, in Web Mercator as colours of PNG (PMTiles 3): red * 256 + green + blue / 256 - 32768 metres (Terrarium)",
         "depths for web maps, as colours that stand for metres",
-        depth::tiles::values,
+        tiles::values,
     ),
     OutputFile {
         described: None,
@@ -340,7 +342,7 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
             "map_tiles/index.html",
             "",
             "the depth map as a page for browsers, to look at and to send",
-            depth::tiles::page,
+            tiles::page,
         )
     },
     OutputFile {

@@ -2,18 +2,17 @@
 //! file needs it. Fits shapes to objects and lists objects as rows of tables.
 
 use super::content::{Missing, Need};
-use super::depth::map_tiles::MapTiles;
-use super::ground::{SideScanCoverage, mosaic_grid};
 use super::order::{Order, When, log_names, log_points, survey_name};
 use crate::Error;
-use crate::export::{self, LogPoints, ObjectLog, TrackPiece};
+use crate::export::tile_sets::{TileSet, TileStore};
+use crate::export::{self, LogPoints, ObjectLog, SideScanCoverage, TrackPiece};
 use crate::pipeline::{
     Agreement, Contours, Crosslines, DepthMap, Fingerprint, Isobaths, Mosaic, MosaicPlane,
     NamedComparison, ProcessedLog, Products, comparisons, crosslines, list_objects, map_plane,
     mosaic_layout, object_shape,
 };
-use bathyscope_bottom::bathymetry::{DepthPoint, Surface, spot_radius_m, spot_soundings};
-use bathyscope_bottom::mosaic::{MosaicLayout, footprint};
+use bathyscope_bottom::bathymetry::{DepthPoint, Grid, Surface, spot_radius_m, spot_soundings};
+use bathyscope_bottom::mosaic::{MosaicLayout, TILE_CELLS, footprint, joint_grid};
 use bathyscope_log::support::geo::{LonLat, MapPlane};
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::{Identity, Survey};
@@ -25,8 +24,11 @@ use bathyscope_objects::targets::{FittedShape, Target};
 use bathyscope_objects::{Detection, find};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-use std::path::Path;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+/// Largest number of tiles of a mosaic, empty ones included: a single wrong fix makes a huge, empty
+/// map.
+const MOST_TILES: usize = 1_000_000;
 
 /// Results of a survey that its files are made from. Several threads may request results at the
 /// same time, each with its own progress. Tasks of rayon's threads must not request results: all
@@ -52,7 +54,7 @@ struct Computed {
     track: OnceLock<Vec<TrackPiece>>,
     ground: Once<SideScanCoverage>,
     contours: Once<Result<Contours, Error>>,
-    map_tiles: Once<MapTiles>,
+    map_tiles: Once<(TileStore, TileSet)>,
     spot_soundings: Once<Vec<DepthPoint>>,
     depth_map: Once<Option<Arc<DepthMap>>>,
     comparisons: Once<Vec<NamedComparison>>,
@@ -174,9 +176,10 @@ impl<'a> Results<'a> {
             }
             Need::Agreement => silent(true),
             Need::SideScan => silent(!self.has_side_scan()),
-            Need::Mosaic => mosaic_grid(self.mosaic()?.as_deref(), settings.mosaic.cell_m)
-                .err()
-                .map(|why| because(&why.to_string())),
+            Need::Mosaic => {
+                let grid = self.mosaic_grid(self.mosaic()?.as_deref());
+                grid.err().map(|why| because(&why.to_string()))
+            }
             Need::Targets => silent(!self.order.review.has_targets()),
             Need::Reference => silent(self.order.reference.is_none()),
         })
@@ -278,6 +281,17 @@ impl<'a> Results<'a> {
         Ok(&self.needed_depth_map()?.surface)
     }
 
+    /// Describes the corrections, applied or not, and the interpolation of the cells of a surface.
+    pub(super) fn applied(&self, surface: &Surface) -> String {
+        format!(
+            "{} By {} in cells of {} m, none farther than {} m from a depth.",
+            self.products.correction.statement(),
+            surface.method_in_words(),
+            surface.grid.cell_m,
+            self.products.settings.surface.max_gap_m
+        )
+    }
+
     /// Returns the isobaths, or the reason why there are none.
     pub(super) fn isobaths(&self) -> Result<Result<Arc<Isobaths>, Error>, Error> {
         let Some(depth_map) = self.depth_map()? else {
@@ -301,18 +315,12 @@ impl<'a> Results<'a> {
         })
     }
 
-    /// Returns the tiles of the depth map; they take room in the folder of `file` until they are
-    /// dropped.
-    pub(super) fn map_tiles(&self, file: &Path) -> Result<&MapTiles, Error> {
-        let folder = file.parent().unwrap_or(file);
-        once(&self.computed.map_tiles, || {
-            let depth_map = self.needed_depth_map()?;
-            // Too many isobaths are reported for the files of isobaths; the map is drawn without
-            // isobaths.
-            let isobaths = self.isobaths()?.unwrap_or_default();
-            let log = (self.survey, self.products);
-            MapTiles::new(depth_map, &isobaths, log, folder, self.progress)
-        })
+    /// Returns the tiles of the depth map, which `draw` draws at the first call.
+    pub(super) fn map_tiles(
+        &self,
+        draw: impl FnOnce() -> Result<(TileStore, TileSet), Error>,
+    ) -> Result<&(TileStore, TileSet), Error> {
+        once(&self.computed.map_tiles, draw)
     }
 
     /// Returns the depths that a chart prints, in the plane of the map; none without a depth map.
@@ -353,6 +361,26 @@ impl<'a> Results<'a> {
     pub(super) fn mosaic(&self) -> Result<Option<Arc<Mosaic>>, Error> {
         let plane = MosaicPlane::Map(self.map.clone());
         Ok(self.order.derived.mosaic(self.order.logs, plane, self.progress)?)
+    }
+
+    /// Returns the grid of the file with the mosaic.
+    ///
+    /// # Errors
+    /// When no echo has a place, or the mosaic would have too many cells.
+    pub(super) fn mosaic_grid(&self, mosaic: Option<&Mosaic>) -> Result<Grid, Error> {
+        let cell_m = self.products.settings.mosaic.cell_m;
+        let grid = mosaic.and_then(|mosaic| joint_grid(&mosaic.logs, cell_m));
+        let grid =
+            grid.ok_or("no mosaic: no ping has side-scan, a place, a heading and an altitude")?;
+        let [down, across] = [grid.rows, grid.columns].map(|cells| cells.div_ceil(TILE_CELLS));
+        if down.saturating_mul(across) > MOST_TILES {
+            return Err(format!(
+                "no mosaic: it would have {} by {} cells; choose a larger mosaic.cell_m, or look for positions that are far off",
+                grid.columns, grid.rows
+            )
+            .into());
+        }
+        Ok(grid)
     }
 
     /// Returns the agreement of the survey with the reference; `None` without a reference.

@@ -2,12 +2,11 @@
 //! objects of a survey in one file.
 
 use super::content::{FileContent, FileResult, Need};
-use super::depth::contours::DrawnContours;
-use super::ground::SideScanCoverage;
+use super::contours::DrawnContours;
 use super::object_files::targets;
 use super::results::Results;
 use crate::Error;
-use crate::export::{self, LabelledLine, MapGeometry, Summary, TrackPiece};
+use crate::export::{self, LabelledLine, MapGeometry, SideScanCoverage, Summary, TrackPiece};
 use bathyscope_bottom::presentation::colours::depth_colour;
 use std::path::Path;
 
@@ -63,7 +62,7 @@ fn line(name: &str, number: usize, piece: &TrackPiece) -> LabelledLine {
 pub(super) fn footprint_geojson(results: &Results<'_>, path: &Path) -> FileResult {
     let (ground, name) = (results.ground()?, results.name());
     let place = |at| results.map.to_lon_lat(at);
-    let areas = export::footprint_geojson(path, &name, &ground.shapes, ground.area_m2, place)?;
+    let areas = export::footprint_geojson(path, &name, ground, place)?;
     Ok(with_area(ground, areas))
 }
 
@@ -94,13 +93,7 @@ pub(super) fn geopackage(results: &Results<'_>, path: &Path) -> FileResult {
         layers.push(export::isobath_layer(&placed, &drawn.lines(), drawn.ground.sqrt()));
     }
     if has(Need::Footprint)? {
-        let ground = results.ground()?;
-        layers.push(export::footprint_layer(
-            &placed,
-            &results.name(),
-            &ground.shapes,
-            ground.area_m2,
-        ));
+        layers.push(export::footprint_layer(&placed, &results.name(), results.ground()?));
     }
     if has(Need::Surface)? && has(Need::Area)? {
         let settings = &results.products.settings.isobaths;

@@ -1,18 +1,16 @@
-//! Writes the cells of the surface as rasters, as text and as points. Rasters are metres as f32 on
-//! one grid, and the source of the depths. The description of each states the corrections, applied
-//! or not, and beside each are its colours for QGIS (`.qml`).
+//! Writes the cells of the surface as rasters and as text. Rasters are metres as f32 on one grid,
+//! and the source of the depths. The description of each states the corrections, applied or not,
+//! and beside each are its colours for QGIS (`.qml`).
 
-use super::applied;
+use super::content::{FileContent, FileResult};
+use super::results::Results;
 use crate::export::{
-    self, BottomCell, Summary, metres_raster, qgis_classes, qgis_style, source_raster,
+    self, Summary, metres_raster, qgis_classes, qgis_style, raster_over, source_raster,
 };
-use crate::outputs::content::{FileContent, FileResult};
-use crate::outputs::ground::raster_over;
-use crate::outputs::results::Results;
 use bathyscope_bottom::bathymetry::isobaths::shoalest_m;
 use bathyscope_bottom::bathymetry::{CellSource, Grid, Spread, Surface};
 use bathyscope_bottom::presentation::colours::{
-    depth_colour, depth_share, distance_colour, share_colour, uncertainty_colour,
+    depth_colour, distance_colour, share_colour, uncertainty_colour,
 };
 use bathyscope_log::formats::geotiff::{Band, CellFormat, RasterSpec};
 use bathyscope_log::support::geo::MapPlane;
@@ -35,7 +33,7 @@ const fn band(name: &'static str, positive_down: bool) -> Band {
 const STEPS: usize = 10;
 
 /// Writes `depth.tif`.
-pub(crate) fn depth(results: &Results<'_>, path: &Path) -> FileResult {
+pub(super) fn depth(results: &Results<'_>, path: &Path) -> FileResult {
     let surface = results.surface()?;
     let layer = RasterLayer {
         band: band("depth", true),
@@ -47,7 +45,7 @@ pub(crate) fn depth(results: &Results<'_>, path: &Path) -> FileResult {
 }
 
 /// Writes `uncertainty.tif`.
-pub(crate) fn uncertainty(results: &Results<'_>, path: &Path) -> FileResult {
+pub(super) fn uncertainty(results: &Results<'_>, path: &Path) -> FileResult {
     let surface = results.surface()?;
     let what = match surface.spread_is {
         Spread::OfError => {
@@ -65,7 +63,7 @@ pub(crate) fn uncertainty(results: &Results<'_>, path: &Path) -> FileResult {
 }
 
 /// Writes `distance.tif`.
-pub(crate) fn distance(results: &Results<'_>, path: &Path) -> FileResult {
+pub(super) fn distance(results: &Results<'_>, path: &Path) -> FileResult {
     let surface = results.surface()?;
     let layer = RasterLayer {
         band: band("distance to the nearest depth", false),
@@ -77,7 +75,7 @@ pub(crate) fn distance(results: &Results<'_>, path: &Path) -> FileResult {
 }
 
 /// Writes `shoalest.tif`.
-pub(crate) fn shoalest(results: &Results<'_>, path: &Path) -> FileResult {
+pub(super) fn shoalest(results: &Results<'_>, path: &Path) -> FileResult {
     let depth_map = results.needed_depth_map()?;
     let surface = &depth_map.surface;
     let layer = RasterLayer {
@@ -90,7 +88,7 @@ pub(crate) fn shoalest(results: &Results<'_>, path: &Path) -> FileResult {
 }
 
 /// Writes `hardness.tif`.
-pub(crate) fn hardness(results: &Results<'_>, path: &Path) -> FileResult {
+pub(super) fn hardness(results: &Results<'_>, path: &Path) -> FileResult {
     let surface = results.surface()?;
     let layer = RasterLayer {
         band: Band { unit: "decibel", ..band("brightness of the bed over the median", false) },
@@ -102,11 +100,11 @@ pub(crate) fn hardness(results: &Results<'_>, path: &Path) -> FileResult {
 }
 
 /// Writes `source.tif`.
-pub(crate) fn source(results: &Results<'_>, path: &Path) -> FileResult {
+pub(super) fn source(results: &Results<'_>, path: &Path) -> FileResult {
     let surface = results.surface()?;
     let (grid, map) = (&surface.grid, &results.map);
     let spec = raster_over(grid, map);
-    let about = format!("{}. {}", results.survey.name(), applied(results.products, surface));
+    let about = format!("{}. {}", results.survey.name(), results.applied(surface));
     source_raster(path, spec, surface, &about, results.progress)?;
     qgis_classes(&path.with_extension("qml"), &CellSource::classes())?;
     let values = surface.source.iter().map(|source| match source {
@@ -118,7 +116,7 @@ pub(crate) fn source(results: &Results<'_>, path: &Path) -> FileResult {
 }
 
 /// Writes `depth.xyz`: the middles of the cells that have a depth.
-pub(crate) fn xyz(results: &Results<'_>, path: &Path) -> FileResult {
+pub(super) fn xyz(results: &Results<'_>, path: &Path) -> FileResult {
     let surface = results.surface()?;
     let map = &results.map;
     let cells = known_cells(surface, map).map(|(_, place, depth_m)| (place, depth_m));
@@ -127,32 +125,8 @@ pub(crate) fn xyz(results: &Results<'_>, path: &Path) -> FileResult {
     Ok(FileContent::in_system(&map.crs, cells))
 }
 
-/// Writes `bottom.copc.laz`: the cells that have a depth as points, each with the source of its
-/// depth, so that inferred depths are not mistaken for measured ones.
-pub(crate) fn points(results: &Results<'_>, path: &Path) -> FileResult {
-    let depth_map = results.needed_depth_map()?;
-    let (surface, map) = (&depth_map.surface, &results.map);
-    let cell = |(index, place, depth_m): (usize, [f64; 2], f32)| BottomCell {
-        place,
-        depth_m,
-        sigma_m: surface.spread_m[index],
-        distance_m: surface.distance_m[index],
-        source: surface.source[index] as u8,
-        is_measured: matches!(
-            surface.source[index],
-            CellSource::Sounding | CellSource::FirstReturn
-        ),
-        rgb: depth_colour(depth_share(depth_m, depth_map.colour_range_m)),
-    };
-    let cells: Vec<BottomCell> = known_cells(surface, map).map(cell).collect();
-    results.progress.check()?;
-    let origin = results.survey.track.frame.origin();
-    let cells = export::bottom_las(path, &map.crs, origin, &cells)?;
-    Ok(FileContent::in_system(&map.crs, cells))
-}
-
 /// Returns the cells that have a depth: index, middle in the coordinate system of the map, depth.
-fn known_cells<'a>(
+pub(super) fn known_cells<'a>(
     surface: &'a Surface,
     map: &'a MapPlane,
 ) -> impl Iterator<Item = (usize, [f64; 2], f32)> + 'a {
@@ -169,7 +143,7 @@ fn write(
     path: &Path,
 ) -> FileResult {
     let (grid, map) = (&surface.grid, &results.map);
-    let applied = applied(results.products, surface);
+    let applied = results.applied(surface);
     let spec = RasterSpec {
         cells: CellFormat::Metres,
         band: Some(layer.band),

@@ -1,10 +1,10 @@
 //! Writes isobaths, the areas between them and the volumes below each level, in the formats of
 //! other programs.
 
+use super::content::{FileContent, FileResult};
+use super::results::Results;
 use crate::Error;
 use crate::export::{self, DrawnLines, LabelledLine};
-use crate::outputs::content::{FileContent, FileResult};
-use crate::outputs::results::Results;
 use crate::pipeline::Contours;
 use bathyscope_bottom::bathymetry::isobaths::IsobathSettings;
 use bathyscope_log::support::statistics::ends;
@@ -15,7 +15,7 @@ use std::path::Path;
 const COLOURS: [[f64; 3]; 2] = [[120.0, 200.0, 255.0], [8.0, 48.0, 160.0]];
 
 /// Isobaths and depth areas with the settings of their drawing.
-pub(in crate::outputs) struct DrawnContours<'a> {
+pub(super) struct DrawnContours<'a> {
     /// Isobaths and the areas between them.
     pub contours: &'a Contours,
     settings: &'a IsobathSettings,
@@ -29,7 +29,7 @@ impl<'a> DrawnContours<'a> {
     ///
     /// # Errors
     /// When the survey has no depth map, or its isobaths cannot be drawn.
-    pub(crate) fn of(results: &'a Results<'_>) -> Result<Self, Error> {
+    pub(super) fn of(results: &'a Results<'_>) -> Result<Self, Error> {
         let grid = &results.surface()?.grid;
         let middle = grid.centre(grid.rows / 2, grid.columns / 2);
         let settings = &results.products.settings.isobaths;
@@ -43,7 +43,7 @@ impl<'a> DrawnContours<'a> {
     }
 
     /// Returns the isobaths with the settings of their drawing.
-    pub(crate) fn lines(&self) -> DrawnLines<'_> {
+    pub(super) fn lines(&self) -> DrawnLines<'_> {
         DrawnLines {
             lines: &self.contours.isobaths.lines,
             settings: self.settings,
@@ -53,7 +53,7 @@ impl<'a> DrawnContours<'a> {
 }
 
 /// Writes `isobaths.geojson`.
-pub(crate) fn isobaths_geojson(results: &Results<'_>, path: &Path) -> FileResult {
+pub(super) fn isobaths_geojson(results: &Results<'_>, path: &Path) -> FileResult {
     let drawn = DrawnContours::of(results)?;
     let place = |at| results.map.to_lon_lat(at);
     let lines = export::isobaths_geojson(path, &drawn.lines(), place)?;
@@ -61,14 +61,14 @@ pub(crate) fn isobaths_geojson(results: &Results<'_>, path: &Path) -> FileResult
 }
 
 /// Writes `isobaths.kmz`.
-pub(crate) fn isobaths_kmz(results: &Results<'_>, path: &Path) -> FileResult {
+pub(super) fn isobaths_kmz(results: &Results<'_>, path: &Path) -> FileResult {
     let lines = named_lines(&DrawnContours::of(results)?, results);
     let lines = export::lines_kmz(path, &results.survey.name(), &lines)?;
     Ok(FileContent::in_degrees(lines))
 }
 
 /// Writes `isobaths.shp` with its companions, in the coordinate system of the map.
-pub(crate) fn isobaths_shapefile(results: &Results<'_>, path: &Path) -> FileResult {
+pub(super) fn isobaths_shapefile(results: &Results<'_>, path: &Path) -> FileResult {
     let lines = named_lines(&DrawnContours::of(results)?, results);
     let crs = &results.map.crs;
     let lines = export::lines_shapefile(path, crs, &["depth_m", "length_m"], &lines)?;
@@ -76,7 +76,7 @@ pub(crate) fn isobaths_shapefile(results: &Results<'_>, path: &Path) -> FileResu
 }
 
 /// Writes `depth_areas.geojson`.
-pub(crate) fn depth_areas(results: &Results<'_>, path: &Path) -> FileResult {
+pub(super) fn depth_areas(results: &Results<'_>, path: &Path) -> FileResult {
     let drawn = DrawnContours::of(results)?;
     let place = |at| results.map.to_lon_lat(at);
     let areas = export::depth_areas_geojson(path, &drawn.contours.areas, drawn.ground, place)?;
@@ -84,7 +84,7 @@ pub(crate) fn depth_areas(results: &Results<'_>, path: &Path) -> FileResult {
 }
 
 /// Writes `spot_soundings.geojson`.
-pub(crate) fn spot_soundings(results: &Results<'_>, path: &Path) -> FileResult {
+pub(super) fn spot_soundings(results: &Results<'_>, path: &Path) -> FileResult {
     let place = |at| results.map.to_lon_lat(at);
     let settings = &results.products.settings.isobaths;
     let soundings = results.spot_soundings()?;
@@ -93,7 +93,7 @@ pub(crate) fn spot_soundings(results: &Results<'_>, path: &Path) -> FileResult {
 }
 
 /// Writes `storage.csv`.
-pub(crate) fn storage(results: &Results<'_>, path: &Path) -> FileResult {
+pub(super) fn storage(results: &Results<'_>, path: &Path) -> FileResult {
     let drawn = DrawnContours::of(results)?;
     let levels = export::storage_csv(path, &drawn.contours.table, drawn.ground)?;
     Ok(FileContent::of_table(levels))
