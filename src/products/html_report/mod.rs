@@ -27,10 +27,11 @@ mod summary;
 mod tables;
 mod targets;
 
+use crate::Error;
 use crate::pipeline::{
     DepthMap, Isobaths, LogLatency, Mosaic, NamedComparison, ProcessedLog, Products, Report,
 };
-use bathyscope_bottom::presentation::page::{Template, TemplateFault, Value, context, fill};
+use bathyscope_bottom::presentation::page::{Template, Value, context, fill};
 use bathyscope_log::support::geo::MapPlane;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::Survey;
@@ -86,10 +87,10 @@ pub(crate) struct ReportObjects<'a> {
     /// The targets.
     pub listed: Vec<ListedObject<'a>>,
     /// Rasters from which chips of each log are cut; `None` for a log without boxes.
-    pub rasters: &'a [Option<Raster>],
+    pub rasters: Vec<Option<Raster>>,
     /// Numbers of passes of the boat that saw each target and that covered its place, by the number
     /// of the target.
-    pub passes: &'a BTreeMap<u32, PassCount>,
+    pub passes: BTreeMap<u32, PassCount>,
     /// Origin of the boxes: `proposed by the detector, not reviewed`.
     pub origin: String,
 }
@@ -125,20 +126,15 @@ const MOST_STRIPS: usize = 12;
 /// Returns the self-contained document: it loads no script, font or picture from elsewhere.
 ///
 /// # Errors
-/// When a template names a value that [`values`] does not give.
-pub(crate) fn document(values: Value) -> Result<String, TemplateFault> {
-    fill(&TEMPLATES, values)
-}
-
-/// Returns the values of the templates.
-pub(crate) fn values(from: &ReportData<'_>, progress: &Progress) -> Result<Value, Cancelled> {
+/// When a template names a value that is not given, or the work was cancelled.
+pub(crate) fn page(from: &ReportData<'_>, progress: &Progress) -> Result<String, Error> {
     let sections = context! {
         ..summary::values(from),
         ..tables::trust(from),
         ..tables::method(from),
         ..tables::files(from),
     };
-    Ok(context! {
+    let values = context! {
         title => &from.title,
         warnings => &from.report.warnings,
         logs => logs::values(from),
@@ -150,7 +146,8 @@ pub(crate) fn values(from: &ReportData<'_>, progress: &Progress) -> Result<Value
         objects => objects::values(from, progress)?,
         targets => targets::values(from, progress)?,
         ..sections
-    })
+    };
+    Ok(fill(&TEMPLATES, values)?)
 }
 
 /// Draws the pictures of the logs.
