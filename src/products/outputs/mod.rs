@@ -12,8 +12,7 @@
 //! `contours` isobaths, depth areas and storage, `tiles` the map as web tiles, `residuals` and
 //! `comparison` the agreement of the depths, `mosaic` the side-scan mosaic, `object_files` the
 //! objects of a search and of a review, `report_page` writes the report; `manifest` lists and
-//! describes the files. `boxes` writes reviewed boxes, `training_tiles` pictures of them for
-//! training.
+//! describes the files. `boxes` writes reviewed boxes, and pictures of them for training.
 
 mod body;
 mod boxes;
@@ -37,7 +36,6 @@ mod results;
 mod run_folder;
 mod tiles;
 mod track;
-mod training_tiles;
 mod write;
 
 pub use boxes::write_boxes;
