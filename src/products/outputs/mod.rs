@@ -3,16 +3,16 @@
 //! In: the results of a survey, and the order. Out: the files of a run, with their manifest.
 //!
 //! `registry` has a row for each file, `product_files` describes the files of a product and
-//! estimates their sizes; `write` makes all files of a run from `results`, those of several
-//! `groups` in parallel, `run_folder` puts them in place together, `overwrite` prevents that they
-//! replace their own inputs, `earlier_run` finds the files that are out of date. `order` is the
-//! request, `content` describes the content of a file and the inputs without which it cannot be
-//! made. `clouds` writes the files of points, `track` those of the track, and all lines and areas
-//! in one file, `rasters` the depth map as rasters and text, `body` the bottom for 3D programs,
-//! `contours` isobaths, depth areas and storage, `tiles` the map as web tiles, `residuals` and
-//! `comparison` the agreement of the depths, `mosaic` the side-scan mosaic, `object_files` the
-//! objects of a search and of a review, `report_page` writes the report; `manifest` lists and
-//! describes the files. `boxes` writes reviewed boxes, and pictures of them for training.
+//! estimates their sizes; `write` makes all files of a run from `results` and prevents that they
+//! replace their own inputs, `run_folder` puts them in place together, `earlier_run` finds the
+//! files that are out of date. `order` is the request, `content` describes the content of a file
+//! and the inputs without which it cannot be made. `clouds` writes the files of points, `track`
+//! those of the track, and all lines and areas in one file, `rasters` the depth map as rasters and
+//! text, `body` the bottom for 3D programs, `contours` isobaths, depth areas and storage, `tiles`
+//! the map as web tiles, `residuals` and `comparison` the agreement of the depths, `mosaic` the
+//! side-scan mosaic, `object_files` the objects of a search and of a review, `report_page` writes
+//! the report; `manifest` lists and describes the files. `boxes` writes reviewed boxes, and
+//! pictures of them for training.
 
 mod body;
 mod boxes;
@@ -21,12 +21,10 @@ mod comparison;
 mod content;
 mod contours;
 mod earlier_run;
-mod groups;
 mod manifest;
 mod mosaic;
 mod object_files;
 mod order;
-mod overwrite;
 mod product_files;
 mod rasters;
 mod registry;
@@ -43,12 +41,10 @@ pub use comparison::{ComparisonRecord, write_differences};
 pub use earlier_run::{EarlierRun, is_run_of};
 pub use object_files::Proposed;
 pub use order::{Order, Product, When, log_names};
-pub use overwrite::begin;
 pub use product_files::{Amounts, about_bytes, files_in_words};
-pub use registry::row_of;
-pub use registry::{OUTPUT_FILES, OutputFile};
+pub use registry::{OUTPUT_FILES, OutputFile, row_of};
 pub use run_folder::{Replaced, RunFolder, finish_killed_run};
-pub use write::{Written, write, write_detected, write_detected_in_picture};
+pub use write::{Written, begin, write, write_detected, write_detected_in_picture};
 
 /// The file that lists all files of a run; it is put in place last.
 pub const MANIFEST: &str = "manifest.json";
