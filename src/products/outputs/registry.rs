@@ -62,18 +62,11 @@ pub(super) type WriteFile = fn(&Results<'_>, &Path) -> FileResult;
 pub(super) enum FileWriter {
     /// Writes the file from the results of the survey.
     Results(WriteFile),
-    /// Writes the file from the run, when all other files are there.
-    Run(RunFile),
-}
-
-/// A file that describes all others.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum RunFile {
-    /// `report.html`.
+    /// Writes `report.html`, which describes the files that were made from results.
     Page,
-    /// `report.json`.
+    /// Writes `report.json`.
     Record,
-    /// `manifest.json`.
+    /// Writes `manifest.json`, when all other files are there.
     Manifest,
 }
 
@@ -434,18 +427,18 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
         "report.html",
         When::Chosen(Product::Report),
         "the report to read and to print",
-        RunFile::Page,
+        FileWriter::Page,
     ),
     run_file(
         "report.json",
         When::Always,
         "the report for programs: inputs, settings, counts, statistics",
-        RunFile::Record,
+        FileWriter::Record,
     ),
     run_file(
         super::MANIFEST,
         When::Always,
         "list of all files: what each is, coordinate system, extent, count, SHA-256",
-        RunFile::Manifest,
+        FileWriter::Manifest,
     ),
 ];

@@ -32,7 +32,7 @@ impl OutputRun<'_> {
     /// page: folders last.
     fn listed(&self) -> impl Iterator<Item = &'static OutputFile> {
         let of_run = |row: &&OutputFile| {
-            row.when == When::Always && matches!(row.writer, FileWriter::Run(_))
+            row.when == When::Always && !matches!(row.writer, FileWriter::Results(_))
         };
         let (folders, files): (Vec<_>, Vec<_>) =
             (self.made.iter().map(|(row, _)| *row)).partition(|row| !row.file_name().contains('.'));

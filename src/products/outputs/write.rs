@@ -6,9 +6,7 @@ use super::content::{FileContent, Missing, Need};
 use super::manifest::write_manifest;
 use super::object_files::Proposed;
 use super::order::{Order, Product, When, check_logs};
-use super::registry::{
-    FileWriter, OUTPUT_FILES, OutputFile, RunFile, WriteFile, row_of, row_of_beside,
-};
+use super::registry::{FileWriter, OUTPUT_FILES, OutputFile, WriteFile, row_of, row_of_beside};
 use super::report_page::{self, OutputRun};
 use super::results::Results;
 use super::run_folder::{Replaced, RunFolder, has_foreign_manifest, is_stem_of_output};
@@ -157,37 +155,28 @@ pub fn write(
     let results = Results::new(order, progress)?;
     refuse_overwrite(order, folder.destination())?;
     let path = folder.path();
-    let mut run = OutputRun {
-        report: report(&results)?,
-        results,
-        made: Vec::new(),
-        hashed: Vec::new(),
-        folder: &folder,
-    };
+    let mut report = report(&results)?;
     let asked = |when| order.asks_for(when);
-    let made = write_rows(&run.results, &path, asked, &mut on_step)?;
-    run.report.warnings.extend(made.warnings);
-    run.made = made.files;
-    run.report.depths_between_lines = run.results.made_surface().and_then(Surface::between_lines);
+    let made = write_rows(&results, &path, asked, &mut on_step)?;
+    report.warnings.extend(made.warnings);
+    report.depths_between_lines = results.made_surface().and_then(Surface::between_lines);
     on_step("hashes");
-    run.hashed = folder.files(&[], progress)?;
-    run.report.name_run(&run.hashed)?;
+    let hashed = folder.files(&[], progress)?;
+    report.name_run(&hashed)?;
     if asked(When::Chosen(Product::Report)) {
         on_step("report");
     }
+    let run = OutputRun { results, report, made: made.files, hashed, folder: &folder };
     let mut files: Vec<&OutputFile> = run.made.iter().map(|(row, _)| *row).collect();
     for row in OUTPUT_FILES.iter().filter(|row| asked(row.when)) {
-        if let FileWriter::Run(file) = row.writer
-            && first_missing(row, &run.results)?.is_none()
-        {
-            let path = place(&path, row)?;
-            match file {
-                RunFile::Page => report_page::write(&run, &path)?,
-                RunFile::Record => write_json(&path, &run.report)?,
-                RunFile::Manifest => manifest(&run, &path)?,
-            }
-            files.push(row);
+        let path = || place(&path, row);
+        match row.writer {
+            FileWriter::Results(_) => continue,
+            FileWriter::Page => report_page::write(&run, &path()?)?,
+            FileWriter::Record => write_json(&path()?, &run.report)?,
+            FileWriter::Manifest => manifest(&run, &path()?)?,
         }
+        files.push(row);
     }
     let found = if asked(When::Searched) { Proposed::of(&run.results)? } else { None };
     let (report, hashed) = (run.report, run.hashed);
@@ -312,7 +301,7 @@ fn groups(asked: impl Fn(When) -> bool) -> Vec<Group> {
     let rows = OUTPUT_FILES.iter().filter(|row| asked(row.when));
     let rows = rows.filter_map(|row| match row.writer {
         FileWriter::Results(write) => Some((row, write)),
-        FileWriter::Run(_) => None,
+        FileWriter::Page | FileWriter::Record | FileWriter::Manifest => None,
     });
     let rows: Group = rows.collect();
     let groups = rows.chunk_by(|(one, _), (other, _)| one.when == other.when);

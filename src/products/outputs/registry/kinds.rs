@@ -1,6 +1,6 @@
 //! Defines the columns that rows of the same kind of file share.
 
-use super::{Described, FileWriter, OutputFile, RunFile, WriteFile};
+use super::{Described, FileWriter, OutputFile, WriteFile};
 use crate::outputs::content::Need;
 use crate::outputs::order::{Product, When};
 
@@ -47,22 +47,23 @@ const BOXES: &str = "Boxes that the detector proposes, not reviewed";
 
 /// Creates a row with the values that most rows share.
 pub(super) const fn row(name: Text, when: When, write: WriteFile) -> OutputFile {
-    row_written_by(name, when, FileWriter::Results(write))
+    run_file(name, when, "", FileWriter::Results(write))
 }
 
-/// Creates the row of a file that describes all others.
-pub(super) const fn run_file(name: Text, when: When, brief: Text, file: RunFile) -> OutputFile {
-    OutputFile { brief, ..row_written_by(name, when, FileWriter::Run(file)) }
-}
-
-const fn row_written_by(name: Text, when: When, writer: FileWriter) -> OutputFile {
+/// Creates the row of a file, as of those that describe all others.
+pub(super) const fn run_file(
+    name: Text,
+    when: When,
+    brief: Text,
+    writer: FileWriter,
+) -> OutputFile {
     OutputFile {
         name,
         companions: &[],
         when,
         needs: &[],
         regardless_of: &[],
-        brief: "",
+        brief,
         described: None,
         writer,
     }
