@@ -1,8 +1,9 @@
 //! Writes the reviewed boxes of a survey: the places of objects for maps and plotters, and pictures
 //! with labels for training.
 
+use super::object_files::listed;
 use super::order::{check_logs, log_names, survey_name};
-use super::results::{find_shapes, listed};
+use super::results::find_shapes;
 use crate::Error;
 use crate::export::{self, DatasetFolder, DatasetPart, ObjectLog, PartSummary, make_folder};
 use crate::file_name::file_name;

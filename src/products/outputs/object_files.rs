@@ -3,10 +3,13 @@
 //! that an analyst accepted or drew, are written in every run of a survey with a review.
 
 use super::content::{FileContent, FileResult};
-use super::results::{Results, Shapes, listed, target_boxes};
+use super::results::{Results, Shapes};
 use crate::Error;
 use crate::export::{self, ChipLog, Summary};
-use bathyscope_objects::objects::{ListedObject, ObjectBox};
+use crate::pipeline::ProcessedLog;
+use bathyscope_log::support::geo::LonLat;
+use bathyscope_objects::objects::{ListedObject, Object, ObjectBox, ObjectList};
+use bathyscope_objects::targets::Target;
 use bathyscope_objects::{Detection, Raster};
 use std::path::Path;
 
@@ -136,4 +139,37 @@ pub(super) fn targets<'a>(results: &'a Results<'_>) -> Result<Vec<ListedObject<'
     }
     let all = results.shaped_objects()?;
     Ok(listed(all.0.targets(), all, results.order.logs, &results.names))
+}
+
+/// Returns objects as rows of tables, with their shapes and outlines.
+pub(super) fn listed<'a>(
+    objects: impl Iterator<Item = &'a Object>,
+    (list, shapes): (&ObjectList, &'a Shapes),
+    logs: &[ProcessedLog],
+    names: &'a [String],
+) -> Vec<ListedObject<'a>> {
+    let outline = |object: &Object| {
+        let best = list.members(object).nth(object.best)?;
+        outline(logs.get(best.log)?, best.target.as_ref()?)
+    };
+    let listed = objects.map(|object| ListedObject {
+        object,
+        shape: shapes.get(&object.number),
+        outline: outline(object),
+        log_names: if names.len() > 1 { names } else { &[] },
+    });
+    listed.collect()
+}
+
+/// Returns the boxes of targets.
+pub(super) fn target_boxes(list: &ObjectList) -> Vec<&ObjectBox> {
+    list.boxes().iter().filter(|object_box| list.is_target(object_box)).collect()
+}
+
+/// Returns the outline of a target in WGS84; `None` where its size is not known.
+fn outline(of: &ProcessedLog, target: &Target) -> Option<[LonLat; 4]> {
+    let is_known = target.length_m.is_finite() && target.width_m.is_finite();
+    let (navigation, track) = (&of.products.navigation, &of.survey.track);
+    let place = |[east_m, north_m]: [f64; 2]| navigation.to_lon_lat(track, east_m, north_m);
+    is_known.then(|| target.corners().map(place))
 }

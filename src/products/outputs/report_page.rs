@@ -1,10 +1,10 @@
 //! Writes `report.html`, the results of a run on one page, while the files of the run are written.
 
 use super::content::FileContent;
-use super::object_files::targets;
+use super::object_files::{target_boxes, targets};
 use super::order::When;
 use super::registry::{FileWriter, OUTPUT_FILES, OutputFile};
-use super::results::{Results, target_boxes};
+use super::results::Results;
 use super::run_folder::RunFolder;
 use crate::Error;
 use crate::export::write_bytes;

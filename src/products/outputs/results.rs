@@ -1,5 +1,5 @@
 //! Computes the results that the files of a run are made from: each result once, when the first
-//! file needs it. Fits shapes to objects and lists objects as rows of tables.
+//! file needs it. Fits shapes to objects.
 
 use super::content::{Missing, Need};
 use super::order::{Order, When, log_names, log_points, survey_name};
@@ -13,12 +13,10 @@ use crate::pipeline::{
 };
 use bathyscope_bottom::bathymetry::{DepthPoint, Grid, Surface, spot_radius_m, spot_soundings};
 use bathyscope_bottom::mosaic::{MosaicLayout, TILE_CELLS, footprint, joint_grid};
-use bathyscope_log::support::geo::{LonLat, MapPlane};
+use bathyscope_log::support::geo::MapPlane;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::{Identity, Survey};
-use bathyscope_objects::objects::{
-    ListedObject, LogId, LogReview, Object, ObjectBox, ObjectList, SurveyReview,
-};
+use bathyscope_objects::objects::{LogId, LogReview, Object, ObjectList, SurveyReview};
 use bathyscope_objects::review::Review;
 use bathyscope_objects::targets::{FittedShape, Target};
 use bathyscope_objects::{Detection, find};
@@ -529,39 +527,6 @@ pub(super) fn find_shapes(
     };
     let targets: Vec<&Object> = list.targets().collect();
     targets.par_iter().filter_map(|object| shape(object).transpose()).collect()
-}
-
-/// Returns objects as rows of tables, with their shapes and outlines.
-pub(super) fn listed<'a>(
-    objects: impl Iterator<Item = &'a Object>,
-    (list, shapes): (&ObjectList, &'a Shapes),
-    logs: &[ProcessedLog],
-    names: &'a [String],
-) -> Vec<ListedObject<'a>> {
-    let outline = |object: &Object| {
-        let best = list.members(object).nth(object.best)?;
-        outline(logs.get(best.log)?, best.target.as_ref()?)
-    };
-    let listed = objects.map(|object| ListedObject {
-        object,
-        shape: shapes.get(&object.number),
-        outline: outline(object),
-        log_names: if names.len() > 1 { names } else { &[] },
-    });
-    listed.collect()
-}
-
-/// Returns the boxes of targets.
-pub(super) fn target_boxes(list: &ObjectList) -> Vec<&ObjectBox> {
-    list.boxes().iter().filter(|object_box| list.is_target(object_box)).collect()
-}
-
-/// Returns the outline of a target in WGS84; `None` where its size is not known.
-fn outline(of: &ProcessedLog, target: &Target) -> Option<[LonLat; 4]> {
-    let is_known = target.length_m.is_finite() && target.width_m.is_finite();
-    let (navigation, track) = (&of.products.navigation, &of.survey.track);
-    let place = |[east_m, north_m]: [f64; 2]| navigation.to_lon_lat(track, east_m, north_m);
-    is_known.then(|| target.corners().map(place))
 }
 
 /// Error that is not expected: the registry requires a surface before it writes one.
