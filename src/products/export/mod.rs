@@ -13,7 +13,6 @@
 
 mod atomic_write;
 pub mod avi;
-mod chip_folder;
 mod chips;
 mod cloud_las;
 mod dataset;
@@ -42,17 +41,15 @@ pub(crate) use atomic_write::remove_leftovers;
 pub use atomic_write::{
     ExportError, is_same_file, make_folder, rename_older, write_atomically, write_bytes, write_json,
 };
-pub use chip_folder::ChipFolder;
-pub(crate) use chip_folder::{earlier_chips, remove_passing_chips};
-pub(crate) use chips::picture_chips;
-pub use chips::{ChipLog, chip, chips};
+pub use chips::chip;
+pub(crate) use chips::{ChipLog, chips, earlier_chips, picture_chips, remove_passing_chips};
 pub(crate) use cloud_las::cloud_las;
 pub use dataset::{DatasetFolder, DatasetPart, PartSummary};
 pub use figure::{MeasuredFigure, figure_csv, figure_geojson, profile_csv};
 pub(crate) use geopackage::geopackage;
 pub use geotiff::{geotiff, metres_raster};
 pub(crate) use geotiff::{raster_over, source_raster};
-pub use glb::{TexturedMesh, glb};
+pub(crate) use glb::{TexturedMesh, glb};
 pub(crate) use isobaths::{
     DrawnLines, depth_areas_geojson, isobaths_geojson, spot_soundings_geojson, storage_csv,
 };

@@ -409,10 +409,9 @@ pub fn write_detected_in_picture(
     let found = find_in_picture(picture, model, settings, progress)?;
     let folder = run.path().join("objects");
     // The chips are written first, because this makes the folder.
-    export::picture_chips(&folder, picture, model.names(), &found).and_then(|_| {
-        let table = folder.join("detections.csv");
-        export::picture_boxes_csv(&table, name, model.names(), &found)
-    })?;
+    export::picture_chips(&folder, picture, model.names(), &found)?;
+    let table = folder.join("detections.csv");
+    export::picture_boxes_csv(&table, name, model.names(), &found)?;
     Ok((found, run.commit_group(is_of_search)?))
 }
 
