@@ -56,8 +56,8 @@ pub(crate) use isobaths::{
 pub(crate) use las::{BottomCell, LasPacking, bottom_las};
 pub use log_copy::{LogPartChoice, TimeBound, check_copy, copy_log};
 pub(crate) use objects::{
-    ObjectLog, box_table, object_layers, object_places, object_table, objects_geojson,
-    objects_gpkg, objects_gpx, objects_kml, picture_boxes_csv, shapes_ply,
+    ObjectLog, box_table, object_layers, object_table, objects_geojson, objects_gpkg, objects_gpx,
+    objects_kml, picture_boxes_csv, shapes_ply,
 };
 pub use plan::{PlanFormat, PlannedWay};
 pub use points::kept_points;

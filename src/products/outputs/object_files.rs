@@ -5,7 +5,7 @@
 use super::content::{FileContent, FileResult};
 use super::results::{Results, Shapes};
 use crate::Error;
-use crate::export::{self, ChipLog, Summary};
+use crate::export::{self, ChipLog};
 use crate::pipeline::ProcessedLog;
 use bathyscope_log::support::geo::LonLat;
 use bathyscope_objects::objects::{ListedObject, Object, ObjectBox, ObjectList};
@@ -49,7 +49,8 @@ fn objects<'a>(results: &'a Results<'_>) -> Result<Vec<ListedObject<'a>>, Error>
 pub(super) fn detections_csv(results: &Results<'_>, path: &Path) -> FileResult {
     let (list, shapes) = results.shaped_found()?;
     let boxes: Vec<&ObjectBox> = list.boxes().iter().collect();
-    box_table(results, path, &boxes, shapes)
+    let boxes = export::box_table(path, &results.object_logs(), &boxes, shapes)?;
+    Ok(FileContent::in_degrees(boxes))
 }
 
 /// Writes `detections.geojson`: a point for each object.
@@ -67,8 +68,7 @@ pub(super) fn detections_gpx(results: &Results<'_>, path: &Path) -> FileResult {
 pub(super) fn all_objects(results: &Results<'_>, path: &Path) -> FileResult {
     let all = results.shaped_objects()?;
     let objects = listed(all.0.objects().iter(), all, results.order.logs, &results.names);
-    export::object_table(path, &objects)?;
-    Ok(FileContent::in_degrees(export::object_places(&objects)))
+    Ok(FileContent::in_degrees(export::object_table(path, &objects)?))
 }
 
 /// Writes `shapes.ply`.
@@ -95,25 +95,11 @@ pub(super) fn chips(results: &Results<'_>, path: &Path) -> FileResult {
     Ok(FileContent::count(0))
 }
 
-/// Writes boxes as a table.
-fn box_table(
-    results: &Results<'_>,
-    path: &Path,
-    boxes: &[&ObjectBox],
-    shapes: &Shapes,
-) -> FileResult {
-    let mut summary = Summary::default();
-    for target in boxes.iter().filter_map(|object_box| object_box.target.as_ref()) {
-        summary.add([target.position.lon_deg, target.position.lat_deg], f64::NAN);
-    }
-    export::box_table(path, &results.object_logs(), boxes, shapes)?;
-    Ok(FileContent::in_degrees(Summary { count: boxes.len(), ..summary }))
-}
-
 /// Writes `targets.csv`: a row for each box.
 pub(super) fn targets_csv(results: &Results<'_>, path: &Path) -> FileResult {
     let (list, shapes) = results.shaped_objects()?;
-    box_table(results, path, &target_boxes(list), shapes)
+    let boxes = export::box_table(path, &results.object_logs(), &target_boxes(list), shapes)?;
+    Ok(FileContent::in_degrees(boxes))
 }
 
 /// Writes `targets.geojson`: a point for each object.

@@ -183,11 +183,11 @@ pub(crate) fn objects_gpkg(
     path: &Path,
     objects: &[ListedObject<'_>],
     changed_unix_s: f64,
-) -> Result<(), ExportError> {
+) -> Result<Summary, ExportError> {
     let degrees = Crs::from_epsg(WGS84)
         .map_err(|error| ExportError::at(path)(std::io::Error::other(error)))?;
     let layers = object_layers(objects, |at| [at.lon_deg, at.lat_deg]);
-    geopackage(path, &degrees, changed_unix_s, &layers).map(|_| ())
+    geopackage(path, &degrees, changed_unix_s, &layers)
 }
 
 /// Returns objects as two layers, points and outlines; `place` returns the coordinates of a
