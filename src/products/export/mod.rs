@@ -6,10 +6,10 @@
 //! There is one module for each kind of product. `atomic_write` renames finished files, and
 //! [`Summary`] is the content of a file in numbers; `points` writes tables and clouds as text,
 //! `las` points of any kind as LAS; `geotiff` writes any raster and the cells of a grid,
-//! `qgis_style` the colours of rasters, `vector` lines and areas; `rings` keeps polygons valid;
-//! `fixed` formats numbers; `log_copy` copies a log; `dataset` is the folder that detectors are
-//! trained on, `tile_sets` writes maps as tiles, `plan` planned lines for plotters and autopilots.
-//! The layouts of rasters and point files are defined in `formats`, which also reads them.
+//! `qgis_style` the styles of rasters and layers, `vector` lines and areas; `rings` keeps polygons
+//! valid; `log_copy` copies a log; `dataset` is the folder that detectors are trained on,
+//! `tile_sets` writes maps as tiles, `plan` planned lines for plotters and autopilots. The layouts
+//! of rasters and point files are defined in `formats`, which also reads them.
 
 mod atomic_write;
 pub mod avi;
@@ -17,7 +17,6 @@ mod chips;
 mod cloud_las;
 mod dataset;
 mod figure;
-mod fixed;
 mod geojson;
 mod geopackage;
 mod geotiff;
@@ -29,7 +28,6 @@ mod objects;
 mod plan;
 mod points;
 mod qgis_style;
-mod qgis_vector;
 mod rings;
 mod sqlite;
 mod survey_layers;

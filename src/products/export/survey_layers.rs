@@ -4,7 +4,7 @@
 use super::geopackage::{FeatureGeometry, Layer, Ring};
 use super::isobaths::DrawnLines;
 use super::millimetres;
-use super::qgis_vector::{
+use super::qgis_style::{
     depth_area_style, footprint_style, isobath_style, spot_sounding_style, track_style,
 };
 use super::rings::rounded;

@@ -7,7 +7,7 @@
 
 use super::object_places;
 use crate::export::geopackage::{FeatureGeometry, Layer, geopackage};
-use crate::export::qgis_vector::{target_outline_style, target_style};
+use crate::export::qgis_style::{target_outline_style, target_style};
 use crate::export::sqlite::{self, count, text};
 use crate::export::{ExportError, Summary, write_bytes, write_json};
 use bathyscope_bottom::presentation::text::plural;
