@@ -14,7 +14,6 @@
 mod atomic_write;
 pub mod avi;
 mod chips;
-mod cloud_las;
 mod dataset;
 mod figure;
 mod geojson;
@@ -41,7 +40,6 @@ pub use atomic_write::{
 };
 pub use chips::chip;
 pub(crate) use chips::{ChipLog, chips, earlier_chips, picture_chips, remove_passing_chips};
-pub(crate) use cloud_las::cloud_las;
 pub use dataset::{DatasetFolder, DatasetPart, PartSummary};
 pub use figure::{MeasuredFigure, figure_csv, figure_geojson, profile_csv};
 pub(crate) use geopackage::geopackage;
@@ -51,7 +49,7 @@ pub(crate) use glb::{TexturedMesh, glb};
 pub(crate) use isobaths::{
     DrawnLines, depth_areas_geojson, isobaths_geojson, spot_soundings_geojson, storage_csv,
 };
-pub(crate) use las::{BottomCell, LasPacking, bottom_las};
+pub(crate) use las::{BottomCell, LasPacking, bottom_las, cloud_las};
 pub use log_copy::{LogPartChoice, TimeBound, check_copy, copy_log};
 pub(crate) use objects::{
     ObjectLog, box_table, object_layers, object_table, objects_geojson, objects_gpkg, objects_gpx,
