@@ -2,7 +2,7 @@
 //! colours with isobaths and their depths, and echoes.
 
 use super::frame::{PageTransform, pixels};
-use super::{ReportData, logs, objects, raster};
+use super::{ReportData, objects, raster};
 use crate::pipeline::{Mosaic, ProcessedLog};
 use bathyscope_bottom::bathymetry::isobaths::Isobath;
 use bathyscope_bottom::bathymetry::{Grid, Surface};
@@ -12,6 +12,7 @@ use bathyscope_bottom::presentation::page::{Value, context};
 use bathyscope_bottom::presentation::ticks::ticks;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 
 /// Longest side of the picture under the isobaths, pixels: more would not be visible on a screen,
 /// and fewer pixels make a smaller file.
@@ -58,7 +59,7 @@ pub(super) fn depth_plan(
         between_lines => surface.between_lines(),
         max_gap_m => settings.surface.max_gap_m.to_string(),
         exaggeration => depth_map.light.exaggeration.to_string(),
-        correction => logs::correction(from),
+        correction => correction(from),
     }))
 }
 
@@ -251,4 +252,15 @@ fn track(from: &ReportData<'_>, frame: &PageTransform) -> String {
         frame.path(places)
     };
     from.logs.iter().map(of_log).collect()
+}
+
+/// Describes the corrections of all logs, applied or not; refers to another section where they
+/// differ from log to log.
+fn correction(from: &ReportData<'_>) -> String {
+    let statements = (from.logs.iter()).map(|log| log.products.correction.statement());
+    let statements: BTreeSet<String> = statements.collect();
+    match statements.len() {
+        1 => statements.into_iter().collect(),
+        _ => "Corrections differ from log to log; see how far to trust it.".to_owned(),
+    }
 }

@@ -7,7 +7,7 @@
 //! Survey, Products, Report, Surface --summary--> what was surveyed, how deep, how sure
 //! Surface, isobaths, mosaic --plan--> maps with scale, graticule and legend around a raster
 //! Survey, FirstReturns --strip--> each log at a glance
-//! LogsReport --logs--> the logs of a survey of several, and how they agree
+//! LogsReport --summary--> the logs of a survey of several, and how they agree
 //! all --templates--> one HTML file that loads nothing from elsewhere
 //! ```
 //!
@@ -18,7 +18,6 @@
 //! same page.
 
 mod frame;
-mod logs;
 mod maps;
 mod objects;
 mod raster;
@@ -137,7 +136,7 @@ pub(crate) fn page(from: &ReportData<'_>, progress: &Progress) -> Result<String,
     let values = context! {
         title => &from.title,
         warnings => &from.report.warnings,
-        logs => logs::values(from),
+        logs => summary::logs(from),
         depth_plan => maps::depth_plan(from, progress)?,
         storage => summary::levels(from),
         mosaic_plan => maps::mosaic_plan(from, progress)?,
