@@ -24,7 +24,6 @@ mod raster;
 mod strip;
 mod summary;
 mod tables;
-mod targets;
 
 use crate::Error;
 use crate::pipeline::{
@@ -143,7 +142,7 @@ pub(crate) fn page(from: &ReportData<'_>, progress: &Progress) -> Result<String,
         strips => strips(from, progress)?,
         strips_left_out => from.logs.len().saturating_sub(MOST_STRIPS),
         objects => objects::values(from, progress)?,
-        targets => targets::values(from, progress)?,
+        targets => objects::sections(from, progress)?,
         ..sections
     };
     Ok(fill(&TEMPLATES, values)?)
