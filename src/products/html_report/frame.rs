@@ -29,9 +29,11 @@ pub(super) struct PageTransform {
     map: MapPlane,
     west_m: f64,
     north_m: f64,
-    px_per_m: f64,
+    /// Number of pixels in a metre.
+    pub px_per_m: f64,
     width_px: f64,
-    height_px: f64,
+    /// Height of the map, pixels.
+    pub height_px: f64,
 }
 
 impl PageTransform {
@@ -89,19 +91,9 @@ impl PageTransform {
         [self.west_m + (x - LEFT_PX) / self.px_per_m, self.north_m - (y - ABOVE_PX) / self.px_per_m]
     }
 
-    /// Returns the number of pixels in a metre.
-    pub(super) fn px_per_m(&self) -> f64 {
-        self.px_per_m
-    }
-
     /// Returns the left and the upper edge of the legend, to the right of the map, pixels.
     pub(super) fn legend_at(&self) -> [f64; 2] {
         [LEFT_PX + self.width_px + 14.0, ABOVE_PX + 4.0]
-    }
-
-    /// Returns the height of the map, pixels.
-    pub(super) fn height_px(&self) -> f64 {
-        self.height_px
     }
 
     /// Returns the path of a line without steps shorter than half a pixel; the path breaks where a

@@ -141,7 +141,7 @@ fn isobath_lines(lines: &[Isobath], frame: &PageTransform) -> Value {
     let mut longest_first: Vec<&Isobath> = lines.iter().collect();
     longest_first.sort_by(|a, b| b.length_m().total_cmp(&a.length_m()));
     for line in longest_first {
-        if line.length_m() * frame.px_per_m() < LEAST_LABELLED_PX {
+        if line.length_m() * frame.px_per_m < LEAST_LABELLED_PX {
             break;
         }
         let Some(&middle) = line.points.get(line.points.len() / 2) else {
@@ -161,7 +161,7 @@ fn isobath_lines(lines: &[Isobath], frame: &PageTransform) -> Value {
 fn legend([least_m, most_m]: [f32; 2], frame: &PageTransform) -> Value {
     const STEPS: usize = 32;
     let [x, y] = frame.legend_at();
-    let height = (frame.height_px() - 40.0).min(240.0);
+    let height = (frame.height_px - 40.0).min(240.0);
     let step = height / STEPS as f64;
     let steps = (0..STEPS).map(|index| {
         let [r, g, b] = depth_colour((index as f32 + 0.5) / STEPS as f32);

@@ -3,9 +3,10 @@
 
 use super::content::{Coordinates, FileContent, Need};
 use super::registry::{OutputFile, row_of};
+use super::report_page::OutputRun;
 use crate::Error;
 use crate::export::{Summary, write_json};
-use crate::pipeline::{Fingerprint, Report, Settings};
+use crate::pipeline::{Fingerprint, Settings};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 use std::path::Path;
@@ -54,19 +55,16 @@ struct ContentEntry<'a> {
 }
 
 /// Writes `manifest.json`: the fingerprints of all other files of the run, in the order of their
-/// names, with the content of the files that were made from results. `more_inputs` are the files
-/// that the reference was read from.
+/// names, with the content of the files that were made from results.
 ///
 /// # Errors
-/// When the file cannot be written; the sentence names the file.
-pub(super) fn write_manifest(
-    path: &Path,
-    report: &Report,
-    made: &[(&'static OutputFile, FileContent)],
-    files: &[Fingerprint],
-    more_inputs: &[Fingerprint],
-) -> Result<(), Error> {
-    let entry = |file| entry(file, made, more_inputs);
+/// When a file cannot be read or the manifest cannot be written; the sentence names the file.
+pub(super) fn write(run: &OutputRun<'_>, path: &Path) -> Result<(), Error> {
+    let files = (run.folder).files(&run.hashed, run.results.progress)?;
+    let compared = run.made.iter().any(|(row, _)| row.needs.contains(&Need::Reference));
+    let more_inputs = if compared { run.results.reference_inputs()? } else { &[] };
+    let entry = |file| entry(file, &run.made, more_inputs);
+    let report = &run.report;
     let manifest = Manifest {
         program: &report.program,
         run: &report.run,

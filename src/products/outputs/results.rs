@@ -142,14 +142,10 @@ impl<'a> Results<'a> {
                 };
                 self.track().is_empty().then(|| because(why))
             }
-            Need::Footprint if self.has_side_scan() => {
-                self.ground()?.shapes.is_empty().then(|| {
-                    because(
-                        "no footprint: no ping has side-scan, a place, a heading and an altitude",
-                    )
-                })
-            }
-            Need::Footprint => silent(self.ground()?.shapes.is_empty()),
+            Need::Footprint => self.ground()?.shapes.is_empty().then(|| {
+                let why = "no footprint: no ping has side-scan, a place, a heading and an altitude";
+                Missing(self.has_side_scan().then(|| why.to_owned()))
+            }),
             Need::Surface => self.depth_map()?.is_none().then(|| because(NO_DEPTH_MAP)),
             Need::Hardness => {
                 silent(self.depth_map()?.is_none_or(|map| map.surface.hardness_db.is_none()))
@@ -167,12 +163,12 @@ impl<'a> Results<'a> {
             }
             // A survey without soundings or without side-scan gets no message about missing
             // residuals.
-            Need::Agreement
-                if self.has_soundings() && (self.has_side_scan() || self.has_swath()) =>
-            {
-                Some(because(NO_RESIDUALS))
+            Need::Agreement => {
+                let any = |such: fn(&Survey) -> bool| self.logs().any(|(survey, _)| such(survey));
+                let has_points = self.has_side_scan() || any(|survey| !survey.swath.is_empty());
+                let is_expected = has_points && any(|survey| !survey.soundings.is_empty());
+                Some(Missing(is_expected.then(|| NO_RESIDUALS.to_owned())))
             }
-            Need::Agreement => silent(true),
             Need::SideScan => silent(!self.has_side_scan()),
             Need::Mosaic => {
                 let grid = self.mosaic_grid(self.mosaic()?.as_deref());
@@ -196,14 +192,6 @@ impl<'a> Results<'a> {
 
     fn has_side_scan(&self) -> bool {
         self.logs().any(|(survey, _)| survey.has_side_scan())
-    }
-
-    fn has_swath(&self) -> bool {
-        self.logs().any(|(survey, _)| !survey.swath.is_empty())
-    }
-
-    fn has_soundings(&self) -> bool {
-        self.logs().any(|(survey, _)| !survey.soundings.is_empty())
     }
 
     /// Returns the name of the survey: the names of its logs, or the first and the last of more

@@ -6,7 +6,9 @@ use super::contours::DrawnContours;
 use super::object_files::targets;
 use super::results::Results;
 use crate::Error;
-use crate::export::{self, LabelledLine, MapGeometry, SideScanCoverage, Summary, TrackPiece};
+use crate::export::{
+    self, LabelledLine, MapGeometry, SideScanCoverage, Summary, TrackPiece, TrackPoint,
+};
 use bathyscope_bottom::presentation::colours::depth_colour;
 use std::path::Path;
 
@@ -43,19 +45,14 @@ pub(super) fn shapefile(results: &Results<'_>, path: &Path) -> FileResult {
 }
 
 fn lines(results: &Results<'_>, name: &str) -> Vec<LabelledLine> {
-    let numbered = (1..).zip(results.track());
-    numbered.map(|(n, piece)| line(name, n, piece)).collect()
-}
-
-fn line(name: &str, number: usize, piece: &TrackPiece) -> LabelledLine {
-    let ping =
-        |point: Option<&export::TrackPoint>| point.map_or(f64::NAN, |point| point.ping as f64);
-    LabelledLine {
+    let ping = |point: Option<&TrackPoint>| point.map_or(f64::NAN, |point| point.ping as f64);
+    let line = |(number, piece): (usize, &TrackPiece)| LabelledLine {
         points: piece.points.iter().map(|point| point.position).collect(),
         label: format!("{name} {number}"),
         numbers: vec![ping(piece.points.first()), ping(piece.points.last()), piece.length_m],
         colour: COLOUR,
-    }
+    };
+    (1..).zip(results.track()).map(line).collect()
 }
 
 /// Writes `footprint.geojson`.

@@ -1,15 +1,14 @@
 //! Writes all files of a run, or only those of a search for objects, into a folder that may hold
 //! the files of a run: several groups of files in parallel, and none over an input of the run.
 
-use super::MANIFEST;
-use super::content::{FileContent, Missing, Need};
-use super::manifest::write_manifest;
+use super::content::{FileContent, Missing};
 use super::object_files::Proposed;
 use super::order::{Order, Product, When, check_logs};
 use super::registry::{FileWriter, OUTPUT_FILES, OutputFile, WriteFile, row_of, row_of_beside};
 use super::report_page::{self, OutputRun};
 use super::results::Results;
 use super::run_folder::{Replaced, RunFolder, has_foreign_manifest, is_stem_of_output};
+use super::{MANIFEST, manifest};
 use crate::Error;
 use crate::export::{self, is_same_file, make_folder, write_json};
 use crate::pipeline::joint::joint_report;
@@ -174,7 +173,7 @@ pub fn write(
             FileWriter::Results(_) => continue,
             FileWriter::Page => report_page::write(&run, &path()?)?,
             FileWriter::Record => write_json(&path()?, &run.report)?,
-            FileWriter::Manifest => manifest(&run, &path()?)?,
+            FileWriter::Manifest => manifest::write(&run, &path()?)?,
         }
         files.push(row);
     }
@@ -354,14 +353,6 @@ fn place(folder: &Path, row: &OutputFile) -> Result<PathBuf, Error> {
     let parent = path.parent().unwrap_or(folder);
     make_folder(parent)?;
     Ok(path)
-}
-
-/// Writes `manifest.json`, which lists every other file of the run.
-fn manifest(run: &OutputRun<'_>, path: &Path) -> Result<(), Error> {
-    let files = (run.folder).files(&run.hashed, run.results.progress)?;
-    let compared = run.made.iter().any(|(row, _)| row.needs.contains(&Need::Reference));
-    let more_inputs = if compared { run.results.reference_inputs()? } else { &[] };
-    write_manifest(path, &run.report, &run.made, &files, more_inputs)
 }
 
 /// Searches a survey and writes the found objects in the place of those of an earlier search.
