@@ -3,7 +3,8 @@
 //! that an analyst accepted or drew, are written in every run of a survey with a review.
 
 use super::content::{FileContent, FileResult};
-use super::results::{Results, Shapes};
+use super::order::When;
+use super::results::{NOT_SEARCHED, Results, Shapes};
 use crate::Error;
 use crate::export::{self, ChipLog};
 use crate::pipeline::ProcessedLog;
@@ -26,16 +27,14 @@ pub struct Proposed {
 }
 
 impl Proposed {
-    /// Returns the result of the search of a run; `None` where the run did not search.
-    pub(super) fn of(results: &Results<'_>) -> Result<Option<Self>, Error> {
-        let Some((list, found)) = results.found_objects()?.zip(results.found()?) else {
-            return Ok(None);
-        };
-        Ok(Some(Self {
-            boxes: found.concat(),
+    /// Returns the result of the search of a run.
+    pub(super) fn of(results: &Results<'_>) -> Result<Self, Error> {
+        let list = results.found_objects()?;
+        Ok(Self {
+            boxes: results.found()?.concat(),
             objects: list.objects().len(),
             unplaced: list.boxes().iter().filter(|object_box| object_box.object.is_none()).count(),
-        }))
+        })
     }
 }
 
@@ -80,9 +79,8 @@ pub(super) fn shapes(results: &Results<'_>, path: &Path) -> FileResult {
 
 /// Writes `chips`, a folder with a picture of each box.
 pub(super) fn chips(results: &Results<'_>, path: &Path) -> FileResult {
-    let (Some(model), Some(found)) = (results.order.search, results.found()?) else {
-        return Err("nothing searched for objects".into());
-    };
+    let found = results.found()?;
+    let model = results.order.search.ok_or(NOT_SEARCHED)?;
     let logs = results.order.logs.iter().zip(found);
     let logs = logs.map(|(log, found)| ChipLog {
         survey: &log.survey,
@@ -120,7 +118,7 @@ pub(super) fn targets_kml(results: &Results<'_>, path: &Path) -> FileResult {
 
 /// Returns the targets; none without a search or a review.
 pub(super) fn targets<'a>(results: &'a Results<'_>) -> Result<Vec<ListedObject<'a>>, Error> {
-    if results.objects()?.is_none() {
+    if !results.order.asks_for(When::Listed) {
         return Ok(Vec::new());
     }
     let all = results.shaped_objects()?;

@@ -77,7 +77,7 @@ pub(super) fn write(run: &OutputRun<'_>, path: &Path) -> Result<(), Error> {
 fn objects<'a>(results: &'a Results<'_>) -> Result<Option<ReportObjects<'a>>, Error> {
     let order = results.order;
     let model = order.search.filter(|_| order.asks_for(When::Searched));
-    if results.objects()?.is_none() {
+    if !order.asks_for(When::Listed) {
         return Ok(None);
     }
     let (list, _) = results.shaped_objects()?;

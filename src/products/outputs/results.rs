@@ -390,12 +390,12 @@ impl<'a> Results<'a> {
         made.map(Vec::as_slice)
     }
 
-    /// Returns the boxes that the model finds in each log outside of excluded stretches; `None`
-    /// without a model.
-    pub(super) fn found(&self) -> Result<Option<&[Vec<Detection>]>, Error> {
-        let Some(model) = self.order.search else {
-            return Ok(None);
-        };
+    /// Returns the boxes that the model finds in each log outside of excluded stretches.
+    ///
+    /// # Errors
+    /// When there is no model, or the boxes cannot be computed.
+    pub(super) fn found(&self) -> Result<&[Vec<Detection>], Error> {
+        let model = self.order.search.ok_or(NOT_SEARCHED)?;
         let of_log = |(survey, products): (&Survey, &Products)| {
             if !survey.has_side_scan() {
                 return Ok(Vec::new());
@@ -407,7 +407,7 @@ impl<'a> Results<'a> {
             Ok(found)
         };
         let made = once(&self.computed.found, || self.logs().map(of_log).collect());
-        made.map(|found| Some(found.as_slice()))
+        made.map(Vec::as_slice)
     }
 
     /// Returns the review with proposals from the search added for the logs that satisfy
@@ -415,11 +415,11 @@ impl<'a> Results<'a> {
     fn found_review(&self, is_asked: impl Fn(usize) -> bool) -> Result<SurveyReview, Error> {
         let mut review = self.order.review.clone();
         review.logs.resize(self.order.logs.len(), None);
-        let Some((model, found)) = self.order.search.zip(self.found()?) else {
+        let Some(model) = self.order.search else {
             return Ok(review);
         };
         let mut first = 1;
-        for (index, found) in found.iter().enumerate() {
+        for (index, found) in self.found()?.iter().enumerate() {
             if is_asked(index) {
                 let identity = Identity::of(&self.order.logs[index].survey);
                 let proposals = Review::of_found(identity, model.names(), first, found);
@@ -434,47 +434,30 @@ impl<'a> Results<'a> {
         Ok(review)
     }
 
-    /// Returns the objects that a search found in all logs; `None` without a search.
-    pub(super) fn found_objects(&self) -> Result<Option<&ObjectList>, Error> {
-        if self.found()?.is_none() {
-            return Ok(None);
-        }
-        let made = once(&self.computed.found_objects, || {
+    /// Returns the objects that a search found in all logs.
+    ///
+    /// # Errors
+    /// When there was no search, or the objects cannot be computed.
+    pub(super) fn found_objects(&self) -> Result<&ObjectList, Error> {
+        self.found()?;
+        once(&self.computed.found_objects, || {
             let review = self.found_review(|_| true)?;
             Ok(list_objects(self.order.logs, &review, self.progress)?)
-        });
-        made.map(Some)
+        })
     }
 
     /// Returns the objects that a search found, with their shapes.
     ///
     /// # Errors
-    /// When there was no search, or the objects cannot be computed.
+    /// As [`Results::found_objects`].
     pub(super) fn shaped_found(&self) -> Result<(&ObjectList, &Shapes), Error> {
         let list = self.found_objects()?;
-        let list = list.ok_or("nothing searched for objects")?;
         let shapes = once(&self.computed.found_shapes, || self.shapes_of(list))?;
         Ok((list, shapes))
     }
 
-    /// Returns the objects of the survey: for each log those of its review, or else those that a
-    /// search found; `None` without a search or a review.
-    pub(super) fn objects(&self) -> Result<Option<&ObjectList>, Error> {
-        let is_searched = self.order.asks_for(When::Searched);
-        match (self.order.review.has_boxes(), is_searched) {
-            (false, false) => return Ok(None),
-            (false, true) => return self.found_objects(),
-            (true, _) => {}
-        }
-        let made = once(&self.computed.objects, || {
-            let review =
-                self.found_review(|log| is_searched && self.order.review.log(log).is_none())?;
-            Ok(list_objects(self.order.logs, &review, self.progress)?)
-        });
-        made.map(Some)
-    }
-
-    /// Returns the objects of the survey with their shapes.
+    /// Returns the objects of the survey with their shapes: for each log those of its review, or
+    /// else those that a search found. There are some if the order asks for [`When::Listed`].
     ///
     /// # Errors
     /// When there was neither a search nor a review, or the objects cannot be computed.
@@ -482,8 +465,12 @@ impl<'a> Results<'a> {
         if !self.order.review.has_boxes() {
             return self.shaped_found();
         }
-        let list = self.objects()?;
-        let list = list.ok_or("nobody has looked for objects")?;
+        let is_searched = self.order.asks_for(When::Searched);
+        let list = once(&self.computed.objects, || {
+            let review =
+                self.found_review(|log| is_searched && self.order.review.log(log).is_none())?;
+            Ok(list_objects(self.order.logs, &review, self.progress)?)
+        })?;
         let shapes = once(&self.computed.shapes, || self.shapes_of(list))?;
         Ok((list, shapes))
     }
@@ -519,6 +506,7 @@ pub(super) fn find_shapes(
 
 /// Error that is not expected: the registry requires a surface before it writes one.
 pub(super) const NO_SURFACE: &str = "there is no depth map";
+pub(super) const NOT_SEARCHED: &str = "nothing searched for objects";
 const NO_DEPTH_MAP: &str = "no depth map: the depths span no surface (a single straight line, or none near another within surface.max_gap_m)";
 const NO_RESIDUALS: &str = "no residuals: there are no side-scan points near a sounding, and no track crosses itself or another";
 

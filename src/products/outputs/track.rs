@@ -4,6 +4,7 @@
 use super::content::{FileContent, FileResult, Need};
 use super::contours::DrawnContours;
 use super::object_files::targets;
+use super::order::When;
 use super::results::Results;
 use crate::Error;
 use crate::export::{
@@ -97,7 +98,7 @@ pub(super) fn geopackage(results: &Results<'_>, path: &Path) -> FileResult {
         layers.push(export::spot_sounding_layer(&placed, results.spot_soundings()?, settings));
     }
     layers.push(export::track_layer(&placed, results.track()));
-    if results.objects()?.is_some() {
+    if results.order.asks_for(When::Listed) {
         let position = |at| placed.position(at);
         let [points, outlines] = export::object_layers(&targets(results)?, position);
         layers.extend([outlines, points]);

@@ -177,7 +177,7 @@ pub fn write(
         }
         files.push(row);
     }
-    let found = if asked(When::Searched) { Proposed::of(&run.results)? } else { None };
+    let found = asked(When::Searched).then(|| Proposed::of(&run.results)).transpose()?;
     let (report, hashed) = (run.report, run.hashed);
     drop(run.results);
     check_logs(order.logs)?;
@@ -379,7 +379,6 @@ pub fn write_detected(
     let results = Results::new(&order, progress)?;
     write_rows(&results, &run.path(), is_asked, &mut |_| ())?;
     let found = Proposed::of(&results)?;
-    let found = found.ok_or("nothing searched for objects")?;
     check_logs(order.logs)?;
     Ok((found, run.commit_group(is_of_search)?))
 }
