@@ -13,8 +13,8 @@ use super::{
 };
 use kinds::{
     CLASSED_POINTS, KEPT_POINTS, LAS_POINTS, NOT_OF_BODY, NOT_OF_CLOUD, NOT_OF_DEPTHS,
-    NOT_OF_MOSAIC, NOT_OF_POINTS, boxes, boxes_of, cloud, compared, contours, described, footprint,
-    isobaths, map_tiles, raster, row, run_file, target_file, track_file,
+    NOT_OF_MOSAIC, NOT_OF_POINTS, boxes, boxes_of, cloud, compared, contour_file, described,
+    footprint, isobaths, map_tiles, raster, row, run_file, target_file, track_file,
 };
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -287,7 +287,7 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
         ],
         ..isobaths("isobaths/isobaths.shp", contours::isobaths_shapefile)
     },
-    contours(
+    contour_file(
         "isobaths/depth_areas.geojson",
         "Areas between depths",
         "areas",
@@ -296,7 +296,7 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
     ),
     OutputFile {
         needs: &[Need::Surface, Need::Area],
-        ..contours(
+        ..contour_file(
             "isobaths/spot_soundings.geojson",
             "The shoalest depths of their surroundings",
             "points",
@@ -304,7 +304,7 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
             contours::spot_soundings,
         )
     },
-    contours(
+    contour_file(
         "isobaths/storage.csv",
         "Area and volume below each depth",
         "levels",

@@ -121,7 +121,7 @@ pub(super) const fn raster(
     }
 }
 
-pub(super) const fn contours(
+pub(super) const fn contour_file(
     name: Text,
     what: Text,
     counted: Text,
@@ -138,7 +138,7 @@ pub(super) const fn contours(
 }
 
 pub(super) const fn isobaths(name: Text, write: WriteFile) -> OutputFile {
-    contours(name, "Lines of equal depth", "lines", "lines of equal depth", write)
+    contour_file(name, "Lines of equal depth", "lines", "lines of equal depth", write)
 }
 
 pub(super) const fn map_tiles(name: Text, what: Text, brief: Text, write: WriteFile) -> OutputFile {
