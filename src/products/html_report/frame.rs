@@ -59,22 +59,15 @@ impl PageTransform {
         })
     }
 
-    /// Returns the place of a picture over a grid: `columns` by `rows` pixels of `joined` cells a
-    /// side.
-    pub(super) fn picture(
-        &self,
-        grid: &Grid,
-        joined: usize,
-        [columns, rows]: [usize; 2],
-        address: String,
-    ) -> Value {
-        let scale = grid.cell_m * joined as f64 * self.px_per_m;
+    /// Returns the place of a picture with a pixel for each cell of a grid.
+    pub(super) fn picture(&self, grid: &Grid, address: String) -> Value {
+        let scale = grid.cell_m * self.px_per_m;
         let [x, y] = self.place([grid.west_m, grid.north_m]);
         context! {
             x => format!("{x:.2}"),
             y => format!("{y:.2}"),
-            width => format!("{:.2}", columns as f64 * scale),
-            height => format!("{:.2}", rows as f64 * scale),
+            width => format!("{:.2}", grid.columns as f64 * scale),
+            height => format!("{:.2}", grid.rows as f64 * scale),
             address,
         }
     }

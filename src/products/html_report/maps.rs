@@ -78,15 +78,14 @@ impl Lit<'_> {
     fn picture(&self, frame: &PageTransform) -> Value {
         let grid = &self.surface.grid;
         let joined = grid.columns.max(grid.rows).div_ceil(MOST_PIXELS).max(1);
-        let (columns, rows) = (grid.columns.div_ceil(joined), grid.rows.div_ceil(joined));
-        let mut pixels = Vec::with_capacity(4 * columns * rows);
-        for row in 0..rows {
-            for column in 0..columns {
+        let coarse = grid.coarser(joined);
+        let mut pixels = Vec::with_capacity(4 * coarse.len());
+        for row in 0..coarse.rows {
+            for column in 0..coarse.columns {
                 pixels.extend(self.pixel([row * joined, column * joined], joined));
             }
         }
-        let address = raster::rgba(&pixels, columns, rows);
-        frame.picture(grid, joined, [columns, rows], address)
+        frame.picture(&coarse, raster::rgba(&pixels, coarse.columns, coarse.rows))
     }
 
     /// Returns the colour of the mean depth of some cells, lit by their mean shade; transparent
@@ -203,8 +202,7 @@ pub(super) fn mosaic_plan(
         return Ok(None);
     };
     let levels = mosaic_levels(mosaic, &grid, progress)?;
-    let address = raster::grey(&levels, grid.columns, grid.rows);
-    let picture = frame.picture(&grid, 1, [grid.columns, grid.rows], address);
+    let picture = frame.picture(&grid, raster::grey(&levels, grid.columns, grid.rows));
     Ok(Some(map(from, &frame, picture)))
 }
 

@@ -130,7 +130,6 @@ pub(crate) fn objects_gpx(
         } else {
             format!("<cmt>{}</cmt>", xml(&object.remarks))
         };
-        // Writing to a string does not fail.
         text += &format!(
             "<wpt lat=\"{:.8}\" lon=\"{:.8}\"><name>{}</name>{remarks}<desc>{}</desc><type>{}</type><extensions>{columns}</extensions></wpt>\n",
             at.lat_deg,
@@ -161,7 +160,6 @@ pub(crate) fn objects_kml(
             format!("<Data name=\"{name}\"><value>{text}</value></Data>")
         });
         let at = object.position;
-        // Writing to a string does not fail.
         text += &format!(
             "<Placemark><name>{}</name><description>{}</description><ExtendedData>{columns}</ExtendedData><Point><coordinates>{:.8},{:.8}</coordinates></Point></Placemark>\n",
             xml(&title),
