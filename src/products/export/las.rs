@@ -1,6 +1,6 @@
 //! Writes points of any kind in a map's coordinates as COPC or LAS 1.4: `cloud.copc.laz` and
-//! `cloud.las`, all points with their classes, for survey programs, and `bottom.copc.laz`, the cells
-//! of the depth map as points, for programs that read point clouds and no rasters.
+//! `cloud.las`, all points with their classes, for survey programs, and `bottom.copc.laz`, the
+//! cells of the depth map as points, for programs that read point clouds and no rasters.
 //!
 //! The dimensions of points beyond the fields of the standard are described by the Extra Bytes
 //! record of LAS 1.4 R15 (section 2.7.1 "Extra Bytes"). LAS counts in GPS time, which does not stop

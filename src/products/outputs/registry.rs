@@ -13,8 +13,8 @@ use super::{
 };
 use kinds::{
     CLASSED_POINTS, KEPT_POINTS, LAS_POINTS, NOT_OF_BODY, NOT_OF_CLOUD, NOT_OF_DEPTHS,
-    NOT_OF_MOSAIC, NOT_OF_POINTS, boxes, boxes_of, cloud, compared, contour_file, described,
-    footprint, isobaths, map_tiles, raster, row, run_file, target_file, track_file,
+    NOT_OF_MOSAIC, NOT_OF_POINTS, boxes, cloud, compared, contour_file, described, footprint,
+    isobaths, map_tiles, raster, row, run_file, target_file, track_file,
 };
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -372,14 +372,14 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
     target_file("objects/targets.gpx", "objects", object_files::targets_gpx),
     target_file("objects/targets.kml", "objects", object_files::targets_kml),
     OutputFile {
+        when: When::Listed,
         described: described(
             "Objects of the review, or of the detector where there is no review, with all that is known of each",
             "objects",
             "",
         ),
-        ..boxes_of(
+        ..boxes(
             "objects/objects.csv",
-            When::Listed,
             "objects, a row each: place, size, height and its source",
             object_files::all_objects,
         )

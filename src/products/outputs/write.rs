@@ -29,12 +29,6 @@ use std::thread;
 /// each needs memory.
 const MOST_AT_ONCE: usize = 4;
 
-/// Returns the subfolders in which a run may write a file with this name, apart from the ending.
-fn folders_of(stem: &str) -> impl Iterator<Item = &'static str> {
-    let rows = OUTPUT_FILES.iter().filter(move |row| row.stem().eq_ignore_ascii_case(stem));
-    rows.map(OutputFile::folder).filter(|folder| !folder.is_empty())
-}
-
 /// Refuses a folder in which a file of a run would be written over an input, such as `track.gpx` of
 /// another receiver, or `depth.tif` that the survey is compared with.
 ///
@@ -91,7 +85,10 @@ fn refuse<'a>(mut inputs: impl Iterator<Item = &'a Path>, folder: &Path) -> Resu
         let name = input.file_name().unwrap_or_default();
         let is_name = |row: &OutputFile| row.name.eq_ignore_ascii_case(&name.to_string_lossy());
         let is_on_top = is_stem_of_output(stem) || OUTPUT_FILES.iter().any(is_name);
-        let folders = folders_of(stem).chain(is_on_top.then_some(""));
+        // Subfolders in which a run may write a file with this name, apart from the ending.
+        let rows = OUTPUT_FILES.iter().filter(|row| row.stem().eq_ignore_ascii_case(stem));
+        let below = rows.map(OutputFile::folder).filter(|folder| !folder.is_empty());
+        let folders = below.chain(is_on_top.then_some(""));
         let mut there = folders.map(|of| folder.join(of).join(name));
         there.any(|there| is_same_file(&there, input))
     };

@@ -177,14 +177,10 @@ pub(super) const fn target_file(name: Text, counted: Text, write: WriteFile) -> 
 }
 
 pub(super) const fn boxes(name: Text, brief: Text, write: WriteFile) -> OutputFile {
-    boxes_of(name, When::Searched, brief, write)
-}
-
-pub(super) const fn boxes_of(name: Text, when: When, brief: Text, write: WriteFile) -> OutputFile {
     OutputFile {
         regardless_of: NOT_OF_BOXES,
         brief,
         described: described(BOXES, "boxes", ""),
-        ..row(name, when, write)
+        ..row(name, When::Searched, write)
     }
 }
