@@ -32,9 +32,8 @@ fn las_file(results: &Results<'_>, path: &Path, packing: LasPacking) -> FileResu
     let crs = &results.map.crs;
     let place = |log: &LogPoints<'_>, point: &CloudPoint| place(results, log, point);
     let points = export::cloud_las(path, packing, crs, place, &results.log_points());
-    let knows_time = |log: &LogPoints<'_>| log.survey.start_unix_s.is_some();
     Ok(FileContent {
-        detail: if results.log_points().iter().all(knows_time) {
+        detail: if results.start_unix_s().is_some() {
             ", time adjusted standard GPS time"
         } else {
             ", time seconds after the log's beginning"
