@@ -4,15 +4,15 @@
 //!
 //! `registry` has a row for each file, `product_files` describes the files of a product and
 //! estimates their sizes; `write` makes all files of a run from `results` and prevents that they
-//! replace their own inputs, `run_folder` puts them in place together, `earlier_run` finds the
-//! files that are out of date. `order` is the request, `content` describes the content of a file
-//! and the inputs without which it cannot be made. `clouds` writes the files of points, `track`
-//! those of the track, and all lines and areas in one file, `rasters` the depth map as rasters and
-//! text, `body` the bottom for 3D programs, `contours` isobaths, depth areas and storage, `tiles`
-//! the map as web tiles, `residuals` and `comparison` the agreement of the depths, `mosaic` the
-//! side-scan mosaic, `object_files` the objects of a search and of a review, `report_page` writes
-//! the report; `manifest` lists and describes the files. `boxes` writes reviewed boxes, and
-//! pictures of them for training.
+//! replace their own inputs, `run_folder` puts them in place together. `order` is the request,
+//! `content` describes the content of a file and the inputs without which it cannot be made.
+//! `clouds` writes the files of points, `track` those of the track, and all lines and areas in one
+//! file, `rasters` the depth map as rasters and text, `body` the bottom for 3D programs, `contours`
+//! isobaths, depth areas and storage, `tiles` the map as web tiles, `residuals` and `comparison`
+//! the agreement of the depths, `mosaic` the side-scan mosaic, `object_files` the objects of a
+//! search and of a review, `report_page` writes the report; `manifest` lists and describes the
+//! files, and finds those that are out of date. `boxes` writes reviewed boxes, and pictures of them
+//! for training.
 
 mod body;
 mod boxes;
@@ -20,7 +20,6 @@ mod clouds;
 mod comparison;
 mod content;
 mod contours;
-mod earlier_run;
 mod manifest;
 mod mosaic;
 mod object_files;
@@ -38,7 +37,7 @@ mod write;
 
 pub use boxes::write_boxes;
 pub use comparison::{ComparisonRecord, write_differences};
-pub use earlier_run::{EarlierRun, is_run_of};
+pub use manifest::{EarlierRun, is_run_of};
 pub use object_files::Proposed;
 pub use order::{Order, Product, When, log_names};
 pub use product_files::{Amounts, about_bytes, files_in_words};
