@@ -317,7 +317,7 @@ fn write_files(
     let drawn = DrawnLines {
         lines: &made.isobaths,
         settings: &settings,
-        index_levels_m: &settings.index_levels_m(&levels_m),
+        index_levels_m: settings.index_levels_m(&levels_m),
     };
     isobaths_geojson(&folder.join(ISOBATHS), &drawn, place)?;
     Ok(())

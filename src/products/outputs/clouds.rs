@@ -31,14 +31,14 @@ pub(super) fn las(results: &Results<'_>, path: &Path) -> FileResult {
 fn las_file(results: &Results<'_>, path: &Path, packing: LasPacking) -> FileResult {
     let crs = &results.map.crs;
     let place = |log: &LogPoints<'_>, point: &CloudPoint| place(results, log, point);
-    let points = export::cloud_las(path, packing, crs, place, &results.log_points());
+    let points = export::cloud_las(path, packing, crs, place, &results.log_points())?;
     Ok(FileContent {
         detail: if results.start_unix_s().is_some() {
             ", time adjusted standard GPS time"
         } else {
             ", time seconds after the log's beginning"
         },
-        ..FileContent::in_system(crs, points?)
+        ..FileContent::in_system(crs, points)
     })
 }
 

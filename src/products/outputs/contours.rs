@@ -6,7 +6,6 @@ use super::results::Results;
 use crate::Error;
 use crate::export::{self, DrawnLines, LabelledLine};
 use crate::pipeline::Contours;
-use bathyscope_bottom::bathymetry::isobaths::IsobathSettings;
 use bathyscope_log::support::statistics::ends;
 use std::path::Path;
 
@@ -18,8 +17,8 @@ const COLOURS: [[f64; 3]; 2] = [[120.0, 200.0, 255.0], [8.0, 48.0, 160.0]];
 pub(super) struct DrawnContours<'a> {
     /// Isobaths and the areas between them.
     pub contours: &'a Contours,
-    settings: &'a IsobathSettings,
-    index_levels_m: Vec<f64>,
+    /// The isobaths with the settings of their drawing.
+    pub lines: DrawnLines<'a>,
     /// Square metres on the ground in a square metre of the map, which are not exactly the same.
     pub ground: f64,
 }
@@ -36,19 +35,13 @@ impl<'a> DrawnContours<'a> {
         let contours = results.contours()?.as_ref().map_err(Clone::clone)?;
         Ok(Self {
             contours,
-            settings,
-            index_levels_m: settings.index_levels_m(&contours.isobaths.levels_m),
+            lines: DrawnLines {
+                lines: &contours.isobaths.lines,
+                settings,
+                index_levels_m: settings.index_levels_m(&contours.isobaths.levels_m),
+            },
             ground: results.map.area_scale_at(middle).recip(),
         })
-    }
-
-    /// Returns the isobaths with the settings of their drawing.
-    pub(super) fn lines(&self) -> DrawnLines<'_> {
-        DrawnLines {
-            lines: &self.contours.isobaths.lines,
-            settings: self.settings,
-            index_levels_m: &self.index_levels_m,
-        }
     }
 }
 
@@ -56,7 +49,7 @@ impl<'a> DrawnContours<'a> {
 pub(super) fn isobaths_geojson(results: &Results<'_>, path: &Path) -> FileResult {
     let drawn = DrawnContours::of(results)?;
     let place = |at| results.map.to_lon_lat(at);
-    let lines = export::isobaths_geojson(path, &drawn.lines(), place)?;
+    let lines = export::isobaths_geojson(path, &drawn.lines, place)?;
     Ok(FileContent::in_degrees(lines))
 }
 
@@ -101,15 +94,16 @@ pub(super) fn storage(results: &Results<'_>, path: &Path) -> FileResult {
 
 /// Returns the isobaths with their depths as labels; deeper lines are darker.
 fn named_lines(drawn: &DrawnContours<'_>, results: &Results<'_>) -> Vec<LabelledLine> {
-    let (lines, ground) = (&drawn.contours.isobaths.lines, drawn.ground.sqrt());
+    let DrawnLines { lines, settings, .. } = &drawn.lines;
+    let ground = drawn.ground.sqrt();
     let [least_m, most_m] = ends(lines.iter().map(|line| line.depth_m));
     let named = lines.iter().map(|line| {
         let share = (line.depth_m - least_m) / (most_m - least_m).max(f64::MIN_POSITIVE);
         let [light, dark] = COLOURS;
-        let depth = drawn.settings.in_unit(line.depth_m);
+        let depth = settings.in_unit(line.depth_m);
         LabelledLine {
             points: line.points.iter().map(|at| results.map.to_lon_lat(*at)).collect(),
-            label: format!("{depth} {}", drawn.settings.unit.symbol()),
+            label: format!("{depth} {}", settings.unit.symbol()),
             numbers: vec![line.depth_m, ground * line.length_m()],
             colour: [0, 1, 2].map(|part| (light[part] + share * (dark[part] - light[part])) as u8),
         }

@@ -88,7 +88,7 @@ pub(super) fn geopackage(results: &Results<'_>, path: &Path) -> FileResult {
         let drawn = DrawnContours::of(results)?;
         let contours = drawn.contours;
         layers.push(export::depth_area_layer(&placed, &contours.areas, drawn.ground, depth_colour));
-        layers.push(export::isobath_layer(&placed, &drawn.lines(), drawn.ground.sqrt()));
+        layers.push(export::isobath_layer(&placed, &drawn.lines, drawn.ground.sqrt()));
     }
     if has(Need::Footprint)? {
         layers.push(export::footprint_layer(&placed, &results.name(), results.ground()?));
