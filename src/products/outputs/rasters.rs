@@ -16,6 +16,13 @@ use bathyscope_log::formats::geotiff::{Band, CellFormat, RasterSpec};
 use bathyscope_log::support::geo::MapPlane;
 use std::path::Path;
 
+/// Descriptions of rasters, in their files and in the manifest.
+pub(super) const DEPTH: &str = "Depth in metres, positive down";
+pub(super) const SPREAD: &str = "Standard deviation in metres of the depths that carry a cell";
+pub(super) const DISTANCE: &str = "Distance in metres from a cell to the nearest depth";
+pub(super) const SHOALEST: &str =
+    "Shoalest depth in metres that was measured in a cell, positive down";
+
 /// A raster to write.
 struct RasterLayer<'a> {
     band: Band,
@@ -37,7 +44,7 @@ pub(super) fn depth(results: &Results<'_>, path: &Path) -> FileResult {
     let surface = results.surface()?;
     let layer = RasterLayer {
         band: band("depth", true),
-        what: "Depth in metres, positive down",
+        what: DEPTH,
         colour: depth_colour,
         values: &surface.depth_m,
     };
@@ -51,7 +58,7 @@ pub(super) fn uncertainty(results: &Results<'_>, path: &Path) -> FileResult {
         Spread::OfError => {
             "Standard deviation in metres of the depth's error, as left-out depths show it"
         }
-        Spread::OfSoundings => "Standard deviation in metres of the depths that carry a cell",
+        Spread::OfSoundings => SPREAD,
     };
     let layer = RasterLayer {
         band: band("standard deviation of depth", false),
@@ -67,7 +74,7 @@ pub(super) fn distance(results: &Results<'_>, path: &Path) -> FileResult {
     let surface = results.surface()?;
     let layer = RasterLayer {
         band: band("distance to the nearest depth", false),
-        what: "Distance in metres from a cell to the nearest depth",
+        what: DISTANCE,
         colour: distance_colour,
         values: &surface.distance_m,
     };
@@ -80,7 +87,7 @@ pub(super) fn shoalest(results: &Results<'_>, path: &Path) -> FileResult {
     let surface = &depth_map.surface;
     let layer = RasterLayer {
         band: band("shoalest depth", true),
-        what: "Shoalest depth in metres that was measured in a cell, positive down",
+        what: SHOALEST,
         colour: depth_colour,
         values: &shoalest_m(&surface.grid, &depth_map.depth_points(results.progress)?),
     };

@@ -190,7 +190,7 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
     raster(
         "depth/depth.tif",
         &["depth/depth.qml"],
-        "Depth in metres, positive down",
+        rasters::DEPTH,
         "depth_m",
         "depth map, metres",
         rasters::depth,
@@ -198,7 +198,7 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
     raster(
         "depth/uncertainty.tif",
         &["depth/uncertainty.qml"],
-        "Standard deviation in metres of the depths that carry a cell",
+        rasters::SPREAD,
         "standard_deviation_m",
         "standard deviation of the depths in a cell, metres",
         rasters::uncertainty,
@@ -206,7 +206,7 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
     raster(
         "depth/shoalest.tif",
         &["depth/shoalest.qml"],
-        "Shoalest depth in metres that was measured in a cell, positive down",
+        rasters::SHOALEST,
         "depth_m",
         "shoalest depth measured in each cell, metres",
         rasters::shoalest,
@@ -214,7 +214,7 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
     raster(
         "depth/distance.tif",
         &["depth/distance.qml"],
-        "Distance in metres from a cell to the nearest depth",
+        rasters::DISTANCE,
         "distance_m",
         "distance to the nearest depth, metres",
         rasters::distance,
