@@ -311,7 +311,7 @@ fn write_files(inputs: &TileInputs<'_>, made: &TileMap) -> Result<(), Error> {
     let drawn = DrawnLines {
         lines: &made.isobaths,
         settings: &settings,
-        index_levels_m: &settings.index_levels_m(&levels_m),
+        index_levels_m: settings.index_levels_m(&levels_m),
     };
     isobaths_geojson(&folder.join(ISOBATHS), &drawn, place)?;
     Ok(())

@@ -55,11 +55,13 @@ pub fn write_atomically<T>(
     path: &Path,
     write: impl FnOnce(File) -> io::Result<T>,
 ) -> Result<T, ExportError> {
-    write_atomically_at(path, |passing| {
-        let mut open = File::options();
-        open.read(true).write(true).create(true).truncate(true);
-        open.open(passing).and_then(write)
-    })
+    write_atomically_at(path, |passing| new_file(passing).and_then(write))
+}
+
+/// Opens a new or emptied file for reading and writing.
+fn new_file(path: &Path) -> io::Result<File> {
+    let mut open = File::options();
+    open.read(true).write(true).create(true).truncate(true).open(path)
 }
 
 /// Does the same as [`write_atomically`] for a writer that opens a file by its path. No file exists
@@ -195,9 +197,7 @@ pub(super) fn scratch_near(path: &Path) -> io::Result<File> {
     let mut name = path.file_name().unwrap_or_default().to_os_string();
     name.push(format!(".{}{SCRATCH}", std::process::id()));
     let passing = path.with_file_name(name);
-    let mut open = File::options();
-    open.read(true).write(true).create(true).truncate(true);
-    let file = open.open(&passing)?;
+    let file = new_file(&passing)?;
     fs::remove_file(&passing)?;
     Ok(file)
 }

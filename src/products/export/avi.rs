@@ -115,26 +115,10 @@ impl<W: Write + Seek> AviWriter<W> {
         name(&mut head, b"avih");
         let per_frame_us = 1_000_000 / self.frames_per_s;
         let per_s = largest.saturating_mul(self.frames_per_s);
-        words(
-            &mut head,
-            &[
-                56,
-                per_frame_us,
-                per_s,
-                0,
-                HAS_INDEX,
-                count,
-                0,
-                1,
-                largest,
-                width,
-                height,
-                0,
-                0,
-                0,
-                0,
-            ],
-        );
+        words(&mut head, &[56, per_frame_us, per_s, 0, HAS_INDEX, count]);
+        // Initial frames, streams, buffer, sides, and four unused words.
+        words(&mut head, &[0, 1, largest, width, height]);
+        words(&mut head, &[0; 4]);
         name(&mut head, b"LIST");
         words(&mut head, &[116]);
         name(&mut head, b"strl");

@@ -117,7 +117,6 @@ pub fn figure_csv(path: &Path, figure: &MeasuredFigure) -> Result<(), ExportErro
     let closing = area.and(figure.corners.first()).map(|first| (first, &figure.length_m));
     for (index, (at, distance_m)) in corners.chain(closing).enumerate() {
         let corner = index % figure.corners.len() + 1;
-        // Writing to a string does not fail.
         text += &format!("{corner},{:.9},{:.9},{distance_m:.3}{whole}\n", at.lon_deg, at.lat_deg);
     }
     write_bytes(path, text)
@@ -136,7 +135,6 @@ pub fn profile_csv(
         let [east_m, north_m] = station.place;
         let at = navigation.to_lon_lat(&survey.track, east_m, north_m);
         let depth = station.depth_m.map_or_else(String::new, |depth_m| format!("{depth_m:.3}"));
-        // Writing to a string does not fail.
         text += &format!(
             "{:.3},{:.9},{:.9},{east_m:.4},{north_m:.4},{depth}\n",
             station.distance_m, at.lon_deg, at.lat_deg

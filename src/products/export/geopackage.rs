@@ -53,21 +53,14 @@ pub(crate) enum FeatureGeometry {
 }
 
 impl FeatureGeometry {
-    fn places(&self) -> impl Iterator<Item = [f64; 2]> {
-        let (point, line, rings, polygons) = match self {
-            FeatureGeometry::Point(place) => (Some(*place), &[][..], &[][..], &[][..]),
-            FeatureGeometry::Line(line) => (None, &line[..], &[][..], &[][..]),
-            FeatureGeometry::Polygon(rings) => (None, &[][..], &rings[..], &[][..]),
-            FeatureGeometry::Polygons(polygons) => (None, &[][..], &[][..], &polygons[..]),
-        };
-        let rings = polygons.iter().flatten().chain(rings);
-        let corners = rings.flatten().copied();
-        point.into_iter().chain(line.iter().copied()).chain(corners)
-    }
-
     /// Returns the least x and y and the greatest x and y; NaN without any place.
     fn bounds(&self) -> [f64; 4] {
-        self.places().fold([f64::NAN; 4], |bounds, [x, y]| box_around(bounds, [x, y, x, y]))
+        match self {
+            FeatureGeometry::Point(place) => bounds_of([place]),
+            FeatureGeometry::Line(line) => bounds_of(line),
+            FeatureGeometry::Polygon(rings) => bounds_of(rings.iter().flatten()),
+            FeatureGeometry::Polygons(polygons) => bounds_of(polygons.iter().flatten().flatten()),
+        }
     }
 
     /// Returns the bytes of the geometry in the system of an EPSG number.
@@ -103,6 +96,11 @@ impl FeatureGeometry {
         }
         bytes
     }
+}
+
+fn bounds_of<'a>(places: impl IntoIterator<Item = &'a [f64; 2]>) -> [f64; 4] {
+    let boxes = places.into_iter().map(|&[x, y]| [x, y, x, y]);
+    boxes.fold([f64::NAN; 4], box_around)
 }
 
 /// A layer: a table of features of one kind of geometry.

@@ -4,9 +4,26 @@ use super::atomic_write::{scratch_near, write_atomically};
 use crate::Error;
 use bathyscope_bottom::bathymetry::{CellSource, Grid, Surface};
 use bathyscope_log::formats::geotiff::{self, Band, CellFormat, NODATA, RASTER_TILE, RasterSpec};
+use bathyscope_log::support::geo::MapPlane;
 use bathyscope_log::support::progress::Progress;
 use std::io;
 use std::path::Path;
+
+/// Returns the description of a raster over the cells of a grid in the plane of a map; the caller
+/// sets the kind of cells, the band and the text.
+pub(crate) fn raster_over(grid: &Grid, map: &MapPlane) -> RasterSpec {
+    RasterSpec {
+        columns: grid.columns,
+        rows: grid.rows,
+        west: map.in_crs([grid.west_m, 0.0])[0],
+        north: map.in_crs([0.0, grid.north_m])[1],
+        cell: map.in_crs([grid.cell_m; 2]),
+        crs: map.crs.clone(),
+        cells: CellFormat::Metres,
+        band: None,
+        description: String::new(),
+    }
+}
 
 /// Writes a GeoTIFF in the layout of [`geotiff::write`]. During the work the tiles are stored in a
 /// second file in the same folder, where there is room for them.

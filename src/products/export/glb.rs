@@ -20,7 +20,7 @@ const CLAMP_TO_EDGE: u32 = 33071;
 
 /// A mesh of triangles.
 #[derive(Clone, Debug, Default)]
-pub struct TexturedMesh {
+pub(crate) struct TexturedMesh {
     /// Name of the mesh.
     pub name: String,
     /// East, north and up of each corner, metres.
@@ -86,7 +86,7 @@ impl GlbParts {
 }
 
 /// Writes a mesh to a file.
-pub fn glb(path: &Path, mesh: &TexturedMesh) -> Result<(), ExportError> {
+pub(crate) fn glb(path: &Path, mesh: &TexturedMesh) -> Result<(), ExportError> {
     let (document, mut bytes) = document(mesh);
     let mut text = document.to_string().into_bytes();
     text.resize(text.len().next_multiple_of(4), b' ');

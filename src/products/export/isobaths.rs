@@ -11,14 +11,13 @@ use std::io::Write as _;
 use std::path::Path;
 
 /// Isobaths with the settings of their drawing.
-#[derive(Clone, Copy)]
 pub(crate) struct DrawnLines<'a> {
     /// The isobaths.
     pub lines: &'a [Isobath],
     /// Settings with the unit in which the depths of the lines are written.
     pub settings: &'a IsobathSettings,
     /// Depths of the lines that are thick and labelled, metres.
-    pub index_levels_m: &'a [f64],
+    pub index_levels_m: Vec<f64>,
 }
 
 impl DrawnLines<'_> {

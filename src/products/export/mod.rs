@@ -6,19 +6,16 @@
 //! There is one module for each kind of product. `atomic_write` renames finished files, and
 //! [`Summary`] is the content of a file in numbers; `points` writes tables and clouds as text,
 //! `las` points of any kind as LAS; `geotiff` writes any raster and the cells of a grid,
-//! `qgis_style` the colours of rasters, `vector` lines and areas; `rings` keeps polygons valid;
-//! `fixed` formats numbers; `log_copy` copies a log; `dataset` is the folder that detectors are
-//! trained on, `tile_sets` writes maps as tiles, `plan` planned lines for plotters and autopilots.
-//! The layouts of rasters and point files are defined in `formats`, which also reads them.
+//! `qgis_style` the styles of rasters and layers, `vector` lines and areas; `rings` keeps polygons
+//! valid; `log_copy` copies a log; `dataset` is the folder that detectors are trained on,
+//! `tile_sets` writes maps as tiles, `plan` planned lines for plotters and autopilots. The layouts
+//! of rasters and point files are defined in `formats`, which also reads them.
 
 mod atomic_write;
 pub mod avi;
-mod chip_folder;
 mod chips;
-mod cloud_las;
 mod dataset;
 mod figure;
-mod fixed;
 mod geojson;
 mod geopackage;
 mod geotiff;
@@ -30,7 +27,6 @@ mod objects;
 mod plan;
 mod points;
 mod qgis_style;
-mod qgis_vector;
 mod rings;
 mod sqlite;
 mod survey_layers;
@@ -42,25 +38,22 @@ pub(crate) use atomic_write::remove_leftovers;
 pub use atomic_write::{
     ExportError, is_same_file, make_folder, rename_older, write_atomically, write_bytes, write_json,
 };
-pub use chip_folder::ChipFolder;
-pub(crate) use chip_folder::{earlier_chips, remove_passing_chips};
-pub(crate) use chips::picture_chips;
-pub use chips::{ChipLog, chip, chips};
-pub(crate) use cloud_las::cloud_las;
+pub use chips::chip;
+pub(crate) use chips::{ChipLog, chips, earlier_chips, picture_chips, remove_passing_chips};
 pub use dataset::{DatasetFolder, DatasetPart, PartSummary};
 pub use figure::{MeasuredFigure, figure_csv, figure_geojson, profile_csv};
 pub(crate) use geopackage::geopackage;
-pub(crate) use geotiff::source_raster;
 pub use geotiff::{geotiff, metres_raster};
-pub use glb::{TexturedMesh, glb};
+pub(crate) use geotiff::{raster_over, source_raster};
+pub(crate) use glb::{TexturedMesh, glb};
 pub(crate) use isobaths::{
     DrawnLines, depth_areas_geojson, isobaths_geojson, spot_soundings_geojson, storage_csv,
 };
-pub(crate) use las::{BottomCell, LasPacking, bottom_las};
+pub(crate) use las::{BottomCell, LasPacking, bottom_las, cloud_las};
 pub use log_copy::{LogPartChoice, TimeBound, check_copy, copy_log};
 pub(crate) use objects::{
-    ObjectLog, box_table, object_layers, object_places, object_table, objects_geojson,
-    objects_gpkg, objects_gpx, objects_kml, picture_boxes_csv, shapes_ply,
+    ObjectLog, box_table, object_layers, object_table, objects_geojson, objects_gpkg, objects_gpx,
+    objects_kml, picture_boxes_csv, shapes_ply,
 };
 pub use plan::{PlanFormat, PlannedWay};
 pub use points::kept_points;
@@ -72,8 +65,8 @@ pub use qgis_style::qgis_style;
 pub(crate) use survey_layers::{
     MapGeometry, depth_area_layer, footprint_layer, isobath_layer, spot_sounding_layer, track_layer,
 };
+pub(crate) use track::{SideScanCoverage, footprint_geojson, track_geojson, track_gpx};
 pub use track::{TrackPiece, TrackPoint, track};
-pub(crate) use track::{footprint_geojson, track_geojson, track_gpx};
 pub(crate) use vector::{LabelledLine, areas_kmz, lines_kmz, lines_shapefile};
 
 use bathyscope_bottom::cloud::PointSource;

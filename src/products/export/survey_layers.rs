@@ -4,12 +4,12 @@
 use super::geopackage::{FeatureGeometry, Layer, Ring};
 use super::isobaths::DrawnLines;
 use super::millimetres;
-use super::qgis_vector::{
+use super::qgis_style::{
     depth_area_style, footprint_style, isobath_style, spot_sounding_style, track_style,
 };
 use super::rings::rounded;
 use super::sqlite::{Value, count, text};
-use super::track::TrackPiece;
+use super::track::{SideScanCoverage, TrackPiece};
 use bathyscope_bottom::bathymetry::DepthPoint;
 use bathyscope_bottom::bathymetry::isobaths::{DepthArea, Isobath, IsobathSettings, Polygon};
 use bathyscope_log::support::geo::{LonLat, MapPlane};
@@ -78,12 +78,11 @@ pub(crate) fn track_layer(placed: &MapGeometry<'_>, pieces: &[TrackPiece]) -> La
 pub(crate) fn footprint_layer(
     placed: &MapGeometry<'_>,
     name: &str,
-    shapes: &[Polygon],
-    area_m2: f64,
+    ground: &SideScanCoverage,
 ) -> Layer {
-    let polygons = placed.polygons(shapes);
+    let polygons = placed.polygons(&ground.shapes);
     let is_some = !polygons.is_empty();
-    let values = vec![text(name), Value::Real((area_m2 * 10.0).round() / 10.0)];
+    let values = vec![text(name), Value::Real(ground.rounded_m2())];
     let feature = is_some.then_some((FeatureGeometry::Polygons(polygons), values));
     Layer {
         name: "footprint",

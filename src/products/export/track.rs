@@ -7,7 +7,7 @@ use super::geojson::{areas, collection, feature_at, line_at};
 use super::{ExportError, Summary, millimetres, write_summed};
 use bathyscope_bottom::bathymetry::isobaths::Polygon;
 use bathyscope_log::support::calendar::timestamp;
-use bathyscope_log::support::geo::LonLat;
+use bathyscope_log::support::geo::{LonLat, MapPlane};
 use bathyscope_log::support::printable::xml;
 use bathyscope_log::survey::{Navigation, PingNav, Survey};
 use serde_json::json;
@@ -176,20 +176,44 @@ pub(crate) fn write_track_gpx(
     writeln!(out, "</trk>\n</gpx>")
 }
 
-/// Writes the insonified ground of one log as one feature of `area_m2`.
+/// The ground that the side-scan insonified.
+pub(crate) struct SideScanCoverage {
+    /// Outlines of the ground, in the plane of the map; empty without side-scan.
+    pub shapes: Vec<Polygon>,
+    /// Area on the ground, square metres.
+    pub area_m2: f64,
+}
+
+impl SideScanCoverage {
+    /// Creates the coverage from outlines in the plane of a map.
+    pub(crate) fn new(shapes: Vec<Polygon>, map: &MapPlane) -> Self {
+        // Without any corner there is nothing to draw.
+        let Some(first) = shapes.first().and_then(|shape| shape.outline.first()).copied() else {
+            return Self { shapes: Vec::new(), area_m2: 0.0 };
+        };
+        let on_map_m2: f64 = shapes.iter().map(|shape| shape.area_m2()).sum();
+        Self { shapes, area_m2: on_map_m2 / map.area_scale_at(first) }
+    }
+
+    /// Returns the area for a file, rounded to a tenth of a square metre.
+    pub(super) fn rounded_m2(&self) -> f64 {
+        (self.area_m2 * 10.0).round() / 10.0
+    }
+}
+
+/// Writes the insonified ground of one log as one feature with its area.
 pub(crate) fn footprint_geojson(
     path: &Path,
     name: &str,
-    shapes: &[Polygon],
-    area_m2: f64,
+    ground: &SideScanCoverage,
     place: impl Fn([f64; 2]) -> LonLat,
 ) -> Result<Summary, ExportError> {
     let feature = |_: (), summary: &mut Summary| {
-        let polygons = areas(shapes, &place);
+        let polygons = areas(&ground.shapes, &place);
         summary.count += 1;
         let corners = polygons.iter().flatten().flatten();
         corners.for_each(|corner| summary.reach(*corner));
-        let properties = json!({ "log": name, "area_m2": (area_m2 * 10.0).round() / 10.0 });
+        let properties = json!({ "log": name, "area_m2": ground.rounded_m2() });
         feature_at("MultiPolygon", polygons, properties)
     };
     collection(path, std::iter::once(()), feature)

@@ -29,9 +29,11 @@ pub(super) struct PageTransform {
     map: MapPlane,
     west_m: f64,
     north_m: f64,
-    px_per_m: f64,
+    /// Number of pixels in a metre.
+    pub px_per_m: f64,
     width_px: f64,
-    height_px: f64,
+    /// Height of the map, pixels.
+    pub height_px: f64,
 }
 
 impl PageTransform {
@@ -57,22 +59,15 @@ impl PageTransform {
         })
     }
 
-    /// Returns the place of a picture over a grid: `columns` by `rows` pixels of `joined` cells a
-    /// side.
-    pub(super) fn picture(
-        &self,
-        grid: &Grid,
-        joined: usize,
-        [columns, rows]: [usize; 2],
-        address: String,
-    ) -> Value {
-        let scale = grid.cell_m * joined as f64 * self.px_per_m;
+    /// Returns the place of a picture with a pixel for each cell of a grid.
+    pub(super) fn picture(&self, grid: &Grid, address: String) -> Value {
+        let scale = grid.cell_m * self.px_per_m;
         let [x, y] = self.place([grid.west_m, grid.north_m]);
         context! {
             x => format!("{x:.2}"),
             y => format!("{y:.2}"),
-            width => format!("{:.2}", columns as f64 * scale),
-            height => format!("{:.2}", rows as f64 * scale),
+            width => format!("{:.2}", grid.columns as f64 * scale),
+            height => format!("{:.2}", grid.rows as f64 * scale),
             address,
         }
     }
@@ -89,19 +84,9 @@ impl PageTransform {
         [self.west_m + (x - LEFT_PX) / self.px_per_m, self.north_m - (y - ABOVE_PX) / self.px_per_m]
     }
 
-    /// Returns the number of pixels in a metre.
-    pub(super) fn px_per_m(&self) -> f64 {
-        self.px_per_m
-    }
-
     /// Returns the left and the upper edge of the legend, to the right of the map, pixels.
     pub(super) fn legend_at(&self) -> [f64; 2] {
         [LEFT_PX + self.width_px + 14.0, ABOVE_PX + 4.0]
-    }
-
-    /// Returns the height of the map, pixels.
-    pub(super) fn height_px(&self) -> f64 {
-        self.height_px
     }
 
     /// Returns the path of a line without steps shorter than half a pixel; the path breaks where a

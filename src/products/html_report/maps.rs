@@ -2,7 +2,7 @@
 //! colours with isobaths and their depths, and echoes.
 
 use super::frame::{PageTransform, pixels};
-use super::{ReportData, logs, objects, raster};
+use super::{ReportData, objects, raster};
 use crate::pipeline::{Mosaic, ProcessedLog};
 use bathyscope_bottom::bathymetry::isobaths::Isobath;
 use bathyscope_bottom::bathymetry::{Grid, Surface};
@@ -12,6 +12,7 @@ use bathyscope_bottom::presentation::page::{Value, context};
 use bathyscope_bottom::presentation::ticks::ticks;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 
 /// Longest side of the picture under the isobaths, pixels: more would not be visible on a screen,
 /// and fewer pixels make a smaller file.
@@ -58,7 +59,7 @@ pub(super) fn depth_plan(
         between_lines => surface.between_lines(),
         max_gap_m => settings.surface.max_gap_m.to_string(),
         exaggeration => depth_map.light.exaggeration.to_string(),
-        correction => logs::correction(from),
+        correction => correction(from),
     }))
 }
 
@@ -77,15 +78,14 @@ impl Lit<'_> {
     fn picture(&self, frame: &PageTransform) -> Value {
         let grid = &self.surface.grid;
         let joined = grid.columns.max(grid.rows).div_ceil(MOST_PIXELS).max(1);
-        let (columns, rows) = (grid.columns.div_ceil(joined), grid.rows.div_ceil(joined));
-        let mut pixels = Vec::with_capacity(4 * columns * rows);
-        for row in 0..rows {
-            for column in 0..columns {
+        let coarse = grid.coarser(joined);
+        let mut pixels = Vec::with_capacity(4 * coarse.len());
+        for row in 0..coarse.rows {
+            for column in 0..coarse.columns {
                 pixels.extend(self.pixel([row * joined, column * joined], joined));
             }
         }
-        let address = raster::rgba(&pixels, columns, rows);
-        frame.picture(grid, joined, [columns, rows], address)
+        frame.picture(&coarse, raster::rgba(&pixels, coarse.columns, coarse.rows))
     }
 
     /// Returns the colour of the mean depth of some cells, lit by their mean shade; transparent
@@ -140,7 +140,7 @@ fn isobath_lines(lines: &[Isobath], frame: &PageTransform) -> Value {
     let mut longest_first: Vec<&Isobath> = lines.iter().collect();
     longest_first.sort_by(|a, b| b.length_m().total_cmp(&a.length_m()));
     for line in longest_first {
-        if line.length_m() * frame.px_per_m() < LEAST_LABELLED_PX {
+        if line.length_m() * frame.px_per_m < LEAST_LABELLED_PX {
             break;
         }
         let Some(&middle) = line.points.get(line.points.len() / 2) else {
@@ -160,7 +160,7 @@ fn isobath_lines(lines: &[Isobath], frame: &PageTransform) -> Value {
 fn legend([least_m, most_m]: [f32; 2], frame: &PageTransform) -> Value {
     const STEPS: usize = 32;
     let [x, y] = frame.legend_at();
-    let height = (frame.height_px() - 40.0).min(240.0);
+    let height = (frame.height_px - 40.0).min(240.0);
     let step = height / STEPS as f64;
     let steps = (0..STEPS).map(|index| {
         let [r, g, b] = depth_colour((index as f32 + 0.5) / STEPS as f32);
@@ -202,8 +202,7 @@ pub(super) fn mosaic_plan(
         return Ok(None);
     };
     let levels = mosaic_levels(mosaic, &grid, progress)?;
-    let address = raster::grey(&levels, grid.columns, grid.rows);
-    let picture = frame.picture(&grid, 1, [grid.columns, grid.rows], address);
+    let picture = frame.picture(&grid, raster::grey(&levels, grid.columns, grid.rows));
     Ok(Some(map(from, &frame, picture)))
 }
 
@@ -251,4 +250,15 @@ fn track(from: &ReportData<'_>, frame: &PageTransform) -> String {
         frame.path(places)
     };
     from.logs.iter().map(of_log).collect()
+}
+
+/// Describes the corrections of all logs, applied or not; refers to another section where they
+/// differ from log to log.
+fn correction(from: &ReportData<'_>) -> String {
+    let statements = (from.logs.iter()).map(|log| log.products.correction.statement());
+    let statements: BTreeSet<String> = statements.collect();
+    match statements.len() {
+        1 => statements.into_iter().collect(),
+        _ => "Corrections differ from log to log; see how far to trust it.".to_owned(),
+    }
 }

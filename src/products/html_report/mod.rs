@@ -7,7 +7,7 @@
 //! Survey, Products, Report, Surface --summary--> what was surveyed, how deep, how sure
 //! Surface, isobaths, mosaic --plan--> maps with scale, graticule and legend around a raster
 //! Survey, FirstReturns --strip--> each log at a glance
-//! LogsReport --logs--> the logs of a survey of several, and how they agree
+//! LogsReport --summary--> the logs of a survey of several, and how they agree
 //! all --templates--> one HTML file that loads nothing from elsewhere
 //! ```
 //!
@@ -18,19 +18,18 @@
 //! same page.
 
 mod frame;
-mod logs;
 mod maps;
 mod objects;
 mod raster;
 mod strip;
 mod summary;
 mod tables;
-mod targets;
 
+use crate::Error;
 use crate::pipeline::{
     DepthMap, Isobaths, LogLatency, Mosaic, NamedComparison, ProcessedLog, Products, Report,
 };
-use bathyscope_bottom::presentation::page::{Template, TemplateFault, Value, context, fill};
+use bathyscope_bottom::presentation::page::{Template, Value, context, fill};
 use bathyscope_log::support::geo::MapPlane;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::Survey;
@@ -86,10 +85,10 @@ pub(crate) struct ReportObjects<'a> {
     /// The targets.
     pub listed: Vec<ListedObject<'a>>,
     /// Rasters from which chips of each log are cut; `None` for a log without boxes.
-    pub rasters: &'a [Option<Raster>],
+    pub rasters: Vec<Option<Raster>>,
     /// Numbers of passes of the boat that saw each target and that covered its place, by the number
     /// of the target.
-    pub passes: &'a BTreeMap<u32, PassCount>,
+    pub passes: BTreeMap<u32, PassCount>,
     /// Origin of the boxes: `proposed by the detector, not reviewed`.
     pub origin: String,
 }
@@ -125,32 +124,28 @@ const MOST_STRIPS: usize = 12;
 /// Returns the self-contained document: it loads no script, font or picture from elsewhere.
 ///
 /// # Errors
-/// When a template names a value that [`values`] does not give.
-pub(crate) fn document(values: Value) -> Result<String, TemplateFault> {
-    fill(&TEMPLATES, values)
-}
-
-/// Returns the values of the templates.
-pub(crate) fn values(from: &ReportData<'_>, progress: &Progress) -> Result<Value, Cancelled> {
+/// When a template names a value that is not given, or the work was cancelled.
+pub(crate) fn page(from: &ReportData<'_>, progress: &Progress) -> Result<String, Error> {
     let sections = context! {
         ..summary::values(from),
         ..tables::trust(from),
         ..tables::method(from),
         ..tables::files(from),
     };
-    Ok(context! {
+    let values = context! {
         title => &from.title,
         warnings => &from.report.warnings,
-        logs => logs::values(from),
+        logs => summary::logs(from),
         depth_plan => maps::depth_plan(from, progress)?,
         storage => summary::levels(from),
         mosaic_plan => maps::mosaic_plan(from, progress)?,
         strips => strips(from, progress)?,
         strips_left_out => from.logs.len().saturating_sub(MOST_STRIPS),
         objects => objects::values(from, progress)?,
-        targets => targets::values(from, progress)?,
+        targets => objects::sections(from, progress)?,
         ..sections
-    })
+    };
+    Ok(fill(&TEMPLATES, values)?)
 }
 
 /// Draws the pictures of the logs.

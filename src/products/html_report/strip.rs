@@ -3,11 +3,10 @@
 
 use super::raster;
 use crate::pipeline::ProcessedLog;
-use bathyscope_bottom::cloud::Reduction;
 use bathyscope_bottom::presentation::page::{Value, context};
 use bathyscope_bottom::waterfall::{Levels, RangeAxis};
 use bathyscope_log::support::progress::{Cancelled, Progress};
-use bathyscope_log::survey::{Side, Survey};
+use bathyscope_log::survey::Side;
 use rayon::prelude::*;
 
 /// Largest number of columns of the picture, and number of rows of each side.
@@ -69,8 +68,7 @@ impl ReportStrip<'_> {
         for ping in pings.step_by(step) {
             read += 1;
             for side in Side::BOTH {
-                let reduction = self.log.products.reduction();
-                add(&self.log.survey, reduction, ping, side, self.far_m, &mut sums);
+                self.add(ping, side, &mut sums);
             }
         }
         let shade = |sum: f32| {
@@ -79,6 +77,30 @@ impl ReportStrip<'_> {
             (255.0 * share.clamp(0.0, 1.0)).round() as u8
         };
         sums.into_iter().map(shade).collect()
+    }
+
+    /// Adds the mean echo of one side of a ping to each row of the picture.
+    fn add(&self, ping: usize, side: Side, sums: &mut [f32]) {
+        let (survey, reduction) = (&self.log.survey, self.log.products.reduction());
+        let (Some(span), Some(samples)) = (survey.span(ping, side), survey.samples(ping, side))
+        else {
+            return;
+        };
+        for row in 0..SIDE_ROWS {
+            let [from, to] = [row, row + 1].map(|row| {
+                let range_m = row as f64 / SIDE_ROWS as f64 * self.far_m;
+                let sample = reduction.sample_at(span, range_m);
+                sample.clamp(0.0, samples.len() as f64) as usize
+            });
+            if to > from {
+                let sum: u32 = (from..to).map(|sample| u32::from(samples.get(sample))).sum();
+                let place = match side {
+                    Side::Port => SIDE_ROWS - 1 - row,
+                    Side::Starboard => SIDE_ROWS + row,
+                };
+                sums[place] += sum as f32 / (to - from) as f32;
+            }
+        }
     }
 
     /// Returns the vertical position of a range in the picture, pixels.
@@ -137,34 +159,6 @@ impl ReportStrip<'_> {
             port => self.line(Side::Port),
             starboard => self.line(Side::Starboard),
             ranges => ranges.collect::<Vec<_>>(),
-        }
-    }
-}
-
-/// Adds the mean echo of one side of a ping to each row of the picture.
-fn add(
-    survey: &Survey,
-    reduction: Reduction<'_>,
-    ping: usize,
-    side: Side,
-    far_m: f64,
-    sums: &mut [f32],
-) {
-    let (Some(span), Some(samples)) = (survey.span(ping, side), survey.samples(ping, side)) else {
-        return;
-    };
-    for row in 0..SIDE_ROWS {
-        let [from, to] = [row, row + 1].map(|row| {
-            let sample = reduction.sample_at(span, row as f64 / SIDE_ROWS as f64 * far_m);
-            sample.clamp(0.0, samples.len() as f64) as usize
-        });
-        if to > from {
-            let sum: u32 = (from..to).map(|sample| u32::from(samples.get(sample))).sum();
-            let place = match side {
-                Side::Port => SIDE_ROWS - 1 - row,
-                Side::Starboard => SIDE_ROWS + row,
-            };
-            sums[place] += sum as f32 / (to - from) as f32;
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Draws isobaths with their depths over the colours of a tile, for plotters, which do not draw
-//! lines themselves.
+//! lines themselves. The depths are numbers made of strokes, which can be rotated along a line.
 
-use super::{TILE_PIXELS, label};
+use super::TILE_PIXELS;
 use bathyscope_bottom::bathymetry::isobaths::{Isobath, IsobathSettings};
 
 /// Pale pen under lines and numbers, so that they are visible on a dark background.
@@ -51,7 +51,7 @@ fn numbers(lines: &[Isobath], settings: &IsobathSettings) -> Vec<Vec<[f64; 2]>> 
     let (mut label_places, mut strokes): (Vec<[f64; 2]>, _) = (Vec::new(), Vec::new());
     for (length, line) in longest {
         let text = format!("{}", settings.in_unit(line.depth_m));
-        let half = 0.5 * label::width(&text) + 2.0;
+        let half = 0.5 * number_width(&text) + 2.0;
         let fits = |at: [f64; 2]| {
             let inside = at
                 .iter()
@@ -70,10 +70,170 @@ fn numbers(lines: &[Isobath], settings: &IsobathSettings) -> Vec<Vec<[f64; 2]>> 
         });
         if let Some((at, direction)) = place {
             label_places.push(at);
-            strokes.extend(label::strokes(&text, at, direction));
+            strokes.extend(number_strokes(&text, at, direction));
         }
     }
     strokes
+}
+
+/// Number of pixels in a unit of the strokes below, which are six units high.
+const SCALE: f64 = 1.4;
+/// Distance between two figures, units.
+const SPACE: f64 = 1.4;
+
+/// The figures with their widths and their strokes, in units, y down. A nine is a six rotated by
+/// half a turn.
+const FIGURES: [(char, f64, &[[f64; 2]]); 11] = [
+    (
+        '0',
+        4.0,
+        &[
+            [2.0, 0.0],
+            [3.4, 0.5],
+            [4.0, 2.0],
+            [4.0, 4.0],
+            [3.4, 5.5],
+            [2.0, 6.0],
+            [0.6, 5.5],
+            [0.0, 4.0],
+            [0.0, 2.0],
+            [0.6, 0.5],
+            [2.0, 0.0],
+        ],
+    ),
+    ('1', 4.0, &[[0.5, 1.3], [2.2, 0.0], [2.2, 6.0]]),
+    (
+        '2',
+        4.0,
+        &[
+            [0.2, 1.4],
+            [0.8, 0.3],
+            [2.0, 0.0],
+            [3.3, 0.4],
+            [3.8, 1.6],
+            [3.4, 2.8],
+            [0.0, 6.0],
+            [4.0, 6.0],
+        ],
+    ),
+    (
+        '3',
+        4.0,
+        &[
+            [0.2, 0.9],
+            [1.0, 0.2],
+            [2.0, 0.0],
+            [3.3, 0.4],
+            [3.7, 1.5],
+            [3.2, 2.5],
+            [1.8, 2.8],
+            [3.3, 3.1],
+            [4.0, 4.3],
+            [3.4, 5.5],
+            [2.0, 6.0],
+            [0.8, 5.7],
+            [0.0, 4.9],
+        ],
+    ),
+    ('4', 4.0, &[[3.0, 6.0], [3.0, 0.0], [0.0, 4.2], [4.0, 4.2]]),
+    (
+        '5',
+        4.0,
+        &[
+            [3.6, 0.0],
+            [0.7, 0.0],
+            [0.4, 2.7],
+            [2.0, 2.2],
+            [3.4, 2.7],
+            [4.0, 4.0],
+            [3.4, 5.5],
+            [2.0, 6.0],
+            [0.7, 5.6],
+            [0.0, 4.8],
+        ],
+    ),
+    (
+        '6',
+        4.0,
+        &[
+            [3.5, 0.6],
+            [2.3, 0.0],
+            [1.0, 0.6],
+            [0.2, 2.2],
+            [0.0, 4.0],
+            [0.6, 5.5],
+            [2.0, 6.0],
+            [3.4, 5.5],
+            [4.0, 4.1],
+            [3.4, 2.8],
+            [2.0, 2.4],
+            [0.7, 2.9],
+            [0.0, 4.0],
+        ],
+    ),
+    ('7', 4.0, &[[0.0, 0.0], [4.0, 0.0], [1.5, 6.0]]),
+    (
+        '8',
+        4.0,
+        &[
+            [2.0, 2.8],
+            [0.7, 2.3],
+            [0.3, 1.3],
+            [0.8, 0.3],
+            [2.0, 0.0],
+            [3.2, 0.3],
+            [3.7, 1.3],
+            [3.3, 2.3],
+            [2.0, 2.8],
+            [0.6, 3.3],
+            [0.0, 4.4],
+            [0.6, 5.6],
+            [2.0, 6.0],
+            [3.4, 5.6],
+            [4.0, 4.4],
+            [3.4, 3.3],
+            [2.0, 2.8],
+        ],
+    ),
+    ('.', 0.7, &[[0.1, 5.4], [0.6, 5.4], [0.6, 5.9], [0.1, 5.9], [0.1, 5.4]]),
+    ('-', 2.8, &[[0.2, 3.2], [2.6, 3.2]]),
+];
+
+/// Returns the strokes of a figure in units, y down, and its width; `None` for a letter that is no
+/// part of a number.
+fn figure(letter: char) -> Option<(Vec<[f64; 2]>, f64)> {
+    let is_nine = letter == '9';
+    let drawn = if is_nine { '6' } else { letter };
+    let (_, width, points) = FIGURES.iter().find(|(name, ..)| *name == drawn)?;
+    let turned = |[x, y]: [f64; 2]| {
+        if is_nine { [4.0 - x, 6.0 - y] } else { [x, y] }
+    };
+    Some((points.iter().map(|point| turned(*point)).collect(), *width))
+}
+
+/// Returns the length of a number, pixels.
+fn number_width(text: &str) -> f64 {
+    let widths = text.chars().filter_map(figure).map(|(_, width)| width + SPACE);
+    (widths.sum::<f64>() - SPACE).max(0.0) * SCALE
+}
+
+/// Returns the strokes of a number around its middle, rotated to the direction of a line but never
+/// upside down; pixels.
+fn number_strokes(text: &str, [x, y]: [f64; 2], direction: [f64; 2]) -> Vec<Vec<[f64; 2]>> {
+    let length = direction[0].hypot(direction[1]).max(f64::MIN_POSITIVE);
+    let sign = if direction[0] < 0.0 { -1.0 } else { 1.0 };
+    let [cos, sin] = direction.map(|part| sign * part / length);
+    let mut left = -0.5 * number_width(text);
+    let drawn = text.chars().filter_map(figure).map(|(points, width)| {
+        let placed = points.iter().map(|[right, down]| {
+            let (along, across) = (left + SCALE * right, SCALE * (down - 3.0));
+            [x + along * cos - across * sin, y + along * sin + across * cos]
+        });
+        let placed = placed.collect();
+        left += SCALE * (width + SPACE);
+        placed
+    });
+    drawn.collect()
 }
 
 /// Returns the place at a distance along a line; an end of the line for distances outside of it.
@@ -150,6 +310,7 @@ fn blend(pixel: &mut [u8], rgb: [u8; 3], opacity: f64) {
 mod tests {
     use super::*;
     use bathyscope_bottom::presentation::units::LengthUnit;
+    use bathyscope_log::support::statistics::ends;
 
     fn line(points: &[[f64; 2]]) -> Isobath {
         Isobath { depth_m: 2.5, points: points.to_vec() }
@@ -201,5 +362,25 @@ mod tests {
         let mut full = [0, 0, 0, 255];
         blend(&mut full, [200, 100, 0], 0.5);
         assert_eq!(full, [100, 50, 0, 255]);
+    }
+
+    #[test]
+    fn a_number_is_centred_turned_and_never_upside_down() {
+        assert!(number_width("12.5") > number_width("1.5") && number_width("") == 0.0);
+        let middle = |direction| {
+            let points: Vec<[f64; 2]> = number_strokes("808", [100.0, 50.0], direction).concat();
+            [0, 1].map(|axis| ends(points.iter().map(|point| point[axis])))
+        };
+        let [x, y] = middle([1.0, 0.0]);
+        assert!(
+            (0.5 * (x[0] + x[1]) - 100.0).abs() < 0.01
+                && (x[1] - x[0] - number_width("808")).abs() < 0.01
+        );
+        assert!((0.5 * (y[0] + y[1]) - 50.0).abs() < 0.01);
+        let [x, y] = middle([0.0, 3.0]);
+        assert!(y[1] - y[0] > x[1] - x[0]);
+        let first = |direction| number_strokes("71", [0.0, 0.0], direction)[0][0];
+        assert_eq!(first([1.0, 0.0]), first([-1.0, 0.0]));
+        assert!(number_strokes("x", [0.0; 2], [1.0, 0.0]).is_empty());
     }
 }

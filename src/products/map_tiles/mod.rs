@@ -9,12 +9,11 @@
 //!
 //! `web_tile` defines the places of tiles, `pixels` computes the places of their pixels in the
 //! plane of a map, holds the depth and the light there and colours them, `chart` draws isobaths
-//! over the colours, with depths by `label`; `pyramid` goes from the finest zoom to the coarsest,
+//! with their depths over the colours; `pyramid` goes from the finest zoom to the coarsest,
 //! so that only a few tiles are in memory. A source may keep parts of its map, so that unchanged
 //! parts are not drawn again.
 
 mod chart;
-mod label;
 mod pixels;
 mod pyramid;
 mod web_tile;

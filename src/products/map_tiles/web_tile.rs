@@ -129,18 +129,16 @@ impl WebTile {
         let mut along = 0;
         for level in (0..self.zoom).rev() {
             let half = 1_u64 << level;
+            let mask = half - 1;
             let [right, lower] = [x, y].map(|number| u64::from(number & half > 0));
             along += half * half * ((3 * right) ^ lower);
             if lower == 0 {
                 if right == 1 {
-                    (x, y) = (
-                        half.wrapping_sub(1).wrapping_sub(x),
-                        half.wrapping_sub(1).wrapping_sub(y),
-                    );
+                    (x, y) = (mask.wrapping_sub(x), mask.wrapping_sub(y));
                 }
                 (x, y) = (y, x);
             }
-            (x, y) = (x & (half.wrapping_sub(1)), y & (half.wrapping_sub(1)));
+            (x, y) = (x & mask, y & mask);
         }
         coarser + along
     }

@@ -1,24 +1,29 @@
 //! Writes the reviewed boxes of a survey: the places of objects for maps and plotters, and pictures
 //! with labels for training.
 
+use super::object_files::listed;
 use super::order::{check_logs, log_names, survey_name};
-use super::results::{find_shapes, listed};
-use super::training_tiles::TrainingTiles;
+use super::results::find_shapes;
 use crate::Error;
-use crate::export::{self, DatasetPart, ObjectLog, make_folder};
+use crate::export::{self, DatasetFolder, DatasetPart, ObjectLog, PartSummary, make_folder};
 use crate::file_name::file_name;
-use crate::pipeline::ProcessedLog;
-use crate::pipeline::list_objects;
+use crate::pipeline::{ProcessedLog, list_objects};
 use bathyscope_log::support::progress::Progress;
-use bathyscope_objects::Raster;
+use bathyscope_log::survey::Identity;
+use bathyscope_objects::dataset::{Chip, PictureBoxes};
 use bathyscope_objects::objects::{LogReview, ObjectBox, ObjectList, SurveyReview};
 use bathyscope_objects::review::{PIXEL_M, Review, ReviewedTile};
+use bathyscope_objects::{Labelled, Raster, TILE_PX, level};
+use serde::{Deserialize, Serialize};
+use std::fs;
 use std::path::Path;
 
 /// Folder of the pictures for training.
 const DATASET: &str = "dataset";
 /// Name of the file of the review in the folder.
 const REVIEW: &str = "boxes.review.json";
+/// Name of the program in the manifest of the pictures.
+const PROGRAM: &str = "bathyscope review";
 
 /// Numbers of the boxes and pictures that were written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,9 +49,10 @@ impl BoxesWritten {
     }
 }
 
-/// The boxes of a log with its review.
+/// The boxes of a log with its review, and the data that their pictures are drawn from.
 struct LogBoxes<'a> {
-    index: usize,
+    /// Name of the log in its survey.
+    name: &'a str,
     log: &'a ProcessedLog,
     review: &'a Review,
     raster: Raster,
@@ -76,15 +82,16 @@ pub fn write_boxes(
     folder: &Path,
     progress: &Progress,
 ) -> Result<BoxesWritten, Error> {
-    let of_log = |(index, (log, review))| {
-        let (log, review): (&ProcessedLog, &Option<LogReview>) = (log, review);
+    let names = log_names(logs);
+    let of_log = |((name, log), review)| {
+        let (name, log, review): (&String, &ProcessedLog, &Option<LogReview>) = (name, log, review);
         let review = &*review.as_ref()?.review;
         let raster = Raster::new(&log.survey, &log.products.navigation, PIXEL_M);
         let tiles = review.tiles(&raster);
-        Some(LogBoxes { index, log, review, raster, tiles })
+        Some(LogBoxes { name, log, review, raster, tiles })
     };
     let boxes: Vec<LogBoxes<'_>> =
-        (logs.iter().zip(&review.logs).enumerate()).filter_map(of_log).collect();
+        (names.iter().zip(logs).zip(&review.logs)).filter_map(of_log).collect();
     if boxes.is_empty() {
         return Err("there are no boxes to write".into());
     }
@@ -93,32 +100,147 @@ pub fn write_boxes(
     progress.start(boxes.iter().map(work).sum());
     make_folder(folder)?;
     let list = list_objects(logs, review, progress)?;
-    let names = log_names(logs);
     tables(logs, &names, &list, folder, progress)?;
     let mut written = BoxesWritten { boxes: list.boxes().len(), pictures: 0, negatives: 0 };
     for log_boxes in &boxes {
         let (root, review) = match logs {
             [_] => (folder.join(DATASET), folder.join(REVIEW)),
             _ => {
-                let name = file_name(&names[log_boxes.index]);
+                let name = file_name(log_boxes.name);
                 let review = format!("{name}.review.json");
                 (folder.join(DATASET).join(name), folder.join(review))
             }
         };
-        let training_tiles = TrainingTiles {
-            survey: &log_boxes.log.survey,
-            review: log_boxes.review,
-            classes: &log_boxes.log.products.settings.review.classes,
-            raster: &log_boxes.raster,
-            tiles: &log_boxes.tiles,
-            part,
-        };
         written.pictures += log_boxes.tiles.len();
-        written.negatives += training_tiles.write(&root, progress)?;
+        written.negatives += log_boxes.write_dataset(&root, part, progress)?;
         export::write_bytes(&review, log_boxes.review.to_json() + "\n")?;
     }
     check_logs(logs)?;
     Ok(written)
+}
+
+/// Origin and numbers of the pictures.
+#[derive(Serialize)]
+struct DatasetManifest<'a> {
+    program: &'static str,
+    version: &'static str,
+    survey: &'a Identity,
+    pixel_m: f64,
+    tile_px: usize,
+    classes: &'a [String],
+    /// Number of pictures in which all boxes were rejected.
+    hard_negatives: usize,
+    parts: [PartSummary; 3],
+}
+
+/// The parts of a manifest that identify an earlier export of the same log.
+#[derive(Deserialize)]
+struct EarlierDataset {
+    program: String,
+    survey: Identity,
+}
+
+impl LogBoxes<'_> {
+    /// Writes a picture around each decided box with its labels, all in one part of the dataset;
+    /// returns the number of hard negatives.
+    fn write_dataset(
+        &self,
+        root: &Path,
+        part: DatasetPart,
+        progress: &Progress,
+    ) -> Result<usize, Error> {
+        self.clear(root)?;
+        let settings = &self.log.products.settings;
+        let (classes, places) = self.review.training_classes(&settings.review.classes);
+        let folder = DatasetFolder::new(root, &classes)?;
+        let (mut all, mut hard_negatives) = (Vec::with_capacity(self.tiles.len()), 0);
+        for (number, tile) in self.tiles.iter().enumerate() {
+            progress.check()?;
+            let chip = self.chip(tile, &places);
+            hard_negatives += usize::from(chip.boxes.labels.is_empty() && tile.rejected > 0);
+            folder.chip(part, number, &chip)?;
+            folder.voc(part, number, &chip.boxes)?;
+            all.push(chip.boxes);
+            progress.advance(1);
+        }
+        let of_part = |other: DatasetPart| {
+            if other == part { folder.finish(part, &all) } else { folder.finish(other, &[]) }
+        };
+        let [train, val, test] = DatasetPart::ALL.map(of_part);
+        let manifest = DatasetManifest {
+            program: PROGRAM,
+            version: env!("CARGO_PKG_VERSION"),
+            survey: self.review.identity(),
+            pixel_m: self.raster.pixel_m(),
+            tile_px: TILE_PX,
+            classes: &classes,
+            hard_negatives,
+            parts: [train?, val?, test?],
+        };
+        folder.manifest(&manifest)?;
+        Ok(hard_negatives)
+    }
+
+    fn chip(&self, tile: &ReviewedTile, places: &[Option<usize>]) -> Chip {
+        let drawn = self.raster.tile(&self.log.survey, tile.side, tile.row, tile.column);
+        let mut pixels = drawn.pixels;
+        level(&mut pixels);
+        let renumbered = |list: &[Labelled]| {
+            let label = |label: &Labelled| {
+                let class = places.get(label.class).copied().flatten()?;
+                Some(Labelled { class, ..*label })
+            };
+            list.iter().filter_map(label).collect()
+        };
+        Chip {
+            pixels,
+            boxes: PictureBoxes {
+                labels: renumbered(&tile.boxes.labels),
+                ignored: renumbered(&tile.boxes.ignored),
+                outlines: Vec::new(),
+            },
+        }
+    }
+
+    /// Removes the pictures of an earlier export of this log, which may have had more pictures;
+    /// refuses a folder of other pictures.
+    fn clear(&self, root: &Path) -> Result<(), Error> {
+        if !fs::read_dir(root).is_ok_and(|mut entries| entries.next().is_some()) {
+            return Ok(());
+        }
+        let manifest = fs::read(root.join("manifest.json")).unwrap_or_default();
+        let is_ours = serde_json::from_slice(&manifest).is_ok_and(|earlier: EarlierDataset| {
+            earlier.program == PROGRAM && earlier.survey.is_same_log(self.review.identity())
+        });
+        if !is_ours {
+            return Err(format!(
+                "the folder holds pictures of something else; name another one to write into: {}",
+                root.display()
+            )
+            .into());
+        }
+        for (kind, ending) in [("images", "png"), ("labels", "txt"), ("voc", "xml")] {
+            for part in DatasetPart::ALL {
+                let entries = fs::read_dir(root.join(kind).join(part.name()));
+                for entry in entries.into_iter().flatten().flatten() {
+                    let path = entry.path();
+                    if is_numbered(&path, ending) {
+                        fs::remove_file(&path).map_err(|error| {
+                            format!("cannot replace the picture: {error}: {}", path.display())
+                        })?;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Returns true if a file name has the form of those that are written: six digits.
+fn is_numbered(path: &Path, ending: &str) -> bool {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let is_number = stem.len() == 6 && stem.bytes().all(|byte| byte.is_ascii_digit());
+    is_number && path.extension().is_some_and(|is| is == ending)
 }
 
 fn tables(

@@ -29,17 +29,16 @@ pub(super) fn las(results: &Results<'_>, path: &Path) -> FileResult {
 }
 
 fn las_file(results: &Results<'_>, path: &Path, packing: LasPacking) -> FileResult {
-    let crs = &results.plane.map.crs;
+    let crs = &results.map.crs;
     let place = |log: &LogPoints<'_>, point: &CloudPoint| place(results, log, point);
-    let points = export::cloud_las(path, packing, crs, place, &results.log_points());
-    let knows_time = |log: &LogPoints<'_>| log.survey.start_unix_s.is_some();
+    let points = export::cloud_las(path, packing, crs, place, &results.log_points())?;
     Ok(FileContent {
-        detail: if results.log_points().iter().all(knows_time) {
+        detail: if results.start_unix_s().is_some() {
             ", time adjusted standard GPS time"
         } else {
             ", time seconds after the log's beginning"
         },
-        ..FileContent::in_system(crs, points?)
+        ..FileContent::in_system(crs, points)
     })
 }
 
@@ -52,7 +51,7 @@ pub(super) fn ply(results: &Results<'_>, path: &Path) -> FileResult {
 
 /// Writes the points of the bottom to `cloud.xyz`, in the coordinate system of the map.
 pub(super) fn xyz(results: &Results<'_>, path: &Path) -> FileResult {
-    let crs = &results.plane.map.crs;
+    let crs = &results.map.crs;
     let decimals = if crs.is_degrees() { 9 } else { 3 };
     let place = |log: &LogPoints<'_>, point: &CloudPoint| place(results, log, point);
     let points = export::cloud_xyz(path, decimals, place, &results.log_points())?;
@@ -63,5 +62,5 @@ pub(super) fn xyz(results: &Results<'_>, path: &Path) -> FileResult {
 fn place(results: &Results<'_>, log: &LogPoints<'_>, point: &CloudPoint) -> [f64; 2] {
     let track = &log.survey.track;
     let at = (log.navigation).to_lon_lat(track, point.east_m, point.north_m);
-    results.plane.map.crs.place(at)
+    results.map.crs.place(at)
 }

@@ -3,6 +3,7 @@
 
 use super::content::{FileContent, FileResult};
 use super::order::{log_names, log_points};
+use super::residuals::SIGN;
 use super::results::Results;
 use crate::Error;
 use crate::export::{self, Summary};
@@ -54,7 +55,6 @@ struct ReferenceRecord<'a> {
 }
 
 const NO_REFERENCE: &str = "the survey was not compared with a reference";
-const SIGN: &str = "measured minus reference elevation, metres; positive is shallower";
 const MISSION: &str = "The reference is another mission, processed with the same settings.";
 const MISSION_OF_LOGS: &str =
     "The reference is another mission, processed with the settings of the first log.";

@@ -3,51 +3,47 @@
 //! In: the results of a survey, and the order. Out: the files of a run, with their manifest.
 //!
 //! `registry` has a row for each file, `product_files` describes the files of a product and
-//! estimates their sizes; `write` makes all files of a run from `results`, those of several
-//! `groups` in parallel, `run_folder` puts them in place together, `overwrite` prevents that they
-//! replace their own inputs, `earlier_run` finds the files that are out of date. `order` is the
-//! request, `content` describes the content of a file and the inputs without which it cannot be
-//! made. `clouds` writes the files of points, `track` those of the track, and all lines and areas
-//! in one file, `depth` the depth map and the products made from it, `residuals` and `comparison`
+//! estimates their sizes; `write` makes all files of a run from `results` and prevents that they
+//! replace their own inputs, `run_folder` puts them in place together. `order` is the request,
+//! `content` describes the content of a file and the inputs without which it cannot be made.
+//! `clouds` writes the files of points, `track` those of the track, and all lines and areas in one
+//! file, `rasters` the depth map as rasters and text, `body` the bottom for 3D programs, `contours`
+//! isobaths, depth areas and storage, `tiles` the map as web tiles, `residuals` and `comparison`
 //! the agreement of the depths, `mosaic` the side-scan mosaic, `object_files` the objects of a
 //! search and of a review, `report_page` writes the report; `manifest` lists and describes the
-//! files. `boxes` writes reviewed boxes, `training_tiles` pictures of them for training, `ground`
-//! computes the place of a raster.
+//! files, and finds those that are out of date. `boxes` writes reviewed boxes, and pictures of them
+//! for training.
 
+mod body;
 mod boxes;
 mod clouds;
 mod comparison;
 mod content;
-mod depth;
-mod earlier_run;
-mod ground;
-mod groups;
+mod contours;
 mod manifest;
 mod mosaic;
 mod object_files;
 mod order;
-mod overwrite;
 mod product_files;
+mod rasters;
 mod registry;
 mod report_page;
 mod residuals;
 mod results;
 mod run_folder;
+mod tiles;
 mod track;
-mod training_tiles;
 mod write;
 
 pub use boxes::write_boxes;
 pub use comparison::{ComparisonRecord, write_differences};
-pub use earlier_run::{EarlierRun, is_run_of};
+pub use manifest::{EarlierRun, is_run_of};
 pub use object_files::Proposed;
 pub use order::{Order, Product, When, log_names};
-pub use overwrite::begin;
 pub use product_files::{Amounts, about_bytes, files_in_words};
-pub use registry::row_of;
-pub use registry::{OUTPUT_FILES, OutputFile};
+pub use registry::{OUTPUT_FILES, OutputFile, row_of};
 pub use run_folder::{Replaced, RunFolder, finish_killed_run};
-pub use write::{Written, write, write_detected, write_detected_in_picture};
+pub use write::{Written, begin, write, write_detected, write_detected_in_picture};
 
 /// The file that lists all files of a run; it is put in place last.
 pub const MANIFEST: &str = "manifest.json";

@@ -1,9 +1,8 @@
 //! Writes the side-scan mosaic.
 
 use super::content::{FileContent, FileResult};
-use super::ground::{mosaic_grid, raster_over};
 use super::results::Results;
-use crate::export::{Summary, geotiff};
+use crate::export::{Summary, geotiff, raster_over};
 use bathyscope_bottom::bathymetry::Grid;
 use bathyscope_bottom::mosaic::{Colours, MosaicLog, TILE_CELLS, TileIndex, joint_tile};
 use bathyscope_log::formats::geotiff::{Band, CellFormat, RASTER_TILE, RasterSpec};
@@ -15,9 +14,9 @@ use std::path::Path;
 /// GeoTIFF with one band of levels with a mask, or with colours and opacity. Memory does not grow
 /// with the area.
 pub(super) fn write(results: &Results<'_>, path: &Path) -> FileResult {
-    let (settings, map) = (&results.products.settings.mosaic, &results.plane.map);
+    let (settings, map) = (&results.products.settings.mosaic, &results.map);
     let mosaic = results.mosaic()?;
-    let grid = mosaic_grid(mosaic.as_deref(), settings.cell_m)?;
+    let grid = results.mosaic_grid(mosaic.as_deref())?;
     let logs = mosaic.as_ref().map_or(&[][..], |mosaic| &mosaic.logs);
     let indices: Vec<TileIndex> = logs.iter().map(|log| log.layout.index(&grid)).collect();
     let parts: Vec<(&MosaicLog, &TileIndex)> = logs.iter().zip(&indices).collect();

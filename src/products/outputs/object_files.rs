@@ -3,10 +3,14 @@
 //! that an analyst accepted or drew, are written in every run of a survey with a review.
 
 use super::content::{FileContent, FileResult};
-use super::results::{Results, Shapes, listed, target_boxes};
+use super::order::When;
+use super::results::{NOT_SEARCHED, Results, Shapes};
 use crate::Error;
-use crate::export::{self, ChipLog, Summary};
-use bathyscope_objects::objects::{ListedObject, ObjectBox};
+use crate::export::{self, ChipLog};
+use crate::pipeline::ProcessedLog;
+use bathyscope_log::support::geo::LonLat;
+use bathyscope_objects::objects::{ListedObject, Object, ObjectBox, ObjectList};
+use bathyscope_objects::targets::Target;
 use bathyscope_objects::{Detection, Raster};
 use std::path::Path;
 
@@ -23,16 +27,14 @@ pub struct Proposed {
 }
 
 impl Proposed {
-    /// Returns the result of the search of a run; `None` where the run did not search.
-    pub(super) fn of(results: &Results<'_>) -> Result<Option<Self>, Error> {
-        let Some((list, found)) = results.found_objects()?.zip(results.found()?) else {
-            return Ok(None);
-        };
-        Ok(Some(Self {
-            boxes: found.concat(),
+    /// Returns the result of the search of a run.
+    pub(super) fn of(results: &Results<'_>) -> Result<Self, Error> {
+        let list = results.found_objects()?;
+        Ok(Self {
+            boxes: results.found()?.concat(),
             objects: list.objects().len(),
             unplaced: list.boxes().iter().filter(|object_box| object_box.object.is_none()).count(),
-        }))
+        })
     }
 }
 
@@ -46,7 +48,8 @@ fn objects<'a>(results: &'a Results<'_>) -> Result<Vec<ListedObject<'a>>, Error>
 pub(super) fn detections_csv(results: &Results<'_>, path: &Path) -> FileResult {
     let (list, shapes) = results.shaped_found()?;
     let boxes: Vec<&ObjectBox> = list.boxes().iter().collect();
-    box_table(results, path, &boxes, shapes)
+    let boxes = export::box_table(path, &results.object_logs(), &boxes, shapes)?;
+    Ok(FileContent::in_degrees(boxes))
 }
 
 /// Writes `detections.geojson`: a point for each object.
@@ -64,8 +67,7 @@ pub(super) fn detections_gpx(results: &Results<'_>, path: &Path) -> FileResult {
 pub(super) fn all_objects(results: &Results<'_>, path: &Path) -> FileResult {
     let all = results.shaped_objects()?;
     let objects = listed(all.0.objects().iter(), all, results.order.logs, &results.names);
-    export::object_table(path, &objects)?;
-    Ok(FileContent::in_degrees(export::object_places(&objects)))
+    Ok(FileContent::in_degrees(export::object_table(path, &objects)?))
 }
 
 /// Writes `shapes.ply`.
@@ -77,9 +79,8 @@ pub(super) fn shapes(results: &Results<'_>, path: &Path) -> FileResult {
 
 /// Writes `chips`, a folder with a picture of each box.
 pub(super) fn chips(results: &Results<'_>, path: &Path) -> FileResult {
-    let (Some(model), Some(found)) = (results.order.search, results.found()?) else {
-        return Err("nothing searched for objects".into());
-    };
+    let found = results.found()?;
+    let model = results.order.search.ok_or(NOT_SEARCHED)?;
     let logs = results.order.logs.iter().zip(found);
     let logs = logs.map(|(log, found)| ChipLog {
         survey: &log.survey,
@@ -92,25 +93,11 @@ pub(super) fn chips(results: &Results<'_>, path: &Path) -> FileResult {
     Ok(FileContent::count(0))
 }
 
-/// Writes boxes as a table.
-fn box_table(
-    results: &Results<'_>,
-    path: &Path,
-    boxes: &[&ObjectBox],
-    shapes: &Shapes,
-) -> FileResult {
-    let mut summary = Summary::default();
-    for target in boxes.iter().filter_map(|object_box| object_box.target.as_ref()) {
-        summary.add([target.position.lon_deg, target.position.lat_deg], f64::NAN);
-    }
-    export::box_table(path, &results.object_logs(), boxes, shapes)?;
-    Ok(FileContent::in_degrees(Summary { count: boxes.len(), ..summary }))
-}
-
 /// Writes `targets.csv`: a row for each box.
 pub(super) fn targets_csv(results: &Results<'_>, path: &Path) -> FileResult {
     let (list, shapes) = results.shaped_objects()?;
-    box_table(results, path, &target_boxes(list), shapes)
+    let boxes = export::box_table(path, &results.object_logs(), &target_boxes(list), shapes)?;
+    Ok(FileContent::in_degrees(boxes))
 }
 
 /// Writes `targets.geojson`: a point for each object.
@@ -131,9 +118,42 @@ pub(super) fn targets_kml(results: &Results<'_>, path: &Path) -> FileResult {
 
 /// Returns the targets; none without a search or a review.
 pub(super) fn targets<'a>(results: &'a Results<'_>) -> Result<Vec<ListedObject<'a>>, Error> {
-    if results.objects()?.is_none() {
+    if !results.order.asks_for(When::Listed) {
         return Ok(Vec::new());
     }
     let all = results.shaped_objects()?;
     Ok(listed(all.0.targets(), all, results.order.logs, &results.names))
+}
+
+/// Returns objects as rows of tables, with their shapes and outlines.
+pub(super) fn listed<'a>(
+    objects: impl Iterator<Item = &'a Object>,
+    (list, shapes): (&ObjectList, &'a Shapes),
+    logs: &[ProcessedLog],
+    names: &'a [String],
+) -> Vec<ListedObject<'a>> {
+    let outline = |object: &Object| {
+        let best = list.members(object).nth(object.best)?;
+        outline(logs.get(best.log)?, best.target.as_ref()?)
+    };
+    let listed = objects.map(|object| ListedObject {
+        object,
+        shape: shapes.get(&object.number),
+        outline: outline(object),
+        log_names: if names.len() > 1 { names } else { &[] },
+    });
+    listed.collect()
+}
+
+/// Returns the boxes of targets.
+pub(super) fn target_boxes(list: &ObjectList) -> Vec<&ObjectBox> {
+    list.boxes().iter().filter(|object_box| list.is_target(object_box)).collect()
+}
+
+/// Returns the outline of a target in WGS84; `None` where its size is not known.
+fn outline(of: &ProcessedLog, target: &Target) -> Option<[LonLat; 4]> {
+    let is_known = target.length_m.is_finite() && target.width_m.is_finite();
+    let (navigation, track) = (&of.products.navigation, &of.survey.track);
+    let place = |[east_m, north_m]: [f64; 2]| navigation.to_lon_lat(track, east_m, north_m);
+    is_known.then(|| target.corners().map(place))
 }

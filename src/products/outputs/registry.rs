@@ -8,10 +8,12 @@ mod kinds;
 use super::content::{FileResult, Need};
 use super::order::{Product, When};
 use super::results::Results;
-use super::{clouds, comparison, depth, mosaic, object_files, residuals, track};
+use super::{
+    body, clouds, comparison, contours, mosaic, object_files, rasters, residuals, tiles, track,
+};
 use kinds::{
     CLASSED_POINTS, KEPT_POINTS, LAS_POINTS, NOT_OF_BODY, NOT_OF_CLOUD, NOT_OF_DEPTHS,
-    NOT_OF_MOSAIC, NOT_OF_POINTS, boxes, boxes_of, cloud, compared, contours, described, footprint,
+    NOT_OF_MOSAIC, NOT_OF_POINTS, boxes, cloud, compared, contour_file, described, footprint,
     isobaths, map_tiles, raster, row, run_file, target_file, track_file,
 };
 use std::collections::BTreeSet;
@@ -60,18 +62,11 @@ pub(super) type WriteFile = fn(&Results<'_>, &Path) -> FileResult;
 pub(super) enum FileWriter {
     /// Writes the file from the results of the survey.
     Results(WriteFile),
-    /// Writes the file from the run, when all other files are there.
-    Run(RunFile),
-}
-
-/// A file that describes all others.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum RunFile {
-    /// `report.html`.
+    /// Writes `report.html`, which describes the files that were made from results.
     Page,
-    /// `report.json`.
+    /// Writes `report.json`.
     Record,
-    /// `manifest.json`.
+    /// Writes `manifest.json`, when all other files are there.
     Manifest,
 }
 
@@ -195,34 +190,34 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
     raster(
         "depth/depth.tif",
         &["depth/depth.qml"],
-        "Depth in metres, positive down",
+        rasters::DEPTH,
         "depth_m",
         "depth map, metres",
-        depth::rasters::depth,
+        rasters::depth,
     ),
     raster(
         "depth/uncertainty.tif",
         &["depth/uncertainty.qml"],
-        "Standard deviation in metres of the depths that carry a cell",
+        rasters::SPREAD,
         "standard_deviation_m",
         "standard deviation of the depths in a cell, metres",
-        depth::rasters::uncertainty,
+        rasters::uncertainty,
     ),
     raster(
         "depth/shoalest.tif",
         &["depth/shoalest.qml"],
-        "Shoalest depth in metres that was measured in a cell, positive down",
+        rasters::SHOALEST,
         "depth_m",
         "shoalest depth measured in each cell, metres",
-        depth::rasters::shoalest,
+        rasters::shoalest,
     ),
     raster(
         "depth/distance.tif",
         &["depth/distance.qml"],
-        "Distance in metres from a cell to the nearest depth",
+        rasters::DISTANCE,
         "distance_m",
         "distance to the nearest depth, metres",
-        depth::rasters::distance,
+        rasters::distance,
     ),
     raster(
         "depth/source.tif",
@@ -230,7 +225,7 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
         "Source of the depth in each cell: 4 a sounding, 3 a first return, 2 echo levels, 1 interpolated",
         "class",
         "source of the depth in each cell",
-        depth::rasters::source,
+        rasters::source,
     ),
     OutputFile {
         needs: &[Need::Surface, Need::Hardness],
@@ -240,7 +235,7 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
             "How much brighter the bed is than the median of the map, decibels of power, without slope, angle, range and gain",
             "hardness_db",
             "how hard the bed is, decibels (with surface.swath)",
-            depth::rasters::hardness,
+            rasters::hardness,
         )
     },
     OutputFile {
@@ -251,7 +246,7 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
             "East, north and depth in metres, positive down, of every cell of the depth map that has one",
             "depth_m",
             "cells of the depth map as plain text",
-            depth::rasters::xyz,
+            rasters::xyz,
         )
     },
     OutputFile {
@@ -263,7 +258,7 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
             "The depth map as a mesh with its colours and the mosaic as pictures (glTF 2.0: y up, metres)",
             "depth_m",
             "the bottom for 3D programs",
-            depth::body::write,
+            body::write,
         )
     },
     OutputFile {
@@ -274,13 +269,13 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
             "The cells of the depth map as points: z is minus the depth, source as in source.tif; what nothing measured is marked synthetic",
             "z_m",
             "cells of the depth map as points, with the source of each depth",
-            depth::rasters::points,
+            body::points,
         )
     },
-    isobaths("isobaths/isobaths.geojson", depth::contours::isobaths_geojson),
+    isobaths("isobaths/isobaths.geojson", contours::isobaths_geojson),
     OutputFile {
         needs: &[Need::Surface, Need::Levels, Need::Isobaths],
-        ..isobaths("isobaths/isobaths.kmz", depth::contours::isobaths_kmz)
+        ..isobaths("isobaths/isobaths.kmz", contours::isobaths_kmz)
     },
     OutputFile {
         needs: &[Need::Surface, Need::Levels, Need::Isobaths],
@@ -290,49 +285,49 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
             "isobaths/isobaths.prj",
             "isobaths/isobaths.cpg",
         ],
-        ..isobaths("isobaths/isobaths.shp", depth::contours::isobaths_shapefile)
+        ..isobaths("isobaths/isobaths.shp", contours::isobaths_shapefile)
     },
-    contours(
+    contour_file(
         "isobaths/depth_areas.geojson",
         "Areas between depths",
         "areas",
         "areas between them",
-        depth::contours::depth_areas,
+        contours::depth_areas,
     ),
     OutputFile {
         needs: &[Need::Surface, Need::Area],
-        ..contours(
+        ..contour_file(
             "isobaths/spot_soundings.geojson",
             "The shoalest depths of their surroundings",
             "points",
             "depths as a chart prints them, shoal first",
-            depth::contours::spot_soundings,
+            contours::spot_soundings,
         )
     },
-    contours(
+    contour_file(
         "isobaths/storage.csv",
         "Area and volume below each depth",
         "levels",
         "area and volume below each level",
-        depth::contours::storage,
+        contours::storage,
     ),
     map_tiles(
         "map_tiles/depth.mbtiles",
         "Tiles of the depth map with isobaths in Web Mercator, PNG (MBTiles 1.3)",
         "depth map with isobaths for plotters and phones (OpenCPN, Locus)",
-        depth::tiles::chart,
+        tiles::chart,
     ),
     map_tiles(
         "map_tiles/depth.pmtiles",
         "Tiles of the depth map in Web Mercator, PNG (PMTiles 3)",
         "depth map for web maps",
-        depth::tiles::colours,
+        tiles::colours,
     ),
     map_tiles(
         "map_tiles/depth_values.pmtiles",
         "Elevations, minus the depths, in Web Mercator as colours of PNG (PMTiles 3): red * 256 + green + blue / 256 - 32768 metres (Terrarium)",
         "depths for web maps, as colours that stand for metres",
-        depth::tiles::values,
+        tiles::values,
     ),
     OutputFile {
         described: None,
@@ -340,7 +335,7 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
             "map_tiles/index.html",
             "",
             "the depth map as a page for browsers, to look at and to send",
-            depth::tiles::page,
+            tiles::page,
         )
     },
     OutputFile {
@@ -377,14 +372,14 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
     target_file("objects/targets.gpx", "objects", object_files::targets_gpx),
     target_file("objects/targets.kml", "objects", object_files::targets_kml),
     OutputFile {
+        when: When::Listed,
         described: described(
             "Objects of the review, or of the detector where there is no review, with all that is known of each",
             "objects",
             "",
         ),
-        ..boxes_of(
+        ..boxes(
             "objects/objects.csv",
-            When::Listed,
             "objects, a row each: place, size, height and its source",
             object_files::all_objects,
         )
@@ -432,18 +427,18 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
         "report.html",
         When::Chosen(Product::Report),
         "the report to read and to print",
-        RunFile::Page,
+        FileWriter::Page,
     ),
     run_file(
         "report.json",
         When::Always,
         "the report for programs: inputs, settings, counts, statistics",
-        RunFile::Record,
+        FileWriter::Record,
     ),
     run_file(
         super::MANIFEST,
         When::Always,
         "list of all files: what each is, coordinate system, extent, count, SHA-256",
-        RunFile::Manifest,
+        FileWriter::Manifest,
     ),
 ];

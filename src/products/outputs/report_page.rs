@@ -1,20 +1,19 @@
 //! Writes `report.html`, the results of a run on one page, while the files of the run are written.
 
 use super::content::FileContent;
-use super::object_files::targets;
+use super::object_files::{target_boxes, targets};
 use super::order::When;
 use super::registry::{FileWriter, OUTPUT_FILES, OutputFile};
-use super::results::{Results, target_boxes};
+use super::results::Results;
 use super::run_folder::RunFolder;
 use crate::Error;
 use crate::export::write_bytes;
 use crate::html_report::{self, FileLine, ReportData, ReportObjects};
 use crate::pipeline::{Crosslines, Fingerprint, ProcessedLog, Report};
 use bathyscope_objects::Raster;
-use bathyscope_objects::objects::{Object, ObjectList};
+use bathyscope_objects::objects::Object;
 use bathyscope_objects::review::{PIXEL_M, Review, State};
-use bathyscope_objects::targets::{PassCount, PassLog};
-use std::collections::BTreeMap;
+use bathyscope_objects::targets::PassLog;
 use std::path::Path;
 
 /// A run whose files are being written.
@@ -33,7 +32,7 @@ impl OutputRun<'_> {
     /// page: folders last.
     fn listed(&self) -> impl Iterator<Item = &'static OutputFile> {
         let of_run = |row: &&OutputFile| {
-            row.when == When::Always && matches!(row.writer, FileWriter::Run(_))
+            row.when == When::Always && !matches!(row.writer, FileWriter::Results(_))
         };
         let (folders, files): (Vec<_>, Vec<_>) =
             (self.made.iter().map(|(row, _)| *row)).partition(|row| !row.file_name().contains('.'));
@@ -45,17 +44,7 @@ impl OutputRun<'_> {
 /// Writes the page to a file.
 pub(super) fn write(run: &OutputRun<'_>, path: &Path) -> Result<(), Error> {
     let results = &run.results;
-    let (products, order) = (results.products, results.order);
-    let boxes = Boxes::of(results)?;
-    let listed = targets(results)?;
-    let objects = boxes.as_ref().map(|boxes| ReportObjects {
-        list: boxes.list,
-        boxes: target_boxes(boxes.list),
-        listed,
-        rasters: &boxes.rasters,
-        passes: &boxes.passes,
-        origin: boxes.origin.clone(),
-    });
+    let order = results.order;
     let mut comparisons = results.comparisons()?.to_vec();
     if let Some(agreement) = results.agreement()? {
         comparisons.extend(agreement.by_source(order.logs));
@@ -69,64 +58,52 @@ pub(super) fn write(run: &OutputRun<'_>, path: &Path) -> Result<(), Error> {
         names: &results.names,
         title: results.name(),
         survey: results.survey,
-        products,
+        products: results.products,
         report: &run.report,
-        map: &results.plane.map,
+        map: &results.map,
         depth_map: results.depth_map()?.map(AsRef::as_ref),
         isobaths: &isobaths,
         mosaic: mosaic.as_deref(),
         comparisons: &comparisons,
         latencies: results.crossings()?.map_or(&[], Crosslines::latencies),
-        objects,
+        objects: objects(results)?,
         files: &files,
     };
-    let values = html_report::values(&from, results.progress)?;
-    Ok(write_bytes(path, html_report::document(values)?)?)
+    Ok(write_bytes(path, html_report::page(&from, results.progress)?)?)
 }
 
-/// The boxes of all logs with the data that the page shows about them.
-struct Boxes<'a> {
-    list: &'a ObjectList,
-    /// Raster of each log, from which the pictures of its boxes are cut; `None` for a log without
-    /// boxes.
-    rasters: Vec<Option<Raster>>,
-    /// Numbers of passes of the boat that saw each target and that covered its place, by the number
-    /// of the target.
-    passes: BTreeMap<u32, PassCount>,
-    origin: String,
-}
-
-impl<'a> Boxes<'a> {
-    /// Collects the boxes of the list of objects; `None` without a search or a review.
-    fn of(results: &'a Results<'_>) -> Result<Option<Self>, Error> {
-        let order = results.order;
-        let model = order.search.filter(|_| order.asks_for(When::Searched));
-        if results.objects()?.is_none() {
-            return Ok(None);
-        }
-        let (list, _) = results.shaped_objects()?;
-        let mut rasters = Vec::with_capacity(order.logs.len());
-        let mut reviews: Vec<(&str, &Review)> = Vec::new();
-        for (index, log) in order.logs.iter().enumerate() {
-            let raster = |pixel_m| Raster::new(&log.survey, &log.products.navigation, pixel_m);
-            rasters.push(match (order.review.log(index), model) {
-                (Some(review), _) => {
-                    reviews.push((&results.names[index], review));
-                    Some(raster(PIXEL_M))
-                }
-                (None, Some(model)) => Some(raster(model.pixel_m())),
-                (None, None) => None,
-            });
-        }
-        let pass_logs: Vec<PassLog<'_>> = order.logs.iter().map(ProcessedLog::pass_log).collect();
-        let passes = |object: &Object| (object.number, object.passes(&pass_logs));
-        Ok(Some(Self {
-            passes: list.targets().map(passes).collect(),
-            origin: origin(&reviews, order.logs.len(), model.is_some()),
-            list,
-            rasters,
-        }))
+/// Returns the objects with the data that the page shows about them; `None` without a search or a
+/// review.
+fn objects<'a>(results: &'a Results<'_>) -> Result<Option<ReportObjects<'a>>, Error> {
+    let order = results.order;
+    let model = order.search.filter(|_| order.asks_for(When::Searched));
+    if !order.asks_for(When::Listed) {
+        return Ok(None);
     }
+    let (list, _) = results.shaped_objects()?;
+    let mut rasters = Vec::with_capacity(order.logs.len());
+    let mut reviews: Vec<(&str, &Review)> = Vec::new();
+    for (index, log) in order.logs.iter().enumerate() {
+        let raster = |pixel_m| Raster::new(&log.survey, &log.products.navigation, pixel_m);
+        rasters.push(match (order.review.log(index), model) {
+            (Some(review), _) => {
+                reviews.push((&results.names[index], review));
+                Some(raster(PIXEL_M))
+            }
+            (None, Some(model)) => Some(raster(model.pixel_m())),
+            (None, None) => None,
+        });
+    }
+    let pass_logs: Vec<PassLog<'_>> = order.logs.iter().map(ProcessedLog::pass_log).collect();
+    let passes = |object: &Object| (object.number, object.passes(&pass_logs));
+    Ok(Some(ReportObjects {
+        list,
+        boxes: target_boxes(list),
+        listed: targets(results)?,
+        rasters,
+        passes: list.targets().map(passes).collect(),
+        origin: origin(&reviews, order.logs.len(), model.is_some()),
+    }))
 }
 
 /// Describes the origin of the boxes:

@@ -49,7 +49,8 @@ struct LogResiduals {
 
 /// Sources of first returns: both sides.
 const SIDE_SCAN: [PointSource; 2] = [PointSource::Port, PointSource::Starboard];
-const SIGN: &str = "measured minus reference elevation, metres; positive is shallower";
+/// Meaning of the sign of differences.
+pub(super) const SIGN: &str = "measured minus reference elevation, metres; positive is shallower";
 const STATEMENT: &str = "Soundings and first returns of one log share transducer, position and sound speed: this is agreement \
      within one instrument, not accuracy against a reference.";
 const STATEMENT_OF_LOGS: &str = "Points of all logs are compared with the soundings of all of them: what the heights of the logs differ by \
@@ -106,7 +107,7 @@ fn log_record(
     log: &ProcessedLog,
     name: &str,
 ) -> Result<LogResiduals, Error> {
-    let (alone, map, progress) = (slice::from_ref(log), &results.plane.map, results.progress);
+    let (alone, map, progress) = (slice::from_ref(log), &results.map, results.progress);
     Ok(LogResiduals {
         log: name.to_owned(),
         statement: log.products.correction.statement(),

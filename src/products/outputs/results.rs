@@ -1,33 +1,32 @@
 //! Computes the results that the files of a run are made from: each result once, when the first
-//! file needs it. Fits shapes to objects and lists objects as rows of tables.
+//! file needs it. Fits shapes to objects.
 
 use super::content::{Missing, Need};
-use super::depth::NO_SURFACE;
-use super::depth::map_tiles::MapTiles;
-use super::ground::{SideScanCoverage, mosaic_grid};
 use super::order::{Order, When, log_names, log_points, survey_name};
 use crate::Error;
-use crate::export::{self, LogPoints, ObjectLog, TrackPiece};
+use crate::export::tile_sets::{TileSet, TileStore};
+use crate::export::{self, LogPoints, ObjectLog, SideScanCoverage, TrackPiece};
 use crate::pipeline::{
-    Agreement, Bottom, BottomColour, CloudPlane, Contours, Crosslines, DepthMap, Fingerprint,
-    Isobaths, Mosaic, MosaicPlane, NamedComparison, ProcessedLog, Products, comparisons,
-    crosslines, list_objects, mosaic_layout, object_shape,
+    Agreement, Contours, Crosslines, DepthMap, Fingerprint, Isobaths, Mosaic, MosaicPlane,
+    NamedComparison, ProcessedLog, Products, comparisons, crosslines, list_objects, map_plane,
+    mosaic_layout, object_shape,
 };
-use bathyscope_bottom::bathymetry::{DepthPoint, Surface, spot_radius_m, spot_soundings};
-use bathyscope_bottom::mosaic::{MosaicLayout, footprint};
-use bathyscope_log::support::geo::LonLat;
+use bathyscope_bottom::bathymetry::{DepthPoint, Grid, Surface, spot_radius_m, spot_soundings};
+use bathyscope_bottom::mosaic::{MosaicLayout, TILE_CELLS, footprint, joint_grid};
+use bathyscope_log::support::geo::MapPlane;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::{Identity, Survey};
-use bathyscope_objects::objects::{
-    ListedObject, LogId, LogReview, Object, ObjectBox, ObjectList, SurveyReview,
-};
+use bathyscope_objects::objects::{LogId, LogReview, Object, ObjectList, SurveyReview};
 use bathyscope_objects::review::Review;
 use bathyscope_objects::targets::{FittedShape, Target};
 use bathyscope_objects::{Detection, find};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-use std::path::Path;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+/// Largest number of tiles of a mosaic, empty ones included: a single wrong fix makes a huge, empty
+/// map.
+const MOST_TILES: usize = 1_000_000;
 
 /// Results of a survey that its files are made from. Several threads may request results at the
 /// same time, each with its own progress. Tasks of rayon's threads must not request results: all
@@ -36,7 +35,8 @@ pub(super) struct Results<'a> {
     pub order: &'a Order<'a>,
     pub survey: &'a Survey,
     pub products: &'a Products,
-    pub plane: CloudPlane<'a>,
+    /// Plane of the maps of the survey.
+    pub map: MapPlane,
     /// Name of each log.
     pub names: Vec<String>,
     pub progress: &'a Progress,
@@ -52,7 +52,7 @@ struct Computed {
     track: OnceLock<Vec<TrackPiece>>,
     ground: Once<SideScanCoverage>,
     contours: Once<Result<Contours, Error>>,
-    map_tiles: Once<MapTiles>,
+    map_tiles: Once<(TileStore, TileSet)>,
     spot_soundings: Once<Vec<DepthPoint>>,
     depth_map: Once<Option<Arc<DepthMap>>>,
     comparisons: Once<Vec<NamedComparison>>,
@@ -105,7 +105,7 @@ impl<'a> Results<'a> {
             order,
             survey,
             products,
-            plane: CloudPlane::of(survey, products)?,
+            map: map_plane(survey, &products.settings)?,
             names: log_names(order.logs),
             progress,
             computed: Arc::default(),
@@ -115,7 +115,7 @@ impl<'a> Results<'a> {
     /// Returns the same results with another progress.
     pub(super) fn with_progress<'b>(&'b self, progress: &'b Progress) -> Results<'b> {
         Results {
-            plane: self.plane.clone(),
+            map: self.map.clone(),
             names: self.names.clone(),
             computed: self.computed.clone(),
             progress,
@@ -142,17 +142,13 @@ impl<'a> Results<'a> {
                 };
                 self.track().is_empty().then(|| because(why))
             }
-            Need::Footprint if self.has_side_scan() => {
-                self.ground()?.shapes.is_empty().then(|| {
-                    because(
-                        "no footprint: no ping has side-scan, a place, a heading and an altitude",
-                    )
-                })
-            }
-            Need::Footprint => silent(self.ground()?.shapes.is_empty()),
-            Need::Surface => self.surface()?.is_none().then(|| because(NO_DEPTH_MAP)),
+            Need::Footprint => self.ground()?.shapes.is_empty().then(|| {
+                let why = "no footprint: no ping has side-scan, a place, a heading and an altitude";
+                Missing(self.has_side_scan().then(|| why.to_owned()))
+            }),
+            Need::Surface => self.depth_map()?.is_none().then(|| because(NO_DEPTH_MAP)),
             Need::Hardness => {
-                silent(self.surface()?.is_none_or(|surface| surface.hardness_db.is_none()))
+                silent(self.depth_map()?.is_none_or(|map| map.surface.hardness_db.is_none()))
             }
             Need::Levels => self.contours()?.as_ref().err().map(|why| because(&why.to_string())),
             Need::Isobaths => {
@@ -167,24 +163,20 @@ impl<'a> Results<'a> {
             }
             // A survey without soundings or without side-scan gets no message about missing
             // residuals.
-            Need::Agreement
-                if self.has_soundings() && (self.has_side_scan() || self.has_swath()) =>
-            {
-                Some(because(NO_RESIDUALS))
+            Need::Agreement => {
+                let any = |such: fn(&Survey) -> bool| self.logs().any(|(survey, _)| such(survey));
+                let has_points = self.has_side_scan() || any(|survey| !survey.swath.is_empty());
+                let is_expected = has_points && any(|survey| !survey.soundings.is_empty());
+                Some(Missing(is_expected.then(|| NO_RESIDUALS.to_owned())))
             }
-            Need::Agreement => silent(true),
             Need::SideScan => silent(!self.has_side_scan()),
-            Need::Mosaic => mosaic_grid(self.mosaic()?.as_deref(), settings.mosaic.cell_m)
-                .err()
-                .map(|why| because(&why.to_string())),
+            Need::Mosaic => {
+                let grid = self.mosaic_grid(self.mosaic()?.as_deref());
+                grid.err().map(|why| because(&why.to_string()))
+            }
             Need::Targets => silent(!self.order.review.has_targets()),
             Need::Reference => silent(self.order.reference.is_none()),
         })
-    }
-
-    /// Converts a place on the map to longitude and latitude.
-    pub(super) fn to_lon_lat(&self, place: [f64; 2]) -> LonLat {
-        self.plane.to_lon_lat(place)
     }
 
     /// Returns the logs of the survey, one or several, with their results.
@@ -200,14 +192,6 @@ impl<'a> Results<'a> {
 
     fn has_side_scan(&self) -> bool {
         self.logs().any(|(survey, _)| survey.has_side_scan())
-    }
-
-    fn has_swath(&self) -> bool {
-        self.logs().any(|(survey, _)| !survey.swath.is_empty())
-    }
-
-    fn has_soundings(&self) -> bool {
-        self.logs().any(|(survey, _)| !survey.soundings.is_empty())
     }
 
     /// Returns the name of the survey: the names of its logs, or the first and the last of more
@@ -243,7 +227,7 @@ impl<'a> Results<'a> {
     /// Returns the ground that the side-scan insonified.
     pub(super) fn ground(&self) -> Result<&SideScanCoverage, Error> {
         once(&self.computed.ground, || {
-            let map = &self.plane.map;
+            let map = &self.map;
             let layouts: Vec<MosaicLayout> = self
                 .logs()
                 .map(|(survey, products)| mosaic_layout(survey, products, map))
@@ -267,19 +251,31 @@ impl<'a> Results<'a> {
         made.map(Option::as_ref)
     }
 
-    /// Returns the surface of the depth map; `None` where there is no map.
-    pub(super) fn surface(&self) -> Result<Option<&Surface>, Error> {
-        Ok(self.depth_map()?.map(|depth_map| &depth_map.surface))
+    /// Returns the depth map for a file that needs one.
+    ///
+    /// # Errors
+    /// When there is no map or it cannot be computed.
+    pub(super) fn needed_depth_map(&self) -> Result<&Arc<DepthMap>, Error> {
+        Ok(self.depth_map()?.ok_or(NO_SURFACE)?)
     }
 
-    /// Returns the bottom with at most `most_corners` corners; `None` where there is no depth map.
-    pub(super) fn bottom(
-        &self,
-        colour: BottomColour,
-        most_corners: usize,
-    ) -> Result<Option<Arc<Bottom>>, Error> {
-        let (derived, logs) = (self.order.derived, self.order.logs);
-        Ok(derived.bottom(logs, colour, most_corners, self.progress)?)
+    /// Returns the surface of the depth map for a file that needs one.
+    ///
+    /// # Errors
+    /// As [`Results::needed_depth_map`].
+    pub(super) fn surface(&self) -> Result<&Surface, Error> {
+        Ok(&self.needed_depth_map()?.surface)
+    }
+
+    /// Describes the corrections, applied or not, and the interpolation of the cells of a surface.
+    pub(super) fn applied(&self, surface: &Surface) -> String {
+        format!(
+            "{} By {} in cells of {} m, none farther than {} m from a depth.",
+            self.products.correction.statement(),
+            surface.method_in_words(),
+            surface.grid.cell_m,
+            self.products.settings.surface.max_gap_m
+        )
     }
 
     /// Returns the isobaths, or the reason why there are none.
@@ -300,23 +296,17 @@ impl<'a> Results<'a> {
                 Ok(isobaths) => isobaths,
                 Err(why) => return Ok(Err(why)),
             };
-            let depth_map = self.depth_map()?.ok_or(NO_SURFACE)?;
+            let depth_map = self.needed_depth_map()?;
             Ok(Ok(Contours::new(depth_map, isobaths, self.progress)?))
         })
     }
 
-    /// Returns the tiles of the depth map; they take room in the folder of `file` until they are
-    /// dropped.
-    pub(super) fn map_tiles(&self, file: &Path) -> Result<&MapTiles, Error> {
-        let folder = file.parent().unwrap_or(file);
-        once(&self.computed.map_tiles, || {
-            let depth_map = self.depth_map()?.ok_or(NO_SURFACE)?;
-            // Too many isobaths are reported for the files of isobaths; the map is drawn without
-            // isobaths.
-            let isobaths = self.isobaths()?.unwrap_or_default();
-            let log = (self.survey, self.products);
-            MapTiles::new(depth_map, &isobaths, log, folder, self.progress)
-        })
+    /// Returns the tiles of the depth map, which `draw` draws at the first call.
+    pub(super) fn map_tiles(
+        &self,
+        draw: impl FnOnce() -> Result<(TileStore, TileSet), Error>,
+    ) -> Result<&(TileStore, TileSet), Error> {
+        once(&self.computed.map_tiles, draw)
     }
 
     /// Returns the depths that a chart prints, in the plane of the map; none without a depth map.
@@ -340,7 +330,7 @@ impl<'a> Results<'a> {
     /// Compares side-scan with the soundings, over all logs.
     pub(super) fn comparisons(&self) -> Result<&[NamedComparison], Error> {
         let made = once(&self.computed.comparisons, || {
-            Ok(comparisons(self.order.logs, &self.plane.map, self.progress)?)
+            Ok(comparisons(self.order.logs, &self.map, self.progress)?)
         });
         made.map(Vec::as_slice)
     }
@@ -355,8 +345,28 @@ impl<'a> Results<'a> {
 
     /// Returns the mosaic in the plane of the map; `None` where no log has echoes with a place.
     pub(super) fn mosaic(&self) -> Result<Option<Arc<Mosaic>>, Error> {
-        let plane = MosaicPlane::Map(self.plane.map.clone());
+        let plane = MosaicPlane::Map(self.map.clone());
         Ok(self.order.derived.mosaic(self.order.logs, plane, self.progress)?)
+    }
+
+    /// Returns the grid of the file with the mosaic.
+    ///
+    /// # Errors
+    /// When no echo has a place, or the mosaic would have too many cells.
+    pub(super) fn mosaic_grid(&self, mosaic: Option<&Mosaic>) -> Result<Grid, Error> {
+        let cell_m = self.products.settings.mosaic.cell_m;
+        let grid = mosaic.and_then(|mosaic| joint_grid(&mosaic.logs, cell_m));
+        let grid =
+            grid.ok_or("no mosaic: no ping has side-scan, a place, a heading and an altitude")?;
+        let [down, across] = [grid.rows, grid.columns].map(|cells| cells.div_ceil(TILE_CELLS));
+        if down.saturating_mul(across) > MOST_TILES {
+            return Err(format!(
+                "no mosaic: it would have {} by {} cells; choose a larger mosaic.cell_m, or look for positions that are far off",
+                grid.columns, grid.rows
+            )
+            .into());
+        }
+        Ok(grid)
     }
 
     /// Returns the agreement of the survey with the reference; `None` without a reference.
@@ -380,12 +390,12 @@ impl<'a> Results<'a> {
         made.map(Vec::as_slice)
     }
 
-    /// Returns the boxes that the model finds in each log outside of excluded stretches; `None`
-    /// without a model.
-    pub(super) fn found(&self) -> Result<Option<&[Vec<Detection>]>, Error> {
-        let Some(model) = self.order.search else {
-            return Ok(None);
-        };
+    /// Returns the boxes that the model finds in each log outside of excluded stretches.
+    ///
+    /// # Errors
+    /// When there is no model, or the boxes cannot be computed.
+    pub(super) fn found(&self) -> Result<&[Vec<Detection>], Error> {
+        let model = self.order.search.ok_or(NOT_SEARCHED)?;
         let of_log = |(survey, products): (&Survey, &Products)| {
             if !survey.has_side_scan() {
                 return Ok(Vec::new());
@@ -397,7 +407,7 @@ impl<'a> Results<'a> {
             Ok(found)
         };
         let made = once(&self.computed.found, || self.logs().map(of_log).collect());
-        made.map(|found| Some(found.as_slice()))
+        made.map(Vec::as_slice)
     }
 
     /// Returns the review with proposals from the search added for the logs that satisfy
@@ -405,11 +415,11 @@ impl<'a> Results<'a> {
     fn found_review(&self, is_asked: impl Fn(usize) -> bool) -> Result<SurveyReview, Error> {
         let mut review = self.order.review.clone();
         review.logs.resize(self.order.logs.len(), None);
-        let Some((model, found)) = self.order.search.zip(self.found()?) else {
+        let Some(model) = self.order.search else {
             return Ok(review);
         };
         let mut first = 1;
-        for (index, found) in found.iter().enumerate() {
+        for (index, found) in self.found()?.iter().enumerate() {
             if is_asked(index) {
                 let identity = Identity::of(&self.order.logs[index].survey);
                 let proposals = Review::of_found(identity, model.names(), first, found);
@@ -424,47 +434,30 @@ impl<'a> Results<'a> {
         Ok(review)
     }
 
-    /// Returns the objects that a search found in all logs; `None` without a search.
-    pub(super) fn found_objects(&self) -> Result<Option<&ObjectList>, Error> {
-        if self.found()?.is_none() {
-            return Ok(None);
-        }
-        let made = once(&self.computed.found_objects, || {
+    /// Returns the objects that a search found in all logs.
+    ///
+    /// # Errors
+    /// When there was no search, or the objects cannot be computed.
+    pub(super) fn found_objects(&self) -> Result<&ObjectList, Error> {
+        self.found()?;
+        once(&self.computed.found_objects, || {
             let review = self.found_review(|_| true)?;
             Ok(list_objects(self.order.logs, &review, self.progress)?)
-        });
-        made.map(Some)
+        })
     }
 
     /// Returns the objects that a search found, with their shapes.
     ///
     /// # Errors
-    /// When there was no search, or the objects cannot be computed.
+    /// As [`Results::found_objects`].
     pub(super) fn shaped_found(&self) -> Result<(&ObjectList, &Shapes), Error> {
         let list = self.found_objects()?;
-        let list = list.ok_or("nothing searched for objects")?;
         let shapes = once(&self.computed.found_shapes, || self.shapes_of(list))?;
         Ok((list, shapes))
     }
 
-    /// Returns the objects of the survey: for each log those of its review, or else those that a
-    /// search found; `None` without a search or a review.
-    pub(super) fn objects(&self) -> Result<Option<&ObjectList>, Error> {
-        let is_searched = self.order.asks_for(When::Searched);
-        match (self.order.review.has_boxes(), is_searched) {
-            (false, false) => return Ok(None),
-            (false, true) => return self.found_objects(),
-            (true, _) => {}
-        }
-        let made = once(&self.computed.objects, || {
-            let review =
-                self.found_review(|log| is_searched && self.order.review.log(log).is_none())?;
-            Ok(list_objects(self.order.logs, &review, self.progress)?)
-        });
-        made.map(Some)
-    }
-
-    /// Returns the objects of the survey with their shapes.
+    /// Returns the objects of the survey with their shapes: for each log those of its review, or
+    /// else those that a search found. There are some if the order asks for [`When::Listed`].
     ///
     /// # Errors
     /// When there was neither a search nor a review, or the objects cannot be computed.
@@ -472,8 +465,12 @@ impl<'a> Results<'a> {
         if !self.order.review.has_boxes() {
             return self.shaped_found();
         }
-        let list = self.objects()?;
-        let list = list.ok_or("nobody has looked for objects")?;
+        let is_searched = self.order.asks_for(When::Searched);
+        let list = once(&self.computed.objects, || {
+            let review =
+                self.found_review(|log| is_searched && self.order.review.log(log).is_none())?;
+            Ok(list_objects(self.order.logs, &review, self.progress)?)
+        })?;
         let shapes = once(&self.computed.shapes, || self.shapes_of(list))?;
         Ok((list, shapes))
     }
@@ -507,39 +504,9 @@ pub(super) fn find_shapes(
     targets.par_iter().filter_map(|object| shape(object).transpose()).collect()
 }
 
-/// Returns objects as rows of tables, with their shapes and outlines.
-pub(super) fn listed<'a>(
-    objects: impl Iterator<Item = &'a Object>,
-    (list, shapes): (&ObjectList, &'a Shapes),
-    logs: &[ProcessedLog],
-    names: &'a [String],
-) -> Vec<ListedObject<'a>> {
-    let outline = |object: &Object| {
-        let best = list.members(object).nth(object.best)?;
-        outline(logs.get(best.log)?, best.target.as_ref()?)
-    };
-    let listed = objects.map(|object| ListedObject {
-        object,
-        shape: shapes.get(&object.number),
-        outline: outline(object),
-        log_names: if names.len() > 1 { names } else { &[] },
-    });
-    listed.collect()
-}
-
-/// Returns the boxes of targets.
-pub(super) fn target_boxes(list: &ObjectList) -> Vec<&ObjectBox> {
-    list.boxes().iter().filter(|object_box| list.is_target(object_box)).collect()
-}
-
-/// Returns the outline of a target in WGS84; `None` where its size is not known.
-fn outline(of: &ProcessedLog, target: &Target) -> Option<[LonLat; 4]> {
-    let is_known = target.length_m.is_finite() && target.width_m.is_finite();
-    let (navigation, track) = (&of.products.navigation, &of.survey.track);
-    let place = |[east_m, north_m]: [f64; 2]| navigation.to_lon_lat(track, east_m, north_m);
-    is_known.then(|| target.corners().map(place))
-}
-
+/// Error that is not expected: the registry requires a surface before it writes one.
+pub(super) const NO_SURFACE: &str = "there is no depth map";
+pub(super) const NOT_SEARCHED: &str = "nothing searched for objects";
 const NO_DEPTH_MAP: &str = "no depth map: the depths span no surface (a single straight line, or none near another within surface.max_gap_m)";
 const NO_RESIDUALS: &str = "no residuals: there are no side-scan points near a sounding, and no track crosses itself or another";
 

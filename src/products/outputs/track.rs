@@ -2,12 +2,14 @@
 //! objects of a survey in one file.
 
 use super::content::{FileContent, FileResult, Need};
-use super::depth::contours::DrawnContours;
-use super::ground::SideScanCoverage;
+use super::contours::DrawnContours;
 use super::object_files::targets;
+use super::order::When;
 use super::results::Results;
 use crate::Error;
-use crate::export::{self, LabelledLine, MapGeometry, Summary, TrackPiece};
+use crate::export::{
+    self, LabelledLine, MapGeometry, SideScanCoverage, Summary, TrackPiece, TrackPoint,
+};
 use bathyscope_bottom::presentation::colours::depth_colour;
 use std::path::Path;
 
@@ -36,7 +38,7 @@ pub(super) fn kmz(results: &Results<'_>, path: &Path) -> FileResult {
 
 /// Writes `track.shp` with its companions, in the coordinate system of the map.
 pub(super) fn shapefile(results: &Results<'_>, path: &Path) -> FileResult {
-    let crs = &results.plane.map.crs;
+    let crs = &results.map.crs;
     let names = ["ping_from", "ping_to", "length_m"];
     let lines = lines(results, &results.name());
     let lines = export::lines_shapefile(path, crs, &names, &lines)?;
@@ -44,33 +46,28 @@ pub(super) fn shapefile(results: &Results<'_>, path: &Path) -> FileResult {
 }
 
 fn lines(results: &Results<'_>, name: &str) -> Vec<LabelledLine> {
-    let numbered = (1..).zip(results.track());
-    numbered.map(|(n, piece)| line(name, n, piece)).collect()
-}
-
-fn line(name: &str, number: usize, piece: &TrackPiece) -> LabelledLine {
-    let ping =
-        |point: Option<&export::TrackPoint>| point.map_or(f64::NAN, |point| point.ping as f64);
-    LabelledLine {
+    let ping = |point: Option<&TrackPoint>| point.map_or(f64::NAN, |point| point.ping as f64);
+    let line = |(number, piece): (usize, &TrackPiece)| LabelledLine {
         points: piece.points.iter().map(|point| point.position).collect(),
         label: format!("{name} {number}"),
         numbers: vec![ping(piece.points.first()), ping(piece.points.last()), piece.length_m],
         colour: COLOUR,
-    }
+    };
+    (1..).zip(results.track()).map(line).collect()
 }
 
 /// Writes `footprint.geojson`.
 pub(super) fn footprint_geojson(results: &Results<'_>, path: &Path) -> FileResult {
     let (ground, name) = (results.ground()?, results.name());
-    let place = |at| results.to_lon_lat(at);
-    let areas = export::footprint_geojson(path, &name, &ground.shapes, ground.area_m2, place)?;
+    let place = |at| results.map.to_lon_lat(at);
+    let areas = export::footprint_geojson(path, &name, ground, place)?;
     Ok(with_area(ground, areas))
 }
 
 /// Writes `footprint.kmz`.
 pub(super) fn footprint_kmz(results: &Results<'_>, path: &Path) -> FileResult {
     let (ground, name) = (results.ground()?, results.name());
-    let place = |at| results.to_lon_lat(at);
+    let place = |at| results.map.to_lon_lat(at);
     let areas = export::areas_kmz(path, &name, &ground.shapes, place)?;
     Ok(with_area(ground, areas))
 }
@@ -83,7 +80,7 @@ fn with_area(ground: &SideScanCoverage, areas: Summary) -> FileContent {
 /// footprint, isobaths, depth areas, soundings and objects that exist. Map programs draw the layers
 /// in the order in which they are added here, the first at the bottom.
 pub(super) fn geopackage(results: &Results<'_>, path: &Path) -> FileResult {
-    let map = &results.plane.map;
+    let map = &results.map;
     let placed = MapGeometry::new(map);
     let has = |need| Ok::<bool, Error>(results.missing(need)?.is_none());
     let mut layers = Vec::new();
@@ -91,23 +88,17 @@ pub(super) fn geopackage(results: &Results<'_>, path: &Path) -> FileResult {
         let drawn = DrawnContours::of(results)?;
         let contours = drawn.contours;
         layers.push(export::depth_area_layer(&placed, &contours.areas, drawn.ground, depth_colour));
-        layers.push(export::isobath_layer(&placed, &drawn.lines(), drawn.ground.sqrt()));
+        layers.push(export::isobath_layer(&placed, &drawn.lines, drawn.ground.sqrt()));
     }
     if has(Need::Footprint)? {
-        let ground = results.ground()?;
-        layers.push(export::footprint_layer(
-            &placed,
-            &results.name(),
-            &ground.shapes,
-            ground.area_m2,
-        ));
+        layers.push(export::footprint_layer(&placed, &results.name(), results.ground()?));
     }
     if has(Need::Surface)? && has(Need::Area)? {
         let settings = &results.products.settings.isobaths;
         layers.push(export::spot_sounding_layer(&placed, results.spot_soundings()?, settings));
     }
     layers.push(export::track_layer(&placed, results.track()));
-    if results.objects()?.is_some() {
+    if results.order.asks_for(When::Listed) {
         let position = |at| placed.position(at);
         let [points, outlines] = export::object_layers(&targets(results)?, position);
         layers.extend([outlines, points]);

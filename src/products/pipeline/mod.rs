@@ -64,7 +64,6 @@ pub(crate) use residuals::{NamedComparison, comparisons};
 pub use run_stages::{Stage, run};
 pub use settings::{Preset, Settings, SettingsError};
 pub use source::{SourceError, SourceKey, as_mounted, as_set};
-pub(crate) use surface::CloudPlane;
 pub use surface::{depth_points, joint_depth_points, joint_depth_surface, log_echoes};
 pub use survey_coverage::survey_coverage;
 pub use task::{Background, Jobs, Same, Task, TaskOutcome};

@@ -1,41 +1,25 @@
 //! Transforms the points of a cloud into the metres of a map, in the coordinate system that `crs`
 //! names, and computes the surface of the depths of a survey there.
 
-use super::{ProcessedLog, Products, map_plane};
+use super::{ProcessedLog, Products};
 use bathyscope_bottom::bathymetry::{DepthPoint, Surface, SurfaceSettings, SwathDepth, surface};
 use bathyscope_bottom::cloud::{CloudPoint, PointClass, PointCloud};
 use bathyscope_bottom::swath::{LogEchoes, PingPlace, SideEchoes, correct};
-use bathyscope_log::support::geo::{CrsError, LonLat, MapPlane};
+use bathyscope_log::support::geo::MapPlane;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::{PingNav, Side, Survey};
 
 /// Transformation of a log's cloud into the plane of its maps.
-#[derive(Clone)]
-pub(crate) struct CloudPlane<'a> {
-    /// Plane of the maps.
-    pub map: MapPlane,
-    /// Survey of the log.
-    pub survey: &'a Survey,
+pub(super) struct CloudPlane<'a> {
+    map: MapPlane,
+    survey: &'a Survey,
     products: &'a Products,
 }
 
 impl<'a> CloudPlane<'a> {
-    /// Creates the transformation into the plane of the coordinate system that `crs` names.
-    ///
-    /// # Errors
-    /// When the system is unknown, or does not fit the survey's place.
-    pub(crate) fn of(survey: &'a Survey, products: &'a Products) -> Result<Self, CrsError> {
-        Ok(Self { map: map_plane(survey, &products.settings)?, survey, products })
-    }
-
     /// Creates the transformation of one of several logs into the plane that all of them share.
     pub(super) fn shared(log: &'a ProcessedLog, map: &MapPlane) -> Self {
         Self { map: map.clone(), survey: &log.survey, products: &log.products }
-    }
-
-    /// Returns longitude and latitude of a place in the plane.
-    pub(crate) fn to_lon_lat(&self, place: [f64; 2]) -> LonLat {
-        self.map.to_lon_lat(place)
     }
 
     /// Returns the kept points for which `chosen` is true, each with its easting, northing and

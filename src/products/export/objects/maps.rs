@@ -7,7 +7,7 @@
 
 use super::object_places;
 use crate::export::geopackage::{FeatureGeometry, Layer, geopackage};
-use crate::export::qgis_vector::{target_outline_style, target_style};
+use crate::export::qgis_style::{target_outline_style, target_style};
 use crate::export::sqlite::{self, count, text};
 use crate::export::{ExportError, Summary, write_bytes, write_json};
 use bathyscope_bottom::presentation::text::plural;
@@ -130,7 +130,6 @@ pub(crate) fn objects_gpx(
         } else {
             format!("<cmt>{}</cmt>", xml(&object.remarks))
         };
-        // Writing to a string does not fail.
         text += &format!(
             "<wpt lat=\"{:.8}\" lon=\"{:.8}\"><name>{}</name>{remarks}<desc>{}</desc><type>{}</type><extensions>{columns}</extensions></wpt>\n",
             at.lat_deg,
@@ -161,7 +160,6 @@ pub(crate) fn objects_kml(
             format!("<Data name=\"{name}\"><value>{text}</value></Data>")
         });
         let at = object.position;
-        // Writing to a string does not fail.
         text += &format!(
             "<Placemark><name>{}</name><description>{}</description><ExtendedData>{columns}</ExtendedData><Point><coordinates>{:.8},{:.8}</coordinates></Point></Placemark>\n",
             xml(&title),
@@ -183,11 +181,11 @@ pub(crate) fn objects_gpkg(
     path: &Path,
     objects: &[ListedObject<'_>],
     changed_unix_s: f64,
-) -> Result<(), ExportError> {
+) -> Result<Summary, ExportError> {
     let degrees = Crs::from_epsg(WGS84)
         .map_err(|error| ExportError::at(path)(std::io::Error::other(error)))?;
     let layers = object_layers(objects, |at| [at.lon_deg, at.lat_deg]);
-    geopackage(path, &degrees, changed_unix_s, &layers).map(|_| ())
+    geopackage(path, &degrees, changed_unix_s, &layers)
 }
 
 /// Returns objects as two layers, points and outlines; `place` returns the coordinates of a

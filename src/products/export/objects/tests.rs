@@ -76,8 +76,8 @@ fn logs(survey: &Survey) -> [ObjectLog<'_>; 2] {
     ["first", "=second"].map(|name| ObjectLog { name, survey })
 }
 
-fn written(
-    write: impl FnOnce(&std::path::Path) -> Result<(), crate::export::ExportError>,
+fn written<T>(
+    write: impl FnOnce(&std::path::Path) -> Result<T, crate::export::ExportError>,
 ) -> String {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("file");
@@ -128,12 +128,10 @@ fn an_object_is_one_waypoint_with_name_class_and_remarks_of_all_its_boxes() {
     });
     second.target = Some(Target { height_m: 0.5, height_sigma_m: 0.25, ..target(&mark()) });
     let named = object(&[first, second]);
-    let gpx = written(|path| {
-        objects_gpx(path, &[listed(&named, None), listed(&named, None)]).map(|_| ())
-    });
+    let gpx = written(|path| objects_gpx(path, &[listed(&named, None), listed(&named, None)]));
     assert_eq!(gpx.matches("<wpt ").count(), 2);
     assert_eq!(gpx.matches("<name>Anna 3</name>").count(), 2, "told apart");
-    let gpx = written(|path| objects_gpx(path, &[listed(&named, None)]).map(|_| ()));
+    let gpx = written(|path| objects_gpx(path, &[listed(&named, None)]));
     assert!(gpx.contains("<name>Anna</name><cmt>=cmd &amp;"), "{gpx}");
     assert!(gpx.contains("<type>tyre &lt;old&gt;</type>"));
     assert!(gpx.contains("height 0.50 ± 0.25 m"), "{gpx}");
@@ -144,8 +142,8 @@ fn an_object_is_one_waypoint_with_name_class_and_remarks_of_all_its_boxes() {
 fn markup_in_names_and_notes_is_escaped() {
     let [object_box, _] = boxes();
     let object = object(&[object_box]);
-    let kml = written(|path| objects_kml(path, "a & b", &[listed(&object, None)]).map(|_| ()));
-    let gpx = written(|path| objects_gpx(path, &[listed(&object, None)]).map(|_| ()));
+    let kml = written(|path| objects_kml(path, "a & b", &[listed(&object, None)]));
+    let gpx = written(|path| objects_gpx(path, &[listed(&object, None)]));
     for text in [&kml, &gpx] {
         assert!(text.contains("<name>tyre &lt;old&gt; 3</name>"), "{text}");
         assert!(text.contains("=cmd &amp; &quot;two&quot;, see\nbelow"));

@@ -4,20 +4,34 @@
 //! In: the tiles of a map. Out: MBTiles, PMTiles and an HTML page.
 
 mod archives;
-mod page;
 
 pub(crate) use archives::{mbtiles, pmtiles};
-pub(crate) use page::map_page;
 
 use crate::Error;
-use crate::export::ExportError;
+use crate::export::{ExportError, write_atomically};
 use crate::map_tiles::{MapScales, PyramidSource, TileStyle, WebTile, pyramid};
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use bathyscope_bottom::presentation::colours::depth_colour;
+use bathyscope_bottom::presentation::ticks::round_up;
+use bathyscope_log::support::printable::xml;
 use bathyscope_log::support::progress::Progress;
+use serde_json::json;
 use std::collections::BTreeMap;
-use std::fs::File;
+use std::fs::{self, File};
 use std::io::{self, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
+
+const PAGE: &str = include_str!("../../../../assets/map_page/index.html");
+const STYLE: &str = include_str!("../../../../assets/map_page/style.css");
+const SCRIPT: &str = include_str!("../../../../assets/map_page/script.js");
+
+/// Largest total size of the archives that are put into the page itself, bytes: the page is then a
+/// single file to send and can be opened from a disk, where browsers let no page read other files.
+const MOST_INSIDE: u64 = 8 << 20;
+/// Number of steps of the colours of the legend.
+const STEPS: usize = 20;
 
 /// Description of a set of tiles for the programs that show it.
 #[derive(Clone, Debug)]
@@ -131,6 +145,67 @@ impl TileStore {
         inner.file.read_exact(&mut bytes)?;
         Ok(bytes)
     }
+}
+
+/// Writes the page into the folder of its archives (colours, and elevations), which must exist
+/// already.
+///
+/// # Errors
+/// When an archive cannot be read or the file cannot be written.
+pub(crate) fn map_page(
+    path: &Path,
+    set: &TileSet,
+    archives: [&'static str; 2],
+) -> Result<(), ExportError> {
+    write_atomically(path, |mut file| {
+        let paths = archives.map(|name| path.with_file_name(name));
+        let mut bytes = 0;
+        for archive in &paths {
+            bytes += fs::metadata(archive)?.len();
+        }
+        let mut inside = String::new();
+        if bytes <= MOST_INSIDE {
+            for (name, archive) in archives.iter().zip(&paths) {
+                let text = STANDARD.encode(fs::read(archive)?);
+                inside += &format!(
+                    "<script type=\"application/octet-stream\" id=\"{name}\">{text}</script>\n"
+                );
+            }
+        }
+        file.write_all(html(set, archives, &inside).as_bytes())
+    })
+}
+
+fn html(set: &TileSet, archives: [&str; 2], inside: &str) -> String {
+    let MapScales { zooms, range_m, .. } = &set.scales;
+    let colours = (0..=STEPS).map(|step| {
+        let [red, green, blue] = depth_colour(step as f32 / STEPS as f32);
+        format!("#{red:02x}{green:02x}{blue:02x}")
+    });
+    let map = json!({
+        "bounds": zooms.bounds_deg,
+        "coarsest": zooms.coarsest,
+        "finest": zooms.finest,
+        "range": range_m,
+        "interval": interval_m(&set.scales),
+        "colours": colours.collect::<Vec<String>>(),
+        "files": archives,
+    });
+    let title = xml(&set.name);
+    // The longest text is put in last, so that inserted texts are not searched for placeholders.
+    PAGE.replace("{{style}}", STYLE)
+        .replace("{{script}}", SCRIPT)
+        .replace("{{map}}", &map.to_string())
+        .replace("{{about}}", &xml(&set.description))
+        .replace("{{title}}", &title)
+        .replace("{{archives}}", inside)
+}
+
+/// Returns the interval of the isobaths, metres: that of evenly spaced levels, or a round number.
+fn interval_m(scales: &MapScales) -> f64 {
+    let [least_m, most_m] = scales.range_m.map(f64::from);
+    let even_m = scales.interval_m().filter(|_| scales.levels_m.len() > 1);
+    even_m.unwrap_or_else(|| round_up((most_m - least_m) / 10.0))
 }
 
 #[cfg(test)]

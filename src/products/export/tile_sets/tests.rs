@@ -151,3 +151,36 @@ fn the_same_tiles_give_the_same_bytes_in_whatever_order_they_come() {
     // Only the written files remain.
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 4);
 }
+
+#[test]
+fn a_small_map_lies_in_its_page_and_a_large_one_beside_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("index.html");
+    let archives = ["depth.pmtiles", "depth_values.pmtiles"];
+    for name in archives {
+        fs::write(folder.path().join(name), b"tiles").unwrap();
+    }
+    let set = TileSet {
+        name: "pond & </script>".to_owned(),
+        description: "Depth".to_owned(),
+        scales: MapScales {
+            zooms: ZoomRange::of_map([9.0, 47.0, 9.01, 47.01], 0.5),
+            range_m: [1.0, 3.0],
+            levels_m: vec![1.0, 1.2],
+            isobaths: Default::default(),
+        },
+    };
+    let written = || {
+        map_page(&path, &set, archives).unwrap();
+        fs::read_to_string(&path).unwrap()
+    };
+    let small = written();
+    assert!(small.contains("id=\"depth.pmtiles\">dGlsZXM=</script>"));
+    assert!(small.contains("<h1>pond &amp; &lt;/script&gt;</h1>") && !small.contains("{{"));
+    assert!(!small.contains("http://") && small.matches("https://").count() == 1, "one remark");
+    fs::write(folder.path().join(archives[1]), vec![0; MOST_INSIDE as usize]).unwrap();
+    let large = written();
+    assert!(!large.contains("octet-stream") && large.contains("\"finest\":"));
+    fs::remove_file(folder.path().join(archives[1])).unwrap();
+    assert!(map_page(&path, &set, archives).is_err());
+}

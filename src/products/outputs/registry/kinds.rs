@@ -1,6 +1,6 @@
 //! Defines the columns that rows of the same kind of file share.
 
-use super::{Described, FileWriter, OutputFile, RunFile, WriteFile};
+use super::{Described, FileWriter, OutputFile, WriteFile};
 use crate::outputs::content::Need;
 use crate::outputs::order::{Product, When};
 
@@ -47,22 +47,23 @@ const BOXES: &str = "Boxes that the detector proposes, not reviewed";
 
 /// Creates a row with the values that most rows share.
 pub(super) const fn row(name: Text, when: When, write: WriteFile) -> OutputFile {
-    row_written_by(name, when, FileWriter::Results(write))
+    run_file(name, when, "", FileWriter::Results(write))
 }
 
-/// Creates the row of a file that describes all others.
-pub(super) const fn run_file(name: Text, when: When, brief: Text, file: RunFile) -> OutputFile {
-    OutputFile { brief, ..row_written_by(name, when, FileWriter::Run(file)) }
-}
-
-const fn row_written_by(name: Text, when: When, writer: FileWriter) -> OutputFile {
+/// Creates the row of a file, as of those that describe all others.
+pub(super) const fn run_file(
+    name: Text,
+    when: When,
+    brief: Text,
+    writer: FileWriter,
+) -> OutputFile {
     OutputFile {
         name,
         companions: &[],
         when,
         needs: &[],
         regardless_of: &[],
-        brief: "",
+        brief,
         described: None,
         writer,
     }
@@ -120,7 +121,7 @@ pub(super) const fn raster(
     }
 }
 
-pub(super) const fn contours(
+pub(super) const fn contour_file(
     name: Text,
     what: Text,
     counted: Text,
@@ -137,7 +138,7 @@ pub(super) const fn contours(
 }
 
 pub(super) const fn isobaths(name: Text, write: WriteFile) -> OutputFile {
-    contours(name, "Lines of equal depth", "lines", "lines of equal depth", write)
+    contour_file(name, "Lines of equal depth", "lines", "lines of equal depth", write)
 }
 
 pub(super) const fn map_tiles(name: Text, what: Text, brief: Text, write: WriteFile) -> OutputFile {
@@ -176,14 +177,10 @@ pub(super) const fn target_file(name: Text, counted: Text, write: WriteFile) -> 
 }
 
 pub(super) const fn boxes(name: Text, brief: Text, write: WriteFile) -> OutputFile {
-    boxes_of(name, When::Searched, brief, write)
-}
-
-pub(super) const fn boxes_of(name: Text, when: When, brief: Text, write: WriteFile) -> OutputFile {
     OutputFile {
         regardless_of: NOT_OF_BOXES,
         brief,
         described: described(BOXES, "boxes", ""),
-        ..row(name, when, write)
+        ..row(name, When::Searched, write)
     }
 }

@@ -1,7 +1,6 @@
 //! Finds the files that an earlier run wrote into a folder.
 
-use super::journal::is_plain;
-use super::{EARLIER_MANIFESTS, Fingerprint};
+use super::{EARLIER_MANIFESTS, Fingerprint, is_plain};
 use crate::Error;
 use crate::export::remove_leftovers;
 use crate::outputs::MANIFEST;

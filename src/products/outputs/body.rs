@@ -1,13 +1,14 @@
-//! Writes the bottom as a body, `bottom.glb`: the depth map as a mesh with the depth colours and
-//! the mosaic as pictures over it.
+//! Writes the bottom for 3D programs: `bottom.glb`, the depth map as a mesh with the depth colours
+//! and the mosaic as pictures over it, and `bottom.copc.laz`, its cells as points.
 
+use super::content::{FileContent, FileResult};
+use super::rasters::known_cells;
+use super::results::{NO_SURFACE, Results};
 use crate::Error;
-use crate::export::{Summary, TexturedMesh, glb};
-use crate::outputs::content::{FileContent, FileResult};
-use crate::outputs::results::Results;
+use crate::export::{BottomCell, Summary, TexturedMesh, bottom_las, glb};
 use crate::pipeline::{Bottom, BottomColour};
-use bathyscope_bottom::bathymetry::{Grid, Surface};
-use bathyscope_bottom::presentation::colours::Rgb;
+use bathyscope_bottom::bathymetry::{CellSource, Grid, Surface};
+use bathyscope_bottom::presentation::colours::{Rgb, depth_colour, depth_share};
 use image::{ExtendedColorType, ImageEncoder as _, codecs::png::PngEncoder};
 use serde_json::json;
 use std::path::Path;
@@ -18,18 +19,19 @@ const MOST_CORNERS: usize = 250_000;
 const MOST_PIXELS: usize = 2048;
 
 /// Writes `bottom.glb`.
-pub(crate) fn write(results: &Results<'_>, path: &Path) -> FileResult {
-    let bottom = results.bottom(BottomColour::Depth, MOST_CORNERS)?;
-    let bottom = bottom.ok_or(super::NO_SURFACE)?;
+pub(super) fn write(results: &Results<'_>, path: &Path) -> FileResult {
+    let (derived, logs) = (results.order.derived, results.order.logs);
+    let bottom = derived.bottom(logs, BottomColour::Depth, MOST_CORNERS, results.progress)?;
+    let bottom = bottom.ok_or(NO_SURFACE)?;
     let surface = bottom.surface();
-    let middle = middle(&surface.grid);
+    let middle = surface.grid.centre(surface.grid.rows / 2, surface.grid.columns / 2);
     let mut mesh = mesh(surface, middle);
-    mesh.name = results.plane.survey.name();
+    mesh.name = results.survey.name();
     mesh.pictures.push(("depth", png(&surface.grid, &bottom.rgb)?));
     if let Some(picture) = mosaic(results, &bottom)? {
         mesh.pictures.push(("mosaic", picture));
     }
-    let map = &results.plane.map;
+    let map = &results.map;
     let crs = &map.crs;
     mesh.extras = json!({
         "what": format!("The bottom in metres from a place of the survey: x east, y up from the depths' own zero, z south. {}", results.products.correction.statement()),
@@ -45,8 +47,28 @@ pub(crate) fn write(results: &Results<'_>, path: &Path) -> FileResult {
     Ok(FileContent::in_system(crs, summary))
 }
 
-fn middle(grid: &Grid) -> [f64; 2] {
-    grid.centre(grid.rows / 2, grid.columns / 2)
+/// Writes `bottom.copc.laz`: the cells that have a depth as points, each with the source of its
+/// depth, so that inferred depths are not mistaken for measured ones.
+pub(super) fn points(results: &Results<'_>, path: &Path) -> FileResult {
+    let depth_map = results.needed_depth_map()?;
+    let (surface, map) = (&depth_map.surface, &results.map);
+    let cell = |(index, place, depth_m): (usize, [f64; 2], f32)| BottomCell {
+        place,
+        depth_m,
+        sigma_m: surface.spread_m[index],
+        distance_m: surface.distance_m[index],
+        source: surface.source[index] as u8,
+        is_measured: matches!(
+            surface.source[index],
+            CellSource::Sounding | CellSource::FirstReturn
+        ),
+        rgb: depth_colour(depth_share(depth_m, depth_map.colour_range_m)),
+    };
+    let cells: Vec<BottomCell> = known_cells(surface, map).map(cell).collect();
+    results.progress.check()?;
+    let origin = results.survey.track.frame.origin();
+    let cells = bottom_las(path, &map.crs, origin, &cells)?;
+    Ok(FileContent::in_system(&map.crs, cells))
 }
 
 /// Returns the mesh of the known corners and the triangles between them, relative to a place.
