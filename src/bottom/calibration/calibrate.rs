@@ -10,7 +10,7 @@ use super::{
 };
 use crate::first_return::FirstReturns;
 use bathyscope_log::support::progress::{Cancelled, Progress};
-use bathyscope_log::support::statistics::{median, spread_about};
+use bathyscope_log::support::statistics::{median, quantile, spread_about};
 use bathyscope_log::survey::{Navigation, RangeSource, Side, Survey};
 
 /// Least change of depths that is worth a warning, metres.
@@ -19,6 +19,8 @@ const LEAST_SAID_M: f64 = 0.02;
 const SAME_RANGE: f64 = 0.01;
 /// Note on an offset that is not taken off because of an objection.
 const REFUSED: &str = "refused";
+/// Share of the differences of successive soundings that are smaller than the step of depths.
+const FEW: f64 = 0.05;
 /// Fewest picks for a fit over the log.
 const MIN_FIT_PICKS: usize = 50;
 
@@ -77,7 +79,8 @@ pub fn calibrate(
         None => spot.map_or(0.0, |spot| offset_at(spot, &made, survey, &at_depths)),
         Some(_) => 0.0,
     };
-    made.warnings.extend(spot.and_then(|spot| disagreement(spot, lead_m)));
+    let step_m = depth_step_m(survey);
+    made.warnings.extend(spot.and_then(|spot| disagreement(spot, lead_m, step_m)));
     if settings.mode == ScaleMode::FlatSpot {
         let objections = spot.map(|spot| spot.objections(survey, spots.first()));
         made.warnings.extend(objections.unwrap_or_default());
@@ -173,14 +176,14 @@ fn depth_fit(picks: &[Usable]) -> Option<DepthFit> {
 /// the flat spot, after subtraction of the constant `lead_m` that ranges have over depths: an
 /// offset of a few centimetres moves the flat spot's scale, and is no error of the header's. In a
 /// log whose range was changed there are no other picks to compare. `None` where depths would
-/// change by less than their scatter, of which at most [`VERY_WIDE`] of the depth counts, or by
-/// less than [`LEAST_SAID_M`]. `None` also for a stretch that slopes across the track: it
-/// determines no scale.
-fn disagreement(spot: &FlatSpot, lead_m: f64) -> Option<String> {
+/// change by less than their scatter, of which at most [`VERY_WIDE`] of the depth counts, by less
+/// than half the step that the recorder rounds depths to, or by less than [`LEAST_SAID_M`]. `None`
+/// also for a stretch that slopes across the track: it determines no scale.
+fn disagreement(spot: &FlatSpot, lead_m: f64, step_m: f64) -> Option<String> {
     let (spread, factor) = (spot.spread()?, spot.factor?);
     let change_m = spot.depth_m / factor - lead_m - spot.depth_m;
     let sigma_m = spot.depth_m * spread;
-    let least_m = sigma_m.min(spot.depth_m * VERY_WIDE).max(LEAST_SAID_M);
+    let least_m = sigma_m.min(spot.depth_m * VERY_WIDE).max(0.5 * step_m).max(LEAST_SAID_M);
     (change_m.abs() > least_m && !spot.is_tilted()).then(|| {
         format!(
             "At the flat stretch, {:.2} m deep, recorded ranges give depths {:.1} cm {} than the soundings; single depths scatter by {:.1} cm. Compare the residuals with either scale.",
@@ -190,6 +193,18 @@ fn disagreement(spot: &FlatSpot, lead_m: f64) -> Option<String> {
             100.0 * sigma_m,
         )
     })
+}
+
+/// Returns the step that the recorder rounds depths to, metres: few differences of a sounding from
+/// the one before it are smaller, those of 0 apart. Of a recorder that does not round it is a share
+/// of the noise. 0 where depths do not differ.
+fn depth_step_m(survey: &Survey) -> f64 {
+    let good = survey.soundings.iter().filter(|sounding| sounding.is_good());
+    let depths_m: Vec<f64> = good.map(|sounding| f64::from(sounding.depth_m)).collect();
+    let steps = depths_m.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+    let mut steps_m: Vec<f64> = steps.filter(|step_m| *step_m > 0.0).collect();
+    steps_m.sort_by(f64::total_cmp);
+    if steps_m.is_empty() { 0.0 } else { quantile(&steps_m, FEW) }
 }
 
 /// Returns a warning where side-scan and soundings differ by more than the uncertainty of either,
@@ -211,4 +226,30 @@ fn changing_range(survey: &Survey, reach: PpdReach) -> Option<String> {
     (reach == PpdReach::Constant && changes > 0).then(|| {
         format!("The recorded range changes {changes} times along the log: one constant from the flat stretch is wrong outside its own range; use calibration.ppd = factor.")
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::calibration::tests::good;
+    use bathyscope_log::survey::Sounding;
+
+    #[test]
+    fn half_a_step_of_the_recorded_depths_is_no_disagreement() {
+        let survey = |round: fn(f32) -> f32| {
+            let depths =
+                (0..200).map(|index| 2.0 + 0.007 * index as f32 + 0.002 * (index % 3) as f32);
+            let soundings = depths.map(|depth_m| Sounding::new(0.0, round(depth_m)));
+            Survey { soundings: soundings.collect::<Vec<_>>().into(), ..Survey::default() }
+        };
+        let rounded_m = depth_step_m(&survey(|depth_m| (10.0 * depth_m).round() / 10.0));
+        assert!((rounded_m - 0.1).abs() < 1e-4, "{rounded_m}");
+        let exact_m = depth_step_m(&survey(|depth_m| depth_m));
+        assert!(exact_m < 0.01, "{exact_m}");
+        assert_eq!(depth_step_m(&Survey::default()), 0.0);
+
+        let spot = FlatSpot { depth_m: 3.0, factor: Some(1.0127), ..good() };
+        assert!(disagreement(&spot, 0.0, exact_m).is_some_and(|text| text.contains("3.8 cm less")));
+        assert_eq!(disagreement(&spot, 0.0, rounded_m), None);
+    }
 }

@@ -413,7 +413,7 @@ mod tests {
     use super::*;
 
     /// A stretch of 100 pings on which nothing is wrong.
-    fn good() -> FlatSpot {
+    pub(super) fn good() -> FlatSpot {
         FlatSpot {
             pings: 400..500,
             length_m: 10.0,
