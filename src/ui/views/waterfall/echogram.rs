@@ -2,7 +2,6 @@
 //! recorded and the found bottom.
 
 use super::camera::{Camera, PictureExtent, Size};
-use super::drawing::PictureCallback;
 use super::drawing::WaterfallDrawing;
 use super::labels::{INK, WaterfallLabels};
 use super::lens::{Arrangement, Lens};
@@ -14,7 +13,6 @@ use crate::ui::{ViewContext, place, text, theme};
 use bathyscope_bottom::cloud::Reduction;
 use bathyscope_bottom::waterfall::{LineStep, RangeAxis};
 use bathyscope_log::survey::{Side, Survey};
-use eframe::egui_wgpu::RenderState;
 use egui::{Align2, Painter, Rect, Response, Sense, Stroke, Ui};
 use std::sync::Arc;
 
@@ -129,7 +127,8 @@ impl EchogramPart {
         let settled = match context.render_state {
             Some(state) => {
                 let gpu = gpu.get_or_insert_with(|| Gpu::new(state));
-                draw_picture(gpu, state, drawing, &painter, &lens, context.app)
+                let look = tone::plain_look(context.app, &lens, drawing.levels);
+                gpu.draw(state, drawing, None, look, (&painter, &lens), context.options())
             }
             None => true,
         };
@@ -175,13 +174,7 @@ fn aim(
         flip: app.logs.shown.settings.picture.flip,
         ..Arrangement::default()
     };
-    let extent = PictureExtent {
-        pings: axis.pings as f64,
-        near_m: 0.0,
-        far_m: axis.far_m,
-        bin_m: axis.bin_m,
-        ping_m: axis.ping_m,
-    };
+    let extent = PictureExtent { near_m: 0.0, ..super::extent(axis) };
     let size = Size::of(rect.size(), arrangement.orientation);
     let camera = camera.get_or_insert_with(|| Camera::start(&extent, size));
     camera.share_along(along, &extent, size);
@@ -211,31 +204,6 @@ fn describe(
         current_text_value: read_out.clone(),
         ..egui::WidgetInfo::labeled(egui::Role::Image, true, &name)
     });
-}
-
-/// Draws the echoes; returns true if all of them are drawn.
-fn draw_picture(
-    gpu: &mut Gpu,
-    state: &RenderState,
-    drawing: &mut WaterfallDrawing,
-    painter: &Painter,
-    lens: &Lens,
-    app: &App,
-) -> bool {
-    gpu.colour(state, app.view.options.waterfall.colour_map);
-    let uploaded = gpu.gain.get_or_insert_with(|| tone::upload(&gpu.picture, state, None));
-    let picture = &gpu.picture;
-    drawing.upload(|size, texels| picture.upload(&state.device, &state.queue, size, texels));
-    let upload = |rows: &_| picture.upload_rows(&state.device, &state.queue, rows);
-    let tiles = drawing.plan(lens, None, painter.pixels_per_point(), upload);
-    let picture = PictureCallback {
-        picture: picture.clone(),
-        look: tone::plain_look(app, lens, drawing.levels),
-        gain: uploaded.gain.clone(),
-        tiles,
-    };
-    picture.add_to(painter, lens.rect, drawing.has_uploads());
-    drawing.is_settled()
 }
 
 /// The lines and texts over the echoes.
@@ -301,7 +269,8 @@ impl EchogramOverlay<'_> {
         for side in Side::BOTH {
             let step = LineStep::Picks { returns, lines: side_scan.picks.as_deref(), side };
             let found = pen(theme::side_colour(&app.view.options, side));
-            lines::first_return_below(painter, lens, log, step, side, found);
+            // A channel that looks down is shown in the place of starboard.
+            lines::first_return(painter, lens, log, step, Side::Starboard, found);
         }
     }
 }

@@ -4,7 +4,6 @@ use super::drawing::WaterfallDrawing;
 use super::lens::{Lens, LensPlace};
 use crate::app::Orientation;
 use bathyscope_bottom::cloud::Reduction;
-use bathyscope_bottom::first_return::FirstReturns;
 use bathyscope_bottom::waterfall::{LineSpan, LineStep};
 use bathyscope_log::survey::{Side, Survey};
 use egui::{Color32, Mesh, Painter, Pos2, Rect, Shape, Stroke, vec2};
@@ -53,36 +52,17 @@ impl WaterfallPen {
     }
 }
 
-/// Draws the first return of a side; above-bottom returns are dashed and paler, and pings without a
-/// pick are gaps.
+/// Draws first returns on a side of the picture; above-bottom returns are dashed and paler, and pings
+/// without a pick are gaps.
 pub(super) fn first_return(
     painter: &Painter,
     lens: &Lens,
     survey: &Survey,
-    drawing: &WaterfallDrawing,
-    returns: &FirstReturns,
-    side: Side,
-    pen: WaterfallPen,
-) {
-    let step = LineStep::Picks { returns, lines: drawing.picks.as_deref(), side };
-    draw(painter, &columns(lens, survey, step, side), lens, pen);
-}
-
-/// Draws the first return of a side below the boat, in the picture of a channel that looks down.
-pub(super) fn first_return_below(
-    painter: &Painter,
-    lens: &Lens,
-    survey: &Survey,
     step: LineStep<'_>,
-    side: Side,
+    shown_on: Side,
     pen: WaterfallPen,
 ) {
-    let columns = Columns {
-        // A channel that looks down is shown in the place of starboard.
-        side: Side::Starboard,
-        ..columns(lens, survey, step, side)
-    };
-    draw(painter, &columns, lens, pen);
+    draw(painter, &columns(lens, survey, step, shown_on), lens, pen);
 }
 
 /// Draws the recorded depth, at the slant range where a flat bottom would give the first return;

@@ -24,10 +24,10 @@ mod tone;
 
 pub(crate) use boxes::outline;
 
-use crate::app::{App, Command, Enlarged, LogPlace, Orientation, Tool};
-use crate::ui::render::waterfall::WaterfallPicture;
+use crate::app::{App, Command, Enlarged, LogPlace, Orientation, Tool, ViewOptions};
+use crate::ui::render::waterfall::{EchoStyle, WaterfallPicture};
 use crate::ui::{ViewContext, ViewRequest, flat, theme};
-use bathyscope_bottom::picture::PictureGeometry;
+use bathyscope_bottom::picture::{LogPicture, PictureGeometry};
 use bathyscope_bottom::presentation::colours::ColourMap;
 use bathyscope_bottom::waterfall::RangeAxis;
 use camera::{Camera, PictureExtent, Size};
@@ -258,27 +258,11 @@ impl WaterfallView {
             self.settled = true;
             return;
         };
-        let options = &context.options().waterfall;
         let gpu = self.gpu.get_or_insert_with(|| Gpu::new(render_state));
-        gpu.colour(render_state, options.colour_map);
-        let (renderer, RenderState { device, queue, .. }) = (&gpu.picture, render_state);
-        drawing.upload(|size, texels| renderer.upload(device, queue, size, texels));
         let shown = context.app.picture();
-        let uploaded = match gpu.gain.take().filter(|uploaded| uploaded.is_of(shown)) {
-            Some(uploaded) => uploaded,
-            None => tone::upload(renderer, render_state, shown),
-        };
-        let upload = |rows: &_| renderer.upload_rows(device, queue, rows);
-        let tiles = drawing.plan(lens, shown, painter.pixels_per_point(), upload);
-        self.settled = drawing.is_settled();
-        let picture = PictureCallback {
-            picture: renderer.clone(),
-            look: tone::look(context.app, lens, shown.map(Arc::as_ref), drawing.levels),
-            gain: uploaded.gain.clone(),
-            tiles,
-        };
-        gpu.gain = Some(uploaded);
-        picture.add_to(painter, lens.rect, drawing.has_uploads());
+        let look = tone::look(context.app, lens, shown.map(Arc::as_ref), drawing.levels);
+        let place = (painter, lens);
+        self.settled = gpu.draw(render_state, drawing, shown, look, place, context.options());
     }
 }
 
@@ -299,11 +283,34 @@ impl Gpu {
         Self { picture: Arc::new(WaterfallPicture::new(device, target)), palette: None, gain: None }
     }
 
-    /// Uploads the colours of a palette if it has changed.
-    fn colour(&mut self, render_state: &RenderState, map: ColourMap) {
+    /// Draws the echoes with the values of a picture and in a look; returns true if all of them are
+    /// drawn.
+    fn draw(
+        &mut self,
+        state: &RenderState,
+        drawing: &mut WaterfallDrawing,
+        shown: Option<&Arc<LogPicture>>,
+        look: EchoStyle,
+        (painter, lens): (&egui::Painter, &Lens),
+        options: &ViewOptions,
+    ) -> bool {
+        let map = options.waterfall.colour_map;
         if self.palette.replace(map) != Some(map) {
-            self.picture.set_palette(&render_state.queue, &map.palette());
+            self.picture.set_palette(&state.queue, &map.palette());
         }
+        let (renderer, RenderState { device, queue, .. }) = (&self.picture, state);
+        drawing.upload(|size, texels| renderer.upload(device, queue, size, texels));
+        let uploaded = match self.gain.take().filter(|uploaded| uploaded.is_of(shown)) {
+            Some(uploaded) => uploaded,
+            None => tone::upload(renderer, state, shown),
+        };
+        let upload = |rows: &_| renderer.upload_rows(device, queue, rows);
+        let tiles = drawing.plan(lens, shown, painter.pixels_per_point(), upload);
+        let (picture, gain) = (renderer.clone(), uploaded.gain.clone());
+        self.gain = Some(uploaded);
+        let has_uploads = drawing.has_uploads();
+        PictureCallback { picture, look, gain, tiles }.add_to(painter, lens.rect, has_uploads);
+        drawing.is_settled()
     }
 }
 

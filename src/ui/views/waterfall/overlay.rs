@@ -9,6 +9,7 @@ use crate::app::{App, LogPlace};
 use crate::ui::{place, theme};
 use bathyscope_bottom::picture::PictureGeometry;
 use bathyscope_bottom::presentation::units::Units;
+use bathyscope_bottom::waterfall::LineStep;
 use bathyscope_log::survey::{Side, SideScanState, Survey};
 use egui::{Align2, Color32, Painter, Rect, Stroke, vec2};
 
@@ -136,7 +137,8 @@ fn draw_lines(
     };
     for side in Side::BOTH {
         let pen = lines::WaterfallPen::new(theme::side_colour(options, side), FIRST_RETURN_WIDTH);
-        lines::first_return(painter, lens, shown.survey, drawing, returns, side, pen);
+        let step = LineStep::Picks { returns, lines: drawing.picks.as_deref(), side };
+        lines::first_return(painter, lens, shown.survey, step, side, pen);
     }
     bottom::drawn(painter, lens, shown.app);
 }
