@@ -5,7 +5,6 @@ use super::{button, size};
 use crate::app::{Action, App, Command, LogBox, Object};
 use crate::ui::views::chip::{self, BoxChip};
 use crate::ui::{ViewContext, place, text, theme};
-use bathyscope_products::pipeline::Background;
 use egui::{Color32, RichText, Role, ScrollArea, Sense, Ui, WidgetInfo, vec2};
 
 /// Width of a picture, points, so that two pictures and a part of the next fit side by side.
@@ -15,13 +14,10 @@ const PICTURE_HEIGHT: f32 = 110.0;
 /// Greatest number of pictures of an object; the remaining boxes are counted.
 const MOST_PICTURES: usize = 24;
 
-/// Inputs of the pictures of an object: each box, and the key of its picture.
-type Boxes = Vec<(LogBox, chip::ChipKey)>;
-
 /// The pictures of the boxes that show the selected object.
 #[derive(Default)]
 pub(super) struct ObjectPictures {
-    chips: Background<Boxes, Vec<(LogBox, BoxChip)>>,
+    chips: chip::Chips,
 }
 
 impl ObjectPictures {
@@ -54,29 +50,17 @@ impl ObjectPictures {
 
     fn pictures(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>, object: &Object) {
         let app = context.app;
-        let options = &app.view.options.waterfall;
-        let picture = |id: &LogBox| {
-            let mark = &app.logs.log_box(*id)?.mark;
-            Some((*id, chip::ChipKey::of(app.logs.get(id.log)?, mark, options)?))
-        };
         let shown = object.boxes.iter().take(MOST_PICTURES);
-        let boxes: Boxes = shown.filter_map(picture).collect();
-        let (of, ctx) = (boxes.clone(), ui.ctx().clone());
-        self.chips.ask(boxes, app.jobs.workers(), move |progress| {
-            let mut chips = Vec::with_capacity(of.len());
-            for (id, key) in &of {
-                progress.check().ok()?;
-                chips.extend(BoxChip::new(key, &ctx).map(|chip| (*id, chip)));
-            }
-            Some(chips)
-        });
+        let boxes = shown.filter_map(|id| chip::wanted(app, *id)).collect();
+        chip::ask(&mut self.chips, boxes, app, ui.ctx());
         let made = self.chips.result().map_or(&[][..], Vec::as_slice);
         let strip = ScrollArea::horizontal()
             .id_salt(("sightings", object.number))
             .auto_shrink([false, true]);
         strip.show(ui, |ui| {
             ui.horizontal(|ui| {
-                for (id, chip) in made.iter().filter(|(id, _)| object.boxes.contains(id)) {
+                for ((id, _), chip) in made.iter().filter(|((id, _), _)| object.boxes.contains(id))
+                {
                     context.commands.extend(sighting(ui, app, *id, chip));
                 }
             });

@@ -52,8 +52,8 @@ impl WaterfallPen {
     }
 }
 
-/// Draws first returns on a side of the picture; above-bottom returns are dashed and paler, and pings
-/// without a pick are gaps.
+/// Draws first returns on a side of the picture; above-bottom returns are dashed and paler, and
+/// pings without a pick are gaps.
 pub(super) fn first_return(
     painter: &Painter,
     lens: &Lens,
