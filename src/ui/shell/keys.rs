@@ -206,16 +206,16 @@ fn has_meaning(app: &App, action: Action, control_focused: bool) -> bool {
     }
 }
 
-const DIGITS: [(Key, Keys); 9] = [
-    (Key::Num1, "1"),
-    (Key::Num2, "2"),
-    (Key::Num3, "3"),
-    (Key::Num4, "4"),
-    (Key::Num5, "5"),
-    (Key::Num6, "6"),
-    (Key::Num7, "7"),
-    (Key::Num8, "8"),
-    (Key::Num9, "9"),
+const DIGITS: [Key; 9] = [
+    Key::Num1,
+    Key::Num2,
+    Key::Num3,
+    Key::Num4,
+    Key::Num5,
+    Key::Num6,
+    Key::Num7,
+    Key::Num8,
+    Key::Num9,
 ];
 
 /// Makes the digits choose the class of the selected box, instead of a view.
@@ -224,11 +224,11 @@ fn name_box(ui: &mut Ui, app: &App, push: &mut impl FnMut(Keys, Command)) {
         return;
     };
     let classes = app.logs.class_names();
-    for (class, (key, keys)) in DIGITS.into_iter().enumerate() {
+    for (class, key) in DIGITS.into_iter().enumerate() {
         let pressed = ui.input_mut(|input| input.consume_key(Modifiers::NONE, key));
         if let Some(name) = classes.get(class).filter(|_| pressed) {
             let edit = Edit::Classify(id, (*name).to_owned());
-            push(keys, Command::Edit { edit, live: false });
+            push(key.name(), Command::Edit { edit, live: false });
         }
     }
 }
@@ -239,10 +239,10 @@ fn move_box(ui: &mut Ui, app: &App, push: &mut impl FnMut(Keys, Command)) {
         return;
     }
     let arrows = [
-        (Key::ArrowLeft, "Left", -1, 0),
-        (Key::ArrowRight, "Right", 1, 0),
-        (Key::ArrowUp, "Up", 0, -1),
-        (Key::ArrowDown, "Down", 0, 1),
+        (Key::ArrowLeft, -1, 0),
+        (Key::ArrowRight, 1, 0),
+        (Key::ArrowUp, 0, -1),
+        (Key::ArrowDown, 0, 1),
     ];
     // The most modifiers come first: a plain arrow would match with Shift held, too.
     let held = [
@@ -251,13 +251,11 @@ fn move_box(ui: &mut Ui, app: &App, push: &mut impl FnMut(Keys, Command)) {
         (Modifiers::SHIFT, 10, false),
         (Modifiers::NONE, 1, false),
     ];
-    for (key, keys, right, down) in arrows {
+    for (key, right, down) in arrows {
         for (modifiers, steps, resize) in held {
-            if ui.input_mut(|input| input.consume_key(modifiers, key)) {
-                // egui also handles the key, and would move to a control.
-                ui.memory_mut(|memory| memory.move_focus(FocusDirection::None));
+            if consume_arrow(ui, modifiers, key) {
                 let nudge = Nudge { right: right * steps, down: down * steps, resize };
-                push(keys, Command::Nudge(nudge));
+                push(key.name(), Command::Nudge(nudge));
             }
         }
     }
@@ -268,15 +266,23 @@ fn move_bottom(ui: &mut Ui, app: &App, push: &mut impl FnMut(Keys, Command)) {
     if app.logs.shown.reviewing.tool != Tool::Bottom {
         return;
     }
-    for (key, keys, outward) in [(Key::ArrowUp, "Up", -1), (Key::ArrowDown, "Down", 1)] {
+    for (key, outward) in [(Key::ArrowUp, -1), (Key::ArrowDown, 1)] {
         for (modifiers, samples) in [(Modifiers::SHIFT, 10), (Modifiers::NONE, 1)] {
-            if ui.input_mut(|input| input.consume_key(modifiers, key)) {
-                // egui also handles the key, and would move to a control.
-                ui.memory_mut(|memory| memory.move_focus(FocusDirection::None));
-                push(keys, Command::NudgeBottom(outward * samples));
+            if consume_arrow(ui, modifiers, key) {
+                push(key.name(), Command::NudgeBottom(outward * samples));
             }
         }
     }
+}
+
+/// Removes a press of an arrow key; returns true if there was one.
+fn consume_arrow(ui: &Ui, modifiers: Modifiers, key: Key) -> bool {
+    let is_pressed = ui.input_mut(|input| input.consume_key(modifiers, key));
+    if is_pressed {
+        // egui also handles the key, and would move to a control.
+        ui.memory_mut(|memory| memory.move_focus(FocusDirection::None));
+    }
+    is_pressed
 }
 
 fn is_control_key(shortcut: &KeyboardShortcut) -> bool {

@@ -219,11 +219,6 @@ impl Shell {
         self.app.is_idle() && views_settled
     }
 
-    /// Writes title and facts around the view that is shown alone.
-    fn frame_with(&mut self, text: PrintText) {
-        self.text_around = Some(text);
-    }
-
     /// Returns the drawn share of the map's tiles, 0 to 1.
     pub(crate) fn drawn_share(&self) -> f32 {
         match self.views.map.missing() {
@@ -474,7 +469,17 @@ impl eframe::App for Shell {
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
-        save_preferences(self, storage);
+        let base_map = self.app.map.base_map.as_ref();
+        let saving = SavedWindow {
+            options: &self.app.view.options,
+            layout: &self.layout,
+            recent: &self.app.recent,
+            base_map: base_map.map(|map| map.path.as_path()),
+            mountings: &self.app.document.mountings,
+        };
+        if let Ok(text) = serde_json::to_string(&saving) {
+            storage.set_string(KEY, text);
+        }
     }
 
     fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
@@ -505,21 +510,6 @@ struct SavedWindow<'a> {
     recent: &'a [PathBuf],
     base_map: Option<&'a Path>,
     mountings: &'a Mountings,
-}
-
-/// Writes the preferences into the store.
-fn save_preferences(shell: &Shell, storage: &mut dyn eframe::Storage) {
-    let base_map = shell.app.map.base_map.as_ref();
-    let saving = SavedWindow {
-        options: &shell.app.view.options,
-        layout: &shell.layout,
-        recent: &shell.app.recent,
-        base_map: base_map.map(|map| map.path.as_path()),
-        mountings: &shell.app.document.mountings,
-    };
-    if let Ok(text) = serde_json::to_string(&saving) {
-        storage.set_string(KEY, text);
-    }
 }
 
 impl Shell {
