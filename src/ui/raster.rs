@@ -78,13 +78,8 @@ impl PaintedArea {
 
     /// Shows the painted area; `texture` keeps its image on the GPU from frame to frame.
     pub(super) fn show(self, painter: &Painter, texture: &mut Option<RasterTexture>) {
-        let shown = match texture {
-            Some(shown) => {
-                shown.take(self.image);
-                shown
-            }
-            none => none.insert(RasterTexture::new(painter, self.image)),
-        };
+        let shown = texture.get_or_insert_with(|| RasterTexture::new(painter, self.image.clone()));
+        shown.take(self.image);
         let all = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
         painter.image(shown.texture.id(), self.area, all, Color32::WHITE);
     }

@@ -294,10 +294,7 @@ pub(crate) const MEASURE_COLOUR: Color32 = Color32::from_rgb(255, 150, 50);
 
 /// Returns the colour of curves, axes and numbers of the profile.
 pub(crate) fn plot_ink(options: &ViewOptions) -> Color32 {
-    match options.theme {
-        ThemeChoice::Dark => Color32::from_gray(205),
-        ThemeChoice::Light => Color32::from_gray(60),
-    }
+    by_theme(options.theme, [205; 3], [60; 3])
 }
 
 /// Colour of bottom edits in the waterfall.

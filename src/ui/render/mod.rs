@@ -21,15 +21,11 @@ pub use bottom::{
 };
 pub(crate) use camera::Direction;
 pub use camera::{CameraProjection, OrbitCamera};
-pub(crate) use cloud::CloudRenderer;
-pub(crate) use cloud::PointVertex;
-pub(crate) use cloud::{CloudBuffers, CloudDraw};
+pub(crate) use cloud::{CloudBuffers, CloudDraw, CloudRenderer, PointVertex};
 pub(crate) use flat::FlatRenderer;
 pub use flat::Rgba;
-pub(crate) use lod::LinePyramid;
-pub(crate) use lod::Specks;
 pub use lod::Vertex;
-pub(crate) use map::LineRenderer;
-pub(crate) use map::{LineDraw, LineUniform, TrackBuffers};
+pub(crate) use lod::{LinePyramid, Specks};
+pub(crate) use map::{LineDraw, LineRenderer, LineUniform, TrackBuffers};
 pub use pipeline::{Cut, ScenePart, Uploader};
 pub use target::{RenderTarget, extent};

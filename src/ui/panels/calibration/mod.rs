@@ -331,7 +331,7 @@ impl<'a> Points<'a> {
         });
         let stroke = Stroke::new(1.0, theme::plot_ink(options));
         inner.extend(egui::Shape::dashed_line(&used, stroke, 4.0, 3.0));
-        let colour = ink(options);
+        let colour = theme::proposal_ink(options);
         dots(&inner, self.stretch.iter().map(|point| at(point)), colour);
         let proposed = line(&|depth_m| depth_m / factor);
         inner.line_segment(proposed, Stroke::new(1.5, colour));
@@ -358,9 +358,10 @@ impl<'a> Points<'a> {
         let at = |point: &RangeAtDepth| axes.at(units.in_unit(point.depth_m), left_m(point));
         let inner = painter.with_clip_rect(axes.area);
         dots(&inner, self.log.iter().map(|point| at(point)), faint(options));
-        dots(&inner, self.stretch.iter().map(|point| at(point)), ink(options));
+        let colour = theme::proposal_ink(options);
+        dots(&inner, self.stretch.iter().map(|point| at(point)), colour);
         let zero = ends.map(|depth| axes.at(depth, 0.0));
-        inner.line_segment(zero, Stroke::new(1.0, ink(options)));
+        inner.line_segment(zero, Stroke::new(1.0, colour));
     }
 }
 
@@ -378,9 +379,4 @@ fn dots(painter: &Painter, places: impl Iterator<Item = egui::Pos2>, colour: Col
 
 fn faint(options: &ViewOptions) -> Color32 {
     theme::plot_ink(options).gamma_multiply(0.45)
-}
-
-/// Returns the colour of the proposed scale on the background of a panel.
-fn ink(options: &ViewOptions) -> Color32 {
-    theme::proposal_ink(options)
 }
