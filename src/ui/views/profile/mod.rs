@@ -207,14 +207,9 @@ fn far_m(shown: &Shown<'_>) -> f64 {
 
 fn mark_at(shown: &Shown<'_>, across_m: f64) -> LogPlace {
     let side = place::side_at(across_m);
-    let span = shown.recorded.side(side);
-    let sample = span
-        .map(|span| {
-            let sample = shown.reduction.sample_at(span, across_m.abs());
-            (sample, f64::from(span.count))
-        })
-        .filter(|(sample, count)| (0.0..*count).contains(sample))
-        .map(|(sample, _)| sample as f32);
+    let sample = shown.recorded.side(side).and_then(|span| {
+        place::recorded_sample(span, shown.reduction.sample_at(span, across_m.abs()))
+    });
     LogPlace { side: sample.map(|_| side), sample, ..LogPlace::ping(shown.ping) }
 }
 

@@ -15,13 +15,9 @@ pub(super) fn mark_at(survey: &Survey, place: LensPlace) -> Option<LogPlace> {
     }
     let ping = place.ping as usize;
     let side = place.side();
-    let recorded = survey.side_scan.get(ping)?;
-    let span = recorded.side(side);
+    let span = survey.side_scan.get(ping)?.side(side);
     let range_m = place.across_m.abs();
-    let sample = span
-        .map(|span| (span.sample_at(range_m), f64::from(span.count)))
-        .filter(|(sample, count)| (0.0..*count).contains(sample))
-        .map(|(sample, _)| sample as f32);
+    let sample = span.and_then(|span| place::recorded_sample(span, span.sample_at(range_m)));
     Some(LogPlace { ping, side: sample.map(|_| side), sample, point: None })
 }
 
