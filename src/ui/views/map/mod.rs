@@ -9,7 +9,6 @@ mod flat_spots;
 mod graticule;
 mod grid_tiles;
 mod isobaths;
-mod layers;
 mod lines;
 mod measure;
 mod objects;
@@ -33,11 +32,11 @@ use bathyscope_log::survey::Survey;
 use bathyscope_products::pipeline::{Background, DepthMap, Products};
 use egui::{Color32, Pos2, Rect, Response, Role, Sense, Ui, WidgetInfo, vec2};
 use isobaths::IsobathLayer;
-use layers::{TrackKey, TrackLayer};
 use plan::PointerUse;
 use residuals::ResidualLayer;
 use stack::Layers;
 use std::sync::Arc;
+use track::{TrackKey, TrackLayer};
 use transform::{GroundBounds, MapTransform};
 
 /// State of the map view: the ground that it shows, and the layers computed for it.

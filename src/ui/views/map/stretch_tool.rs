@@ -2,8 +2,8 @@
 //! the scale. Draws the excluded stretches of the tracks.
 
 use super::MapScene;
-use super::layers::TrackLayer;
 use super::pointer::REACH;
+use super::track::TrackLayer;
 use super::transform::MapTransform;
 use crate::app::{App, Command, ExclusionEdit, LogId, MapLayer, OpenLog, Tool};
 use crate::ui::views::drag::{self, Does};
