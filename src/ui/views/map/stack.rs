@@ -3,12 +3,11 @@
 
 use super::MapScene;
 use super::base_map::BaseMapKey;
-use super::dots::{self, PointKey};
+use super::dots::{self, PointKey, ResidualLayer};
 use super::grid_tiles::{DepthTiles, MosaicTiles, ShadeTiles};
 use super::isobaths::{self, IsobathLabels, IsobathLayer};
 use super::lines::LinePicture;
 use super::objects;
-use super::residuals::ResidualLayer;
 use super::tiles::{TileLayer, TilePainter};
 use super::track::{self, TrackLayer};
 use super::transform::{GroundBounds, joined};
