@@ -2,12 +2,12 @@
 //! recorded and the found bottom.
 
 use super::camera::{Camera, PictureExtent, Size};
-use super::drawing::WaterfallDrawing;
+use super::drawing::{self, WaterfallDrawing};
 use super::labels::{INK, WaterfallLabels};
 use super::lens::{Arrangement, Lens};
 use super::lines::{self, WaterfallPen};
 use super::scales::{self, RangeLines};
-use super::{Gpu, camera_moves, overlay, tone};
+use super::{Gpu, camera_moves, side_scan};
 use crate::app::{App, Command, EchogramChannel, LogPlace, Orientation};
 use crate::ui::{ViewContext, place, text, theme};
 use bathyscope_bottom::cloud::Reduction;
@@ -127,7 +127,7 @@ impl EchogramPart {
         let settled = match context.render_state {
             Some(state) => {
                 let gpu = gpu.get_or_insert_with(|| Gpu::new(state));
-                let look = tone::plain_look(context.app, &lens, drawing.levels);
+                let look = drawing::plain_look(context.app, &lens, drawing.levels);
                 gpu.draw(state, drawing, None, look, (&painter, &lens), context.options())
             }
             None => true,
@@ -242,8 +242,8 @@ impl EchogramOverlay<'_> {
         painter.line_segment(edge, Stroke::new(1.0, ink));
         let mut labels = WaterfallLabels::new(painter);
         let log = app.logs.shown.survey.as_ref();
-        if let Some(text) = log.and_then(|log| overlay::warning(log, options.units)) {
-            labels.keep_clear(overlay::banner(painter, lens.rect, &text));
+        if let Some(text) = log.and_then(|log| side_scan::warning(log, options.units)) {
+            labels.keep_clear(side_scan::banner(painter, lens.rect, &text));
         }
         let corner = lens.rect.shrink(6.0).right_bottom();
         labels.write(corner, Align2::RIGHT_BOTTOM, self.name, INK);

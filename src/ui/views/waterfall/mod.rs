@@ -14,13 +14,11 @@ mod labels;
 mod lens;
 mod lines;
 mod measure;
-mod overlay;
 mod pointer;
 mod scales;
 mod side_scan;
 mod stretch_tool;
 mod tiles;
-mod tone;
 
 pub(crate) use boxes::outline;
 
@@ -31,7 +29,7 @@ use bathyscope_bottom::picture::{LogPicture, PictureGeometry};
 use bathyscope_bottom::presentation::colours::ColourMap;
 use bathyscope_bottom::waterfall::RangeAxis;
 use camera::{Camera, PictureExtent, Size};
-use drawing::{PictureCallback, WaterfallDrawing};
+use drawing::{PictureCallback, UploadedGain, WaterfallDrawing};
 use eframe::egui_wgpu::RenderState;
 use egui::{Sense, emath::GuiRounding as _};
 use lens::{Arrangement, Lens, LensPlace};
@@ -73,7 +71,7 @@ enum Request {
 struct Gpu {
     picture: Arc<WaterfallPicture>,
     palette: Option<ColourMap>,
-    gain: Option<tone::UploadedGain>,
+    gain: Option<UploadedGain>,
 }
 
 impl WaterfallView {
@@ -260,7 +258,7 @@ impl WaterfallView {
         };
         let gpu = self.gpu.get_or_insert_with(|| Gpu::new(render_state));
         let shown = context.app.picture();
-        let look = tone::look(context.app, lens, shown.map(Arc::as_ref), drawing.levels);
+        let look = drawing::look(context.app, lens, shown.map(Arc::as_ref), drawing.levels);
         let place = (painter, lens);
         self.settled = gpu.draw(render_state, drawing, shown, look, place, context.options());
     }
@@ -302,7 +300,7 @@ impl Gpu {
         drawing.upload(|size, texels| renderer.upload(device, queue, size, texels));
         let uploaded = match self.gain.take().filter(|uploaded| uploaded.is_of(shown)) {
             Some(uploaded) => uploaded,
-            None => tone::upload(renderer, state, shown),
+            None => drawing::upload(renderer, state, shown),
         };
         let upload = |rows: &_| renderer.upload_rows(device, queue, rows);
         let tiles = drawing.plan(lens, shown, painter.pixels_per_point(), upload);
