@@ -9,7 +9,6 @@ mod camera;
 mod camera_moves;
 mod drawing;
 mod echogram;
-mod flat_spots;
 mod labels;
 mod lens;
 mod lines;
@@ -17,7 +16,7 @@ mod measure;
 mod pointer;
 mod scales;
 mod side_scan;
-mod stretch_tool;
+mod stretches;
 mod tiles;
 
 pub(crate) use boxes::outline;
@@ -52,7 +51,7 @@ pub struct WaterfallView {
     was_over: Option<LogPlace>,
     boxes: boxes::BoxGrab,
     pen: bottom::BottomPen,
-    stretch: stretch_tool::StretchTool,
+    stretch: stretches::StretchTool,
     measure: measure::MeasureTool,
     /// Cross that the arrow keys move to mark a target.
     cross: measure::Cross,

@@ -1,7 +1,7 @@
 //! Handles the pointer on the waterfall: the read-out, hover and selection, and the menu.
 
 use super::lens::{Lens, LensPlace};
-use super::{boxes, flat_spots, labels};
+use super::{boxes, labels, stretches};
 use crate::app::{AboveStretch, Action, App, Command, ExclusionEdit, LogPlace, Tool};
 use crate::ui::controls::option_checkbox;
 use crate::ui::{ViewContext, place, stretch_text, text, theme};
@@ -130,7 +130,7 @@ fn menu(response: &Response, context: &mut ViewContext<'_>) -> Option<usize> {
 fn propose(context: &mut ViewContext<'_>, lens: &Lens, at: Pos2) {
     let here = lens.place_at(at).ping;
     let around = || context.app.logs.shown.stretch_around(here.max(0.0) as usize);
-    if let Some(pings) = flat_spots::under(lens, context.app, at).or_else(around) {
+    if let Some(pings) = stretches::under_bar(lens, context.app, at).or_else(around) {
         context.push(Command::ProposeStretch(pings));
     }
 }

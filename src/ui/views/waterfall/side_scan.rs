@@ -5,7 +5,7 @@ use super::drawing::WaterfallDrawing;
 use super::labels::WaterfallLabels;
 use super::lens::{Lens, LensPlace};
 use super::scales::{self, RangeLines};
-use super::{WaterfallView, bottom, boxes, extent, flat_spots, lines, pointer, stretch_tool};
+use super::{WaterfallView, bottom, boxes, extent, lines, pointer, stretches};
 use crate::app::{App, Command, LogPlace, Tool, View};
 use crate::ui::views::{empty, tool_banner};
 use crate::ui::{ViewContext, place, stretch_text, theme};
@@ -276,7 +276,7 @@ fn draw(painter: &Painter, lens: &Lens, shown: &ShownOverlay<'_>) {
     if let Some(lines) = &range_lines {
         lines.draw(painter, ink);
     }
-    let stretches = flat_spots::in_view(lens, shown.app);
+    let stretches = stretches::flat_in_view(lens, shown.app);
     for stretch in &stretches {
         stretch.draw(painter);
     }
@@ -285,7 +285,7 @@ fn draw(painter: &Painter, lens: &Lens, shown: &ShownOverlay<'_>) {
     if let Some(drawing) = shown.drawing.filter(|_| shows_water) {
         draw_lines(painter, lens, shown, drawing);
     }
-    let veiled = stretch_tool::in_view(lens, shown.app);
+    let veiled = stretches::excluded_in_view(lens, shown.app);
     for stretch in &veiled {
         stretch.draw(painter);
     }
