@@ -9,7 +9,6 @@ pub(super) mod first_return;
 pub(super) mod logs;
 pub(super) mod maps;
 pub(super) mod mounting;
-pub(super) mod notices;
 pub(super) mod objects;
 pub(in crate::ui) mod parts;
 pub(super) mod plan;

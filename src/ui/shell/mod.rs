@@ -406,7 +406,7 @@ impl Shell {
         CentralPanel::no_frame().show(ui, |ui| {
             self.layout.ui(ui, &mut self.views, &mut context);
         });
-        panels::notices::show(ui.ctx(), &mut context, centre);
+        lists::show_notices(ui.ctx(), &mut context, centre);
         self.palette.ui(ui.ctx(), &mut context);
         self.manual.ui(ui.ctx());
         self.history.ui(ui.ctx(), &mut context);
