@@ -1,7 +1,7 @@
 //! Draws the menu bar, whose entries come from the command table.
 
 use super::sides::SidePanel;
-use super::{levels, map_layers};
+use super::{levels, toolbar};
 use crate::app::{Action, ActionGroup, App, CloudColour, Command, SideColours, ThemeChoice};
 use crate::ui::ViewContext;
 use crate::ui::controls::option_checkbox;
@@ -142,8 +142,8 @@ fn view(ui: &mut Ui, context: &mut ViewContext<'_>) {
         ui.checkbox(&mut options.waterfall.boxes, "Boxes");
     });
     ui.menu_button("Map", |ui| {
-        map_layers::control(ui, &mut options.map.layers);
-        map_layers::swipe_control(ui, &mut options.map);
+        toolbar::layers_control(ui, &mut options.map.layers);
+        toolbar::swipe_control(ui, &mut options.map);
         ui.separator();
         ui.checkbox(&mut options.map.flat_spots, "Flat stretches");
         option_checkbox(ui, &mut options, Action::Graticule);

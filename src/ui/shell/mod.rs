@@ -12,7 +12,6 @@ mod layout;
 mod levels;
 mod lists;
 mod manual;
-mod map_layers;
 mod menu;
 mod palette;
 mod play;
@@ -447,7 +446,7 @@ fn details(
     let height = ui.available_height();
     scrolled(ui, "scrolled details", |ui| {
         review.ui(ui, context);
-        panels::shadow::ui(ui, context);
+        panels::selection::shadow(ui, context);
         panels::selection::ui(ui, context);
         panels::section(ui, context, Section::new("Profile"), |ui, context| {
             // In a taller area the curve would be all spikes.
