@@ -1,6 +1,9 @@
 //! Provides the building blocks of all renderers: buffers, bind groups and their layouts, and the
 //! pipeline itself; the part of a scene that is drawn; and the uploader, which fills buffers.
 
+use bytemuck::Pod;
+use glam::{Vec2, Vec3, Vec4};
+
 /// Properties that differ between the pipelines.
 pub(super) struct PipelineParts<'a> {
     pub label: &'static str,
@@ -123,9 +126,6 @@ pub(super) fn bind_group(
         entries: &entries.collect::<Vec<_>>(),
     })
 }
-
-use bytemuck::Pod;
-use glam::{Vec2, Vec3, Vec4};
 
 /// Bytes uploaded at once. The graphics library keeps a copy of each piece until the GPU has it.
 const PIECE: usize = 1 << 20;
