@@ -1,9 +1,9 @@
 //! Draws slices and matrices into pictures, with wgpu only. This module depends neither on the
 //! survey nor on widgets.
 //!
-//! `cloud` draws points, `bottom` a mesh and `map` lines into an offscreen `target`, `waterfall`
-//! draws tiles and `flat` areas of one colour and whole pictures into a pass of the window.
-//! `pipeline` has the parts common to all of them and fills buffers, `camera` orbits, `lod` thins
+//! `cloud` draws points, `bottom` a mesh and `map` lines into an offscreen target, `waterfall` draws
+//! tiles and `flat` areas of one colour and whole pictures into a pass of the window. `pipeline` has
+//! the target and the parts common to all of them and fills buffers, `camera` orbits, `lod` thins
 //! long lines.
 
 mod bottom;
@@ -13,7 +13,6 @@ mod flat;
 mod lod;
 mod map;
 mod pipeline;
-mod target;
 pub mod waterfall;
 
 pub use bottom::{
@@ -27,5 +26,4 @@ pub use flat::Rgba;
 pub use lod::Vertex;
 pub(crate) use lod::{LinePyramid, Specks};
 pub(crate) use map::{LineDraw, LineRenderer, LineUniform, TrackBuffers};
-pub use pipeline::{Cut, ScenePart, Uploader};
-pub use target::{RenderTarget, extent};
+pub use pipeline::{Cut, RenderTarget, ScenePart, Uploader, extent};

@@ -2,9 +2,9 @@
 //! gain needs only a uniform write.
 
 use super::pipeline::{
-    PipelineParts, bind_group, bind_group_layout, buffer, pipeline, texture_entry, uniform_entry,
+    PipelineParts, bind_group, bind_group_layout, buffer, extent, pipeline, plain_texture,
+    texture_entry, uniform_entry,
 };
-use super::target::{extent, plain_texture};
 use bytemuck::{Pod, Zeroable};
 
 /// Largest number of tiles in one picture: 4K at the worst zoom needs 160.
