@@ -7,7 +7,7 @@ use super::labels::{INK, WaterfallLabels};
 use super::lens::{Arrangement, Lens};
 use super::lines::{self, WaterfallPen};
 use super::scales::{self, RangeLines};
-use super::{Gpu, camera_moves, side_scan};
+use super::{Gpu, extent, move_camera, side_scan};
 use crate::app::{App, Command, EchogramChannel, LogPlace, Orientation};
 use crate::ui::{ViewContext, place, text, theme};
 use bathyscope_bottom::cloud::Reduction;
@@ -174,11 +174,11 @@ fn aim(
         flip: app.logs.shown.settings.picture.flip,
         ..Arrangement::default()
     };
-    let extent = PictureExtent { near_m: 0.0, ..super::extent(axis) };
+    let extent = PictureExtent { near_m: 0.0, ..extent(axis) };
     let size = Size::of(rect.size(), arrangement.orientation);
     let camera = camera.get_or_insert_with(|| Camera::start(&extent, size));
     camera.share_along(along, &extent, size);
-    camera_moves::apply(camera, ui, response, &arrangement, &extent, true, true);
+    move_camera(camera, ui, response, &arrangement, &extent, true, true);
     camera.settle_across(&extent, size);
     along.take_along(camera);
     Lens::arranged(*camera, rect, &arrangement)
