@@ -2,11 +2,9 @@
 //!
 //! Input: the state. Output: a map with its layers, and commands.
 
-mod base_map;
 mod controls;
 mod dots;
 mod flat_spots;
-mod graticule;
 mod grid_tiles;
 mod isobaths;
 mod lines;
@@ -328,7 +326,7 @@ fn paint(ui: &Ui, context: &ViewContext<'_>, scene: &MapScene<'_>, layers: &mut 
     stretch_tool::paint(&painter, scene, context.app);
     track::paint_recorded(&painter, scene, context.app);
     if scene.options.map.graticule {
-        graticule::paint(&painter, scene);
+        overlay::graticule(&painter, scene);
     }
     flat_spots::paint(&painter, scene);
     let covered = overlay::furniture(&painter, scene);

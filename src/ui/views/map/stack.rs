@@ -2,9 +2,8 @@
 //! order of the stack.
 
 use super::MapScene;
-use super::base_map::BaseMapKey;
 use super::dots::{self, PointKey, ResidualLayer};
-use super::grid_tiles::{DepthTiles, MosaicTiles, ShadeTiles};
+use super::grid_tiles::{BaseMapKey, DepthTiles, MosaicTiles, ShadeTiles};
 use super::isobaths::{self, IsobathLabels, IsobathLayer};
 use super::lines::LinePicture;
 use super::objects;
