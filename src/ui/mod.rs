@@ -4,10 +4,8 @@
 mod adapter;
 mod controls;
 mod dialogs;
-mod drop_down;
 mod flat;
 mod incremental;
-mod list_keys;
 pub mod offscreen;
 mod panels;
 mod place;

@@ -7,8 +7,8 @@ use super::find_setting;
 use super::parts::{self, PlotAxes, fact, setting};
 use super::section::{Section, section, unfold_section};
 use crate::app::{Action, Command, LogPlace, Tool, ViewOptions};
-use crate::ui::list_keys::ListKeys;
-use crate::ui::{ViewContext, controls, stretch_text, text, theme};
+use crate::ui::controls::{self, ListKeys};
+use crate::ui::{ViewContext, stretch_text, text, theme};
 use bathyscope_bottom::calibration::{
     Calibration, FlatSpot, PingRange, RangeAtDepth, Scale, ScaleMode,
 };

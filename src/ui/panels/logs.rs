@@ -5,9 +5,8 @@ use super::corrections;
 use super::parts::{self, fact, name_of, press, remark, warning};
 use super::section::{Section, section};
 use crate::app::{Action, App, Command, JobKey, OpenLog};
-use crate::ui::drop_down::DropDown;
-use crate::ui::list_keys::ListKeys;
-use crate::ui::{ViewContext, controls, stretch_text, text, theme};
+use crate::ui::controls::{self, DropDown, ListKeys};
+use crate::ui::{ViewContext, stretch_text, text, theme};
 use bathyscope_bottom::presentation::units::Units;
 use egui::{Button, Color32, RichText, Sense, Ui};
 

@@ -3,9 +3,7 @@
 
 use super::find_setting::{self, ControlPlace};
 use crate::app::{Action, App, LogId, OpenLog};
-use crate::ui::controls::{self, number_field, number_slider};
-use crate::ui::drop_down::DropDown;
-use crate::ui::list_keys::ListKeys;
+use crate::ui::controls::{self, DropDown, ListKeys, number_field, number_slider};
 use crate::ui::{ViewContext, theme};
 use bathyscope_bottom::presentation::plot::Axis;
 use bathyscope_products::pipeline::settings::{

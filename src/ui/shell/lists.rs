@@ -6,7 +6,7 @@
 //! being clicked.
 
 use crate::app::{Action, Command, Notice, ThemeChoice};
-use crate::ui::list_keys::ListKeys;
+use crate::ui::controls::ListKeys;
 use crate::ui::panels::parts;
 use crate::ui::{ViewContext, theme};
 use bathyscope_bottom::presentation::text;

@@ -7,8 +7,7 @@ use crate::app::{
     Action, CloudColour, CloudOptions, EchogramChannel, LayerShown, LayerStack, MapOptions,
     SwipeSide, View, ViewOptions, WaterfallOptions,
 };
-use crate::ui::controls::{self, number_slider, option_switch};
-use crate::ui::drop_down::DropDown;
+use crate::ui::controls::{self, DropDown, number_slider, option_switch};
 use crate::ui::panels::find_setting;
 use crate::ui::{ViewContext, hint_with_key};
 use bathyscope_bottom::presentation::colours::ColourMap;

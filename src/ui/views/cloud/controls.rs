@@ -2,8 +2,7 @@
 
 use super::scene::CloudScene;
 use crate::app::{Action, App, CloudColour, ViewOptions};
-use crate::ui::controls::number_slider;
-use crate::ui::list_keys::keep_arrows;
+use crate::ui::controls::{keep_arrows, number_slider};
 use crate::ui::text::count;
 use crate::ui::views::legend::{self, LegendScale};
 use crate::ui::{ViewContext, ViewRequest, place, theme};
