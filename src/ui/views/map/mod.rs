@@ -19,7 +19,7 @@ mod tiles;
 mod track;
 mod transform;
 
-use super::tool_banner::Banner;
+use super::tool::Banner;
 use super::{empty, legend};
 use crate::app::{App, Command, Enlarged, MapLayer, Reviewing, View, ViewOptions};
 use crate::ui::{ViewContext, ViewRequest, flat, place, text, theme};

@@ -6,8 +6,8 @@ use super::pointer::REACH;
 use super::track::TrackLayer;
 use super::transform::MapTransform;
 use crate::app::{App, Command, ExclusionEdit, LogId, MapLayer, OpenLog, Tool};
-use crate::ui::views::drag::{self, Does};
 use crate::ui::views::legend;
+use crate::ui::views::tool::{self, Does};
 use crate::ui::{ViewContext, theme};
 use bathyscope_log::survey::{LogPart, PingNav};
 use egui::{Align2, CursorIcon, Painter, Pos2, Rect, Response, Shape, Stroke, Ui, vec2};
@@ -63,8 +63,8 @@ impl StretchTool {
         if response.hover_pos().and_then(under).is_some() {
             ui.set_cursor_icon(CursorIcon::Crosshair);
         }
-        if let Some((log, ping)) = drag::begun(ui, response).and_then(under) {
-            let edit = drag::exclusion_edit(ui.input(|input| input.modifiers));
+        if let Some((log, ping)) = tool::begun(ui, response).and_then(under) {
+            let edit = tool::exclusion_edit(ui.input(|input| input.modifiers));
             let does = if is_calibrating { Does::Propose } else { Does::Exclusion(edit) };
             let ends = [ping, ping];
             self.drag = Some(Drag { log, ends, does });
@@ -77,7 +77,7 @@ impl StretchTool {
             let (part, edit) = (stretch.part(), ExclusionEdit::Include);
             context.push(Command::Exclude { log, part, edit });
         }
-        if drag::is_given_up(ui, response) {
+        if tool::is_given_up(ui, response) {
             self.drag = None;
         }
         let Some(drag) = &mut self.drag else {

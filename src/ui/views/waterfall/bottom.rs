@@ -3,7 +3,7 @@
 use super::lens::{Lens, LensPlace};
 use super::lines::WaterfallPen;
 use crate::app::{App, BottomStroke, Command, Ink, Tool};
-use crate::ui::views::drag;
+use crate::ui::views::tool;
 use crate::ui::{ViewContext, theme};
 use bathyscope_bottom::first_return::BottomEdit;
 use bathyscope_log::survey::Side;
@@ -38,11 +38,11 @@ impl BottomPen {
             ui.ctx().set_cursor_icon(CursorIcon::Crosshair);
         }
         let pointer = response.interact_pointer_pos().or(response.hover_pos());
-        if let Some(at) = drag::begun(ui, response) {
+        if let Some(at) = tool::begun(ui, response) {
             let modifiers = ui.input(|input| input.modifiers);
             self.stroke = Some(begun(lens, at, modifiers));
         }
-        if drag::is_given_up(ui, response) {
+        if tool::is_given_up(ui, response) {
             self.stroke = None;
         }
         let Some(stroke) = &mut self.stroke else {

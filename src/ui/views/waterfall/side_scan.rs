@@ -7,7 +7,7 @@ use super::lens::{Lens, LensPlace};
 use super::scales::{self, RangeLines};
 use super::{WaterfallView, bottom, boxes, extent, lines, pointer, stretches};
 use crate::app::{App, Command, LogPlace, Tool, View};
-use crate::ui::views::{empty, tool_banner};
+use crate::ui::views::{empty, tool};
 use crate::ui::{ViewContext, place, stretch_text, theme};
 use bathyscope_bottom::first_return::BottomLine;
 use bathyscope_bottom::picture::PictureGeometry;
@@ -49,7 +49,7 @@ impl WaterfallView {
         let lens = self.aim(ui, &response, &extent, &arrangement, context, drag_moves);
         self.draw_picture(&painter, &lens, context);
         let place = self.follow_pointer(&response, &lens, &survey, context);
-        let banner = tool_banner::in_view(ui, context.app, View::Waterfall, rect);
+        let banner = tool::in_view(ui, context.app, View::Waterfall, rect);
         let shown = ShownOverlay {
             app: context.app,
             survey: &survey,

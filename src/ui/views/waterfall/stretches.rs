@@ -6,7 +6,7 @@
 use super::labels::{self, WaterfallLabels};
 use super::lens::{Lens, LensPlace};
 use crate::app::{App, ExclusionEdit, Tool};
-use crate::ui::views::drag::{self, Does};
+use crate::ui::views::tool::{self, Does};
 use crate::ui::{ViewContext, place, stretch_text, theme};
 use bathyscope_bottom::calibration::{FlatSpot, PingRange, ScaleMode};
 use bathyscope_log::survey::{ExclusionReason, Side};
@@ -29,7 +29,7 @@ struct Drag {
 fn does(tool: Tool, side: Side, ui: &Ui) -> Option<Does> {
     let modifiers = ui.input(|input| input.modifiers);
     match tool {
-        Tool::Exclude => Some(Does::Exclusion(drag::exclusion_edit(modifiers))),
+        Tool::Exclude => Some(Does::Exclusion(tool::exclusion_edit(modifiers))),
         Tool::Calibrate => Some(Does::Propose),
         Tool::Accept => Some(Does::Accept(side, !modifiers.alt)),
         _ => None,
@@ -67,12 +67,12 @@ impl StretchTool {
         if response.hovered() {
             ui.set_cursor_icon(CursorIcon::Crosshair);
         }
-        if let Some(at) = drag::begun(ui, response) {
+        if let Some(at) = tool::begun(ui, response) {
             let place = lens.place_at(at);
             self.drag = does(tool, place.side(), ui)
                 .map(|does| Drag { ends: [place.ping, place.ping], does });
         }
-        if drag::is_given_up(ui, response) {
+        if tool::is_given_up(ui, response) {
             self.drag = None;
         }
         let Some(drag) = &mut self.drag else {
