@@ -9,7 +9,6 @@ mod controls;
 mod objects;
 mod pointer;
 mod scene;
-mod section;
 mod shown;
 
 use super::empty;
@@ -146,8 +145,8 @@ impl CloudView {
         axes.walls(painter);
         let drawing = shown.drawing(app, axes, painter.pixels_per_point());
         self.picture.show(painter, rect, state, drawing);
-        section::paint_water(painter, app, scene, axes);
-        section::paint(painter, app, scene, axes);
+        clip::paint_water(painter, app, scene, axes);
+        clip::paint_section(painter, app, scene, axes);
         objects::paint(painter, app, scene, axes);
         pointer::paint_marks(painter, app, shown.products, shown.pick_scene(), axes);
         let reference = place::reduction(app).reference();
@@ -235,7 +234,7 @@ impl CloudView {
         let eye = camera.projection(aspect(rect)).eye;
         let shown = ShownPoints {
             outliers: context.options().cloud.outlier_preview,
-            part: section::part(context.app, scene, eye),
+            part: clip::scene_part(context.app, scene, eye),
         };
         let shown = (shown, rect);
         let mut zoom = |factor| pointer::zoom(&mut camera, seen, shown, rect.center(), factor);
