@@ -4,7 +4,6 @@
 
 mod controls;
 mod dots;
-mod flat_spots;
 mod grid_tiles;
 mod isobaths;
 mod lines;
@@ -14,7 +13,7 @@ mod overlay;
 mod plan;
 mod pointer;
 mod stack;
-mod stretch_tool;
+mod stretches;
 mod tiles;
 mod track;
 mod transform;
@@ -55,7 +54,7 @@ pub struct MapView {
     layers: Layers,
     pointer: pointer::MapPointer,
     measure: measure::MeasureTool,
-    stretch: stretch_tool::StretchTool,
+    stretch: stretches::StretchTool,
     plan: plan::PlanTool,
     seen_plane: u64,
     seen_reveal: u64,
@@ -142,7 +141,7 @@ impl MapView {
             self.layers.forget();
             self.pointer = pointer::MapPointer::default();
             self.measure = measure::MeasureTool::default();
-            self.stretch = stretch_tool::StretchTool::default();
+            self.stretch = stretches::StretchTool::default();
             self.plan = plan::PlanTool::default();
         }
     }
@@ -197,7 +196,7 @@ impl MapView {
                 .is_some_and(|figures| figures.faults.all() > 0),
             made_of: (context.app.logs.shown.whole.as_ref())
                 .map(|whole| whole.survey.side_scan.len()),
-            has_excluded: stretch_tool::ping_count(context.app) > 0,
+            has_excluded: stretches::ping_count(context.app) > 0,
             has_swath: context.app.logs.has_swath(),
             proposed: context.app.logs.shown.proposed_stretch(),
             options: context.options(),
@@ -323,14 +322,14 @@ fn paint(ui: &Ui, context: &ViewContext<'_>, scene: &MapScene<'_>, layers: &mut 
             layers.show(&painter, context, scene, shown.layer);
         }
     }
-    stretch_tool::paint(&painter, scene, context.app);
+    stretches::paint_excluded(&painter, scene, context.app);
     track::paint_recorded(&painter, scene, context.app);
     if scene.options.map.graticule {
         overlay::graticule(&painter, scene);
     }
-    flat_spots::paint(&painter, scene);
+    stretches::paint_flat(&painter, scene);
     let covered = overlay::furniture(&painter, scene);
-    flat_spots::name_calibrated(&painter, scene, &covered);
+    stretches::name_calibrated(&painter, scene, &covered);
     overlay::marks(&painter, scene, context.app);
     track::paint_mounting(&painter, scene, context.app);
     let now_s = ui.input(|input| input.time);
@@ -369,7 +368,7 @@ fn name(app: &App, products: &Products, track: &TrackLayer) -> String {
     let reference = products.reduction().reference_name();
     let surveys = app.logs.visible().filter_map(|log| log.survey.as_ref());
     let pings = surveys.map(|survey| survey.side_scan.len()).sum();
-    let excluded = match stretch_tool::ping_count(app) {
+    let excluded = match stretches::ping_count(app) {
         0 => String::new(),
         count => format!(" of which {} excluded", text::count(count)),
     };

@@ -80,8 +80,7 @@ impl PlanTool {
         context: &mut ViewContext<'_>,
     ) -> PointerUse {
         let app = context.app;
-        let has_other_tool =
-            app.map.measuring.tool.is_some() || super::stretch_tool::is_in_hand(app);
+        let has_other_tool = app.map.measuring.tool.is_some() || super::stretches::is_in_hand(app);
         let Some(planned) = app.map.planning.lines.clone().filter(|_| !has_other_tool) else {
             self.drag = None;
             return PointerUse::default();
