@@ -5,12 +5,16 @@ use bathyscope_log::survey::Side;
 use bathyscope_objects::review::State;
 use egui::{Color32, CornerRadius, FontId, Stroke, TextStyle, Visuals};
 
+/// Returns the opaque colour of these parts.
+pub(crate) fn rgb([r, g, b]: [u8; 3]) -> Color32 {
+    Color32::from_rgb(r, g, b)
+}
+
 fn by_theme(theme: ThemeChoice, dark: [u8; 3], light: [u8; 3]) -> Color32 {
-    let [r, g, b] = match theme {
+    rgb(match theme {
         ThemeChoice::Dark => dark,
         ThemeChoice::Light => light,
-    };
-    Color32::from_rgb(r, g, b)
+    })
 }
 
 /// Returns the colour of a side's first return and points.

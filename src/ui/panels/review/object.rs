@@ -5,7 +5,7 @@ use super::{button, size};
 use crate::app::{Action, App, Command, LogBox, Object};
 use crate::ui::views::chip::{self, BoxChip};
 use crate::ui::{ViewContext, place, text, theme};
-use egui::{Color32, RichText, Role, ScrollArea, Sense, Ui, WidgetInfo, vec2};
+use egui::{RichText, Role, ScrollArea, Sense, Ui, WidgetInfo, vec2};
 
 /// Width of a picture, points, so that two pictures and a part of the next fit side by side.
 const PICTURE_WIDTH: f32 = 124.0;
@@ -91,7 +91,8 @@ fn sighting(ui: &mut Ui, app: &App, id: LogBox, chip: &BoxChip) -> Option<Comman
                 let name = match app.logs.count() {
                     0 | 1 => format!("ping {ping}"),
                     _ => {
-                        swatch(ui, log.colour);
+                        let (area, _) = ui.allocate_exact_size(vec2(9.0, 9.0), Sense::hover());
+                        ui.painter().rect_filled(area, 2.0, theme::rgb(log.colour));
                         format!("{} ping {ping}", log.name())
                     }
                 };
@@ -106,12 +107,6 @@ fn sighting(ui: &mut Ui, app: &App, id: LogBox, chip: &BoxChip) -> Option<Comman
     let hint = format!("{}: shows it in all views", review_box.state.name());
     let response = response.on_hover_text(hint);
     response.clicked().then_some(Command::SelectLogBox(id))
-}
-
-fn swatch(ui: &mut Ui, [r, g, b]: [u8; 3]) {
-    let (area, _) = ui.allocate_exact_size(vec2(9.0, 9.0), Sense::hover());
-    let colour = Color32::from_rgb(r, g, b);
-    ui.painter().rect_filled(area, 2.0, colour);
 }
 
 fn facts(ui: &mut Ui, context: &ViewContext<'_>, object: &Object) {

@@ -281,11 +281,10 @@ pub(super) fn paint_water(painter: &Painter, app: &App, scene: &CloudScene, axes
     let most = MOST_PLACES / logs.len().max(1);
     for shown in logs {
         let pings = &shown.log.products.navigation.pings;
-        let [r, g, b] = shown.colour;
         let thinned = pings.iter().step_by(pings.len().div_ceil(most.max(2)).max(1));
         let places = thinned.map(|ping| in_box(axes, scene.local(ping.east_m, ping.north_m, 0.0)));
         let places: Vec<Option<Pos2>> = places.collect();
-        let stroke = Stroke::new(1.5, Color32::from_rgb(r, g, b));
+        let stroke = Stroke::new(1.5, theme::rgb(shown.colour));
         lines(painter, &places, stroke);
     }
 }

@@ -232,10 +232,8 @@ impl ResidualLayer {
                 colour: (share * f64::from(STEPS - 1)).round() as u8,
             });
         }
-        let colour = |step: u8| {
-            let [r, g, b] = difference_colour(f32::from(step) / f32::from(STEPS - 1));
-            Color32::from_rgb(r, g, b)
-        };
+        let share = |step: u8| f32::from(step) / f32::from(STEPS - 1);
+        let colour = |step: u8| theme::rgb(difference_colour(share(step)));
         let dots = Dots::new(dots, (0..STEPS).map(colour).collect());
         Some(dots.map(|dots| Self { agreement, differences_m, dots: Arc::new(dots), reach_m }))
     }

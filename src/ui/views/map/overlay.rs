@@ -44,10 +44,10 @@ fn log_names(painter: &Painter, scene: &MapScene<'_>) -> Vec<Rect> {
     }
     let mut at = scene.rect.left_bottom() + vec2(22.0, -54.0);
     let logs = scene.track.logs.iter().take(MOST_LOGS).rev();
-    let name = |(name, [r, g, b]): &(String, [u8; 3])| {
+    let name = |(name, colour): &(String, [u8; 3])| {
         let plate = legend::words(painter, scene.options, at, Align2::LEFT_BOTTOM, name);
         let dot = plate.left_center() - vec2(8.0, 0.0);
-        painter.circle_filled(dot, 4.0, Color32::from_rgb(*r, *g, *b));
+        painter.circle_filled(dot, 4.0, theme::rgb(*colour));
         at.y = plate.top() - 1.0;
         plate
     };
@@ -297,7 +297,7 @@ fn distances(painter: &Painter, scene: &MapScene<'_>, net: &Net, bounds: NetBoun
     let up = (north - south) / f64::from(scene.rect.height().max(1.0));
     // Names are longer with finer steps: a first guess gives their width.
     let guess = net.typical_label(bounds, across * f64::from(BETWEEN));
-    let words = painter.layout_no_wrap(guess, legend::font(), egui::Color32::WHITE);
+    let words = painter.layout_no_wrap(guess, legend::font(), Color32::WHITE);
     let room = (words.size().x + MARGIN).max(BETWEEN);
     [across * f64::from(room), up * f64::from(BETWEEN)]
 }

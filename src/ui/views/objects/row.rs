@@ -137,8 +137,7 @@ fn log_colours(ui: &Ui, app: &App, object: &Object, cell: Rect) {
     for (place, log) in colours.enumerate() {
         let left = cell.left() + 12.0 * place as f32;
         let square = Rect::from_center_size(pos2(left + 4.5, cell.center().y), vec2(9.0, 9.0));
-        let [r, g, b] = log.colour;
-        painter.rect_filled(square, 2.0, Color32::from_rgb(r, g, b));
+        painter.rect_filled(square, 2.0, theme::rgb(log.colour));
     }
 }
 
