@@ -1,6 +1,6 @@
 //! Computes slant range, depth, heading and position of a mark.
 
-use crate::app::{App, LogPlace};
+use crate::app::{App, Enlarged, LogPlace, Reveal};
 use crate::ui::text;
 use bathyscope_bottom::cloud::Reduction;
 use bathyscope_log::support::geo::{LonLat, UtmZone, compass_deg};
@@ -204,6 +204,13 @@ pub(super) fn lon_lat(app: &App, mark: LogPlace) -> Option<LonLat> {
     let navigation = &app.logs.shown.products.as_ref()?.navigation;
     let [east_m, north_m] = east_north(app, mark)?;
     Some(navigation.to_lon_lat(track, east_m, north_m))
+}
+
+/// Returns the position of an object that is to fill about a third of a view, metres east, north and
+/// up, and its size, metres; `None` if the place is only to be brought into view.
+pub(super) fn enlarged(reveal: &Reveal) -> Option<([f64; 3], f64)> {
+    let close_up = reveal.close_up.filter(|close_up| close_up.enlarged == Enlarged::Third)?;
+    Some((close_up.place_m?, close_up.size_m))
 }
 
 /// Returns metres east and north of a mark: of its point, of its place on the bottom across the

@@ -18,7 +18,6 @@ pub mod waterfall;
 pub use bottom::{
     BOTTOM_TILE, BottomBuffers, BottomDraw, BottomPart, BottomRenderer, BottomVertex, towards_light,
 };
-pub(crate) use camera::Direction;
 pub use camera::{CameraProjection, OrbitCamera};
 pub(crate) use cloud::{CloudBuffers, CloudDraw, CloudRenderer, PointVertex};
 pub(crate) use flat::FlatRenderer;

@@ -20,7 +20,7 @@ mod transform;
 
 use super::tool::Banner;
 use super::{empty, legend};
-use crate::app::{App, Command, Enlarged, MapLayer, Reviewing, View, ViewOptions};
+use crate::app::{App, Command, MapLayer, Reviewing, View, ViewOptions};
 use crate::ui::{ViewContext, ViewRequest, flat, place, text, theme};
 use bathyscope_bottom::calibration::PingRange;
 use bathyscope_log::support::geo::LonLat;
@@ -293,14 +293,8 @@ impl MapView {
             && reveal.serial != self.seen_reveal
         {
             self.seen_reveal = reveal.serial;
-            let close_up = reveal.close_up;
-            let close_up = close_up.filter(|close_up| close_up.enlarged == Enlarged::Third);
-            let close_up = close_up.and_then(|close_up| {
-                let [east_m, north_m, _] = close_up.place_m?;
-                Some(([east_m, north_m], close_up.size_m))
-            });
-            if let Some((place, size_m)) = close_up {
-                transform.close_up(rect, place, size_m);
+            if let Some(([east_m, north_m, _], size_m)) = place::enlarged(&reveal) {
+                transform.close_up(rect, [east_m, north_m], size_m);
             } else if let Some(place) = place::east_north(context.app, reveal.mark) {
                 transform.reveal(rect, place);
             }
