@@ -5,9 +5,8 @@
 //! changes the state by commands.
 
 mod commands;
-mod drop;
 mod export;
-mod keys;
+mod input;
 mod layout;
 mod levels;
 mod lists;
@@ -235,7 +234,7 @@ impl Shell {
         theme::apply(ui.ctx(), self.app.view.options.theme);
         let mut commands = Vec::new();
         self.dialogs.poll(&mut commands);
-        drop::collect(ui, self.app.logs.count() > 0, &mut commands);
+        input::collect_dropped(ui, self.app.logs.count() > 0, &mut commands);
         forget_vanished_control(ui.ctx());
         self.dialogs.take_typed(ui);
         let asks = [
@@ -245,7 +244,7 @@ impl Shell {
             self.export.is_open(),
         ];
         if !asks.contains(&true) {
-            keys::collect(ui, &self.app, self.key_focus(ui), &mut commands);
+            input::collect_keys(ui, &self.app, self.key_focus(ui), &mut commands);
         }
         if commands.contains(&Command::Do(Action::Palette)) {
             commands.retain(|command| *command != Command::Do(Action::Palette));
@@ -411,7 +410,7 @@ impl Shell {
         self.history.ui(ui.ctx(), &mut context);
         self.notices.ui(ui.ctx(), &mut context);
         self.dialogs.ui(ui.ctx(), &mut context);
-        drop::overlay(ui);
+        input::drop_overlay(ui);
         let names_print = self.printing.ui(ui.ctx(), &mut context, &self.views);
         let asked = self.export.ui(ui.ctx(), &mut context);
         asked.or(names_print.then_some(PathPurpose::PrintInto))
