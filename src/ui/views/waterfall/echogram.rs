@@ -1,11 +1,11 @@
 //! Shows a channel that looks down, beside the side-scan or in its place: the same pings, with the
 //! recorded and the found bottom.
 
+use super::bottom::{self, WaterfallPen};
 use super::camera::{Camera, PictureExtent, Size};
 use super::drawing::{self, WaterfallDrawing};
 use super::labels::{INK, WaterfallLabels};
 use super::lens::{Arrangement, Lens};
-use super::lines::{self, WaterfallPen};
 use super::scales::{self, RangeLines};
 use super::{Gpu, extent, move_camera, side_scan};
 use crate::app::{App, Command, EchogramChannel, LogPlace, Orientation};
@@ -258,7 +258,7 @@ impl EchogramOverlay<'_> {
         let pen = |colour| WaterfallPen::new(colour, 1.0);
         let depth = pen(theme::DEPTH_LINE_COLOUR);
         let as_recorded = Reduction::default();
-        lines::depth(painter, lens, self.survey, self.drawing, as_recorded, depth);
+        bottom::depth(painter, lens, self.survey, self.drawing, as_recorded, depth);
         let returns =
             app.logs.shown.bottom_line().filter(|_| app.view.options.waterfall.first_return);
         let (Some(returns), Some(side_scan), Some(log)) =
@@ -270,7 +270,7 @@ impl EchogramOverlay<'_> {
             let step = LineStep::Picks { returns, lines: side_scan.picks.as_deref(), side };
             let found = pen(theme::side_colour(&app.view.options, side));
             // A channel that looks down is shown in the place of starboard.
-            lines::first_return(painter, lens, log, step, Side::Starboard, found);
+            bottom::first_return(painter, lens, log, step, Side::Starboard, found);
         }
     }
 }

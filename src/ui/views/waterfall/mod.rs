@@ -10,7 +10,6 @@ mod drawing;
 mod echogram;
 mod labels;
 mod lens;
-mod lines;
 mod measure;
 mod pointer;
 mod scales;

@@ -5,7 +5,7 @@ use super::drawing::WaterfallDrawing;
 use super::labels::WaterfallLabels;
 use super::lens::{Lens, LensPlace};
 use super::scales::{self, RangeLines};
-use super::{WaterfallView, bottom, boxes, extent, lines, pointer, stretches};
+use super::{WaterfallView, bottom, boxes, extent, pointer, stretches};
 use crate::app::{App, Command, LogPlace, Tool, View};
 use crate::ui::views::{empty, tool};
 use crate::ui::{ViewContext, place, stretch_text, theme};
@@ -354,19 +354,19 @@ fn draw_lines(
 ) {
     let options = &shown.app.view.options;
     if options.waterfall.depth_line {
-        let pen = lines::WaterfallPen::new(theme::DEPTH_LINE_COLOUR, 1.0);
+        let pen = bottom::WaterfallPen::new(theme::DEPTH_LINE_COLOUR, 1.0);
         let reduction = place::reduction(shown.app);
         let judged = shown.app.logs.shown.judged().map_or(shown.survey, |survey| &**survey);
-        lines::depth(painter, lens, judged, drawing, reduction, pen);
+        bottom::depth(painter, lens, judged, drawing, reduction, pen);
     }
     let returns = shown.app.logs.shown.bottom_line();
     let Some(returns) = returns.filter(|_| options.waterfall.first_return) else {
         return;
     };
     for side in Side::BOTH {
-        let pen = lines::WaterfallPen::new(theme::side_colour(options, side), FIRST_RETURN_WIDTH);
+        let pen = bottom::WaterfallPen::new(theme::side_colour(options, side), FIRST_RETURN_WIDTH);
         let step = LineStep::Picks { returns, lines: drawing.picks.as_deref(), side };
-        lines::first_return(painter, lens, shown.survey, step, side, pen);
+        bottom::first_return(painter, lens, shown.survey, step, side, pen);
     }
     bottom::drawn(painter, lens, shown.app);
 }
