@@ -9,7 +9,6 @@ mod incremental;
 pub mod offscreen;
 mod panels;
 mod place;
-mod raster;
 pub mod render;
 mod shell;
 mod stretch_text;

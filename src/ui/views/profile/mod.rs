@@ -6,8 +6,8 @@
 mod curve;
 
 use crate::app::{Command, LogPlace, ViewOptions};
-use crate::ui::raster::RasterTexture;
-use crate::ui::{ViewContext, flat, place, stretch_text, theme};
+use crate::ui::flat::{self, RasterTexture};
+use crate::ui::{ViewContext, place, stretch_text, theme};
 use bathyscope_bottom::cloud::Reduction;
 use bathyscope_bottom::first_return::Pick;
 use bathyscope_bottom::presentation::units::Units;
