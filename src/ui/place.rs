@@ -206,8 +206,8 @@ pub(super) fn lon_lat(app: &App, mark: LogPlace) -> Option<LonLat> {
     Some(navigation.to_lon_lat(track, east_m, north_m))
 }
 
-/// Returns the position of an object that is to fill about a third of a view, metres east, north and
-/// up, and its size, metres; `None` if the place is only to be brought into view.
+/// Returns the position of an object that is to fill about a third of a view, metres east, north
+/// and up, and its size, metres; `None` if the place is only to be brought into view.
 pub(super) fn enlarged(reveal: &Reveal) -> Option<([f64; 3], f64)> {
     let close_up = reveal.close_up.filter(|close_up| close_up.enlarged == Enlarged::Third)?;
     Some((close_up.place_m?, close_up.size_m))

@@ -1,5 +1,5 @@
-//! Draws steps 3 to 5: the point cloud, its outliers, and the objects on the bottom, which are found
-//! by a detector and decided by the analyst.
+//! Draws steps 3 to 5: the point cloud, its outliers, and the objects on the bottom, which are
+//! found by a detector and decided by the analyst.
 
 use super::parts::{self, fact, setting};
 use super::section::{Section, section};

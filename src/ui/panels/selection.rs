@@ -1,5 +1,6 @@
-//! Shows the selected ping with all its facts, which can be copied, and the height from a shadow that
-//! was measured in the waterfall: its construction, and the quantities that it is computed from.
+//! Shows the selected ping with all its facts, which can be copied, and the height from a shadow
+//! that was measured in the waterfall: its construction, and the quantities that it is computed
+//! from.
 
 use super::parts::{fact, remark};
 use super::section::{Section, section};

@@ -1,10 +1,10 @@
 //! Draws slices and matrices into pictures, with wgpu only. This module depends neither on the
 //! survey nor on widgets.
 //!
-//! `cloud` draws points, `bottom` a mesh and `map` lines into an offscreen target, `waterfall` draws
-//! tiles and `flat` areas of one colour and whole pictures into a pass of the window. `pipeline` has
-//! the target and the parts common to all of them and fills buffers, `camera` orbits, `lod` thins
-//! long lines.
+//! `cloud` draws points, `bottom` a mesh and `map` lines into an offscreen target, `waterfall`
+//! draws tiles and `flat` areas of one colour and whole pictures into a pass of the window.
+//! `pipeline` has the target and the parts common to all of them and fills buffers, `camera`
+//! orbits, `lod` thins long lines.
 
 mod bottom;
 mod camera;

@@ -1,9 +1,9 @@
 //! Draws the list of changes, with the present step, where a click goes back or forward to a step;
 //! the list of all notices since the program was started: time, text, and offered action; and new
 //! notices until they are dismissed or, if they report no fault and offer no action, have been
-//! visible for a while. These cover the upper right corner of the views, where a view has no buttons,
-//! instead of a separate line: a line that appears and disappears would move the button that is
-//! being clicked.
+//! visible for a while. These cover the upper right corner of the views, where a view has no
+//! buttons, instead of a separate line: a line that appears and disappears would move the button
+//! that is being clicked.
 
 use crate::app::{Action, Command, Notice, ThemeChoice};
 use crate::ui::controls::ListKeys;

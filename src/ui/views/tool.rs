@@ -1,5 +1,6 @@
-//! Provides what the views share of tools: the banner at the top of a view while a tool is selected,
-//! with the name of the tool, the next action of the user, and the keys; and drags with a tool.
+//! Provides what the views share of tools: the banner at the top of a view while a tool is
+//! selected, with the name of the tool, the next action of the user, and the keys; and drags with a
+//! tool.
 
 use super::legend;
 use crate::app::{Action, App, BoxEdge, Command, ExclusionEdit, LogId, Tool, View};

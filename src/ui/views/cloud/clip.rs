@@ -1,7 +1,7 @@
-//! Shows the clip box, outside of which nothing is drawn, and the cross-section, which is the bottom
-//! along the line of the depth profile without what is in front of it; and draws the water's surface
-//! with the boat's track. Each face of the clip box has a handle, and its ends are also shown as
-//! numbers beside the cloud.
+//! Shows the clip box, outside of which nothing is drawn, and the cross-section, which is the
+//! bottom along the line of the depth profile without what is in front of it; and draws the water's
+//! surface with the boat's track. Each face of the clip box has a handle, and its ends are also
+//! shown as numbers beside the cloud.
 
 use super::axes::BoxAxes;
 use super::scene::{CloudScene, SceneBox};

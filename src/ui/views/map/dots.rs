@@ -1,6 +1,6 @@
 //! Paints tiles of coloured dots, and finds the dot nearest to a place: the points of the cloud,
-//! which are the places on the bottom where depths were measured, and the map of residuals, which is
-//! every compared point, coloured by its difference from its reference.
+//! which are the places on the bottom where depths were measured, and the map of residuals, which
+//! is every compared point, coloured by its difference from its reference.
 
 use super::tiles::{MapTileKey, SIDE, TilePainter};
 use super::transform::{GroundBounds, PlaceBoxes, around};

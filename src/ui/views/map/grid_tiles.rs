@@ -1,5 +1,5 @@
-//! Paints the tiles of the depth map, of its hill-shade and of the side-scan mosaic, and those of the
-//! analyst's own picture under the other layers.
+//! Paints the tiles of the depth map, of its hill-shade and of the side-scan mosaic, and those of
+//! the analyst's own picture under the other layers.
 
 use super::tiles::{MapTileKey, SIDE, TilePainter, Warp};
 use super::transform::{GroundBounds, NOWHERE, joined};

@@ -1,6 +1,6 @@
-//! Draws scale bar, north arrow, legends with their notes, and marks over the layers of the map, and
-//! the graticule: lines at round degrees, or metres of the UTM zone, named along the lower and the
-//! left edge.
+//! Draws scale bar, north arrow, legends with their notes, and marks over the layers of the map,
+//! and the graticule: lines at round degrees, or metres of the UTM zone, named along the lower and
+//! the left edge.
 
 use super::{MapScene, dots, grid_tiles};
 use crate::app::{App, LogPlace, MapLayer};

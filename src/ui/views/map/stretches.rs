@@ -1,6 +1,6 @@
-//! Draws stretches of the tracks: the excluded ones; the ranked flat ones with their numbers; the one
-//! that the calibration was measured on; and the proposed one. Implements the tools that are dragged
-//! along a track: one excludes pings, one proposes them for the scale.
+//! Draws stretches of the tracks: the excluded ones; the ranked flat ones with their numbers; the
+//! one that the calibration was measured on; and the proposed one. Implements the tools that are
+//! dragged along a track: one excludes pings, one proposes them for the scale.
 
 use super::MapScene;
 use super::track::TrackLayer;

@@ -1,7 +1,7 @@
 //! Prepares the tracks of the map in a background thread, so that a frame costs the same for any
 //! survey, and draws them: a line coloured by depth with an outline that sets it off from the depth
-//! map. Where positions come from another receiver, the recorder's own track is drawn beneath it for
-//! comparison. At the selected ping, antenna and transducer are shown where they are apart.
+//! map. Where positions come from another receiver, the recorder's own track is drawn beneath it
+//! for comparison. At the selected ping, antenna and transducer are shown where they are apart.
 
 use super::MapScene;
 use super::lines::{LinePicture, MapLine, MapPen};

@@ -1,7 +1,7 @@
 //! Draws stretches of the log over the picture: a veil over excluded pings, the ranked flat
 //! stretches along the nadir, numbered as on the map, the stretch that the calibration was measured
-//! on, and the proposed stretch. Implements the tools that are dragged along the pings: one excludes
-//! them, one proposes them for the scale, one accepts their first returns as bottom.
+//! on, and the proposed stretch. Implements the tools that are dragged along the pings: one
+//! excludes them, one proposes them for the scale, one accepts their first returns as bottom.
 
 use super::labels::{self, WaterfallLabels};
 use super::lens::{Lens, LensPlace};
