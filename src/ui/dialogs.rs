@@ -64,19 +64,47 @@ pub(super) enum PathPurpose {
 }
 
 impl PathPurpose {
-    /// Returns the title of the dialog that asks for a file to be written; `None` for other
-    /// purposes.
-    fn title_of_saved(self) -> Option<&'static str> {
+    /// Returns the title of the system's dialog, and the path that it asks for.
+    fn system_dialog(self) -> (&'static str, AskedPath) {
+        use AskedPath::{File, Folder, Logs, NewFile};
         match self {
-            Self::SaveProject => Some("Save the project"),
-            Self::SaveReview => Some("Save the review of boxes"),
-            Self::SaveProfile => Some("Save the depth profile"),
-            Self::SaveFigure => Some("Save the measurement"),
-            Self::SavePlan => Some("Save the planned lines"),
-            Self::PrintInto => Some("Print the view"),
-            Self::ExportLog => Some("Export the log"),
-            Self::ExportPings => Some("Export the visible pings"),
-            _ => None,
+            Self::OpenLogs => ("Open sonar logs", Logs),
+            Self::AddLogs => ("Add sonar logs to those that are open", Logs),
+            Self::OpenFolder => ("Open a folder of sonar logs", Folder),
+            Self::ExportInto => ("Write the products into", Folder),
+            Self::ExportBoxesInto => ("Write the boxes into", Folder),
+            Self::OpenModel => ("Choose a detector", File(&[("ONNX models", &["onnx"])])),
+            Self::OpenBaseMap => {
+                ("Open a base map", File(&[("GeoTIFF", &["tif", "TIF", "tiff", "TIFF"])]))
+            }
+            Self::OpenReference => {
+                ("Compare with points, a GeoTIFF or another log", File(&[("All files", &["*"])]))
+            }
+            Self::OpenIsobathArea => (
+                "Open the area that isobaths end at",
+                File(&[("Polygons", &["geojson", "json", "kml", "gpx"]), ("All files", &["*"])]),
+            ),
+            Self::OpenWaterLevels => (
+                "Open readings of the water's height",
+                File(&[("Tables", &["csv", "CSV", "txt", "TXT"])]),
+            ),
+            Self::OpenTrack => (
+                "Open the track of another receiver",
+                File(&[("Tracks", &["csv", "CSV", "gpx", "GPX", "txt", "TXT"])]),
+            ),
+            Self::OpenReview => ("Open a review of boxes", File(&[("Reviews", &["json"])])),
+            Self::OpenTruth => (
+                "Open the objects that are known to lie in the log",
+                File(&[("Objects and reviews", &["csv", "json"])]),
+            ),
+            Self::SaveProject => ("Save the project", NewFile),
+            Self::SaveReview => ("Save the review of boxes", NewFile),
+            Self::SaveProfile => ("Save the depth profile", NewFile),
+            Self::SaveFigure => ("Save the measurement", NewFile),
+            Self::SavePlan => ("Save the planned lines", NewFile),
+            Self::PrintInto => ("Print the view", NewFile),
+            Self::ExportLog => ("Export the log", NewFile),
+            Self::ExportPings => ("Export the visible pings", NewFile),
         }
     }
 
@@ -125,6 +153,18 @@ impl PathPurpose {
     }
 }
 
+/// Path that a system dialog asks for.
+enum AskedPath {
+    /// Logs and projects.
+    Logs,
+    /// A folder.
+    Folder,
+    /// A file to be read, with one of the endings of these named lists.
+    File(&'static [(&'static str, &'static [&'static str])]),
+    /// A file to be written.
+    NewFile,
+}
+
 /// Result of a system dialog.
 struct Chosen {
     /// Empty when nothing was chosen.
@@ -164,7 +204,7 @@ struct Field {
 
 impl Field {
     fn new(purpose: PathPurpose, instead: bool, proposed: Option<&PathBuf>) -> Option<Self> {
-        let is_named = purpose.title_of_saved().is_some();
+        let is_named = matches!(purpose.system_dialog().1, AskedPath::NewFile);
         let proposed = proposed.filter(|_| is_named);
         Some(Self {
             purpose,
@@ -358,80 +398,25 @@ fn command(purpose: PathPurpose, paths: Vec<PathBuf>) -> Option<Command> {
 /// Shows the system's dialog and waits for its end; returns no path if the dialog was cancelled or
 /// there is none.
 fn system_dialog(purpose: PathPurpose, proposed: Option<PathBuf>) -> Vec<PathBuf> {
-    let path = match purpose {
-        PathPurpose::OpenLogs => return choose_logs("Open sonar logs"),
-        PathPurpose::AddLogs => return choose_logs("Add sonar logs to those that are open"),
-        _ => choose_path(purpose, proposed),
-    };
-    path.into_iter().collect()
-}
-
-fn choose_logs(title: &str) -> Vec<PathBuf> {
-    let mut endings = formats::endings_to_show();
-    endings.push("bathyscope".to_owned());
-    let dialog = rfd::FileDialog::new()
-        .set_title(title)
-        .add_filter("Sonar logs and projects", &endings)
-        .add_filter("All files", &["*"]);
-    dialog.pick_files().unwrap_or_default()
-}
-
-/// Asks for one file or folder, to be read or written; `None` if no path was chosen.
-fn choose_path(purpose: PathPurpose, proposed: Option<PathBuf>) -> Option<PathBuf> {
-    match purpose {
-        PathPurpose::OpenLogs | PathPurpose::AddLogs => None,
-        PathPurpose::OpenFolder => {
-            rfd::FileDialog::new().set_title("Open a folder of sonar logs").pick_folder()
+    let (title, asked) = purpose.system_dialog();
+    let mut dialog = rfd::FileDialog::new().set_title(title);
+    let path = match asked {
+        AskedPath::Logs => {
+            let mut endings = formats::endings_to_show();
+            endings.push("bathyscope".to_owned());
+            let dialog = dialog
+                .add_filter("Sonar logs and projects", &endings)
+                .add_filter("All files", &["*"]);
+            return dialog.pick_files().unwrap_or_default();
         }
-        PathPurpose::ExportInto => {
-            rfd::FileDialog::new().set_title("Write the products into").pick_folder()
+        AskedPath::Folder => dialog.pick_folder(),
+        AskedPath::File(filters) => {
+            for &(name, endings) in filters {
+                dialog = dialog.add_filter(name, endings);
+            }
+            dialog.pick_file()
         }
-        PathPurpose::ExportBoxesInto => {
-            rfd::FileDialog::new().set_title("Write the boxes into").pick_folder()
-        }
-        PathPurpose::OpenModel => rfd::FileDialog::new()
-            .set_title("Choose a detector")
-            .add_filter("ONNX models", &["onnx"])
-            .pick_file(),
-        PathPurpose::OpenBaseMap => rfd::FileDialog::new()
-            .set_title("Open a base map")
-            .add_filter("GeoTIFF", &["tif", "TIF", "tiff", "TIFF"])
-            .pick_file(),
-        PathPurpose::OpenReference => rfd::FileDialog::new()
-            .set_title("Compare with points, a GeoTIFF or another log")
-            .add_filter("All files", &["*"])
-            .pick_file(),
-        PathPurpose::OpenIsobathArea => rfd::FileDialog::new()
-            .set_title("Open the area that isobaths end at")
-            .add_filter("Polygons", &["geojson", "json", "kml", "gpx"])
-            .add_filter("All files", &["*"])
-            .pick_file(),
-        PathPurpose::OpenWaterLevels => rfd::FileDialog::new()
-            .set_title("Open readings of the water's height")
-            .add_filter("Tables", &["csv", "CSV", "txt", "TXT"])
-            .pick_file(),
-        PathPurpose::OpenTrack => rfd::FileDialog::new()
-            .set_title("Open the track of another receiver")
-            .add_filter("Tracks", &["csv", "CSV", "gpx", "GPX", "txt", "TXT"])
-            .pick_file(),
-        PathPurpose::OpenReview => rfd::FileDialog::new()
-            .set_title("Open a review of boxes")
-            .add_filter("Reviews", &["json"])
-            .pick_file(),
-        PathPurpose::OpenTruth => rfd::FileDialog::new()
-            .set_title("Open the objects that are known to lie in the log")
-            .add_filter("Objects and reviews", &["csv", "json"])
-            .pick_file(),
-        PathPurpose::SaveProject
-        | PathPurpose::SaveReview
-        | PathPurpose::SaveProfile
-        | PathPurpose::SaveFigure
-        | PathPurpose::SavePlan
-        | PathPurpose::ExportLog
-        | PathPurpose::ExportPings
-        | PathPurpose::PrintInto => {
-            let title = purpose.title_of_saved().unwrap_or_default();
-            let mut dialog = rfd::FileDialog::new().set_title(title);
+        AskedPath::NewFile => {
             if let Some(path) = &proposed {
                 let name = path.file_name().unwrap_or_default();
                 dialog = dialog.set_file_name(name.to_string_lossy());
@@ -441,5 +426,6 @@ fn choose_path(purpose: PathPurpose, proposed: Option<PathBuf>) -> Option<PathBu
             }
             dialog.save_file()
         }
-    }
+    };
+    path.into_iter().collect()
 }

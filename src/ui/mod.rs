@@ -4,14 +4,11 @@
 mod adapter;
 mod controls;
 mod dialogs;
-mod drop_down;
 mod flat;
 mod incremental;
-mod list_keys;
 pub mod offscreen;
 mod panels;
 mod place;
-mod raster;
 pub mod render;
 mod shell;
 mod stretch_text;

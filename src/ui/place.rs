@@ -1,10 +1,10 @@
 //! Computes slant range, depth, heading and position of a mark.
 
-use crate::app::{App, LogPlace};
+use crate::app::{App, Enlarged, LogPlace, Reveal};
 use crate::ui::text;
 use bathyscope_bottom::cloud::Reduction;
 use bathyscope_log::support::geo::{LonLat, UtmZone, compass_deg};
-use bathyscope_log::survey::{HeadingSource, Side};
+use bathyscope_log::survey::{HeadingSource, Side, SideSpan};
 use bathyscope_products::pipeline::Products;
 
 /// Returns the corrections that turn samples and recorded depths into metres, from the last
@@ -31,6 +31,19 @@ pub(super) fn across_m(side: Side, range_m: f64) -> f64 {
     match side {
         Side::Port => -range_m,
         Side::Starboard => range_m,
+    }
+}
+
+/// Returns a sample of a ping as a mark has it; `None` if it was not recorded.
+pub(super) fn recorded_sample(span: &SideSpan, sample: f64) -> Option<f32> {
+    (0.0..f64::from(span.count)).contains(&sample).then_some(sample as f32)
+}
+
+/// Returns the short name of a side.
+pub(super) fn short_name(side: Side) -> &'static str {
+    match side {
+        Side::Port => "port",
+        Side::Starboard => "stbd",
     }
 }
 
@@ -144,11 +157,9 @@ pub(super) fn labelled_heading(app: &App, ping: usize) -> String {
         HeadingSource::Steps | HeadingSource::TrackFit | HeadingSource::Cog => "COG",
         HeadingSource::Compass => "compass",
     };
-    if here.heading_rad.is_finite() {
-        format!("{label} {}", whole_degrees(here.heading_rad))
-    } else {
-        format!("{label} {}", text::NONE)
-    }
+    let is_known = here.heading_rad.is_finite();
+    let written = if is_known { whole_degrees(here.heading_rad) } else { text::NONE.to_owned() };
+    format!("{label} {written}")
 }
 
 /// Formats a heading as `212°`; never as 360.
@@ -163,16 +174,13 @@ pub(super) fn heading(app: &App, ping: usize) -> String {
     let Some((products, here)) = here else {
         return text::NONE.to_owned();
     };
+    let offset_deg = products.settings.mounting.heading_offset_deg;
     let source = match products.settings.heading.source {
         HeadingSource::Steps => "fix to fix",
         HeadingSource::TrackFit => "track",
         HeadingSource::Cog => "recorded course",
+        HeadingSource::Compass if offset_deg != 0.0 => &format!("compass {offset_deg:+.1}°"),
         HeadingSource::Compass => "compass",
-    };
-    let offset_deg = products.settings.mounting.heading_offset_deg;
-    let source = match products.settings.heading.source {
-        HeadingSource::Compass if offset_deg != 0.0 => format!("{source} {offset_deg:+.1}°"),
-        _ => source.to_owned(),
     };
     if here.heading_rad.is_finite() {
         format!("{} ({source})", whole_degrees(here.heading_rad))
@@ -198,6 +206,13 @@ pub(super) fn lon_lat(app: &App, mark: LogPlace) -> Option<LonLat> {
     Some(navigation.to_lon_lat(track, east_m, north_m))
 }
 
+/// Returns the position of an object that is to fill about a third of a view, metres east, north
+/// and up, and its size, metres; `None` if the place is only to be brought into view.
+pub(super) fn enlarged(reveal: &Reveal) -> Option<([f64; 3], f64)> {
+    let close_up = reveal.close_up.filter(|close_up| close_up.enlarged == Enlarged::Third)?;
+    Some((close_up.place_m?, close_up.size_m))
+}
+
 /// Returns metres east and north of a mark: of its point, of its place on the bottom across the
 /// track, or of the boat.
 pub(super) fn east_north(app: &App, mark: LogPlace) -> Option<[f64; 2]> {
@@ -209,11 +224,7 @@ pub(super) fn east_north(app: &App, mark: LogPlace) -> Option<[f64; 2]> {
     let boat = products.navigation.pings.get(mark.ping)?;
     let ground_m = ground_m(app, mark).or_else(|| range_m(app, mark)).unwrap_or(0.0);
     // Starboard is a quarter turn clockwise from the heading.
-    let across = match mark.side {
-        Some(Side::Starboard) => ground_m,
-        Some(Side::Port) => -ground_m,
-        None => 0.0,
-    };
+    let across = mark.side.map_or(0.0, |side| across_m(side, ground_m));
     let (sin, cos) =
         if boat.heading_rad.is_finite() { boat.heading_rad.sin_cos() } else { (0.0, 0.0) };
     let (east_m, north_m) = (boat.east_m + across * cos, boat.north_m - across * sin);

@@ -5,12 +5,16 @@ use bathyscope_log::survey::Side;
 use bathyscope_objects::review::State;
 use egui::{Color32, CornerRadius, FontId, Stroke, TextStyle, Visuals};
 
+/// Returns the opaque colour of these parts.
+pub(crate) fn rgb([r, g, b]: [u8; 3]) -> Color32 {
+    Color32::from_rgb(r, g, b)
+}
+
 fn by_theme(theme: ThemeChoice, dark: [u8; 3], light: [u8; 3]) -> Color32 {
-    let [r, g, b] = match theme {
+    rgb(match theme {
         ThemeChoice::Dark => dark,
         ThemeChoice::Light => light,
-    };
-    Color32::from_rgb(r, g, b)
+    })
 }
 
 /// Returns the colour of a side's first return and points.
@@ -294,10 +298,7 @@ pub(crate) const MEASURE_COLOUR: Color32 = Color32::from_rgb(255, 150, 50);
 
 /// Returns the colour of curves, axes and numbers of the profile.
 pub(crate) fn plot_ink(options: &ViewOptions) -> Color32 {
-    match options.theme {
-        ThemeChoice::Dark => Color32::from_gray(205),
-        ThemeChoice::Light => Color32::from_gray(60),
-    }
+    by_theme(options.theme, [205; 3], [60; 3])
 }
 
 /// Colour of bottom edits in the waterfall.

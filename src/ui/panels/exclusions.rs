@@ -4,7 +4,7 @@
 use super::parts::{remark, setting, warning};
 use super::section::{Section, section};
 use crate::app::{Action, Command, ExclusionEdit, FoundExclusions, LogPlace, OpenLog, Tool};
-use crate::ui::list_keys::ListKeys;
+use crate::ui::controls::ListKeys;
 use crate::ui::{ViewContext, stretch_text, text};
 use bathyscope_log::survey::{ExcludedStretch, ExclusionReason, LogPart, Stretch, Survey};
 use bathyscope_products::pipeline::Stage;

@@ -46,10 +46,10 @@ fn found(ui: &mut Ui, context: &mut ViewContext<'_>) {
         format!("A first return was found to {side} in {share:.1} % of all pings.")
     };
     ui.horizontal_wrapped(|ui| {
-        for (side, short, found) in [
-            (Side::Port, "port", figures.port_picks),
-            (Side::Starboard, "stbd", figures.starboard_picks),
-        ] {
+        for (side, found) in
+            [(Side::Port, figures.port_picks), (Side::Starboard, figures.starboard_picks)]
+        {
+            let short = place::short_name(side);
             let text = RichText::new(format!("{} {short}", text::count(found)));
             ui.label(text.color(theme::side_colour(options, side)))
                 .on_hover_text(hint(side.name(), found));
@@ -198,10 +198,7 @@ fn row(ui: &mut Ui, context: &mut ViewContext<'_>, stretch: &AboveStretch) {
                 let is_here = context.app.view.selection.is_some_and(|mark| {
                     mark.side == Some(side) && (first..=last).contains(&mark.ping)
                 });
-                let short = match side {
-                    Side::Port => "port",
-                    Side::Starboard => "stbd",
-                };
+                let short = place::short_name(side);
                 let height = units.measure(height_m, 2);
                 let label = format!("{first} to {last} {short}  {}", units.measure(height_m, 1));
                 let label = ui.add(Button::selectable(is_here, label).truncate());

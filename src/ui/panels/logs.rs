@@ -5,11 +5,10 @@ use super::corrections;
 use super::parts::{self, fact, name_of, press, remark, warning};
 use super::section::{Section, section};
 use crate::app::{Action, App, Command, JobKey, OpenLog};
-use crate::ui::drop_down::DropDown;
-use crate::ui::list_keys::ListKeys;
-use crate::ui::{ViewContext, controls, stretch_text, text, theme};
+use crate::ui::controls::{self, DropDown, ListKeys};
+use crate::ui::{ViewContext, stretch_text, text, theme};
 use bathyscope_bottom::presentation::units::Units;
-use egui::{Button, Color32, RichText, Sense, Ui};
+use egui::{Button, RichText, Sense, Ui};
 
 /// Draws the section while a log is open.
 pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
@@ -61,8 +60,7 @@ fn row(
         let hint = "Uses this log in map, cloud, depth map, mosaic and products.";
         ask(tick.on_hover_text(hint).changed(), Command::SetLogVisible(id, visible));
         let (swatch, _) = ui.allocate_exact_size(egui::vec2(10.0, 10.0), Sense::hover());
-        let [r, g, b] = log.colour;
-        ui.painter().rect_filled(swatch, 2.0, Color32::from_rgb(r, g, b));
+        ui.painter().rect_filled(swatch, 2.0, theme::rgb(log.colour));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             let button = |ui: &mut Ui, sign: &str, what: &str, enabled: bool| {
                 let button = ui.add_enabled(enabled, Button::new(sign).small().frame(false));

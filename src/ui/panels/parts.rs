@@ -3,9 +3,7 @@
 
 use super::find_setting::{self, ControlPlace};
 use crate::app::{Action, App, LogId, OpenLog};
-use crate::ui::controls::{self, number_field, number_slider};
-use crate::ui::drop_down::DropDown;
-use crate::ui::list_keys::ListKeys;
+use crate::ui::controls::{self, DropDown, ListKeys, number_field, number_slider};
 use crate::ui::{ViewContext, theme};
 use bathyscope_bottom::presentation::plot::Axis;
 use bathyscope_products::pipeline::settings::{
@@ -15,32 +13,6 @@ use egui::{
     Align, Align2, Button, Color32, FontId, Layout, Painter, Pos2, ProgressBar, Rect, Response,
     RichText, Stroke, Ui, WidgetText, pos2, vec2,
 };
-
-/// Draws the sign of a notice: a triangle with `!` for a failed action, a circle with `i` for a
-/// completed one.
-pub(crate) fn severity(ui: &mut Ui, look: crate::app::ThemeChoice, is_error: bool) {
-    let (rect, response) = ui.allocate_exact_size(egui::vec2(16.0, 16.0), egui::Sense::hover());
-    let (colour, sign, name) = if is_error {
-        (theme::error_colour(look), "!", "could not be done")
-    } else {
-        (theme::accent_colour(look), "i", "was done")
-    };
-    let (at, painter) = (rect.center(), ui.painter());
-    let stroke = egui::Stroke::new(1.4, colour);
-    let below = if is_error {
-        let corners = [[0.0, -7.0], [7.5, 6.0], [-7.5, 6.0]];
-        let points = corners.map(|[x, y]| at + egui::vec2(x, y)).to_vec();
-        painter.add(egui::Shape::closed_line(points, stroke));
-        1.0
-    } else {
-        painter.circle_stroke(at, 6.5, stroke);
-        0.0
-    };
-    let font = egui::FontId::proportional(theme::SMALL);
-    let centre = egui::Align2::CENTER_CENTER;
-    painter.text(at + egui::vec2(0.0, below), centre, sign, font, colour);
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, name));
-}
 
 /// Draws a name on the left and a control on the right; the control has this name for screen
 /// readers and tests.

@@ -6,7 +6,6 @@ use super::parts::progress_bar;
 use crate::app::{Action, App, FollowStatus, LogPlace};
 use crate::ui::{ViewContext, place, text, theme};
 use bathyscope_bottom::presentation::text::count;
-use bathyscope_log::survey::Side;
 use egui::{Align, Layout, RichText, Ui};
 
 /// Time after which a running job is shown, seconds.
@@ -175,11 +174,8 @@ fn cells_of(app: &App, mark: LogPlace) -> Vec<StatusCell> {
     };
     let position = place::lon_lat(app, mark).map(|at| StatusCell::new(0, place::written(app, at)));
     let range = place::range_m(app, mark).map(|range_m| {
-        let side = match mark.side {
-            Some(Side::Port) => " port",
-            Some(Side::Starboard) => " stbd",
-            None => "",
-        };
+        let side =
+            mark.side.map_or_else(String::new, |side| format!(" {}", place::short_name(side)));
         StatusCell::new(2, format!("range {}{side}", units.measure(range_m, 2)))
     });
     let products = app.logs.shown.products.as_ref();

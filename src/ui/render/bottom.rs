@@ -2,9 +2,7 @@
 //! as the screen can show.
 
 use super::camera::corners;
-use super::pipeline::PipelineParts;
-use super::pipeline::ScenePart;
-use super::target::{OffscreenPipeline, RenderTarget, Uniform};
+use super::pipeline::{OffscreenPipeline, PipelineParts, RenderTarget, ScenePart, Uniform};
 use super::{CameraProjection, Uploader};
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec2, Vec3, Vec4};

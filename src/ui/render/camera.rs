@@ -14,15 +14,6 @@ const HELD: [f32; 2] = [0.002, 20.0];
 /// Least distance in [`OrbitCamera::hold`] and [`OrbitCamera::close_up`], metres.
 const LEAST_M: f32 = 0.3;
 
-/// A direction to look from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Direction {
-    /// View from above, north up.
-    Top,
-    /// Level view, from the south.
-    South,
-}
-
 /// A camera that looks at a target from a distance and never rolls, so that up stays up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OrbitCamera {
@@ -127,13 +118,11 @@ impl OrbitCamera {
         self.distance_m = distance_m.clamp(nearest.max(LEAST_M), farthest);
     }
 
-    /// Turns the camera to a direction.
-    pub(crate) fn look_from(&mut self, direction: Direction) {
+    /// Turns the camera to look from the south, from this height over the horizon, radians; a
+    /// quarter of a turn looks from above, north up.
+    pub(crate) fn look_from_south(&mut self, elevation_rad: f32) {
         self.azimuth_rad = 0.0;
-        self.elevation_rad = match direction {
-            Direction::Top => std::f32::consts::FRAC_PI_2,
-            Direction::South => 0.0,
-        };
+        self.elevation_rad = elevation_rad;
     }
 
     /// Returns the projection for a picture with this ratio of width to height.
@@ -254,7 +243,7 @@ mod tests {
     #[test]
     fn from_above_north_is_up_and_east_is_right() {
         let mut camera = fitted(5.0);
-        camera.look_from(Direction::Top);
+        camera.look_from_south(std::f32::consts::FRAC_PI_2);
         let projection = camera.projection(1.5);
         let centre = projection.project(camera.target).unwrap();
         let north = projection.project(camera.target + Vec3::Y).unwrap();
@@ -267,7 +256,7 @@ mod tests {
     #[test]
     fn from_the_south_up_is_up_and_nearer_is_larger_in_depth() {
         let mut camera = fitted(5.0);
-        camera.look_from(Direction::South);
+        camera.look_from_south(0.0);
         let projection = camera.projection(1.5);
         let above = projection.project(camera.target + Vec3::Z).unwrap();
         let north = projection.project(camera.target + Vec3::Y).unwrap();
@@ -367,7 +356,7 @@ mod tests {
     #[test]
     fn picking_takes_the_point_in_front_and_none_behind() {
         let mut camera = OrbitCamera::default();
-        camera.look_from(Direction::South);
+        camera.look_from_south(0.0);
         let projection = camera.projection(1.0);
         let size = Vec2::new(200.0, 200.0);
         let centre = Vec2::new(100.0, 100.0);

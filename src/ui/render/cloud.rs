@@ -1,9 +1,7 @@
 //! Draws points in a pass of a [`RenderTarget`].
 
 use super::Uploader;
-use super::pipeline::PipelineParts;
-use super::pipeline::ScenePart;
-use super::target::{OffscreenPipeline, RenderTarget, Uniform};
+use super::pipeline::{OffscreenPipeline, PipelineParts, RenderTarget, ScenePart, Uniform};
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec4};
 

@@ -2,8 +2,7 @@
 
 use super::Uploader;
 use super::lod::Vertex;
-use super::pipeline::PipelineParts;
-use super::target::{OffscreenPipeline, RenderTarget, Uniform};
+use super::pipeline::{OffscreenPipeline, PipelineParts, RenderTarget, Uniform};
 use bytemuck::{Pod, Zeroable};
 use std::ops::Range;
 

@@ -2,9 +2,9 @@
 //! gain needs only a uniform write.
 
 use super::pipeline::{
-    PipelineParts, bind_group, bind_group_layout, buffer, pipeline, texture_entry, uniform_entry,
+    PipelineParts, bind_group, bind_group_layout, buffer, extent, pipeline, plain_texture,
+    texture_entry, uniform_entry,
 };
-use super::target::{extent, plain_texture};
 use bytemuck::{Pod, Zeroable};
 
 /// Largest number of tiles in one picture: 4K at the worst zoom needs 160.
@@ -204,10 +204,18 @@ impl WaterfallPicture {
         size: [u32; 2],
         texels: &[[u8; 2]],
     ) -> TileTexture {
-        let tile = texture(device, queue, size, texels, wgpu::TextureFormat::Rg8Unorm);
-        let tile = wgpu::BindingResource::TextureView(&tile);
-        let bind_group = bind_group(device, &self.tile_layout, &[tile]);
-        TileTexture { bind_group }
+        let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
+        let texture = plain_texture(device, size, wgpu::TextureFormat::Rg8Unorm, usage);
+        let bytes: &[u8] = bytemuck::cast_slice(texels);
+        let layout = wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(bytes.len() as u32 / size[1].max(1)),
+            rows_per_image: None,
+        };
+        queue.write_texture(texture.as_image_copy(), bytes, layout, extent(size));
+        let view = texture.create_view(&Default::default());
+        let tile = wgpu::BindingResource::TextureView(&view);
+        TileTexture { bind_group: bind_group(device, &self.tile_layout, &[tile]) }
     }
 
     /// Writes the style and the quads that the next [`WaterfallPicture::paint`] draws; tiles beyond
@@ -251,26 +259,6 @@ fn filled(device: &wgpu::Device, queue: &wgpu::Queue, bytes: &[u8]) -> wgpu::Buf
     let filled = buffer(device, bytes.len(), wgpu::BufferUsages::UNIFORM);
     queue.write_buffer(&filled, 0, bytes);
     filled
-}
-
-/// Creates a texture of these texels, row by row.
-fn texture(
-    device: &wgpu::Device,
-    queue: &wgpu::Queue,
-    size: [u32; 2],
-    texels: &[impl Pod],
-    format: wgpu::TextureFormat,
-) -> wgpu::TextureView {
-    let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
-    let texture = plain_texture(device, size, format, usage);
-    let bytes: &[u8] = bytemuck::cast_slice(texels);
-    let layout = wgpu::TexelCopyBufferLayout {
-        offset: 0,
-        bytes_per_row: Some(bytes.len() as u32 / size[1].max(1)),
-        rows_per_image: None,
-    };
-    queue.write_texture(texture.as_image_copy(), bytes, layout, extent(size));
-    texture.create_view(&Default::default())
 }
 
 #[cfg(test)]

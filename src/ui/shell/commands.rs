@@ -101,12 +101,12 @@ impl Shell {
             WindowAction::StepsPanel => self.toggle_panel(SidePanel::Steps, ctx),
             WindowAction::DetailsPanel => self.toggle_panel(SidePanel::Details, ctx),
             WindowAction::Arrange(preset) => self.layout.arrange(preset),
-            WindowAction::Fit => self.request(self.layout.target(), ViewRequest::Fit),
-            WindowAction::ZoomIn => self.request(self.layout.target(), ViewRequest::ZoomIn),
-            WindowAction::ZoomOut => self.request(self.layout.target(), ViewRequest::ZoomOut),
-            WindowAction::TopView => self.request(View::Cloud, ViewRequest::Top),
-            WindowAction::SideView => self.request(View::Cloud, ViewRequest::Side),
-            WindowAction::OneToOne => self.request(View::Waterfall, ViewRequest::OneToOne),
+            WindowAction::Fit => self.views.request(self.layout.target(), ViewRequest::Fit),
+            WindowAction::ZoomIn => self.views.request(self.layout.target(), ViewRequest::ZoomIn),
+            WindowAction::ZoomOut => self.views.request(self.layout.target(), ViewRequest::ZoomOut),
+            WindowAction::TopView => self.views.request(View::Cloud, ViewRequest::Top),
+            WindowAction::SideView => self.views.request(View::Cloud, ViewRequest::Side),
+            WindowAction::OneToOne => self.views.request(View::Waterfall, ViewRequest::OneToOne),
             WindowAction::Play => self.play.toggle(&self.app),
             WindowAction::PlayFaster => self.play.change_speed(1),
             WindowAction::PlaySlower => self.play.change_speed(-1),
@@ -130,17 +130,11 @@ impl Shell {
         self.dialogs.ask(purpose, self.app.jobs.workers());
     }
 
-    /// Sends a request to a view.
-    fn request(&mut self, view: View, request: ViewRequest) {
-        self.views.request(view, request);
-    }
-
     /// Opens the dialog of the products and their folder, unless there are no results, or some are
     /// still being written.
     fn ask_to_export(&mut self) {
         if self.app.logs.shown.products.is_none() {
-            let text = "there is no result to export yet; open a log first";
-            self.app.apply(Command::Notify(text.to_owned()));
+            self.say("there is no result to export yet; open a log first");
         } else if self.app.jobs.fraction(&JobKey::Export).is_some() {
             self.say(BUSY);
         } else {
@@ -362,7 +356,7 @@ impl Shell {
         } else if is_writing {
             self.say(BUSY);
         } else {
-            self.dialogs.ask(PathPurpose::ExportBoxesInto, self.app.jobs.workers());
+            self.ask(PathPurpose::ExportBoxesInto);
         }
     }
 }

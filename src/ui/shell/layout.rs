@@ -38,11 +38,10 @@ impl Default for Layout {
     }
 }
 
-/// Returns true if all views are tabs of one tile.
-fn is_stacked(tree: &Tree<View>) -> bool {
-    let tiles = tree.active_tiles();
-    let views = tiles.iter().filter_map(|tile| tree.tiles.get_pane(tile));
-    views.count() == 1
+/// Returns the views in front of their tiles.
+fn in_front(tree: &Tree<View>) -> Vec<View> {
+    let tiles = tree.active_tiles().into_iter();
+    tiles.filter_map(|tile| tree.tiles.get_pane(&tile).copied()).collect()
 }
 
 fn tree(preset: LayoutPreset) -> Tree<View> {
@@ -137,18 +136,15 @@ impl Layout {
     pub(super) fn shown(&self) -> Vec<View> {
         match self.maximised {
             Some(view) => vec![view],
-            None => {
-                let active = self.tree.active_tiles();
-                let panes = active.iter().filter_map(|tile| self.tree.tiles.get_pane(tile));
-                panes.copied().collect()
-            }
+            None => in_front(&self.tree),
         }
     }
 
     /// Arranges the views again if the window has become low or high, and the analyst has not
     /// arranged them.
     fn follow_window(&mut self, height: f32) {
-        if !self.is_automatic || is_stacked(&self.tree) == (height < ROOM) {
+        // Views that are all tabs of one tile have one of them in front.
+        if !self.is_automatic || (in_front(&self.tree).len() == 1) == (height < ROOM) {
             return;
         }
         self.tree = if height < ROOM {

@@ -1,7 +1,7 @@
 //! Draws the menu bar, whose entries come from the command table.
 
 use super::sides::SidePanel;
-use super::{levels, map_layers};
+use super::{levels, toolbar};
 use crate::app::{Action, ActionGroup, App, CloudColour, Command, SideColours, ThemeChoice};
 use crate::ui::ViewContext;
 use crate::ui::controls::option_checkbox;
@@ -23,7 +23,7 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
             ("View", view),
             ("Survey", survey),
             ("Review", review),
-            ("Help", help),
+            ("Help", |ui, context| entries(ui, context, ActionGroup::Help)),
         ];
         for (title, contents) in menus {
             ui.menu_button(title, |ui| scrolled(ui, |ui| contents(ui, context)));
@@ -43,10 +43,6 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 fn scrolled(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
     let most = ui.content_rect().bottom() - ui.cursor().top() - 16.0;
     egui::ScrollArea::vertical().max_height(most.max(120.0)).show(ui, add);
-}
-
-fn help(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    entries(ui, context, ActionGroup::Help);
 }
 
 fn titled(ui: &mut Ui, context: &mut ViewContext<'_>, action: Action, title: &str, enabled: bool) {
@@ -92,20 +88,16 @@ fn file(ui: &mut Ui, context: &mut ViewContext<'_>) {
     ui.separator();
     entries(ui, context, ActionGroup::MapFiles);
     ui.separator();
-    external(ui, context);
+    let is_open = context.app.logs.shown.survey.is_some();
+    entries_where(ui, context, ActionGroup::External, |app, action| {
+        is_open && app.is_available(action)
+    });
     ui.separator();
     entries(ui, context, ActionGroup::LogCopies);
     let ready = context.app.logs.shown.products.is_some();
     entries_where(ui, context, ActionGroup::Export, |_, _| ready);
     ui.separator();
     entries(ui, context, ActionGroup::Quit);
-}
-
-fn external(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let is_open = context.app.logs.shown.survey.is_some();
-    entries_where(ui, context, ActionGroup::External, |app, action| {
-        is_open && app.is_available(action)
-    });
 }
 
 fn edit(ui: &mut Ui, context: &mut ViewContext<'_>) {
@@ -150,8 +142,8 @@ fn view(ui: &mut Ui, context: &mut ViewContext<'_>) {
         ui.checkbox(&mut options.waterfall.boxes, "Boxes");
     });
     ui.menu_button("Map", |ui| {
-        map_layers::control(ui, &mut options.map.layers);
-        map_layers::swipe_control(ui, &mut options.map);
+        toolbar::layers_control(ui, &mut options.map.layers);
+        toolbar::swipe_control(ui, &mut options.map);
         ui.separator();
         ui.checkbox(&mut options.map.flat_spots, "Flat stretches");
         option_checkbox(ui, &mut options, Action::Graticule);

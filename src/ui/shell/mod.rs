@@ -5,14 +5,12 @@
 //! changes the state by commands.
 
 mod commands;
-mod drop;
 mod export;
-mod keys;
+mod input;
 mod layout;
 mod levels;
 mod lists;
 mod manual;
-mod map_layers;
 mod menu;
 mod palette;
 mod play;
@@ -219,11 +217,6 @@ impl Shell {
         self.app.is_idle() && views_settled
     }
 
-    /// Writes title and facts around the view that is shown alone.
-    fn frame_with(&mut self, text: PrintText) {
-        self.text_around = Some(text);
-    }
-
     /// Returns the drawn share of the map's tiles, 0 to 1.
     pub(crate) fn drawn_share(&self) -> f32 {
         match self.views.map.missing() {
@@ -241,7 +234,7 @@ impl Shell {
         theme::apply(ui.ctx(), self.app.view.options.theme);
         let mut commands = Vec::new();
         self.dialogs.poll(&mut commands);
-        drop::collect(ui, self.app.logs.count() > 0, &mut commands);
+        input::collect_dropped(ui, self.app.logs.count() > 0, &mut commands);
         forget_vanished_control(ui.ctx());
         self.dialogs.take_typed(ui);
         let asks = [
@@ -251,7 +244,7 @@ impl Shell {
             self.export.is_open(),
         ];
         if !asks.contains(&true) {
-            keys::collect(ui, &self.app, self.key_focus(ui), &mut commands);
+            input::collect_keys(ui, &self.app, self.key_focus(ui), &mut commands);
         }
         if commands.contains(&Command::Do(Action::Palette)) {
             commands.retain(|command| *command != Command::Do(Action::Palette));
@@ -411,13 +404,13 @@ impl Shell {
         CentralPanel::no_frame().show(ui, |ui| {
             self.layout.ui(ui, &mut self.views, &mut context);
         });
-        panels::notices::show(ui.ctx(), &mut context, centre);
+        lists::show_notices(ui.ctx(), &mut context, centre);
         self.palette.ui(ui.ctx(), &mut context);
         self.manual.ui(ui.ctx());
         self.history.ui(ui.ctx(), &mut context);
         self.notices.ui(ui.ctx(), &mut context);
         self.dialogs.ui(ui.ctx(), &mut context);
-        drop::overlay(ui);
+        input::drop_overlay(ui);
         let names_print = self.printing.ui(ui.ctx(), &mut context, &self.views);
         let asked = self.export.ui(ui.ctx(), &mut context);
         asked.or(names_print.then_some(PathPurpose::PrintInto))
@@ -452,7 +445,7 @@ fn details(
     let height = ui.available_height();
     scrolled(ui, "scrolled details", |ui| {
         review.ui(ui, context);
-        panels::shadow::ui(ui, context);
+        panels::selection::shadow(ui, context);
         panels::selection::ui(ui, context);
         panels::section(ui, context, Section::new("Profile"), |ui, context| {
             // In a taller area the curve would be all spikes.
@@ -474,7 +467,17 @@ impl eframe::App for Shell {
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
-        save_preferences(self, storage);
+        let base_map = self.app.map.base_map.as_ref();
+        let saving = SavedWindow {
+            options: &self.app.view.options,
+            layout: &self.layout,
+            recent: &self.app.recent,
+            base_map: base_map.map(|map| map.path.as_path()),
+            mountings: &self.app.document.mountings,
+        };
+        if let Ok(text) = serde_json::to_string(&saving) {
+            storage.set_string(KEY, text);
+        }
     }
 
     fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
@@ -505,21 +508,6 @@ struct SavedWindow<'a> {
     recent: &'a [PathBuf],
     base_map: Option<&'a Path>,
     mountings: &'a Mountings,
-}
-
-/// Writes the preferences into the store.
-fn save_preferences(shell: &Shell, storage: &mut dyn eframe::Storage) {
-    let base_map = shell.app.map.base_map.as_ref();
-    let saving = SavedWindow {
-        options: &shell.app.view.options,
-        layout: &shell.layout,
-        recent: &shell.app.recent,
-        base_map: base_map.map(|map| map.path.as_path()),
-        mountings: &shell.app.document.mountings,
-    };
-    if let Ok(text) = serde_json::to_string(&saving) {
-        storage.set_string(KEY, text);
-    }
 }
 
 impl Shell {

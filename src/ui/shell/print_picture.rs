@@ -28,7 +28,7 @@ impl Shell {
         let mut shell = Shell::new(copy);
         shell.views = self.views.for_picture(&self.app);
         shell.show_alone(Alone::View(view));
-        shell.frame_with(text);
+        shell.text_around = Some(text);
         self.app.write(move |progress| draw(shell, view, sheet, &path, progress));
     }
 }

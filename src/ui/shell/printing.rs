@@ -2,11 +2,9 @@
 
 use super::{Shell, Views};
 use crate::app::{App, JobKey, Paper, PrintOptions, PrintText, Sheet, View};
-use crate::ui::ViewContext;
-use crate::ui::controls::number_field;
+use crate::ui::controls::{DropDown, number_field};
 use crate::ui::dialogs::PathPurpose;
-use crate::ui::drop_down::DropDown;
-use crate::ui::theme;
+use crate::ui::{ViewContext, theme};
 use egui::{Id, Label, Modal, Panel, RichText, Ui};
 
 /// Notice while products are still being written.

@@ -23,18 +23,10 @@ impl SidePanel {
         }
     }
 
-    fn choice(self, options: PanelOptions) -> PanelShown {
+    fn choice(self, options: &mut PanelOptions) -> &mut PanelShown {
         match self {
-            SidePanel::Steps => options.steps,
-            SidePanel::Details => options.details,
-        }
-    }
-
-    fn choose(self, options: &mut PanelOptions, shown: bool) {
-        let chosen = if shown { PanelShown::Always } else { PanelShown::Never };
-        match self {
-            SidePanel::Steps => options.steps = chosen,
-            SidePanel::Details => options.details = chosen,
+            SidePanel::Steps => &mut options.steps,
+            SidePanel::Details => &mut options.details,
         }
     }
 
@@ -46,8 +38,8 @@ impl SidePanel {
     }
 
     /// Returns true if the panel is shown in a window of this width, points.
-    pub(super) fn is_shown(self, options: PanelOptions, width: f32) -> bool {
-        match self.choice(options) {
+    pub(super) fn is_shown(self, mut options: PanelOptions, width: f32) -> bool {
+        match self.choice(&mut options) {
             PanelShown::WithRoom => width >= self.room(),
             PanelShown::Always => true,
             PanelShown::Never => false,
@@ -56,11 +48,15 @@ impl SidePanel {
 
     /// Returns the options after the panel was shown or hidden by hand. In a window without space
     /// for both panels, the other one is hidden.
-    pub(super) fn set_shown(self, options: PanelOptions, shown: bool, width: f32) -> PanelOptions {
-        let mut options = options;
-        self.choose(&mut options, shown);
+    pub(super) fn set_shown(
+        self,
+        mut options: PanelOptions,
+        shown: bool,
+        width: f32,
+    ) -> PanelOptions {
+        *self.choice(&mut options) = if shown { PanelShown::Always } else { PanelShown::Never };
         if shown && width < SidePanel::BOTH && self.other().is_shown(options, width) {
-            self.other().choose(&mut options, false);
+            *self.other().choice(&mut options) = PanelShown::Never;
         }
         options
     }

@@ -2,13 +2,13 @@
 //! the waterfall.
 
 use super::waterfall::outline;
-use crate::app::{OpenLog, Orientation, PIXEL_M, WaterfallOptions};
+use crate::app::{App, LogBox, OpenLog, Orientation, PIXEL_M, WaterfallOptions};
 use bathyscope_bottom::presentation::colours::ColourMap;
 use bathyscope_bottom::presentation::units::Units;
 use bathyscope_log::survey::{Navigation, Side, Survey};
 use bathyscope_objects::review::{Review, Reviewed};
 use bathyscope_objects::{Mark, ObjectExtent, Raster, Rect as BoxRect, TILE_PX, level};
-use bathyscope_products::pipeline::Same;
+use bathyscope_products::pipeline::{Background, Same};
 use egui::{ColorImage, Pos2, Rect, Response, Role, Sense, TextureHandle, Ui, Vec2, WidgetInfo};
 use egui::{pos2, vec2};
 
@@ -78,13 +78,6 @@ impl Turned {
         match self.orientation {
             Orientation::Horizontal => pos2(time, across),
             Orientation::Vertical => pos2(across, time),
-        }
-    }
-
-    fn size([columns, rows]: [usize; 2], orientation: Orientation) -> [usize; 2] {
-        match orientation {
-            Orientation::Horizontal => [rows, columns],
-            Orientation::Vertical => [columns, rows],
         }
     }
 
@@ -229,11 +222,39 @@ impl BoxChip {
     }
 }
 
+/// A box whose picture is to be drawn, and the inputs of the picture.
+pub(crate) type WantedChip = (LogBox, ChipKey);
+
+/// Pictures of boxes, drawn in the background.
+pub(crate) type Chips = Background<Vec<WantedChip>, Vec<(WantedChip, BoxChip)>>;
+
+/// Returns a box with the inputs of its picture; `None` while its log has no results.
+pub(crate) fn wanted(app: &App, id: LogBox) -> Option<WantedChip> {
+    let mark = &app.logs.log_box(id)?.mark;
+    let key = ChipKey::of(app.logs.get(id.log)?, mark, &app.view.options.waterfall)?;
+    Some((id, key))
+}
+
+/// Starts to draw the pictures of boxes, unless they are drawn or being drawn.
+pub(crate) fn ask(chips: &mut Chips, wanted: Vec<WantedChip>, app: &App, ctx: &egui::Context) {
+    let (of, ctx) = (wanted.clone(), ctx.clone());
+    chips.ask(wanted, app.jobs.workers(), move |progress| {
+        let mut drawn = Vec::with_capacity(of.len());
+        for wanted in of {
+            progress.check().ok()?;
+            drawn.extend(BoxChip::new(&wanted.1, &ctx).map(|chip| (wanted, chip)));
+        }
+        Some(drawn)
+    });
+}
+
 /// Returns the pixels of a window in colour, in the orientation of the waterfall.
 fn image(pixels: &[u8], window: &ChipWindow, of: &ChipKey) -> ColorImage {
     let colours = of.map.palette();
-    let size = Turned::size([window.columns, window.rows], of.orientation);
-    let [width, height] = size;
+    let [width, height] = match of.orientation {
+        Orientation::Horizontal => [window.rows, window.columns],
+        Orientation::Vertical => [window.columns, window.rows],
+    };
     let turned = of.turned();
     let colour = |x: usize, y: usize| {
         let (across, row) = match of.orientation {
@@ -247,7 +268,7 @@ fn image(pixels: &[u8], window: &ChipWindow, of: &ChipKey) -> ColorImage {
         egui::Color32::from_rgb(r, g, b)
     };
     let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-    ColorImage::new(size, places.map(|(x, y)| colour(x, y)).collect())
+    ColorImage::new([width, height], places.map(|(x, y)| colour(x, y)).collect())
 }
 
 #[cfg(test)]

@@ -16,11 +16,8 @@ const FIRST_STEPS: [&str; 3] = [
 ];
 
 /// Shows a sentence in the middle of the view.
-pub(super) fn say(ui: &mut Ui, context: &ViewContext<'_>, rect: Rect, text: &str) {
-    let colour = theme::canvas_text_colour(context.options());
-    middle(ui, rect, 20.0, |ui| {
-        ui.label(RichText::new(text).color(colour));
-    });
+pub(super) fn say(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, text: &str) {
+    middle(ui, context, (rect, 20.0), &[text], &[]);
 }
 
 /// Shows what the view waits for, or a button to go on when processing was stopped.
@@ -28,45 +25,41 @@ pub(super) fn wait(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, text:
     if !context.app.is_stopped() {
         return say(ui, context, rect, text);
     }
-    let colour = theme::canvas_text_colour(context.options());
-    middle(ui, rect, 48.0, |ui| {
-        ui.label(RichText::new("Processing was stopped before there was a result.").color(colour));
-        button(ui, context, Action::Update);
-    });
+    let text = "Processing was stopped before there was a result.";
+    middle(ui, context, (rect, 48.0), &[text], &[Action::Update]);
 }
 
 /// Shows what would fill the view, with buttons to open a log or the demo.
 pub(super) fn offer_to_open(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, text: &str) {
-    let colour = theme::canvas_text_colour(context.options());
-    middle(ui, rect, 84.0, |ui| {
-        ui.label(RichText::new(text).color(colour));
-        for action in [Action::Open, Action::OpenDemo] {
-            button(ui, context, action);
-        }
-    });
+    middle(ui, context, (rect, 84.0), &[text], &[Action::Open, Action::OpenDemo]);
 }
 
 /// Shows the first steps, with buttons to open a log or the demo.
 pub(super) fn first_steps(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect) {
+    middle(ui, context, (rect, 140.0), &FIRST_STEPS, &[Action::Open, Action::OpenDemo]);
+}
+
+/// Shows lines of text in a band of this height, and buttons below them.
+fn middle(
+    ui: &mut Ui,
+    context: &mut ViewContext<'_>,
+    (rect, height): (Rect, f32),
+    lines: &[&str],
+    actions: &[Action],
+) {
     let colour = theme::canvas_text_colour(context.options());
-    middle(ui, rect, 140.0, |ui| {
-        for step in FIRST_STEPS {
-            ui.label(RichText::new(step).color(colour));
-        }
-        ui.add_space(8.0);
-        for action in [Action::Open, Action::OpenDemo] {
-            button(ui, context, action);
-        }
-    });
-}
-
-fn button(ui: &mut Ui, context: &mut ViewContext<'_>, action: Action) {
-    context.button(ui.button(action.label()), action);
-}
-
-fn middle(ui: &mut Ui, rect: Rect, height: f32, add: impl FnOnce(&mut Ui)) {
     let band = Rect::from_center_size(rect.center(), vec2(rect.width() * 0.9, height));
     ui.scope_builder(UiBuilder::new().max_rect(band), |ui| {
-        ui.vertical_centered(add);
+        ui.vertical_centered(|ui| {
+            for line in lines {
+                ui.label(RichText::new(*line).color(colour));
+            }
+            if lines.len() > 1 {
+                ui.add_space(8.0);
+            }
+            for &action in actions {
+                context.button(ui.button(action.label()), action);
+            }
+        });
     });
 }

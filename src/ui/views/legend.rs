@@ -196,12 +196,11 @@ fn bar_shape(bar: Rect, colour: fn(f32) -> [u8; 3]) -> Shape {
     let mut mesh = Mesh::default();
     for step in 0..STEPS {
         let [top, bottom] = [step, step + 1].map(|step| step as f32 / STEPS as f32);
-        let [r, g, b] = colour(0.5 * (top + bottom));
         let band = Rect::from_min_max(
             pos2(bar.left(), bar.top() + top * bar.height()),
             pos2(bar.right(), bar.top() + bottom * bar.height()),
         );
-        mesh.add_colored_rect(band, Color32::from_rgb(r, g, b));
+        mesh.add_colored_rect(band, theme::rgb(colour(0.5 * (top + bottom))));
     }
     Shape::mesh(mesh)
 }

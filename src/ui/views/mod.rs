@@ -5,14 +5,13 @@
 
 pub(super) mod chip;
 mod cloud;
-mod drag;
 mod empty;
 mod legend;
 mod map;
 pub(super) mod measured;
 mod objects;
 mod profile;
-mod tool_banner;
+mod tool;
 pub(super) mod waterfall;
 
 use bathyscope_bottom::presentation::ticks;

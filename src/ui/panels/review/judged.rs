@@ -4,7 +4,7 @@
 //! The panel reads the state of the app, draws a curve, lists and a table, and sends commands.
 
 use crate::app::{Action, Command, MistakeSort, ViewOptions};
-use crate::ui::drop_down::DropDown;
+use crate::ui::controls::DropDown;
 use crate::ui::panels::parts::{PlotAxes, list_rows, remark, row, warning};
 use crate::ui::panels::section::{Section, section};
 use crate::ui::{ViewContext, text, theme};

@@ -5,8 +5,7 @@ use super::{button, size};
 use crate::app::{Action, App, Command, LogBox, Object};
 use crate::ui::views::chip::{self, BoxChip};
 use crate::ui::{ViewContext, place, text, theme};
-use bathyscope_products::pipeline::Background;
-use egui::{Color32, RichText, Role, ScrollArea, Sense, Ui, WidgetInfo, vec2};
+use egui::{RichText, Role, ScrollArea, Sense, Ui, WidgetInfo, vec2};
 
 /// Width of a picture, points, so that two pictures and a part of the next fit side by side.
 const PICTURE_WIDTH: f32 = 124.0;
@@ -15,13 +14,10 @@ const PICTURE_HEIGHT: f32 = 110.0;
 /// Greatest number of pictures of an object; the remaining boxes are counted.
 const MOST_PICTURES: usize = 24;
 
-/// Inputs of the pictures of an object: each box, and the key of its picture.
-type Boxes = Vec<(LogBox, chip::ChipKey)>;
-
 /// The pictures of the boxes that show the selected object.
 #[derive(Default)]
 pub(super) struct ObjectPictures {
-    chips: Background<Boxes, Vec<(LogBox, BoxChip)>>,
+    chips: chip::Chips,
 }
 
 impl ObjectPictures {
@@ -54,29 +50,17 @@ impl ObjectPictures {
 
     fn pictures(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>, object: &Object) {
         let app = context.app;
-        let options = &app.view.options.waterfall;
-        let picture = |id: &LogBox| {
-            let mark = &app.logs.log_box(*id)?.mark;
-            Some((*id, chip::ChipKey::of(app.logs.get(id.log)?, mark, options)?))
-        };
         let shown = object.boxes.iter().take(MOST_PICTURES);
-        let boxes: Boxes = shown.filter_map(picture).collect();
-        let (of, ctx) = (boxes.clone(), ui.ctx().clone());
-        self.chips.ask(boxes, app.jobs.workers(), move |progress| {
-            let mut chips = Vec::with_capacity(of.len());
-            for (id, key) in &of {
-                progress.check().ok()?;
-                chips.extend(BoxChip::new(key, &ctx).map(|chip| (*id, chip)));
-            }
-            Some(chips)
-        });
+        let boxes = shown.filter_map(|id| chip::wanted(app, *id)).collect();
+        chip::ask(&mut self.chips, boxes, app, ui.ctx());
         let made = self.chips.result().map_or(&[][..], Vec::as_slice);
         let strip = ScrollArea::horizontal()
             .id_salt(("sightings", object.number))
             .auto_shrink([false, true]);
         strip.show(ui, |ui| {
             ui.horizontal(|ui| {
-                for (id, chip) in made.iter().filter(|(id, _)| object.boxes.contains(id)) {
+                for ((id, _), chip) in made.iter().filter(|((id, _), _)| object.boxes.contains(id))
+                {
                     context.commands.extend(sighting(ui, app, *id, chip));
                 }
             });
@@ -107,7 +91,8 @@ fn sighting(ui: &mut Ui, app: &App, id: LogBox, chip: &BoxChip) -> Option<Comman
                 let name = match app.logs.count() {
                     0 | 1 => format!("ping {ping}"),
                     _ => {
-                        swatch(ui, log.colour);
+                        let (area, _) = ui.allocate_exact_size(vec2(9.0, 9.0), Sense::hover());
+                        ui.painter().rect_filled(area, 2.0, theme::rgb(log.colour));
                         format!("{} ping {ping}", log.name())
                     }
                 };
@@ -122,12 +107,6 @@ fn sighting(ui: &mut Ui, app: &App, id: LogBox, chip: &BoxChip) -> Option<Comman
     let hint = format!("{}: shows it in all views", review_box.state.name());
     let response = response.on_hover_text(hint);
     response.clicked().then_some(Command::SelectLogBox(id))
-}
-
-fn swatch(ui: &mut Ui, [r, g, b]: [u8; 3]) {
-    let (area, _) = ui.allocate_exact_size(vec2(9.0, 9.0), Sense::hover());
-    let colour = Color32::from_rgb(r, g, b);
-    ui.painter().rect_filled(area, 2.0, colour);
 }
 
 fn facts(ui: &mut Ui, context: &ViewContext<'_>, object: &Object) {

@@ -2,8 +2,7 @@
 
 use super::super::parts::{remark, row};
 use crate::app::Command;
-use crate::ui::controls::{number_field, number_slider};
-use crate::ui::drop_down::{Choices, DropDown};
+use crate::ui::controls::{Choices, DropDown, number_field, number_slider};
 use crate::ui::{ViewContext, text};
 use bathyscope_bottom::presentation::units::Units;
 use bathyscope_objects::review::{Queue, Sort, State};

@@ -2,12 +2,12 @@
 
 use super::super::parts::{fact, remark, within};
 use super::{ReviewPanel, button, size};
-use crate::app::{Action, App, LogBox, Tool};
+use crate::app::{Action, LogBox, Tool};
 use crate::ui::views::chip::{self, BoxChip};
 use crate::ui::{ViewContext, place, theme};
 use bathyscope_bottom::presentation::units::Units;
 use bathyscope_objects::ObjectExtent;
-use bathyscope_objects::review::{BoxId, Reviewed};
+use bathyscope_objects::review::Reviewed;
 use bathyscope_objects::targets::{ObjectHeight, Target};
 use egui::{RichText, Ui};
 
@@ -138,14 +138,21 @@ fn on_the_ground(ui: &mut Ui, context: &ViewContext<'_>, review_box: &Reviewed, 
     let hint = "Length along the track and width across it, of the echo without its shadow.";
     fact(ui, "Object", hint, extent(target, units));
     let hint = "Height above the bottom from the shadows of all boxes, with its standard deviation; a shadow set by hand counts alone.";
-    let height = object_height(app, review_box.id, target);
+    let object = app.objects.of_box(LogBox { log: app.logs.shown.id, id: review_box.id });
+    // Until its boxes are joined, an object has the height by this box alone.
+    let by_box = || ObjectHeight::of(std::iter::once(target));
+    let height = object.map_or_else(by_box, |object| object.height);
     fact(ui, "Height", hint, units.with_sigma(height.mean_m, height.sigma_m, 2));
     if height.source.is_some() {
         let key = Action::HeightFromShadow.key();
         let hint = format!(
             "The sighting that the height rests on. Sightings that contradict it are left out; {key} measures a shadow by hand."
         );
-        fact(ui, "Height from", &hint, height_source(app, review_box.id, height));
+        let source = object.map_or_else(
+            || height.source_in_words(None),
+            |object| app.objects.listed_object(object).height_source(),
+        );
+        fact(ui, "Height from", &hint, source);
     }
     let hint =
         "Slant ranges where the shadow starts and ends. Height = altitude x (end - start) / end.";
@@ -159,25 +166,6 @@ fn on_the_ground(ui: &mut Ui, context: &ViewContext<'_>, review_box: &Reviewed, 
         ),
         units.measure(target.depth_m, 2),
     );
-}
-
-/// Returns the height of the object that a box shows; until its boxes are joined, the height by
-/// this box alone.
-fn object_height(app: &App, id: BoxId, target: &Target) -> ObjectHeight {
-    let log = app.logs.shown.id;
-    match app.objects.of_box(LogBox { log, id }) {
-        Some(object) => object.height,
-        None => ObjectHeight::of(std::iter::once(target)),
-    }
-}
-
-/// Returns the source of the height in words.
-fn height_source(app: &App, id: BoxId, height: ObjectHeight) -> String {
-    let log = app.logs.shown.id;
-    match app.objects.of_box(LogBox { log, id }) {
-        Some(object) => app.objects.listed_object(object).height_source(),
-        None => height.source_in_words(None),
-    }
 }
 
 /// Returns length and width as text, and whether the edges were drawn by hand.

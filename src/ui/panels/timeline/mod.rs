@@ -6,7 +6,7 @@
 mod strips;
 
 use crate::app::{Command, LogPlace};
-use crate::ui::raster::{PaintedArea, RasterTexture};
+use crate::ui::flat::{PaintedArea, RasterTexture};
 use crate::ui::{ViewContext, place, stretch_text, text, theme};
 use bathyscope_bottom::cloud::{Correction, PingDepth};
 use bathyscope_bottom::presentation::ticks;

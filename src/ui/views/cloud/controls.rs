@@ -2,8 +2,7 @@
 
 use super::scene::CloudScene;
 use crate::app::{Action, App, CloudColour, ViewOptions};
-use crate::ui::controls::number_slider;
-use crate::ui::list_keys::keep_arrows;
+use crate::ui::controls::{keep_arrows, number_slider};
 use crate::ui::text::count;
 use crate::ui::views::legend::{self, LegendScale};
 use crate::ui::{ViewContext, ViewRequest, place, theme};
@@ -154,9 +153,10 @@ pub(super) fn paint_legend(
     let mut lines = if options.cloud.points { lines(options, scene) } else { Vec::new() };
     if bottom.is_some_and(|bottom| bottom.colour == BottomColour::Source) {
         let sources = CellSource::KNOWN.iter().zip(SOURCES);
-        lines.extend(sources.map(|(source, [r, g, b])| {
-            (format!("bottom: {}", source.name()), Color32::from_rgb(r, g, b))
-        }));
+        lines
+            .extend(sources.map(|(source, colour)| {
+                (format!("bottom: {}", source.name()), theme::rgb(colour))
+            }));
     }
     if bottom.is_some_and(|bottom| bottom.colour == BottomColour::Hardness && bottom.ends.is_none())
     {
@@ -250,15 +250,14 @@ fn lines(options: &ViewOptions, scene: &CloudScene) -> Vec<(String, Color32)> {
             let first_returns = counts.port + counts.starboard;
             // First returns have the colour of the middle of the scale; soundings have the colour
             // of its text.
-            let [r, g, b] = share_colour(0.5);
-            kind(first_returns, "first returns", Color32::from_rgb(r, g, b));
+            kind(first_returns, "first returns", theme::rgb(share_colour(0.5)));
             let down_scan = theme::down_scan_colour(options);
             kind(counts.down_scan, "down-scan, no level", down_scan);
             kind(counts.swath, "swath, no level", theme::SWATH_COLOUR);
         }
         CloudColour::Log => {
-            for (name, [r, g, b], kept) in scene.by_log().take(MOST_LOGS) {
-                kind(kept, name, Color32::from_rgb(r, g, b));
+            for (name, colour, kept) in scene.by_log().take(MOST_LOGS) {
+                kind(kept, name, theme::rgb(colour));
             }
         }
     }

@@ -9,12 +9,11 @@ mod controls;
 mod objects;
 mod pointer;
 mod scene;
-mod section;
 mod shown;
 
 use super::empty;
-use crate::app::{App, CloudColour, Command, Enlarged, LogPlace, SideColours, ThemeChoice};
-use crate::ui::render::{Direction, OrbitCamera, Uploader};
+use crate::app::{App, CloudColour, Command, LogPlace, SideColours, ThemeChoice};
+use crate::ui::render::{OrbitCamera, Uploader};
 use crate::ui::{ViewContext, ViewRequest, flat, place, theme};
 use axes::BoxAxes;
 use bathyscope_products::pipeline::Background;
@@ -24,6 +23,7 @@ use egui::{Painter, Rect, Response, Role, Sense, Ui, Vec2, WidgetInfo};
 use pointer::PickScene;
 use scene::{CloudScene, ColourEnds, SceneBox, SceneLogPoints, ShownPoints};
 use shown::{CloudPicture, ShownCloud};
+use std::f32::consts::FRAC_PI_2;
 use std::sync::Arc;
 
 /// Points of the screen that the numbers around the box need, both sides together.
@@ -146,8 +146,8 @@ impl CloudView {
         axes.walls(painter);
         let drawing = shown.drawing(app, axes, painter.pixels_per_point());
         self.picture.show(painter, rect, state, drawing);
-        section::paint_water(painter, app, scene, axes);
-        section::paint(painter, app, scene, axes);
+        clip::paint_water(painter, app, scene, axes);
+        clip::paint_section(painter, app, scene, axes);
         objects::paint(painter, app, scene, axes);
         pointer::paint_marks(painter, app, shown.products, shown.pick_scene(), axes);
         let reference = place::reduction(app).reference();
@@ -235,15 +235,15 @@ impl CloudView {
         let eye = camera.projection(aspect(rect)).eye;
         let shown = ShownPoints {
             outliers: context.options().cloud.outlier_preview,
-            part: section::part(context.app, scene, eye),
+            part: clip::scene_part(context.app, scene, eye),
         };
         let shown = (shown, rect);
         let mut zoom = |factor| pointer::zoom(&mut camera, seen, shown, rect.center(), factor);
         match request {
             Some(ViewRequest::ZoomIn) => zoom(1.4),
             Some(ViewRequest::ZoomOut) => zoom(1.0 / 1.4),
-            Some(ViewRequest::Top) => camera.look_from(Direction::Top),
-            Some(ViewRequest::Side) => camera.look_from(Direction::South),
+            Some(ViewRequest::Top) => camera.look_from_south(FRAC_PI_2),
+            Some(ViewRequest::Side) => camera.look_from_south(0.0),
             Some(ViewRequest::Fit | ViewRequest::OneToOne) | None => {}
         }
         let fits = matches!(request, Some(ViewRequest::Fit | ViewRequest::Top | ViewRequest::Side));
@@ -256,14 +256,10 @@ impl CloudView {
             && reveal.serial != self.seen_reveal
         {
             self.seen_reveal = reveal.serial;
-            let close_up = reveal.close_up;
-            let close_up = close_up.filter(|close_up| close_up.enlarged == Enlarged::Third);
-            let close_up = close_up.and_then(|close_up| {
-                let [east_m, north_m, z_m] = close_up.place_m?;
-                Some((scene.local(east_m, north_m, z_m), close_up.size_m))
-            });
-            match close_up {
-                Some((place, size_m)) => camera.close_up(place, size_m as f32),
+            match place::enlarged(&reveal) {
+                Some(([east_m, north_m, z_m], size_m)) => {
+                    camera.close_up(scene.local(east_m, north_m, z_m), size_m as f32);
+                }
                 None => show_place(&mut camera, context.app, reveal.mark, rect, scene),
             }
         }

@@ -3,9 +3,9 @@
 
 use super::axes::BoxAxes;
 use super::bottom::{self, BottomScene};
+use super::clip;
 use super::pointer::PickScene;
 use super::scene::{CloudScene, SceneBox};
-use super::{clip, section};
 use crate::app::App;
 use crate::ui::flat::ViewTexture;
 use crate::ui::render::{
@@ -62,7 +62,7 @@ impl<'a> ShownCloud<'a> {
         BoxAxes {
             rect,
             projection,
-            part: section::part(app, self.scene, projection.eye),
+            part: clip::scene_part(app, self.scene, projection.eye),
             corners: clip::part(self.all, options.cloud.clip),
             origin_m: self.scene.origin_m,
             options,

@@ -3,9 +3,9 @@
 
 use super::MapScene;
 use crate::app::{Action, Command, MapLayer, Swipe, SwipeSide, Tool};
-use crate::ui::list_keys::keep_arrows;
+use crate::ui::controls::{self, keep_arrows};
 use crate::ui::views::legend;
-use crate::ui::{ViewContext, ViewRequest, controls, theme};
+use crate::ui::{ViewContext, ViewRequest, theme};
 use bathyscope_products::project::MeasurementKind;
 use egui::{
     Align2, CursorIcon, Key, Modifiers, Painter, Rect, Response, Sense, Stroke, Ui, Vec2,

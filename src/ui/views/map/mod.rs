@@ -2,42 +2,37 @@
 //!
 //! Input: the state. Output: a map with its layers, and commands.
 
-mod base_map;
 mod controls;
 mod dots;
-mod flat_spots;
-mod graticule;
 mod grid_tiles;
 mod isobaths;
-mod layers;
 mod lines;
 mod measure;
 mod objects;
 mod overlay;
 mod plan;
 mod pointer;
-mod residuals;
 mod stack;
-mod stretch_tool;
+mod stretches;
 mod tiles;
 mod track;
 mod transform;
 
-use super::tool_banner::Banner;
+use super::tool::Banner;
 use super::{empty, legend};
-use crate::app::{App, Command, Enlarged, MapLayer, Reviewing, View, ViewOptions};
+use crate::app::{App, Command, MapLayer, Reviewing, View, ViewOptions};
 use crate::ui::{ViewContext, ViewRequest, flat, place, text, theme};
 use bathyscope_bottom::calibration::PingRange;
 use bathyscope_log::support::geo::LonLat;
 use bathyscope_log::survey::Survey;
 use bathyscope_products::pipeline::{Background, DepthMap, Products};
+use dots::ResidualLayer;
 use egui::{Color32, Pos2, Rect, Response, Role, Sense, Ui, WidgetInfo, vec2};
 use isobaths::IsobathLayer;
-use layers::{TrackKey, TrackLayer};
 use plan::PointerUse;
-use residuals::ResidualLayer;
 use stack::Layers;
 use std::sync::Arc;
+use track::{TrackKey, TrackLayer};
 use transform::{GroundBounds, MapTransform};
 
 /// State of the map view: the ground that it shows, and the layers computed for it.
@@ -59,7 +54,7 @@ pub struct MapView {
     layers: Layers,
     pointer: pointer::MapPointer,
     measure: measure::MeasureTool,
-    stretch: stretch_tool::StretchTool,
+    stretch: stretches::StretchTool,
     plan: plan::PlanTool,
     seen_plane: u64,
     seen_reveal: u64,
@@ -146,7 +141,7 @@ impl MapView {
             self.layers.forget();
             self.pointer = pointer::MapPointer::default();
             self.measure = measure::MeasureTool::default();
-            self.stretch = stretch_tool::StretchTool::default();
+            self.stretch = stretches::StretchTool::default();
             self.plan = plan::PlanTool::default();
         }
     }
@@ -201,7 +196,7 @@ impl MapView {
                 .is_some_and(|figures| figures.faults.all() > 0),
             made_of: (context.app.logs.shown.whole.as_ref())
                 .map(|whole| whole.survey.side_scan.len()),
-            has_excluded: stretch_tool::ping_count(context.app) > 0,
+            has_excluded: stretches::ping_count(context.app) > 0,
             has_swath: context.app.logs.has_swath(),
             proposed: context.app.logs.shown.proposed_stretch(),
             options: context.options(),
@@ -298,14 +293,8 @@ impl MapView {
             && reveal.serial != self.seen_reveal
         {
             self.seen_reveal = reveal.serial;
-            let close_up = reveal.close_up;
-            let close_up = close_up.filter(|close_up| close_up.enlarged == Enlarged::Third);
-            let close_up = close_up.and_then(|close_up| {
-                let [east_m, north_m, _] = close_up.place_m?;
-                Some(([east_m, north_m], close_up.size_m))
-            });
-            if let Some((place, size_m)) = close_up {
-                transform.close_up(rect, place, size_m);
+            if let Some(([east_m, north_m, _], size_m)) = place::enlarged(&reveal) {
+                transform.close_up(rect, [east_m, north_m], size_m);
             } else if let Some(place) = place::east_north(context.app, reveal.mark) {
                 transform.reveal(rect, place);
             }
@@ -327,14 +316,14 @@ fn paint(ui: &Ui, context: &ViewContext<'_>, scene: &MapScene<'_>, layers: &mut 
             layers.show(&painter, context, scene, shown.layer);
         }
     }
-    stretch_tool::paint(&painter, scene, context.app);
+    stretches::paint_excluded(&painter, scene, context.app);
     track::paint_recorded(&painter, scene, context.app);
     if scene.options.map.graticule {
-        graticule::paint(&painter, scene);
+        overlay::graticule(&painter, scene);
     }
-    flat_spots::paint(&painter, scene);
+    stretches::paint_flat(&painter, scene);
     let covered = overlay::furniture(&painter, scene);
-    flat_spots::name_calibrated(&painter, scene, &covered);
+    stretches::name_calibrated(&painter, scene, &covered);
     overlay::marks(&painter, scene, context.app);
     track::paint_mounting(&painter, scene, context.app);
     let now_s = ui.input(|input| input.time);
@@ -373,7 +362,7 @@ fn name(app: &App, products: &Products, track: &TrackLayer) -> String {
     let reference = products.reduction().reference_name();
     let surveys = app.logs.visible().filter_map(|log| log.survey.as_ref());
     let pings = surveys.map(|survey| survey.side_scan.len()).sum();
-    let excluded = match stretch_tool::ping_count(app) {
+    let excluded = match stretches::ping_count(app) {
         0 => String::new(),
         count => format!(" of which {} excluded", text::count(count)),
     };

@@ -4,7 +4,7 @@
 use super::MapScene;
 use super::transform::MapTransform;
 use crate::app::{Action, App, Command, PlanRequest, PlannedLines};
-use crate::ui::views::{drag, legend};
+use crate::ui::views::{legend, tool};
 use crate::ui::{ViewContext, theme};
 use bathyscope_bottom::planning::Leg;
 use bathyscope_bottom::presentation::text;
@@ -80,8 +80,7 @@ impl PlanTool {
         context: &mut ViewContext<'_>,
     ) -> PointerUse {
         let app = context.app;
-        let has_other_tool =
-            app.map.measuring.tool.is_some() || super::stretch_tool::is_in_hand(app);
+        let has_other_tool = app.map.measuring.tool.is_some() || super::stretches::is_in_hand(app);
         let Some(planned) = app.map.planning.lines.clone().filter(|_| !has_other_tool) else {
             self.drag = None;
             return PointerUse::default();
@@ -90,12 +89,12 @@ impl PlanTool {
         if response.hover_pos().and_then(|at| end_under(&lines, at)).is_some() {
             ui.set_cursor_icon(CursorIcon::Grab);
         }
-        if let Some(at) = drag::begun(ui, response)
+        if let Some(at) = tool::begun(ui, response)
             && let Some((line, end)) = end_under(&lines, at)
         {
             self.drag = Some(Drag { line, end, at });
         }
-        if drag::is_given_up(ui, response) {
+        if tool::is_given_up(ui, response) {
             self.drag = None;
         }
         if let Some(drag) = &mut self.drag {

@@ -1,9 +1,9 @@
 //! Handles the pointer on the map: it moves the map, reads values, selects, and proposes a stretch
 //! for the scale.
 
-use super::MapScene;
+use super::stretches::{self, REACH};
 use super::transform::MapTransform;
-use super::{flat_spots, objects};
+use super::{MapScene, objects};
 use crate::app::{App, Command, ExclusionEdit, LogId, LogPlace, PassesFound, Tool, mark_of};
 use crate::ui::views::legend;
 use crate::ui::{OwnHover, ViewContext, place, stretch_text, text, theme};
@@ -12,9 +12,6 @@ use bathyscope_log::support::geo::{CoordinateFormat, LonLat};
 use bathyscope_products::pipeline::DepthMap;
 use egui::{Align2, PointerButton, Pos2, Response, Ui, vec2};
 use std::sync::Arc;
-
-/// Greatest distance of the pointer from the track, points.
-pub(super) const REACH: f32 = 30.0;
 
 /// Greatest distance of the pointer from a point whose residual is shown, points.
 const NEAR: f32 = 6.0;
@@ -108,7 +105,7 @@ impl MapPointer {
     /// any place of the track; otherwise it selects a box or a ping.
     fn click(&self, context: &mut ViewContext<'_>, scene: &MapScene<'_>, at: Pos2) {
         let near = nearest(scene, context.app, at);
-        let spot = flat_spots::under(scene, at);
+        let spot = stretches::under(scene, at);
         let is_calibrating = context.app.logs.shown.reviewing.tool == Tool::Calibrate;
         if is_calibrating || spot.is_some() {
             let around = || context.app.logs.shown.stretch_around(own_ping(context.app, near)?);
@@ -178,11 +175,11 @@ impl MapPointer {
         let corner = scene.rect.left_top() + vec2(6.0, 34.0 + self.banner_height);
         let anchor = Align2::LEFT_TOP;
         let plate = legend::words(&painter, scene.options, corner, anchor, &text);
-        if let Some(rank) = flat_spots::under(scene, at)
+        if let Some(rank) = stretches::under(scene, at)
             && let Some(spot) = scene.products.flat_spots.get(rank)
         {
             let below = plate.left_bottom() + vec2(0.0, 2.0);
-            let text = flat_spots::describe(rank, spot, context.units());
+            let text = stretches::describe(rank, spot, context.units());
             legend::words(&painter, scene.options, below, anchor, &text);
         }
     }

@@ -2,16 +2,14 @@
 //! order of the stack.
 
 use super::MapScene;
-use super::base_map::BaseMapKey;
-use super::dots::{self, PointKey};
-use super::grid_tiles::{DepthTiles, MosaicTiles, ShadeTiles};
+use super::dots::{self, PointKey, ResidualLayer};
+use super::grid_tiles::{BaseMapKey, DepthTiles, MosaicTiles, ShadeTiles};
 use super::isobaths::{self, IsobathLabels, IsobathLayer};
-use super::layers::TrackLayer;
 use super::lines::LinePicture;
-use super::residuals::ResidualLayer;
+use super::objects;
 use super::tiles::{TileLayer, TilePainter};
+use super::track::{self, TrackLayer};
 use super::transform::{GroundBounds, joined};
-use super::{objects, track};
 use crate::app::{DrawnIsobaths, JobKey, LayerStack, MapLayer, VisibleLog};
 use crate::ui::ViewContext;
 use bathyscope_bottom::mosaic::{Colours, MosaicSettings};

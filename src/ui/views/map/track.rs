@@ -1,16 +1,232 @@
-//! Draws the boat's track on the map, as a line coloured by depth with an outline that sets it off
-//! from the depth map. Where positions come from another receiver, the recorder's own track is
-//! drawn beneath it for comparison. At the selected ping, antenna and transducer are shown where
-//! they are apart.
+//! Prepares the tracks of the map in a background thread, so that a frame costs the same for any
+//! survey, and draws them: a line coloured by depth with an outline that sets it off from the depth
+//! map. Where positions come from another receiver, the recorder's own track is drawn beneath it
+//! for comparison. At the selected ping, antenna and transducer are shown where they are apart.
 
 use super::MapScene;
-use super::layers::TrackLayer;
-use super::lines::{LinePicture, MapPen};
-use crate::app::{App, MapLayer};
+use super::lines::{LinePicture, MapLine, MapPen};
+use super::transform::{GroundBounds, NOWHERE, PlaceBoxes, around};
+use crate::app::{App, LogId, MapLayer, VisibleLog};
+use crate::ui::render::{Specks, Uploader, Vertex};
 use crate::ui::theme;
 use crate::ui::views::{empty, legend};
+use bathyscope_bottom::cloud::{Correction, DepthSource, PingDepth};
+use bathyscope_bottom::presentation::colours::{depth_colour, depth_share};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::{Navigation, PingNav, Sounding, Survey};
+use bathyscope_products::pipeline::{ProcessedLog, Same};
 use eframe::egui_wgpu::RenderState;
 use egui::{Align2, Painter, Pos2, Shape, Stroke, vec2};
+use std::sync::Arc;
+
+/// Seconds without a record above which the track is broken instead of bridged.
+const BREAK_S: f64 = 10.0;
+/// Lengths of a coloured dash and of the grey gap after it where depth comes from side-scan only,
+/// metres.
+const DASH_M: [f64; 2] = [5.0, 2.5];
+
+/// Inputs of the tracks of some logs; equal keys give equal tracks.
+#[derive(PartialEq)]
+pub(super) struct TrackKey {
+    logs: Vec<LayerLogKey>,
+    range_m: Option<[f32; 2]>,
+    by_log: bool,
+}
+
+#[derive(PartialEq)]
+struct LayerLogKey {
+    id: LogId,
+    colour: [u8; 3],
+    survey: Same<Survey>,
+    navigation: Same<Navigation>,
+    depths: Same<Vec<PingDepth>>,
+    correction: Arc<Correction>,
+}
+
+impl TrackKey {
+    /// Creates the key of these logs with a colour scale between two depths, metres; `by_log`
+    /// colours by log instead of depth.
+    pub(super) fn of(logs: &[VisibleLog], range_m: Option<[f32; 2]>, by_log: bool) -> Self {
+        let key = |shown: &VisibleLog| LayerLogKey {
+            id: shown.id,
+            colour: shown.colour,
+            survey: Same(shown.log.survey.clone()),
+            navigation: Same(shown.log.products.navigation.clone()),
+            depths: Same(shown.log.products.depths.clone()),
+            correction: shown.log.products.correction.clone(),
+        };
+        Self { logs: logs.iter().map(key).collect(), range_m, by_log }
+    }
+}
+
+/// The tracks of all logs, ready to draw and to search.
+pub(super) struct TrackLayer {
+    /// Bounds of all tracks.
+    pub bounds: GroundBounds,
+    /// Ends of the colour scale, metres; `None` where tracks are not coloured by depth.
+    pub range_m: Option<[f32; 2]>,
+    /// True if depth somewhere comes from side-scan only and tracks are coloured by depth.
+    pub side_scan_only: bool,
+    /// Names and colours of the logs; empty where the tracks are coloured by depth.
+    pub logs: Vec<(String, [u8; 3])>,
+    /// The line of all tracks.
+    pub line: MapLine,
+    /// Pings of each log, and the boxes around them.
+    boxes: Vec<(LogId, Arc<Navigation>, PlaceBoxes)>,
+}
+
+impl TrackLayer {
+    /// Creates the tracks, with depths corrected like those of the depth map; `None` when nothing
+    /// has a position, or when cancelled.
+    pub(super) fn new(
+        logs: &[VisibleLog],
+        range_m: Option<[f32; 2]>,
+        by_log: bool,
+        uploader: Option<&Uploader>,
+        progress: &Progress,
+    ) -> Option<Self> {
+        let each = || logs.iter().map(|shown| (shown, records(&shown.log)));
+        let place = |record: Record<'_>| [record.place.east_m, record.place.north_m];
+        let bounds = around(each().flat_map(|(_, records)| records.into_iter().map(place)));
+        if bounds == NOWHERE {
+            return None;
+        }
+        let origin_m = [0.5 * (bounds[0] + bounds[2]), 0.5 * (bounds[1] + bounds[3])];
+        let (mut line, mut side_scan_only) = (Vec::new(), false);
+        for (shown, records) in each() {
+            progress.check().ok()?;
+            let by_side_scan = |record: &Record<'_>| record.source == DepthSource::SideScan;
+            side_scan_only |= records.iter().any(by_side_scan);
+            let colouring =
+                if by_log { Colouring::Log(shown.colour) } else { Colouring::Depth(range_m) };
+            line.extend(vertices(&records, origin_m, &colouring));
+        }
+        let line = MapLine::new(origin_m, line, Specks::Kept, uploader);
+        progress.check().ok()?;
+        let boxes = logs.iter().map(|shown| {
+            let navigation = shown.log.products.navigation.clone();
+            let boxes = PlaceBoxes::new(&navigation.pings, place_of);
+            (shown.id, navigation, boxes)
+        });
+        let named = logs.iter().filter(|_| by_log);
+        Some(Self {
+            bounds,
+            range_m: range_m.filter(|_| !by_log),
+            side_scan_only: side_scan_only && !by_log,
+            logs: named.map(|shown| (shown.name.clone(), shown.colour)).collect(),
+            line,
+            boxes: boxes.collect(),
+        })
+    }
+
+    /// Returns the ping of a log that is nearest to a place, however far away.
+    pub(super) fn ping_of(&self, log: LogId, place: [f64; 2]) -> Option<usize> {
+        let (_, navigation, boxes) = self.boxes.iter().find(|(id, ..)| *id == log)?;
+        Some(boxes.nearest(&navigation.pings, place_of, place, f64::INFINITY)?.0)
+    }
+
+    /// Returns the ping nearest to a place and its log, if one is within `reach_m`; of equally near
+    /// pings that of the log `first`.
+    pub(super) fn nearest_ping(
+        &self,
+        place: [f64; 2],
+        reach_m: f64,
+        first: LogId,
+    ) -> Option<(LogId, usize)> {
+        let near = self.boxes.iter().filter_map(|(id, navigation, boxes)| {
+            let (ping, away_m) = boxes.nearest(&navigation.pings, place_of, place, reach_m)?;
+            Some((away_m, *id != first, *id, ping))
+        });
+        let nearest = near.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))?;
+        Some((nearest.2, nearest.3))
+    }
+}
+
+fn place_of(ping: &PingNav) -> [f64; 2] {
+    [ping.east_m, ping.north_m]
+}
+
+/// Meaning of the colour of a track.
+enum Colouring {
+    /// The colour shows the depth, between the ends of the scale, metres.
+    Depth(Option<[f32; 2]>),
+    /// The colour is that of the log.
+    Log([u8; 3]),
+}
+
+/// A place of the track and the depth there.
+struct Record<'a> {
+    time_s: f64,
+    place: &'a PingNav,
+    /// Corrected depth, metres; NaN if it is unknown.
+    depth_m: f32,
+    source: DepthSource,
+}
+
+/// Returns the records along the track: of the side-scan pings, or of the soundings in a log
+/// without side-scan pings.
+fn records<'a>(ProcessedLog { survey, products }: &'a ProcessedLog) -> Vec<Record<'a>> {
+    let (navigation, correction) = (&products.navigation, &products.correction);
+    if navigation.pings.is_empty() {
+        let soundings = survey.soundings.iter().zip(navigation.soundings.iter());
+        let record = |(sounding, place): (&Sounding, &'a PingNav)| Record {
+            time_s: sounding.time_s,
+            place,
+            depth_m: if sounding.is_good() {
+                correction.depth_m(sounding.time_s, f64::from(sounding.depth_m)) as f32
+            } else {
+                f32::NAN
+            },
+            source: DepthSource::Sounding,
+        };
+        return soundings.map(record).collect();
+    }
+    let pings = survey.side_scan.iter().zip(navigation.pings.iter());
+    let pings = pings.zip(products.depths.iter());
+    let records = pings.map(|((ping, place), depth)| Record {
+        time_s: ping.time_s,
+        place,
+        depth_m: depth.depth_m,
+        source: depth.source,
+    });
+    records.collect()
+}
+
+fn vertices(
+    records: &[Record<'_>],
+    [east_m, north_m]: [f64; 2],
+    colouring: &Colouring,
+) -> Vec<Vertex> {
+    let mut line = Vec::with_capacity(records.len() + 1);
+    let mut last_s = f64::NEG_INFINITY;
+    let (mut way_m, mut last): (f64, Option<&PingNav>) = (0.0, None);
+    for record in records {
+        if record.time_s - last_s > BREAK_S {
+            line.push(Vertex::BREAK);
+        }
+        last_s = record.time_s;
+        let place = record.place;
+        let step_m = last
+            .map_or(0.0, |last| (place.east_m - last.east_m).hypot(place.north_m - last.north_m));
+        last = Some(place);
+        // A NaN step counts as 0: the maximum of NaN and a number is the number.
+        way_m += step_m.max(0.0);
+        let [dash_m, gap_m] = DASH_M;
+        let is_gap = record.source == DepthSource::SideScan && way_m % (dash_m + gap_m) > dash_m;
+        let [r, g, b] = match *colouring {
+            Colouring::Log(colour) => colour,
+            Colouring::Depth(Some(range_m)) if !is_gap => {
+                depth_colour(depth_share(record.depth_m, range_m))
+            }
+            Colouring::Depth(_) => depth_colour(f32::NAN),
+        };
+        line.push(Vertex {
+            place: [(place.east_m - east_m) as f32, (place.north_m - north_m) as f32],
+            colour: [r, g, b, 255],
+        });
+    }
+    line
+}
 
 /// Largest number of segments drawn in a frame: beyond it, a coarser level is used.
 const MOST_SEGMENTS: u32 = 5_000;

@@ -9,8 +9,7 @@ mod row;
 
 use super::empty;
 use crate::app::{Action, Command, LogBox, Object, ObjectState, ObjectTable, View};
-use crate::ui::drop_down::DropDown;
-use crate::ui::list_keys::{self, keep_arrows};
+use crate::ui::controls::{self, DropDown, keep_arrows};
 use crate::ui::{ViewContext, text, theme};
 use egui::{
     Button, Frame, Id, Key, Margin, Modifiers, Rect, Response, RichText, Role, ScrollArea, Sense,
@@ -159,7 +158,7 @@ impl ObjectsView {
             return Vec::new();
         }
         let last = listed.len().saturating_sub(1);
-        if let Some(index) = list_keys::moved(ui, selected, last, self.page.max(1)) {
+        if let Some(index) = controls::moved(ui, selected, last, self.page.max(1)) {
             let object = listed.get(index);
             let id = object.and_then(|object| context.app.logs.best_box(object));
             return id.map(Command::SelectLogBox).into_iter().collect();

@@ -3,12 +3,11 @@
 
 use super::{enlarged, show};
 use crate::app::{App, Command, LogBox, Object, ObjectColumn, ObjectState};
-use crate::ui::views::chip::{BoxChip, ChipKey};
+use crate::ui::views::chip::{self, BoxChip, ChipKey, Chips, WantedChip};
 use crate::ui::{ViewContext, place, text, theme};
 use bathyscope_bottom::presentation::units::Units;
 use bathyscope_objects::objects::{ColumnValues, LOGS_COLUMN};
 use bathyscope_objects::review::State;
-use bathyscope_products::pipeline::Background;
 use egui::{
     Align2, Button, Color32, Id, Rect, Response, RichText, Role, Sense, TextStyle, TextWrapMode,
     Ui, UiBuilder, WidgetInfo, WidgetText, pos2, vec2,
@@ -138,20 +137,16 @@ fn log_colours(ui: &Ui, app: &App, object: &Object, cell: Rect) {
     for (place, log) in colours.enumerate() {
         let left = cell.left() + 12.0 * place as f32;
         let square = Rect::from_center_size(pos2(left + 4.5, cell.center().y), vec2(9.0, 9.0));
-        let [r, g, b] = log.colour;
-        painter.rect_filled(square, 2.0, Color32::from_rgb(r, g, b));
+        painter.rect_filled(square, 2.0, theme::rgb(log.colour));
     }
 }
-
-/// A box whose picture is to be made, and the inputs of the picture.
-type WantedThumbnail = (LogBox, ChipKey);
 
 /// The pictures of rows: made in the background for the visible rows, and kept while there are no
 /// more than [`MOST`].
 #[derive(Default)]
 pub(super) struct Thumbnails {
     known: HashMap<LogBox, (ChipKey, BoxChip)>,
-    making: Background<Vec<WantedThumbnail>, Vec<(WantedThumbnail, BoxChip)>>,
+    making: Chips,
 }
 
 impl Thumbnails {
@@ -172,32 +167,19 @@ impl Thumbnails {
         ctx: &egui::Context,
         in_sight: impl Iterator<Item = &'a Object>,
     ) {
-        let wanted = |object: &Object| -> Option<WantedThumbnail> {
-            let id = app.logs.best_box(object)?;
-            let mark = &app.logs.log_box(id)?.mark;
-            let key = ChipKey::of(app.logs.get(id.log)?, mark, &app.view.options.waterfall)?;
-            Some((id, key))
-        };
-        let wanted: Vec<WantedThumbnail> = in_sight.filter_map(wanted).collect();
+        let wanted = |object: &Object| chip::wanted(app, app.logs.best_box(object)?);
+        let wanted: Vec<WantedChip> = in_sight.filter_map(wanted).collect();
         if self.known.len() > MOST {
             let is_wanted = |id: &LogBox| wanted.iter().any(|(other, _)| other == id);
             self.known.retain(|id, _| is_wanted(id));
         }
         let is_missing =
-            |(id, key): &WantedThumbnail| self.known.get(id).is_none_or(|(of, _)| of != key);
-        let missing: Vec<WantedThumbnail> = wanted.into_iter().filter(is_missing).collect();
+            |(id, key): &WantedChip| self.known.get(id).is_none_or(|(of, _)| of != key);
+        let missing: Vec<WantedChip> = wanted.into_iter().filter(is_missing).collect();
         if missing.is_empty() {
             return;
         }
-        let (of, ctx) = (missing.clone(), ctx.clone());
-        self.making.ask(missing, app.jobs.workers(), move |progress| {
-            let mut made = Vec::with_capacity(of.len());
-            for wanted in of {
-                progress.check().ok()?;
-                made.extend(BoxChip::new(&wanted.1, &ctx).map(|chip| (wanted, chip)));
-            }
-            Some(made)
-        });
+        chip::ask(&mut self.making, missing, app, ctx);
         for ((id, key), chip) in self.making.result().into_iter().flatten() {
             self.known.insert(*id, (key.clone(), chip.clone()));
         }

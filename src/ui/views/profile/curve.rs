@@ -3,7 +3,7 @@
 
 use super::{ProfilePlot, Shown};
 use crate::app::ViewOptions;
-use crate::ui::raster::{PaintedArea, RasterTexture};
+use crate::ui::flat::{PaintedArea, RasterTexture};
 use crate::ui::{ViewContext, place, theme};
 use bathyscope_bottom::cloud::Reduction;
 use bathyscope_bottom::first_return::{ImageSettings, Normalisation, SampleMode};

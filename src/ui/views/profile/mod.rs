@@ -6,8 +6,8 @@
 mod curve;
 
 use crate::app::{Command, LogPlace, ViewOptions};
-use crate::ui::raster::RasterTexture;
-use crate::ui::{ViewContext, flat, place, stretch_text, theme};
+use crate::ui::flat::{self, RasterTexture};
+use crate::ui::{ViewContext, place, stretch_text, theme};
 use bathyscope_bottom::cloud::Reduction;
 use bathyscope_bottom::first_return::Pick;
 use bathyscope_bottom::presentation::units::Units;
@@ -207,14 +207,9 @@ fn far_m(shown: &Shown<'_>) -> f64 {
 
 fn mark_at(shown: &Shown<'_>, across_m: f64) -> LogPlace {
     let side = place::side_at(across_m);
-    let span = shown.recorded.side(side);
-    let sample = span
-        .map(|span| {
-            let sample = shown.reduction.sample_at(span, across_m.abs());
-            (sample, f64::from(span.count))
-        })
-        .filter(|(sample, count)| (0.0..*count).contains(sample))
-        .map(|(sample, _)| sample as f32);
+    let sample = shown.recorded.side(side).and_then(|span| {
+        place::recorded_sample(span, shown.reduction.sample_at(span, across_m.abs()))
+    });
     LogPlace { side: sample.map(|_| side), sample, ..LogPlace::ping(shown.ping) }
 }
 

@@ -1,13 +1,18 @@
-//! Lets the user draw bottom edits with a pen, and shows these edits.
+//! Draws first return and recorded depth over the picture; lets the user draw bottom edits with a
+//! pen, and shows these edits.
 
+use super::drawing::WaterfallDrawing;
 use super::lens::{Lens, LensPlace};
-use super::lines::WaterfallPen;
-use crate::app::{App, BottomStroke, Command, Ink, Tool};
-use crate::ui::views::drag;
+use crate::app::{App, BottomStroke, Command, Ink, Orientation, Tool};
+use crate::ui::views::tool;
 use crate::ui::{ViewContext, theme};
+use bathyscope_bottom::cloud::Reduction;
 use bathyscope_bottom::first_return::BottomEdit;
-use bathyscope_log::survey::Side;
-use egui::{CursorIcon, Modifiers, Painter, Pos2, Response, Shape, Stroke, Ui};
+use bathyscope_bottom::waterfall::{LineSpan, LineStep};
+use bathyscope_log::survey::{Side, Survey};
+use egui::{
+    Color32, CursorIcon, Mesh, Modifiers, Painter, Pos2, Rect, Response, Shape, Stroke, Ui, vec2,
+};
 
 /// Width of a drawn line, points.
 const WIDTH: f32 = 2.0;
@@ -38,11 +43,11 @@ impl BottomPen {
             ui.ctx().set_cursor_icon(CursorIcon::Crosshair);
         }
         let pointer = response.interact_pointer_pos().or(response.hover_pos());
-        if let Some(at) = drag::begun(ui, response) {
+        if let Some(at) = tool::begun(ui, response) {
             let modifiers = ui.input(|input| input.modifiers);
             self.stroke = Some(begun(lens, at, modifiers));
         }
-        if drag::is_given_up(ui, response) {
+        if tool::is_given_up(ui, response) {
             self.stroke = None;
         }
         let Some(stroke) = &mut self.stroke else {
@@ -120,7 +125,7 @@ pub(super) fn drawn(painter: &Painter, lens: &Lens, app: &App) {
             continue;
         }
         if line.accepted {
-            super::lines::hand(painter, lens, accepted(lens, app, line), pen);
+            hand(painter, lens, accepted(lens, app, line), pen);
             continue;
         }
         let corners = line.corners.iter().map(|[ping, _]| *ping);
@@ -131,7 +136,7 @@ pub(super) fn drawn(painter: &Painter, lens: &Lens, app: &App) {
             let range_m = line.range_m(ping as usize)?;
             Some(at(lens, line.side, ping + 0.5, range_m))
         });
-        super::lines::hand(painter, lens, points.collect(), pen);
+        hand(painter, lens, points.collect(), pen);
     }
 }
 
@@ -153,4 +158,221 @@ fn accepted(lens: &Lens, app: &App, line: &BottomEdit) -> Vec<Pos2> {
         range_m.is_finite().then(|| at(lens, line.side, ping as f64 + 0.5, range_m))
     });
     picks.collect()
+}
+
+/// Width of a ping above which each ping gets a dot, points.
+const DOT_POINTS: f64 = 7.0;
+
+/// Width of the dark rim of a line on each side, points: without a rim, red and blue are hard to
+/// see on bright copper.
+const RIM_POINTS: f32 = 1.25;
+
+/// Colour and widths of a line.
+#[derive(Clone, Copy)]
+pub(super) struct WaterfallPen {
+    colour: Color32,
+    /// Width of the line, points.
+    width: f32,
+    /// Width of the rim on each side of the line, points; 0 except for the pen of the rim.
+    rim: f32,
+}
+
+impl WaterfallPen {
+    pub(super) fn new(colour: Color32, width: f32) -> Self {
+        Self { colour, width, rim: 0.0 }
+    }
+
+    /// Returns the pen of the rim under the line, which makes it visible on any picture.
+    fn rim(self) -> Self {
+        Self { colour: Color32::from_black_alpha(170), rim: RIM_POINTS, ..self }
+    }
+
+    fn stroke_width(self) -> f32 {
+        self.width + 2.0 * self.rim
+    }
+
+    fn dot_radius(self) -> f32 {
+        self.width * 1.4 + self.rim
+    }
+
+    fn of(self, doubtful: bool) -> Color32 {
+        if doubtful && self.colour.is_opaque() {
+            self.colour.lerp_to_gamma(Color32::WHITE, 0.45)
+        } else {
+            self.colour
+        }
+    }
+}
+
+/// Draws first returns on a side of the picture; above-bottom returns are dashed and paler, and
+/// pings without a pick are gaps.
+pub(super) fn first_return(
+    painter: &Painter,
+    lens: &Lens,
+    survey: &Survey,
+    step: LineStep<'_>,
+    shown_on: Side,
+    pen: WaterfallPen,
+) {
+    draw(painter, &columns(lens, survey, step, shown_on), lens, pen);
+}
+
+/// Draws the recorded depth, at the slant range where a flat bottom would give the first return;
+/// dashed and paler where the recorder had lost the bottom.
+pub(super) fn depth(
+    painter: &Painter,
+    lens: &Lens,
+    survey: &Survey,
+    drawing: &WaterfallDrawing,
+    reduction: Reduction<'_>,
+    pen: WaterfallPen,
+) {
+    let step = LineStep::Depth(drawing.depth.as_ref());
+    for side in Side::BOTH {
+        let mut columns = columns(lens, survey, step, side);
+        let (first, halvings) = (columns.first, columns.halvings);
+        for (index, span) in columns.spans.iter_mut().enumerate() {
+            // The scale of the column's first ping is used for the whole column.
+            if let Some(recorded) = survey.span((first + index) << halvings, side) {
+                *span = span.moved(|depth_m| {
+                    let altitude_m = reduction.altitude_m(f64::from(depth_m));
+                    reduction.recorded_range_m(recorded, altitude_m) as f32
+                });
+            }
+        }
+        draw(painter, &columns, lens, pen);
+    }
+}
+
+fn draw(painter: &Painter, columns: &Columns, lens: &Lens, pen: WaterfallPen) {
+    let pens = [pen.rim(), pen];
+    if columns.halvings > 0 {
+        painter.extend(pens.map(|pen| ribbon(columns, lens, pen).into()));
+        return;
+    }
+    let runs = runs(columns, lens);
+    for pen in pens {
+        for run in &runs {
+            draw_run(painter, run, lens, pen);
+        }
+    }
+}
+
+/// The line over the visible pings, with one value or pair of extremes for each screen point or
+/// ping, whichever is wider.
+struct Columns {
+    /// Logarithm to base 2 of the number of pings in a column.
+    halvings: u8,
+    /// Number of the first column.
+    first: usize,
+    side: Side,
+    spans: Vec<LineSpan>,
+}
+
+impl Columns {
+    fn place(&self, index: usize, range_m: f32) -> LensPlace {
+        let ping = ((self.first + index) as f64 + 0.5) * f64::from(1_u32 << self.halvings);
+        LensPlace::of(ping, self.side, f64::from(range_m))
+    }
+}
+
+fn columns(lens: &Lens, survey: &Survey, step: LineStep<'_>, side: Side) -> Columns {
+    let halvings = lens.pings_per_point().max(1.0).log2().ceil().min(30.0) as u8;
+    let block = 1_usize << halvings;
+    let seen = lens.visible(survey.side_scan.len());
+    // One more column at each end, so that the line reaches the edges of the picture.
+    let first = (seen.start / block).saturating_sub(1);
+    Columns {
+        halvings,
+        first,
+        side,
+        spans: (first..seen.end.div_ceil(block) + 1)
+            .map(|index| step.span(survey, halvings, index))
+            .collect(),
+    }
+}
+
+/// Returns bars from extreme to extreme that touch their neighbours: quick to draw for any shape of
+/// the line.
+fn ribbon(columns: &Columns, lens: &Lens, pen: WaterfallPen) -> Mesh {
+    let mut mesh = Mesh::default();
+    let half = f64::from(1_u32 << columns.halvings) / lens.pings_per_point() / 2.0;
+    let mut before = LineSpan::GAP;
+    for (index, span) in columns.spans.iter().enumerate() {
+        let is_dash_gap = span.doubtful && (columns.first + index) % 7 >= 4;
+        if !span.is_gap() && !is_dash_gap {
+            let [low, high] = span.reaching(&before);
+            let [low, high] = [low, high].map(|range_m| columns.place(index, range_m));
+            let ends = [low, high].map(|place| lens.screen_at(place));
+            let bar = Rect::from_points(&ends);
+            let across = pen.stroke_width() / 2.0;
+            let bar = match lens.orientation {
+                Orientation::Horizontal => bar.expand2(vec2(half as f32, across)),
+                Orientation::Vertical => bar.expand2(vec2(across, half as f32)),
+            };
+            mesh.add_colored_rect(bar, pen.of(span.doubtful));
+        }
+        before = *span;
+    }
+    mesh
+}
+
+/// A piece of a line without gaps, either doubtful or not.
+struct Run {
+    doubtful: bool,
+    points: Vec<Pos2>,
+}
+
+fn runs(columns: &Columns, lens: &Lens) -> Vec<Run> {
+    let mut runs: Vec<Run> = Vec::new();
+    let mut is_broken = true;
+    for (index, span) in columns.spans.iter().enumerate() {
+        if span.is_gap() {
+            is_broken = true;
+            continue;
+        }
+        let point = lens.screen_at(columns.place(index, span.min_m));
+        let last = runs.last_mut().filter(|_| !is_broken);
+        let joint = last.as_ref().and_then(|run| run.points.last().copied());
+        match last.filter(|run| run.doubtful == span.doubtful) {
+            Some(run) => run.points.push(point),
+            None => runs.push(Run {
+                doubtful: span.doubtful,
+                points: joint.into_iter().chain([point]).collect(),
+            }),
+        }
+        is_broken = false;
+    }
+    runs
+}
+
+/// Draws a bottom edit as a line; a single ping as a dot.
+fn hand(painter: &Painter, lens: &Lens, points: Vec<Pos2>, pen: WaterfallPen) {
+    let run = Run { doubtful: false, points };
+    for pen in [pen.rim(), pen] {
+        if !run.points.is_empty() {
+            draw_run(painter, &run, lens, pen);
+        }
+    }
+}
+
+fn draw_run(painter: &Painter, run: &Run, lens: &Lens, pen: WaterfallPen) {
+    let colour = pen.of(run.doubtful);
+    let stroke = Stroke::new(pen.stroke_width(), colour);
+    match (run.points.as_slice(), run.doubtful) {
+        ([single], _) => {
+            painter.circle_filled(*single, pen.width + pen.rim, colour);
+        }
+        (points, true) => {
+            painter.extend(Shape::dashed_line(points, stroke, 4.0, 3.0));
+        }
+        (points, false) => {
+            painter.line(points.to_vec(), stroke);
+        }
+    }
+    if 1.0 / lens.pings_per_point() >= DOT_POINTS {
+        for point in &run.points {
+            painter.circle_filled(*point, pen.dot_radius(), colour);
+        }
+    }
 }

@@ -1,20 +1,18 @@
 //! Shows a channel that looks down, beside the side-scan or in its place: the same pings, with the
 //! recorded and the found bottom.
 
+use super::bottom::{self, WaterfallPen};
 use super::camera::{Camera, PictureExtent, Size};
-use super::drawing::PictureCallback;
-use super::drawing::WaterfallDrawing;
+use super::drawing::{self, WaterfallDrawing};
 use super::labels::{INK, WaterfallLabels};
 use super::lens::{Arrangement, Lens};
-use super::lines::{self, WaterfallPen};
 use super::scales::{self, RangeLines};
-use super::{Gpu, camera_moves, overlay, tone};
+use super::{Gpu, extent, move_camera, side_scan};
 use crate::app::{App, Command, EchogramChannel, LogPlace, Orientation};
 use crate::ui::{ViewContext, place, text, theme};
 use bathyscope_bottom::cloud::Reduction;
 use bathyscope_bottom::waterfall::{LineStep, RangeAxis};
 use bathyscope_log::survey::{Side, Survey};
-use eframe::egui_wgpu::RenderState;
 use egui::{Align2, Painter, Rect, Response, Sense, Stroke, Ui};
 use std::sync::Arc;
 
@@ -129,7 +127,8 @@ impl EchogramPart {
         let settled = match context.render_state {
             Some(state) => {
                 let gpu = gpu.get_or_insert_with(|| Gpu::new(state));
-                draw_picture(gpu, state, drawing, &painter, &lens, context.app)
+                let look = drawing::plain_look(context.app, &lens, drawing.levels);
+                gpu.draw(state, drawing, None, look, (&painter, &lens), context.options())
             }
             None => true,
         };
@@ -175,17 +174,11 @@ fn aim(
         flip: app.logs.shown.settings.picture.flip,
         ..Arrangement::default()
     };
-    let extent = PictureExtent {
-        pings: axis.pings as f64,
-        near_m: 0.0,
-        far_m: axis.far_m,
-        bin_m: axis.bin_m,
-        ping_m: axis.ping_m,
-    };
+    let extent = PictureExtent { near_m: 0.0, ..extent(axis) };
     let size = Size::of(rect.size(), arrangement.orientation);
     let camera = camera.get_or_insert_with(|| Camera::start(&extent, size));
     camera.share_along(along, &extent, size);
-    camera_moves::apply(camera, ui, response, &arrangement, &extent, true, true);
+    move_camera(camera, ui, response, &arrangement, &extent, true, true);
     camera.settle_across(&extent, size);
     along.take_along(camera);
     Lens::arranged(*camera, rect, &arrangement)
@@ -211,31 +204,6 @@ fn describe(
         current_text_value: read_out.clone(),
         ..egui::WidgetInfo::labeled(egui::Role::Image, true, &name)
     });
-}
-
-/// Draws the echoes; returns true if all of them are drawn.
-fn draw_picture(
-    gpu: &mut Gpu,
-    state: &RenderState,
-    drawing: &mut WaterfallDrawing,
-    painter: &Painter,
-    lens: &Lens,
-    app: &App,
-) -> bool {
-    gpu.colour(state, app.view.options.waterfall.colour_map);
-    let uploaded = gpu.gain.get_or_insert_with(|| tone::upload(&gpu.picture, state, None));
-    let picture = &gpu.picture;
-    drawing.upload(|size, texels| picture.upload(&state.device, &state.queue, size, texels));
-    let upload = |rows: &_| picture.upload_rows(&state.device, &state.queue, rows);
-    let tiles = drawing.plan(lens, None, painter.pixels_per_point(), upload);
-    let picture = PictureCallback {
-        picture: picture.clone(),
-        look: tone::plain_look(app, lens, drawing.levels),
-        gain: uploaded.gain.clone(),
-        tiles,
-    };
-    picture.add_to(painter, lens.rect, drawing.has_uploads());
-    drawing.is_settled()
 }
 
 /// The lines and texts over the echoes.
@@ -274,8 +242,8 @@ impl EchogramOverlay<'_> {
         painter.line_segment(edge, Stroke::new(1.0, ink));
         let mut labels = WaterfallLabels::new(painter);
         let log = app.logs.shown.survey.as_ref();
-        if let Some(text) = log.and_then(|log| overlay::warning(log, options.units)) {
-            labels.keep_clear(overlay::banner(painter, lens.rect, &text));
+        if let Some(text) = log.and_then(|log| side_scan::warning(log, options.units)) {
+            labels.keep_clear(side_scan::banner(painter, lens.rect, &text));
         }
         let corner = lens.rect.shrink(6.0).right_bottom();
         labels.write(corner, Align2::RIGHT_BOTTOM, self.name, INK);
@@ -290,7 +258,7 @@ impl EchogramOverlay<'_> {
         let pen = |colour| WaterfallPen::new(colour, 1.0);
         let depth = pen(theme::DEPTH_LINE_COLOUR);
         let as_recorded = Reduction::default();
-        lines::depth(painter, lens, self.survey, self.drawing, as_recorded, depth);
+        bottom::depth(painter, lens, self.survey, self.drawing, as_recorded, depth);
         let returns =
             app.logs.shown.bottom_line().filter(|_| app.view.options.waterfall.first_return);
         let (Some(returns), Some(side_scan), Some(log)) =
@@ -301,7 +269,8 @@ impl EchogramOverlay<'_> {
         for side in Side::BOTH {
             let step = LineStep::Picks { returns, lines: side_scan.picks.as_deref(), side };
             let found = pen(theme::side_colour(&app.view.options, side));
-            lines::first_return_below(painter, lens, log, step, side, found);
+            // A channel that looks down is shown in the place of starboard.
+            bottom::first_return(painter, lens, log, step, Side::Starboard, found);
         }
     }
 }

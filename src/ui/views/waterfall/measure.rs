@@ -4,7 +4,7 @@
 use super::labels;
 use super::lens::{Lens, LensPlace};
 use crate::app::{Action, App, Command, Measure, View};
-use crate::ui::views::{drag, measured};
+use crate::ui::views::{measured, tool};
 use crate::ui::{ViewContext, theme};
 use bathyscope_log::survey::{Identity, Survey};
 use bathyscope_products::project::{Measurement, MeasurementKind, Pick};
@@ -113,7 +113,7 @@ impl MeasureTool {
         let set = |at: Option<Pos2>| pick(lens.place_at(at?));
         let mut picked = None;
         if kind == MeasurementKind::Height
-            && let Some(at) = drag::begun(ui, response)
+            && let Some(at) = tool::begun(ui, response)
         {
             picked = set(Some(at));
             self.drags = picked.is_some();
@@ -121,7 +121,7 @@ impl MeasureTool {
         let held = self.drags;
         if self.drags && response.drag_stopped() {
             self.drags = false;
-            if drag::is_given_up(ui, response) {
+            if tool::is_given_up(ui, response) {
                 context.push(Command::Do(Action::TakeCornerBack))
             } else {
                 picked = set(response.interact_pointer_pos())

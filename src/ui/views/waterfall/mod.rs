@@ -1,39 +1,34 @@
 //! Draws the waterfall view: the picture of all pings, port and starboard of the nadir, with the
-//! first return over it.
+//! first return over it. Wheel, drag, keys and a log that is being followed move its camera.
 //!
 //! Input: the state. Output: the picture with lines, boxes and marks, and commands.
 
 mod bottom;
 mod boxes;
 mod camera;
-mod camera_moves;
 mod drawing;
 mod echogram;
-mod flat_spots;
 mod labels;
 mod lens;
-mod lines;
 mod measure;
-mod overlay;
 mod pointer;
 mod scales;
 mod side_scan;
-mod stretch_tool;
+mod stretches;
 mod tiles;
-mod tone;
 
 pub(crate) use boxes::outline;
 
-use crate::app::{App, Command, Enlarged, LogPlace, Orientation, Tool};
-use crate::ui::render::waterfall::WaterfallPicture;
+use crate::app::{App, Command, Enlarged, LogPlace, Orientation, Tool, ViewOptions};
+use crate::ui::render::waterfall::{EchoStyle, WaterfallPicture};
 use crate::ui::{ViewContext, ViewRequest, flat, theme};
-use bathyscope_bottom::picture::PictureGeometry;
+use bathyscope_bottom::picture::{LogPicture, PictureGeometry};
 use bathyscope_bottom::presentation::colours::ColourMap;
 use bathyscope_bottom::waterfall::RangeAxis;
 use camera::{Camera, PictureExtent, Size};
-use drawing::{PictureCallback, WaterfallDrawing};
+use drawing::{PictureCallback, UploadedGain, WaterfallDrawing};
 use eframe::egui_wgpu::RenderState;
-use egui::{Sense, emath::GuiRounding as _};
+use egui::{Key, PointerButton, Sense, emath::GuiRounding as _};
 use lens::{Arrangement, Lens, LensPlace};
 use std::ops::Range;
 use std::sync::Arc;
@@ -54,13 +49,13 @@ pub struct WaterfallView {
     was_over: Option<LogPlace>,
     boxes: boxes::BoxGrab,
     pen: bottom::BottomPen,
-    stretch: stretch_tool::StretchTool,
+    stretch: stretches::StretchTool,
     measure: measure::MeasureTool,
     /// Cross that the arrow keys move to mark a target.
     cross: measure::Cross,
     echogram: echogram::EchogramPart,
     settled: bool,
-    end: camera_moves::NewestPing,
+    end: NewestPing,
 }
 
 /// Requests that wait for the next frame, in which the size of the view is known.
@@ -73,7 +68,7 @@ enum Request {
 struct Gpu {
     picture: Arc<WaterfallPicture>,
     palette: Option<ColourMap>,
-    gain: Option<tone::UploadedGain>,
+    gain: Option<UploadedGain>,
 }
 
 impl WaterfallView {
@@ -214,9 +209,7 @@ impl WaterfallView {
         for request in self.requests.drain(..) {
             match request {
                 Request::Pings(pings) => camera.show_pings(&pings, size),
-                Request::View(request) => {
-                    camera_moves::carry_out(&mut camera, request, extent, size)
-                }
+                Request::View(request) => carry_out(&mut camera, request, extent, size),
             }
         }
         if let Some(reveal) = context.app.view.reveal
@@ -245,7 +238,7 @@ impl WaterfallView {
         }
         self.end.keep(&mut camera, extent, size, context.app);
         let fits = context.app.map.measuring.tool.is_none();
-        camera_moves::apply(&mut camera, ui, response, arrangement, extent, drag_moves, fits);
+        move_camera(&mut camera, ui, response, arrangement, extent, drag_moves, fits);
         camera.settle(extent, size);
         self.end.note(&camera, extent, size);
         self.camera = Some(camera);
@@ -258,27 +251,11 @@ impl WaterfallView {
             self.settled = true;
             return;
         };
-        let options = &context.options().waterfall;
         let gpu = self.gpu.get_or_insert_with(|| Gpu::new(render_state));
-        gpu.colour(render_state, options.colour_map);
-        let (renderer, RenderState { device, queue, .. }) = (&gpu.picture, render_state);
-        drawing.upload(|size, texels| renderer.upload(device, queue, size, texels));
         let shown = context.app.picture();
-        let uploaded = match gpu.gain.take().filter(|uploaded| uploaded.is_of(shown)) {
-            Some(uploaded) => uploaded,
-            None => tone::upload(renderer, render_state, shown),
-        };
-        let upload = |rows: &_| renderer.upload_rows(device, queue, rows);
-        let tiles = drawing.plan(lens, shown, painter.pixels_per_point(), upload);
-        self.settled = drawing.is_settled();
-        let picture = PictureCallback {
-            picture: renderer.clone(),
-            look: tone::look(context.app, lens, shown.map(Arc::as_ref), drawing.levels),
-            gain: uploaded.gain.clone(),
-            tiles,
-        };
-        gpu.gain = Some(uploaded);
-        picture.add_to(painter, lens.rect, drawing.has_uploads());
+        let look = drawing::look(context.app, lens, shown.map(Arc::as_ref), drawing.levels);
+        let place = (painter, lens);
+        self.settled = gpu.draw(render_state, drawing, shown, look, place, context.options());
     }
 }
 
@@ -299,11 +276,34 @@ impl Gpu {
         Self { picture: Arc::new(WaterfallPicture::new(device, target)), palette: None, gain: None }
     }
 
-    /// Uploads the colours of a palette if it has changed.
-    fn colour(&mut self, render_state: &RenderState, map: ColourMap) {
+    /// Draws the echoes with the values of a picture and in a look; returns true if all of them are
+    /// drawn.
+    fn draw(
+        &mut self,
+        state: &RenderState,
+        drawing: &mut WaterfallDrawing,
+        shown: Option<&Arc<LogPicture>>,
+        look: EchoStyle,
+        (painter, lens): (&egui::Painter, &Lens),
+        options: &ViewOptions,
+    ) -> bool {
+        let map = options.waterfall.colour_map;
         if self.palette.replace(map) != Some(map) {
-            self.picture.set_palette(&render_state.queue, &map.palette());
+            self.picture.set_palette(&state.queue, &map.palette());
         }
+        let (renderer, RenderState { device, queue, .. }) = (&self.picture, state);
+        drawing.upload(|size, texels| renderer.upload(device, queue, size, texels));
+        let uploaded = match self.gain.take().filter(|uploaded| uploaded.is_of(shown)) {
+            Some(uploaded) => uploaded,
+            None => drawing::upload(renderer, state, shown),
+        };
+        let upload = |rows: &_| renderer.upload_rows(device, queue, rows);
+        let tiles = drawing.plan(lens, shown, painter.pixels_per_point(), upload);
+        let (picture, gain) = (renderer.clone(), uploaded.gain.clone());
+        self.gain = Some(uploaded);
+        let has_uploads = drawing.has_uploads();
+        PictureCallback { picture, look, gain, tiles }.add_to(painter, lens.rect, has_uploads);
+        drawing.is_settled()
     }
 }
 
@@ -316,4 +316,98 @@ fn shown_m(lens: &Lens, pings: &[f64; 2], across_m: [f64; 2]) -> [f64; 2] {
         lens.signed_m(side, lens.distance_m(side, ping, across_m.abs()))
     });
     [a.min(b), a.max(b)]
+}
+
+/// Enlargement of one press of the zoom keys.
+const KEY_STEP: f64 = 1.25;
+/// Wheel points that enlarge by a factor of e.
+const WHEEL_POINTS: f64 = 200.0;
+/// Share of the view by which the newest ping may be beyond its edge and still counts as visible.
+const NEAR: f64 = 0.02;
+
+/// Carries out a request from menu, key or palette.
+fn carry_out(camera: &mut Camera, request: ViewRequest, extent: &PictureExtent, size: Size) {
+    let middle = Size::both(0.0);
+    match request {
+        ViewRequest::Fit => camera.fit(extent, size),
+        ViewRequest::OneToOne => camera.toggle_one_to_one(extent, size),
+        ViewRequest::ZoomIn => camera.zoom(Size::both(KEY_STEP), middle),
+        ViewRequest::ZoomOut => camera.zoom(Size::both(1.0 / KEY_STEP), middle),
+        ViewRequest::Top | ViewRequest::Side => {}
+    }
+}
+
+/// Moves the camera by pointer and keys. The wheel zooms at the pointer; with Shift it moves along
+/// the track, with Ctrl it zooms the track only, with Alt the range only. A drag with the main
+/// button (only if `drag_moves`; otherwise that button has another use) or with the middle one, or
+/// a move with Space held, pans. A double-click shows everything (only if `fits`; otherwise it ends
+/// a measurement).
+fn move_camera(
+    camera: &mut Camera,
+    ui: &egui::Ui,
+    response: &egui::Response,
+    arrangement: &Arrangement,
+    extent: &PictureExtent,
+    drag_moves: bool,
+    fits: bool,
+) {
+    let size = Size::of(response.rect.size(), arrangement.orientation);
+    if response.double_clicked() && fits {
+        return camera.fit(extent, size);
+    }
+    let space = response.hovered() && ui.input(|input| input.key_down(Key::Space));
+    let held = (drag_moves && response.dragged_by(PointerButton::Primary))
+        || response.dragged_by(PointerButton::Middle)
+        || space;
+    if held {
+        let by = ui.input(|input| input.pointer.delta());
+        camera.pan(arrangement.size(by));
+    }
+    let Some(pointer) = response.hover_pos() else {
+        return;
+    };
+    let (scroll, modifiers) = ui.input(|input| (input.smooth_scroll_delta(), input.modifiers));
+    let zoom = f64::from(ui.input(|input| input.zoom_delta()));
+    let offset = Lens::arranged(*camera, response.rect, arrangement).offset(pointer);
+    let wheel = (f64::from(scroll.y) / WHEEL_POINTS).exp();
+    let factor = match (modifiers.alt, modifiers.command) {
+        (true, _) => Size::new(1.0, wheel),
+        (_, true) => Size::new(zoom, 1.0),
+        _ => Size::both(wheel * zoom),
+    };
+    camera.zoom(factor, offset);
+    // egui turns the wheel sideways while Shift is held.
+    let sideways = f64::from(scroll.x);
+    let sideways = if arrangement.flip { -sideways } else { sideways };
+    camera.pan(Size::new(sideways, 0.0));
+}
+
+/// Keeps the newest ping of a followed log in the view until the user moves the view elsewhere.
+#[derive(Default)]
+struct NewestPing {
+    /// Number of pings in the last frame; `None` if the last of them was not visible.
+    seen: Option<f64>,
+    serial: u64,
+}
+
+impl NewestPing {
+    /// Moves the view to the end of the log when pings were added and the newest ping was visible,
+    /// and when a log begins to be followed.
+    fn keep(&mut self, camera: &mut Camera, extent: &PictureExtent, size: Size, app: &App) {
+        let begins =
+            std::mem::replace(&mut self.serial, app.following.serial) != app.following.serial;
+        if !app.is_following() {
+            return;
+        }
+        if begins || self.seen.is_some_and(|pings| pings < extent.pings) {
+            camera.show_end(extent.pings, size);
+        }
+    }
+
+    /// Records whether the newest ping is visible now.
+    fn note(&mut self, camera: &Camera, extent: &PictureExtent, size: Size) {
+        let [from, to, ..] = camera.seen(size);
+        let is_seen = to >= extent.pings - NEAR * (to - from);
+        self.seen = is_seen.then_some(extent.pings);
+    }
 }

@@ -1,7 +1,7 @@
 //! Handles the pointer on the waterfall: the read-out, hover and selection, and the menu.
 
 use super::lens::{Lens, LensPlace};
-use super::{boxes, flat_spots, labels};
+use super::{boxes, labels, stretches};
 use crate::app::{AboveStretch, Action, App, Command, ExclusionEdit, LogPlace, Tool};
 use crate::ui::controls::option_checkbox;
 use crate::ui::{ViewContext, place, stretch_text, text, theme};
@@ -15,13 +15,9 @@ pub(super) fn mark_at(survey: &Survey, place: LensPlace) -> Option<LogPlace> {
     }
     let ping = place.ping as usize;
     let side = place.side();
-    let recorded = survey.side_scan.get(ping)?;
-    let span = recorded.side(side);
+    let span = survey.side_scan.get(ping)?.side(side);
     let range_m = place.across_m.abs();
-    let sample = span
-        .map(|span| (span.sample_at(range_m), f64::from(span.count)))
-        .filter(|(sample, count)| (0.0..*count).contains(sample))
-        .map(|(sample, _)| sample as f32);
+    let sample = span.and_then(|span| place::recorded_sample(span, span.sample_at(range_m)));
     Some(LogPlace { ping, side: sample.map(|_| side), sample, point: None })
 }
 
@@ -134,7 +130,7 @@ fn menu(response: &Response, context: &mut ViewContext<'_>) -> Option<usize> {
 fn propose(context: &mut ViewContext<'_>, lens: &Lens, at: Pos2) {
     let here = lens.place_at(at).ping;
     let around = || context.app.logs.shown.stretch_around(here.max(0.0) as usize);
-    if let Some(pings) = flat_spots::under(lens, context.app, at).or_else(around) {
+    if let Some(pings) = stretches::under_bar(lens, context.app, at).or_else(around) {
         context.push(Command::ProposeStretch(pings));
     }
 }

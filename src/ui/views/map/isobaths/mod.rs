@@ -4,8 +4,7 @@
 
 mod labels;
 
-pub(crate) use labels::IsobathLabels;
-pub(crate) use labels::octave;
+pub(crate) use labels::{IsobathLabels, octave};
 
 use super::MapScene;
 use super::lines::{LinePicture, MapLine, MapPen};

@@ -3,7 +3,7 @@
 
 use super::{Lens, on_screen};
 use crate::app::{App, Command, Tool, border_m};
-use crate::ui::views::drag;
+use crate::ui::views::tool;
 use crate::ui::views::waterfall::lens::LensPlace;
 use crate::ui::{ViewContext, theme};
 use bathyscope_objects::review::{BoxId, Edit, Reviewed};
@@ -60,10 +60,10 @@ impl BoxGrab {
         }
         let pointer = response.interact_pointer_pos().or(response.hover_pos());
         self.show_cursor(ui, response, lens, context.app);
-        if let Some(at) = drag::begun(ui, response) {
+        if let Some(at) = tool::begun(ui, response) {
             self.held = take(context.app, lens, at);
         }
-        if drag::is_given_up(ui, response) {
+        if tool::is_given_up(ui, response) {
             self.give_up(context);
         }
         let (Some(held), Some(at)) = (&self.held, pointer) else {

@@ -1,24 +1,25 @@
 //! Draws step 2, from samples to metres: the scale in use, the flat stretches on which one can be
-//! measured, and the proposed stretch.
+//! measured, in a ranked table with the objections to them, and the proposed stretch.
 //!
 //! The panel reads the state of the app, draws controls and texts, and sends commands.
-
-mod candidates;
 
 use super::find_setting;
 use super::parts::{self, PlotAxes, fact, setting};
 use super::section::{Section, section, unfold_section};
-use crate::app::{Action, Tool, ViewOptions};
-use crate::ui::{ViewContext, controls, stretch_text, text, theme};
-use bathyscope_bottom::calibration::{Calibration, PingRange, RangeAtDepth, Scale, ScaleMode};
+use crate::app::{Action, Command, LogPlace, Tool, ViewOptions};
+use crate::ui::controls::{self, ListKeys};
+use crate::ui::{ViewContext, stretch_text, text, theme};
+use bathyscope_bottom::calibration::{
+    Calibration, FlatSpot, PingRange, RangeAtDepth, Scale, ScaleMode,
+};
 use bathyscope_bottom::presentation::plot::Axis;
 use bathyscope_bottom::presentation::units::Units;
-use bathyscope_log::survey::RangeSource;
+use bathyscope_log::survey::{RangeSource, Survey};
 use bathyscope_products::pipeline::settings::rows;
 use bathyscope_products::pipeline::{Products, ScaleEffect, ScaleTrial, Stage};
 use egui::{
-    Align, Button, Color32, Frame, Painter, Rect, RichText, Role, Sense, Stroke, Ui, WidgetInfo,
-    vec2,
+    Align, Align2, Button, Color32, FontId, Frame, Painter, Rect, Response, RichText, Role, Sense,
+    Stroke, TextStyle, Ui, WidgetInfo, pos2, vec2,
 };
 use std::sync::Arc;
 
@@ -52,7 +53,7 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         }
         tools(ui, context, calibration.mode);
         proposed(ui, context, &products, is_new);
-        candidates::ui(ui, context, &survey, &products);
+        candidates(ui, context, &survey, &products);
     });
 }
 
@@ -127,8 +128,7 @@ fn in_use(ui: &mut Ui, calibration: &Calibration, source: RangeSource, units: Un
 /// Describes the correction of the ranges: factor or offset.
 fn ranges(calibration: &Calibration, source: RangeSource, units: Units) -> String {
     let ranges = if source == RangeSource::Estimated { "estimated" } else { "recorded" };
-    let factor = calibration.flat_spot.as_ref();
-    let factor = factor.and_then(stretch_text::factor);
+    let factor = calibration.flat_spot.as_ref().and_then(stretch_text::factor);
     match (calibration.mode, factor, calibration.offset_note) {
         (ScaleMode::FlatSpot, Some(factor), _) => format!("{ranges} range {factor}"),
         (_, _, Some(note)) => format!("as {ranges}; offset: {}", units.sentence(note)),
@@ -331,7 +331,7 @@ impl<'a> Points<'a> {
         });
         let stroke = Stroke::new(1.0, theme::plot_ink(options));
         inner.extend(egui::Shape::dashed_line(&used, stroke, 4.0, 3.0));
-        let colour = ink(options);
+        let colour = theme::proposal_ink(options);
         dots(&inner, self.stretch.iter().map(|point| at(point)), colour);
         let proposed = line(&|depth_m| depth_m / factor);
         inner.line_segment(proposed, Stroke::new(1.5, colour));
@@ -358,9 +358,10 @@ impl<'a> Points<'a> {
         let at = |point: &RangeAtDepth| axes.at(units.in_unit(point.depth_m), left_m(point));
         let inner = painter.with_clip_rect(axes.area);
         dots(&inner, self.log.iter().map(|point| at(point)), faint(options));
-        dots(&inner, self.stretch.iter().map(|point| at(point)), ink(options));
+        let colour = theme::proposal_ink(options);
+        dots(&inner, self.stretch.iter().map(|point| at(point)), colour);
         let zero = ends.map(|depth| axes.at(depth, 0.0));
-        inner.line_segment(zero, Stroke::new(1.0, ink(options)));
+        inner.line_segment(zero, Stroke::new(1.0, colour));
     }
 }
 
@@ -380,7 +381,119 @@ fn faint(options: &ViewOptions) -> Color32 {
     theme::plot_ink(options).gamma_multiply(0.45)
 }
 
-/// Returns the colour of the proposed scale on the background of a panel.
-fn ink(options: &ViewOptions) -> Color32 {
-    theme::proposal_ink(options)
+/// Heading, hint and right edge of each column; the edge is a share of the width.
+const COLUMNS: [(&str, &str, f32); 6] = [
+    ("No.", "Rank: 1 is the best stretch.", 0.08),
+    ("Ping", "First ping of the stretch.", 0.25),
+    ("Long", "Length along the track.", 0.40),
+    ("Relief", "Difference between greatest and least recorded depth.", 0.60),
+    ("Scale", "Recorded depth divided by recorded range: the factor for ranges.", 0.81),
+    ("SD", "Standard deviation of the scale of single pings.", 1.0),
+];
+
+/// Draws the table.
+fn candidates(ui: &mut Ui, context: &mut ViewContext<'_>, survey: &Survey, products: &Products) {
+    let spots = &products.flat_spots;
+    if spots.is_empty() {
+        return parts::remark(ui, "No flat stretch was found in this log.");
+    }
+    let title = text::plural(spots.len(), "flat stretch", "flat stretches");
+    let log = &context.app.logs.shown;
+    let is_asked_for = log.reviewing.tool == Tool::Calibrate || log.proposed_stretch().is_some();
+    egui::CollapsingHeader::new(title)
+        .id_salt("ranked flat stretches")
+        .open(is_asked_for.then_some(true))
+        .show(ui, |ui| {
+            headings(ui);
+            let keys = ListKeys::read(ui, "flat stretches", spots.len());
+            for (rank, spot) in spots.iter().enumerate() {
+                let row = candidate(ui, context, (rank + 1, spot), survey, spots);
+                keys.row(ui, rank, &row);
+            }
+        });
+}
+
+fn headings(ui: &mut Ui) {
+    let size = vec2(ui.available_width(), 14.0);
+    let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
+    let ink = ui.visuals().weak_text_color();
+    let font = FontId::proportional(theme::SMALL);
+    for (heading, _, end) in COLUMNS {
+        let at = pos2(rect.left() + end * rect.width(), rect.center().y);
+        ui.painter().text(at, Align2::RIGHT_CENTER, heading, font.clone(), ink);
+    }
+    let names = COLUMNS.map(|(heading, ..)| heading).join(", ");
+    response.widget_info(|| WidgetInfo::labeled(Role::Label, true, &names));
+    let hints = COLUMNS.map(|(heading, hint, _)| format!("{heading}: {hint}"));
+    response.on_hover_text(hints.join("\n"));
+}
+
+fn candidate(
+    ui: &mut Ui,
+    context: &mut ViewContext<'_>,
+    (rank, spot): (usize, &FlatSpot),
+    survey: &Survey,
+    spots: &[FlatSpot],
+) -> Response {
+    let units = context.units();
+    let objections = spot.objections(survey, spots.first());
+    let range = spot.range();
+    let factor = stretch_text::factor(spot);
+    let cells = [
+        rank.to_string(),
+        range.start.to_string(),
+        units.measure(spot.length_m, 0),
+        stretch_text::relief(spot, units),
+        factor.unwrap_or_else(|| "none".to_owned()),
+        stretch_text::spread(spot).unwrap_or_default(),
+    ];
+    let is_proposed = context.app.logs.shown.proposed_stretch() == Some(range);
+    let worse = objections.first().map(|why| units.sentence(why));
+    let brief = || stretch_text::brief(spot, units);
+    let words = worse.as_ref().map_or_else(brief, |why| format!("worse: {why}"));
+    let (PingRange { start, end }, depth) = (range, units.measure(spot.depth_m, 2));
+    let name = format!("Flat stretch {rank}, pings {start}..{end}, {depth} deep, {words}");
+    let response = row(ui, &cells, is_proposed, &name);
+    let mut hint = units.sentence(&spot.summary());
+    for why in &objections {
+        hint += &format!("\n{}", units.sentence(why));
+    }
+    let response = response.on_hover_text(hint + "\nClick to propose it for the scale.");
+    if response.clicked() {
+        propose(context, range);
+    }
+    if let Some(why) = worse {
+        parts::warning(ui, context, &format!("Worse. {why}"));
+    }
+    response
+}
+
+/// Proposes a stretch and shows it in all views.
+fn propose(context: &mut ViewContext<'_>, range: PingRange) {
+    context.push(Command::ProposeStretch(range));
+    let middle = usize::midpoint(range.start, range.end);
+    context.push(Command::Reveal(LogPlace::ping(middle)));
+}
+
+/// Draws a row of the table, which is a button.
+fn row(ui: &mut Ui, cells: &[String; 6], is_chosen: bool, name: &str) -> Response {
+    let size = vec2(ui.available_width(), 18.0);
+    let (rect, response) = ui.allocate_exact_size(size, Sense::click());
+    let style = ui.style().interact_selectable(&response, is_chosen);
+    if is_chosen || response.hovered() || response.has_focus() {
+        ui.painter().rect_filled(rect, 2.0, style.weak_bg_fill);
+    }
+    if response.has_focus() {
+        let stroke = ui.visuals().widgets.hovered.fg_stroke;
+        let kind = egui::StrokeKind::Inside;
+        ui.painter().rect_stroke(rect, 2.0, stroke, kind);
+    }
+    let ink: Color32 = style.text_color();
+    let font = TextStyle::Small.resolve(ui.style());
+    for (cell, (_, _, end)) in cells.iter().zip(COLUMNS) {
+        let at = pos2(rect.left() + end * rect.width(), rect.center().y);
+        ui.painter().text(at, Align2::RIGHT_CENTER, cell, font.clone(), ink);
+    }
+    response.widget_info(|| WidgetInfo::selected(Role::Button, true, is_chosen, name));
+    response
 }

@@ -1,8 +1,12 @@
-//! Turns keys of the command table into commands.
+//! Turns keys of the command table into commands, and opens logs, base maps, reference points and
+//! tables of other instruments that are dropped on the window.
 
-use crate::app::{Action, App, Command, KeyFocus, Keys, Nudge, Tool, View, is_bare};
+use crate::app::{Action, App, Command, FileToOpen, KeyFocus, Keys, Nudge, Tool, View, is_bare};
+use bathyscope_log::formats::points::is_named_as_elevations;
+use bathyscope_log::formats::{FileRole, role_by_name};
 use bathyscope_objects::review::Edit;
 use egui::{Event, FocusDirection, Key, KeyboardShortcut, Modifiers, Ui};
+use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
 /// A key of the command table, and its action.
@@ -72,7 +76,7 @@ fn drop_repeats(ui: &Ui) {
 /// Pushes a command for each pressed key of the table, after those for the keys of the selected
 /// box. A bare key counts only if it has a meaning for `focus`, the part of the window with the
 /// keyboard; `None` while a field, a dialog or a list has the keyboard.
-pub(super) fn collect(
+pub(super) fn collect_keys(
     ui: &mut Ui,
     app: &App,
     focus: Option<KeyFocus>,
@@ -206,16 +210,16 @@ fn has_meaning(app: &App, action: Action, control_focused: bool) -> bool {
     }
 }
 
-const DIGITS: [(Key, Keys); 9] = [
-    (Key::Num1, "1"),
-    (Key::Num2, "2"),
-    (Key::Num3, "3"),
-    (Key::Num4, "4"),
-    (Key::Num5, "5"),
-    (Key::Num6, "6"),
-    (Key::Num7, "7"),
-    (Key::Num8, "8"),
-    (Key::Num9, "9"),
+const DIGITS: [Key; 9] = [
+    Key::Num1,
+    Key::Num2,
+    Key::Num3,
+    Key::Num4,
+    Key::Num5,
+    Key::Num6,
+    Key::Num7,
+    Key::Num8,
+    Key::Num9,
 ];
 
 /// Makes the digits choose the class of the selected box, instead of a view.
@@ -224,11 +228,11 @@ fn name_box(ui: &mut Ui, app: &App, push: &mut impl FnMut(Keys, Command)) {
         return;
     };
     let classes = app.logs.class_names();
-    for (class, (key, keys)) in DIGITS.into_iter().enumerate() {
+    for (class, key) in DIGITS.into_iter().enumerate() {
         let pressed = ui.input_mut(|input| input.consume_key(Modifiers::NONE, key));
         if let Some(name) = classes.get(class).filter(|_| pressed) {
             let edit = Edit::Classify(id, (*name).to_owned());
-            push(keys, Command::Edit { edit, live: false });
+            push(key.name(), Command::Edit { edit, live: false });
         }
     }
 }
@@ -239,10 +243,10 @@ fn move_box(ui: &mut Ui, app: &App, push: &mut impl FnMut(Keys, Command)) {
         return;
     }
     let arrows = [
-        (Key::ArrowLeft, "Left", -1, 0),
-        (Key::ArrowRight, "Right", 1, 0),
-        (Key::ArrowUp, "Up", 0, -1),
-        (Key::ArrowDown, "Down", 0, 1),
+        (Key::ArrowLeft, -1, 0),
+        (Key::ArrowRight, 1, 0),
+        (Key::ArrowUp, 0, -1),
+        (Key::ArrowDown, 0, 1),
     ];
     // The most modifiers come first: a plain arrow would match with Shift held, too.
     let held = [
@@ -251,13 +255,11 @@ fn move_box(ui: &mut Ui, app: &App, push: &mut impl FnMut(Keys, Command)) {
         (Modifiers::SHIFT, 10, false),
         (Modifiers::NONE, 1, false),
     ];
-    for (key, keys, right, down) in arrows {
+    for (key, right, down) in arrows {
         for (modifiers, steps, resize) in held {
-            if ui.input_mut(|input| input.consume_key(modifiers, key)) {
-                // egui also handles the key, and would move to a control.
-                ui.memory_mut(|memory| memory.move_focus(FocusDirection::None));
+            if consume_arrow(ui, modifiers, key) {
                 let nudge = Nudge { right: right * steps, down: down * steps, resize };
-                push(keys, Command::Nudge(nudge));
+                push(key.name(), Command::Nudge(nudge));
             }
         }
     }
@@ -268,15 +270,23 @@ fn move_bottom(ui: &mut Ui, app: &App, push: &mut impl FnMut(Keys, Command)) {
     if app.logs.shown.reviewing.tool != Tool::Bottom {
         return;
     }
-    for (key, keys, outward) in [(Key::ArrowUp, "Up", -1), (Key::ArrowDown, "Down", 1)] {
+    for (key, outward) in [(Key::ArrowUp, -1), (Key::ArrowDown, 1)] {
         for (modifiers, samples) in [(Modifiers::SHIFT, 10), (Modifiers::NONE, 1)] {
-            if ui.input_mut(|input| input.consume_key(modifiers, key)) {
-                // egui also handles the key, and would move to a control.
-                ui.memory_mut(|memory| memory.move_focus(FocusDirection::None));
-                push(keys, Command::NudgeBottom(outward * samples));
+            if consume_arrow(ui, modifiers, key) {
+                push(key.name(), Command::NudgeBottom(outward * samples));
             }
         }
     }
+}
+
+/// Removes a press of an arrow key; returns true if there was one.
+fn consume_arrow(ui: &Ui, modifiers: Modifiers, key: Key) -> bool {
+    let is_pressed = ui.input_mut(|input| input.consume_key(modifiers, key));
+    if is_pressed {
+        // egui also handles the key, and would move to a control.
+        ui.memory_mut(|memory| memory.move_focus(FocusDirection::None));
+    }
+    is_pressed
 }
 
 fn is_control_key(shortcut: &KeyboardShortcut) -> bool {
@@ -284,6 +294,71 @@ fn is_control_key(shortcut: &KeyboardShortcut) -> bool {
         shortcut.logical_key,
         Key::ArrowLeft | Key::ArrowRight | Key::Home | Key::End | Key::Space | Key::Enter
     )
+}
+
+/// Opens dropped files; logs are added to the open ones. Tables and points belong to a log: if none
+/// is open, they are opened as logs, which some of them are.
+pub(super) fn collect_dropped(ui: &Ui, has_log: bool, commands: &mut Vec<Command>) {
+    let dropped: Vec<PathBuf> = ui.input(|input| {
+        let files = input.raw.dropped_files.iter();
+        files.map(|file| file.path().to_owned()).collect()
+    });
+    // A table with the name of a dropped picture is part of the log of that picture.
+    let is_of_picture = |table: &PathBuf| {
+        let is_its = |path: &PathBuf| {
+            role_by_name(path) == Some(FileRole::Paired)
+                && path.with_extension("") == table.with_extension("")
+        };
+        is_named(table, &["csv"]) && dropped.iter().any(is_its)
+    };
+    let dropped: Vec<PathBuf> =
+        (dropped.iter()).filter(|path| !is_of_picture(path)).cloned().collect();
+    let (maps, others): (Vec<_>, Vec<_>) =
+        dropped.into_iter().partition(|path| is_named(path, &["tif", "tiff"]));
+    let (tables, logs): (Vec<_>, Vec<_>) =
+        others.into_iter().partition(|path| has_log && is_named(path, &["csv", "gpx"]));
+    if let Some(map) = maps.into_iter().next_back() {
+        commands.push(Command::OpenFile(FileToOpen::BaseMap(map)));
+    }
+    if let Some(table) = tables.into_iter().next_back() {
+        commands.push(Command::OpenFile(FileToOpen::Table(table)));
+    }
+    let named = |path: &PathBuf| has_log && is_named_as_elevations(path);
+    let (points, logs): (Vec<_>, Vec<_>) = logs.into_iter().partition(named);
+    if let Some(points) = points.into_iter().next_back() {
+        commands.push(Command::CompareWith(points));
+    }
+    if !logs.is_empty() {
+        commands.push(if has_log { Command::Add(logs) } else { Command::OpenAll(logs) });
+    }
+}
+
+/// Returns true if the name of a file has one of these endings.
+fn is_named(path: &Path, endings: &[&str]) -> bool {
+    let extension = path.extension().unwrap_or_default();
+    endings.iter().any(|ending| extension.eq_ignore_ascii_case(ending))
+}
+
+/// Describes the effect of a drop while files are dragged over the window.
+pub(super) fn drop_overlay(ui: &Ui) {
+    let Some(name) = ui.input(|input| {
+        let file = input.raw.hovered_files.first()?;
+        let path = file.path.as_ref()?;
+        Some(path.file_name()?.to_string_lossy().into_owned())
+    }) else {
+        return;
+    };
+    let layer = egui::LayerId::new(egui::Order::Foreground, egui::Id::unique("drop"));
+    let painter = ui.ctx().layer_painter(layer);
+    let rect = ui.ctx().content_rect();
+    painter.rect_filled(rect, 0.0, egui::Color32::from_black_alpha(160));
+    painter.text(
+        rect.center(),
+        egui::Align2::CENTER_CENTER,
+        format!("Drop to open {name}"),
+        egui::FontId::proportional(22.0),
+        egui::Color32::WHITE,
+    );
 }
 
 #[cfg(test)]
