@@ -151,16 +151,14 @@ impl Units {
     /// Formats a length and its standard deviation with one unit: `0.51 ± 0.12 m`; without the
     /// standard deviation when it is not finite, and a dash when the length is not.
     pub fn with_sigma(self, value_m: f64, sigma_m: f64, decimals_of_metres: usize) -> String {
-        let measure = self.measure(value_m, decimals_of_metres);
-        if value_m.is_finite() && sigma_m.is_finite() {
-            format!(
-                "{} ± {}",
-                self.number(value_m, decimals_of_metres),
-                self.measure(sigma_m, decimals_of_metres)
-            )
-        } else {
-            measure
+        if !(value_m.is_finite() && sigma_m.is_finite()) {
+            return self.measure(value_m, decimals_of_metres);
         }
+        format!(
+            "{} ± {}",
+            self.number(value_m, decimals_of_metres),
+            self.measure(sigma_m, decimals_of_metres)
+        )
     }
 
     /// Formats a small length with its unit and its sign, also above 0.
