@@ -158,6 +158,13 @@ pub struct FirstReturns {
 }
 
 impl FirstReturns {
+    /// Creates the first returns of both sides, port first, that were found by a normalisation.
+    fn of_sides(sides: [Vec<Pick>; 2], normalisation: &Normalisation) -> Self {
+        let [port, starboard] = sides.map(Arc::new);
+        let warnings = normalisation.warning().into_iter().collect();
+        Self { port, starboard, warnings, ..Self::default() }
+    }
+
     /// Returns the survey with the soundings that both sides contradict marked as a lost bottom,
     /// for the later stages; `None` where there is nothing to mark.
     pub fn judged(&self, survey: &Survey) -> Option<Survey> {
@@ -364,18 +371,11 @@ pub fn track_range(
         method: Method::Tracker,
     }
     .picks();
-    confidence::doubt(survey, around.start, &mut sides);
     for picks in &mut sides {
         picks.truncate(pings.end - around.start);
         picks.drain(..pings.start - around.start);
     }
-    let [port, starboard] = sides.map(Arc::new);
-    Ok(FirstReturns {
-        port,
-        starboard,
-        warnings: normalisation.warning().into_iter().collect(),
-        ..FirstReturns::default()
-    })
+    Ok(FirstReturns::of_sides(sides, normalisation))
 }
 
 /// Source of the bottom line. Bottom edits replace either source.

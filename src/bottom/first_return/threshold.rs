@@ -5,13 +5,12 @@
 //! maxima are few (six to ten of 1400 samples), so they are kept for each side of a ping, and a
 //! level is searched among them alone.
 
-use super::confidence::{Gathering, MethodPick, doubt};
+use super::confidence::{Gathering, MethodPick};
 use super::normalise::{BLOCK, WORD, dead_samples, words_outward};
 use super::{FirstReturns, ImageSettings, Method, Normalisation, SampleMode, Settled};
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::{Samples, Side, Survey};
 use rayon::prelude::*;
-use std::sync::Arc;
 
 /// Index that finds where any threshold is first reached without reading the picture again.
 ///
@@ -97,7 +96,7 @@ impl ThresholdIndex {
         above_bottom_margin_m: f64,
     ) -> FirstReturns {
         let Settled { found, depths_m } = self.found(threshold);
-        let mut sides = Gathering {
+        let sides = Gathering {
             survey,
             first: 0,
             found: &found,
@@ -107,14 +106,7 @@ impl ThresholdIndex {
             method: Method::Threshold,
         }
         .picks();
-        doubt(survey, 0, &mut sides);
-        let [port, starboard] = sides;
-        FirstReturns {
-            port: Arc::new(port),
-            starboard: Arc::new(starboard),
-            warnings: self.normalisation.warning().into_iter().collect(),
-            ..FirstReturns::default()
-        }
+        FirstReturns::of_sides(sides, &self.normalisation)
     }
 }
 
