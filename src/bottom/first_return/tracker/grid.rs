@@ -10,7 +10,8 @@ use std::ops::Range;
 #[derive(Default)]
 pub(super) struct TrackerGrid {
     cells: Vec<f32>,
-    width: usize,
+    /// Number of cells in a row.
+    pub width: usize,
 }
 
 impl TrackerGrid {
@@ -25,11 +26,6 @@ impl TrackerGrid {
     /// Returns the number of rows.
     pub(super) fn len(&self) -> usize {
         self.cells.len().checked_div(self.width).unwrap_or(0)
-    }
-
-    /// Returns the number of cells in a row.
-    pub(super) fn width(&self) -> usize {
-        self.width
     }
 
     /// Returns a row.
@@ -183,7 +179,7 @@ pub(super) fn extract(
 
 /// Writes the average of the band along the track to `out`.
 pub(super) fn smooth_along(band: &TrackerGrid, weights: &[f32], out: &mut TrackerGrid) {
-    out.reset(band.len(), band.width(), 0.0);
+    out.reset(band.len(), band.width, 0.0);
     for row in 0..band.len() {
         let target = out.row_mut(row);
         let mut total = 0.0;

@@ -86,7 +86,8 @@ impl Kernel {
 /// Scores of all cells of a chunk; cells that cannot be a return have [`Scores::CLOSED`].
 #[derive(Default)]
 pub(super) struct Scores {
-    grid: TrackerGrid,
+    /// Scores of all rows.
+    pub grid: TrackerGrid,
     /// Trend that the rows are averaged along.
     trend: Trend,
     /// True for each row that was measured last.
@@ -168,11 +169,6 @@ impl Scores {
                 close_below_level(self.grid.row_mut(row), &self.loudest, kernel.level);
             }
         }
-    }
-
-    /// Returns the scores of all rows.
-    pub(super) fn grid(&self) -> &TrackerGrid {
-        &self.grid
     }
 
     /// Lowers the scores of some cells of a row; cells beyond the row are ignored.
@@ -447,7 +443,7 @@ const PAUSE: usize = 8;
 /// Recorded depths along a chunk, in cells of its picture.
 pub(super) struct Depths {
     /// Depth at each row, cells of range; NaN where there is none to believe.
-    cells: Vec<f64>,
+    pub cells: Vec<f64>,
     /// Range at which the picture starts, cells: it may be more than 0.
     near: f64,
     /// Length of a cell, metres.
@@ -523,11 +519,6 @@ impl Depths {
     /// Returns the farthest cell at which the bottom below the boat returns; `depth` is in cells.
     fn limit(&self, depth: f64) -> usize {
         self.cell(farthest_m(depth * self.cell_m) / self.cell_m)
-    }
-
-    /// Returns the depth at each row, cells of range; NaN where there is none to believe.
-    pub(super) fn cells(&self) -> &[f64] {
-        &self.cells
     }
 
     fn known(&self) -> impl Iterator<Item = (usize, f64)> {

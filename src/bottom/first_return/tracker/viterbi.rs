@@ -82,7 +82,7 @@ impl Paths {
         trend: &Trend,
         motion: &MotionCost,
     ) -> Vec<usize> {
-        let (width, rows) = (scores.width(), scores.len());
+        let (width, rows) = (scores.width, scores.len());
         self.through.reset(rows, width, 0.0);
         for row in 0..rows {
             let (before, out) = self.through.row_after(row);
