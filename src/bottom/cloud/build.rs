@@ -41,7 +41,8 @@ struct PickTrait {
 pub struct PickTraits {
     /// Properties by side, port first, one for each ping.
     sides: [Vec<PickTrait>; 2],
-    clutter: Option<Clutter>,
+    /// Clutter among the first returns; `None` without any.
+    pub clutter: Option<Clutter>,
 }
 
 /// Slant range from the edge of a first return within which its echo is strongest, metres.
@@ -89,11 +90,6 @@ impl PickTraits {
             picks.map(|(ping, pick)| of_pick(side, ping, pick)).collect()
         };
         Self { sides: Side::BOTH.map(of_side), clutter }
-    }
-
-    /// Returns the clutter among the first returns; `None` without any.
-    pub fn clutter(&self) -> Option<Clutter> {
-        self.clutter
     }
 
     /// Returns the properties of a side, one for each ping.

@@ -23,7 +23,8 @@ pub(super) struct Canvas {
     window: Grid,
     /// Number of cells from a row to the next.
     stride: usize,
-    sums: Vec<CellSum>,
+    /// Sums of all cells.
+    pub sums: Vec<CellSum>,
 }
 
 impl Canvas {
@@ -135,11 +136,6 @@ impl Canvas {
                 }
             }
         }
-    }
-
-    /// Returns the sums of all cells.
-    pub(super) fn sums(&self) -> &[CellSum] {
-        &self.sums
     }
 
     /// Returns the levels of all cells: 0 where nothing was insonified, else 1 to 255.
@@ -322,7 +318,7 @@ pub(super) struct CellSum {
     /// Sum of levels times their weights.
     weighted: f32,
     /// Sum of the weights; 0 where nothing was insonified.
-    weight: f32,
+    pub weight: f32,
 }
 
 impl CellSum {
@@ -340,11 +336,6 @@ impl CellSum {
         } else {
             0
         }
-    }
-
-    /// Returns the sum of the weights.
-    pub(super) fn weight(&self) -> f32 {
-        self.weight
     }
 }
 

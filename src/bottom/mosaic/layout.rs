@@ -148,8 +148,10 @@ pub struct MosaicLayout {
     relief: Option<(Arc<Relief>, [Vec<f32>; 2])>,
     /// True where the ground between a ping and the next is shown.
     joined: Vec<bool>,
-    water_column: bool,
-    far_m: f64,
+    /// True if the water column is shown.
+    pub(super) water_column: bool,
+    /// Longest slant range, metres.
+    pub(super) far_m: f64,
     /// Boxes around the strips that begin at each run of [`BOXED`] pings.
     boxes: Vec<Bounds>,
 }
@@ -342,16 +344,6 @@ impl MosaicLayout {
                 })
             })
         })
-    }
-
-    /// Returns the longest slant range, metres.
-    pub fn far_m(&self) -> f64 {
-        self.far_m
-    }
-
-    /// Returns true if the water column is shown.
-    pub fn water_column(&self) -> bool {
-        self.water_column
     }
 
     /// Returns the ray of one side of a ping; `None` where the side was not recorded, the ping has

@@ -39,7 +39,7 @@ impl<'a> LineContext<'a> {
             survey,
             layout,
             gain: (settings.gain == Gain::Empirical).then_some(gain),
-            water_column: layout.water_column(),
+            water_column: layout.water_column,
             steps_per_m: STEPS as f64 / cell_m,
         }
     }
