@@ -80,8 +80,8 @@ impl AboveDepth {
         let mut usual_m = Vec::with_capacity(self.heights_m.len());
         while let Some(&at_m) = self.way_m.get(usual_m.len()) {
             let around = self.around(at_m, FOLLOWED_M);
-            let sigma_m =
-                if self.sums.are_mostly_alike(&around) { 0.0 } else { self.scatter_m(around) };
+            let is_alike = is_most(&self.sums.alike, &self.sums.pings, &around);
+            let sigma_m = if is_alike { 0.0 } else { self.scatter_m(around) };
             let shared = self.way_m.partition_point(|way| *way < at_m + SHARED_M);
             usual_m.resize(shared.clamp(usual_m.len() + 1, pings), SIGMAS * sigma_m);
         }
@@ -102,8 +102,9 @@ impl AboveDepth {
     pub(super) fn stretches_m(&self, side: Side) -> Vec<f32> {
         let Self { way_m, .. } = self;
         let pings = way_m.len();
-        let belongs =
-            |ping: usize| self.sums.are_mostly_apart(side, &self.around(way_m[ping], AROUND_M));
+        let [apart, judged] =
+            [&self.sums.apart, &self.sums.judged].map(|sides| &sides[side as usize]);
+        let belongs = |ping: usize| is_most(apart, judged, &self.around(way_m[ping], AROUND_M));
         let mut lengths_m = vec![0.0; self.heights_m.len()];
         let mut ping = 0;
         while ping < pings {
@@ -161,19 +162,12 @@ impl Sums {
         }
         sums
     }
+}
 
-    /// Returns true if on most of some pings both sides are alike above the depth.
-    fn are_mostly_alike(&self, pings: &Range<usize>) -> bool {
-        let count = |sums: &[u32]| sums[pings.end] - sums[pings.start];
-        2 * count(&self.alike) > count(&self.pings)
-    }
-
-    /// Returns true if most first returns of a side lie above the depth on pings where the sides
-    /// differ.
-    fn are_mostly_apart(&self, side: Side, pings: &Range<usize>) -> bool {
-        let count = |sums: &[u32]| sums[pings.end] - sums[pings.start];
-        2 * count(&self.apart[side as usize]) > count(&self.judged[side as usize])
-    }
+/// Returns true if `part` counts most of what `all` counts on some pings.
+fn is_most(part: &[u32], all: &[u32], pings: &Range<usize>) -> bool {
+    let count = |sums: &[u32]| sums[pings.end] - sums[pings.start];
+    2 * count(part) > count(all)
 }
 
 /// Returns true if both sides are at about the same height above the depth, so that the obstacle
