@@ -164,7 +164,7 @@ impl NodeSlopes {
     pub(super) fn of(nodes: &[Node], square_m: f64) -> Self {
         let mut sums: HashMap<[i64; 2], PlaneSums> = HashMap::new();
         for node in nodes {
-            let square = square_of(node.place(), square_m);
+            let square = node.place().map(|metres| (metres / square_m).floor() as i64);
             let corner = square.map(|index| index as f64 * square_m);
             let place = [node.east_m - corner[0], node.north_m - corner[1]];
             sums.entry(square).or_default().add(place, node);
@@ -230,10 +230,6 @@ impl NodeSlopes {
     pub(super) fn sampler<'a>(&'a self, triangles: TinSampler<'a>) -> BendSampler<'a> {
         BendSampler { slopes: self, triangles, corners: Vec::with_capacity(3) }
     }
-}
-
-fn square_of(place: [f64; 2], square_m: f64) -> [i64; 2] {
-    place.map(|metres| (metres / square_m).floor() as i64)
 }
 
 /// Sampler that keeps the corners of the last triangle and their slopes.
