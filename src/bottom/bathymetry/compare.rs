@@ -290,10 +290,7 @@ impl ReferencePoints {
             Prepared::Surface(tin) => {
                 let sampler = || {
                     let mut sampler = tin.sampler(Between::Linear);
-                    move |place| {
-                        let nodes = sampler.nodes_at(place)?;
-                        Some(-nodes.map(|(node, share)| share * node.depth_m).sum::<f64>())
-                    }
+                    move |place| Some(-sampler.depth_at(place)?)
                 };
                 each(measured, place, sampler, progress)
             }
