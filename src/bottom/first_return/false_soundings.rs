@@ -324,7 +324,7 @@ fn second_echoes_by(soundings: &[Sounding], ranges_m: Vec<f64>) -> Vec<FalseSoun
         let leaps_at = |inside: Range<usize>, outside: Range<usize>| {
             let middle = |of: &dyn Fn(usize) -> f64, at: Range<usize>| {
                 let mut values: Vec<f64> = at.map(of).filter(|value| value.is_finite()).collect();
-                if values.is_empty() { f64::NAN } else { median(&mut values) }
+                median(&mut values)
             };
             let ratio = middle(&depth_m, inside.clone()) / middle(&depth_m, outside.clone());
             let ranges = |at| middle(&|index: usize| ranges_m[index], at);

@@ -110,11 +110,8 @@ impl PlanningGrid {
         } else {
             0.0
         };
-        let look = if f64::from(pass_m) < self.swath_m {
-            LOOK_WORTH.get(usize::from(cell.looks))
-        } else {
-            None
-        };
+        let is_seen = f64::from(pass_m) < self.swath_m;
+        let look = LOOK_WORTH.get(usize::from(cell.looks)).filter(|_| is_seen);
         fall_m + look.map_or(0.0, |share| share * self.sigma.limit_m())
     }
 

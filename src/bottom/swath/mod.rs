@@ -312,7 +312,7 @@ fn usual_between_m(surface: &Surface) -> f64 {
     let far =
         cells.filter(|(spread_m, away_m)| !spread_m.is_nan() && f64::from(**away_m) >= HELD_M[1]);
     let mut spreads_m: Vec<f64> = far.map(|(spread_m, _)| f64::from(*spread_m)).collect();
-    if spreads_m.is_empty() { f64::NAN } else { median(&mut spreads_m) }
+    median(&mut spreads_m)
 }
 
 /// Returns the brightness of the bed in each cell with a depth and observations, decibels over the
