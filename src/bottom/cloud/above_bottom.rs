@@ -181,9 +181,7 @@ fn are_alike([port_m, starboard_m]: [f64; 2], depth_m: f64) -> bool {
 /// Returns the height of a first return above the recorded depth, by the recorder's own scale,
 /// metres; NaN without a depth or a first return.
 pub(super) fn height_m(survey: &Survey, returns: &FirstReturns, ping: usize, side: Side) -> f64 {
-    let found = survey.span(ping, side).zip(returns.side(side).get(ping));
-    let range_m = found.map_or(f64::NAN, |(span, pick)| span.range_m(f64::from(pick.sample)));
-    f64::from(survey.good_depth_m(ping)) - range_m
+    f64::from(survey.good_depth_m(ping)) - returns.range_m(survey, ping, side)
 }
 
 /// Returns the way up to each ping, metres. Over a gap it jumps by more than both ways around a

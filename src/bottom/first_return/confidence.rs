@@ -329,8 +329,7 @@ pub(super) fn doubt_by_own_scale(survey: &Survey, returns: &mut FirstReturns) {
 fn farthest_share(survey: &Survey, returns: &FirstReturns) -> Option<f64> {
     let share = |ping: usize| {
         let picks = Side::BOTH.map(|side| &returns.side(side)[ping]);
-        let [port_m, starboard_m] =
-            Side::BOTH.map(|side| pick_range_m(survey, ping, side, picks[side as usize]));
+        let [port_m, starboard_m] = Side::BOTH.map(|side| returns.range_m(survey, ping, side));
         let is_certain = picks.iter().all(|pick| pick.confidence >= CERTAIN);
         let is_level = (port_m - starboard_m).abs() < LEVEL * port_m.max(starboard_m);
         let share = port_m.max(starboard_m) / f64::from(survey.good_depth_m(ping));

@@ -111,13 +111,6 @@ pub(super) fn ranges_around(survey: &Survey, pings: &[usize]) -> Vec<Range<usize
     ranges
 }
 
-/// Returns the slant range of the first return at a ping by the recorder's scale, metres; NaN
-/// without one.
-fn range_m(survey: &Survey, returns: &FirstReturns, ping: usize, side: Side) -> f64 {
-    let pick = returns.side(side).get(ping);
-    pick.map_or(f64::NAN, |pick| pick_range_m(survey, ping, side, pick))
-}
-
 /// Returns the slant range of a given pick by the recorder's scale, metres; NaN without a pick or a
 /// recorded side.
 pub(super) fn pick_range_m(survey: &Survey, ping: usize, side: Side, pick: &Pick) -> f64 {
@@ -199,7 +192,7 @@ impl Witnesses {
         let of_side = |side: Side| {
             let pings = 0..survey.side_scan.len();
             let ranges_m: Vec<f64> =
-                pings.map(|ping| range_m(survey, returns, ping, side)).collect();
+                pings.map(|ping| returns.range_m(survey, ping, side)).collect();
             let around = |sounding: &Sounding| {
                 let ping = nearest_in_time(&survey.side_scan, sounding.time_s, |ping| ping.time_s)?;
                 let near =

@@ -177,6 +177,13 @@ impl FirstReturns {
         (self.drawn.iter()).any(|&(of, pings)| of == side && covers(pings))
     }
 
+    /// Returns the slant range of the first return at a ping by the recorder's scale, metres; NaN
+    /// without one.
+    pub(crate) fn range_m(&self, survey: &Survey, ping: usize, side: Side) -> f64 {
+        let pick = self.side(side).get(ping);
+        pick.map_or(f64::NAN, |pick| false_soundings::pick_range_m(survey, ping, side, pick))
+    }
+
     /// Returns the first returns without picks at the excluded pings.
     #[must_use]
     pub fn without(&self, exclusions: &Exclusions) -> Self {
