@@ -224,12 +224,6 @@ impl BottomSettings {
         self.count(false)
     }
 
-    /// Returns the number of pings with a manual pick or an accepted first return, each side
-    /// counted.
-    pub fn edited_count(&self) -> usize {
-        self.ping_count() + self.accepted_count()
-    }
-
     fn count(&self, accepted: bool) -> usize {
         let lines = self.lines.iter().filter(|line| line.accepted == accepted);
         lines.map(|line| line.span().count()).sum()
