@@ -145,32 +145,6 @@ impl Scores {
         vectorised(Measure { scores: self, rows, kernel });
     }
 
-    /// Computes the scores as [`Scores::measure`] does; not vectorised.
-    #[inline(always)]
-    fn measure_inlined(&mut self, rows: &SampleRows, kernel: &Kernel) {
-        for first in (0..rows.len()).step_by(TOGETHER) {
-            if !self.is_new[first] {
-                continue;
-            }
-            let last = rows.len() - 1;
-            for index in 0..TOGETHER {
-                // Where fewer rows are left, the last one is processed again.
-                self.smooth(rows, last.min(first + index));
-                self.sums[index].of(&self.fine);
-            }
-            quiet_water(&mut self.quiet, &self.sums, kernel);
-            for (index, row) in (first..=last).take(TOGETHER).enumerate() {
-                let RunningSums { sums, squares } = &self.sums[index];
-                brightness_before(&mut self.before, sums, kernel);
-                let water = WaterBrightness { before: &self.before, quiet: &self.quiet[index] };
-                let out = self.grid.row_mut(row);
-                step_scores(out, (sums, squares), &water, kernel, rows.recorded[row]);
-                self.find_loudest(rows, row, kernel.window);
-                close_below_level(self.grid.row_mut(row), &self.loudest, kernel.level);
-            }
-        }
-    }
-
     /// Lowers the scores of some cells of a row; cells beyond the row are ignored.
     fn lower(&mut self, row: usize, cells: impl RangeBounds<usize>, cost: f32) {
         let row = self.grid.row_mut(row);
@@ -265,7 +239,28 @@ impl VectorLoop for Measure<'_> {
 
     #[inline(always)]
     fn run(self) {
-        self.scores.measure_inlined(self.rows, self.kernel);
+        let Self { scores, rows, kernel } = self;
+        for first in (0..rows.len()).step_by(TOGETHER) {
+            if !scores.is_new[first] {
+                continue;
+            }
+            let last = rows.len() - 1;
+            for index in 0..TOGETHER {
+                // Where fewer rows are left, the last one is processed again.
+                scores.smooth(rows, last.min(first + index));
+                scores.sums[index].of(&scores.fine);
+            }
+            quiet_water(&mut scores.quiet, &scores.sums, kernel);
+            for (index, row) in (first..=last).take(TOGETHER).enumerate() {
+                let RunningSums { sums, squares } = &scores.sums[index];
+                brightness_before(&mut scores.before, sums, kernel);
+                let water = WaterBrightness { before: &scores.before, quiet: &scores.quiet[index] };
+                let out = scores.grid.row_mut(row);
+                step_scores(out, (sums, squares), &water, kernel, rows.recorded[row]);
+                scores.find_loudest(rows, row, kernel.window);
+                close_below_level(scores.grid.row_mut(row), &scores.loudest, kernel.level);
+            }
+        }
     }
 }
 
