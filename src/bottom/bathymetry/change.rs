@@ -145,22 +145,19 @@ impl ChangeTotals {
             region.cells.iter().for_each(|cell| is_inside[*cell] = true);
         }
         for (index, is_inside) in is_inside.into_iter().enumerate() {
-            if let Some(cell) = field.cell(index) {
-                self.count(&cell, is_inside, errors);
+            let Some(cell) = field.cell(index) else {
+                continue;
+            };
+            self.all.add(&cell);
+            if !is_inside {
+                self.undetected.add(&cell);
             }
-        }
-    }
-
-    fn count(&mut self, cell: &CellChange, is_inside: bool, errors: &ChangeErrors) {
-        self.all.add(cell);
-        if !is_inside {
-            self.undetected.add(cell);
-        }
-        for (counts, metres) in [
-            (&mut self.rises_mm, cell.rise_m),
-            (&mut self.levels_mm, cell.detection_level_m(errors)),
-        ] {
-            *counts.entry((1e3 * metres).round() as i64).or_default() += 1;
+            for (counts, metres) in [
+                (&mut self.rises_mm, cell.rise_m),
+                (&mut self.levels_mm, cell.detection_level_m(errors)),
+            ] {
+                *counts.entry((1e3 * metres).round() as i64).or_default() += 1;
+            }
         }
     }
 

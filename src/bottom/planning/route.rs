@@ -14,7 +14,7 @@ const NEAREST: usize = 12;
 /// Returns the shortest turn between two poses that stays in the water; `None` where none does.
 pub(super) fn link(water: &Water, from: TurnPose, to: TurnPose, radius_m: f64) -> Option<Turn> {
     let step_m = 0.5 * water.grid.cell_m;
-    let stays = |turn: &Turn| water.holds_all(&turn.places(step_m));
+    let stays = |turn: &Turn| turn.places(step_m).into_iter().all(|place| water.holds(place));
     turns(from, to, radius_m).into_iter().find(stays)
 }
 
