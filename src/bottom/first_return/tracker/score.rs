@@ -254,9 +254,9 @@ impl VectorLoop for Measure<'_> {
             for (index, row) in (first..=last).take(TOGETHER).enumerate() {
                 let RunningSums { sums, squares } = &scores.sums[index];
                 brightness_before(&mut scores.before, sums, kernel);
-                let water = WaterBrightness { before: &scores.before, quiet: &scores.quiet[index] };
+                let water = (&scores.before[..], &scores.quiet[index][..]);
                 let out = scores.grid.row_mut(row);
-                step_scores(out, (sums, squares), &water, kernel, rows.recorded[row]);
+                step_scores(out, (sums, squares), water, kernel, rows.recorded[row]);
                 scores.find_loudest(rows, row, kernel.window);
                 close_below_level(scores.grid.row_mut(row), &scores.loudest, kernel.level);
             }
@@ -319,21 +319,14 @@ fn quiet_water(out: &mut [Vec<f32>; TOGETHER], rows: &[RunningSums; TOGETHER], k
     }
 }
 
-/// Brightness of the water before every cell of a row.
-struct WaterBrightness<'a> {
-    /// See [`brightness_before`].
-    before: &'a [f32],
-    /// See [`quiet_water`].
-    quiet: &'a [f32],
-}
-
 /// Computes `(mean after - mean before) / sqrt(variance after + variance before + floor)` at every
-/// cell, less a cost where the cells before it are not quiet water.
+/// cell, less a cost where the cells before it are not quiet water. The brightness of the water
+/// before every cell is that of [`brightness_before`] and of [`quiet_water`].
 #[inline(always)]
 fn step_scores(
     out: &mut [f32],
     (sums, squares): (&[u32], &[u32]),
-    water: &WaterBrightness<'_>,
+    (before, quiet): (&[f32], &[f32]),
     kernel: &Kernel,
     recorded: usize,
 ) {
@@ -347,7 +340,7 @@ fn step_scores(
         let near = 1.0 / (cell - kernel.first) as f32;
         let near = Moments::between(sums, squares, kernel.first, cell, near);
         let far = Moments::between(sums, squares, cell, cell + window, per);
-        *out = far.step_from(near, water.before[cell], water.quiet[cell]);
+        *out = far.step_from(near, before[cell], quiet[cell]);
     }
     if full < kernel.first + window {
         return;
@@ -356,8 +349,7 @@ fn step_scores(
     let starts = [full - window, full, full + window];
     let [s0, s1, s2] = starts.map(|start| &sums[start..][..count]);
     let [q0, q1, q2] = starts.map(|start| &squares[start..][..count]);
-    let before = &water.before[full..][..count];
-    let quiet = &water.quiet[full..][..count];
+    let [before, quiet] = [before, quiet].map(|water| &water[full..][..count]);
     for (cell, out) in out[full..last].iter_mut().enumerate() {
         let near = Moments::of(s0[cell], s1[cell], q0[cell], q1[cell], per);
         let far = Moments::of(s1[cell], s2[cell], q1[cell], q2[cell], per);
