@@ -134,12 +134,11 @@ struct Sums {
 impl Sums {
     /// Counts a survey's first returns by their heights above the recorded depth.
     fn new(survey: &Survey, returns: &FirstReturns, heights_m: &[[f64; 2]]) -> Self {
-        let start = || vec![0];
         let mut sums = Self {
-            pings: start(),
-            alike: start(),
-            judged: [start(), start()],
-            apart: [start(), start()],
+            pings: vec![0],
+            alike: vec![0],
+            judged: [vec![0], vec![0]],
+            apart: [vec![0], vec![0]],
         };
         let add = |sums: &mut Vec<u32>, is_one: bool| {
             sums.push(sums.last().copied().unwrap_or_default() + u32::from(is_one));
