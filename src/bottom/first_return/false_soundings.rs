@@ -7,7 +7,7 @@
 //! to twice its value while neither side moves. Where a recorder has lost the bottom, it repeats
 //! the last depth: the depth stays the same to the last digit while both sides move.
 
-use super::{FirstReturns, Pick};
+use super::{FirstReturns, Pick, joined};
 use bathyscope_log::support::statistics::{median, quantile};
 use bathyscope_log::survey::{Side, SidePing, Sounding, SoundingFault, Survey, nearest_in_time};
 use rayon::prelude::*;
@@ -363,15 +363,8 @@ fn stretches(
     indices: impl Iterator<Item = usize>,
     is_unseen: impl Fn(Range<usize>) -> bool,
 ) -> Vec<Range<usize>> {
-    let mut stretches: Vec<Range<usize>> = Vec::new();
-    for index in indices {
-        match stretches.last_mut() {
-            Some(last) if index - last.end <= LONGEST_PAUSE || is_unseen(last.end..index) => {
-                last.end = index + 1;
-            }
-            _ => stretches.push(index..index + 1),
-        }
-    }
+    let goes_on = |end: usize, index: usize| index - end <= LONGEST_PAUSE || is_unseen(end..index);
+    let mut stretches = joined(indices, goes_on);
     stretches.retain(|stretch| stretch.len() >= SHORTEST);
     stretches
 }

@@ -385,6 +385,22 @@ pub fn track_range(
     Ok(FirstReturns::of_sides(sides, normalisation))
 }
 
+/// Joins rising indices to stretches. An index goes on with the stretch before it where `goes_on`
+/// returns true for the end of this stretch and the index.
+fn joined(
+    indices: impl Iterator<Item = usize>,
+    goes_on: impl Fn(usize, usize) -> bool,
+) -> Vec<Range<usize>> {
+    let mut stretches: Vec<Range<usize>> = Vec::new();
+    for index in indices {
+        match stretches.last_mut() {
+            Some(last) if goes_on(last.end, index) => last.end = index + 1,
+            _ => stretches.push(index..index + 1),
+        }
+    }
+    stretches
+}
+
 /// Source of the bottom line. Bottom edits replace either source.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

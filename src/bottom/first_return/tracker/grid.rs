@@ -2,6 +2,7 @@
 //! extracts bands of cells around the line, in which the line is level, so that they can be
 //! averaged along the track without smearing a sloping edge.
 
+use super::super::joined;
 use super::rows::SampleRows;
 use super::trend::Trend;
 use std::ops::Range;
@@ -112,14 +113,7 @@ pub(super) fn peak_offset(values: &[f32], at: usize) -> f32 {
 /// the trend.
 pub(super) fn stretches(line: &[usize], trend: &Trend, limit: usize) -> Vec<Range<usize>> {
     let moves = |row: usize| line[row] as isize - line[row - 1] as isize - trend.step(row);
-    let mut stretches: Vec<Range<usize>> = Vec::new();
-    for row in 0..line.len() {
-        match stretches.last_mut() {
-            Some(stretch) if moves(row).unsigned_abs() <= limit => stretch.end = row + 1,
-            _ => stretches.push(row..row + 1),
-        }
-    }
-    stretches
+    joined(0..line.len(), |_, row| moves(row).unsigned_abs() <= limit)
 }
 
 /// Returns half of a gaussian: weights at distances 0, 1, 2 ... up to three standard deviations.

@@ -1,7 +1,7 @@
 //! Scores how much every cell of every row looks like the step from water to bottom, and limits the
 //! place of the line by the recorded depth.
 
-use super::super::{FirstReturnSettings, Normalisation, SampleMode};
+use super::super::{FirstReturnSettings, Normalisation, SampleMode, joined};
 use super::grid::TrackerGrid;
 use super::rows::{SampleRows, TrackerChunk};
 use super::trend::{Trend, overlap};
@@ -471,15 +471,9 @@ impl Depths {
     /// example where it leapt to a wall. A line a little beyond the depth is the edge of the bottom
     /// where the depth is late or rounded.
     pub(super) fn leaps(&self, line: &[usize]) -> Vec<Range<usize>> {
-        let mut stretches: Vec<Range<usize>> = Vec::new();
         let is_far = |&(row, depth): &(usize, f64)| line[row] > self.cell(LEAP_SHARE * depth);
-        for (row, _) in self.known().filter(is_far) {
-            match stretches.last_mut() {
-                Some(last) if row - last.end <= PAUSE => last.end = row + 1,
-                _ => stretches.push(row..row + 1),
-            }
-        }
-        stretches
+        let far = self.known().filter(is_far).map(|(row, _)| row);
+        joined(far, |end, row| row - end <= PAUSE)
     }
 
     /// Lowers the scores of cells beyond the recorded depth in some rows by a cost; a cost below
