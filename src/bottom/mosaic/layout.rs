@@ -184,7 +184,13 @@ impl MosaicLayout {
                 (known && straight).then_some(Placed { at, starboard })
             })
             .collect();
-        let joined = joined(survey, navigation, &placed);
+        // A ping and the next must be near enough to each other to show the ground between them.
+        let is_joined = |ping: usize| {
+            placed[ping].is_some()
+                && placed.get(ping + 1).is_some_and(Option::is_some)
+                && joined_way_m(survey, navigation, ping).is_some()
+        };
+        let joined: Vec<bool> = (0..placed.len()).map(is_joined).collect();
         Self { joined, ..Self::of_placed(survey, placed, returns, calibration, settings) }.boxed()
     }
 
@@ -486,18 +492,6 @@ fn side_ranges(survey: &Survey, calibration: &Calibration, side: Side) -> Vec<Op
         })
     };
     (0..survey.side_scan.len()).map(ranges).collect()
-}
-
-/// Returns for each ping true if it and the next are near enough to each other to show the ground
-/// between them.
-fn joined(survey: &Survey, navigation: &Navigation, placed: &[Option<Placed>]) -> Vec<bool> {
-    (0..placed.len())
-        .map(|ping| {
-            placed[ping].is_some()
-                && placed.get(ping + 1).is_some_and(Option::is_some)
-                && joined_way_m(survey, navigation, ping).is_some()
-        })
-        .collect()
 }
 
 /// Returns the distance from a ping to the next, metres; `None` where they are too far apart, in
