@@ -175,7 +175,7 @@ impl OpenLog {
     fn take_bottom(&mut self, read: ReadBottom) -> Result<String, Error> {
         let swapped = self.survey.as_ref().is_some_and(|survey| survey.swapped_sides);
         let kept = read?.with_sides(swapped);
-        let pings = kept.edited_count();
+        let pings = kept.ping_count() + kept.accepted_count();
         Arc::make_mut(&mut self.own).bottom = kept.clone();
         Arc::make_mut(&mut self.settings).bottom = kept;
         Ok(format!(

@@ -144,10 +144,6 @@ impl Equations {
         }
     }
 
-    fn unknowns_of(&self, equation: usize) -> &[u32] {
-        &self.unknowns[self.starts[equation]..self.starts[equation + 1]]
-    }
-
     fn terms(&self, equation: usize) -> impl Iterator<Item = (usize, f64)> + Clone {
         let range = self.starts[equation]..self.starts[equation + 1];
         let unknowns = self.unknowns[range.clone()].iter().map(|unknown| *unknown as usize);
@@ -406,11 +402,11 @@ impl Neighbours {
         for unknown in 0..unknowns {
             seen[unknown] = unknown;
             for (equation, _) in of_unknown.of(unknown) {
-                for other in equations.unknowns_of(equation) {
-                    let seen = &mut seen[*other as usize];
+                for (other, _) in equations.terms(equation) {
+                    let seen = &mut seen[other];
                     if *seen != unknown {
                         *seen = unknown;
-                        found.push(*other);
+                        found.push(other as u32);
                     }
                 }
             }

@@ -80,10 +80,6 @@ pub struct SurveyOrder {
     pub b: f64,
 }
 
-const fn order(order: &'static str, a_m: f64, b: f64) -> SurveyOrder {
-    SurveyOrder { order, a_m, b }
-}
-
 impl SurveyOrder {
     /// Returns the total vertical uncertainty allowed at a depth, `sqrt(a^2 + (b d)^2)`, metres.
     pub(crate) fn limit_m(self, depth_m: f64) -> f64 {
@@ -187,10 +183,10 @@ impl DifferenceHistogram {
 /// The orders of IHO Standards for Hydrographic Surveys, S-44, edition 6, table 1; the strictest
 /// first.
 const ORDERS: [SurveyOrder; 4] = [
-    order("exclusive", 0.15, 0.0075),
-    order("special", 0.25, 0.0075),
-    order("1a/1b", 0.5, 0.013),
-    order("2", 1.0, 0.023),
+    SurveyOrder { order: "exclusive", a_m: 0.15, b: 0.0075 },
+    SurveyOrder { order: "special", a_m: 0.25, b: 0.0075 },
+    SurveyOrder { order: "1a/1b", a_m: 0.5, b: 0.013 },
+    SurveyOrder { order: "2", a_m: 1.0, b: 0.023 },
 ];
 /// Largest number of columns of a histogram on either side of its middle.
 const COLUMNS: i64 = 100;
@@ -290,10 +286,7 @@ impl ReferencePoints {
             Prepared::Surface(tin) => {
                 let sampler = || {
                     let mut sampler = tin.sampler(Between::Linear);
-                    move |place| {
-                        let nodes = sampler.nodes_at(place)?;
-                        Some(-nodes.map(|(node, share)| share * node.depth_m).sum::<f64>())
-                    }
+                    move |place| Some(-sampler.depth_at(place)?)
                 };
                 each(measured, place, sampler, progress)
             }

@@ -12,10 +12,9 @@
 //! `crosslines` compares the passes of a survey with each other and `crossing_error` estimates the
 //! error of a depth from that, `contradicted` finds the stretches that other logs show to be false,
 //! `height_offsets` finds the height offsets between the depths of logs, `position_offsets` finds
-//! the offsets and delays of their positions, `transect` samples surfaces along a line, `resampled`
-//! resamples them to other cells and extends them over more ground, `change` finds what changed
-//! between two of them, and `from_levels` defines the setting and result of depths from echo
-//! levels.
+//! the offsets and delays of their positions, `resampled` samples surfaces along a line and in other
+//! cells and extends them over more ground, `change` finds what changed between two of them, and
+//! `from_levels` defines the setting and result of depths from echo levels.
 
 pub mod change;
 pub mod compare;
@@ -37,7 +36,6 @@ mod surface;
 #[cfg(test)]
 mod testing;
 mod tin;
-mod transect;
 
 pub use contradicted::{ContradictedStretch, Contradiction, contradicted};
 pub use crossing_error::CrossingError;
@@ -50,8 +48,8 @@ pub use left_out::{SigmaByDistance, sigma_by_distance};
 pub use local::{LOCAL_MARGIN_CELLS, local_reach_m, local_surface};
 pub(crate) use nodes::merge_repeated;
 pub use nodes::{DepthPoint, Node, depth_points, depth_range};
+pub use resampled::{Corner, TransectStation, transect};
 pub use slopes::Bends;
 pub(crate) use slopes::BentSampler;
 pub use surface::{Spread, Surface, SurfaceMethod, SurfaceSettings, surface, surface_of_depths};
 pub(crate) use tin::{Between, Tin, TinSampler};
-pub use transect::{Corner, TransectStation, transect};

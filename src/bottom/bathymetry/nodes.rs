@@ -199,9 +199,11 @@ pub(super) fn sort_for_insertion(nodes: &mut [Node]) -> bool {
     if put_triangle_first(nodes).is_none() {
         return false;
     }
-    let (low, scale) = extent(nodes);
+    let [west, south, east, north] = bounds(nodes.iter().map(Node::place));
+    // Number of steps of the curve per metre.
+    let scale = f64::from((1_u32 << CURVE_BITS) - 1) / (east - west).max(north - south);
     let key = |node: &Node| {
-        let steps = [node.east_m - low[0], node.north_m - low[1]].map(|way| (way * scale) as u32);
+        let steps = [node.east_m - west, node.north_m - south].map(|way| (way * scale) as u32);
         // The hash makes a number of the place that is as good as random, and the same in every
         // run.
         let hash = (node.east_m.to_bits() ^ node.north_m.to_bits().rotate_left(32))
@@ -241,14 +243,6 @@ fn put_triangle_first(nodes: &mut [Node]) -> Option<()> {
     let coordinates = [start.east_m, start.north_m, end.east_m, end.north_m];
     let size_m = coordinates.map(f64::abs).into_iter().fold(0.0, f64::max);
     (width_m > LEAST_WIDTH * size_m).then_some(())
-}
-
-/// Returns the south-west corner, and the number of steps of the curve per metre.
-fn extent(nodes: &[Node]) -> ([f64; 2], f64) {
-    let [west, south, east, north] = bounds(nodes.iter().map(Node::place));
-    let side_m = (east - west).max(north - south);
-    let steps = f64::from((1_u32 << CURVE_BITS) - 1);
-    ([west, south], steps / side_m)
 }
 
 /// Returns the place of a cell along Hilbert's curve, cells counted from the south-west corner.

@@ -17,7 +17,7 @@
 //! and 25.
 
 use super::{Between, Node, Tin, TinSampler};
-use bathyscope_log::support::statistics::median;
+use bathyscope_log::support::statistics::{ends, median};
 use std::collections::HashMap;
 
 /// Fewest nodes around a square that determine a slope.
@@ -164,7 +164,7 @@ impl NodeSlopes {
     pub(super) fn of(nodes: &[Node], square_m: f64) -> Self {
         let mut sums: HashMap<[i64; 2], PlaneSums> = HashMap::new();
         for node in nodes {
-            let square = square_of(node.place(), square_m);
+            let square = node.place().map(|metres| (metres / square_m).floor() as i64);
             let corner = square.map(|index| index as f64 * square_m);
             let place = [node.east_m - corner[0], node.north_m - corner[1]];
             sums.entry(square).or_default().add(place, node);
@@ -232,10 +232,6 @@ impl NodeSlopes {
     }
 }
 
-fn square_of(place: [f64; 2], square_m: f64) -> [i64; 2] {
-    place.map(|metres| (metres / square_m).floor() as i64)
-}
-
 /// Sampler that keeps the corners of the last triangle and their slopes.
 pub(crate) struct BendSampler<'a> {
     slopes: &'a NodeSlopes,
@@ -283,11 +279,7 @@ impl BendSampler<'_> {
             let along_m = east * (east_m - node.east_m) + north * (north_m - node.north_m);
             Some(node.depth_m + along_m - straight_m)
         });
-        let (mut low_m, mut high_m) = (f64::INFINITY, f64::NEG_INFINITY);
-        for plane_m in planes_m {
-            low_m = low_m.min(plane_m);
-            high_m = high_m.max(plane_m);
-        }
+        let [low_m, high_m] = ends(planes_m);
         // A slope may end anywhere between the boat and its first return: nothing bends there.
         let end = corners.iter().map(|(corner, _)| corner.slope_end).fold(0.0, f32::max);
         let patch_m = f64::from(1.0 - end) * patch_m(corners, weights);

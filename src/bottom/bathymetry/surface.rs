@@ -188,15 +188,11 @@ impl Surface {
         let unknown = || vec![f32::NAN; grid.len()];
         Self {
             method,
-            bends: None,
-            levels: FromLevels::Off,
-            spread_is: Spread::OfSoundings,
-            grid,
             depth_m: unknown(),
             spread_m: unknown(),
             distance_m: unknown(),
             source: Vec::new(),
-            hardness_db: None,
+            ..Self::of_depths(grid, Vec::new())
         }
     }
 

@@ -80,8 +80,8 @@ impl AboveDepth {
         let mut usual_m = Vec::with_capacity(self.heights_m.len());
         while let Some(&at_m) = self.way_m.get(usual_m.len()) {
             let around = self.around(at_m, FOLLOWED_M);
-            let sigma_m =
-                if self.sums.are_mostly_alike(&around) { 0.0 } else { self.scatter_m(around) };
+            let is_alike = is_most(&self.sums.alike, &self.sums.pings, &around);
+            let sigma_m = if is_alike { 0.0 } else { self.scatter_m(around) };
             let shared = self.way_m.partition_point(|way| *way < at_m + SHARED_M);
             usual_m.resize(shared.clamp(usual_m.len() + 1, pings), SIGMAS * sigma_m);
         }
@@ -102,8 +102,9 @@ impl AboveDepth {
     pub(super) fn stretches_m(&self, side: Side) -> Vec<f32> {
         let Self { way_m, .. } = self;
         let pings = way_m.len();
-        let belongs =
-            |ping: usize| self.sums.are_mostly_apart(side, &self.around(way_m[ping], AROUND_M));
+        let [apart, judged] =
+            [&self.sums.apart, &self.sums.judged].map(|sides| &sides[side as usize]);
+        let belongs = |ping: usize| is_most(apart, judged, &self.around(way_m[ping], AROUND_M));
         let mut lengths_m = vec![0.0; self.heights_m.len()];
         let mut ping = 0;
         while ping < pings {
@@ -133,12 +134,11 @@ struct Sums {
 impl Sums {
     /// Counts a survey's first returns by their heights above the recorded depth.
     fn new(survey: &Survey, returns: &FirstReturns, heights_m: &[[f64; 2]]) -> Self {
-        let start = || vec![0];
         let mut sums = Self {
-            pings: start(),
-            alike: start(),
-            judged: [start(), start()],
-            apart: [start(), start()],
+            pings: vec![0],
+            alike: vec![0],
+            judged: [vec![0], vec![0]],
+            apart: [vec![0], vec![0]],
         };
         let add = |sums: &mut Vec<u32>, is_one: bool| {
             sums.push(sums.last().copied().unwrap_or_default() + u32::from(is_one));
@@ -161,19 +161,12 @@ impl Sums {
         }
         sums
     }
+}
 
-    /// Returns true if on most of some pings both sides are alike above the depth.
-    fn are_mostly_alike(&self, pings: &Range<usize>) -> bool {
-        let count = |sums: &[u32]| sums[pings.end] - sums[pings.start];
-        2 * count(&self.alike) > count(&self.pings)
-    }
-
-    /// Returns true if most first returns of a side lie above the depth on pings where the sides
-    /// differ.
-    fn are_mostly_apart(&self, side: Side, pings: &Range<usize>) -> bool {
-        let count = |sums: &[u32]| sums[pings.end] - sums[pings.start];
-        2 * count(&self.apart[side as usize]) > count(&self.judged[side as usize])
-    }
+/// Returns true if `part` counts most of what `all` counts on some pings.
+fn is_most(part: &[u32], all: &[u32], pings: &Range<usize>) -> bool {
+    let count = |sums: &[u32]| sums[pings.end] - sums[pings.start];
+    2 * count(part) > count(all)
 }
 
 /// Returns true if both sides are at about the same height above the depth, so that the obstacle
@@ -187,9 +180,7 @@ fn are_alike([port_m, starboard_m]: [f64; 2], depth_m: f64) -> bool {
 /// Returns the height of a first return above the recorded depth, by the recorder's own scale,
 /// metres; NaN without a depth or a first return.
 pub(super) fn height_m(survey: &Survey, returns: &FirstReturns, ping: usize, side: Side) -> f64 {
-    let found = survey.span(ping, side).zip(returns.side(side).get(ping));
-    let range_m = found.map_or(f64::NAN, |(span, pick)| span.range_m(f64::from(pick.sample)));
-    f64::from(survey.good_depth_m(ping)) - range_m
+    f64::from(survey.good_depth_m(ping)) - returns.range_m(survey, ping, side)
 }
 
 /// Returns the way up to each ping, metres. Over a gap it jumps by more than both ways around a

@@ -41,7 +41,8 @@ struct PickTrait {
 pub struct PickTraits {
     /// Properties by side, port first, one for each ping.
     sides: [Vec<PickTrait>; 2],
-    clutter: Option<Clutter>,
+    /// Clutter among the first returns; `None` without any.
+    pub clutter: Option<Clutter>,
 }
 
 /// Slant range from the edge of a first return within which its echo is strongest, metres.
@@ -89,11 +90,6 @@ impl PickTraits {
             picks.map(|(ping, pick)| of_pick(side, ping, pick)).collect()
         };
         Self { sides: Side::BOTH.map(of_side), clutter }
-    }
-
-    /// Returns the clutter among the first returns; `None` without any.
-    pub fn clutter(&self) -> Option<Clutter> {
-        self.clutter
     }
 
     /// Returns the properties of a side, one for each ping.
@@ -178,7 +174,7 @@ pub fn place(
         };
         let z_m =
             |ping: usize, below_m: f64| correction.z_m(survey.side_scan[ping].time_s, below_m);
-        let picks = picks(returns, traits, side);
+        let picks = returns.side(side).iter().zip(traits.side(side));
         // Nearly every ping has one: a list that grows is copied, and takes twice the memory then.
         let mut points = Vec::with_capacity(ranges_m.len());
         points.extend(side_points(navigation, picks, side, ranges_m, bottom_point, z_m));
@@ -271,15 +267,6 @@ fn sounding_points(
             )
         })
         .collect()
-}
-
-/// Returns the picks of a side with the properties of each.
-fn picks<'a>(
-    returns: &'a FirstReturns,
-    traits: &'a PickTraits,
-    side: Side,
-) -> impl Iterator<Item = (&'a Pick, &'a PickTrait)> {
-    returns.side(side).iter().zip(traits.side(side))
 }
 
 fn side_points<'a>(

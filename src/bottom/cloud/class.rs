@@ -134,14 +134,13 @@ pub struct ClassCounts {
 impl ClassCounts {
     /// Counts the points of a cloud with a class for each point.
     pub fn of(cloud: &PointCloud, classes: &[PointClass]) -> Self {
-        let mut all = Self::default();
-        for (index, class) in PointClass::ALL.into_iter().enumerate() {
-            all.counts[index] = classes.iter().filter(|point_class| **point_class == class).count();
+        let count = |class: PointClass| classes.iter().filter(|other| **other == class).count();
+        let of_source = |source| cloud.points.of(source).len();
+        Self {
+            counts: PointClass::ALL.map(count),
+            side_scan: of_source(PointSource::Port) + of_source(PointSource::Starboard),
+            swath: of_source(PointSource::Swath),
         }
-        let count = |source| cloud.points.of(source).len();
-        all.side_scan = count(PointSource::Port) + count(PointSource::Starboard);
-        all.swath = count(PointSource::Swath);
-        all
     }
 
     /// Returns the number of points of a class.

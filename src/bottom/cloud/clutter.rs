@@ -198,8 +198,7 @@ fn heights(
 ) -> Vec<(Height, f64)> {
     let picks = returns.side(side).iter().take(pings).enumerate();
     let of_pick = |(ping, pick): (usize, &crate::first_return::Pick)| {
-        let span = survey.span(ping, side).filter(|_| pick.is_some());
-        let range_m = span.map_or(f64::NAN, |span| span.range_m(f64::from(pick.sample)));
+        let range_m = returns.range_m(survey, ping, side);
         let depth_m = f64::from(survey.good_depth_m(ping));
         let height = match () {
             () if range_m.is_nan() => Height::Nothing,

@@ -184,8 +184,14 @@ pub(super) fn beam_angles(pairs: &[Pair], overlap_rad: f64) -> Vec<BeamAngles> {
     let interval_s = usual_step(pairs.iter().map(|pair| pair.time_s));
     let [most, least] = MIN_PAIRS;
     let least = ((MAX_AWAY_S / interval_s) as usize).clamp(least, most);
-    let shares = (0..pairs.len()).into_par_iter().map(|ping| farther_of_depth(pairs, ping, least));
-    let mut shares: Vec<f64> = shares.collect();
+    // The range of the farther side as a share of the recorded depth, around each ping.
+    let farther = |ping: usize| {
+        let mut around = Around::new(pairs, ping, least);
+        around
+            .middle(|pair| pair.farther_m() / pair.altitude_m)
+            .map_or(f64::NAN, |(share, _)| share)
+    };
+    let mut shares: Vec<f64> = (0..pairs.len()).into_par_iter().map(farther).collect();
     bridge(pairs, &mut shares, |share| share);
     let shares = shares.into_par_iter().enumerate();
     let known = shares.map(|(ping, of_depth)| known(pairs, ping, least, of_depth, overlap_rad));
@@ -218,13 +224,6 @@ fn bridge<T>(pairs: &[Pair], items: &mut [T], value: impl Fn(&mut T) -> &mut f64
         }
         known = Some((ping, to));
     }
-}
-
-/// Returns the range of the farther side as a share of the recorded depth, around a ping; NaN where
-/// too few pings have both.
-fn farther_of_depth(pairs: &[Pair], ping: usize, least: usize) -> f64 {
-    let share = Around::new(pairs, ping, least).middle(|pair| pair.farther_m() / pair.altitude_m);
-    share.map_or(f64::NAN, |(share, _)| share)
 }
 
 /// Returns the angles at a ping from the pings around it, radians; NaN where too few of these

@@ -127,10 +127,11 @@ impl Gathering<'_> {
         })
     }
 
-    /// Returns the picks with their confidence, port and starboard.
+    /// Returns the picks with their confidence, port and starboard; that of picks beyond the bottom
+    /// below the boat is doubted.
     pub(super) fn picks(&self) -> [Vec<Pick>; 2] {
         let evidence = self.evidence();
-        [0, 1].map(|this| {
+        let mut sides: [Vec<Pick>; 2] = [0, 1].map(|this| {
             let found = self.found[this].par_iter().zip(&evidence[this]);
             let rated = found.with_min_len(1024).map(|(found, evidence)| {
                 if found.sample.is_nan() {
@@ -143,7 +144,10 @@ impl Gathering<'_> {
                 }
             });
             rated.collect()
-        })
+        });
+        let [port, starboard] = &mut sides;
+        doubt_beyond(self.survey, self.first, [port, starboard], &farthest_m);
+        sides
     }
 
     /// Returns the slant ranges by the recorder's scale, metres; NaN without a pick.
@@ -309,18 +313,8 @@ pub(super) fn farthest_m(depth_m: f64) -> f64 {
     (SHALLOW * depth_m).min(DEEP.0 * depth_m + DEEP.1)
 }
 
-/// Sets the confidence of first returns beyond the bottom below the boat to 0. A first return keeps
-/// its confidence in two cases: the first return of the other side is beyond the depth too, at
-/// about the same range, since the depth may be wrong or the beams may not reach the nadir; or it
-/// is certain and the other side does not confirm the depth. `sides` are the picks of port and
-/// starboard from the ping `first` on.
-pub(super) fn doubt(survey: &Survey, first: usize, sides: &mut [Vec<Pick>; 2]) {
-    let [port, starboard] = sides;
-    doubt_beyond(survey, first, [port, starboard], &|depth_m| farthest_m(depth_m));
-}
-
-/// Doubts first returns as [`doubt`] does, with a limit measured on this log: the ratio of ranges
-/// to depths where both sides detect a level bottom.
+/// Doubts first returns as [`Gathering::picks`] does, with a limit measured on this log: the ratio
+/// of ranges to depths where both sides detect a level bottom.
 pub(super) fn doubt_by_own_scale(survey: &Survey, returns: &mut FirstReturns) {
     let Some(farthest) = farthest_share(survey, returns) else {
         return;
@@ -335,8 +329,7 @@ pub(super) fn doubt_by_own_scale(survey: &Survey, returns: &mut FirstReturns) {
 fn farthest_share(survey: &Survey, returns: &FirstReturns) -> Option<f64> {
     let share = |ping: usize| {
         let picks = Side::BOTH.map(|side| &returns.side(side)[ping]);
-        let [port_m, starboard_m] =
-            Side::BOTH.map(|side| pick_range_m(survey, ping, side, picks[side as usize]));
+        let [port_m, starboard_m] = Side::BOTH.map(|side| returns.range_m(survey, ping, side));
         let is_certain = picks.iter().all(|pick| pick.confidence >= CERTAIN);
         let is_level = (port_m - starboard_m).abs() < LEVEL * port_m.max(starboard_m);
         let share = port_m.max(starboard_m) / f64::from(survey.good_depth_m(ping));
@@ -351,7 +344,11 @@ fn farthest_share(survey: &Survey, returns: &FirstReturns) -> Option<f64> {
     Some(middle + OWN_SIGMAS * spread_about(&mut shares, middle))
 }
 
-/// Doubts first returns beyond the range that `farthest_m` returns for the depth.
+/// Sets the confidence of first returns beyond the range that `farthest_m` returns for the depth to
+/// 0. A first return keeps its confidence in two cases: the first return of the other side is
+/// beyond the depth too, at about the same range, since the depth may be wrong or the beams may not
+/// reach the nadir; or it is certain and the other side does not confirm the depth. `sides` are the
+/// picks of port and starboard from the ping `first` on.
 fn doubt_beyond(
     survey: &Survey,
     first: usize,

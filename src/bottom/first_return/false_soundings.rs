@@ -7,7 +7,7 @@
 //! to twice its value while neither side moves. Where a recorder has lost the bottom, it repeats
 //! the last depth: the depth stays the same to the last digit while both sides move.
 
-use super::{FirstReturns, Pick};
+use super::{FirstReturns, Pick, joined};
 use bathyscope_log::support::statistics::{median, quantile};
 use bathyscope_log::survey::{Side, SidePing, Sounding, SoundingFault, Survey, nearest_in_time};
 use rayon::prelude::*;
@@ -111,13 +111,6 @@ pub(super) fn ranges_around(survey: &Survey, pings: &[usize]) -> Vec<Range<usize
     ranges
 }
 
-/// Returns the slant range of the first return at a ping by the recorder's scale, metres; NaN
-/// without one.
-fn range_m(survey: &Survey, returns: &FirstReturns, ping: usize, side: Side) -> f64 {
-    let pick = returns.side(side).get(ping);
-    pick.map_or(f64::NAN, |pick| pick_range_m(survey, ping, side, pick))
-}
-
 /// Returns the slant range of a given pick by the recorder's scale, metres; NaN without a pick or a
 /// recorded side.
 pub(super) fn pick_range_m(survey: &Survey, ping: usize, side: Side, pick: &Pick) -> f64 {
@@ -199,7 +192,7 @@ impl Witnesses {
         let of_side = |side: Side| {
             let pings = 0..survey.side_scan.len();
             let ranges_m: Vec<f64> =
-                pings.map(|ping| range_m(survey, returns, ping, side)).collect();
+                pings.map(|ping| returns.range_m(survey, ping, side)).collect();
             let around = |sounding: &Sounding| {
                 let ping = nearest_in_time(&survey.side_scan, sounding.time_s, |ping| ping.time_s)?;
                 let near =
@@ -324,7 +317,7 @@ fn second_echoes_by(soundings: &[Sounding], ranges_m: Vec<f64>) -> Vec<FalseSoun
         let leaps_at = |inside: Range<usize>, outside: Range<usize>| {
             let middle = |of: &dyn Fn(usize) -> f64, at: Range<usize>| {
                 let mut values: Vec<f64> = at.map(of).filter(|value| value.is_finite()).collect();
-                if values.is_empty() { f64::NAN } else { median(&mut values) }
+                median(&mut values)
             };
             let ratio = middle(&depth_m, inside.clone()) / middle(&depth_m, outside.clone());
             let ranges = |at| middle(&|index: usize| ranges_m[index], at);
@@ -370,15 +363,8 @@ fn stretches(
     indices: impl Iterator<Item = usize>,
     is_unseen: impl Fn(Range<usize>) -> bool,
 ) -> Vec<Range<usize>> {
-    let mut stretches: Vec<Range<usize>> = Vec::new();
-    for index in indices {
-        match stretches.last_mut() {
-            Some(last) if index - last.end <= LONGEST_PAUSE || is_unseen(last.end..index) => {
-                last.end = index + 1;
-            }
-            _ => stretches.push(index..index + 1),
-        }
-    }
+    let goes_on = |end: usize, index: usize| index - end <= LONGEST_PAUSE || is_unseen(end..index);
+    let mut stretches = joined(indices, goes_on);
     stretches.retain(|stretch| stretch.len() >= SHORTEST);
     stretches
 }

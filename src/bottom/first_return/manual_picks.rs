@@ -224,12 +224,6 @@ impl BottomSettings {
         self.count(false)
     }
 
-    /// Returns the number of pings with a manual pick or an accepted first return, each side
-    /// counted.
-    pub fn edited_count(&self) -> usize {
-        self.ping_count() + self.accepted_count()
-    }
-
     fn count(&self, accepted: bool) -> usize {
         let lines = self.lines.iter().filter(|line| line.accepted == accepted);
         lines.map(|line| line.span().count()).sum()
@@ -340,12 +334,8 @@ impl BottomSettings {
     /// Returns the settings with no first return of these pings accepted; manual picks in these
     /// pings stay.
     pub fn not_accepting(&self, side: Side, pings: [usize; 2]) -> Self {
-        let accepted = BottomSettings {
-            lines: (self.lines.iter().filter(|line| line.accepted)).cloned().collect(),
-            ..*self
-        };
-        let rest = accepted.without(side, pings).lines;
-        rest.into_iter().fold(self.drawn_only(), |all, part| all.with(part))
+        let rest = self.without(side, pings).lines.into_iter().filter(|line| line.accepted);
+        rest.fold(self.drawn_only(), |all, part| all.with(part))
     }
 
     /// Returns the settings with the manual picks alone: no first return is accepted.

@@ -158,6 +158,13 @@ pub struct FirstReturns {
 }
 
 impl FirstReturns {
+    /// Creates the first returns of both sides, port first, that were found by a normalisation.
+    fn of_sides(sides: [Vec<Pick>; 2], normalisation: &Normalisation) -> Self {
+        let [port, starboard] = sides.map(Arc::new);
+        let warnings = normalisation.warning().into_iter().collect();
+        Self { port, starboard, warnings, ..Self::default() }
+    }
+
     /// Returns the survey with the soundings that both sides contradict marked as a lost bottom,
     /// for the later stages; `None` where there is nothing to mark.
     pub fn judged(&self, survey: &Survey) -> Option<Survey> {
@@ -168,6 +175,13 @@ impl FirstReturns {
     pub fn is_drawn(&self, side: Side, ping: usize) -> bool {
         let covers = |[first, last]: [usize; 2]| (first..=last).contains(&ping);
         (self.drawn.iter()).any(|&(of, pings)| of == side && covers(pings))
+    }
+
+    /// Returns the slant range of the first return at a ping by the recorder's scale, metres; NaN
+    /// without one.
+    pub(crate) fn range_m(&self, survey: &Survey, ping: usize, side: Side) -> f64 {
+        let pick = self.side(side).get(ping);
+        pick.map_or(f64::NAN, |pick| false_soundings::pick_range_m(survey, ping, side, pick))
     }
 
     /// Returns the first returns without picks at the excluded pings.
@@ -364,18 +378,27 @@ pub fn track_range(
         method: Method::Tracker,
     }
     .picks();
-    confidence::doubt(survey, around.start, &mut sides);
     for picks in &mut sides {
         picks.truncate(pings.end - around.start);
         picks.drain(..pings.start - around.start);
     }
-    let [port, starboard] = sides.map(Arc::new);
-    Ok(FirstReturns {
-        port,
-        starboard,
-        warnings: normalisation.warning().into_iter().collect(),
-        ..FirstReturns::default()
-    })
+    Ok(FirstReturns::of_sides(sides, normalisation))
+}
+
+/// Joins rising indices to stretches. An index goes on with the stretch before it where `goes_on`
+/// returns true for the end of this stretch and the index.
+fn joined(
+    indices: impl Iterator<Item = usize>,
+    goes_on: impl Fn(usize, usize) -> bool,
+) -> Vec<Range<usize>> {
+    let mut stretches: Vec<Range<usize>> = Vec::new();
+    for index in indices {
+        match stretches.last_mut() {
+            Some(last) if goes_on(last.end, index) => last.end = index + 1,
+            _ => stretches.push(index..index + 1),
+        }
+    }
+    stretches
 }
 
 /// Source of the bottom line. Bottom edits replace either source.

@@ -5,13 +5,12 @@
 //! maxima are few (six to ten of 1400 samples), so they are kept for each side of a ping, and a
 //! level is searched among them alone.
 
-use super::confidence::{Gathering, MethodPick, doubt};
+use super::confidence::{Gathering, MethodPick};
 use super::normalise::{BLOCK, WORD, dead_samples, words_outward};
 use super::{FirstReturns, ImageSettings, Method, Normalisation, SampleMode, Settled};
 use bathyscope_log::support::progress::{Cancelled, Progress};
-use bathyscope_log::survey::{Side, Survey};
+use bathyscope_log::survey::{Samples, Side, Survey};
 use rayon::prelude::*;
-use std::sync::Arc;
 
 /// Index that finds where any threshold is first reached without reading the picture again.
 ///
@@ -59,16 +58,10 @@ impl ThresholdIndex {
         let dead_zone_m = normalisation.dead_zone_m;
         let maxima = match image.samples {
             SampleMode::Bytes => {
-                let climb = |ping, side, out: &mut Staircase<u8>| {
-                    climb_bytes(survey, ping, side, dead_zone_m, out);
-                };
-                Maxima::Bytes(Staircases::collect(survey, climb, progress)?)
+                Maxima::Bytes(Staircases::collect(survey, dead_zone_m, climb_bytes, progress)?)
             }
             SampleMode::Words => {
-                let climb = |ping, side, out: &mut Staircase<i32>| {
-                    climb_words(survey, ping, side, dead_zone_m, out);
-                };
-                Maxima::Words(Staircases::collect(survey, climb, progress)?)
+                Maxima::Words(Staircases::collect(survey, dead_zone_m, climb_words, progress)?)
             }
         };
         let pings = 0..survey.side_scan.len();
@@ -103,7 +96,7 @@ impl ThresholdIndex {
         above_bottom_margin_m: f64,
     ) -> FirstReturns {
         let Settled { found, depths_m } = self.found(threshold);
-        let mut sides = Gathering {
+        let sides = Gathering {
             survey,
             first: 0,
             found: &found,
@@ -113,14 +106,7 @@ impl ThresholdIndex {
             method: Method::Threshold,
         }
         .picks();
-        doubt(survey, 0, &mut sides);
-        let [port, starboard] = sides;
-        FirstReturns {
-            port: Arc::new(port),
-            starboard: Arc::new(starboard),
-            warnings: self.normalisation.warning().into_iter().collect(),
-            ..FirstReturns::default()
-        }
+        FirstReturns::of_sides(sides, &self.normalisation)
     }
 }
 
@@ -185,9 +171,12 @@ struct Staircases<V> {
 }
 
 impl<V: Copy + Send + Sync + PartialOrd> Staircases<V> {
+    /// Collects the running maxima of a survey: `climb` adds those of the samples of a side, of
+    /// which as many as its third argument lie in the dead zone.
     fn collect(
         survey: &Survey,
-        climb: impl Fn(usize, Side, &mut Staircase<V>) + Sync,
+        dead_zone_m: f64,
+        climb: impl Fn(Samples<'_>, Side, usize, &mut Staircase<V>) + Sync,
         progress: &Progress,
     ) -> Result<Self, Cancelled> {
         let pings = survey.side_scan.len();
@@ -203,7 +192,10 @@ impl<V: Copy + Send + Sync + PartialOrd> Staircases<V> {
                 for ping in range {
                     for side in Side::BOTH {
                         let before = stairs.at.len();
-                        climb(ping, side, &mut stairs);
+                        let recorded = survey.samples(ping, side).zip(survey.span(ping, side));
+                        if let Some((samples, span)) = recorded {
+                            climb(samples, side, dead_samples(span, dead_zone_m), &mut stairs);
+                        }
                         lengths.push((stairs.at.len() - before) as u32);
                     }
                 }
@@ -245,19 +237,9 @@ impl<V: Copy + Send + Sync + PartialOrd> Staircases<V> {
 /// Number of samples whose maximum is compared first; most groups hold no new maximum.
 const STRIDE: usize = 32;
 
-fn climb_bytes(
-    survey: &Survey,
-    ping: usize,
-    side: Side,
-    dead_zone_m: f64,
-    out: &mut Staircase<u8>,
-) {
-    let (Some(samples), Some(span)) = (survey.samples(ping, side), survey.span(ping, side)) else {
-        return;
-    };
+fn climb_bytes(samples: Samples<'_>, _: Side, dead: usize, out: &mut Staircase<u8>) {
     let mut row = std::mem::take(&mut out.row);
     samples.copy_outward(&mut row);
-    let dead = dead_samples(span, dead_zone_m);
     let mut highest = None;
     for (stride, values) in row[dead.min(row.len())..].chunks(STRIDE).enumerate() {
         let top = values.iter().copied().fold(0, u8::max);
@@ -271,17 +253,7 @@ fn climb_bytes(
     out.row = row;
 }
 
-fn climb_words(
-    survey: &Survey,
-    ping: usize,
-    side: Side,
-    dead_zone_m: f64,
-    out: &mut Staircase<i32>,
-) {
-    let (Some(samples), Some(span)) = (survey.samples(ping, side), survey.span(ping, side)) else {
-        return;
-    };
-    let dead = dead_samples(span, dead_zone_m);
+fn climb_words(samples: Samples<'_>, side: Side, dead: usize, out: &mut Staircase<i32>) {
     let mut highest = None;
     let first = dead.div_ceil(WORD);
     for (word, value) in (first..).zip(words_outward(samples, side, dead)) {

@@ -23,7 +23,8 @@ pub(super) struct Canvas {
     window: Grid,
     /// Number of cells from a row to the next.
     stride: usize,
-    sums: Vec<CellSum>,
+    /// Sums of all cells.
+    pub sums: Vec<CellSum>,
 }
 
 impl Canvas {
@@ -76,72 +77,6 @@ impl Canvas {
         vectorised(PaintStrip { canvas: self, corners, strip, lines });
     }
 
-    /// Paints as [`Canvas::paint`] does; not vectorised.
-    #[inline(always)]
-    fn paint_cells(
-        &mut self,
-        corners: &[[f64; 2]; 4],
-        strip: &[MosaicRay; 2],
-        lines: [&MosaicLine; 2],
-    ) {
-        let window = self.window;
-        // Cells are processed along rows or along columns, whichever is closer to the direction of
-        // the rays: this gives few and long runs.
-        let is_along_rows = strip[0].out[0].abs() >= strip[0].out[1].abs();
-        let turned = |[x, y]: [f64; 2]| if is_along_rows { [x, y] } else { [y, x] };
-        // Corners in cells from the middle of the window's north-west cell, rows southward.
-        let mut in_cells = *corners;
-        for corner in &mut in_cells {
-            *corner = turned([
-                (corner[0] - window.west_m) / window.cell_m - 0.5,
-                (window.north_m - corner[1]) / window.cell_m - 0.5,
-            ]);
-        }
-        let (counts, steps) = if is_along_rows {
-            ([window.columns, window.rows], [1, self.stride])
-        } else {
-            ([window.rows, window.columns], [self.stride, 1])
-        };
-        let between = GroundBetween::new(strip);
-        let [from_m, to_m] = [strip[0].altitude_m, strip[1].altitude_m];
-        let reach_m = strip[0].shown_m.max(0.1);
-        let scan = Scan::new(&in_cells, counts[0], counts[1]);
-        for line in scan.rows.clone() {
-            let cells = scan.columns(line);
-            for start in cells.clone().step_by(RUN) {
-                let (mut shares, mut grounds_m) = ([0.0; RUN], [0.0; RUN]);
-                for (index, (share, ground_m)) in shares.iter_mut().zip(&mut grounds_m).enumerate()
-                {
-                    let along = start as f64 + index as f64 + 0.5;
-                    let [column, row] = turned([along, line as f64 + 0.5]);
-                    let x = window.west_m + column * window.cell_m;
-                    let y = window.north_m - row * window.cell_m;
-                    [*share, *ground_m] = between.find([x, y]);
-                }
-                let places = shares.iter().zip(&grounds_m);
-                for ((&share, &ground_m), cell) in places.zip(start..cells.end) {
-                    let altitude_m = from_m + (to_m - from_m) * share;
-                    let is_in_gap = self.nadir_gap > 0.0 && ground_m < altitude_m * self.nadir_gap;
-                    if ground_m.is_nan() || is_in_gap {
-                        continue;
-                    }
-                    let [from, to] = [lines[0].at(ground_m), lines[1].at(ground_m)];
-                    let level = from + (to - from) * share as f32;
-                    if !level.is_nan() {
-                        let echo = CellSum::of(level, self.overlap.weight(ground_m / reach_m));
-                        let cell = &mut self.sums[cell * steps[0] + line * steps[1]];
-                        self.overlap.join(cell, echo);
-                    }
-                }
-            }
-        }
-    }
-
-    /// Returns the sums of all cells.
-    pub(super) fn sums(&self) -> &[CellSum] {
-        &self.sums
-    }
-
     /// Returns the levels of all cells: 0 where nothing was insonified, else 1 to 255.
     pub(super) fn finish(self) -> Vec<u8> {
         let mut levels = vec![0; self.sums.len()];
@@ -163,7 +98,59 @@ impl VectorLoop for PaintStrip<'_> {
 
     #[inline(always)]
     fn run(self) {
-        self.canvas.paint_cells(self.corners, self.strip, self.lines);
+        let Self { canvas, corners, strip, lines } = self;
+        let window = canvas.window;
+        // Cells are processed along rows or along columns, whichever is closer to the direction of
+        // the rays: this gives few and long runs.
+        let is_along_rows = strip[0].out[0].abs() >= strip[0].out[1].abs();
+        let turned = |[x, y]: [f64; 2]| if is_along_rows { [x, y] } else { [y, x] };
+        // Corners in cells from the middle of the window's north-west cell, rows southward.
+        let mut in_cells = *corners;
+        for corner in &mut in_cells {
+            *corner = turned([
+                (corner[0] - window.west_m) / window.cell_m - 0.5,
+                (window.north_m - corner[1]) / window.cell_m - 0.5,
+            ]);
+        }
+        let (counts, steps) = if is_along_rows {
+            ([window.columns, window.rows], [1, canvas.stride])
+        } else {
+            ([window.rows, window.columns], [canvas.stride, 1])
+        };
+        let between = GroundBetween::new(strip);
+        let [from_m, to_m] = [strip[0].altitude_m, strip[1].altitude_m];
+        let reach_m = strip[0].shown_m.max(0.1);
+        let scan = Scan::new(&in_cells, counts[0], counts[1]);
+        for line in scan.rows.clone() {
+            let cells = scan.columns(line);
+            for start in cells.clone().step_by(RUN) {
+                let (mut shares, mut grounds_m) = ([0.0; RUN], [0.0; RUN]);
+                for (index, (share, ground_m)) in shares.iter_mut().zip(&mut grounds_m).enumerate()
+                {
+                    let along = start as f64 + index as f64 + 0.5;
+                    let [column, row] = turned([along, line as f64 + 0.5]);
+                    let x = window.west_m + column * window.cell_m;
+                    let y = window.north_m - row * window.cell_m;
+                    [*share, *ground_m] = between.find([x, y]);
+                }
+                let places = shares.iter().zip(&grounds_m);
+                for ((&share, &ground_m), cell) in places.zip(start..cells.end) {
+                    let altitude_m = from_m + (to_m - from_m) * share;
+                    let is_in_gap =
+                        canvas.nadir_gap > 0.0 && ground_m < altitude_m * canvas.nadir_gap;
+                    if ground_m.is_nan() || is_in_gap {
+                        continue;
+                    }
+                    let [from, to] = [lines[0].at(ground_m), lines[1].at(ground_m)];
+                    let level = from + (to - from) * share as f32;
+                    if !level.is_nan() {
+                        let echo = CellSum::of(level, canvas.overlap.weight(ground_m / reach_m));
+                        let cell = &mut canvas.sums[cell * steps[0] + line * steps[1]];
+                        canvas.overlap.join(cell, echo);
+                    }
+                }
+            }
+        }
     }
 }
 
@@ -322,7 +309,7 @@ pub(super) struct CellSum {
     /// Sum of levels times their weights.
     weighted: f32,
     /// Sum of the weights; 0 where nothing was insonified.
-    weight: f32,
+    pub weight: f32,
 }
 
 impl CellSum {
@@ -340,11 +327,6 @@ impl CellSum {
         } else {
             0
         }
-    }
-
-    /// Returns the sum of the weights.
-    pub(super) fn weight(&self) -> f32 {
-        self.weight
     }
 }
 

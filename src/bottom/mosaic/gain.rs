@@ -48,9 +48,10 @@ const BRIGHT_EVERY: usize = 8;
 /// Factors on the recorded levels, by side, range and angle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GainTable {
-    far_m: f64,
-    /// Factor on the whole mosaic.
-    stretch: f32,
+    /// Slant range where the curve by range ends, metres.
+    pub far_m: f64,
+    /// Factor on all levels.
+    pub stretch: f32,
     /// Curves of both sides, port first.
     sides: [Curves; 2],
 }
@@ -132,7 +133,7 @@ pub fn gain_table(
     layout: &MosaicLayout,
     progress: &Progress,
 ) -> Result<GainTable, Cancelled> {
-    let far_m = layout.far_m();
+    let far_m = layout.far_m;
     let step = survey.side_scan.len().div_ceil(MOST_PINGS).max(1);
     let pings: Vec<usize> = (0..survey.side_scan.len()).step_by(step).collect();
     progress.start(2 * pings.len() as u64);
@@ -331,16 +332,6 @@ impl GainTable {
     pub fn curves(&self, side: Side) -> (&[f32], &[f32]) {
         let curves = &self.sides[side as usize];
         (&curves.by_range, &curves.by_angle)
-    }
-
-    /// Returns the slant range where the curve by range ends, metres.
-    pub fn far_m(&self) -> f64 {
-        self.far_m
-    }
-
-    /// Returns the factor on all levels.
-    pub fn brightness(&self) -> f32 {
-        self.stretch
     }
 
     /// Bounds of the product of both curves.

@@ -139,7 +139,15 @@ pub fn footprint(layouts: &[MosaicLayout], progress: &Progress) -> Result<Vec<Po
     let rough = grid_over(bounds, SQUARE_M);
     let most = rough.columns.max(rough.rows) as f64;
     let side_m = SQUARE_M * (most / MOST_SQUARES).max(1.0);
-    let grid = with_margin(grid_over(bounds, side_m));
+    let inner = grid_over(bounds, side_m);
+    // One more square on every side, so that the outline closes within the grid.
+    let grid = Grid {
+        west_m: inner.west_m - inner.cell_m,
+        north_m: inner.north_m + inner.cell_m,
+        columns: inner.columns + 2,
+        rows: inner.rows + 2,
+        ..inner
+    };
     let mut covered = vec![0.0_f32; grid.len()];
     for layout in layouts {
         for (_, _, strip) in layout.strips() {
@@ -151,17 +159,6 @@ pub fn footprint(layouts: &[MosaicLayout], progress: &Progress) -> Result<Vec<Po
     // The grid is 1 where the ground was insonified and 0 elsewhere: its outline lies at 0.5.
     let areas = depth_areas(&surface, &[0.5, 2.0], progress)?;
     Ok(areas.into_iter().flat_map(|area| area.polygons).collect())
-}
-
-/// Returns the grid with one more square on every side, so that the outline closes within it.
-fn with_margin(grid: Grid) -> Grid {
-    Grid {
-        west_m: grid.west_m - grid.cell_m,
-        north_m: grid.north_m + grid.cell_m,
-        columns: grid.columns + 2,
-        rows: grid.rows + 2,
-        ..grid
-    }
 }
 
 /// Marks the squares whose centre is in a strip.

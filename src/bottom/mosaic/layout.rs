@@ -148,8 +148,10 @@ pub struct MosaicLayout {
     relief: Option<(Arc<Relief>, [Vec<f32>; 2])>,
     /// True where the ground between a ping and the next is shown.
     joined: Vec<bool>,
-    water_column: bool,
-    far_m: f64,
+    /// True if the water column is shown.
+    pub(super) water_column: bool,
+    /// Longest slant range, metres.
+    pub(super) far_m: f64,
     /// Boxes around the strips that begin at each run of [`BOXED`] pings.
     boxes: Vec<Bounds>,
 }
@@ -182,7 +184,13 @@ impl MosaicLayout {
                 (known && straight).then_some(Placed { at, starboard })
             })
             .collect();
-        let joined = joined(survey, navigation, &placed);
+        // A ping and the next must be near enough to each other to show the ground between them.
+        let is_joined = |ping: usize| {
+            placed[ping].is_some()
+                && placed.get(ping + 1).is_some_and(Option::is_some)
+                && joined_way_m(survey, navigation, ping).is_some()
+        };
+        let joined: Vec<bool> = (0..placed.len()).map(is_joined).collect();
         Self { joined, ..Self::of_placed(survey, placed, returns, calibration, settings) }.boxed()
     }
 
@@ -344,16 +352,6 @@ impl MosaicLayout {
         })
     }
 
-    /// Returns the longest slant range, metres.
-    pub fn far_m(&self) -> f64 {
-        self.far_m
-    }
-
-    /// Returns true if the water column is shown.
-    pub fn water_column(&self) -> bool {
-        self.water_column
-    }
-
     /// Returns the ray of one side of a ping; `None` where the side was not recorded, the ping has
     /// no place, heading or altitude, or the boat turns.
     pub fn ray(&self, ping: usize, side: Side) -> Option<MosaicRay> {
@@ -494,18 +492,6 @@ fn side_ranges(survey: &Survey, calibration: &Calibration, side: Side) -> Vec<Op
         })
     };
     (0..survey.side_scan.len()).map(ranges).collect()
-}
-
-/// Returns for each ping true if it and the next are near enough to each other to show the ground
-/// between them.
-fn joined(survey: &Survey, navigation: &Navigation, placed: &[Option<Placed>]) -> Vec<bool> {
-    (0..placed.len())
-        .map(|ping| {
-            placed[ping].is_some()
-                && placed.get(ping + 1).is_some_and(Option::is_some)
-                && joined_way_m(survey, navigation, ping).is_some()
-        })
-        .collect()
 }
 
 /// Returns the distance from a ping to the next, metres; `None` where they are too far apart, in

@@ -39,7 +39,7 @@ impl<'a> LineContext<'a> {
             survey,
             layout,
             gain: (settings.gain == Gain::Empirical).then_some(gain),
-            water_column: layout.water_column(),
+            water_column: layout.water_column,
             steps_per_m: STEPS as f64 / cell_m,
         }
     }
@@ -128,30 +128,6 @@ impl MosaicLine {
         let is_read = vectorised(ReadSteps { line: self, lines, place, ray });
         self.of = is_read.then_some(place);
         is_read
-    }
-
-    /// Reads the levels of the steps in `self.steps`; not vectorised. Returns false when there is
-    /// nothing to read.
-    #[inline(always)]
-    fn read_steps(&mut self, lines: &LineContext<'_>, place: usize, ray: &MosaicRay) -> bool {
-        // Places on the ray, in samples, of the edges of all cells whose means are computed.
-        self.edges.clear();
-        self.edges.resize(self.steps.len() + STEPS, 0.0);
-        for (index, edge) in self.edges.iter_mut().enumerate() {
-            let step = (self.steps.start + index) as f64 - STEPS as f64 / 2.0;
-            *edge = step.max(0.0) / lines.steps_per_m;
-        }
-        ray.replace_by_samples(&mut self.edges, lines.water_column);
-        // Where the bottom rises from under the boat, the nearest sample is not that of the first
-        // edge.
-        let [low, high] = ends(self.edges.iter().copied());
-        let samples =
-            (low - 1.0).max(0.0) as usize..((high + 2.0).max(0.0) as usize).min(ray.count);
-        if samples.is_empty() || !self.sum_up(lines, place, ray, samples.clone()) {
-            return false;
-        }
-        self.take_means(samples.start as f64);
-        true
     }
 
     /// Computes the mean of each cell between its edges; `first` is the sample at which the sums
@@ -265,7 +241,8 @@ impl MosaicLine {
     }
 }
 
-/// Arguments of [`MosaicLine::read_steps`] for the vectorised loop.
+/// Arguments of [`MosaicLine::read`] for the vectorised loop, which returns false when there is
+/// nothing to read.
 struct ReadSteps<'a> {
     line: &'a mut MosaicLine,
     lines: &'a LineContext<'a>,
@@ -278,7 +255,25 @@ impl VectorLoop for ReadSteps<'_> {
 
     #[inline(always)]
     fn run(self) -> bool {
-        self.line.read_steps(self.lines, self.place, self.ray)
+        let Self { line, lines, place, ray } = self;
+        // Places on the ray, in samples, of the edges of all cells whose means are computed.
+        line.edges.clear();
+        line.edges.resize(line.steps.len() + STEPS, 0.0);
+        for (index, edge) in line.edges.iter_mut().enumerate() {
+            let step = (line.steps.start + index) as f64 - STEPS as f64 / 2.0;
+            *edge = step.max(0.0) / lines.steps_per_m;
+        }
+        ray.replace_by_samples(&mut line.edges, lines.water_column);
+        // Where the bottom rises from under the boat, the nearest sample is not that of the first
+        // edge.
+        let [low, high] = ends(line.edges.iter().copied());
+        let samples =
+            (low - 1.0).max(0.0) as usize..((high + 2.0).max(0.0) as usize).min(ray.count);
+        if samples.is_empty() || !line.sum_up(lines, place, ray, samples.clone()) {
+            return false;
+        }
+        line.take_means(samples.start as f64);
+        true
     }
 }
 

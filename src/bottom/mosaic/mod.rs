@@ -37,7 +37,7 @@ pub use layout::{Bounds, MosaicLayout, MosaicRay, TILE_CELLS, TileIndex, joined_
 pub use paint::{MosaicLog, MosaicPart, join_parts, joint_tile, joint_window, part, window};
 
 use crate::calibration::Calibration;
-use crate::first_return::FirstReturns;
+use crate::first_return::{FirstReturns, Pick};
 use crate::presentation::colours;
 use bathyscope_log::support::statistics::median;
 use bathyscope_log::survey::{Side, Survey};
@@ -130,7 +130,13 @@ pub fn altitudes_m(
     side: Side,
 ) -> Vec<f32> {
     let measured: Vec<f64> = (0..survey.side_scan.len())
-        .map(|ping| altitude_m(survey, returns, calibration, side, ping))
+        .map(|ping| {
+            let pick = returns.side(side).get(ping);
+            let pick = pick.filter(|pick| pick.is_some() && !pick.above_bottom);
+            let range_m = |pick: &Pick| calibration.pick_range_m(survey, ping, side, pick.sample);
+            let picked_m = pick.map_or(f64::NAN, range_m);
+            if picked_m > 0.0 { picked_m } else { f64::from(survey.good_depth_m(ping)) }
+        })
         .collect();
     let mut steady: Vec<f32> = (0..measured.len())
         .into_par_iter()
@@ -143,20 +149,6 @@ pub fn altitudes_m(
         .collect();
     bridge(&mut steady);
     steady
-}
-
-/// Returns the slant range of the first return, or the recorded depth; NaN without either.
-fn altitude_m(
-    survey: &Survey,
-    returns: &FirstReturns,
-    calibration: &Calibration,
-    side: Side,
-    ping: usize,
-) -> f64 {
-    let pick = returns.side(side).get(ping).filter(|pick| pick.is_some() && !pick.above_bottom);
-    let picked_m =
-        pick.map_or(f64::NAN, |pick| calibration.pick_range_m(survey, ping, side, pick.sample));
-    if picked_m > 0.0 { picked_m } else { f64::from(survey.good_depth_m(ping)) }
 }
 
 /// Fills NaN linearly between its neighbours, and with the nearest value at both ends.

@@ -181,10 +181,9 @@ pub fn part(
     settings: &MosaicSettings,
     place: [usize; 2],
 ) -> MosaicPart {
-    let canvas = painted(&[(log, index)], grid, settings, place);
-    let sums = canvas.sums();
+    let sums = painted(&[(log, index)], grid, settings, place).sums;
     let weights = if settings.overlap.is_weighted() {
-        sums.iter().map(|sum| stepped(sum.weight())).collect()
+        sums.iter().map(|sum| stepped(sum.weight)).collect()
     } else {
         Vec::new()
     };

@@ -116,14 +116,8 @@ impl PictureSettings {
 impl Tone {
     /// Returns true if echoes are shown as they were recorded.
     pub fn is_plain(&self) -> bool {
-        *self
-            == Self {
-                is_normalised: false,
-                is_even: false,
-                spreading_db: 0.0,
-                absorption_db_m: 0.0,
-                sides: [1.0; 2],
-            }
+        let plain = PictureSettings { gain: Gain::Recorded, ..PictureSettings::default() };
+        *self == plain.tone()
     }
 
     /// Returns the factor of time-varied gain and balance on echoes of a side at a slant range,

@@ -20,7 +20,7 @@ const MIDDLE: [f64; 2] = [0.2, 0.8];
 /// Bounds of the factor.
 const FACTORS: [f32; 2] = [0.25, 4.0];
 /// Least number of echoes on the ground for which a ping has a level.
-const LEAST_ECHOES: u32 = 16;
+const LEAST_ECHOES: usize = 16;
 /// Least level in the ratio of levels.
 const LEAST_LEVEL: f32 = 0.5;
 /// Number of pings between two checks for cancellation.
@@ -79,7 +79,7 @@ fn middle_mean(echoes: &[u8]) -> f32 {
         counts[usize::from(echo)] += 1;
     }
     let total = echoes.len() as f64;
-    if (echoes.len() as u64) < u64::from(LEAST_ECHOES) {
+    if echoes.len() < LEAST_ECHOES {
         return f32::NAN;
     }
     let [from, to] = MIDDLE.map(|share| share * total);

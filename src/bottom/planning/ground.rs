@@ -110,11 +110,8 @@ impl PlanningGrid {
         } else {
             0.0
         };
-        let look = if f64::from(pass_m) < self.swath_m {
-            LOOK_WORTH.get(usize::from(cell.looks))
-        } else {
-            None
-        };
+        let is_seen = f64::from(pass_m) < self.swath_m;
+        let look = LOOK_WORTH.get(usize::from(cell.looks)).filter(|_| is_seen);
         fall_m + look.map_or(0.0, |share| share * self.sigma.limit_m())
     }
 
@@ -174,10 +171,9 @@ impl PlanningGrid {
 /// Returns the largest of the doubts that noise does not explain.
 fn largest(known: &SurveyCoverage) -> Vec<Doubt> {
     let least_m = DOUBT_SIGMAS * f64::from(known.sigma.at(0.0));
-    let doubts = known.doubts.iter().copied();
-    let mut doubts: Vec<Doubt> =
-        doubts.filter(|doubt| doubt.difference_m.abs() > least_m).collect();
     let size = |doubt: &Doubt| doubt.difference_m.abs();
+    let mut doubts = known.doubts.clone();
+    doubts.retain(|doubt| size(doubt) > least_m);
     doubts.sort_by(|a, b| size(b).total_cmp(&size(a)));
     doubts.truncate(MOST_DOUBTS);
     doubts

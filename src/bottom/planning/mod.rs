@@ -122,13 +122,11 @@ pub fn plan(
 fn water_of(rings: &[Vec<[f64; 2]>], known: &SurveyCoverage) -> Result<Water, PlanError> {
     let water = Water::within(rings).ok_or(PlanError::NoArea)?;
     let near_m = known.sigma.reach_m().max(known.max_gap_m);
-    let [first_m, last_m] = [0, 1].map(|axis| {
-        let cells = if axis == 0 { water.grid.columns } else { water.grid.rows };
-        cells as f64 * water.grid.cell_m
-    });
+    let [across_m, down_m] =
+        [water.grid.columns, water.grid.rows].map(|cells| cells as f64 * water.grid.cell_m);
     let is_near = |place: &[f64; 2]| {
         let [east, north] = [place[0] - water.grid.west_m, water.grid.north_m - place[1]];
-        (-near_m..first_m + near_m).contains(&east) && (-near_m..last_m + near_m).contains(&north)
+        (-near_m..across_m + near_m).contains(&east) && (-near_m..down_m + near_m).contains(&north)
     };
     if known.soundings.iter().any(is_near) { Ok(water) } else { Err(PlanError::AreaElsewhere) }
 }

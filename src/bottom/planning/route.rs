@@ -14,7 +14,7 @@ const NEAREST: usize = 12;
 /// Returns the shortest turn between two poses that stays in the water; `None` where none does.
 pub(super) fn link(water: &Water, from: TurnPose, to: TurnPose, radius_m: f64) -> Option<Turn> {
     let step_m = 0.5 * water.grid.cell_m;
-    let stays = |turn: &Turn| water.holds_all(&turn.places(step_m));
+    let stays = |turn: &Turn| turn.places(step_m).into_iter().all(|place| water.holds(place));
     turns(from, to, radius_m).into_iter().find(stays)
 }
 
@@ -60,13 +60,11 @@ impl<'a> Route<'a> {
         let mut best: Option<(f64, Insertion)> = None;
         for at in self.places_near(&leg) {
             for leg in [leg, leg.turned()] {
-                let before = at.checked_sub(1).map(|index| self.order[index]);
-                let after = self.order.get(at).copied();
+                let (before, after) = self.around(at, at);
                 let come = before.map(|line| self.between(self.leg(line), leg));
                 let go = after.map(|line| self.between(leg, self.leg(line)));
-                let was = before.zip(after).map(|(a, b)| self.link_m(a, b));
-                let growth_m =
-                    leg.length_m() + come.unwrap_or(0.0) + go.unwrap_or(0.0) - was.unwrap_or(0.0);
+                let was_m = self.joined_m(before, after);
+                let growth_m = leg.length_m() + come.unwrap_or(0.0) + go.unwrap_or(0.0) - was_m;
                 if growth_m.is_finite() && best.as_ref().is_none_or(|(least, _)| growth_m < *least)
                 {
                     best = Some((growth_m, Insertion { at, leg }));

@@ -47,11 +47,6 @@ impl Water {
         cell.is_some_and(|cell| self.open[cell])
     }
 
-    /// Returns true if all places are in open water.
-    pub(super) fn holds_all(&self, places: &[[f64; 2]]) -> bool {
-        places.iter().all(|place| self.holds(*place))
-    }
-
     /// Returns indices and centres of the open cells.
     pub(super) fn cells(&self) -> impl Iterator<Item = (usize, [f64; 2])> {
         let open = (0..).zip(&self.open).filter(|(_, open)| **open);

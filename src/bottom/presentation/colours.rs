@@ -114,25 +114,6 @@ pub fn grey(level: u8) -> Rgb {
     [level; 3]
 }
 
-/// Returns the colour of a level from white to black.
-fn inverse_grey(level: u8) -> Rgb {
-    [255 - level; 3]
-}
-
-/// Returns the colour of a level from black over brown to yellow.
-fn gold(level: u8) -> Rgb {
-    ramp(GOLD, share(level))
-}
-
-/// Returns the colour of a level on Matplotlib's `viridis`, which is perceptually even.
-fn viridis(level: u8) -> Rgb {
-    ramp(VIRIDIS, share(level))
-}
-
-fn share(level: u8) -> f32 {
-    f32::from(level) / 255.0
-}
-
 /// Colours of echo strength.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ColourMap {
@@ -163,12 +144,12 @@ named! {
 impl ColourMap {
     /// Returns the colours of all levels.
     pub fn palette(self) -> EchoPalette {
-        let colour = match self {
+        let colour: fn(u8) -> Rgb = match self {
             Self::Copper => copper,
             Self::Grey => grey,
-            Self::InverseGrey => inverse_grey,
-            Self::Gold => gold,
-            Self::Viridis => viridis,
+            Self::InverseGrey => |level| [255 - level; 3],
+            Self::Gold => |level| ramp(GOLD, f32::from(level) / 255.0),
+            Self::Viridis => |level| ramp(VIRIDIS, f32::from(level) / 255.0),
         };
         std::array::from_fn(|level| colour(level as u8))
     }
@@ -225,12 +206,10 @@ pub fn share_colour(share: f32) -> Rgb {
 /// Returns the colour of a value on a scale with these ends; grey where there is no value, or no
 /// scale.
 pub fn value_colour(value: f32, ends: Option<[f32; 2]>) -> Rgb {
-    const NONE: Rgb = [128; 3];
-    let Some([low, high]) = ends.filter(|_| value.is_finite()) else {
-        return NONE;
-    };
-    let share = if high > low { (value - low) / (high - low) } else { 0.5 };
-    share_colour(share)
+    match ends.filter(|_| value.is_finite()) {
+        Some(ends) => share_colour(depth_share(value, ends)),
+        None => [128; 3],
+    }
 }
 
 /// Returns the colour at a share, 0 to 1, of the way through at least two colours at even

@@ -91,8 +91,7 @@ impl Net {
         match self {
             Self::Degrees { format, .. } => {
                 let graticule = Graticule::new(*format, least);
-                let line =
-                    |value| GraticuleLine { value, label: graticule.label(value, family.axis()) };
+                let line = |value| GraticuleLine { value, label: graticule.label(value, family) };
                 graticule.lines(low, high).map(line).collect()
             }
             Self::Utm(_) => {
@@ -115,7 +114,7 @@ impl Net {
     pub fn typical_label(&self, [west, _, east, _]: NetBounds, least: f64) -> String {
         match self {
             Self::Degrees { format, .. } => {
-                Graticule::new(*format, least).label(0.5 * (west + east), DegreeAxis::Longitude)
+                Graticule::new(*format, least).label(0.5 * (west + east), LineFamily::Upright)
             }
             Self::Utm(_) => "500000.0 E".to_owned(),
         }
@@ -141,29 +140,11 @@ impl Net {
     }
 }
 
-impl LineFamily {
-    fn axis(self) -> DegreeAxis {
-        match self {
-            Self::Upright => DegreeAxis::Longitude,
-            Self::Level => DegreeAxis::Latitude,
-        }
-    }
-}
-
 /// Number of millionths of a second of arc in a degree, a minute and a second; every step is a
 /// whole number of these units.
 const DEGREE: i64 = 3_600_000_000;
 const MINUTE: i64 = DEGREE / 60;
 const SECOND: i64 = MINUTE / 60;
-
-/// Axis of degrees: latitude or longitude.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum DegreeAxis {
-    /// Latitude: labels end in N or S.
-    Latitude,
-    /// Longitude: labels end in E or W.
-    Longitude,
-}
 
 /// Lines at multiples of a round step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -192,21 +173,21 @@ impl Graticule {
     }
 
     /// Returns the label of a line: `36.8775° N`, `36° 52.65' N`, `36° 52' 38" N`.
-    fn label(self, degrees: f64, axis: DegreeAxis) -> String {
-        let turned = match axis {
-            DegreeAxis::Longitude if degrees.abs() > 180.0 => {
+    fn label(self, degrees: f64, family: LineFamily) -> String {
+        let turned = match family {
+            LineFamily::Upright if degrees.abs() > 180.0 => {
                 degrees - 360.0 * (degrees / 360.0).round()
             }
             _ => degrees,
         };
         let units = (turned.abs() * DEGREE as f64 / self.step as f64).round() as i64 * self.step;
-        let letter = match (axis, turned < 0.0 && units != 0) {
-            (DegreeAxis::Latitude, false) => " N",
-            (DegreeAxis::Latitude, true) => " S",
+        let letter = match (family, turned < 0.0 && units != 0) {
+            (LineFamily::Level, false) => " N",
+            (LineFamily::Level, true) => " S",
             // The date line and Greenwich are neither east nor west.
-            (DegreeAxis::Longitude, _) if units == 180 * DEGREE || units == 0 => "",
-            (DegreeAxis::Longitude, false) => " E",
-            (DegreeAxis::Longitude, true) => " W",
+            (LineFamily::Upright, _) if units == 180 * DEGREE || units == 0 => "",
+            (LineFamily::Upright, false) => " E",
+            (LineFamily::Upright, true) => " W",
         };
         format!("{}{letter}", self.angle(units))
     }
@@ -326,26 +307,25 @@ mod tests {
         least_deg: f64,
         low: f64,
         high: f64,
-        axis: DegreeAxis,
+        family: LineFamily,
     ) -> Vec<String> {
         let graticule = Graticule::new(format, least_deg);
-        graticule.lines(low, high).map(|line| graticule.label(line, axis)).collect()
+        graticule.lines(low, high).map(|line| graticule.label(line, family)).collect()
     }
 
     #[test]
     fn lines_are_round_in_what_the_format_counts_in() {
-        let found = labels(Degrees, 4e-4, 36.8769, 36.8782, DegreeAxis::Latitude);
+        let found = labels(Degrees, 4e-4, 36.8769, 36.8782, LineFamily::Level);
         assert_eq!(found, ["36.8770° N", "36.8775° N", "36.8780° N"]);
-        let found =
-            labels(Minutes, 0.7 / 60.0, 0.0 - 1.5 / 60.0, 1.5 / 60.0, DegreeAxis::Longitude);
+        let found = labels(Minutes, 0.7 / 60.0, 0.0 - 1.5 / 60.0, 1.5 / 60.0, LineFamily::Upright);
         assert_eq!(found, ["0° 01' W", "0° 00'", "0° 01' E"]);
-        let found = labels(Minutes, 0.03 / 60.0, -36.8352, -36.8334, DegreeAxis::Latitude);
+        let found = labels(Minutes, 0.03 / 60.0, -36.8352, -36.8334, LineFamily::Level);
         assert_eq!(found, ["36° 50.10' S", "36° 50.05' S"]);
-        let found = labels(Seconds, 11.0 / 3600.0, 7.995, 8.005, DegreeAxis::Longitude);
+        let found = labels(Seconds, 11.0 / 3600.0, 7.995, 8.005, LineFamily::Upright);
         assert_eq!(found, ["7° 59' 45\" E", "8° 00' 00\" E", "8° 00' 15\" E"]);
-        let found = labels(Seconds, 0.15 / 3600.0, 7.0, 7.0001, DegreeAxis::Latitude);
+        let found = labels(Seconds, 0.15 / 3600.0, 7.0, 7.0001, LineFamily::Level);
         assert_eq!(found, ["7° 00' 00.0\" N", "7° 00' 00.2\" N"]);
-        assert_eq!(labels(Seconds, 0.4, 7.9, 9.1, DegreeAxis::Latitude).len(), 3);
+        assert_eq!(labels(Seconds, 0.4, 7.9, 9.1, LineFamily::Level).len(), 3);
     }
 
     #[test]

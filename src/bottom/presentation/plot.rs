@@ -141,10 +141,7 @@ impl Drawing<'_> {
     fn curve(&self, curve: &PlotCurve, index: usize, out: &mut String) -> WriteResult {
         let colour = COLOURS[index % COLOURS.len()];
         let width = if index == 0 { 2.5 } else { 1.25 };
-        let dash = match index / COLOURS.len() {
-            0 => "",
-            _ => " stroke-dasharray=\"5 3\"",
-        };
+        let dash = if index < COLOURS.len() { "" } else { " stroke-dasharray=\"5 3\"" };
         let mut path = String::new();
         for [across, up] in self.thinned(&curve.points) {
             let letter = if path.is_empty() { 'M' } else { 'L' };

@@ -151,16 +151,14 @@ impl Units {
     /// Formats a length and its standard deviation with one unit: `0.51 ± 0.12 m`; without the
     /// standard deviation when it is not finite, and a dash when the length is not.
     pub fn with_sigma(self, value_m: f64, sigma_m: f64, decimals_of_metres: usize) -> String {
-        let measure = self.measure(value_m, decimals_of_metres);
-        if value_m.is_finite() && sigma_m.is_finite() {
-            format!(
-                "{} ± {}",
-                self.number(value_m, decimals_of_metres),
-                self.measure(sigma_m, decimals_of_metres)
-            )
-        } else {
-            measure
+        if !(value_m.is_finite() && sigma_m.is_finite()) {
+            return self.measure(value_m, decimals_of_metres);
         }
+        format!(
+            "{} ± {}",
+            self.number(value_m, decimals_of_metres),
+            self.measure(sigma_m, decimals_of_metres)
+        )
     }
 
     /// Formats a small length with its unit and its sign, also above 0.
@@ -205,12 +203,14 @@ impl Units {
     /// Formats a length that was measured on the ground: metres, from a kilometre on kilometres;
     /// feet or fathoms, from a nautical mile on nautical miles.
     pub fn ground_length(self, value_m: f64) -> String {
-        let is_long = value_m >= METRES_PER_NAUTICAL_MILE;
-        match self.length {
-            LengthUnit::Metres => metres_on_ground(value_m),
+        let (long_m, symbol) = match self.length {
+            LengthUnit::Metres => (1000.0, "km"),
+            _ => (METRES_PER_NAUTICAL_MILE, "NM"),
+        };
+        match value_m {
             _ if !value_m.is_finite() => NONE.to_owned(),
-            _ if is_long => format!("{:.3} NM", value_m / METRES_PER_NAUTICAL_MILE),
-            _ if value_m < 100.0 => self.measure(value_m, 2),
+            _ if value_m >= long_m => format!("{:.3} {symbol}", value_m / long_m),
+            ..100.0 => self.measure(value_m, 2),
             _ => self.measure(value_m, 1),
         }
     }
@@ -308,15 +308,6 @@ impl Units {
             _ => self.tick_with_unit(length_m, length_m),
         };
         (length_m, label)
-    }
-}
-
-fn metres_on_ground(value_m: f64) -> String {
-    match value_m {
-        _ if !value_m.is_finite() => NONE.to_owned(),
-        ..100.0 => format!("{value_m:.2} m"),
-        100.0..1000.0 => format!("{value_m:.1} m"),
-        _ => format!("{:.3} km", value_m / 1000.0),
     }
 }
 

@@ -135,7 +135,6 @@ impl<'a> SwathInput<'a> {
         prior: Prior,
         progress: &Progress,
     ) -> Result<Option<NodeDepths>, Cancelled> {
-        let is_bed = |place: [f64; 2]| self.weed.is_far_from(place);
         progress.start(tiling.tiles.len() as u64);
         let of_tile = |tile: usize| {
             progress.check()?;
@@ -152,7 +151,7 @@ impl<'a> SwathInput<'a> {
                     looks: &self.looks,
                     curves,
                     level_cell_m: tiling.resolution.level_cell_m,
-                    is_bed: &is_bed,
+                    weed: &self.weed,
                     prior,
                     is_robust: round > 0,
                 };
@@ -241,12 +240,11 @@ impl Sample {
     ) -> Result<bool, Cancelled> {
         let recorders: Vec<u32> = input.sets.iter().map(|(recorder, _)| *recorder).collect();
         for _ in 0..LEARNING_ROUNDS[usize::from(self.is_learnt)] {
-            let is_bed = |place: [f64; 2]| input.weed.is_far_from(place);
             let given = TileInput {
                 looks: &input.looks,
                 curves: &self.curves,
                 level_cell_m: self.resolution.level_cell_m,
-                is_bed: &is_bed,
+                weed: &input.weed,
                 prior,
                 is_robust: self.is_learnt,
             };

@@ -167,7 +167,8 @@ fn found(
 /// Law and curves of the levels of a log: a part of a map needs nothing else of the whole log.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LearntLevels {
-    law: law::Law,
+    /// Law by which the recorder writes an echo.
+    pub law: law::Law,
     /// The curves of each range setting.
     curves: Vec<(i32, Vec<f64>)>,
 }
@@ -199,11 +200,6 @@ impl LearntLevels {
             |(set, curves): (&(u32, i32), Option<LawCurves>)| Some((set.1, curves?.0.to_vec()));
         let curves: Vec<_> = input.sets.iter().zip(sample.curves).filter_map(of_set).collect();
         Ok((!curves.is_empty()).then_some(Self { law, curves }))
-    }
-
-    /// Returns the law by which the recorder writes an echo.
-    pub fn law(&self) -> law::Law {
-        self.law
     }
 
     fn of_setting(&self, setting: i32) -> Option<LawCurves> {
@@ -316,7 +312,7 @@ fn usual_between_m(surface: &Surface) -> f64 {
     let far =
         cells.filter(|(spread_m, away_m)| !spread_m.is_nan() && f64::from(**away_m) >= HELD_M[1]);
     let mut spreads_m: Vec<f64> = far.map(|(spread_m, _)| f64::from(*spread_m)).collect();
-    if spreads_m.is_empty() { f64::NAN } else { median(&mut spreads_m) }
+    median(&mut spreads_m)
 }
 
 /// Returns the brightness of the bed in each cell with a depth and observations, decibels over the

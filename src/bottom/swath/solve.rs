@@ -7,6 +7,7 @@
 //! values `'` of the round before. The curves `c` occur in every observation, so they are solved
 //! for by the Schur complement.
 
+use super::echoes::WeedPlaces;
 use super::model::{LawCurves, PARAMETERS};
 use super::nodes::{Nodes, Shares};
 use super::observations::{Bed, SideChunk, SlopeObservation};
@@ -79,8 +80,8 @@ pub(super) struct TileInput<'a> {
     pub curves: &'a [Option<LawCurves>],
     /// Ground range of a level cell, metres.
     pub level_cell_m: f64,
-    /// Function that returns true if the echoes of a place come from the bed.
-    pub is_bed: &'a (dyn Fn([f64; 2]) -> bool + Sync),
+    /// Places whose echoes do not come from the bed.
+    pub weed: &'a WeedPlaces,
     /// Prior knowledge of the bed.
     pub prior: Prior,
     /// True if observations with large misfits have less weight.
@@ -141,7 +142,7 @@ impl TileSolution {
             if let Some(curves) = &given.curves[look.curves] {
                 system.gains.insert(look.stretch, 0);
                 look.read(&self.bed, &nodes, Some(curves), given.level_cell_m, |observation| {
-                    if (given.is_bed)(observation.place_m) {
+                    if given.weed.is_far_from(observation.place_m) {
                         system.observations.push((look, observation));
                     }
                 });

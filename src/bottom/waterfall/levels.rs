@@ -74,11 +74,8 @@ fn histogram(survey: &Survey) -> [u64; 256] {
     let step = survey.side_scan.len().div_ceil(MOST_SAMPLED_PINGS).max(1);
     for ping in (0..survey.side_scan.len()).step_by(step) {
         for side in Side::BOTH {
-            let span = survey.side_scan[ping].side(side);
-            let Some(samples) = survey.samples(ping, side) else {
-                continue;
-            };
-            if let Some(near) = span.and_then(beyond_pulse) {
+            let near = survey.span(ping, side).and_then(beyond_pulse);
+            if let Some((near, samples)) = near.zip(survey.samples(ping, side)) {
                 samples.copy_outward(&mut outward);
                 for &echo in &outward[near..] {
                     counts[usize::from(echo)] += 1;

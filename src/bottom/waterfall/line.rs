@@ -167,13 +167,9 @@ impl LineStep<'_> {
 }
 
 fn pick_at(survey: &Survey, returns: &FirstReturns, side: Side, ping: usize) -> LineSpan {
-    let pick = returns.side(side).get(ping).filter(|pick| pick.is_some());
-    match (pick, survey.span(ping, side)) {
-        (Some(pick), Some(span)) => {
-            LineSpan::value(span.range_m(f64::from(pick.sample)) as f32, pick.above_bottom)
-        }
-        _ => LineSpan::GAP,
-    }
+    returns.side(side).get(ping).map_or(LineSpan::GAP, |pick| {
+        LineSpan::value(returns.range_m(survey, ping, side) as f32, pick.above_bottom)
+    })
 }
 
 fn depth_at(survey: &Survey, ping: usize) -> LineSpan {

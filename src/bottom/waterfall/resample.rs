@@ -140,13 +140,10 @@ pub(super) fn resample(
     for first in pings.clone().step_by(level.pings()) {
         row.fill(Sum::default());
         for ping in first..(first + level.pings()).min(pings.end) {
-            let span = survey.span(ping, side);
+            let span = survey.span(ping, side).filter(|span| is_usable(span));
             let (Some(span), Some(samples)) = (span, survey.samples(ping, side)) else {
                 continue;
             };
-            if !is_usable(span) {
-                continue;
-            }
             bins.fit(span, first_bin_m, bin_m);
             samples.copy_outward(&mut outward);
             bins.add(&outward, &mut row);

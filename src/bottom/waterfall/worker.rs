@@ -170,9 +170,7 @@ impl Work {
                     out.send(Made::Picks(Arc::new(lines)));
                 }
                 WorkerTask::WaterfallTile(key) => out.send(Made::WaterfallTile(self.tile(key))),
-                WorkerTask::Store => {
-                    self.coarse.build_next(&self.survey, &self.axis);
-                }
+                WorkerTask::Store => self.coarse.build_next(&self.survey, &self.axis),
             }
         }
     }

@@ -221,7 +221,7 @@ impl StoredEchoes {
                 pings: self.rows.iter().map(|row| row.place).collect(),
             },
             chunks,
-            law: Some(learnt.law()),
+            law: Some(learnt.law),
             is_weed: self.rows.iter().map(|row| row.is_weed).collect(),
         };
         Some((log, learnt))

@@ -350,7 +350,7 @@ impl<'a, OnStage: FnMut(Stage)> Run<'a, OnStage> {
             correction,
             self.progress,
         )?;
-        Ok((Arc::new(made.without(exclusions)), traits.clutter()))
+        Ok((Arc::new(made.without(exclusions)), traits.clutter))
     }
 
     /// Returns the class of each point, and the results that depend on it: depths under the boat,

@@ -106,7 +106,10 @@ impl ChangeField<'_> {
                 cell.is_detected(errors) && from_others.is_detected(&ChangeErrors::default())
             })
         };
-        let away_m = self.away_m();
+        // The distance to measured places in the map where they are farther away.
+        let [newer_m, older_m] = self.away_each_m();
+        let away_m: Vec<f32> =
+            newer_m.into_iter().zip(older_m).map(|(one, other)| one.max(other)).collect();
         let mut is_taken = vec![false; smoothed.len()];
         let mut found = Vec::new();
         for seed in 0..smoothed.len() {
@@ -240,13 +243,6 @@ impl ChangeField<'_> {
         };
         // A change in a single cell is as wide as the cell.
         2.0 * self.cell_area_m2 * moment.max(0.5)
-    }
-
-    /// Returns the distance from each cell to the nearest measured cell, metres, in the map where
-    /// it is farther away.
-    fn away_m(&self) -> Vec<f32> {
-        let [newer_m, older_m] = self.away_each_m();
-        newer_m.into_iter().zip(older_m).map(|(one, other)| one.max(other)).collect()
     }
 
     /// Returns the distance from each cell to the nearest measured cell, metres, in the newer map

@@ -30,15 +30,15 @@ pub struct DepthExtent {
 
 impl DepthExtent {
     /// Returns an interval that is round in a unit of `unit_m` metres, makes about ten levels, and
-    /// is no finer than the errors of measured depths.
+    /// is no finer than the errors of measured depths; NaN for a level bottom.
     fn usual_interval_m(self, unit_m: f64) -> f64 {
         let [least_m, most_m] = self.range_m;
-        let apart_m = if most_m > least_m {
-            ((most_m - least_m) / TARGET_LEVELS).max(SIGMAS_APART * self.error_m)
+        if most_m > least_m {
+            let apart_m = ((most_m - least_m) / TARGET_LEVELS).max(SIGMAS_APART * self.error_m);
+            unit_m * ticks::round_up(apart_m / unit_m)
         } else {
-            0.0
-        };
-        unit_m * readable(apart_m / unit_m)
+            f64::NAN
+        }
     }
 
     /// Returns true if isobaths at this interval are no finer than the errors of measured depths.
@@ -213,7 +213,9 @@ impl IsobathSettings {
         }
         // A level bottom has an interval of NaN, and no isobath.
         let count = if interval_m > 0.0 && first <= last { (last - first) as usize + 1 } else { 0 };
-        Ok((0..count).map(|step| tidy((first + step as f64) * interval_m)).collect())
+        // Rounded to the micrometre, so that three times 0.1 is 0.3.
+        let level_m = |step: usize| ((first + step as f64) * interval_m * 1e6).round() / 1e6;
+        Ok((0..count).map(level_m).collect())
     }
 }
 
@@ -221,16 +223,6 @@ impl IsobathSettings {
 fn two_digits(value: f64) -> f64 {
     let unit = 10f64.powf(value.abs().log10().floor() - 1.0);
     if unit.is_normal() { (value / unit).round() * unit } else { value }
-}
-
-/// Returns a round interval, at least this long; NaN for a level bottom.
-fn readable(at_least_m: f64) -> f64 {
-    if at_least_m > 0.0 { ticks::round_up(at_least_m) } else { f64::NAN }
-}
-
-/// Rounds to the micrometre, so that three times 0.1 is 0.3.
-fn tidy(metres: f64) -> f64 {
-    (metres * 1e6).round() / 1e6
 }
 
 #[cfg(test)]

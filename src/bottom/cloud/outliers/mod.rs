@@ -12,6 +12,7 @@
 mod sweep;
 
 use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::support::statistics::ends;
 use rayon::prelude::*;
 use std::collections::HashMap;
 
@@ -90,9 +91,7 @@ impl CellAxis {
     /// Numbers cells evenly from the smallest to the largest of the values; `None` when there would
     /// be too many cells to number.
     fn even(values: impl Iterator<Item = f64>, cell_m: f64) -> Option<Self> {
-        let (min, max) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), value| {
-            (min.min(value), max.max(value))
-        });
+        let [min, max] = ends(values);
         let last = (max - min) / cell_m;
         (last < Self::MAX_DIRECT).then(|| Self {
             stretches: vec![(min, 0)],

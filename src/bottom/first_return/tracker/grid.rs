@@ -2,6 +2,7 @@
 //! extracts bands of cells around the line, in which the line is level, so that they can be
 //! averaged along the track without smearing a sloping edge.
 
+use super::super::joined;
 use super::rows::SampleRows;
 use super::trend::Trend;
 use std::ops::Range;
@@ -10,7 +11,8 @@ use std::ops::Range;
 #[derive(Default)]
 pub(super) struct TrackerGrid {
     cells: Vec<f32>,
-    width: usize,
+    /// Number of cells in a row.
+    pub width: usize,
 }
 
 impl TrackerGrid {
@@ -25,11 +27,6 @@ impl TrackerGrid {
     /// Returns the number of rows.
     pub(super) fn len(&self) -> usize {
         self.cells.len().checked_div(self.width).unwrap_or(0)
-    }
-
-    /// Returns the number of cells in a row.
-    pub(super) fn width(&self) -> usize {
-        self.width
     }
 
     /// Returns a row.
@@ -116,14 +113,7 @@ pub(super) fn peak_offset(values: &[f32], at: usize) -> f32 {
 /// the trend.
 pub(super) fn stretches(line: &[usize], trend: &Trend, limit: usize) -> Vec<Range<usize>> {
     let moves = |row: usize| line[row] as isize - line[row - 1] as isize - trend.step(row);
-    let mut stretches: Vec<Range<usize>> = Vec::new();
-    for row in 0..line.len() {
-        match stretches.last_mut() {
-            Some(stretch) if moves(row).unsigned_abs() <= limit => stretch.end = row + 1,
-            _ => stretches.push(row..row + 1),
-        }
-    }
-    stretches
+    joined(0..line.len(), |_, row| moves(row).unsigned_abs() <= limit)
 }
 
 /// Returns half of a gaussian: weights at distances 0, 1, 2 ... up to three standard deviations.
@@ -183,7 +173,7 @@ pub(super) fn extract(
 
 /// Writes the average of the band along the track to `out`.
 pub(super) fn smooth_along(band: &TrackerGrid, weights: &[f32], out: &mut TrackerGrid) {
-    out.reset(band.len(), band.width(), 0.0);
+    out.reset(band.len(), band.width, 0.0);
     for row in 0..band.len() {
         let target = out.row_mut(row);
         let mut total = 0.0;

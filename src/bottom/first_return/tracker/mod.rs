@@ -124,13 +124,13 @@ impl Workspace {
     /// there too.
     fn line_within(&mut self, trend: &Trend, task: &Task) -> Vec<usize> {
         let Task { depths, motion, .. } = task;
-        let line = self.paths.line(self.scores.grid(), trend, motion);
+        let line = self.paths.line(&self.scores.grid, trend, motion);
         if !depths.is_passed(&line) {
             return line;
         }
         if depths.bounds(&line) {
             depths.lower_beyond(&(0..line.len()), FARTHER_COST, &mut self.scores);
-            return self.paths.line(self.scores.grid(), trend, motion);
+            return self.paths.line(&self.scores.grid, trend, motion);
         }
         let leaps = depths.leaps(&line);
         if leaps.is_empty() {
@@ -139,16 +139,16 @@ impl Workspace {
         for rows in &leaps {
             depths.lower_beyond(rows, FARTHER_COST, &mut self.scores);
         }
-        let bounded_line = self.paths.line(self.scores.grid(), trend, motion);
+        let bounded_line = self.paths.line(&self.scores.grid, trend, motion);
         let mut is_restored = false;
         for rows in &leaps {
-            let evidence = mean_score(self.scores.grid(), &bounded_line, rows);
+            let evidence = mean_score(&self.scores.grid, &bounded_line, rows);
             if evidence < WITHIN_EVIDENCE {
                 depths.lower_beyond(rows, -FARTHER_COST, &mut self.scores);
                 is_restored = true;
             }
         }
-        if is_restored { self.paths.line(self.scores.grid(), trend, motion) } else { bounded_line }
+        if is_restored { self.paths.line(&self.scores.grid, trend, motion) } else { bounded_line }
     }
 
     /// Finds the line along the trend that the rows are averaged along. Returns it with the score
@@ -158,7 +158,7 @@ impl Workspace {
         let cells = self.line_within(&trend, task);
         let apart = (RIVAL_M / task.cell_m).ceil() as usize;
         let line = FoundLine {
-            evidence: evidence(self.scores.grid(), &cells),
+            evidence: evidence(&self.scores.grid, &cells),
             margins: self.paths.margins(&cells, apart),
             cells,
             trend,
@@ -174,10 +174,10 @@ impl Workspace {
         if best.0.is_whole(task.motion.limit) {
             return best.0;
         }
-        let loose = self.paths.line(self.scores.grid(), &Trend::default(), &task.motion.loose());
+        let loose = self.paths.line(&self.scores.grid, &Trend::default(), &task.motion.loose());
         let loose: Vec<f64> = loose.iter().map(|&cell| cell as f64).collect();
         let Task { depths, interval_s, cell_m, .. } = task;
-        for trend in Trend::candidates(&loose, depths.cells(), *interval_s, *cell_m) {
+        for trend in Trend::candidates(&loose, &depths.cells, *interval_s, *cell_m) {
             self.scores.measure_along(&trend, &self.rows, &task.kernel);
             let found = self.found_line(trend, task);
             if found.1 > best.1 {

@@ -1,7 +1,7 @@
 //! Scores how much every cell of every row looks like the step from water to bottom, and limits the
 //! place of the line by the recorded depth.
 
-use super::super::{FirstReturnSettings, Normalisation, SampleMode};
+use super::super::{FirstReturnSettings, Normalisation, SampleMode, joined};
 use super::grid::TrackerGrid;
 use super::rows::{SampleRows, TrackerChunk};
 use super::trend::{Trend, overlap};
@@ -86,7 +86,8 @@ impl Kernel {
 /// Scores of all cells of a chunk; cells that cannot be a return have [`Scores::CLOSED`].
 #[derive(Default)]
 pub(super) struct Scores {
-    grid: TrackerGrid,
+    /// Scores of all rows.
+    pub grid: TrackerGrid,
     /// Trend that the rows are averaged along.
     trend: Trend,
     /// True for each row that was measured last.
@@ -142,37 +143,6 @@ impl Scores {
         self.trend.clone_from(trend);
         self.is_lowered = false;
         vectorised(Measure { scores: self, rows, kernel });
-    }
-
-    /// Computes the scores as [`Scores::measure`] does; not vectorised.
-    #[inline(always)]
-    fn measure_inlined(&mut self, rows: &SampleRows, kernel: &Kernel) {
-        for first in (0..rows.len()).step_by(TOGETHER) {
-            if !self.is_new[first] {
-                continue;
-            }
-            let last = rows.len() - 1;
-            for index in 0..TOGETHER {
-                // Where fewer rows are left, the last one is processed again.
-                self.smooth(rows, last.min(first + index));
-                self.sums[index].of(&self.fine);
-            }
-            quiet_water(&mut self.quiet, &self.sums, kernel);
-            for (index, row) in (first..=last).take(TOGETHER).enumerate() {
-                let RunningSums { sums, squares } = &self.sums[index];
-                brightness_before(&mut self.before, sums, kernel);
-                let water = WaterBrightness { before: &self.before, quiet: &self.quiet[index] };
-                let out = self.grid.row_mut(row);
-                step_scores(out, (sums, squares), &water, kernel, rows.recorded[row]);
-                self.find_loudest(rows, row, kernel.window);
-                close_below_level(self.grid.row_mut(row), &self.loudest, kernel.level);
-            }
-        }
-    }
-
-    /// Returns the scores of all rows.
-    pub(super) fn grid(&self) -> &TrackerGrid {
-        &self.grid
     }
 
     /// Lowers the scores of some cells of a row; cells beyond the row are ignored.
@@ -269,7 +239,28 @@ impl VectorLoop for Measure<'_> {
 
     #[inline(always)]
     fn run(self) {
-        self.scores.measure_inlined(self.rows, self.kernel);
+        let Self { scores, rows, kernel } = self;
+        for first in (0..rows.len()).step_by(TOGETHER) {
+            if !scores.is_new[first] {
+                continue;
+            }
+            let last = rows.len() - 1;
+            for index in 0..TOGETHER {
+                // Where fewer rows are left, the last one is processed again.
+                scores.smooth(rows, last.min(first + index));
+                scores.sums[index].of(&scores.fine);
+            }
+            quiet_water(&mut scores.quiet, &scores.sums, kernel);
+            for (index, row) in (first..=last).take(TOGETHER).enumerate() {
+                let RunningSums { sums, squares } = &scores.sums[index];
+                brightness_before(&mut scores.before, sums, kernel);
+                let water = (&scores.before[..], &scores.quiet[index][..]);
+                let out = scores.grid.row_mut(row);
+                step_scores(out, (sums, squares), water, kernel, rows.recorded[row]);
+                scores.find_loudest(rows, row, kernel.window);
+                close_below_level(scores.grid.row_mut(row), &scores.loudest, kernel.level);
+            }
+        }
     }
 }
 
@@ -328,21 +319,14 @@ fn quiet_water(out: &mut [Vec<f32>; TOGETHER], rows: &[RunningSums; TOGETHER], k
     }
 }
 
-/// Brightness of the water before every cell of a row.
-struct WaterBrightness<'a> {
-    /// See [`brightness_before`].
-    before: &'a [f32],
-    /// See [`quiet_water`].
-    quiet: &'a [f32],
-}
-
 /// Computes `(mean after - mean before) / sqrt(variance after + variance before + floor)` at every
-/// cell, less a cost where the cells before it are not quiet water.
+/// cell, less a cost where the cells before it are not quiet water. The brightness of the water
+/// before every cell is that of [`brightness_before`] and of [`quiet_water`].
 #[inline(always)]
 fn step_scores(
     out: &mut [f32],
     (sums, squares): (&[u32], &[u32]),
-    water: &WaterBrightness<'_>,
+    (before, quiet): (&[f32], &[f32]),
     kernel: &Kernel,
     recorded: usize,
 ) {
@@ -356,7 +340,7 @@ fn step_scores(
         let near = 1.0 / (cell - kernel.first) as f32;
         let near = Moments::between(sums, squares, kernel.first, cell, near);
         let far = Moments::between(sums, squares, cell, cell + window, per);
-        *out = far.step_from(near, water.before[cell], water.quiet[cell]);
+        *out = far.step_from(near, before[cell], quiet[cell]);
     }
     if full < kernel.first + window {
         return;
@@ -365,8 +349,7 @@ fn step_scores(
     let starts = [full - window, full, full + window];
     let [s0, s1, s2] = starts.map(|start| &sums[start..][..count]);
     let [q0, q1, q2] = starts.map(|start| &squares[start..][..count]);
-    let before = &water.before[full..][..count];
-    let quiet = &water.quiet[full..][..count];
+    let [before, quiet] = [before, quiet].map(|water| &water[full..][..count]);
     for (cell, out) in out[full..last].iter_mut().enumerate() {
         let near = Moments::of(s0[cell], s1[cell], q0[cell], q1[cell], per);
         let far = Moments::of(s1[cell], s2[cell], q1[cell], q2[cell], per);
@@ -447,7 +430,7 @@ const PAUSE: usize = 8;
 /// Recorded depths along a chunk, in cells of its picture.
 pub(super) struct Depths {
     /// Depth at each row, cells of range; NaN where there is none to believe.
-    cells: Vec<f64>,
+    pub cells: Vec<f64>,
     /// Range at which the picture starts, cells: it may be more than 0.
     near: f64,
     /// Length of a cell, metres.
@@ -488,15 +471,9 @@ impl Depths {
     /// example where it leapt to a wall. A line a little beyond the depth is the edge of the bottom
     /// where the depth is late or rounded.
     pub(super) fn leaps(&self, line: &[usize]) -> Vec<Range<usize>> {
-        let mut stretches: Vec<Range<usize>> = Vec::new();
         let is_far = |&(row, depth): &(usize, f64)| line[row] > self.cell(LEAP_SHARE * depth);
-        for (row, _) in self.known().filter(is_far) {
-            match stretches.last_mut() {
-                Some(last) if row - last.end <= PAUSE => last.end = row + 1,
-                _ => stretches.push(row..row + 1),
-            }
-        }
-        stretches
+        let far = self.known().filter(is_far).map(|(row, _)| row);
+        joined(far, |end, row| row - end <= PAUSE)
     }
 
     /// Lowers the scores of cells beyond the recorded depth in some rows by a cost; a cost below
@@ -523,11 +500,6 @@ impl Depths {
     /// Returns the farthest cell at which the bottom below the boat returns; `depth` is in cells.
     fn limit(&self, depth: f64) -> usize {
         self.cell(farthest_m(depth * self.cell_m) / self.cell_m)
-    }
-
-    /// Returns the depth at each row, cells of range; NaN where there is none to believe.
-    pub(super) fn cells(&self) -> &[f64] {
-        &self.cells
     }
 
     fn known(&self) -> impl Iterator<Item = (usize, f64)> {

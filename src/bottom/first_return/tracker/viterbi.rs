@@ -74,64 +74,11 @@ impl Paths {
         if self.through.len() == 0 { 0.0 } else { maximum(self.through.row(0)) }
     }
 
-    /// Finds the line as [`Paths::line`] does; not vectorised.
-    #[inline(always)]
-    fn line_inlined(
-        &mut self,
-        scores: &TrackerGrid,
-        trend: &Trend,
-        motion: &MotionCost,
-    ) -> Vec<usize> {
-        let (width, rows) = (scores.width(), scores.len());
-        self.through.reset(rows, width, 0.0);
-        for row in 0..rows {
-            let (before, out) = self.through.row_after(row);
-            out.copy_from_slice(scores.row(row));
-            if !before.is_empty() {
-                let before = moved(before, trend.step(row), &mut self.moved);
-                for (out, best) in out.iter_mut().zip(self.reach.of(before, motion)) {
-                    *out += best;
-                }
-            }
-        }
-        let mut line = vec![0; rows];
-        // Score that the best path from each cell gathers after this row.
-        let mut onward = vec![0.0; width];
-        for row in (0..rows).rev() {
-            let through = self.through.row_mut(row);
-            for (through, onward) in through.iter_mut().zip(&onward) {
-                *through += onward;
-            }
-            line[row] = highest(through);
-            for (onward, score) in onward.iter_mut().zip(scores.row(row)) {
-                *onward += score;
-            }
-            let behind = moved(&onward, -trend.step(row), &mut self.moved);
-            let best = self.reach.of(behind, motion);
-            onward.copy_from_slice(best);
-        }
-        line
-    }
-
     /// Returns for each row the difference in score between the line and the best path that passes
     /// more than `apart` cells nearer, or farther; at most [`MOST_MARGIN`]. `line` must be the line
     /// that was found last.
     pub(super) fn margins(&self, line: &[usize], apart: usize) -> Vec<[f32; 2]> {
         vectorised(Margins { paths: self, line, apart })
-    }
-
-    /// Computes the margins as [`Paths::margins`] does; not vectorised.
-    #[inline(always)]
-    fn margins_inlined(&self, line: &[usize], apart: usize) -> Vec<[f32; 2]> {
-        let mut margins = Vec::with_capacity(line.len());
-        for (row, &at) in line.iter().enumerate() {
-            let through = self.through.row(row);
-            let nearer = maximum(&through[..at.saturating_sub(apart)]);
-            let farther = maximum(&through[through.len().min(at + apart + 1)..]);
-            let margin = |others: f32| (through[at] - others).min(MOST_MARGIN);
-            margins.push([margin(nearer), margin(farther)]);
-        }
-        margins
     }
 }
 
@@ -148,7 +95,36 @@ impl VectorLoop for BestLine<'_> {
 
     #[inline(always)]
     fn run(self) -> Vec<usize> {
-        self.paths.line_inlined(self.scores, self.trend, self.motion)
+        let Self { paths, scores, trend, motion } = self;
+        let (width, rows) = (scores.width, scores.len());
+        paths.through.reset(rows, width, 0.0);
+        for row in 0..rows {
+            let (before, out) = paths.through.row_after(row);
+            out.copy_from_slice(scores.row(row));
+            if !before.is_empty() {
+                let before = moved(before, trend.step(row), &mut paths.moved);
+                for (out, best) in out.iter_mut().zip(paths.reach.of(before, motion)) {
+                    *out += best;
+                }
+            }
+        }
+        let mut line = vec![0; rows];
+        // Score that the best path from each cell gathers after this row.
+        let mut onward = vec![0.0; width];
+        for row in (0..rows).rev() {
+            let through = paths.through.row_mut(row);
+            for (through, onward) in through.iter_mut().zip(&onward) {
+                *through += onward;
+            }
+            line[row] = highest(through);
+            for (onward, score) in onward.iter_mut().zip(scores.row(row)) {
+                *onward += score;
+            }
+            let behind = moved(&onward, -trend.step(row), &mut paths.moved);
+            let best = paths.reach.of(behind, motion);
+            onward.copy_from_slice(best);
+        }
+        line
     }
 }
 
@@ -164,7 +140,16 @@ impl VectorLoop for Margins<'_> {
 
     #[inline(always)]
     fn run(self) -> Vec<[f32; 2]> {
-        self.paths.margins_inlined(self.line, self.apart)
+        let Self { paths, line, apart } = self;
+        let mut margins = Vec::with_capacity(line.len());
+        for (row, &at) in line.iter().enumerate() {
+            let through = paths.through.row(row);
+            let nearer = maximum(&through[..at.saturating_sub(apart)]);
+            let farther = maximum(&through[through.len().min(at + apart + 1)..]);
+            let margin = |others: f32| (through[at] - others).min(MOST_MARGIN);
+            margins.push([margin(nearer), margin(farther)]);
+        }
+        margins
     }
 }
 

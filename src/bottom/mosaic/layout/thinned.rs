@@ -22,6 +22,10 @@ impl MosaicLayout {
             joined.push(goes_on);
         }
         let pick = |ping: &usize| self.pings[*ping];
+        let known = |values: &Vec<f32>| -> Vec<f32> {
+            let of_ping = |&ping: &usize| values.get(ping).copied().unwrap_or(f32::NAN);
+            chosen.iter().map(of_ping).collect()
+        };
         Self {
             pings: chosen.iter().map(pick).collect(),
             stands_for: self.nearest_to(&chosen, &joined),
@@ -30,18 +34,9 @@ impl MosaicLayout {
                 let of_side = |&ping: &usize| self.ranges[side].get(ping).copied().flatten();
                 chosen.iter().map(of_side).collect()
             }),
-            altitudes_m: [0, 1].map(|side| {
-                let of_side = |&ping: &usize| self.altitudes_m[side].get(ping).copied();
-                let known = chosen.iter().map(of_side);
-                known.map(|metres| metres.unwrap_or(f32::NAN)).collect()
-            }),
-            relief: self.relief.as_ref().map(|(relief, under_m)| {
-                let of_side = |side: usize| {
-                    let known = chosen.iter().map(|&ping| under_m[side].get(ping).copied());
-                    known.map(|metres| metres.unwrap_or(f32::NAN)).collect()
-                };
-                (relief.clone(), [0, 1].map(of_side))
-            }),
+            altitudes_m: self.altitudes_m.each_ref().map(known),
+            relief: (self.relief.as_ref())
+                .map(|(relief, under_m)| (relief.clone(), under_m.each_ref().map(known))),
             joined,
             water_column: self.water_column,
             far_m: self.far_m,

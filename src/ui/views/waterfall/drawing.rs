@@ -303,8 +303,8 @@ pub(super) fn look(
         middle_m: picture.map_or(1.0, |picture| picture.middle_m),
         port,
         starboard,
-        curve_far_m: gain.map_or(1.0, |gain| gain.far_m() as f32),
-        curve_factor: gain.map_or(1.0, |gain| gain.brightness()),
+        curve_far_m: gain.map_or(1.0, |gain| gain.far_m as f32),
+        curve_factor: gain.map_or(1.0, |gain| gain.stretch),
         ..plain_look(app, lens, Levels { black, white })
     }
 }
