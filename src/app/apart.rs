@@ -56,8 +56,7 @@ impl App {
             log.is_visible = true;
             log.apart = None;
         }
-        let after = self.step_now();
-        self.record_named(&before, &after, "show all logs together".to_owned());
+        self.record_named(&before, "show all logs together".to_owned());
         self.notices.withdraw(Action::ShowTogether);
         self.schedule();
     }

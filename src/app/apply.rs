@@ -216,8 +216,7 @@ impl App {
             log.own = own.clone();
             log.exchange_boxes();
         }
-        let after = self.step_now();
-        self.record_step(&before, &after, label, live);
+        self.record_step(&before, label, live);
         self.set_own(id, own, live);
         if !live {
             self.share_settings(id);

@@ -229,8 +229,7 @@ impl App {
             0 | 1 => what,
             _ => format!("{what}, {}", quoted(&log.name())),
         };
-        let after = self.step_now();
-        self.record_named(&before, &after, title);
+        self.record_named(&before, title);
         self.set_own(id, own, false);
     }
 }

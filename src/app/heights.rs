@@ -192,8 +192,7 @@ impl App {
             self.set_own(id, Arc::new(own), false);
             left_out += stretch.count;
         }
-        let after = self.step_now();
-        self.record_step(&before, &after, "false soundings", false);
+        self.record_step(&before, "false soundings", false);
         self.notices.withdraw(Action::LeaveOutContradicted);
         let left_out = text::plural(left_out, "sounding was", "soundings were");
         self.notices.offer_undo(format!("{left_out} left out"));
@@ -221,8 +220,7 @@ impl App {
             let text = "no height offset is determined: the tracks of these logs do not cross, or their depths contradict each other where they do";
             return self.notices.warn(text.to_owned());
         }
-        let after = self.step_now();
-        self.record_step(&before, &after, "height offsets", false);
+        self.record_step(&before, "height offsets", false);
         self.notices.withdraw(Action::ApplyHeights);
         let held = self.findings.heights.held.and_then(|id| self.logs.get(id));
         let held = held.map_or("their mean".to_owned(), |log| format!("that of {}", log.name()));

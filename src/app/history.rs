@@ -26,34 +26,33 @@ impl App {
         }
     }
 
-    /// Records a change as an undo step, and saves it in the project. The full name of the step
-    /// states what changed, and to which value or in which log: `threshold 0.41`, `bottom of pond`.
+    /// Records the change of the state since `before` as an undo step, and saves it in the project.
+    /// The full name of the step states what changed, and to which value or in which log:
+    /// `threshold 0.41`, `bottom of pond`.
     pub(super) fn record_step(
         &mut self,
         before: &UndoStep,
-        after: &UndoStep,
         label: impl Into<Cow<'static, str>>,
         live: bool,
     ) {
+        let after = self.step_now();
         // An undo that was offered for an earlier change would now revert another one.
         self.notices.withdraw(Action::Undo);
         let label = label.into();
         let start = self.document.history.start_of(&label, before).clone();
-        self.document.history.record(before, after, label.clone(), live);
-        if live {
-            return;
-        }
-        if start != *after {
-            let title = self.title(&label, &start, after);
+        self.document.history.record(before, &after, label.clone(), live);
+        if !live && start != after {
+            let title = self.title(&label, &start, &after);
             self.document.history.name_last(title.clone());
             self.keep_decision(&title);
         }
     }
 
-    /// Records a change with a complete name as an undo step.
-    pub(super) fn record_named(&mut self, before: &UndoStep, after: &UndoStep, title: String) {
+    /// Records the change of the state since `before` under a complete name as an undo step.
+    pub(super) fn record_named(&mut self, before: &UndoStep, title: String) {
+        let after = self.step_now();
         self.notices.withdraw(Action::Undo);
-        self.document.history.record(before, after, title.clone(), false);
+        self.document.history.record(before, &after, title.clone(), false);
         self.keep_decision(&title);
     }
 

@@ -305,8 +305,7 @@ impl App {
         let before = self.step_now();
         let title = format!("close {}", self.logs.name_of(id));
         self.put_away(id);
-        let after = self.step_now();
-        self.record_named(&before, &after, title);
+        self.record_named(&before, title);
         self.schedule();
     }
 
@@ -380,9 +379,8 @@ impl App {
             log.is_visible = is_visible;
             log.apart = None;
         }
-        let after = self.step_now();
         let what = if is_visible { "show" } else { "hide" };
-        self.record_named(&before, &after, format!("{what} {}", self.logs.name_of(id)));
+        self.record_named(&before, format!("{what} {}", self.logs.name_of(id)));
         self.schedule();
     }
 
@@ -396,9 +394,8 @@ impl App {
         let to = from.saturating_add_signed(by).min(order.len() - 1);
         let moved = order.remove(from);
         order.insert(to, moved);
-        let after = self.step_now();
         let way = if by < 0 { "up" } else { "down" };
-        self.record_named(&before, &after, format!("move {} {way}", self.logs.name_of(id)));
+        self.record_named(&before, format!("move {} {way}", self.logs.name_of(id)));
     }
 
     /// Shows the log `by` places after the shown one in the list, around its ends.

@@ -3,7 +3,6 @@
 
 use super::drawn_figure::Figure;
 use super::reviewing::Tool;
-use super::step::UndoStep;
 use super::{Action, App, OpenLog, OpenLogs, ProfileLine};
 use bathyscope_bottom::bathymetry::TransectStation;
 use bathyscope_log::support::geo::LonLat;
@@ -299,13 +298,9 @@ impl App {
     /// Replaces the figure on the map by `figure`, as an undo step.
     fn draw(&mut self, figure: Option<Figure>) {
         let before = self.step_now();
-        let after = UndoStep { figure: figure.map(Arc::new), ..before.clone() };
-        let label = match after.figure {
-            Some(_) => "corner",
-            None => "measurement",
-        };
-        self.map.measuring.figure = after.figure.clone();
-        self.record_step(&before, &after, label, false);
+        let label = if figure.is_some() { "corner" } else { "measurement" };
+        self.map.measuring.figure = figure.map(Arc::new);
+        self.record_step(&before, label, false);
     }
 
     /// Returns the depth profile as a table; `None` if there is none.

@@ -94,8 +94,7 @@ impl App {
                 self.notices.warn(error.to_string());
             }
         }
-        let after = self.step_now();
-        self.record_named(&before, &after, format!("mounting of {recorder}"));
+        self.record_named(&before, format!("mounting of {recorder}"));
         self.schedule();
     }
 
@@ -107,8 +106,7 @@ impl App {
             let text = "the recorder of this log has no default mounting";
             return self.notices.warn(text.to_owned());
         }
-        let after = self.step_now();
-        self.record_named(&before, &after, format!("no default mounting of {recorder}"));
+        self.record_named(&before, format!("no default mounting of {recorder}"));
     }
 
     /// Sets the mounting of a log, with its boxes and its bottom edits. After an error the log is

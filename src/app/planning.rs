@@ -166,8 +166,7 @@ impl App {
         let count = |lines: &Arc<PlannedLines>| lines.plan.lines.len();
         let count = self.map.planning.lines.as_ref().map_or(0, count);
         self.map.planning.selected = self.map.planning.selected.filter(|line| *line < count);
-        let after = self.step_now();
-        self.record_step(&before, &after, label, false);
+        self.record_step(&before, label, false);
     }
 
     /// Writes the planned lines into a file, in the format of the file name's ending.

@@ -86,8 +86,7 @@ impl App {
                 self.set_own(*id, Arc::new(own), false);
             }
         }
-        let after = self.step_now();
-        self.record_step(&before, &after, "positions", false);
+        self.record_step(&before, "positions", false);
         self.process();
     }
 }

@@ -24,9 +24,8 @@ impl App {
                 log.reviewing.set(Arc::new(after));
             }
         }
-        let after = self.step_now();
         // The change of the list belongs to the same undo step.
-        self.record_step(&before, &after, "name of class", true);
+        self.record_step(&before, "name of class", true);
         let settings = Settings { review, ..Settings::clone(&self.logs.shown.settings) };
         self.change(settings, "name of class", false);
     }

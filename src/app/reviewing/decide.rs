@@ -90,8 +90,7 @@ impl App {
         if let Some(log) = self.logs.get_mut(id) {
             log.reviewing.set(review);
         }
-        let after = self.step_now();
-        self.record_step(&before, &after, label, live);
+        self.record_step(&before, label, live);
     }
 
     /// Applies an edit to the shown log's boxes, and selects the box that it adds. The edits of a

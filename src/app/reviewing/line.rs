@@ -147,8 +147,7 @@ impl App {
                 log.reviewing.set(Arc::new(after));
             }
         }
-        let after = self.step_now();
-        self.record_step(&before, &after, label, false);
+        self.record_step(&before, label, false);
     }
 
     /// Shows the next box of the selected object in any log; after the last box comes the first.
