@@ -7,11 +7,7 @@ use bathyscope_bottom::first_return::{BottomEdit, BottomSettings};
 use bathyscope_log::support::printable::quoted;
 use bathyscope_log::survey::{Side, Survey};
 use bathyscope_products::Error;
-use bathyscope_products::pipeline::Settings;
 use std::sync::Arc;
-
-/// Name of undo steps that edit the bottom.
-const LABEL: &str = "bottom";
 
 /// Effect of a stroke of the pen on its pings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -146,16 +142,8 @@ impl App {
         self.set_bottom(bottom);
     }
 
-    /// Removes all bottom edits of the shown log, so that the first returns of the search count
-    /// again.
-    pub(super) fn forget_bottom(&mut self) {
-        self.set_bottom(BottomSettings::default());
-    }
-
     fn set_bottom(&mut self, bottom: BottomSettings) {
-        let mut settings = Settings::clone(&self.logs.shown.settings);
-        settings.bottom = bottom;
-        self.change(settings, LABEL, false);
+        self.edit_settings("bottom", |settings| settings.bottom = bottom);
     }
 
     /// Takes the bottom edits of a log that is being opened from its sidecar file, which an earlier

@@ -71,7 +71,7 @@ impl App {
     /// pressed; a box outside the visible pings is brought into view.
     fn misses_box(&mut self, keys: &str, focus: KeyFocus) -> bool {
         let Some(review_box) = self.logs.shown.reviewing.selected_box() else {
-            self.ask_for_box();
+            self.notices.ask_for_box();
             return true;
         };
         let (BoxId(number), pings) = (review_box.id, review_box.mark.pings.clone());

@@ -72,6 +72,11 @@ impl OpenLog {
         self.calibrating.proposal
     }
 
+    /// Returns true if a stretch gives the scale, or is proposed for it.
+    pub(super) fn can_keep_recorded_range(&self) -> bool {
+        self.settings.calibration.mode == ScaleMode::FlatSpot || self.calibrating.proposal.is_some()
+    }
+
     /// Returns the changes that the proposed stretch would make; `None` until they are known.
     pub fn scale_trial(&self) -> Option<&Arc<ScaleTrial>> {
         let proposal = self.calibrating.proposal?;

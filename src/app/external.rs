@@ -137,20 +137,6 @@ impl App {
         self.change_of(id, settings, TRACK, false);
     }
 
-    /// Removes the readings of the water's height from the settings of the shown log.
-    pub(super) fn remove_water_levels(&mut self) {
-        let mut settings = Settings::clone(&self.logs.shown.settings);
-        settings.water_level = WaterLevelSettings::default();
-        self.change(settings, "water levels", false);
-    }
-
-    /// Uses the recorder's own positions for the shown log again.
-    pub(super) fn remove_track(&mut self) {
-        let mut settings = Settings::clone(&self.logs.shown.settings);
-        settings.track = TrackSettings::default();
-        self.change(settings, TRACK, false);
-    }
-
     /// Applies the settings of a log's source to its survey, and updates everything that depends on
     /// its plane and its sides. After an error the log is unchanged.
     pub(super) fn follow_source(&mut self, id: LogId, settings: &Settings) -> Result<(), AppError> {

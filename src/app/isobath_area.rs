@@ -5,12 +5,8 @@ use super::App;
 use super::jobs::JobKey;
 use bathyscope_log::formats::read_area;
 use bathyscope_log::survey::WaterArea;
-use bathyscope_products::pipeline::Settings;
 use std::path::PathBuf;
 use std::sync::Arc;
-
-/// Name of undo steps that change the area.
-const LABEL: &str = "isobath area";
 
 impl App {
     /// Starts reading an area; the reading of an earlier one is dropped.
@@ -34,9 +30,9 @@ impl App {
     }
 
     fn set_isobath_area(&mut self, area: Option<WaterArea>) {
-        let mut settings = Settings::clone(&self.logs.shown.settings);
-        settings.isobaths.clip = area.as_ref().map(|area| area.path.clone());
-        settings.isobaths.area = area.map(Arc::new);
-        self.change(settings, LABEL, false);
+        self.edit_settings("isobath area", |settings| {
+            settings.isobaths.clip = area.as_ref().map(|area| area.path.clone());
+            settings.isobaths.area = area.map(Arc::new);
+        });
     }
 }

@@ -44,7 +44,6 @@ mod open_log;
 mod opening;
 mod options;
 mod passes;
-mod picture_settings;
 mod planning;
 mod positions;
 mod preview;

@@ -32,22 +32,16 @@ impl App {
         self.document.mountings = Arc::new(mountings);
     }
 
-    /// Exchanges the sides of the shown log.
-    pub(super) fn swap_sides(&mut self) {
-        let mut settings = Settings::clone(&self.logs.shown.settings);
-        settings.mounting.swap_sides = !settings.mounting.swap_sides;
-        self.change(settings, "sides of the recorder", false);
-    }
-
     /// Shifts the soundings of the shown log to earlier times by the lag that its first returns
     /// show.
     pub(super) fn apply_sounding_lag(&mut self) {
         let Some((lag, in_force_s)) = self.logs.shown.sounding_lag() else {
             return self.notices.warn("first returns show no lag of the soundings".to_owned());
         };
-        let mut settings = Settings::clone(&self.logs.shown.settings);
-        settings.mounting.sounding_lag_s = in_force_s + lag.told_s();
-        self.change(settings, "lag of the soundings", false);
+        let lag_s = in_force_s + lag.told_s();
+        self.edit_settings("lag of the soundings", |settings| {
+            settings.mounting.sounding_lag_s = lag_s;
+        });
     }
 
     /// Applies the default mounting of its recorder to a log that was just opened. This is not an

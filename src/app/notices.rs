@@ -54,6 +54,11 @@ impl Notices {
         self.say(in_plain_words(&text).as_ref(), true, None);
     }
 
+    /// Notifies the analyst that a command needs a selected box.
+    pub(super) fn ask_for_box(&mut self) {
+        self.warn("select a box first, with Tab or a click".to_owned());
+    }
+
     /// Notifies the analyst of the path of a report about a fault of the program in its last run.
     pub(crate) fn tell_of_crash(&mut self, report: &Path) {
         let text = format!(

@@ -149,11 +149,6 @@ fn read_path(
 }
 
 impl App {
-    /// Opens a log, which replaces the open ones; the opening of earlier requests is dropped.
-    pub(super) fn start_loading(&mut self, origin: LogOrigin) {
-        self.load([origin].into_iter(), OpenMode::Instead);
-    }
-
     /// Opens logs one after the other; the opening of earlier requests is dropped.
     pub(super) fn load(&mut self, origins: impl Iterator<Item = LogOrigin>, place: OpenMode) {
         self.jobs.stop(&JobKey::OpenLog);

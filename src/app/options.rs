@@ -5,7 +5,7 @@ use bathyscope_bottom::picture::PictureGeometry;
 use bathyscope_bottom::presentation::colours::ColourMap;
 use bathyscope_bottom::presentation::units::Units;
 use bathyscope_log::support::geo::CoordinateFormat;
-use bathyscope_log::survey::ChannelKind;
+use bathyscope_log::survey::{ChannelKind, Survey};
 use bathyscope_products::outputs::Product;
 use bathyscope_products::pipeline::BottomColour;
 use serde::{Deserialize, Serialize};
@@ -161,6 +161,23 @@ impl WaterfallOptions {
             (false, true) => PictureGeometry::Slant,
             (false, false) => PictureGeometry::SlantBeyondWater,
         }
+    }
+
+    /// Shows side-scan, then each down-looking channel of the log, beside the side-scan and alone.
+    pub(crate) fn next_channel(&mut self, survey: Option<&Survey>) {
+        let has = |channel: &EchogramChannel| {
+            let has = |kind| survey.is_some_and(|survey| survey.has_echogram(kind));
+            channel.kind().is_some_and(has)
+        };
+        let there = EchogramChannel::ALL.into_iter().filter(has);
+        let each = there.flat_map(|channel| [(channel, false), (channel, true)]);
+        let all: Vec<_> = [(EchogramChannel::None, false)].into_iter().chain(each).collect();
+        let now = match self.echogram {
+            EchogramChannel::None => (EchogramChannel::None, false),
+            channel => (channel, self.echogram_alone),
+        };
+        let place = all.iter().position(|choice| *choice == now).unwrap_or(0);
+        (self.echogram, self.echogram_alone) = all[(place + 1) % all.len()];
     }
 }
 

@@ -393,7 +393,7 @@ impl App {
         }
         self.number_objects(numbers);
         if let Some(queue) = queue.filter(|kept| (0.0..=1.0).contains(&kept.threshold)) {
-            self.set_queue(&queue.into_queue());
+            self.logs.set_queue(&queue.into_queue());
         }
         self.map.measuring.figure = kept_figure(&project, None);
         let saving = ProjectSaving { store: Some(store), project, ..ProjectSaving::default() };

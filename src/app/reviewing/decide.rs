@@ -1,5 +1,5 @@
 //! Applies the analyst's decisions and corrections to single boxes, which mark possible objects in
-//! the sonar picture; undoes and redoes them.
+//! the sonar picture; undoes and redoes them; renames their classes.
 
 use super::{BoxEdge, Reviewing, Tool, border_m, middle};
 use crate::app::step::{LogStep, UndoStep};
@@ -151,8 +151,25 @@ impl App {
     pub(in crate::app) fn edit_selected(&mut self, edit: fn(BoxId) -> Edit) {
         match self.logs.shown.reviewing.selected {
             Some(id) => self.edit(&edit(id), false),
-            None => self.ask_for_box(),
+            None => self.notices.ask_for_box(),
         }
+    }
+
+    /// Renames a class, in the list and for the boxes of all logs.
+    pub(in crate::app) fn rename_class(&mut self, from: &str, to: &str) {
+        let review = self.logs.shown.settings.review.renamed(from, to);
+        if let Err(why) = review.check() {
+            return self.notices.warn(why.to_owned());
+        }
+        let before = self.step_now();
+        for log in self.logs.all_mut() {
+            if let Some(after) = log.reviewing.review.with_class_renamed(from, to) {
+                log.reviewing.set(Arc::new(after));
+            }
+        }
+        // The change of the list belongs to the same undo step.
+        self.record_step(&before, "name of class", true);
+        self.edit_settings("name of class", |settings| settings.review = review);
     }
 
     /// Removes a box that was drawn by hand; rejects a box that a model proposed.
@@ -175,7 +192,7 @@ impl App {
             return;
         }
         if tool == Tool::Edit && self.logs.shown.reviewing.selected.is_none() {
-            return self.ask_for_box();
+            return self.notices.ask_for_box();
         }
         self.leave_measuring();
         let in_hand = self.logs.shown.reviewing.tool == tool;

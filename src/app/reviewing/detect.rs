@@ -67,6 +67,11 @@ pub struct ObjectSearch {
 }
 
 impl ObjectSearch {
+    /// Sets the model for the next search; `None` for the model that comes with the program.
+    pub(in crate::app) fn use_model(&mut self, path: Option<PathBuf>) {
+        self.model_path = path;
+    }
+
     /// Returns the name of the model for searches.
     pub(crate) fn model_name(&self) -> String {
         let path = self.model_path.as_deref();
@@ -110,11 +115,6 @@ impl App {
             logs: search.logs,
             share: (search.done as f32 + here) / search.logs.max(1) as f32,
         })
-    }
-
-    /// Sets the model for the next search; `None` for the model that comes with the program.
-    pub(in crate::app) fn use_model(&mut self, path: Option<PathBuf>) {
-        self.findings.search.model_path = path;
     }
 
     /// Starts a search for objects in all visible logs, beginning with the shown log; a running
@@ -333,10 +333,8 @@ impl App {
     fn keep_detector(&mut self, detector: Detector) {
         let known = self.findings.search.detector.as_ref();
         if known.is_none_or(|known| !Arc::ptr_eq(&known.model, &detector.model)) {
-            self.set_queue(&Queue {
-                threshold: detector.model.score(),
-                ..self.logs.shown.reviewing.queue.clone()
-            });
+            let queue = self.logs.shown.reviewing.queue.clone();
+            self.logs.set_queue(&Queue { threshold: detector.model.score(), ..queue });
         }
         self.findings.search.detector = Some(detector);
     }

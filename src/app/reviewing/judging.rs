@@ -162,6 +162,12 @@ impl Reviewing {
         self.judging.standing = Some(standing);
     }
 
+    /// Sorts the list of mistakes.
+    pub(in crate::app) fn sort_mistakes(&mut self, sort: MistakeSort) {
+        self.judging.sort = sort;
+        self.count_mistakes();
+    }
+
     /// Returns the index of the shown mistake in the list; `None` if none is shown.
     pub fn mistake_at(&self) -> Option<usize> {
         let is_here = |mistake: &Mistake| match mistake {
@@ -323,11 +329,5 @@ impl App {
         };
         let next = mistakes[next as usize];
         self.show_mistake(&next);
-    }
-
-    /// Sorts the list of mistakes.
-    pub(in crate::app) fn sort_mistakes(&mut self, sort: MistakeSort) {
-        self.logs.shown.reviewing.judging.sort = sort;
-        self.logs.shown.reviewing.count_mistakes();
     }
 }

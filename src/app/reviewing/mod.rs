@@ -1,17 +1,14 @@
 //! Holds the boxes of a log with their decisions, selection, order and tool.
 //!
-//! `classes` changes the list of classes, `decide` applies edits and goes through undo steps,
-//! `edges` moves single edges and marks points, `detect` searches with a detector, `line` is the
-//! queue over all logs, `places` locates boxes on the ground, `judging` compares them with the
-//! truth if it is known, `fly` enlarges a box in all views, `files` reads and writes the review and
-//! exports boxes.
+//! `decide` applies edits, renames classes and goes through undo steps, `edges` moves single edges
+//! and marks points, `detect` searches with a detector, `line` is the queue over all logs and
+//! enlarges a box in all views, `places` locates boxes on the ground, `judging` compares them with
+//! the truth if it is known, `files` reads and writes the review and exports boxes.
 
-mod classes;
 mod decide;
 mod detect;
 mod edges;
 mod files;
-mod fly;
 mod judging;
 mod line;
 mod places;
