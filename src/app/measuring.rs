@@ -1,8 +1,8 @@
 //! Draws figures to measure: a line, an area or the line of a depth profile on the map and in the
 //! waterfall, and the height of an object from its shadow in the waterfall.
 
-use super::drawn_figure::Figure;
 use super::reviewing::Tool;
+use super::step::Figure;
 use super::{Action, App, OpenLog, OpenLogs, ProfileLine};
 use bathyscope_bottom::bathymetry::TransectStation;
 use bathyscope_log::support::geo::LonLat;

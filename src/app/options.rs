@@ -1,6 +1,6 @@
 //! Defines the display options, which are saved between runs and never affect a result.
 
-use super::{ClipBox, LayerStack, MapLayer, ObjectTable, PrintOptions, Swipe};
+use super::{LayerStack, MapLayer, ObjectTable, PrintOptions, Swipe};
 use bathyscope_bottom::picture::PictureGeometry;
 use bathyscope_bottom::presentation::colours::ColourMap;
 use bathyscope_bottom::presentation::units::Units;
@@ -265,6 +265,19 @@ impl CloudColour {
         let here = all.iter().position(|property| *property == self);
         here.map_or(all[0], |here| all[(here + 1) % all.len()])
     }
+}
+
+/// A box along the axes of the survey's plane: the 3D view draws nothing outside it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClipBox {
+    /// Ends in east, north and elevation, metres in the plane of the survey; infinite where the box
+    /// has no end.
+    pub ends_m: [[f64; 2]; 3],
+}
+
+impl ClipBox {
+    /// The box without ends, which clips nothing.
+    pub const WHOLE: Self = Self { ends_m: [[f64::NEG_INFINITY, f64::INFINITY]; 3] };
 }
 
 /// Options of the cloud.

@@ -2,9 +2,9 @@
 //! about them. Each undo step is written into the project's journal at once, so that a crash loses
 //! no more than the last action.
 
-use super::drawn_figure::Figure;
 use super::error::AppError;
 use super::jobs::JobKey;
+use super::step::Figure;
 use super::{App, LogId, OpenLog, OpenLogs, ViewOptions};
 use bathyscope_log::formats::{self, OpenError};
 use bathyscope_log::support::geo::LocalFrame;

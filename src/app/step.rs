@@ -1,11 +1,11 @@
-//! Defines the state that undo restores.
+//! Defines the state that undo restores, and the figure in it that the analyst draws to measure.
 
-use super::drawn_figure::Figure;
 use super::mounting::Mountings;
 use super::planning::PlannedLines;
 use super::{LogId, OpenLog};
 use bathyscope_objects::review::Review;
 use bathyscope_products::pipeline::{LogSettings, Settings};
+use bathyscope_products::project::Measurement;
 use std::sync::Arc;
 
 /// State that undo restores: everything that an analyst changes.
@@ -19,6 +19,15 @@ pub struct UndoStep {
     pub(super) figure: Option<Arc<Figure>>,
     pub(super) planned: Option<Arc<PlannedLines>>,
     pub(super) mountings: Arc<Mountings>,
+}
+
+/// A figure that the analyst draws to measure.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Figure {
+    /// Kind of the measurement, and its corners.
+    pub measurement: Measurement,
+    /// True if the figure is ended, so that the next corner begins another one.
+    pub done: bool,
 }
 
 /// State of one log that undo restores.
