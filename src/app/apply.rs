@@ -2,9 +2,9 @@
 //! that carries it out and the condition under which it has something to act on.
 
 use super::action::action_rows;
+use super::crossings::FoundHeights;
 use super::error::AppError;
 use super::external::Instrument;
-use super::heights::FoundHeights;
 use super::mounting::with_sides;
 use super::opening::OpenMode;
 use super::project::is_project;
@@ -191,7 +191,7 @@ impl App {
     /// Reads a file for the open survey.
     fn open_file(&mut self, file: FileToOpen) {
         match file {
-            FileToOpen::BaseMap(path) => self.open_base_map(path),
+            FileToOpen::BaseMap(path) => self.open_base_map(path, false),
             FileToOpen::IsobathArea(path) => self.open_isobath_area(path),
             FileToOpen::WaterLevels(path) => {
                 self.read_external(self.logs.shown.id, path, Some(Instrument::Gauge))

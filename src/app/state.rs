@@ -2,12 +2,12 @@
 //! the background through `jobs`.
 
 use super::card_search::CardSearch;
-use super::comparing::Comparing;
+use super::comparing::{Comparing, ReferenceComparison};
+use super::crossings::{FoundPositions, Heights};
 use super::deriving::Deriving;
 use super::exporting::Exported;
 use super::file_watch::FileWatch;
 use super::following::Following;
-use super::heights::Heights;
 use super::jobs::{JobKey, JobQueue};
 use super::logs::OpenLogs;
 use super::measuring::Measuring;
@@ -17,11 +17,9 @@ use super::objects::Objects;
 use super::opening::OpenRequest;
 use super::passes::Passes;
 use super::planning::Planning;
-use super::positions::FoundPositions;
 use super::preview::Previewer;
 use super::processing::ProcessRequest;
 use super::project::ProjectSaving;
-use super::reference_comparison::ReferenceComparison;
 use super::reviewing::ObjectSearch;
 use super::step::UndoStep;
 use super::{Jobs, LogPlace, Reveal, ViewOptions};

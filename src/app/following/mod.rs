@@ -2,15 +2,14 @@
 //! stay, and from time to time all results are computed again from the whole log, so that at the
 //! end they are those of the finished file.
 //!
-//! `step` reads new bytes in a background thread, `publish` shows the results, `scale` keeps the
-//! scale in force, `whole` decides when all results are computed again. The results of new pings
-//! are provisional: they use the calibration of the last run over the whole log
+//! `step` reads new bytes in a background thread, `scale` keeps the scale in force, `whole` decides
+//! when all results are computed again, and shows results. The results of new pings are
+//! provisional: they use the calibration of the last run over the whole log
 //! ([`bathyscope_products::pipeline::extend`]). That run is repeated whenever the log has grown by
 //! a quarter, so the work for each ping does not grow with the log. If objects were searched for,
 //! new pings are searched too. The log is only ever read, as a private copy
 //! ([`bathyscope_log::formats::GrowingLog`]).
 
-mod publish;
 mod scale;
 mod step;
 mod whole;

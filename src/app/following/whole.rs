@@ -1,15 +1,19 @@
-//! Computes all results from the whole log again, and ends following.
+//! Computes all results from the whole log again, replaces the shown log by a longer state of it
+//! with the decisions about it, and ends following.
 
-use super::step::{self, StepError};
+use super::step::{self, FollowedLog, StepError};
 use super::{Active, App, BETWEEN_WHOLE, End, QUIET, WHOLE_AGAIN};
 use crate::app::jobs::JobKey;
+use crate::app::logs_change::LogsChange;
 use crate::app::{LogId, OpenLog};
 use bathyscope_bottom::picture::PictureSettings;
 use bathyscope_bottom::presentation::text::count;
 use bathyscope_log::formats::{GrowingError, GrowingLog};
 use bathyscope_log::support::printable::quoted;
 use bathyscope_log::support::progress::Progress;
-use bathyscope_products::pipeline::Settings;
+use bathyscope_log::survey::Identity;
+use bathyscope_products::pipeline::{LogSettings, Settings};
+use std::sync::Arc;
 
 impl App {
     /// Starts computing results from the whole log if it has grown by enough, has stopped growing,
@@ -116,6 +120,80 @@ impl App {
         self.start_whole(active, true);
         false
     }
+
+    /// Returns true if the settings of the log are those that results were computed with, apart
+    /// from the state of the log that the two name.
+    pub(super) fn is_as_set(&self, id: LogId, ground: &FollowedLog) -> bool {
+        let shown = self.logs.get(id).and_then(|log| Some((log, log.survey.as_ref()?)));
+        let Some((log, survey)) = shown else {
+            return false;
+        };
+        let is_longer = ground.survey.source.byte_count > survey.source.byte_count;
+        let longest = if is_longer { &ground.survey } else { survey };
+        let carried = |own: &Arc<LogSettings>| {
+            let carried = own.carried_to(longest);
+            carried.unwrap_or_else(|| own.as_ref().clone())
+        };
+        carried(&ground.own) == carried(&log.own) && *ground.shared == *self.document.shared
+    }
+
+    /// Replaces a log by a longer state with its results, and keeps the analyst's decisions.
+    pub(super) fn publish(&mut self, id: LogId, ground: FollowedLog, is_provisional: bool) {
+        let is_as_set = self.is_as_set(id, &ground);
+        let shared = self.document.shared.clone();
+        let Some(log) = self.logs.get_mut(id) else {
+            return;
+        };
+        let FollowedLog { read, survey, mut products, own, .. } = ground;
+        log.whole = log.settled().filter(|_| is_provisional);
+        log.as_read = log.as_read.is_some().then_some(read);
+        log.replace_survey(survey.clone());
+        if is_as_set {
+            log.own = own;
+            log.settings = products.settings.clone();
+        } else {
+            log.carry_own(&shared);
+        }
+        let before = log.products.as_ref();
+        if before.is_some_and(|old| old.settings.picture != products.settings.picture) {
+            Arc::make_mut(&mut products.settings).picture = log.settings.picture.clone();
+        }
+        let before = before.map(|products| products.calibration.clone());
+        self.carry_decisions(id);
+        if is_provisional {
+            if let Some(log) = self.logs.get_mut(id) {
+                log.reviewing.grow(&survey, &products.navigation);
+                log.products = Some(products);
+            }
+            self.follow_change(LogsChange::Grown(id));
+        } else {
+            if let Some(before) = before {
+                self.tell_drift(&survey, &before, &products.calibration);
+            }
+            self.take_products(id, products);
+            self.offer_flatter(id);
+        }
+        if !is_as_set {
+            self.schedule();
+        }
+    }
+
+    /// Assigns boxes and measurements to the present state of a log, which may be longer than the
+    /// state that they were made on.
+    pub(in crate::app) fn carry_decisions(&mut self, id: LogId) {
+        let Some(log) = self.logs.get_mut(id) else {
+            return;
+        };
+        let Some(survey) = log.survey.clone() else {
+            return;
+        };
+        let identity = Identity::of(&survey);
+        if let Some(file) = &mut log.file {
+            file.pings = identity.pings;
+        }
+        log.reviewing.carry(identity.clone());
+        self.map.measuring.carry(&survey, &identity);
+    }
 }
 
 impl OpenLog {
@@ -123,6 +201,17 @@ impl OpenLog {
     pub(super) fn leave_provisional(&mut self) {
         if self.whole.take().is_some() {
             self.products = None;
+        }
+    }
+
+    /// Assigns the log's own settings to its present state.
+    pub(in crate::app) fn carry_own(&mut self, shared: &Settings) {
+        let survey = self.survey.as_ref();
+        if let Some(own) = survey.and_then(|survey| self.own.carried_to(survey))
+            && let Ok(settings) = own.compose(shared)
+        {
+            self.own = Arc::new(own);
+            self.settings = Arc::new(settings);
         }
     }
 }
