@@ -327,7 +327,7 @@ impl App {
             log.own = own;
             match settings {
                 Ok(settings) => self.set(id, settings, live),
-                Err(error) => self.notices.warn(error.to_string()),
+                Err(error) => self.notices.warn(error),
             }
         }
     }
@@ -343,7 +343,7 @@ impl App {
 
     fn set(&mut self, id: LogId, settings: Settings, live: bool) {
         if let Err(error) = self.follow_source(id, &settings) {
-            return self.notices.warn(error.to_string());
+            return self.notices.warn(error);
         }
         let Some(log) = self.logs.get_mut(id) else {
             return;

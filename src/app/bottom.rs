@@ -118,8 +118,7 @@ impl App {
     pub(super) fn nudge_bottom(&mut self, samples: i32) {
         let (Some(survey), Some(mark)) = (self.logs.shown.survey.clone(), self.view.selection)
         else {
-            let text = "select a ping first, with the arrow keys or a click";
-            return self.notices.warn(text.to_owned());
+            return self.notices.warn("select a ping first, with the arrow keys or a click");
         };
         let mut bottom = self.logs.shown.bottom_of(&survey);
         for side in self.sides_of(mark.side.unwrap_or(Side::Starboard)) {
@@ -149,11 +148,8 @@ impl App {
     /// Takes the bottom edits of a log that is being opened from its sidecar file, which an earlier
     /// version wrote.
     pub(super) fn take_bottom(&mut self, id: LogId, read: ReadBottom) {
-        let taken = self.logs.get_mut(id).map(|log| log.take_bottom(read));
-        match taken {
-            Some(Ok(text)) => self.notices.notify(text),
-            Some(Err(error)) => self.notices.warn(error.to_string()),
-            None => {}
+        if let Some(log) = self.logs.get_mut(id) {
+            self.notices.tell(log.take_bottom(read));
         }
     }
 }

@@ -42,8 +42,7 @@ impl App {
             Command::Do(Action::ThresholdDown | Action::ThresholdUp) => {
                 let is_blind = self.view.selection.is_none();
                 if is_blind {
-                    let text = "select a ping first: its profile shows the threshold";
-                    self.notices.warn(text.to_owned());
+                    self.notices.warn("select a ping first: its profile shows the threshold");
                 }
                 is_blind
             }

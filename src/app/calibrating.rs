@@ -162,11 +162,10 @@ impl App {
     pub(super) fn use_scale(&mut self) {
         let Some(pings) = self.logs.shown.calibrating.proposal else {
             let text = "no stretch is proposed; drag one with Calibrate on a stretch";
-            return self.notices.warn(text.to_owned());
+            return self.notices.warn(text);
         };
         let Some(trial) = self.logs.shown.scale_trial().cloned() else {
-            let text = "the scale of the proposed stretch is still being measured";
-            return self.notices.warn(text.to_owned());
+            return self.notices.warn("the scale of the proposed stretch is still being measured");
         };
         if trial.spot.ppd.is_none() {
             let why = trial.objections.first().cloned();
@@ -218,7 +217,7 @@ impl App {
         let own = owning.unwrap_or_else(|| (*log.own).clone());
         let (_, mut own) = match own.change(&shared, &settings) {
             Ok(parts) => parts,
-            Err(error) => return self.notices.warn(error.to_string()),
+            Err(error) => return self.notices.warn(error),
         };
         if pings.is_none() && mode == shared.calibration.mode {
             own.unset(MODE);

@@ -197,7 +197,7 @@ impl App {
                 self.map.comparing.reference = agreement.reference.clone();
                 self.findings.reference_comparison.take(of, agreement);
             }
-            Err(error) => self.notices.warn(error.to_string()),
+            Err(error) => self.notices.warn(error),
         }
     }
 

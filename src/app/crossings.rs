@@ -196,7 +196,7 @@ impl App {
         let Some(found) = self.height_offsets().filter(|found| found.is_contradicted()).cloned()
         else {
             let text = "no soundings are shown to be false by other logs: that takes two logs that contradict them";
-            return self.notices.warn(text.to_owned());
+            return self.notices.warn(text);
         };
         let before = self.step_now();
         let mut left_out = 0;
@@ -211,7 +211,7 @@ impl App {
             settings.excluded = settings.excluded.excluding(&survey, stretch.part());
             let (shared, own) = match log.own.change(&self.document.shared, &settings) {
                 Ok(parts) => parts,
-                Err(error) => return self.notices.warn(error.to_string()),
+                Err(error) => return self.notices.warn(error),
             };
             self.document.shared = Arc::new(shared);
             self.set_own(id, Arc::new(own), false);
@@ -229,7 +229,7 @@ impl App {
         let Some(found) = self.height_offsets().cloned() else {
             let text =
                 "heights are compared between logs: open two or more, and wait for their results";
-            return self.notices.warn(text.to_owned());
+            return self.notices.warn(text);
         };
         let mut levelled = 0;
         let before = self.step_now();
@@ -243,7 +243,7 @@ impl App {
         }
         if levelled == 0 {
             let text = "no height offset is determined: the tracks of these logs do not cross, or their depths contradict each other where they do";
-            return self.notices.warn(text.to_owned());
+            return self.notices.warn(text);
         }
         self.record_step(&before, "height offsets", false);
         self.notices.withdraw(Action::ApplyHeights);
@@ -261,7 +261,7 @@ impl App {
         if shown.is_empty() {
             let text =
                 "positions are compared where tracks cross: open a log, and wait for its results";
-            return self.notices.warn(text.to_owned());
+            return self.notices.warn(text);
         }
         let ids: Vec<LogId> = shown.iter().map(|log| log.id).collect();
         let logs: Vec<ProcessedLog> = shown.into_iter().map(|log| log.log).collect();
@@ -275,7 +275,7 @@ impl App {
             },
             |app, found| {
                 if found.as_ref().is_some_and(|found| !found.tells()) {
-                    app.notices.notify(FoundPositions::NOTHING_TOLD.to_owned());
+                    app.notices.notify(FoundPositions::NOTHING_TOLD);
                 }
                 app.findings.positions = found.or(app.findings.positions.take());
             },
@@ -285,8 +285,7 @@ impl App {
     /// Applies the shifts and latencies that crossings determine, as one undo step.
     pub(super) fn apply_positions(&mut self) {
         let Some(found) = self.findings.positions.as_ref().cloned() else {
-            let text = "compare the positions of the logs first";
-            return self.notices.warn(text.to_owned());
+            return self.notices.warn("compare the positions of the logs first");
         };
         let before = self.step_now();
         for (id, found) in &found.logs {

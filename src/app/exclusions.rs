@@ -182,7 +182,7 @@ impl App {
             None => {
                 let text =
                     "the selected ping is not excluded; select a ping of an excluded stretch";
-                self.notices.warn(text.to_owned());
+                self.notices.warn(text);
             }
         }
     }
@@ -199,7 +199,7 @@ impl App {
             Some(part) => self.exclude(self.logs.shown.id, part, ExclusionEdit::Trust),
             None => {
                 let text = "the sounding at the selected ping counts already; select a ping whose depth does not count";
-                self.notices.warn(text.to_owned());
+                self.notices.warn(text);
             }
         }
     }

@@ -73,7 +73,7 @@ impl App {
                         None => app.notices.notify(text),
                     }
                 }
-                Err(error) => app.notices.warn(error.to_string()),
+                Err(error) => app.notices.warn(error),
             }
             app.say_lost_logs();
         });

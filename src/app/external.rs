@@ -92,14 +92,13 @@ impl App {
             }
         };
         if self.logs.get(id).is_none() {
-            let text = "open the log first, then its water levels or its track";
-            return self.notices.warn(text.to_owned());
+            return self.notices.warn("open the log first, then its water levels or its track");
         }
         self.jobs.run(JobKey::ReadTable(id), work, move |app, read| match read {
             Ok(ExternalContent::Levels(gauge)) => app.take_levels(id, gauge),
             Ok(ExternalContent::Track(track)) => app.take_track(id, track),
             Ok(ExternalContent::Points(path)) => app.compare_with(path),
-            Err(error) => app.notices.warn(error.to_string()),
+            Err(error) => app.notices.warn(error),
         });
     }
 
@@ -114,7 +113,7 @@ impl App {
         settings.water_level =
             WaterLevelSettings { file: Some(gauge.path.clone()), gauge: Some(Arc::new(gauge)) };
         match Correction::new(settings.depth(), survey).refused() {
-            Some(why) => self.notices.warn(why.to_string()),
+            Some(why) => self.notices.warn(why),
             None => self.change_of(id, settings, "water levels", false),
         }
     }

@@ -180,7 +180,7 @@ impl JobQueue {
         then: impl FnOnce(&mut App, T) + Send + 'static,
     ) {
         let name = key.name();
-        let failed = move |app: &mut App| app.notices.warn(AppError::Failed(name).to_string());
+        let failed = move |app: &mut App| app.notices.warn(AppError::Failed(name));
         self.run_or(key, work, then, failed);
     }
 

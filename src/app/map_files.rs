@@ -51,8 +51,8 @@ impl App {
                 self.view.options.map.layers.set_visible(MapLayer::BaseMap, true);
                 self.map.base_map = Some(Arc::new(map));
             }
-            Err(error) if is_of_last_time => self.notices.notify(error.to_string()),
-            Err(error) => self.notices.warn(error.to_string()),
+            Err(error) if is_of_last_time => self.notices.notify(error),
+            Err(error) => self.notices.warn(error),
         }
     }
 
@@ -65,7 +65,7 @@ impl App {
             move |_| read_area(&path),
             |app, read| match read {
                 Ok(area) => app.set_isobath_area(Some(area)),
-                Err(error) => app.notices.warn(error.to_string()),
+                Err(error) => app.notices.warn(error),
             },
         );
     }

@@ -263,7 +263,7 @@ impl App {
                 let pick = self.map.measuring.on_one_ping(pick);
                 match self.logs.ground_at(&pick) {
                     Some(at) => self.add_corner(at, Some(pick)),
-                    None => self.notices.warn(NO_PLACE.to_owned()),
+                    None => self.notices.warn(NO_PLACE),
                 }
             }
             Measure::Next(place) => self.map.measuring.next = place,
@@ -366,10 +366,9 @@ impl App {
         if self.refuses_log(self.logs.shown.id, &path) {
             return;
         }
-        match export::write_bytes(&path, text) {
-            Ok(()) => self.notices.notify(format!("Wrote the depth profile to {}", path.display())),
-            Err(error) => self.notices.warn(error.to_string()),
-        }
+        let written = export::write_bytes(&path, text);
+        let written = written.map(|()| format!("Wrote the depth profile to {}", path.display()));
+        self.notices.tell(written);
     }
 
     /// Returns the measured figure; `None` without results, or before it has enough corners to
@@ -412,10 +411,9 @@ impl App {
         if self.refuses_log(self.logs.shown.id, &path) {
             return;
         }
-        match self.write_figure(&figure, &path) {
-            Ok(()) => self.notices.notify(format!("Wrote the measurement to {}", path.display())),
-            Err(error) => self.notices.warn(error.to_string()),
-        }
+        let written = self.write_figure(&figure, &path);
+        let written = written.map(|()| format!("Wrote the measurement to {}", path.display()));
+        self.notices.tell(written);
     }
 
     fn write_figure(&self, figure: &MeasuredFigure, path: &Path) -> Result<(), AppError> {
@@ -435,7 +433,7 @@ impl App {
     /// Turns the cut of the 3D view along the line of the profile on or off.
     pub(super) fn toggle_cut(&mut self) {
         if self.map.measuring.stations().is_empty() {
-            return self.notices.warn(NO_LINE.to_owned());
+            return self.notices.warn(NO_LINE);
         }
         self.view.options.cloud.cut = !self.view.options.cloud.cut;
     }

@@ -36,7 +36,7 @@ impl App {
     /// show.
     pub(super) fn apply_sounding_lag(&mut self) {
         let Some((lag, in_force_s)) = self.logs.shown.sounding_lag() else {
-            return self.notices.warn("first returns show no lag of the soundings".to_owned());
+            return self.notices.warn("first returns show no lag of the soundings");
         };
         let lag_s = in_force_s + lag.told_s();
         self.edit_settings("lag of the soundings", |settings| {
@@ -52,15 +52,14 @@ impl App {
         };
         let (name, recorder, shared) = (log.name(), log.recorder(), log.settings.clone());
         if let Err(error) = self.follow_source(id, &shared) {
-            self.notices.warn(error.to_string());
+            self.notices.warn(error);
         }
         let Some(mounting) = self.document.mountings.get(&recorder).copied() else {
             return;
         };
-        match self.mount(id, mounting) {
-            Ok(()) => self.notices.notify(format!("{name} has the default mounting of {recorder}")),
-            Err(error) => self.notices.warn(error.to_string()),
-        }
+        let mounted = self.mount(id, mounting);
+        let said = |()| format!("{name} has the default mounting of {recorder}");
+        self.notices.tell(mounted.map(said));
     }
 
     /// Makes the mounting of the shown log the default of its recorder, and applies it to all open
@@ -85,7 +84,7 @@ impl App {
         let others: Vec<LogId> = self.logs.all().filter(is_other).map(|log| log.id).collect();
         for id in others {
             if let Err(error) = self.mount(id, mounting) {
-                self.notices.warn(error.to_string());
+                self.notices.warn(error);
             }
         }
         self.record_named(&before, format!("mounting of {recorder}"));
@@ -97,8 +96,7 @@ impl App {
         let recorder = self.logs.shown.recorder();
         let before = self.step_now();
         if Arc::make_mut(&mut self.document.mountings).remove(&recorder).is_none() {
-            let text = "the recorder of this log has no default mounting";
-            return self.notices.warn(text.to_owned());
+            return self.notices.warn("the recorder of this log has no default mounting");
         }
         self.record_named(&before, format!("no default mounting of {recorder}"));
     }

@@ -188,7 +188,7 @@ impl App {
             },
             move |app, opened| app.take_opened(request, opened),
             move |app| {
-                app.notices.warn(AppError::OpeningFailed(name).to_string());
+                app.notices.warn(AppError::OpeningFailed(name));
                 app.load_next();
             },
         );

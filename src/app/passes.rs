@@ -79,7 +79,7 @@ impl App {
     /// the last pass comes the first.
     pub(super) fn next_pass(&mut self) {
         let Some((id, mark)) = self.selected().filter(|(_, mark)| mark.side.is_some()) else {
-            return self.notices.warn(NO_PLACE.to_owned());
+            return self.notices.warn(NO_PLACE);
         };
         self.go_to(Goal::After(id, mark));
     }
@@ -115,7 +115,7 @@ impl App {
             match (found, to) {
                 (Some(Some(passes)), Goal::After(id, mark)) => app.go_to_next(&passes, id, mark),
                 (Some(Some(passes)), Goal::FirstOver(_)) => app.go_to_first(&passes),
-                (Some(None), _) => app.notices.warn(NO_PLACE.to_owned()),
+                (Some(None), _) => app.notices.warn(NO_PLACE),
                 (None, _) => {}
             }
         });
@@ -129,7 +129,7 @@ impl App {
         let of_shown = passes.iter().find(|(log, _)| *log == self.logs.shown.id);
         match of_shown.or(passes.first()) {
             Some((log, pass)) => self.reveal_in(*log, mark_of(pass)),
-            None => self.notices.notify(NO_PASS.to_owned()),
+            None => self.notices.notify(NO_PASS),
         }
     }
 
@@ -145,7 +145,7 @@ impl App {
         };
         match next {
             Some((log, pass)) => self.reveal_in(*log, mark_of(pass)),
-            None => self.notices.notify(NO_OTHER.to_owned()),
+            None => self.notices.notify(NO_OTHER),
         }
     }
 }

@@ -89,7 +89,7 @@ impl App {
         let shown = self.logs.with_results();
         let Some(first) = shown.first() else {
             let text = "there is no survey to plan from; open a log, and wait for its results";
-            return self.notices.warn(text.to_owned());
+            return self.notices.warn(text);
         };
         let survey = &first.log.survey;
         let frame = survey.track.frame.clone();
@@ -107,7 +107,7 @@ impl App {
         };
         self.jobs.run(JobKey::PlanLines, work, |app, planned| match planned {
             Ok(lines) => app.set_lines(Some(lines), "planned lines"),
-            Err(error) => app.notices.warn(error.to_string()),
+            Err(error) => app.notices.warn(error),
         });
     }
 
@@ -136,12 +136,12 @@ impl App {
     /// Removes the selected line.
     pub(super) fn remove_line(&mut self) {
         let Some(planned) = self.map.planning.lines.clone() else {
-            return self.notices.warn(NO_LINES.to_owned());
+            return self.notices.warn(NO_LINES);
         };
         let mut lines = planned.plan.lines.clone();
         let selected = self.map.planning.selected.filter(|line| *line < lines.len());
         let Some(line) = selected else {
-            return self.notices.warn(NO_LINE.to_owned());
+            return self.notices.warn(NO_LINE);
         };
         lines.remove(line);
         self.replace_lines(&planned, lines, "removed planned line");
@@ -172,7 +172,7 @@ impl App {
     /// Writes the planned lines into a file, in the format of the file name's ending.
     pub(super) fn save_plan(&mut self, path: PathBuf) {
         let Some(planned) = self.map.planning.lines.clone() else {
-            return self.notices.warn(NO_LINES.to_owned());
+            return self.notices.warn(NO_LINES);
         };
         if self.refuses_log(self.logs.shown.id, &path) {
             return;
@@ -185,12 +185,7 @@ impl App {
         };
         let format = PlanFormat::of(&path).map_err(AppError::from);
         let written = format.and_then(|format| Ok(way.write(&path, format)?));
-        match written {
-            Ok(()) => {
-                let path = path.display().to_string();
-                self.notices.notify(format!("Wrote the planned lines to {}", quoted(&path)));
-            }
-            Err(error) => self.notices.warn(error.to_string()),
-        }
+        let path = quoted(&path.display().to_string());
+        self.notices.tell(written.map(|()| format!("Wrote the planned lines to {path}")));
     }
 }

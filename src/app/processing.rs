@@ -118,7 +118,7 @@ impl App {
                 app.pipeline.requested = None;
                 // The same settings would fail again.
                 app.pipeline.is_waiting = true;
-                app.notices.warn(PROCESSING_FAILED.to_owned());
+                app.notices.warn(PROCESSING_FAILED);
             },
         );
     }

@@ -107,7 +107,7 @@ impl App {
                     app.remember(read.opened.store.path().to_owned());
                     app.take_project(read);
                 }
-                Err(error) => app.notices.warn(error.to_string()),
+                Err(error) => app.notices.warn(error),
             },
         );
     }
@@ -130,11 +130,11 @@ impl App {
         };
         if self.logs.count() == 0 || !self.logs.all().all(OpenLog::is_file) {
             let text = "a project holds logs that are files, at least one; the demo survey is none";
-            return self.notices.warn(text.to_owned());
+            return self.notices.warn(text);
         }
         self.hash_logs(JobKey::HashLogs, move |app, hashed| match hashed {
             Ok(()) => app.name_project(path),
-            Err(error) => app.notices.warn(error.to_string()),
+            Err(error) => app.notices.warn(error),
         });
     }
 
@@ -173,8 +173,7 @@ impl App {
         let saves = self.jobs.is_running(&JobKey::SaveProject);
         let saving = &mut self.files.project_saving;
         let Some(store) = saving.store.as_mut().filter(|_| !saving.is_untitled) else {
-            let text = "there is no project file yet; use Save project as";
-            return self.notices.warn(text.to_owned());
+            return self.notices.warn("there is no project file yet; use Save project as");
         };
         if saves {
             saving.saves_again = true;
@@ -184,7 +183,7 @@ impl App {
             Ok(writing) => {
                 self.jobs.run(JobKey::SaveProject, move |_| writing.write(), App::take_saved);
             }
-            Err(error) => self.notices.warn(error.to_string()),
+            Err(error) => self.notices.warn(error),
         }
     }
 
@@ -202,7 +201,7 @@ impl App {
                 let text = format!("Saved the project: {}", store.path().display());
                 self.notices.notify(text);
             }
-            Err(error) => self.notices.warn(error.to_string()),
+            Err(error) => self.notices.warn(error),
         }
         if saves_again {
             self.save_project();
@@ -230,7 +229,7 @@ impl App {
             Ok(()) => self.files.project_saving.failed = false,
             Err(error) => {
                 if !std::mem::replace(&mut self.files.project_saving.failed, true) {
-                    self.notices.warn(error.to_string());
+                    self.notices.warn(error);
                 }
             }
         }
@@ -322,7 +321,7 @@ impl App {
             move |_| Ok(path),
             |app, created| match created {
                 Ok((store, project)) => app.take_named(store, project),
-                Err(error) => app.notices.warn(error.to_string()),
+                Err(error) => app.notices.warn(error),
             },
         );
     }
@@ -412,7 +411,7 @@ impl App {
     /// Applies the settings and decisions that a project holds for a log.
     pub(super) fn take_project_log(&mut self, id: LogId, log: &ProjectLog, settings: Settings) {
         if let Err(error) = self.follow_source(id, &settings) {
-            self.notices.warn(error.to_string());
+            self.notices.warn(error);
         }
         let shared = self.document.shared.clone();
         if let Some(open) = self.logs.get_mut(id) {

@@ -228,7 +228,7 @@ impl App {
             && let Err(error) = store.save(&saving.project)
         {
             // The changes are in the journal.
-            self.notices.warn(error.to_string());
+            self.notices.warn(error);
         }
     }
 
@@ -309,7 +309,7 @@ impl App {
         match (written, self.logs.get_mut(id)) {
             (Ok(_), Some(log)) => log.kept_alone = Some(path),
             (Ok(_), None) => {}
-            (Err(error), _) => self.notices.warn(error.to_string()),
+            (Err(error), _) => self.notices.warn(error),
         }
     }
 

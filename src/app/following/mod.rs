@@ -163,11 +163,11 @@ impl App {
         }
         let Some(survey) = self.logs.shown.survey.clone() else {
             let text = "open the log that the recorder writes first, then follow it";
-            return self.notices.warn(text.to_owned());
+            return self.notices.warn(text);
         };
         if survey.track.external.is_some() {
             let text = "a log with another receiver's track cannot be followed; remove the external track first";
-            return self.notices.warn(text.to_owned());
+            return self.notices.warn(text);
         }
         let now = Instant::now();
         self.following.serial += 1;

@@ -159,7 +159,7 @@ impl App {
     pub(in crate::app) fn rename_class(&mut self, from: &str, to: &str) {
         let review = self.logs.shown.settings.review.renamed(from, to);
         if let Err(why) = review.check() {
-            return self.notices.warn(why.to_owned());
+            return self.notices.warn(why);
         }
         let before = self.step_now();
         for log in self.logs.all_mut() {

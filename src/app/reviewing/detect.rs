@@ -130,8 +130,7 @@ impl App {
     /// search is replaced.
     pub(in crate::app) fn detect(&mut self) {
         if self.logs.shown.products.is_none() {
-            let text = "open a log first, and wait for its results";
-            return self.notices.warn(text.to_owned());
+            return self.notices.warn("open a log first, and wait for its results");
         }
         let has_side_scan =
             |log: &&OpenLog| (log.survey.as_ref()).is_some_and(|survey| survey.has_side_scan());
@@ -141,7 +140,7 @@ impl App {
         logs.sort_by_key(|id| *id != shown);
         if logs.is_empty() {
             let text = "there is no usable side-scan in this log to find objects in";
-            return self.notices.warn(text.to_owned());
+            return self.notices.warn(text);
         }
         self.jobs.stop(&JobKey::SearchObjects);
         self.findings.search.running = None;
@@ -301,7 +300,7 @@ impl App {
                 // The same model would fail on the next log as well.
                 self.findings.search.ahead.clear();
                 self.end_search(running.log, last);
-                self.notices.warn(error.to_string());
+                self.notices.warn(error);
             }
         }
     }
@@ -442,7 +441,7 @@ impl App {
     /// Stops the search and reports its error: the same model would fail again.
     fn fail_tail(&mut self, error: &AppError) {
         self.stop_tail();
-        self.notices.warn(error.to_string());
+        self.notices.warn(error);
     }
 
     /// Adds the boxes that were found in some pings, even if the log is not followed any more.

@@ -137,8 +137,7 @@ impl App {
     /// Marks a point at the place of a sample.
     pub(in crate::app) fn mark_target(&mut self, mark: LogPlace) {
         let Some((side, sample)) = mark.side.zip(mark.sample) else {
-            let text = "nothing was recorded there; mark the target in the picture";
-            return self.notices.warn(text.to_owned());
+            return self.notices.warn("nothing was recorded there; mark the target in the picture");
         };
         let span =
             (self.logs.shown.survey.as_ref()).and_then(|survey| survey.span(mark.ping, side));

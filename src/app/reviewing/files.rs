@@ -49,7 +49,7 @@ impl App {
                     let text = "The review that could not be used is kept as";
                     self.notices.notify(format!("{text} {}", aside.display()));
                 }
-                Err(error) => return self.notices.warn(error.to_string()),
+                Err(error) => return self.notices.warn(error),
             }
         }
         let Some(log) = self.logs.get_mut(id) else {
@@ -57,10 +57,7 @@ impl App {
         };
         let text =
             format!("Saved {} boxes to {}", log.reviewing.review.boxes().len(), path.display());
-        match log.reviewing.save(path) {
-            Ok(()) => self.notices.notify(text),
-            Err(error) => self.notices.warn(error.to_string()),
-        }
+        self.notices.tell(log.reviewing.save(path).map(|()| text));
     }
 
     /// Writes boxes, objects and training pictures of the visible logs into a folder.
@@ -79,8 +76,7 @@ impl App {
     /// Starts reading a review of the shown log.
     pub(in crate::app) fn open_review(&mut self, path: PathBuf) {
         if !self.read_review(self.logs.shown.id, path, false) {
-            let text = "open the log first, then the review of its boxes";
-            self.notices.warn(text.to_owned());
+            self.notices.warn("open the log first, then the review of its boxes");
         }
     }
 
@@ -150,7 +146,7 @@ impl App {
             }
             Err(error) => {
                 log.reviewing.refused = is_found.then_some(path);
-                self.notices.warn(error.to_string());
+                self.notices.warn(error);
             }
         }
     }

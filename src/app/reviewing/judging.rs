@@ -204,8 +204,7 @@ impl App {
         } else if self.logs.shown.survey.is_some() {
             self.read_truth(id, TruthSource::File(path), false);
         } else {
-            let text = "open the log first, then its known objects";
-            self.notices.warn(text.to_owned());
+            self.notices.warn("open the log first, then its known objects");
         }
     }
 
@@ -232,7 +231,7 @@ impl App {
         };
         self.jobs.run(JobKey::ReadTruth(id), read, move |app, read| match read {
             Ok(truth) => app.take_truth(id, truth, source, is_found),
-            Err(error) => app.notices.warn(error.to_string()),
+            Err(error) => app.notices.warn(error),
         });
     }
 
@@ -320,7 +319,7 @@ impl App {
                 }
                 None => "mistakes need known objects: open them in the Review menu",
             };
-            return self.notices.notify(text.to_owned());
+            return self.notices.notify(text);
         }
         let next = match self.logs.shown.reviewing.mistake_at() {
             Some(here) => (here as isize + by).rem_euclid(count),
