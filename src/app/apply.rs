@@ -315,7 +315,12 @@ impl App {
         self.record_step(&before, label, live);
         self.set_own(id, own, live);
         if !live {
-            self.share_settings(id);
+            // The shared settings apply to all other logs.
+            let others = self.logs.all().filter(|log| log.id != id);
+            let others: Vec<_> = others.map(|log| (log.id, log.own.clone())).collect();
+            for (id, own) in others {
+                self.set_own(id, own, false);
+            }
         }
         self.settle_plane();
     }
@@ -329,15 +334,6 @@ impl App {
                 Ok(settings) => self.set(id, settings, live),
                 Err(error) => self.notices.warn(error),
             }
-        }
-    }
-
-    /// Applies the shared settings to all logs but `but`.
-    fn share_settings(&mut self, but: LogId) {
-        let others = self.logs.all().filter(|log| log.id != but);
-        let others: Vec<_> = others.map(|log| (log.id, log.own.clone())).collect();
-        for (id, own) in others {
-            self.set_own(id, own, false);
         }
     }
 
@@ -364,8 +360,11 @@ impl App {
             made_with.finds_the_same(&self.logs.shown.settings.first_return)
                 && products.settings.image == self.logs.shown.settings.image
         });
-        if !same_returns && changed {
-            self.preview_returns();
+        if !same_returns
+            && changed
+            && let Some(request) = self.preview_request()
+        {
+            self.pipeline.previewer.want(request, &mut self.jobs);
         }
         // The search for first returns over the whole log waits until the slider is released; all
         // later stages follow the drag.

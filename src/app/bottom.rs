@@ -2,7 +2,7 @@
 //! undone.
 
 use super::opening::ReadBottom;
-use super::{Action, App, LogId, LogPlace, OpenLog};
+use super::{Action, App, LogPlace, OpenLog};
 use bathyscope_bottom::first_return::{BottomEdit, BottomSettings};
 use bathyscope_log::support::printable::quoted;
 use bathyscope_log::survey::{Side, Survey};
@@ -144,19 +144,12 @@ impl App {
     fn set_bottom(&mut self, bottom: BottomSettings) {
         self.edit_settings("bottom", |settings| settings.bottom = bottom);
     }
-
-    /// Takes the bottom edits of a log that is being opened from its sidecar file, which an earlier
-    /// version wrote.
-    pub(super) fn take_bottom(&mut self, id: LogId, read: ReadBottom) {
-        if let Some(log) = self.logs.get_mut(id) {
-            self.notices.tell(log.take_bottom(read));
-        }
-    }
 }
 
 impl OpenLog {
-    /// Takes bottom edits; returns the text of a notice about them.
-    fn take_bottom(&mut self, read: ReadBottom) -> Result<String, Error> {
+    /// Takes bottom edits from the sidecar file of the log, which an earlier version wrote; returns
+    /// the text of a notice about them.
+    pub(super) fn take_bottom(&mut self, read: ReadBottom) -> Result<String, Error> {
         let swapped = self.survey.as_ref().is_some_and(|survey| survey.swapped_sides);
         let kept = read?.with_sides(swapped);
         let pings = kept.edited_count();

@@ -10,19 +10,11 @@ use std::sync::Arc;
 /// Prefix of the keys of settings that change how the waterfall looks, but no result.
 const PICTURE: &str = "picture.";
 
-/// State that a bare key may change, as it was before the key acted.
-pub(crate) struct BeforeKey(UndoStep);
-
 impl App {
-    /// Returns the state that a bare key may change.
-    pub(crate) fn before_key(&self) -> BeforeKey {
-        BeforeKey(self.step_now())
-    }
-
     /// Notifies the analyst of depths and decisions that a bare key has changed since `before`, and
     /// offers undo. The next key replaces the notice.
-    pub(crate) fn say_changed_by_key(&mut self, keys: &str, before: &BeforeKey) {
-        if !changes_results(&before.0, &self.step_now()) {
+    pub(crate) fn say_changed_by_key(&mut self, keys: &str, before: &UndoStep) {
+        if !changes_results(before, &self.step_now()) {
             return;
         }
         let done = self.document.history.undo_label().unwrap_or("settings").to_owned();

@@ -175,7 +175,15 @@ impl App {
                 finish_killed_run(&path)?;
                 Ok(open(&path, &logs, matching, progress)?)
             },
-            App::take_reference,
+            |app, opened: Result<Opened, AppError>| match opened {
+                Ok(Opened { of, agreement }) => {
+                    app.notices.notify(words_about(&agreement));
+                    app.view.options.map.layers.set_visible(MapLayer::Residuals, true);
+                    app.map.comparing.reference = agreement.reference.clone();
+                    app.findings.reference_comparison.take(of, agreement);
+                }
+                Err(error) => app.notices.warn(error),
+            },
         );
     }
 
@@ -185,20 +193,6 @@ impl App {
         self.jobs.stop(&JobKey::OpenReference);
         self.map.comparing.reference = None;
         self.forget_agreement();
-    }
-
-    /// Shows a reference that was opened, or notifies the analyst of the error.
-    fn take_reference(&mut self, opened: Result<Opened, AppError>) {
-        match opened {
-            Ok(Opened { of, agreement }) => {
-                self.notices.notify(words_about(&agreement));
-                let layers = &mut self.view.options.map.layers;
-                layers.set_visible(MapLayer::Residuals, true);
-                self.map.comparing.reference = agreement.reference.clone();
-                self.findings.reference_comparison.take(of, agreement);
-            }
-            Err(error) => self.notices.warn(error),
-        }
     }
 
     /// Drops the agreement, and stops the comparison.

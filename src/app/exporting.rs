@@ -87,7 +87,10 @@ impl App {
         let Some(first) = logs.first() else {
             return;
         };
-        let requested = self.requested();
+        let excluded_products = &self.view.options.excluded_products;
+        let requested: Vec<Product> = (Product::ALL.into_iter())
+            .filter(|product| !excluded_products.contains(product))
+            .collect();
         let against = self.map.comparing.against(&first.products.settings);
         let against = against.filter(|_| requested.contains(&Product::Residuals));
         let review = self.survey_review();
@@ -144,13 +147,6 @@ impl App {
                 copied.summary()
             ))
         });
-    }
-
-    /// Returns the products that are ticked.
-    fn requested(&self) -> Vec<Product> {
-        let excluded_products = &self.view.options.excluded_products;
-        let all = Product::ALL.into_iter();
-        all.filter(|product| !excluded_products.contains(product)).collect()
     }
 
     /// Returns the folder for products unless the analyst names another: the one that was written

@@ -5,7 +5,6 @@ use super::project::{keep_figure, kept_figure};
 use super::step::{LogStep, UndoStep};
 use super::{Action, App, LogId};
 use bathyscope_bottom::presentation::units::Units;
-use bathyscope_log::support::printable::quoted;
 use bathyscope_products::pipeline::settings::{Number, SettingKind, row};
 use bathyscope_products::pipeline::{Settings, setting_values};
 use bathyscope_products::project::{History, PastStep, Project, ProjectLog, UNDONE};
@@ -15,7 +14,7 @@ use toml::Value;
 
 impl App {
     /// Returns the present state, as undo would restore it.
-    pub(super) fn step_now(&self) -> UndoStep {
+    pub(crate) fn step_now(&self) -> UndoStep {
         UndoStep {
             shared: self.document.shared.clone(),
             logs: self.logs.all().map(LogStep::of).collect(),
@@ -177,13 +176,10 @@ impl App {
         if let Some(value) = value_of_change(before, after, self.view.options.units) {
             title += &format!(" {value}");
         }
-        let name = |id: LogId| self.logs.get(id).map(|log| quoted(&log.name()));
         let changed: Vec<LogId> = changed_logs(before, after).map(|(_, log)| log.id).collect();
         match changed[..] {
             [] => {}
-            [id] if self.logs.count() > 1 => {
-                title += &name(id).map_or_else(String::new, |name| format!(" of {name}"));
-            }
+            [id] if self.logs.count() > 1 => title += &format!(" of {}", self.logs.name_of(id)),
             [_] => {}
             _ => title += &format!(" of {} logs", changed.len()),
         }

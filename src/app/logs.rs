@@ -12,6 +12,7 @@ use bathyscope_log::support::printable::quoted;
 use bathyscope_log::survey::{Identity, Survey, distinct_names};
 use bathyscope_products::pipeline::Products;
 use bathyscope_products::pipeline::{ProcessedLog, Settings};
+use bathyscope_products::project::Store;
 use std::sync::Arc;
 
 /// Number of closed logs that undo can open again.
@@ -94,7 +95,7 @@ impl OpenLogs {
                 id: log.id,
                 name: log.name(),
                 colour: log.colour,
-                log: ProcessedLog::new(log.survey.clone()?, log.products.clone()?),
+                log: log.with_results()?,
             })
         };
         self.visible().filter_map(shown).collect()
@@ -168,9 +169,9 @@ impl OpenLogs {
         self.closed.iter().map(|log| log.id)
     }
 
-    fn name_of(&self, id: LogId) -> String {
-        let name = self.get(id).map_or_else(String::new, OpenLog::name);
-        quoted(&name)
+    /// Returns the name of an open log for sentences; empty if there is no such log.
+    pub(super) fn name_of(&self, id: LogId) -> String {
+        self.get(id).map_or_else(String::new, |log| quoted(&log.name()))
     }
 
     /// Restores an earlier order of the logs; logs opened since then stay at the end.
@@ -359,7 +360,12 @@ impl App {
         let Some(place) = self.logs.closed.iter().position(|log| log.id == id) else {
             return;
         };
-        let log = self.logs.closed.remove(place);
+        let mut log = self.logs.closed.remove(place);
+        // The project of its own that the log got when it was closed is not needed any more.
+        let alone = log.kept_alone.take().and_then(|path| Store::open(&path).ok());
+        if let Some(alone) = alone {
+            alone.store.remove();
+        }
         self.logs.order.push(id);
         if self.logs.shown.survey.is_none() {
             let mut empty = std::mem::replace(&mut self.logs.shown, log);
@@ -368,7 +374,6 @@ impl App {
         } else {
             self.logs.others.push(log)
         }
-        self.forget_closed(id);
         self.logs.name_all();
     }
 

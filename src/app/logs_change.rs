@@ -64,7 +64,11 @@ impl App {
                 // The results of a search of the log as it was would be put on the wrong side.
                 self.leave_search(id);
                 if id == self.logs.shown.id {
-                    self.exchange_marks();
+                    // The marks stay on the same echo.
+                    let marks = [&mut self.view.selection, &mut self.view.hover];
+                    for mark in marks.into_iter().flatten() {
+                        mark.side = mark.side.map(Side::other);
+                    }
                 }
             }
             LogsChange::Grown(id) => self.forget_preview(id),
@@ -86,15 +90,6 @@ impl App {
         }
         if id == self.logs.shown.id {
             self.forget_previews();
-        }
-    }
-
-    /// Moves the selection and the hovered place to the other side, so that they stay on the same
-    /// echo of the shown log after its sides were exchanged.
-    fn exchange_marks(&mut self) {
-        let marks = [&mut self.view.selection, &mut self.view.hover];
-        for mark in marks.into_iter().flatten() {
-            mark.side = mark.side.map(Side::other);
         }
     }
 }

@@ -13,7 +13,7 @@ use bathyscope_objects::MeasuredShadow;
 use bathyscope_objects::review::{BoxId, Edit, Reviewed};
 use bathyscope_objects::targets::{ShadowError, ShadowHeight};
 use bathyscope_products::export::{self, MeasuredFigure};
-use bathyscope_products::pipeline::{DepthMap, ObjectLocator};
+use bathyscope_products::pipeline::{DepthMap, ObjectLocator, Products};
 use bathyscope_products::project::{Measurement, MeasurementKind, Pick};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -166,36 +166,28 @@ impl OpenLogs {
         on: &Pick,
         recorded_m: [f64; 2],
     ) -> Option<Result<ShadowHeight, ShadowError>> {
-        self.with_locator(on, |locator, _| {
-            let side = on.side_in(locator.survey);
-            locator.placer.shadow_height(side, on.ping, recorded_m)
-        })
+        let (locator, _) = self.locator(on)?;
+        let side = on.side_in(locator.survey);
+        Some(locator.placer.shadow_height(side, on.ping, recorded_m))
     }
 
     /// Returns the position of a pick on the bottom.
     fn ground_at(&self, pick: &Pick) -> Option<LonLat> {
-        self.with_locator(pick, |locator, log| {
-            let side = pick.side_in(locator.survey);
-            let [east_m, north_m] = locator.placer.ground(side, pick.ping, pick.slant_m)?;
-            let track = &log.survey.as_ref()?.track;
-            let navigation = &log.products.as_ref()?.navigation;
-            Some(navigation.to_lon_lat(track, east_m, north_m))
-        })?
+        let (locator, products) = self.locator(pick)?;
+        let side = pick.side_in(locator.survey);
+        let [east_m, north_m] = locator.placer.ground(side, pick.ping, pick.slant_m)?;
+        Some(products.navigation.to_lon_lat(&locator.survey.track, east_m, north_m))
     }
 
-    /// Calls `with` with the object locator of a pick's log, if that log is open and has results.
-    fn with_locator<T>(
-        &self,
-        pick: &Pick,
-        with: impl FnOnce(&ObjectLocator<'_>, &OpenLog) -> T,
-    ) -> Option<T> {
+    /// Returns the object locator of a pick's log, and the results of that log; `None` if the log
+    /// is closed or not processed.
+    fn locator(&self, pick: &Pick) -> Option<(ObjectLocator<'_>, &Products)> {
         let is_of = |log: &&OpenLog| {
             let own = log.survey.as_ref().map(|survey| Identity::of(survey));
             own.is_some_and(|own| own.is_same_log(&pick.log))
         };
-        let log = self.all().find(is_of)?;
-        let (survey, products) = log.survey.as_ref().zip(log.products.as_ref())?;
-        Some(with(&ObjectLocator::new(survey, products), log))
+        let (survey, products) = self.all().find(is_of)?.results()?;
+        Some((ObjectLocator::new(survey, products), products))
     }
 }
 
@@ -351,8 +343,7 @@ impl App {
 
     /// Returns the depth profile as a table; `None` if there is none.
     pub fn profile_csv(&self) -> Option<String> {
-        let (survey, products) =
-            self.logs.shown.survey.as_ref().zip(self.logs.shown.products.as_ref())?;
+        let (survey, products) = self.logs.shown.results()?;
         let stations = self.map.measuring.stations();
         let drawn = self.map.measuring.shows_profile() && !stations.is_empty();
         drawn.then(|| export::profile_csv(survey, &products.navigation, stations))
@@ -374,8 +365,7 @@ impl App {
     /// Returns the measured figure; `None` without results, or before it has enough corners to
     /// measure.
     pub fn measured(&self) -> Option<MeasuredFigure> {
-        let (survey, products) =
-            self.logs.shown.survey.as_ref().zip(self.logs.shown.products.as_ref())?;
+        let (survey, products) = self.logs.shown.results()?;
         let figure = &self.map.measuring.figure.as_deref()?.measurement;
         if !figure.is_measurable() {
             return None;
@@ -464,8 +454,7 @@ impl App {
         line: Option<Measurement>,
         before: Option<&Arc<ProfileLine>>,
     ) -> Option<Arc<ProfileLine>> {
-        let (survey, products) =
-            self.logs.shown.survey.as_ref().zip(self.logs.shown.products.as_ref())?;
+        let (survey, products) = self.logs.shown.results()?;
         let (line, map) = (line?, self.depth_map().flatten());
         if let Some(before) = before.filter(|before| before.is_of(&line, map)) {
             return Some(before.clone());

@@ -27,11 +27,6 @@ impl App {
         self.document.mountings.get(&self.logs.shown.recorder()).copied()
     }
 
-    /// Sets the mountings by recorder at the start of the program.
-    pub fn use_mountings(&mut self, mountings: Mountings) {
-        self.document.mountings = Arc::new(mountings);
-    }
-
     /// Shifts the soundings of the shown log to earlier times by the lag that its first returns
     /// show.
     pub(super) fn apply_sounding_lag(&mut self) {

@@ -241,8 +241,7 @@ impl App {
         let boxes = self.selected_object().map(|object| object.boxes.clone());
         let placed = boxes.into_iter().flatten().filter_map(|id| {
             let log = self.logs.get(id.log)?;
-            let processed = ProcessedLog::new(log.survey.clone()?, log.products.clone()?);
-            Some((id, processed, log.reviewing.placed(id.id)?.clone()))
+            Some((id, log.with_results()?, log.reviewing.placed(id.id)?.clone()))
         });
         let placed: Vec<(LogBox, ProcessedLog, Arc<LocatedObject>)> = placed.collect();
         if placed.is_empty() {

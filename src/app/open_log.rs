@@ -140,8 +140,18 @@ impl OpenLog {
     /// Returns the recording with the results of the whole log: while it is followed, those of the
     /// last run over all of it. `None` without results.
     pub(crate) fn settled(&self) -> Option<ProcessedLog> {
-        let now = || Some(ProcessedLog::new(self.survey.clone()?, self.products.clone()?));
-        self.whole.clone().or_else(now)
+        self.whole.clone().or_else(|| self.with_results())
+    }
+
+    /// Returns the recording and its last results; `None` without results.
+    pub(super) fn results(&self) -> Option<(&Arc<Survey>, &Products)> {
+        self.survey.as_ref().zip(self.products.as_ref())
+    }
+
+    /// Returns the recording with its last results; `None` without results.
+    pub(super) fn with_results(&self) -> Option<ProcessedLog> {
+        let (survey, products) = self.results()?;
+        Some(ProcessedLog::new(survey.clone(), products.clone()))
     }
 
     /// Returns the recording with its soundings as the results judge them, or as recorded without

@@ -254,11 +254,13 @@ impl App {
         match decisions {
             ReadDecisions::Untitled(decisions) => self.take_decisions(id, *decisions),
             ReadDecisions::Sidecar(read) => {
-                self.take_bottom(id, read);
+                if let Some(log) = self.logs.get_mut(id) {
+                    self.notices.tell(log.take_bottom(read));
+                }
                 self.look_for_review(id);
             }
             ReadDecisions::Named(path) => {
-                let name = self.logs.get(id).map_or_else(String::new, |log| quoted(&log.name()));
+                let name = self.logs.name_of(id);
                 let path = path.display();
                 self.notices
                     .notify(format!("The decisions about {name} are in the project {path}"));

@@ -147,11 +147,6 @@ impl App {
         self.replace_lines(&planned, lines, "removed planned line");
     }
 
-    /// Removes all lines.
-    pub(super) fn remove_plan(&mut self) {
-        self.set_lines(None, "planned lines");
-    }
-
     /// Replaces the planned lines; without lines, the plan is removed.
     fn replace_lines(&mut self, planned: &PlannedLines, lines: Vec<Leg>, label: &'static str) {
         let changed = (!lines.is_empty())
@@ -160,7 +155,7 @@ impl App {
     }
 
     /// Sets the planned lines, as an undo step.
-    fn set_lines(&mut self, lines: Option<PlannedLines>, label: &'static str) {
+    pub(super) fn set_lines(&mut self, lines: Option<PlannedLines>, label: &'static str) {
         let before = self.step_now();
         self.map.planning.lines = lines.map(Arc::new);
         let count = |lines: &Arc<PlannedLines>| lines.plan.lines.len();

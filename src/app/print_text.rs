@@ -5,7 +5,6 @@ use super::{App, OpenLogs, View};
 use bathyscope_log::support::calendar;
 use bathyscope_log::support::geo::{CoordinateFormat, UtmZone};
 use bathyscope_log::support::printable::one_line;
-use bathyscope_products::pipeline::Products;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 /// Greatest number of logs that a title names; of more logs it states the number.
@@ -22,7 +21,7 @@ pub(crate) struct PrintText {
 
 impl OpenLogs {
     /// Returns a sentence about the days of the recordings and of the print.
-    fn recorded(&self, now: SystemTime) -> Option<String> {
+    fn recorded(&self, now: SystemTime) -> String {
         let starts = self.visible().filter_map(|log| {
             let survey = log.survey.as_ref()?;
             let (from_s, _) = survey.time_span_s()?;
@@ -38,7 +37,7 @@ impl OpenLogs {
         };
         let now_s = now.duration_since(UNIX_EPOCH).unwrap_or_default();
         let printed = calendar::date(now_s.as_secs_f64());
-        Some(format!("{recorded}, printed {printed} by Bathyscope {}.", env!("CARGO_PKG_VERSION")))
+        format!("{recorded}, printed {printed} by Bathyscope {}.", env!("CARGO_PKG_VERSION"))
     }
 }
 
@@ -46,7 +45,10 @@ impl App {
     /// Returns the text around a print of a view. `scale` is a sentence about the scale on paper;
     /// `now` is the time of printing.
     pub(crate) fn print_text(&self, view: View, scale: String, now: SystemTime) -> PrintText {
-        let facts = [self.logs.recorded(now), self.system(view), self.datum(), Some(scale)];
+        let products = self.logs.shown.products.as_ref();
+        let datum = products.map(|products| products.correction.statement());
+        let datum = datum.map(|statement| self.view.options.units.sentence(&statement));
+        let facts = [Some(self.logs.recorded(now)), self.system(view), datum, Some(scale)];
         let facts = facts.into_iter().flatten();
         PrintText {
             title: format!("{} · {}", one_line(&self.print_name()), view.title()),
@@ -81,14 +83,6 @@ impl App {
                 format!("Lengths in {lengths}. Positions: {positions}.")
             }
         })
-    }
-
-    /// Returns a statement of the level that depths count from, the corrections, and those that are
-    /// missing.
-    fn datum(&self) -> Option<String> {
-        let products: &Products = self.logs.shown.products.as_ref()?;
-        let statement = products.correction.statement();
-        Some(self.view.options.units.sentence(&statement))
     }
 }
 

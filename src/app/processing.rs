@@ -163,15 +163,9 @@ impl App {
         self.schedule();
     }
 
-    /// Starts the search for first returns in the visible pings of the shown log, ahead of the
-    /// pipeline.
-    pub(super) fn preview_returns(&mut self) {
-        if let Some(request) = self.preview_request() {
-            self.pipeline.previewer.want(request, &mut self.jobs);
-        }
-    }
-
-    fn preview_request(&self) -> Option<PreviewRequest> {
+    /// Returns the request for first returns in the visible pings of the shown log, ahead of the
+    /// pipeline; `None` without results or without side-scan.
+    pub(super) fn preview_request(&self) -> Option<PreviewRequest> {
         let survey = self.logs.shown.survey.as_ref().filter(|survey| survey.has_side_scan())?;
         Some(PreviewRequest {
             survey: survey.clone(),

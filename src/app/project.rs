@@ -16,7 +16,7 @@ use bathyscope_objects::review::{Queue, Sort};
 use bathyscope_products::export::is_same_file;
 use bathyscope_products::pipeline::Settings;
 use bathyscope_products::project::{
-    ENDING, LogFile, LogKey, LogLocation, OpenedProject, Project, ProjectLog, REVIEW_VIEW,
+    ENDING, LogFile, LogKey, LogLocation, NAMED, OpenedProject, Project, ProjectLog, REVIEW_VIEW,
     SavingOutcome, Store, find,
 };
 use serde::{Deserialize, Serialize};
@@ -353,11 +353,14 @@ impl App {
         self.remember(store.path().to_owned());
         self.finish_writing();
         let saving = ProjectSaving { store: Some(store), project, ..ProjectSaving::default() };
-        let before = std::mem::replace(&mut self.files.project_saving, saving);
-        if let Some(untitled) = before.store.filter(|_| before.is_untitled)
+        let mut before = std::mem::replace(&mut self.files.project_saving, saving);
+        if let Some(mut untitled) = before.store.filter(|_| before.is_untitled)
             && let Some(named) = self.files.project_saving.path()
         {
-            self.point_to_named(untitled, before.project, named);
+            // The untitled project points to the named one from now on. Without the pointer, the
+            // decisions of this moment would be found.
+            before.project.files.insert(NAMED.to_owned(), named.to_owned());
+            untitled.save(&before.project).ok();
         }
         self.notices.notify(text);
         self.keep_project("save under another name");

@@ -251,14 +251,6 @@ impl App {
         }
     }
 
-    /// Replaces the contents of an untitled project, whose survey was saved under a name, by a
-    /// pointer to the named project.
-    pub(super) fn point_to_named(&self, mut untitled: Store, mut project: Project, named: &Path) {
-        project.files.insert(NAMED.to_owned(), named.to_owned());
-        // Without the pointer, the decisions of this moment would be found.
-        untitled.save(&project).ok();
-    }
-
     /// Makes a change that is no decision of the analyst, as an undo step that is not saved before
     /// the next decision unless a project is open. Returns true if there was a change.
     pub(super) fn take_unkept(
@@ -310,15 +302,6 @@ impl App {
             (Ok(_), Some(log)) => log.kept_alone = Some(path),
             (Ok(_), None) => {}
             (Err(error), _) => self.notices.warn(error),
-        }
-    }
-
-    /// Removes the project of its own that a log got when it was closed, because undo has opened
-    /// the log again with its decisions.
-    pub(super) fn forget_closed(&mut self, id: LogId) {
-        let path = self.logs.get_mut(id).and_then(|log| log.kept_alone.take());
-        if let Some(alone) = path.and_then(|path| Store::open(&path).ok()) {
-            alone.store.remove();
         }
     }
 

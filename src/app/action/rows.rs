@@ -365,7 +365,7 @@ macro_rules! action_rows {
                 RemoveLine, "Remove the planned line", "Removes the planned line that was clicked on the map."
                     => State(App::remove_line), when(|app| app.map.planning.selected.is_some());
                 RemovePlan, "Remove the planned lines", "Removes all planned lines."
-                    => State(App::remove_plan), when(|app| app.map.planning.lines.is_some());
+                    => State(|app| app.set_lines(None, "planned lines")), when(|app| app.map.planning.lines.is_some());
                 SavePlan, "Save the planned lines…", "Writes the planned lines for a plotter or an autopilot: GPX, KML, .plan (QGroundControl) or .waypoints (Mission Planner)."
                     => Window(WindowAction::SavePlan), when(|app| app.map.planning.lines.is_some());
             }

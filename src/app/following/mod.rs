@@ -153,7 +153,7 @@ impl App {
     /// Begins or ends following the shown log.
     pub(super) fn toggle_following(&mut self) {
         if let Some(other) = self.following.log().filter(|id| *id != self.logs.shown.id) {
-            let name = self.logs.get(other).map_or_else(String::new, |log| quoted(&log.name()));
+            let name = self.logs.name_of(other);
             let text = format!("{name} is followed already; end that first");
             return self.notices.warn(text);
         }
@@ -246,8 +246,7 @@ impl App {
                 active.tools = Some(tools);
             }
             Err(error) => {
-                let name =
-                    self.logs.get(active.log).map_or_else(String::new, |log| quoted(&log.name()));
+                let name = self.logs.name_of(active.log);
                 active.ends = Some(End::Failed);
                 self.notices.warn(format!("{name} cannot be followed: {error}"));
             }
@@ -391,7 +390,7 @@ impl App {
 
     /// Ends following a log, and notifies the analyst of the reason; the pings that were read stay.
     fn fail_following(&mut self, active: &mut Active, why: &str) {
-        let name = self.logs.get(active.log).map_or_else(String::new, |log| quoted(&log.name()));
+        let name = self.logs.name_of(active.log);
         let pings = self.logs.get(active.log).and_then(|log| log.survey.as_ref());
         let pings = pings.map_or(0, |survey| survey.side_scan.len());
         active.ends = Some(End::Failed);

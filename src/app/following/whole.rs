@@ -1,6 +1,7 @@
 //! Computes all results from the whole log again, replaces the shown log by a longer state of it
 //! with the decisions about it, and ends following.
 
+use super::scale::drift;
 use super::step::{self, FollowedLog, StepError};
 use super::{Active, App, BETWEEN_WHOLE, End, QUIET, WHOLE_AGAIN};
 use crate::app::jobs::JobKey;
@@ -167,8 +168,9 @@ impl App {
             }
             self.follow_change(LogsChange::Grown(id));
         } else {
-            if let Some(before) = before {
-                self.tell_drift(&survey, &before, &products.calibration);
+            let drift = before.and_then(|before| drift(&survey, &before, &products.calibration));
+            if let Some(text) = drift {
+                self.notices.notify(text);
             }
             self.take_products(id, products);
             self.offer_flatter(id);

@@ -177,9 +177,7 @@ impl App {
     }
 
     fn search_log(&mut self, id: LogId) {
-        let log = self.logs.get(id);
-        let known = log.and_then(|log| log.survey.as_ref().zip(log.products.as_ref()));
-        let Some((survey, products)) = known else {
+        let Some((survey, products)) = self.logs.get(id).and_then(OpenLog::results) else {
             return;
         };
         let (survey, navigation) = (survey.clone(), products.navigation.clone());
@@ -379,19 +377,14 @@ impl App {
     pub(in crate::app) fn search_tail(&mut self, id: LogId) {
         let search = &self.findings.search;
         let is_searched = search.is_busy() || self.jobs.is_running(&JobKey::SearchTail);
-        if search.searches_tail && !is_searched {
-            self.begin_tail(id);
+        if !search.searches_tail || is_searched {
+            return;
         }
-    }
-
-    fn begin_tail(&mut self, id: LogId) {
-        let Some(detector) = self.findings.search.detector.clone() else {
+        let known = search.detector.clone().zip(self.logs.get(id));
+        let Some((detector, log)) = known else {
             return;
         };
-        let Some(log) = self.logs.get(id) else {
-            return;
-        };
-        let (Some(survey), Some(products)) = (&log.survey, &log.products) else {
+        let Some((survey, products)) = log.results() else {
             return;
         };
         let searched = log.reviewing.review.searched().last();
