@@ -1,7 +1,7 @@
 //! Turns bottom edits, made by strokes of the pen and steps of the keys, into settings that can be
 //! undone.
 
-use super::opening::ReadBottom;
+use super::untitled::ReadBottom;
 use super::{Action, App, LogPlace, OpenLog};
 use bathyscope_bottom::first_return::{BottomEdit, BottomSettings};
 use bathyscope_log::support::printable::quoted;

@@ -95,9 +95,7 @@ impl OpenLog {
             classes: products.classes.clone(),
         });
     }
-}
 
-impl OpenLog {
     /// Proposes a stretch for the scale of the shown log.
     pub(super) fn propose_stretch(&mut self, pings: PingRange) {
         let count = (self.survey.as_ref()).map_or(0, |survey| survey.side_scan.len());

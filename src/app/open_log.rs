@@ -226,23 +226,13 @@ impl OpenLog {
     /// Returns the log without its results and running work, to be kept after closing.
     pub(super) fn at_rest(self) -> Self {
         Self {
-            id: self.id,
-            name: self.name,
-            survey: self.survey,
-            as_read: self.as_read,
-            source: self.source,
-            colour: self.colour,
-            is_visible: self.is_visible,
-            apart: self.apart,
-            depth_span_m: self.depth_span_m,
-            is_demo: self.is_demo,
-            file: self.file,
-            kept_alone: self.kept_alone,
-            own: self.own,
-            settings: self.settings,
-            external: self.external,
-            reviewing: self.reviewing,
-            ..Self::default()
+            products: None,
+            whole: None,
+            preview: None,
+            figures: None,
+            found_exclusions: Kept::default(),
+            calibrating: Calibrating::default(),
+            ..self
         }
     }
 

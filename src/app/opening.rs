@@ -4,14 +4,12 @@
 use super::error::AppError;
 use super::jobs::JobKey;
 use super::project::OpenedLogs;
-use super::untitled::{FoundDecisions, LogDecisions, find_decisions};
+use super::untitled::{FoundDecisions, ReadDecisions, find_decisions};
 use super::{Action, App, LogId};
-use bathyscope_bottom::first_return::BottomSettings;
 use bathyscope_log::formats;
 use bathyscope_log::support::printable::quoted;
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::{Apart, Identity, Survey, apart};
-use bathyscope_products::Error;
 use bathyscope_products::project::read_bottom;
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
@@ -81,9 +79,6 @@ impl OpenRequest {
     }
 }
 
-/// The bottom edits of a sidecar file, or the error if they cannot be used.
-pub(super) type ReadBottom = Result<BottomSettings, Error>;
-
 /// Contents of a path that was opened.
 enum OpenedPath {
     /// A log, with the last decisions about it.
@@ -94,18 +89,6 @@ enum OpenedPath {
     Folder(Vec<PathBuf>),
     /// The name of a recording that is already open.
     Known(String),
-}
-
-/// Decisions about a log from when it was last open.
-enum ReadDecisions {
-    /// Decisions of an untitled project.
-    Untitled(Box<LogDecisions>),
-    /// Path of the named project that has the decisions.
-    Named(PathBuf),
-    /// Bottom edits in the sidecar file of an earlier version.
-    Sidecar(ReadBottom),
-    /// No decisions.
-    None,
 }
 
 /// Opens a path; `open` are the logs that are open already, and `others` the logs that are opened
@@ -129,23 +112,20 @@ fn read_path(
     }
     survey.check_files().map_err(formats::OpenError::from)?;
     let found = match (origin, untitled) {
-        (LogOrigin::Demo, _) | (_, None) => FoundDecisions::None(survey),
+        (LogOrigin::Demo, _) | (_, None) => {
+            FoundDecisions::Log(Box::new(survey), ReadDecisions::None)
+        }
         (LogOrigin::Path(_), Some(folder)) => find_decisions(folder, survey, others, progress)?,
     };
     Ok(match found {
         FoundDecisions::Project(opened) => OpenedPath::Project(opened),
-        FoundDecisions::Log(decisions, survey) => {
-            OpenedPath::Log(Box::new(survey), ReadDecisions::Untitled(decisions))
-        }
-        FoundDecisions::Named(path, survey) => {
-            OpenedPath::Log(Box::new(survey), ReadDecisions::Named(path))
-        }
-        FoundDecisions::None(survey) => {
+        FoundDecisions::Log(survey, ReadDecisions::None) => {
             let log = survey.source.files.first();
             let bottom = log.and_then(|log| read_bottom(log, &survey));
             let decisions = bottom.map_or(ReadDecisions::None, ReadDecisions::Sidecar);
-            OpenedPath::Log(Box::new(survey), decisions)
+            OpenedPath::Log(survey, decisions)
         }
+        FoundDecisions::Log(survey, decisions) => OpenedPath::Log(survey, decisions),
     })
 }
 

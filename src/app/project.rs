@@ -306,7 +306,8 @@ impl App {
             }
         }
         project.set_view(VIEW, &self.view.options);
-        project.set_view(REVIEW_VIEW, &KeptQueue::of(&self.logs.shown.reviewing.queue));
+        let Queue { sort, threshold, .. } = self.logs.shown.reviewing.queue;
+        project.set_view(REVIEW_VIEW, &KeptQueue { sort, threshold });
         project
     }
 
@@ -394,8 +395,10 @@ impl App {
             self.take_project_log(id, &log, settings);
         }
         self.number_objects(numbers);
-        if let Some(queue) = queue.filter(|kept| (0.0..=1.0).contains(&kept.threshold)) {
-            self.logs.set_queue(&queue.into_queue());
+        if let Some(KeptQueue { sort, threshold }) = queue
+            && (0.0..=1.0).contains(&threshold)
+        {
+            self.logs.set_queue(&Queue { sort, threshold, ..Queue::default() });
         }
         self.map.measuring.figure = kept_figure(&project, None);
         let saving = ProjectSaving { store: Some(store), project, ..ProjectSaving::default() };
@@ -422,7 +425,7 @@ impl App {
             open.is_visible = log.is_visible;
             open.own = Arc::new(log.settings.clone().with_files_of(&settings));
             open.settings = Arc::new(settings);
-            open.reviewing.take_kept(log.review.clone());
+            open.reviewing.set(log.review.clone());
             // The log may have grown since.
             open.carry_own(&shared);
         }
@@ -459,16 +462,6 @@ pub(super) fn kept_figure(project: &Project, before: Option<&Arc<Figure>>) -> Op
 struct KeptQueue {
     sort: Sort,
     threshold: f32,
-}
-
-impl KeptQueue {
-    fn of(queue: &Queue) -> Self {
-        Self { sort: queue.sort, threshold: queue.threshold }
-    }
-
-    fn into_queue(self) -> Queue {
-        Queue { sort: self.sort, threshold: self.threshold, ..Queue::default() }
-    }
 }
 
 /// A log of an untitled project that is read already.

@@ -11,11 +11,13 @@ use super::jobs::JobKey;
 use super::project::{KnownLog, OpenedLogs, read};
 use super::reviewing::REVIEW_SUFFIX;
 use super::{Action, App, LogId, OpenLog};
+use bathyscope_bottom::first_return::BottomSettings;
 use bathyscope_log::support::printable::quoted;
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::Survey;
 use bathyscope_objects::objects::ObjectNumbers;
 use bathyscope_objects::review::Review;
+use bathyscope_products::Error;
 use bathyscope_products::pipeline::{LogSettings, Settings, SettingsError};
 use bathyscope_products::project::{
     NAMED, Project, ProjectLog, Store, UntitledProject, find_untitled, unused_path,
@@ -32,13 +34,24 @@ const TAKEN: &str = "last decisions about the log";
 pub(super) enum FoundDecisions {
     /// The untitled project of exactly the requested logs, which are opened with it.
     Project(Box<OpenedLogs>),
-    /// The decisions about this log, from an untitled project of other logs as well.
-    Log(Box<LogDecisions>, Survey),
-    /// Path of the named project that has the decisions.
-    Named(PathBuf, Survey),
-    /// No decisions.
-    None(Survey),
+    /// The log and the decisions about it.
+    Log(Box<Survey>, ReadDecisions),
 }
+
+/// Decisions about a log from when it was last open.
+pub(super) enum ReadDecisions {
+    /// Decisions of an untitled project of other logs as well.
+    Untitled(Box<LogDecisions>),
+    /// Path of the named project that has the decisions.
+    Named(PathBuf),
+    /// Bottom edits in the sidecar file of an earlier version.
+    Sidecar(ReadBottom),
+    /// No decisions.
+    None,
+}
+
+/// The bottom edits of a sidecar file, or the error if they cannot be used.
+pub(super) type ReadBottom = Result<BottomSettings, Error>;
 
 /// Decisions about a log in an untitled project of other logs as well.
 pub(super) struct LogDecisions {
@@ -61,10 +74,10 @@ pub(super) fn find_decisions(
 ) -> Result<FoundDecisions, AppError> {
     let found = find_untitled(folder, &survey, others.unwrap_or_default(), progress)?;
     let Some(found) = found else {
-        return Ok(FoundDecisions::None(survey));
+        return Ok(FoundDecisions::Log(Box::new(survey), ReadDecisions::None));
     };
     if let Some(named) = found.named() {
-        return Ok(FoundDecisions::Named(named.clone(), survey));
+        return Ok(FoundDecisions::Log(Box::new(survey), ReadDecisions::Named(named.clone())));
     }
     let UntitledProject { path, mut project, log, changed_at, is_whole } = found;
     let note = newer_review(&log, &survey, changed_at);
@@ -97,7 +110,7 @@ pub(super) fn find_decisions(
     });
     let settings = settings.map_err(AppError::from);
     let decisions = LogDecisions { log, shared: project.settings, settings, notes };
-    Ok(FoundDecisions::Log(Box::new(decisions), survey))
+    Ok(FoundDecisions::Log(Box::new(survey), ReadDecisions::Untitled(Box::new(decisions))))
 }
 
 /// Returns a notice about a review beside a log that was written after the decisions in a project

@@ -52,9 +52,6 @@ impl App {
                 Err(error) => return self.notices.warn(error),
             }
         }
-        let Some(log) = self.logs.get_mut(id) else {
-            return;
-        };
         let text =
             format!("Saved {} boxes to {}", log.reviewing.review.boxes().len(), path.display());
         self.notices.tell(log.reviewing.save(path).map(|()| text));

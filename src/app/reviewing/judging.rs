@@ -53,9 +53,9 @@ pub struct Judging {
     requested: Option<PathBuf>,
     comparison: Option<TruthComparison>,
     /// True if boxes, raster or truth have changed since the last comparison began.
-    outdated: bool,
+    pub(super) outdated: bool,
     standing: Option<Standing>,
-    sort: MistakeSort,
+    pub(super) sort: MistakeSort,
     /// Index of the missed object that is shown; `None` if none is.
     missed: Option<usize>,
 }
@@ -98,16 +98,6 @@ impl Judging {
     /// shown.
     pub fn missed(&self) -> Option<usize> {
         self.missed
-    }
-
-    /// Marks the comparison as outdated, because boxes or raster have changed.
-    pub(super) fn outdate(&mut self) {
-        self.outdated = true;
-    }
-
-    /// Copies the order of the list of mistakes from another log.
-    pub(super) fn sort_as(&mut self, other: &Self) {
-        self.sort = other.sort;
     }
 
     /// Moves the truth that was requested while the log was being opened from another log to this
