@@ -6,7 +6,6 @@
 
 use super::error::AppError;
 use super::jobs::JobKey;
-use super::logs_change::LogsChange;
 use super::{App, LogId, OpenLog};
 use bathyscope_bottom::cloud::Correction;
 use bathyscope_bottom::cloud::correction::WaterLevelSettings;
@@ -15,7 +14,7 @@ use bathyscope_log::support::file_error::FileError;
 use bathyscope_log::support::geo::{Crs, LocalFrame};
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::support::regular_file;
-use bathyscope_log::survey::{Gauge, Survey, TrackSettings, TracksApart};
+use bathyscope_log::survey::{Gauge, Side, Survey, TrackSettings, TracksApart};
 use bathyscope_products::pipeline::{Settings, SourceKey, as_set};
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
@@ -152,7 +151,16 @@ impl App {
         }
         self.document.is_plane_moved |= system_of(&now) != system_of(&before);
         if now.swapped_sides != before.swapped_sides {
-            self.follow_change(LogsChange::SidesExchanged(id));
+            self.forget_preview(id);
+            // The results of a search of the log as it was would be put on the wrong side.
+            self.leave_search(id);
+            if id == self.logs.shown.id {
+                // The marks stay on the same echo.
+                let marks = [&mut self.view.selection, &mut self.view.hover];
+                for mark in marks.into_iter().flatten() {
+                    mark.side = mark.side.map(Side::other);
+                }
+            }
         }
         Ok(())
     }

@@ -4,7 +4,6 @@
 //! their results beside it, and maps, clouds and products are made from all visible logs.
 
 use super::jobs::JobKey;
-use super::logs_change::LogsChange;
 use super::open_log::log_colour;
 use super::{App, LogId, LogPlace, OpenLog};
 use bathyscope_log::support::geo::LocalFrame;
@@ -221,20 +220,30 @@ impl App {
         }
         self.logs.shown.settings = self.document.shared.clone();
         self.logs.take_tools(&mut last);
-        self.follow_change(LogsChange::AllClosed);
+        self.forget_steps();
+        self.leave_reference();
+        self.jobs.stop(&JobKey::CompareHeights);
+        self.findings.heights = Default::default();
+        self.jobs.stop(&JobKey::ComparePositions);
+        self.findings.positions = None;
+        self.number_objects(Default::default());
         self.meet_log();
     }
 
     /// Sets the plane of the logs.
     pub(super) fn enter_plane(&mut self, plane: LocalFrame) {
         self.document.plane = plane;
-        self.follow_change(LogsChange::OtherPlane);
+        self.view.plane_serial += 1;
+        // The ends of the clip box were in the earlier plane.
+        self.view.options.cloud.clip = None;
+        self.view.options.cloud.cut = false;
     }
 
     /// Opens a log in an empty window.
     fn open_first(&mut self, survey: Arc<Survey>) {
         self.enter_plane(survey.track.frame.clone());
-        self.follow_change(LogsChange::FirstOpened);
+        // Logs that were closed before, and their measurements, are in another plane.
+        self.forget_steps();
         let log = self.opened(survey);
         let mut last = std::mem::replace(&mut self.logs.shown, log);
         self.logs.take_tools(&mut last);
@@ -292,9 +301,33 @@ impl App {
         self.meet_log();
     }
 
-    /// Stops the work for the log that was shown before, and starts that for the shown log.
+    /// Drops the undo steps, the closed logs and the measurement on the map.
+    fn forget_steps(&mut self) {
+        self.logs.closed.clear();
+        self.document.history = Default::default();
+        self.map.measuring = Default::default();
+    }
+
+    /// Drops the first returns that were computed ahead of the results of a log, and the
+    /// measurements that are kept for the next ones.
+    pub(super) fn forget_preview(&mut self, id: LogId) {
+        if let Some(log) = self.logs.get_mut(id) {
+            log.preview = None;
+        }
+        if id == self.logs.shown.id {
+            self.forget_previews();
+        }
+    }
+
+    /// Stops the work for the log that was shown before, drops what is out of date with another
+    /// shown log, and starts the work for the shown log.
     fn meet_log(&mut self) {
-        self.follow_change(LogsChange::OtherShown);
+        self.view.survey_serial += 1;
+        self.view.selection = None;
+        self.view.hover = None;
+        self.view.visible = 0..0;
+        self.forget_agreement();
+        self.forget_previews();
         self.schedule();
     }
 
@@ -333,7 +366,7 @@ impl App {
                 self.logs.shown.settings = self.document.shared.clone();
                 self.logs.take_tools(&mut last);
                 self.logs.close(last);
-                self.follow_change(LogsChange::LastClosed);
+                self.leave_reference();
                 self.meet_log();
             }
         }

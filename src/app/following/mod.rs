@@ -14,6 +14,7 @@ mod scale;
 mod step;
 mod whole;
 
+use super::error::AppError;
 use super::jobs::JobKey;
 use super::{App, LogId, OpenLog};
 use bathyscope_bottom::calibration::PingRange;
@@ -22,7 +23,7 @@ use bathyscope_log::support::printable::quoted;
 use bathyscope_log::survey::{Bytes, Survey};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use step::{FollowedLog, Grown, StepError, Tools};
+use step::{FollowedLog, Grown, Tools};
 
 /// Time between two checks of the log for new bytes.
 const LOOK: Duration = Duration::from_millis(250);
@@ -186,9 +187,11 @@ impl App {
         });
         self.jobs.run_or(
             JobKey::StartFollowing,
-            move |progress| Tools::start(&survey, progress).map_err(StepError::from),
+            move |progress| Tools::start(&survey, progress).map_err(AppError::from),
             |app, started| app.with_followed(|app, active| app.take_start(active, started)),
-            |app| app.with_followed(|app, active| app.take_start(active, Err(StepError::Failed))),
+            |app| {
+                app.with_followed(|app, active| app.take_start(active, Err(AppError::StepFailed)))
+            },
         );
     }
 
@@ -235,7 +238,7 @@ impl App {
         self.search_tail(id);
     }
 
-    fn take_start(&mut self, active: &mut Active, started: Result<Tools, StepError>) {
+    fn take_start(&mut self, active: &mut Active, started: Result<Tools, AppError>) {
         match started {
             Ok(mut tools) => {
                 let bytes = std::mem::take(&mut tools.beginning);
@@ -257,7 +260,7 @@ impl App {
         &mut self,
         active: &mut Active,
         from: &StepFrom,
-        (tools, grown): (Tools, Result<Grown, StepError>),
+        (tools, grown): (Tools, Result<Grown, AppError>),
     ) {
         active.tools = Some(tools);
         match grown {
@@ -291,7 +294,7 @@ impl App {
         is_same && !self.is_processing(active.log)
     }
 
-    fn take_whole(&mut self, active: &mut Active, made: Result<FollowedLog, StepError>) {
+    fn take_whole(&mut self, active: &mut Active, made: Result<FollowedLog, AppError>) {
         active.whole_at = Instant::now();
         let id = active.log;
         match made {
@@ -317,7 +320,7 @@ impl App {
                     active.fresh = Some(ground);
                 }
             }
-            Err(StepError::Cancelled(_)) => {}
+            Err(AppError::Cancelled(_)) => {}
             Err(error) => self.fail_following(active, &error.to_string()),
         }
     }

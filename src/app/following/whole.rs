@@ -2,10 +2,10 @@
 //! with the decisions about it, and ends following.
 
 use super::scale::drift;
-use super::step::{self, FollowedLog, StepError};
+use super::step::{self, FollowedLog};
 use super::{Active, App, BETWEEN_WHOLE, End, QUIET, WHOLE_AGAIN};
+use crate::app::error::AppError;
 use crate::app::jobs::JobKey;
-use crate::app::logs_change::LogsChange;
 use crate::app::{LogId, OpenLog};
 use bathyscope_bottom::picture::PictureSettings;
 use bathyscope_bottom::presentation::text::count;
@@ -75,7 +75,9 @@ impl App {
             JobKey::FollowWhole,
             work,
             |app, made| app.with_followed(|app, active| app.take_whole(active, made)),
-            |app| app.with_followed(|app, active| app.take_whole(active, Err(StepError::Failed))),
+            |app| {
+                app.with_followed(|app, active| app.take_whole(active, Err(AppError::StepFailed)))
+            },
         );
     }
 
@@ -166,7 +168,7 @@ impl App {
                 log.reviewing.grow(&survey, &products.navigation);
                 log.products = Some(products);
             }
-            self.follow_change(LogsChange::Grown(id));
+            self.forget_preview(id);
         } else {
             let drift = before.and_then(|before| drift(&survey, &before, &products.calibration));
             if let Some(text) = drift {
