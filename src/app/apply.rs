@@ -412,13 +412,8 @@ impl App {
     }
 
     fn step(&mut self, pings: isize) {
-        let Some(last) = self
-            .logs
-            .shown
-            .survey
-            .as_ref()
-            .and_then(|survey| survey.side_scan.len().checked_sub(1))
-        else {
+        let survey = self.logs.shown.survey.as_ref();
+        let Some(last) = survey.and_then(|survey| survey.side_scan.len().checked_sub(1)) else {
             return;
         };
         let ping = match self.view.selection {

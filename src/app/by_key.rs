@@ -1,7 +1,7 @@
 //! Notifies the analyst of changes that a bare key made, with undo, so that a slip of the hand, or
 //! text that is typed outside a field, is noticed at once.
 
-use super::step::{LogStep, UndoStep};
+use super::history::{LogStep, UndoStep};
 use super::{Action, App, Command, KeyFocus, LogBox, MapLayer, View};
 use bathyscope_objects::review::BoxId;
 use bathyscope_products::pipeline::{SettingValues, setting_values};

@@ -1,16 +1,74 @@
+//! Defines the state that undo restores, and the figure in it that the analyst draws to measure.
 //! Records and names the changes that the analyst makes as undo steps, and goes back and forward
 //! through them.
 
-use super::project::{keep_figure, kept_figure};
-use super::step::{LogStep, UndoStep};
-use super::{Action, App, LogId};
+use super::mounting::Mountings;
+use super::planning::PlannedLines;
+use super::{Action, App, LogId, OpenLog};
 use bathyscope_bottom::presentation::units::Units;
+use bathyscope_objects::review::Review;
 use bathyscope_products::pipeline::settings::{Number, SettingKind, row};
-use bathyscope_products::pipeline::{Settings, setting_values};
-use bathyscope_products::project::{History, PastStep, Project, ProjectLog, UNDONE};
+use bathyscope_products::pipeline::{LogSettings, Settings, setting_values};
+use bathyscope_products::project::{History, Measurement, PastStep, Project, ProjectLog, UNDONE};
 use std::borrow::Cow;
 use std::sync::Arc;
 use toml::Value;
+
+/// Key of the measurement that the window shows, in a project.
+const MEASUREMENT: u32 = 1;
+
+/// State that undo restores: everything that an analyst changes.
+#[derive(Clone, PartialEq)]
+pub struct UndoStep {
+    pub(super) shared: Arc<Settings>,
+    /// The logs in the order of the list.
+    pub(super) logs: Vec<LogStep>,
+    /// Ids of the logs that are closed and can be opened again.
+    pub(super) closed: Vec<LogId>,
+    pub(super) figure: Option<Arc<Figure>>,
+    pub(super) planned: Option<Arc<PlannedLines>>,
+    pub(super) mountings: Arc<Mountings>,
+}
+
+/// A figure that the analyst draws to measure.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Figure {
+    /// Kind of the measurement, and its corners.
+    pub measurement: Measurement,
+    /// True if the figure is ended, so that the next corner begins another one.
+    pub done: bool,
+}
+
+/// State of one log that undo restores.
+#[derive(Clone)]
+pub(super) struct LogStep {
+    pub id: LogId,
+    pub is_visible: bool,
+    pub own: Arc<LogSettings>,
+    pub review: Arc<Review>,
+}
+
+impl LogStep {
+    /// Returns the present state of a log, as undo would restore it.
+    pub(super) fn of(log: &OpenLog) -> Self {
+        Self {
+            id: log.id,
+            is_visible: log.is_visible,
+            own: log.own.clone(),
+            review: log.reviewing.review.clone(),
+        }
+    }
+}
+
+/// Equality of reviews means the same version in memory, which undo restores as it was.
+impl PartialEq for LogStep {
+    fn eq(&self, other: &Self) -> bool {
+        self.id == other.id
+            && self.is_visible == other.is_visible
+            && Arc::ptr_eq(&self.review, &other.review)
+            && (Arc::ptr_eq(&self.own, &other.own) || self.own == other.own)
+    }
+}
 
 impl App {
     /// Returns the present state, as undo would restore it.
@@ -185,6 +243,30 @@ impl App {
         }
         title
     }
+}
+
+/// Stores the measurement on the map in a project if it is finished; otherwise removes the
+/// measurement of the project.
+pub(super) fn keep_figure(project: &mut Project, figure: Option<&Arc<Figure>>) {
+    match figure.filter(|figure| figure.done) {
+        Some(figure) => {
+            let measurement = figure.measurement.clone();
+            project.measurements.insert(MEASUREMENT, measurement);
+        }
+        None => {
+            project.measurements.remove(&MEASUREMENT);
+        }
+    }
+}
+
+/// Returns the measurement of a project as a figure; shares memory with `before` if both are equal.
+pub(super) fn kept_figure(project: &Project, before: Option<&Arc<Figure>>) -> Option<Arc<Figure>> {
+    let measurement = project.measurements.get(&MEASUREMENT)?;
+    let same = before.filter(|figure| figure.done && figure.measurement == *measurement);
+    Some(
+        same.cloned()
+            .unwrap_or_else(|| Arc::new(Figure { measurement: measurement.clone(), done: true })),
+    )
 }
 
 fn changed_logs<'a>(

@@ -144,11 +144,18 @@ impl OpenLogs {
         all.map(|log| log.id).collect()
     }
 
-    /// Applies the order and filter of boxes, and a requested truth, of the log that was shown
-    /// before to the shown log.
-    fn take_tools(&mut self, last: &mut OpenLog) {
+    /// Replaces the shown log by `log`, which takes over the order and filter of boxes, and a
+    /// requested truth; returns the log that was shown before.
+    fn replace_shown(&mut self, log: OpenLog) -> OpenLog {
+        let mut last = std::mem::replace(&mut self.shown, log);
         self.shown.reviewing.take_tools(&mut last.reviewing);
         self.shown.reviewing.judging.take_request(&mut last.reviewing);
+        last
+    }
+
+    /// Returns the recording of an open log.
+    pub(super) fn survey_of(&self, id: LogId) -> Option<&Arc<Survey>> {
+        self.get(id)?.survey.as_ref()
     }
 
     /// Gives the open logs distinct names.
@@ -213,13 +220,12 @@ impl App {
         for id in self.logs.ids() {
             self.jobs.stop_log(id);
         }
-        let mut last = std::mem::take(&mut self.logs.shown);
+        let settings = self.document.shared.clone();
+        self.logs.replace_shown(OpenLog { settings, ..OpenLog::default() });
         self.logs.others.clear();
         for id in std::mem::take(&mut self.logs.order) {
             self.leave_search(id);
         }
-        self.logs.shown.settings = self.document.shared.clone();
-        self.logs.take_tools(&mut last);
         self.forget_steps();
         self.leave_reference();
         self.jobs.stop(&JobKey::CompareHeights);
@@ -245,8 +251,7 @@ impl App {
         // Logs that were closed before, and their measurements, are in another plane.
         self.forget_steps();
         let log = self.opened(survey);
-        let mut last = std::mem::replace(&mut self.logs.shown, log);
-        self.logs.take_tools(&mut last);
+        self.logs.replace_shown(log);
         self.logs.name_all();
         self.meet_log();
     }
@@ -361,10 +366,9 @@ impl App {
             Some(next) if id == self.logs.shown.id => self.show_log(next),
             Some(_) => {}
             None => {
-                let mut last = std::mem::take(&mut self.logs.shown);
                 self.document.shared = self.document.start.clone();
-                self.logs.shown.settings = self.document.shared.clone();
-                self.logs.take_tools(&mut last);
+                let settings = self.document.shared.clone();
+                let last = self.logs.replace_shown(OpenLog { settings, ..OpenLog::default() });
                 self.logs.close(last);
                 self.leave_reference();
                 self.meet_log();
@@ -401,8 +405,7 @@ impl App {
         }
         self.logs.order.push(id);
         if self.logs.shown.survey.is_none() {
-            let mut empty = std::mem::replace(&mut self.logs.shown, log);
-            self.logs.take_tools(&mut empty);
+            self.logs.replace_shown(log);
             self.meet_log();
         } else {
             self.logs.others.push(log)

@@ -3,8 +3,8 @@
 //! height of an object from its shadow in the waterfall.
 
 use super::error::AppError;
+use super::history::Figure;
 use super::reviewing::Tool;
-use super::step::Figure;
 use super::{Action, App, OpenLog, OpenLogs};
 use bathyscope_bottom::bathymetry::{Corner, TransectStation, transect};
 use bathyscope_log::support::geo::LonLat;

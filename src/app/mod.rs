@@ -44,7 +44,6 @@ mod processing;
 mod project;
 mod reviewing;
 mod state;
-mod step;
 pub(crate) mod system_words;
 mod untitled;
 

@@ -311,7 +311,7 @@ impl App {
     /// analyst.
     pub(super) fn refuses_log(&mut self, id: LogId, path: &Path) -> bool {
         let is_this = |file: &PathBuf| is_same_file(file, path);
-        let survey = self.logs.get(id).and_then(|log| log.survey.as_ref());
+        let survey = self.logs.survey_of(id);
         let is_log = survey.is_some_and(|survey| survey.source.files.iter().any(is_this));
         if is_log {
             let path = path.display();

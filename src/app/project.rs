@@ -3,8 +3,8 @@
 //! no more than the last action.
 
 use super::error::AppError;
+use super::history::{keep_figure, kept_figure};
 use super::jobs::JobKey;
-use super::step::Figure;
 use super::{App, LogId, OpenLog, OpenLogs, ViewOptions};
 use bathyscope_log::formats::{self, OpenError};
 use bathyscope_log::support::geo::LocalFrame;
@@ -26,8 +26,6 @@ use std::sync::Arc;
 
 /// Key of the display options in the project.
 const VIEW: &str = "window";
-/// Key of the measurement that the window shows.
-const MEASUREMENT: u32 = 1;
 /// Key of the base map among the project's files.
 const BASE_MAP: &str = "base_map";
 
@@ -431,30 +429,6 @@ impl App {
         }
         self.carry_decisions(id);
     }
-}
-
-/// Stores the measurement on the map in a project if it is finished; otherwise removes the
-/// measurement of the project.
-pub(super) fn keep_figure(project: &mut Project, figure: Option<&Arc<Figure>>) {
-    match figure.filter(|figure| figure.done) {
-        Some(figure) => {
-            let measurement = figure.measurement.clone();
-            project.measurements.insert(MEASUREMENT, measurement);
-        }
-        None => {
-            project.measurements.remove(&MEASUREMENT);
-        }
-    }
-}
-
-/// Returns the measurement of a project as a figure; shares memory with `before` if both are equal.
-pub(super) fn kept_figure(project: &Project, before: Option<&Arc<Figure>>) -> Option<Arc<Figure>> {
-    let measurement = project.measurements.get(&MEASUREMENT)?;
-    let same = before.filter(|figure| figure.done && figure.measurement == *measurement);
-    Some(
-        same.cloned()
-            .unwrap_or_else(|| Arc::new(Figure { measurement: measurement.clone(), done: true })),
-    )
 }
 
 /// Part of the queue of boxes that a project stores: without the filter, which is temporary.

@@ -287,7 +287,7 @@ impl App {
     fn goes_on(&self, active: &Active, from: &StepFrom) -> bool {
         let newest = match (&active.fresh, from.is_fresh) {
             (Some(fresh), true) => Some(&fresh.survey),
-            (None, false) => self.logs.get(active.log).and_then(|log| log.survey.as_ref()),
+            (None, false) => self.logs.survey_of(active.log),
             _ => None,
         };
         let is_same = newest.is_some_and(|newest| Arc::ptr_eq(newest, &from.survey));
@@ -305,7 +305,7 @@ impl App {
             }
             Ok(ground) => {
                 active.whole_bytes = ground.survey.source.byte_count;
-                let shown = self.logs.get(id).and_then(|log| log.survey.as_ref());
+                let shown = self.logs.survey_of(id);
                 let shown = shown.map_or(0, |survey| survey.source.byte_count);
                 if active.ends.is_some() || shown <= active.whole_bytes {
                     self.publish(id, ground, false);
@@ -394,13 +394,11 @@ impl App {
     /// Ends following a log, and notifies the analyst of the reason; the pings that were read stay.
     fn fail_following(&mut self, active: &mut Active, why: &str) {
         let name = self.logs.name_of(active.log);
-        let pings = self.logs.get(active.log).and_then(|log| log.survey.as_ref());
-        let pings = pings.map_or(0, |survey| survey.side_scan.len());
+        let survey = self.logs.survey_of(active.log);
+        let pings = count(survey.map_or(0, |survey| survey.side_scan.len()));
         active.ends = Some(End::Failed);
         active.fresh = None;
-        let pings = count(pings);
-        let text = format!("{name} is no longer followed; its {pings} pings stay: {why}");
-        self.notices.warn(text);
+        self.notices.warn(format!("{name} is no longer followed; its {pings} pings stay: {why}"));
     }
 }
 

@@ -97,14 +97,13 @@ impl App {
             return true;
         };
         if active.is_last {
-            if !is_provisional && matches!(active.ends, Some(End::Asked)) {
-                let log = self.logs.get(active.log);
-                let survey = log.and_then(|log| log.survey.as_ref());
-                if let Some(survey) = survey {
-                    let pings = count(survey.side_scan.len());
-                    let text = format!("Read {} to its end: {pings} pings", quoted(&survey.name()));
-                    self.notices.notify(text);
-                }
+            if !is_provisional
+                && matches!(active.ends, Some(End::Asked))
+                && let Some(survey) = self.logs.survey_of(active.log)
+            {
+                let pings = count(survey.side_scan.len());
+                let text = format!("Read {} to its end: {pings} pings", quoted(&survey.name()));
+                self.notices.notify(text);
             }
             if is_provisional {
                 // The last reading failed: the pings that were shown last are processed as they

@@ -2,7 +2,7 @@
 //! the sonar picture; undoes and redoes them; renames their classes.
 
 use super::{BoxEdge, Reviewing, Tool, border_m, middle};
-use crate::app::step::{LogStep, UndoStep};
+use crate::app::history::{LogStep, UndoStep};
 use crate::app::{App, LogBox, LogId, Orientation};
 use bathyscope_log::survey::Side;
 use bathyscope_objects::review::{BoxId, Edit, Review};
@@ -174,12 +174,8 @@ impl App {
 
     /// Removes a box that was drawn by hand; rejects a box that a model proposed.
     pub(in crate::app) fn remove_box(&mut self) {
-        let manual = self
-            .logs
-            .shown
-            .reviewing
-            .selected_box()
-            .filter(|review_box| review_box.model.is_none());
+        let selected = self.logs.shown.reviewing.selected_box();
+        let manual = selected.filter(|review_box| review_box.model.is_none());
         match manual.map(|review_box| review_box.id) {
             Some(id) => self.edit(&Edit::Remove(id), false),
             None => self.decide(Edit::Reject),

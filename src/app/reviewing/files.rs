@@ -92,7 +92,7 @@ impl App {
     /// Starts reading a review of a log; `is_found` if it is a sidecar file, not a file that the
     /// analyst opened. Returns true if there is a log.
     fn read_review(&mut self, id: LogId, path: PathBuf, is_found: bool) -> bool {
-        let Some(survey) = self.logs.get(id).and_then(|log| log.survey.clone()) else {
+        let Some(survey) = self.logs.survey_of(id).cloned() else {
             return false;
         };
         let from = path.clone();

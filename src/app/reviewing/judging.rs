@@ -209,7 +209,7 @@ impl App {
 
     /// Starts reading the truth of a log; `is_found` if the analyst did not open its file.
     fn read_truth(&mut self, id: LogId, source: TruthSource, is_found: bool) {
-        let Some(survey) = self.logs.get(id).and_then(|log| log.survey.as_ref()) else {
+        let Some(survey) = self.logs.survey_of(id) else {
             return;
         };
         let (identity, from) = (Identity::of(survey), source.clone());
