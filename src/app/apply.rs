@@ -393,12 +393,15 @@ impl App {
         if self.leave_measuring() {
             return;
         }
-        match self.logs.shown.reviewing.is_in_use() {
-            true => self.leave_tool(),
-            false if self.logs.shown.proposed_stretch().is_some() => {
-                self.logs.shown.calibrating.drop_proposal()
-            }
-            false => self.remove_figure(),
+        let shown = &mut self.logs.shown;
+        if shown.reviewing.tool != Tool::Look {
+            shown.reviewing.tool = Tool::Look;
+        } else if shown.reviewing.selected.is_some() {
+            self.select_box(None);
+        } else if shown.proposed_stretch().is_some() {
+            shown.calibrating.drop_proposal();
+        } else {
+            self.remove_figure();
         }
     }
 

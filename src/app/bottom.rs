@@ -63,7 +63,7 @@ impl App {
         };
         let count = survey.side_scan.len();
         let mut bottom = self.logs.shown.bottom_of(survey);
-        for side in self.sides_of(stroke.side) {
+        for side in self.view.options.waterfall.sides_of(stroke.side) {
             let tolerance_m = half_a_sample_m(survey, side, &stroke.path);
             let Some(line) = BottomEdit::along(&stroke.path, side, count, tolerance_m) else {
                 return;
@@ -87,7 +87,7 @@ impl App {
         let pings = pings.map(|ping| ping.min(last));
         let [first, last] = pings;
         let mut bottom = self.logs.shown.bottom_of(survey);
-        for side in self.sides_of(side) {
+        for side in self.view.options.waterfall.sides_of(side) {
             bottom = if accept {
                 bottom.accepting(side, pings)
             } else {
@@ -108,11 +108,6 @@ impl App {
         self.notices.offer(format!("{what}: pings {first} to {last}, {sides}"), Action::Undo);
     }
 
-    fn sides_of(&self, side: Side) -> impl Iterator<Item = Side> + use<> {
-        let both = self.view.options.waterfall.bottom_both_sides;
-        (Side::BOTH.into_iter()).filter(move |&candidate| both || candidate == side)
-    }
-
     /// Moves the bottom at the selected ping outward by samples, beginning at the recorded depth
     /// where no bottom is detected.
     pub(super) fn nudge_bottom(&mut self, samples: i32) {
@@ -121,7 +116,7 @@ impl App {
             return self.notices.warn("select a ping first, with the arrow keys or a click");
         };
         let mut bottom = self.logs.shown.bottom_of(&survey);
-        for side in self.sides_of(mark.side.unwrap_or(Side::Starboard)) {
+        for side in self.view.options.waterfall.sides_of(mark.side.unwrap_or(Side::Starboard)) {
             let Some(span) = survey.span(mark.ping, side) else {
                 continue;
             };

@@ -84,18 +84,6 @@ impl OpenLog {
         trial.filter(|trial| trial.spot.range() == proposal)
     }
 
-    /// Remembers the depths before a change of scale, so that its effect on them is reported once
-    /// its results exist.
-    fn expect_change(&mut self, what: String, calibration: CalibrationSettings) {
-        let products = self.products.as_ref();
-        self.calibrating.change = products.map(|products| ScaleChange {
-            what,
-            calibration,
-            cloud: products.cloud.clone(),
-            classes: products.classes.clone(),
-        });
-    }
-
     /// Proposes a stretch for the scale of the shown log.
     pub(super) fn propose_stretch(&mut self, pings: PingRange) {
         let count = (self.survey.as_ref()).map_or(0, |survey| survey.side_scan.len());
@@ -222,7 +210,13 @@ impl App {
         }
         let own = Arc::new(own);
         log.own = own.clone();
-        log.expect_change(what.clone(), settings.calibration);
+        // The effect on the depths is reported once the results exist.
+        log.calibrating.change = log.products.as_ref().map(|products| ScaleChange {
+            what: what.clone(),
+            calibration: settings.calibration,
+            cloud: products.cloud.clone(),
+            classes: products.classes.clone(),
+        });
         log.calibrating.drop_proposal();
         if log.reviewing.tool == Tool::Calibrate {
             log.reviewing.tool = Tool::Look;

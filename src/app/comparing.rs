@@ -34,6 +34,7 @@ const STOPPED: &str = "Comparing was stopped; Update results starts it again.";
 const RADIUS_M: f64 = 1.0;
 
 /// The reference, and the method that finds the reference of a point.
+#[derive(Clone)]
 pub struct Comparing {
     /// Reference that the survey is compared with; `None` compares with the survey's own soundings.
     pub reference: Option<Arc<Reference>>,
@@ -62,11 +63,6 @@ impl Comparing {
         if radius_m > 0.0 && radius_m.is_finite() {
             self.radius_m = radius_m;
         }
-    }
-
-    /// Returns a copy that holds only the drawn parts.
-    pub(super) fn for_picture(&self) -> Self {
-        Self { reference: self.reference.clone(), by: self.by, radius_m: self.radius_m }
     }
 
     fn matching(&self, settings: &Settings) -> Matching {

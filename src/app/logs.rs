@@ -149,7 +149,7 @@ impl OpenLogs {
     fn replace_shown(&mut self, log: OpenLog) -> OpenLog {
         let mut last = std::mem::replace(&mut self.shown, log);
         self.shown.reviewing.take_tools(&mut last.reviewing);
-        self.shown.reviewing.judging.take_request(&mut last.reviewing);
+        self.shown.reviewing.judging.requested = last.reviewing.judging.requested.take();
         last
     }
 
@@ -384,33 +384,26 @@ impl App {
 
     /// Opens and closes logs so that exactly the logs `closed` are closed.
     pub(super) fn open_and_close(&mut self, closed: &[LogId]) {
-        let wakes: Vec<LogId> = self.logs.closed_ids().filter(|id| !closed.contains(id)).collect();
-        for id in wakes {
-            self.open_again(id);
+        let is_open = |log: &OpenLog| !closed.contains(&log.id);
+        while let Some(place) = self.logs.closed.iter().position(is_open) {
+            let mut log = self.logs.closed.remove(place);
+            // The project of its own that the log got when it was closed is not needed any more.
+            let alone = log.kept_alone.take().and_then(|path| Store::open(&path).ok());
+            if let Some(alone) = alone {
+                alone.store.remove();
+            }
+            self.logs.order.push(log.id);
+            if self.logs.shown.survey.is_none() {
+                self.logs.replace_shown(log);
+                self.meet_log();
+            } else {
+                self.logs.others.push(log);
+            }
+            self.logs.name_all();
         }
         for id in closed {
             self.put_away(*id);
         }
-    }
-
-    fn open_again(&mut self, id: LogId) {
-        let Some(place) = self.logs.closed.iter().position(|log| log.id == id) else {
-            return;
-        };
-        let mut log = self.logs.closed.remove(place);
-        // The project of its own that the log got when it was closed is not needed any more.
-        let alone = log.kept_alone.take().and_then(|path| Store::open(&path).ok());
-        if let Some(alone) = alone {
-            alone.store.remove();
-        }
-        self.logs.order.push(id);
-        if self.logs.shown.survey.is_none() {
-            self.logs.replace_shown(log);
-            self.meet_log();
-        } else {
-            self.logs.others.push(log)
-        }
-        self.logs.name_all();
     }
 
     /// Includes a log in maps, clouds and products, or excludes it, as an undo step.

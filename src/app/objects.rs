@@ -9,8 +9,8 @@ use super::{App, ObjectTable, OpenLog, OpenLogs};
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::{Exclusions, Navigation, Survey};
 use bathyscope_objects::objects::{
-    ListedObject, LogBox, LogId, LogNumbers, LogReview, Object, ObjectBox, ObjectList,
-    ObjectNumbers, SurveyReview,
+    ListedObject, LogBox, LogId, LogReview, Object, ObjectBox, ObjectList, ObjectNumbers,
+    SurveyReview,
 };
 use bathyscope_objects::targets::{FittedShape, PassCount, PassLog, ShapeError, Target};
 use bathyscope_products::pipeline::object_shape;
@@ -97,11 +97,6 @@ impl Objects {
         list.map_or(&[], |list| list.objects())
     }
 
-    /// Returns the numbers of the objects that the boxes of a log show.
-    pub(super) fn numbers_of(&self, log: LogId) -> LogNumbers {
-        self.numbers().of_log(log)
-    }
-
     /// Returns the numbers of the objects that the table lists, in its order.
     pub fn listed(&self) -> &[u32] {
         self.listing.result().map_or(&[], Vec::as_slice)
@@ -124,7 +119,8 @@ impl Objects {
         self.list.result()?.object_of(id)
     }
 
-    fn numbers(&self) -> &ObjectNumbers {
+    /// Returns the present numbers of the objects.
+    pub(super) fn numbers(&self) -> &ObjectNumbers {
         let list = self.list.result();
         list.map_or(&*self.first, |list| list.numbers())
     }

@@ -5,7 +5,7 @@ use bathyscope_bottom::picture::PictureGeometry;
 use bathyscope_bottom::presentation::colours::ColourMap;
 use bathyscope_bottom::presentation::units::Units;
 use bathyscope_log::support::geo::CoordinateFormat;
-use bathyscope_log::survey::{ChannelKind, Survey};
+use bathyscope_log::survey::{ChannelKind, Side, Survey};
 use bathyscope_products::outputs::Product;
 use bathyscope_products::pipeline::BottomColour;
 use serde::{Deserialize, Serialize};
@@ -161,6 +161,12 @@ impl WaterfallOptions {
             (false, true) => PictureGeometry::Slant,
             (false, false) => PictureGeometry::SlantBeyondWater,
         }
+    }
+
+    /// Returns the sides on which a bottom edit on `side` is made.
+    pub(super) fn sides_of(&self, side: Side) -> impl Iterator<Item = Side> + use<> {
+        let both = self.bottom_both_sides;
+        (Side::BOTH.into_iter()).filter(move |&candidate| both || candidate == side)
     }
 
     /// Shows side-scan, then each down-looking channel of the log, beside the side-scan and alone.

@@ -69,14 +69,6 @@ pub struct Planning {
 }
 
 impl Planning {
-    /// Sets the planned lines of an undo step.
-    pub(super) fn take_lines(&mut self, lines: Option<Arc<PlannedLines>>) {
-        if self.lines != lines {
-            self.selected = None;
-        }
-        self.lines = lines;
-    }
-
     /// Returns a copy that holds only the drawn parts.
     pub(super) fn for_picture(&self) -> Self {
         Self { lines: self.lines.clone(), ..Self::default() }

@@ -288,7 +288,7 @@ impl App {
             entry.is_visible = log.is_visible;
             entry.settings = log.own.as_ref().clone();
             entry.review = log.reviewing.review.clone();
-            entry.object_numbers = self.objects.numbers_of(log.id);
+            entry.object_numbers = self.objects.numbers().of_log(log.id);
             let key = entry.key.clone();
             let after = if is_new { project.with_log(entry) } else { project.with_changed(entry) };
             project = after.unwrap_or(project);

@@ -85,8 +85,9 @@ pub struct FileWork {
     pub(super) exported: Option<Exported>,
     /// State of the open project and its file.
     pub project_saving: ProjectSaving,
-    /// Folder of untitled projects; `None` where nothing is saved that was not requested.
-    pub(super) untitled_folder: Option<PathBuf>,
+    /// Folder of untitled projects, for decisions about logs that are in no named project, which is
+    /// created with the first of them; `None` where nothing is saved that was not requested.
+    pub untitled_folder: Option<PathBuf>,
     /// Logs of the project that were not found.
     pub(super) missing: Vec<LogKey>,
 }

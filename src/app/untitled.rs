@@ -129,12 +129,6 @@ fn newer_review(log: &ProjectLog, survey: &Survey, changed_at: SystemTime) -> Op
 }
 
 impl App {
-    /// Saves decisions about logs that are in no named project in untitled projects in `folder`,
-    /// which is created with the first of them.
-    pub fn keep_untitled_in(&mut self, folder: PathBuf) {
-        self.files.untitled_folder = Some(folder);
-    }
-
     /// Saves a decision: in the journal of the project. The first decision begins an untitled
     /// project, which contains it as soon as the logs are hashed.
     pub(super) fn keep_decision(&mut self, label: &str) {

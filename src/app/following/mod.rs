@@ -25,6 +25,8 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use step::{FollowedLog, Grown, Tools};
 
+/// The work on the followed log.
+const STEPS: [JobKey; 3] = [JobKey::StartFollowing, JobKey::FollowStep, JobKey::FollowWhole];
 /// Time between two checks of the log for new bytes.
 const LOOK: Duration = Duration::from_millis(250);
 /// Longest time for which added bytes wait to be shown.
@@ -206,8 +208,8 @@ impl App {
 
     /// Stops reading the log that was followed.
     fn stop_steps(&mut self) {
-        for key in [JobKey::StartFollowing, JobKey::FollowStep, JobKey::FollowWhole] {
-            self.jobs.stop(&key);
+        for key in &STEPS {
+            self.jobs.stop(key);
         }
     }
 

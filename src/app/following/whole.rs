@@ -3,7 +3,7 @@
 
 use super::scale::drift;
 use super::step::{self, FollowedLog};
-use super::{Active, App, BETWEEN_WHOLE, End, QUIET, WHOLE_AGAIN};
+use super::{Active, App, BETWEEN_WHOLE, End, QUIET, STEPS, WHOLE_AGAIN};
 use crate::app::error::AppError;
 use crate::app::jobs::JobKey;
 use crate::app::{LogId, OpenLog};
@@ -84,8 +84,7 @@ impl App {
     /// Ends following: the whole log is read and processed once more. Returns true once that is
     /// done.
     pub(super) fn finish(&mut self, active: &mut Active) -> bool {
-        let steps = [JobKey::StartFollowing, JobKey::FollowStep, JobKey::FollowWhole];
-        if steps.iter().any(|key| self.jobs.is_running(key)) {
+        if STEPS.iter().any(|key| self.jobs.is_running(key)) {
             return false;
         }
         let known = self.logs.get(active.log).and_then(|log| {

@@ -40,7 +40,10 @@ impl App {
     /// into the project's journal.
     pub(in crate::app) fn take_step(&mut self, step: UndoStep, label: &str) {
         self.map.measuring.figure = step.figure;
-        self.map.planning.take_lines(step.planned);
+        if self.map.planning.lines != step.planned {
+            self.map.planning.selected = None;
+        }
+        self.map.planning.lines = step.planned;
         self.document.mountings = step.mountings;
         self.open_and_close(&step.closed);
         self.logs.reorder(step.logs.iter().map(|log| log.id));
@@ -194,14 +197,6 @@ impl App {
         let in_hand = self.logs.shown.reviewing.tool == tool;
         self.logs.shown.reviewing.edge = BoxEdge::default();
         self.logs.shown.reviewing.tool = if in_hand { Tool::Look } else { tool };
-    }
-
-    /// Deselects the tool, or the box if no tool is selected.
-    pub(in crate::app) fn leave_tool(&mut self) {
-        if self.logs.shown.reviewing.tool == Tool::Look {
-            self.select_box(None);
-        }
-        self.logs.shown.reviewing.tool = Tool::Look;
     }
 
     /// Moves the selected box by whole pings along the track and pixels of the raster across it.

@@ -50,7 +50,7 @@ enum TruthSource {
 pub struct Judging {
     truth: Option<(TruthSource, Arc<SurveyTruth>)>,
     /// Path of a truth that was requested while the log was still being opened.
-    requested: Option<PathBuf>,
+    pub(in crate::app) requested: Option<PathBuf>,
     comparison: Option<TruthComparison>,
     /// True if boxes, raster or truth have changed since the last comparison began.
     pub(super) outdated: bool,
@@ -98,12 +98,6 @@ impl Judging {
     /// shown.
     pub fn missed(&self) -> Option<usize> {
         self.missed
-    }
-
-    /// Moves the truth that was requested while the log was being opened from another log to this
-    /// one.
-    pub(in crate::app) fn take_request(&mut self, before: &mut Reviewing) {
-        self.requested = before.judging.requested.take();
     }
 
     /// Deselects the missed object.
