@@ -202,13 +202,11 @@ impl App {
         let mut left_out = 0;
         for stretch in &found.compared.contradicted {
             let id = found.ids[stretch.log];
-            let Some((log, survey)) =
-                self.logs.get(id).and_then(|log| Some((log, log.survey.clone()?)))
-            else {
+            let Some((log, survey)) = self.logs.log_and_survey(id) else {
                 continue;
             };
             let mut settings = Settings::clone(&log.settings);
-            settings.excluded = settings.excluded.excluding(&survey, stretch.part());
+            settings.excluded = settings.excluded.excluding(survey, stretch.part());
             let (shared, own) = match log.own.change(&self.document.shared, &settings) {
                 Ok(parts) => parts,
                 Err(error) => return self.notices.warn(error),

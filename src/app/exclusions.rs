@@ -150,10 +150,7 @@ impl App {
 
     /// Excludes a part of a log or includes it again, as an undo step.
     pub(super) fn exclude(&mut self, id: LogId, part: LogPart, edit: ExclusionEdit) {
-        let Some(log) = self.logs.get(id) else {
-            return;
-        };
-        let Some(survey) = &log.survey else {
+        let Some((log, survey)) = self.logs.log_and_survey(id) else {
             return;
         };
         let mut settings = Settings::clone(&log.settings);

@@ -102,10 +102,7 @@ impl App {
     }
 
     fn take_levels(&mut self, id: LogId, gauge: Gauge) {
-        let Some(log) = self.logs.get(id) else {
-            return;
-        };
-        let Some(survey) = &log.survey else {
+        let Some((log, survey)) = self.logs.log_and_survey(id) else {
             return;
         };
         let mut settings = Settings::clone(&log.settings);
@@ -172,14 +169,12 @@ impl App {
         if !std::mem::take(&mut self.document.is_plane_moved) || self.logs.count() < 2 {
             return;
         }
-        let is_placed =
-            |survey: &Option<Arc<Survey>>| survey.as_ref().is_some_and(|survey| survey.has_place());
         let on_earth =
             |survey: &Arc<Survey>| survey.track.projected.is_none() || system_of(survey).is_some();
-        let visible = || self.logs.visible().filter(|log| is_placed(&log.survey));
+        let visible = || self.logs.visible().filter(|log| log.is_placed());
         let first = visible().find(|log| log.survey.as_ref().is_some_and(on_earth));
         let first = first.or_else(|| visible().next());
-        let first = first.or_else(|| self.logs.all().find(|log| is_placed(&log.survey)));
+        let first = first.or_else(|| self.logs.all().find(|log| log.is_placed()));
         let fix = first.and_then(|log| log.survey.as_ref()?.track.fixes.first());
         let Some(fix) = fix else {
             return;

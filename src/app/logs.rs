@@ -153,6 +153,12 @@ impl OpenLogs {
         last
     }
 
+    /// Returns an open log and its recording.
+    pub(super) fn log_and_survey(&self, id: LogId) -> Option<(&OpenLog, &Arc<Survey>)> {
+        let log = self.get(id)?;
+        Some((log, log.survey.as_ref()?))
+    }
+
     /// Returns the recording of an open log.
     pub(super) fn survey_of(&self, id: LogId) -> Option<&Arc<Survey>> {
         self.get(id)?.survey.as_ref()
@@ -262,9 +268,7 @@ impl App {
             self.open_first(Arc::new(survey));
             return self.logs.shown.id;
         }
-        let is_placed =
-            |log: &OpenLog| log.survey.as_ref().is_some_and(|survey| survey.has_place());
-        if !self.logs.all().any(is_placed) {
+        if !self.logs.all().any(OpenLog::is_placed) {
             // A plane around another place would distort this log's track.
             self.enter_plane(survey.track.frame.clone());
         }

@@ -137,6 +137,11 @@ impl OpenLog {
         !self.is_demo && survey.is_some_and(|survey| !survey.source.files.is_empty())
     }
 
+    /// Returns true if the log has a place: [`Survey::has_place`].
+    pub(super) fn is_placed(&self) -> bool {
+        self.survey.as_ref().is_some_and(|survey| survey.has_place())
+    }
+
     /// Returns the recording with the results of the whole log: while it is followed, those of the
     /// last run over all of it. `None` without results.
     pub(crate) fn settled(&self) -> Option<ProcessedLog> {

@@ -259,9 +259,8 @@ impl App {
     pub(super) fn as_project(&self, before: &Project) -> Project {
         let mut project = before.clone();
         project.settings = Settings::clone(&self.document.shared);
-        let is_placed =
-            |log: &OpenLog| log.survey.as_ref().is_some_and(|survey| survey.has_place());
-        project.origin = (self.logs.all().any(is_placed)).then(|| self.document.plane.origin());
+        let is_placed = self.logs.all().any(OpenLog::is_placed);
+        project.origin = is_placed.then(|| self.document.plane.origin());
         let open: Vec<&OpenLog> = self.logs.all().filter(|log| log.file.is_some()).collect();
         let is_open = |log: &ProjectLog| {
             let mut files = open.iter().filter_map(|open| open.file.as_ref());

@@ -125,8 +125,7 @@ impl App {
     /// Returns true if the settings of the log are those that results were computed with, apart
     /// from the state of the log that the two name.
     pub(super) fn is_as_set(&self, id: LogId, ground: &FollowedLog) -> bool {
-        let shown = self.logs.get(id).and_then(|log| Some((log, log.survey.as_ref()?)));
-        let Some((log, survey)) = shown else {
+        let Some((log, survey)) = self.logs.log_and_survey(id) else {
             return false;
         };
         let is_longer = ground.survey.source.byte_count > survey.source.byte_count;
