@@ -39,7 +39,6 @@ mod options;
 mod passes;
 mod planning;
 mod print;
-mod print_text;
 mod processing;
 mod project;
 mod reviewing;
@@ -56,6 +55,7 @@ pub use comparing::ReferenceBy;
 pub use crossings::FoundPositions;
 pub use deriving::DrawnIsobaths;
 pub use exclusions::{ExcludedExtent, ExclusionEdit, FoundExclusions};
+pub(crate) use exporting::PrintText;
 pub use figures::{AboveBottom, AboveStretch, Figures};
 pub use following::FollowStatus;
 pub(crate) use jobs::JobKey;
@@ -77,7 +77,6 @@ pub use passes::{PassesFound, mark_of};
 pub use planning::{PlanRequest, PlannedLines};
 pub(crate) use print::Sheet;
 pub use print::{Paper, PrintOptions};
-pub(crate) use print_text::PrintText;
 pub use project::is_project;
 pub use reviewing::{
     BoxEdge, LocatedObject, MistakeSort, Nudge, PIXEL_M, Reviewing, SearchStatus, Tool, border_m,
