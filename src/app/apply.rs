@@ -348,8 +348,7 @@ impl App {
         if changed {
             log.settings = Arc::new(settings);
         }
-        let shows_only = log.take_settings_of_no_result();
-        if shows_only {
+        if log.take_settings_of_no_result() {
             return;
         }
         if id != self.logs.shown.id {
@@ -432,17 +431,15 @@ fn toggle(option: &mut bool) {
     *option = !*option;
 }
 
+/// Exchanges one of two choices for the other.
+fn exchange<T: PartialEq>(choice: &mut T, [one, other]: [T; 2]) {
+    *choice = if *choice == one { other } else { one };
+}
+
 fn nudge_threshold(settings: &mut Settings, by: f32) {
     let threshold = settings.first_return.threshold + by;
     // Rounding keeps the steps of a hundredth exact.
     settings.first_return.threshold = ((threshold * 100.0).round() / 100.0).clamp(0.0, 1.0);
-}
-
-fn exchange_gain(settings: &mut Settings) {
-    settings.picture.gain = match settings.picture.gain {
-        Gain::Recorded => Gain::Empirical,
-        Gain::Empirical => Gain::Recorded,
-    };
 }
 
 fn next_bottom_colour(options: &mut ViewOptions) {
@@ -451,25 +448,4 @@ fn next_bottom_colour(options: &mut ViewOptions) {
     if std::mem::replace(&mut cloud.bottom, true) {
         cloud.bottom_colour = cloud.bottom_colour.next();
     }
-}
-
-fn exchange_side_colours(options: &mut ViewOptions) {
-    options.side_colours = match options.side_colours {
-        SideColours::Paper => SideColours::Maritime,
-        SideColours::Maritime => SideColours::Paper,
-    };
-}
-
-fn turn_waterfall(options: &mut ViewOptions) {
-    options.waterfall.orientation = match options.waterfall.orientation {
-        Orientation::Horizontal => Orientation::Vertical,
-        Orientation::Vertical => Orientation::Horizontal,
-    };
-}
-
-fn switch_theme(options: &mut ViewOptions) {
-    options.theme = match options.theme {
-        ThemeChoice::Dark => ThemeChoice::Light,
-        ThemeChoice::Light => ThemeChoice::Dark,
-    };
 }

@@ -53,6 +53,20 @@ impl OpenLog {
         let recorded_m = Some(f64::from(survey.good_depth_m(mark.ping)));
         drawn_m.or(found_m).or(recorded_m.filter(|depth_m| depth_m.is_finite()))
     }
+
+    /// Takes bottom edits from the sidecar file of the log, which an earlier version wrote; returns
+    /// the text of a notice about them.
+    pub(super) fn take_bottom(&mut self, read: ReadBottom) -> Result<String, Error> {
+        let swapped = self.survey.as_ref().is_some_and(|survey| survey.swapped_sides);
+        let kept = read?.with_sides(swapped);
+        let pings = kept.edited_count();
+        Arc::make_mut(&mut self.own).bottom = kept.clone();
+        Arc::make_mut(&mut self.settings).bottom = kept;
+        Ok(format!(
+            "The bottom edits of {pings} pings were taken from {} next to the log",
+            quoted(&format!("{}.{}", self.name, BottomSettings::SIDECAR))
+        ))
+    }
 }
 
 impl App {
@@ -138,22 +152,6 @@ impl App {
 
     fn set_bottom(&mut self, bottom: BottomSettings) {
         self.edit_settings("bottom", |settings| settings.bottom = bottom);
-    }
-}
-
-impl OpenLog {
-    /// Takes bottom edits from the sidecar file of the log, which an earlier version wrote; returns
-    /// the text of a notice about them.
-    pub(super) fn take_bottom(&mut self, read: ReadBottom) -> Result<String, Error> {
-        let swapped = self.survey.as_ref().is_some_and(|survey| survey.swapped_sides);
-        let kept = read?.with_sides(swapped);
-        let pings = kept.edited_count();
-        Arc::make_mut(&mut self.own).bottom = kept.clone();
-        Arc::make_mut(&mut self.settings).bottom = kept;
-        Ok(format!(
-            "The bottom edits of {pings} pings were taken from {} next to the log",
-            quoted(&format!("{}.{}", self.name, BottomSettings::SIDECAR))
-        ))
     }
 }
 

@@ -9,8 +9,7 @@ use super::{App, LogId, LogPlace, OpenLog};
 use bathyscope_log::support::geo::LocalFrame;
 use bathyscope_log::support::printable::quoted;
 use bathyscope_log::survey::{Identity, Survey, distinct_names};
-use bathyscope_products::pipeline::Products;
-use bathyscope_products::pipeline::{ProcessedLog, Settings};
+use bathyscope_products::pipeline::{ProcessedLog, Products, Settings};
 use bathyscope_products::project::Store;
 use std::sync::Arc;
 

@@ -73,7 +73,7 @@ pub use options::{
     ClipBox, CloudColour, CloudOptions, EchogramChannel, MapOptions, Orientation, PanelOptions,
     PanelShown, SideColours, SwathShown, ThemeChoice, View, ViewOptions, WaterfallOptions,
 };
-pub use passes::{PassesFound, mark_of};
+pub use passes::{LogPass, PassesFound, mark_of};
 pub use planning::{PlanRequest, PlannedLines};
 pub(crate) use print::Sheet;
 pub use print::{Paper, PrintOptions};
@@ -85,4 +85,3 @@ pub use state::App;
 
 pub use bathyscope_objects::objects::{LogBox, LogId, Object, ObjectColumn, ObjectState};
 pub use bathyscope_products::pipeline::{Jobs, Task, TaskOutcome};
-pub use passes::LogPass;

@@ -13,8 +13,7 @@ use bathyscope_objects::objects::{
     SurveyReview,
 };
 use bathyscope_objects::targets::{FittedShape, PassCount, PassLog, ShapeError, Target};
-use bathyscope_products::pipeline::object_shape;
-use bathyscope_products::pipeline::{ProcessedLog, Same};
+use bathyscope_products::pipeline::{ProcessedLog, Same, object_shape};
 use std::sync::Arc;
 
 /// The parts of a log from which objects are made.

@@ -9,8 +9,7 @@ use bathyscope_log::support::geo::{LocalFrame, LonLat};
 use bathyscope_log::support::printable::quoted;
 use bathyscope_log::support::progress::Progress;
 use bathyscope_products::export::{PlanFormat, PlannedWay};
-use bathyscope_products::pipeline::list_objects;
-use bathyscope_products::pipeline::survey_coverage;
+use bathyscope_products::pipeline::{list_objects, survey_coverage};
 use std::path::PathBuf;
 use std::sync::Arc;
 

@@ -181,7 +181,7 @@ macro_rules! action_rows {
                 LevelsReset, "Reset waterfall levels", "Resets gain, filters and levels of this log's waterfall."
                     => Settings("levels of the waterfall", |settings| settings.picture = settings.picture.reset());
                 GainNormalised, "Gain normalised or as recorded", key("Y"), acts_in(KeyScope::Waterfall), "Divides the levels of the waterfall by the mean of the log at the same range and angle, or shows them as recorded."
-                    => Settings("gain of the waterfall", exchange_gain);
+                    => Settings("gain of the waterfall", |settings| exchange(&mut settings.picture.gain, [Gain::Recorded, Gain::Empirical]));
                 StripeFilter, "Stripe filter on or off", "Brings pings that are brighter or darker than their neighbours to the level of these."
                     => Settings("stripe filter", |settings| toggle(&mut settings.picture.stripe_filter));
                 Despeckle, "Despeckle on or off", "Shows each echo of the waterfall as the median of its neighbourhood."
@@ -233,7 +233,7 @@ macro_rules! action_rows {
             /// Colours of port and starboard.
             Colours {
                 SideColours, "Side colours: paper or maritime", "Draws starboard red and port blue (as the paper), or port red and starboard green."
-                    => Options(exchange_side_colours);
+                    => Options(|options| exchange(&mut options.side_colours, [SideColours::Paper, SideColours::Maritime]));
             }
             /// Formats of positions.
             Coordinates {
@@ -262,9 +262,9 @@ macro_rules! action_rows {
             /// Direction of the waterfall, and the theme.
             Look {
                 Orientation, "Turn the waterfall", key("V"), acts_in(KeyScope::Waterfall), "Draws time to the right, or downward."
-                    => Options(turn_waterfall);
+                    => Options(|options| exchange(&mut options.waterfall.orientation, [Orientation::Horizontal, Orientation::Vertical]));
                 Theme, "Light or dark", key("L"), acts_in(KeyScope::Views), "Switches between the light and the dark theme."
-                    => Options(switch_theme);
+                    => Options(|options| exchange(&mut options.theme, [ThemeChoice::Dark, ThemeChoice::Light]));
             }
             /// Mounting of the recorder of the shown log.
             Mounting {

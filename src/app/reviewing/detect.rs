@@ -143,11 +143,11 @@ impl App {
             return self.notices.warn(text);
         }
         self.jobs.stop(&JobKey::SearchObjects);
-        self.findings.search.running = None;
-        self.findings.search.searches_tail = true;
-        (self.findings.search.logs, self.findings.search.done, self.findings.search.found) =
-            (logs.len(), 0, 0);
-        self.findings.search.ahead = logs.into();
+        let search = &mut self.findings.search;
+        search.running = None;
+        search.searches_tail = true;
+        (search.logs, search.done, search.found) = (logs.len(), 0, 0);
+        search.ahead = logs.into();
         self.search_next();
     }
 

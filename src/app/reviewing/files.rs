@@ -24,12 +24,10 @@ impl App {
         for (id, name, path) in reviewed {
             match path {
                 Some(path) => self.save_review(id, path),
-                None => {
-                    let name = quoted(&name);
-                    let text =
-                        format!("{name} is no file; save its review while it is shown alone");
-                    self.notices.warn(text);
-                }
+                None => self.notices.warn(format!(
+                    "{} is no file; save its review while it is shown alone",
+                    quoted(&name)
+                )),
             }
         }
     }
