@@ -44,12 +44,6 @@ pub struct Comparing {
     pub radius_m: f64,
 }
 
-/// A reference, and the agreement of the survey with it.
-struct Opened {
-    of: Of,
-    agreement: Agreement,
-}
-
 impl Default for Comparing {
     fn default() -> Self {
         Self { reference: None, by: ReferenceBy::default(), radius_m: RADIUS_M }
@@ -142,11 +136,6 @@ impl ReferenceComparison {
         Self { of: self.of.clone(), agreement: self.agreement.clone(), ..Self::default() }
     }
 
-    /// Sets an agreement that was computed elsewhere.
-    fn take(&mut self, of: Of, agreement: Agreement) {
-        *self = Self { of: Some(of), agreement: Some(Arc::new(agreement)), ..Self::default() };
-    }
-
     /// Permits a stopped comparison to start again.
     pub(super) fn resume(&mut self) {
         if self.problem.take().is_some() {
@@ -171,12 +160,16 @@ impl App {
                 finish_killed_run(&path)?;
                 Ok(open(&path, &logs, matching, progress)?)
             },
-            |app, opened: Result<Opened, AppError>| match opened {
-                Ok(Opened { of, agreement }) => {
+            |app, opened: Result<(Of, Agreement), AppError>| match opened {
+                Ok((of, agreement)) => {
                     app.notices.notify(words_about(&agreement));
                     app.view.options.map.layers.set_visible(MapLayer::Residuals, true);
                     app.map.comparing.reference = agreement.reference.clone();
-                    app.findings.reference_comparison.take(of, agreement);
+                    app.findings.reference_comparison = ReferenceComparison {
+                        of: Some(of),
+                        agreement: Some(Arc::new(agreement)),
+                        problem: None,
+                    };
                 }
                 Err(error) => app.notices.warn(error),
             },
@@ -244,7 +237,7 @@ fn open(
     logs: &[ProcessedLog],
     matching: Matching,
     progress: &Progress,
-) -> Result<Opened, Error> {
+) -> Result<(Of, Agreement), Error> {
     let Some(first) = logs.first() else {
         return Err("there is no log to compare with the reference".into());
     };
@@ -253,7 +246,7 @@ fn open(
     let reference = Arc::new(reference);
     let agreement = Agreement::with_reference(logs, &reference, matching, progress)?;
     let of = Of::new(logs, Some((reference, matching)));
-    Ok(Opened { of, agreement })
+    Ok((of, agreement))
 }
 
 /// Returns the notice about an opened reference: result of the comparison, remarks, and path.
