@@ -1,18 +1,94 @@
-//! Applies each command to the state.
+//! Applies each command to the state, and assigns to each command without arguments the function
+//! that carries it out and the condition under which it has something to act on.
 
-mod effects;
-
+use super::action::action_rows;
+use super::crossings::FoundHeights;
 use super::error::AppError;
 use super::external::Instrument;
 use super::mounting::with_sides;
 use super::opening::OpenMode;
 use super::project::is_project;
-use super::{Action, App, Command, FileToOpen, FileToWrite, LogId, LogOrigin, LogPlace, Reveal};
+use super::{
+    Action, App, Command, FileToOpen, FileToWrite, FoundPositions, LayoutPreset, LogId, LogOrigin,
+    LogPlace, MapLayer, Orientation, Reveal, SideColours, ThemeChoice, Tool, View, ViewOptions,
+    WindowAction,
+};
+use bathyscope_bottom::mosaic::Gain;
+use bathyscope_bottom::presentation::units::{LengthUnit, SpeedUnit};
+use bathyscope_log::support::geo::CoordinateFormat;
+use bathyscope_objects::ReviewSettings;
+use bathyscope_objects::review::Edit;
 use bathyscope_products::pipeline::settings::{self, ControlValue};
 use bathyscope_products::pipeline::{LogSettings, Preset, Settings, SettingsError};
+use bathyscope_products::project::MeasurementKind;
 use std::borrow::Cow;
 use std::path::PathBuf;
 use std::sync::Arc;
+
+/// Effect of a command.
+enum Effect {
+    /// A function that changes the state.
+    State(fn(&mut App)),
+    /// A function that changes the settings of the shown log, with the name of its undo step.
+    Settings(&'static str, fn(&mut Settings)),
+    /// A function that changes the display options.
+    Options(fn(&mut ViewOptions)),
+    /// A display option that the command turns on or off, with its name.
+    Toggle(&'static str, fn(&mut ViewOptions) -> &mut bool),
+    /// Something that the window carries out.
+    Window(WindowAction),
+}
+
+macro_rules! effects {
+    ($(
+        $(#[$of_group:meta])*
+        $group:ident {$(
+            $action:ident, $label:literal, $($with:ident($($arg:tt)*),)* $hint:literal
+                => $effect:ident($($do:tt)*) $(, when($($when:tt)*))?;
+        )*}
+    )*) => {
+        impl Action {
+            fn effect(self) -> Effect {
+                match self {
+                    $($(Action::$action => Effect::$effect($($do)*),)*)*
+                }
+            }
+
+            /// Returns the condition under which a command has something to act on; `None` for
+            /// commands that notify the analyst themselves of what is missing.
+            fn condition(self) -> Option<fn(&App) -> bool> {
+                match self {
+                    $($($(Action::$action => Some($($when)*),)?)*)*
+                    _ => None,
+                }
+            }
+        }
+    };
+}
+
+action_rows!(effects);
+
+impl Action {
+    /// Returns the effect of a command on the window; `None` for a command that changes the state.
+    pub(crate) fn in_window(self) -> Option<WindowAction> {
+        match self.effect() {
+            Effect::Window(action) => Some(action),
+            _ => None,
+        }
+    }
+
+    /// Returns the name of the display option that the command turns on or off, and the option in
+    /// `options`; `None` for other commands.
+    pub(crate) fn display_option(
+        self,
+        options: &mut ViewOptions,
+    ) -> Option<(&'static str, &mut bool)> {
+        match self.effect() {
+            Effect::Toggle(name, option) => Some((name, option(options))),
+            _ => None,
+        }
+    }
+}
 
 impl App {
     /// Carries out a command; commands of the window have no effect here.
@@ -38,8 +114,10 @@ impl App {
             Command::ShowPlace(at) => self.show_place(at),
             Command::RevealIn(id, mark) => self.reveal_in(id, mark),
             Command::GoToStep(count) => self.go_to_step(count),
-            Command::OpenDemo => self.start_loading(LogOrigin::Demo),
-            Command::Change { settings, label, live } => self.change(*settings, label, live),
+            Command::OpenDemo => self.act(Action::OpenDemo),
+            Command::Change { settings, label, live } => {
+                self.change_of(self.logs.shown.id, *settings, label, live);
+            }
             Command::Set { key, value, live } => self.set_by_control(key, value, live),
             Command::UsePreset(preset) => self.use_preset(preset),
             Command::ProposeStretch(pings) => self.logs.shown.propose_stretch(pings),
@@ -62,7 +140,8 @@ impl App {
             Command::Edit { edit, live } => self.edit(&edit, live),
             Command::MarkTarget(mark) => self.mark_target(mark),
             Command::SetClasses(classes) => {
-                self.set_classes(bathyscope_objects::ReviewSettings { classes })
+                let review = ReviewSettings { classes };
+                self.edit_settings("classes of objects", |settings| settings.review = review);
             }
             Command::RenameClass { from, to } => self.rename_class(&from, to.trim()),
             Command::EditIn(log, edit) => {
@@ -78,10 +157,10 @@ impl App {
             }
             Command::DrawBottom(stroke) => self.draw_bottom(&stroke),
             Command::NudgeBottom(samples) => self.nudge_bottom(samples),
-            Command::LineUp(queue) => self.set_queue(&queue),
-            Command::UseModel(path) => self.use_model(Some(path)),
+            Command::LineUp(queue) => self.logs.set_queue(&queue),
+            Command::UseModel(path) => self.findings.search.use_model(Some(path)),
             Command::ShowMistake(mistake) => self.show_mistake(&mistake),
-            Command::SortMistakes(sort) => self.sort_mistakes(sort),
+            Command::SortMistakes(sort) => self.logs.shown.reviewing.sort_mistakes(sort),
             Command::Write(file) => self.write_file(file),
             Command::OpenFile(file) => self.open_file(file),
             // Views, their arrangement and the keyboard are handled by the window.
@@ -112,7 +191,7 @@ impl App {
     /// Reads a file for the open survey.
     fn open_file(&mut self, file: FileToOpen) {
         match file {
-            FileToOpen::BaseMap(path) => self.open_base_map(path),
+            FileToOpen::BaseMap(path) => self.open_base_map(path, false),
             FileToOpen::IsobathArea(path) => self.open_isobath_area(path),
             FileToOpen::WaterLevels(path) => {
                 self.read_external(self.logs.shown.id, path, Some(Instrument::Gauge))
@@ -134,14 +213,31 @@ impl App {
         }
     }
 
-    /// Changes the settings of the shown log.
-    pub(super) fn change(
+    /// Returns `false` if a command would remove or leave something that does not exist.
+    pub(crate) fn is_available(&self, action: Action) -> bool {
+        action.condition().is_none_or(|condition| condition(self))
+    }
+
+    /// Carries out a command; commands of the window have no effect here.
+    fn act(&mut self, action: Action) {
+        match action.effect() {
+            Effect::State(change) => change(self),
+            Effect::Settings(label, change) => self.edit_settings(label, change),
+            Effect::Options(change) => change(&mut self.view.options),
+            Effect::Toggle(_, option) => toggle(option(&mut self.view.options)),
+            Effect::Window(_) => {}
+        }
+    }
+
+    /// Changes the settings of the shown log by a function, as an undo step.
+    pub(super) fn edit_settings(
         &mut self,
-        settings: Settings,
-        label: impl Into<Cow<'static, str>>,
-        live: bool,
+        label: &'static str,
+        change: impl FnOnce(&mut Settings),
     ) {
-        self.change_of(self.logs.shown.id, settings, label, live);
+        let mut settings = Settings::clone(&self.logs.shown.settings);
+        change(&mut settings);
+        self.change_of(self.logs.shown.id, settings, label, false);
     }
 
     /// Gives a setting of the shown log the value of its control.
@@ -216,11 +312,15 @@ impl App {
             log.own = own.clone();
             log.exchange_boxes();
         }
-        let after = self.step_now();
-        self.record_step(&before, &after, label, live);
+        self.record_step(&before, label, live);
         self.set_own(id, own, live);
         if !live {
-            self.share_settings(id);
+            // The shared settings apply to all other logs.
+            let others = self.logs.all().filter(|log| log.id != id);
+            let others: Vec<_> = others.map(|log| (log.id, log.own.clone())).collect();
+            for (id, own) in others {
+                self.set_own(id, own, false);
+            }
         }
         self.settle_plane();
     }
@@ -232,23 +332,14 @@ impl App {
             log.own = own;
             match settings {
                 Ok(settings) => self.set(id, settings, live),
-                Err(error) => self.notices.warn(error.to_string()),
+                Err(error) => self.notices.warn(error),
             }
-        }
-    }
-
-    /// Applies the shared settings to all logs but `but`.
-    fn share_settings(&mut self, but: LogId) {
-        let others = self.logs.all().filter(|log| log.id != but);
-        let others: Vec<_> = others.map(|log| (log.id, log.own.clone())).collect();
-        for (id, own) in others {
-            self.set_own(id, own, false);
         }
     }
 
     fn set(&mut self, id: LogId, settings: Settings, live: bool) {
         if let Err(error) = self.follow_source(id, &settings) {
-            return self.notices.warn(error.to_string());
+            return self.notices.warn(error);
         }
         let Some(log) = self.logs.get_mut(id) else {
             return;
@@ -257,8 +348,7 @@ impl App {
         if changed {
             log.settings = Arc::new(settings);
         }
-        let shows_only = log.take_settings_of_no_result();
-        if shows_only {
+        if log.take_settings_of_no_result() {
             return;
         }
         if id != self.logs.shown.id {
@@ -269,8 +359,11 @@ impl App {
             made_with.finds_the_same(&self.logs.shown.settings.first_return)
                 && products.settings.image == self.logs.shown.settings.image
         });
-        if !same_returns && changed {
-            self.preview_returns();
+        if !same_returns
+            && changed
+            && let Some(request) = self.preview_request()
+        {
+            self.pipeline.previewer.want(request, &mut self.jobs);
         }
         // The search for first returns over the whole log waits until the slider is released; all
         // later stages follow the drag.
@@ -282,8 +375,9 @@ impl App {
     }
 
     fn use_preset(&mut self, preset: Preset) {
-        let settings = Settings::preset(preset).with_survey_of(&self.logs.shown.settings);
-        self.change(settings, "preset", false);
+        self.edit_settings("preset", |settings| {
+            *settings = Settings::preset(preset).with_survey_of(settings);
+        });
     }
 
     pub(super) fn reveal(&mut self, mark: LogPlace) {
@@ -298,18 +392,16 @@ impl App {
         if self.leave_measuring() {
             return;
         }
-        match self.logs.shown.reviewing.is_in_use() {
-            true => self.leave_tool(),
-            false if self.logs.shown.proposed_stretch().is_some() => {
-                self.logs.shown.calibrating.drop_proposal()
-            }
-            false => self.remove_figure(),
+        let shown = &mut self.logs.shown;
+        if shown.reviewing.tool != Tool::Look {
+            shown.reviewing.tool = Tool::Look;
+        } else if shown.reviewing.selected.is_some() {
+            self.select_box(None);
+        } else if shown.proposed_stretch().is_some() {
+            shown.calibrating.drop_proposal();
+        } else {
+            self.remove_figure();
         }
-    }
-
-    fn update(&mut self) {
-        self.findings.reference_comparison.resume();
-        self.process();
     }
 
     fn toggle_boxes(&mut self) {
@@ -322,13 +414,8 @@ impl App {
     }
 
     fn step(&mut self, pings: isize) {
-        let Some(last) = self
-            .logs
-            .shown
-            .survey
-            .as_ref()
-            .and_then(|survey| survey.side_scan.len().checked_sub(1))
-        else {
+        let survey = self.logs.shown.survey.as_ref();
+        let Some(last) = survey.and_then(|survey| survey.side_scan.len().checked_sub(1)) else {
             return;
         };
         let ping = match self.view.selection {
@@ -338,12 +425,27 @@ impl App {
         };
         self.reveal(LogPlace::ping(ping));
     }
+}
 
-    fn nudge_threshold(&mut self, by: f32) {
-        let mut settings = Settings::clone(&self.logs.shown.settings);
-        let threshold = settings.first_return.threshold + by;
-        // Rounding keeps the steps of a hundredth exact.
-        settings.first_return.threshold = ((threshold * 100.0).round() / 100.0).clamp(0.0, 1.0);
-        self.change(settings, "threshold", false);
+fn toggle(option: &mut bool) {
+    *option = !*option;
+}
+
+/// Exchanges one of two choices for the other.
+fn exchange<T: PartialEq>(choice: &mut T, [one, other]: [T; 2]) {
+    *choice = if *choice == one { other } else { one };
+}
+
+fn nudge_threshold(settings: &mut Settings, by: f32) {
+    let threshold = settings.first_return.threshold + by;
+    // Rounding keeps the steps of a hundredth exact.
+    settings.first_return.threshold = ((threshold * 100.0).round() / 100.0).clamp(0.0, 1.0);
+}
+
+fn next_bottom_colour(options: &mut ViewOptions) {
+    let cloud = &mut options.cloud;
+    // A hidden bottom is shown with the colours that it had.
+    if std::mem::replace(&mut cloud.bottom, true) {
+        cloud.bottom_colour = cloud.bottom_colour.next();
     }
 }

@@ -1,17 +1,13 @@
 //! Turns bottom edits, made by strokes of the pen and steps of the keys, into settings that can be
 //! undone.
 
-use super::opening::ReadBottom;
-use super::{Action, App, LogId, LogPlace, OpenLog};
+use super::untitled::ReadBottom;
+use super::{Action, App, LogPlace, OpenLog};
 use bathyscope_bottom::first_return::{BottomEdit, BottomSettings};
 use bathyscope_log::support::printable::quoted;
 use bathyscope_log::survey::{Side, Survey};
 use bathyscope_products::Error;
-use bathyscope_products::pipeline::Settings;
 use std::sync::Arc;
-
-/// Name of undo steps that edit the bottom.
-const LABEL: &str = "bottom";
 
 /// Effect of a stroke of the pen on its pings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,6 +53,20 @@ impl OpenLog {
         let recorded_m = Some(f64::from(survey.good_depth_m(mark.ping)));
         drawn_m.or(found_m).or(recorded_m.filter(|depth_m| depth_m.is_finite()))
     }
+
+    /// Takes bottom edits from the sidecar file of the log, which an earlier version wrote; returns
+    /// the text of a notice about them.
+    pub(super) fn take_bottom(&mut self, read: ReadBottom) -> Result<String, Error> {
+        let swapped = self.survey.as_ref().is_some_and(|survey| survey.swapped_sides);
+        let kept = read?.with_sides(swapped);
+        let pings = kept.ping_count() + kept.accepted_count();
+        Arc::make_mut(&mut self.own).bottom = kept.clone();
+        Arc::make_mut(&mut self.settings).bottom = kept;
+        Ok(format!(
+            "The bottom edits of {pings} pings were taken from {} next to the log",
+            quoted(&format!("{}.{}", self.name, BottomSettings::SIDECAR))
+        ))
+    }
 }
 
 impl App {
@@ -67,7 +77,7 @@ impl App {
         };
         let count = survey.side_scan.len();
         let mut bottom = self.logs.shown.bottom_of(survey);
-        for side in self.sides_of(stroke.side) {
+        for side in self.view.options.waterfall.sides_of(stroke.side) {
             let tolerance_m = half_a_sample_m(survey, side, &stroke.path);
             let Some(line) = BottomEdit::along(&stroke.path, side, count, tolerance_m) else {
                 return;
@@ -91,7 +101,7 @@ impl App {
         let pings = pings.map(|ping| ping.min(last));
         let [first, last] = pings;
         let mut bottom = self.logs.shown.bottom_of(survey);
-        for side in self.sides_of(side) {
+        for side in self.view.options.waterfall.sides_of(side) {
             bottom = if accept {
                 bottom.accepting(side, pings)
             } else {
@@ -112,21 +122,15 @@ impl App {
         self.notices.offer(format!("{what}: pings {first} to {last}, {sides}"), Action::Undo);
     }
 
-    fn sides_of(&self, side: Side) -> impl Iterator<Item = Side> + use<> {
-        let both = self.view.options.waterfall.bottom_both_sides;
-        (Side::BOTH.into_iter()).filter(move |&candidate| both || candidate == side)
-    }
-
     /// Moves the bottom at the selected ping outward by samples, beginning at the recorded depth
     /// where no bottom is detected.
     pub(super) fn nudge_bottom(&mut self, samples: i32) {
         let (Some(survey), Some(mark)) = (self.logs.shown.survey.clone(), self.view.selection)
         else {
-            let text = "select a ping first, with the arrow keys or a click";
-            return self.notices.warn(text.to_owned());
+            return self.notices.warn("select a ping first, with the arrow keys or a click");
         };
         let mut bottom = self.logs.shown.bottom_of(&survey);
-        for side in self.sides_of(mark.side.unwrap_or(Side::Starboard)) {
+        for side in self.view.options.waterfall.sides_of(mark.side.unwrap_or(Side::Starboard)) {
             let Some(span) = survey.span(mark.ping, side) else {
                 continue;
             };
@@ -146,42 +150,8 @@ impl App {
         self.set_bottom(bottom);
     }
 
-    /// Removes all bottom edits of the shown log, so that the first returns of the search count
-    /// again.
-    pub(super) fn forget_bottom(&mut self) {
-        self.set_bottom(BottomSettings::default());
-    }
-
     fn set_bottom(&mut self, bottom: BottomSettings) {
-        let mut settings = Settings::clone(&self.logs.shown.settings);
-        settings.bottom = bottom;
-        self.change(settings, LABEL, false);
-    }
-
-    /// Takes the bottom edits of a log that is being opened from its sidecar file, which an earlier
-    /// version wrote.
-    pub(super) fn take_bottom(&mut self, id: LogId, read: ReadBottom) {
-        let taken = self.logs.get_mut(id).map(|log| log.take_bottom(read));
-        match taken {
-            Some(Ok(text)) => self.notices.notify(text),
-            Some(Err(error)) => self.notices.warn(error.to_string()),
-            None => {}
-        }
-    }
-}
-
-impl OpenLog {
-    /// Takes bottom edits; returns the text of a notice about them.
-    fn take_bottom(&mut self, read: ReadBottom) -> Result<String, Error> {
-        let swapped = self.survey.as_ref().is_some_and(|survey| survey.swapped_sides);
-        let kept = read?.with_sides(swapped);
-        let pings = kept.ping_count() + kept.accepted_count();
-        Arc::make_mut(&mut self.own).bottom = kept.clone();
-        Arc::make_mut(&mut self.settings).bottom = kept;
-        Ok(format!(
-            "The bottom edits of {pings} pings were taken from {} next to the log",
-            quoted(&format!("{}.{}", self.name, BottomSettings::SIDECAR))
-        ))
+        self.edit_settings("bottom", |settings| settings.bottom = bottom);
     }
 }
 

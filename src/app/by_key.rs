@@ -1,7 +1,7 @@
 //! Notifies the analyst of changes that a bare key made, with undo, so that a slip of the hand, or
 //! text that is typed outside a field, is noticed at once.
 
-use super::step::{LogStep, UndoStep};
+use super::history::{LogStep, UndoStep};
 use super::{Action, App, Command, KeyFocus, LogBox, MapLayer, View};
 use bathyscope_objects::review::BoxId;
 use bathyscope_products::pipeline::{SettingValues, setting_values};
@@ -10,19 +10,11 @@ use std::sync::Arc;
 /// Prefix of the keys of settings that change how the waterfall looks, but no result.
 const PICTURE: &str = "picture.";
 
-/// State that a bare key may change, as it was before the key acted.
-pub(crate) struct BeforeKey(UndoStep);
-
 impl App {
-    /// Returns the state that a bare key may change.
-    pub(crate) fn before_key(&self) -> BeforeKey {
-        BeforeKey(self.step_now())
-    }
-
     /// Notifies the analyst of depths and decisions that a bare key has changed since `before`, and
     /// offers undo. The next key replaces the notice.
-    pub(crate) fn say_changed_by_key(&mut self, keys: &str, before: &BeforeKey) {
-        if !changes_results(&before.0, &self.step_now()) {
+    pub(crate) fn say_changed_by_key(&mut self, keys: &str, before: &UndoStep) {
+        if !changes_results(before, &self.step_now()) {
             return;
         }
         let done = self.document.history.undo_label().unwrap_or("settings").to_owned();
@@ -42,8 +34,7 @@ impl App {
             Command::Do(Action::ThresholdDown | Action::ThresholdUp) => {
                 let is_blind = self.view.selection.is_none();
                 if is_blind {
-                    let text = "select a ping first: its profile shows the threshold";
-                    self.notices.warn(text.to_owned());
+                    self.notices.warn("select a ping first: its profile shows the threshold");
                 }
                 is_blind
             }
@@ -71,7 +62,7 @@ impl App {
     /// pressed; a box outside the visible pings is brought into view.
     fn misses_box(&mut self, keys: &str, focus: KeyFocus) -> bool {
         let Some(review_box) = self.logs.shown.reviewing.selected_box() else {
-            self.ask_for_box();
+            self.notices.ask_for_box();
             return true;
         };
         let (BoxId(number), pings) = (review_box.id, review_box.mark.pings.clone());

@@ -72,6 +72,11 @@ impl OpenLog {
         self.calibrating.proposal
     }
 
+    /// Returns true if a stretch gives the scale, or is proposed for it.
+    pub(super) fn can_keep_recorded_range(&self) -> bool {
+        self.settings.calibration.mode == ScaleMode::FlatSpot || self.calibrating.proposal.is_some()
+    }
+
     /// Returns the changes that the proposed stretch would make; `None` until they are known.
     pub fn scale_trial(&self) -> Option<&Arc<ScaleTrial>> {
         let proposal = self.calibrating.proposal?;
@@ -79,20 +84,6 @@ impl OpenLog {
         trial.filter(|trial| trial.spot.range() == proposal)
     }
 
-    /// Remembers the depths before a change of scale, so that its effect on them is reported once
-    /// its results exist.
-    fn expect_change(&mut self, what: String, calibration: CalibrationSettings) {
-        let products = self.products.as_ref();
-        self.calibrating.change = products.map(|products| ScaleChange {
-            what,
-            calibration,
-            cloud: products.cloud.clone(),
-            classes: products.classes.clone(),
-        });
-    }
-}
-
-impl OpenLog {
     /// Proposes a stretch for the scale of the shown log.
     pub(super) fn propose_stretch(&mut self, pings: PingRange) {
         let count = (self.survey.as_ref()).map_or(0, |survey| survey.side_scan.len());
@@ -157,11 +148,10 @@ impl App {
     pub(super) fn use_scale(&mut self) {
         let Some(pings) = self.logs.shown.calibrating.proposal else {
             let text = "no stretch is proposed; drag one with Calibrate on a stretch";
-            return self.notices.warn(text.to_owned());
+            return self.notices.warn(text);
         };
         let Some(trial) = self.logs.shown.scale_trial().cloned() else {
-            let text = "the scale of the proposed stretch is still being measured";
-            return self.notices.warn(text.to_owned());
+            return self.notices.warn("the scale of the proposed stretch is still being measured");
         };
         if trial.spot.ppd.is_none() {
             let why = trial.objections.first().cloned();
@@ -213,14 +203,20 @@ impl App {
         let own = owning.unwrap_or_else(|| (*log.own).clone());
         let (_, mut own) = match own.change(&shared, &settings) {
             Ok(parts) => parts,
-            Err(error) => return self.notices.warn(error.to_string()),
+            Err(error) => return self.notices.warn(error),
         };
         if pings.is_none() && mode == shared.calibration.mode {
             own.unset(MODE);
         }
         let own = Arc::new(own);
         log.own = own.clone();
-        log.expect_change(what.clone(), settings.calibration);
+        // The effect on the depths is reported once the results exist.
+        log.calibrating.change = log.products.as_ref().map(|products| ScaleChange {
+            what: what.clone(),
+            calibration: settings.calibration,
+            cloud: products.cloud.clone(),
+            classes: products.classes.clone(),
+        });
         log.calibrating.drop_proposal();
         if log.reviewing.tool == Tool::Calibrate {
             log.reviewing.tool = Tool::Look;
@@ -229,8 +225,7 @@ impl App {
             0 | 1 => what,
             _ => format!("{what}, {}", quoted(&log.name())),
         };
-        let after = self.step_now();
-        self.record_named(&before, &after, title);
+        self.record_named(&before, title);
         self.set_own(id, own, false);
     }
 }

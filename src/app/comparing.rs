@@ -1,11 +1,13 @@
 //! Opens the reference that the survey is compared with, a file of points or another mission, in a
-//! background thread.
+//! background thread, and computes the agreement of points with it on demand only, because the
+//! comparison needs a triangulation of all soundings.
 
 use super::error::AppError;
 use super::jobs::JobKey;
-use super::reference_comparison::Of;
 use super::{App, MapLayer};
+use bathyscope_bottom::bathymetry::SurfaceSettings;
 use bathyscope_bottom::bathymetry::compare::Matching;
+use bathyscope_bottom::cloud::{PointClass, PointSource};
 use bathyscope_log::support::progress::Progress;
 use bathyscope_products::Error;
 use bathyscope_products::outputs::finish_killed_run;
@@ -23,10 +25,16 @@ pub enum ReferenceBy {
     Nearest,
 }
 
+/// Sources of the points that are compared with the soundings of the survey itself.
+const WITH_SOUNDINGS: [PointSource; 3] =
+    [PointSource::Port, PointSource::Starboard, PointSource::Swath];
+/// Problem that is shown when the comparison was stopped.
+const STOPPED: &str = "Comparing was stopped; Update results starts it again.";
 /// Initial largest distance of a nearest point, metres.
 const RADIUS_M: f64 = 1.0;
 
 /// The reference, and the method that finds the reference of a point.
+#[derive(Clone)]
 pub struct Comparing {
     /// Reference that the survey is compared with; `None` compares with the survey's own soundings.
     pub reference: Option<Arc<Reference>>,
@@ -34,12 +42,6 @@ pub struct Comparing {
     pub by: ReferenceBy,
     /// Largest distance of the nearest point for [`ReferenceBy::Nearest`], metres.
     pub radius_m: f64,
-}
-
-/// A reference, and the agreement of the survey with it.
-struct Opened {
-    of: Of,
-    agreement: Agreement,
 }
 
 impl Default for Comparing {
@@ -57,11 +59,6 @@ impl Comparing {
         }
     }
 
-    /// Returns a copy that holds only the drawn parts.
-    pub(super) fn for_picture(&self) -> Self {
-        Self { reference: self.reference.clone(), by: self.by, radius_m: self.radius_m }
-    }
-
     fn matching(&self, settings: &Settings) -> Matching {
         match self.by {
             ReferenceBy::Surface => Matching::Surface { max_gap_m: settings.surface.max_gap_m },
@@ -74,6 +71,76 @@ impl Comparing {
     pub(super) fn against(&self, settings: &Settings) -> Option<(Arc<Reference>, Matching)> {
         let reference = self.reference.clone()?;
         Some((reference, self.matching(settings)))
+    }
+}
+
+/// The last comparison that was requested, and its result.
+#[derive(Default)]
+pub struct ReferenceComparison {
+    of: Option<Of>,
+    agreement: Option<Arc<Agreement>>,
+    problem: Option<String>,
+}
+
+/// Inputs of an agreement, found or requested.
+#[derive(Clone)]
+struct Of {
+    /// The classes of the points of each log, and the settings of its surface with the widest gap.
+    logs: Vec<(Arc<Vec<PointClass>>, SurfaceSettings)>,
+    /// The reference, and the method that finds the reference of a point; `None` for the survey's
+    /// own soundings.
+    reference: Option<(Arc<Reference>, Matching)>,
+}
+
+impl Of {
+    /// Collects the inputs from the kept points of some logs.
+    fn new(logs: &[ProcessedLog], reference: Option<(Arc<Reference>, Matching)>) -> Self {
+        let of_log = |log: &ProcessedLog| {
+            let products = &log.products;
+            (products.classes.clone(), products.settings.surface.clone())
+        };
+        Self { logs: logs.iter().map(of_log).collect(), reference }
+    }
+}
+
+impl PartialEq for Of {
+    fn eq(&self, other: &Self) -> bool {
+        let same_reference = match (&self.reference, &other.reference) {
+            (Some((one, matching)), Some((other, other_matching))) => {
+                Arc::ptr_eq(one, other) && matching == other_matching
+            }
+            (None, None) => true,
+            _ => false,
+        };
+        let mut pairs = self.logs.iter().zip(&other.logs);
+        let same_points = self.logs.len() == other.logs.len()
+            && pairs.all(|(one, other)| Arc::ptr_eq(&one.0, &other.0) && one.1 == other.1);
+        same_points && same_reference
+    }
+}
+
+impl ReferenceComparison {
+    /// Returns the agreement of the points with the reference, or of side-scan with soundings if
+    /// there is no reference; `None` until it is computed, and if no point is over the reference.
+    pub fn agreement(&self) -> Option<&Arc<Agreement>> {
+        self.agreement.as_ref()
+    }
+
+    /// Returns the reason that there is no agreement, as a sentence; `None` if there is no problem.
+    pub fn problem(&self) -> Option<&str> {
+        self.problem.as_deref()
+    }
+
+    /// Returns a copy that holds only the drawn parts.
+    pub(super) fn for_picture(&self) -> Self {
+        Self { of: self.of.clone(), agreement: self.agreement.clone(), ..Self::default() }
+    }
+
+    /// Permits a stopped comparison to start again.
+    pub(super) fn resume(&mut self) {
+        if self.problem.take().is_some() {
+            self.of = None;
+        }
     }
 }
 
@@ -93,7 +160,19 @@ impl App {
                 finish_killed_run(&path)?;
                 Ok(open(&path, &logs, matching, progress)?)
             },
-            App::take_reference,
+            |app, opened: Result<(Of, Agreement), AppError>| match opened {
+                Ok((of, agreement)) => {
+                    app.notices.notify(words_about(&agreement));
+                    app.view.options.map.layers.set_visible(MapLayer::Residuals, true);
+                    app.map.comparing.reference = agreement.reference.clone();
+                    app.findings.reference_comparison = ReferenceComparison {
+                        of: Some(of),
+                        agreement: Some(Arc::new(agreement)),
+                        problem: None,
+                    };
+                }
+                Err(error) => app.notices.warn(error),
+            },
         );
     }
 
@@ -105,18 +184,50 @@ impl App {
         self.forget_agreement();
     }
 
-    /// Shows a reference that was opened, or notifies the analyst of the error.
-    fn take_reference(&mut self, opened: Result<Opened, AppError>) {
-        match opened {
-            Ok(Opened { of, agreement }) => {
-                self.notices.notify(words_about(&agreement));
-                let layers = &mut self.view.options.map.layers;
-                layers.set_visible(MapLayer::Residuals, true);
-                self.map.comparing.reference = agreement.reference.clone();
-                self.findings.reference_comparison.take(of, agreement);
-            }
-            Err(error) => self.notices.warn(error.to_string()),
+    /// Drops the agreement, and stops the comparison.
+    pub(super) fn forget_agreement(&mut self) {
+        self.jobs.stop(&JobKey::CompareReference);
+        self.findings.reference_comparison = ReferenceComparison::default();
+    }
+
+    /// Stops the comparison until [`ReferenceComparison::resume`] is called.
+    pub(super) fn stop_comparing(&mut self) {
+        if self.jobs.stop(&JobKey::CompareReference) {
+            let made = &mut self.findings.reference_comparison;
+            made.agreement = None;
+            made.problem = Some(STOPPED.to_owned());
         }
+    }
+
+    /// Starts comparing the results of the visible logs, unless that is done or running.
+    pub(super) fn compare_with_reference(&mut self) {
+        let logs = self.logs.processed();
+        let Some(first) = logs.first() else {
+            return;
+        };
+        let of = Of::new(&logs, self.map.comparing.against(&first.products.settings));
+        let made = &mut self.findings.reference_comparison;
+        if made.of.as_ref() == Some(&of) {
+            return;
+        }
+        made.of = Some(of.clone());
+        self.jobs.run(
+            JobKey::CompareReference,
+            move |progress| match &of.reference {
+                Some((reference, matching)) => {
+                    let made = Agreement::with_reference(&logs, reference, *matching, progress);
+                    Ok(Some(made?))
+                }
+                None => Ok(Agreement::with_soundings(&logs, &WITH_SOUNDINGS, progress)?),
+            },
+            |app, found: Result<_, AppError>| {
+                let made = &mut app.findings.reference_comparison;
+                (made.agreement, made.problem) = match found {
+                    Ok(agreement) => (agreement.map(Arc::new), None),
+                    Err(error) => (None, Some(error.to_string())),
+                };
+            },
+        );
     }
 }
 
@@ -126,7 +237,7 @@ fn open(
     logs: &[ProcessedLog],
     matching: Matching,
     progress: &Progress,
-) -> Result<Opened, Error> {
+) -> Result<(Of, Agreement), Error> {
     let Some(first) = logs.first() else {
         return Err("there is no log to compare with the reference".into());
     };
@@ -135,7 +246,7 @@ fn open(
     let reference = Arc::new(reference);
     let agreement = Agreement::with_reference(logs, &reference, matching, progress)?;
     let of = Of::new(logs, Some((reference, matching)));
-    Ok(Opened { of, agreement })
+    Ok((of, agreement))
 }
 
 /// Returns the notice about an opened reference: result of the comparison, remarks, and path.

@@ -115,14 +115,10 @@ impl App {
     /// Starts computing the picture for the waterfall of the shown log, and counts its levels again
     /// if they changed.
     pub(super) fn derive_picture(&mut self) {
-        let (Some(survey), Some(products)) = (&self.logs.shown.survey, &self.logs.shown.products)
-        else {
+        let log = self.logs.shown.with_results();
+        let Some(log) = log.filter(|log| !log.survey.side_scan.is_empty()) else {
             return;
         };
-        if survey.side_scan.is_empty() {
-            return;
-        }
-        let log = ProcessedLog::new(survey.clone(), products.clone());
         let (results, id) = (self.pipeline.deriving.results.clone(), self.logs.shown.id);
         let (key, whole) = (PictureKey::of(&log), self.logs.shown.whole.clone());
         let work = move |progress: &Progress| {

@@ -1,7 +1,7 @@
 //! Errors of operations that the analyst requests.
 
-use bathyscope_log::formats::OpenError;
 use bathyscope_log::formats::base_map::BaseMapError;
+use bathyscope_log::formats::{GrowingError, OpenError};
 use bathyscope_log::support::file_error::FileError;
 use bathyscope_log::support::progress::Cancelled;
 use bathyscope_objects::review::ReviewError;
@@ -28,6 +28,12 @@ pub(super) enum AppError {
     /// A log cannot be read.
     #[error(transparent)]
     Open(#[from] OpenError),
+    /// The followed log was cut, replaced or removed, or its copy cannot be written or read.
+    #[error(transparent)]
+    Growing(#[from] GrowingError),
+    /// Reading a followed log ended in a panic.
+    #[error("it failed unexpectedly")]
+    StepFailed,
     /// The corrections of a log's source by its settings cannot be applied.
     #[error(transparent)]
     Source(#[from] SourceError),

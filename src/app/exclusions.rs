@@ -150,10 +150,7 @@ impl App {
 
     /// Excludes a part of a log or includes it again, as an undo step.
     pub(super) fn exclude(&mut self, id: LogId, part: LogPart, edit: ExclusionEdit) {
-        let Some(log) = self.logs.get(id) else {
-            return;
-        };
-        let Some(survey) = &log.survey else {
+        let Some((log, survey)) = self.logs.log_and_survey(id) else {
             return;
         };
         let mut settings = Settings::clone(&log.settings);
@@ -182,7 +179,7 @@ impl App {
             None => {
                 let text =
                     "the selected ping is not excluded; select a ping of an excluded stretch";
-                self.notices.warn(text.to_owned());
+                self.notices.warn(text);
             }
         }
     }
@@ -199,7 +196,7 @@ impl App {
             Some(part) => self.exclude(self.logs.shown.id, part, ExclusionEdit::Trust),
             None => {
                 let text = "the sounding at the selected ping counts already; select a ping whose depth does not count";
-                self.notices.warn(text.to_owned());
+                self.notices.warn(text);
             }
         }
     }

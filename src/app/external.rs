@@ -6,7 +6,6 @@
 
 use super::error::AppError;
 use super::jobs::JobKey;
-use super::logs_change::LogsChange;
 use super::{App, LogId, OpenLog};
 use bathyscope_bottom::cloud::Correction;
 use bathyscope_bottom::cloud::correction::WaterLevelSettings;
@@ -15,7 +14,7 @@ use bathyscope_log::support::file_error::FileError;
 use bathyscope_log::support::geo::{Crs, LocalFrame};
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::support::regular_file;
-use bathyscope_log::survey::{Gauge, Survey, TrackSettings, TracksApart};
+use bathyscope_log::survey::{Gauge, Side, Survey, TrackSettings, TracksApart};
 use bathyscope_products::pipeline::{Settings, SourceKey, as_set};
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
@@ -92,29 +91,25 @@ impl App {
             }
         };
         if self.logs.get(id).is_none() {
-            let text = "open the log first, then its water levels or its track";
-            return self.notices.warn(text.to_owned());
+            return self.notices.warn("open the log first, then its water levels or its track");
         }
         self.jobs.run(JobKey::ReadTable(id), work, move |app, read| match read {
             Ok(ExternalContent::Levels(gauge)) => app.take_levels(id, gauge),
             Ok(ExternalContent::Track(track)) => app.take_track(id, track),
             Ok(ExternalContent::Points(path)) => app.compare_with(path),
-            Err(error) => app.notices.warn(error.to_string()),
+            Err(error) => app.notices.warn(error),
         });
     }
 
     fn take_levels(&mut self, id: LogId, gauge: Gauge) {
-        let Some(log) = self.logs.get(id) else {
-            return;
-        };
-        let Some(survey) = &log.survey else {
+        let Some((log, survey)) = self.logs.log_and_survey(id) else {
             return;
         };
         let mut settings = Settings::clone(&log.settings);
         settings.water_level =
             WaterLevelSettings { file: Some(gauge.path.clone()), gauge: Some(Arc::new(gauge)) };
         match Correction::new(settings.depth(), survey).refused() {
-            Some(why) => self.notices.warn(why.to_string()),
+            Some(why) => self.notices.warn(why),
             None => self.change_of(id, settings, "water levels", false),
         }
     }
@@ -137,20 +132,6 @@ impl App {
         self.change_of(id, settings, TRACK, false);
     }
 
-    /// Removes the readings of the water's height from the settings of the shown log.
-    pub(super) fn remove_water_levels(&mut self) {
-        let mut settings = Settings::clone(&self.logs.shown.settings);
-        settings.water_level = WaterLevelSettings::default();
-        self.change(settings, "water levels", false);
-    }
-
-    /// Uses the recorder's own positions for the shown log again.
-    pub(super) fn remove_track(&mut self) {
-        let mut settings = Settings::clone(&self.logs.shown.settings);
-        settings.track = TrackSettings::default();
-        self.change(settings, TRACK, false);
-    }
-
     /// Applies the settings of a log's source to its survey, and updates everything that depends on
     /// its plane and its sides. After an error the log is unchanged.
     pub(super) fn follow_source(&mut self, id: LogId, settings: &Settings) -> Result<(), AppError> {
@@ -167,7 +148,16 @@ impl App {
         }
         self.document.is_plane_moved |= system_of(&now) != system_of(&before);
         if now.swapped_sides != before.swapped_sides {
-            self.follow_change(LogsChange::SidesExchanged(id));
+            self.forget_preview(id);
+            // The results of a search of the log as it was would be put on the wrong side.
+            self.leave_search(id);
+            if id == self.logs.shown.id {
+                // The marks stay on the same echo.
+                let marks = [&mut self.view.selection, &mut self.view.hover];
+                for mark in marks.into_iter().flatten() {
+                    mark.side = mark.side.map(Side::other);
+                }
+            }
         }
         Ok(())
     }
@@ -179,14 +169,12 @@ impl App {
         if !std::mem::take(&mut self.document.is_plane_moved) || self.logs.count() < 2 {
             return;
         }
-        let is_placed =
-            |survey: &Option<Arc<Survey>>| survey.as_ref().is_some_and(|survey| survey.has_place());
         let on_earth =
             |survey: &Arc<Survey>| survey.track.projected.is_none() || system_of(survey).is_some();
-        let visible = || self.logs.visible().filter(|log| is_placed(&log.survey));
+        let visible = || self.logs.visible().filter(|log| log.is_placed());
         let first = visible().find(|log| log.survey.as_ref().is_some_and(on_earth));
         let first = first.or_else(|| visible().next());
-        let first = first.or_else(|| self.logs.all().find(|log| is_placed(&log.survey)));
+        let first = first.or_else(|| self.logs.all().find(|log| log.is_placed()));
         let fix = first.and_then(|log| log.survey.as_ref()?.track.fixes.first());
         let Some(fix) = fix else {
             return;

@@ -1,21 +1,78 @@
+//! Defines the state that undo restores, and the figure in it that the analyst draws to measure.
 //! Records and names the changes that the analyst makes as undo steps, and goes back and forward
 //! through them.
 
-use super::project::{keep_figure, kept_figure};
-use super::step::{LogStep, UndoStep};
-use super::{Action, App, LogId};
+use super::mounting::Mountings;
+use super::planning::PlannedLines;
+use super::{Action, App, LogId, OpenLog};
 use bathyscope_bottom::presentation::units::Units;
-use bathyscope_log::support::printable::quoted;
+use bathyscope_objects::review::Review;
 use bathyscope_products::pipeline::settings::{Number, SettingKind, row};
-use bathyscope_products::pipeline::{Settings, setting_values};
-use bathyscope_products::project::{History, PastStep, Project, ProjectLog, UNDONE};
+use bathyscope_products::pipeline::{LogSettings, Settings, setting_values};
+use bathyscope_products::project::{History, Measurement, PastStep, Project, ProjectLog, UNDONE};
 use std::borrow::Cow;
 use std::sync::Arc;
 use toml::Value;
 
+/// Key of the measurement that the window shows, in a project.
+const MEASUREMENT: u32 = 1;
+
+/// State that undo restores: everything that an analyst changes.
+#[derive(Clone, PartialEq)]
+pub struct UndoStep {
+    pub(super) shared: Arc<Settings>,
+    /// The logs in the order of the list.
+    pub(super) logs: Vec<LogStep>,
+    /// Ids of the logs that are closed and can be opened again.
+    pub(super) closed: Vec<LogId>,
+    pub(super) figure: Option<Arc<Figure>>,
+    pub(super) planned: Option<Arc<PlannedLines>>,
+    pub(super) mountings: Arc<Mountings>,
+}
+
+/// A figure that the analyst draws to measure.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Figure {
+    /// Kind of the measurement, and its corners.
+    pub measurement: Measurement,
+    /// True if the figure is ended, so that the next corner begins another one.
+    pub done: bool,
+}
+
+/// State of one log that undo restores.
+#[derive(Clone)]
+pub(super) struct LogStep {
+    pub id: LogId,
+    pub is_visible: bool,
+    pub own: Arc<LogSettings>,
+    pub review: Arc<Review>,
+}
+
+impl LogStep {
+    /// Returns the present state of a log, as undo would restore it.
+    pub(super) fn of(log: &OpenLog) -> Self {
+        Self {
+            id: log.id,
+            is_visible: log.is_visible,
+            own: log.own.clone(),
+            review: log.reviewing.review.clone(),
+        }
+    }
+}
+
+/// Equality of reviews means the same version in memory, which undo restores as it was.
+impl PartialEq for LogStep {
+    fn eq(&self, other: &Self) -> bool {
+        self.id == other.id
+            && self.is_visible == other.is_visible
+            && Arc::ptr_eq(&self.review, &other.review)
+            && (Arc::ptr_eq(&self.own, &other.own) || self.own == other.own)
+    }
+}
+
 impl App {
     /// Returns the present state, as undo would restore it.
-    pub(super) fn step_now(&self) -> UndoStep {
+    pub(crate) fn step_now(&self) -> UndoStep {
         UndoStep {
             shared: self.document.shared.clone(),
             logs: self.logs.all().map(LogStep::of).collect(),
@@ -26,34 +83,33 @@ impl App {
         }
     }
 
-    /// Records a change as an undo step, and saves it in the project. The full name of the step
-    /// states what changed, and to which value or in which log: `threshold 0.41`, `bottom of pond`.
+    /// Records the change of the state since `before` as an undo step, and saves it in the project.
+    /// The full name of the step states what changed, and to which value or in which log:
+    /// `threshold 0.41`, `bottom of pond`.
     pub(super) fn record_step(
         &mut self,
         before: &UndoStep,
-        after: &UndoStep,
         label: impl Into<Cow<'static, str>>,
         live: bool,
     ) {
+        let after = self.step_now();
         // An undo that was offered for an earlier change would now revert another one.
         self.notices.withdraw(Action::Undo);
         let label = label.into();
         let start = self.document.history.start_of(&label, before).clone();
-        self.document.history.record(before, after, label.clone(), live);
-        if live {
-            return;
-        }
-        if start != *after {
-            let title = self.title(&label, &start, after);
+        self.document.history.record(before, &after, label.clone(), live);
+        if !live && start != after {
+            let title = self.title(&label, &start, &after);
             self.document.history.name_last(title.clone());
             self.keep_decision(&title);
         }
     }
 
-    /// Records a change with a complete name as an undo step.
-    pub(super) fn record_named(&mut self, before: &UndoStep, after: &UndoStep, title: String) {
+    /// Records the change of the state since `before` under a complete name as an undo step.
+    pub(super) fn record_named(&mut self, before: &UndoStep, title: String) {
+        let after = self.step_now();
         self.notices.withdraw(Action::Undo);
-        self.document.history.record(before, after, title.clone(), false);
+        self.document.history.record(before, &after, title.clone(), false);
         self.keep_decision(&title);
     }
 
@@ -178,18 +234,39 @@ impl App {
         if let Some(value) = value_of_change(before, after, self.view.options.units) {
             title += &format!(" {value}");
         }
-        let name = |id: LogId| self.logs.get(id).map(|log| quoted(&log.name()));
         let changed: Vec<LogId> = changed_logs(before, after).map(|(_, log)| log.id).collect();
         match changed[..] {
             [] => {}
-            [id] if self.logs.count() > 1 => {
-                title += &name(id).map_or_else(String::new, |name| format!(" of {name}"));
-            }
+            [id] if self.logs.count() > 1 => title += &format!(" of {}", self.logs.name_of(id)),
             [_] => {}
             _ => title += &format!(" of {} logs", changed.len()),
         }
         title
     }
+}
+
+/// Stores the measurement on the map in a project if it is finished; otherwise removes the
+/// measurement of the project.
+pub(super) fn keep_figure(project: &mut Project, figure: Option<&Arc<Figure>>) {
+    match figure.filter(|figure| figure.done) {
+        Some(figure) => {
+            let measurement = figure.measurement.clone();
+            project.measurements.insert(MEASUREMENT, measurement);
+        }
+        None => {
+            project.measurements.remove(&MEASUREMENT);
+        }
+    }
+}
+
+/// Returns the measurement of a project as a figure; shares memory with `before` if both are equal.
+pub(super) fn kept_figure(project: &Project, before: Option<&Arc<Figure>>) -> Option<Arc<Figure>> {
+    let measurement = project.measurements.get(&MEASUREMENT)?;
+    let same = before.filter(|figure| figure.done && figure.measurement == *measurement);
+    Some(
+        same.cloned()
+            .unwrap_or_else(|| Arc::new(Figure { measurement: measurement.clone(), done: true })),
+    )
 }
 
 fn changed_logs<'a>(

@@ -180,7 +180,7 @@ impl JobQueue {
         then: impl FnOnce(&mut App, T) + Send + 'static,
     ) {
         let name = key.name();
-        let failed = move |app: &mut App| app.notices.warn(AppError::Failed(name).to_string());
+        let failed = move |app: &mut App| app.notices.warn(AppError::Failed(name));
         self.run_or(key, work, then, failed);
     }
 
@@ -266,26 +266,6 @@ impl JobQueue {
     }
 }
 
-impl App {
-    /// Applies the answers of all work that has ended. Returns true if there were any.
-    pub(super) fn take_answers(&mut self) -> bool {
-        let mut any = false;
-        // An answer may stop other work that has ended as well, whose answer is then void.
-        while let Some(answer) = self.jobs.next_answer() {
-            answer(self);
-            any = true;
-        }
-        any
-    }
-
-    /// Waits for the end of some work, if it is running, and applies its answer.
-    pub(super) fn wait_for(&mut self, key: &JobKey) {
-        if let Some(answer) = self.jobs.wait(key) {
-            answer(self);
-        }
-    }
-}
-
 /// The last result of a kind of work, and the inputs that it was last requested with. A request
 /// with the same inputs starts no work; the last result stays until there is a new one.
 pub(super) struct Kept<K, T> {
@@ -313,6 +293,24 @@ impl<K, T> Kept<K, T> {
 }
 
 impl App {
+    /// Applies the answers of all work that has ended. Returns true if there were any.
+    pub(super) fn take_answers(&mut self) -> bool {
+        let mut any = false;
+        // An answer may stop other work that has ended as well, whose answer is then void.
+        while let Some(answer) = self.jobs.next_answer() {
+            answer(self);
+            any = true;
+        }
+        any
+    }
+
+    /// Waits for the end of some work, if it is running, and applies its answer.
+    pub(super) fn wait_for(&mut self, key: &JobKey) {
+        if let Some(answer) = self.jobs.wait(key) {
+            answer(self);
+        }
+    }
+
     /// Starts `work` for the inputs `key`, unless they are those of the last request. Its result is
     /// set in the place that `at` finds; `work` returns `None` if it was cancelled or there is no
     /// result, and then the earlier result stays.

@@ -4,14 +4,13 @@
 //! their results beside it, and maps, clouds and products are made from all visible logs.
 
 use super::jobs::JobKey;
-use super::logs_change::LogsChange;
 use super::open_log::log_colour;
 use super::{App, LogId, LogPlace, OpenLog};
 use bathyscope_log::support::geo::LocalFrame;
 use bathyscope_log::support::printable::quoted;
 use bathyscope_log::survey::{Identity, Survey, distinct_names};
-use bathyscope_products::pipeline::Products;
-use bathyscope_products::pipeline::{ProcessedLog, Settings};
+use bathyscope_products::pipeline::{ProcessedLog, Products, Settings};
+use bathyscope_products::project::Store;
 use std::sync::Arc;
 
 /// Number of closed logs that undo can open again.
@@ -94,7 +93,7 @@ impl OpenLogs {
                 id: log.id,
                 name: log.name(),
                 colour: log.colour,
-                log: ProcessedLog::new(log.survey.clone()?, log.products.clone()?),
+                log: log.with_results()?,
             })
         };
         self.visible().filter_map(shown).collect()
@@ -144,11 +143,24 @@ impl OpenLogs {
         all.map(|log| log.id).collect()
     }
 
-    /// Applies the order and filter of boxes, and a requested truth, of the log that was shown
-    /// before to the shown log.
-    fn take_tools(&mut self, last: &mut OpenLog) {
+    /// Replaces the shown log by `log`, which takes over the order and filter of boxes, and a
+    /// requested truth; returns the log that was shown before.
+    fn replace_shown(&mut self, log: OpenLog) -> OpenLog {
+        let mut last = std::mem::replace(&mut self.shown, log);
         self.shown.reviewing.take_tools(&mut last.reviewing);
-        self.shown.reviewing.judging.take_request(&mut last.reviewing);
+        self.shown.reviewing.judging.requested = last.reviewing.judging.requested.take();
+        last
+    }
+
+    /// Returns an open log and its recording.
+    pub(super) fn log_and_survey(&self, id: LogId) -> Option<(&OpenLog, &Arc<Survey>)> {
+        let log = self.get(id)?;
+        Some((log, log.survey.as_ref()?))
+    }
+
+    /// Returns the recording of an open log.
+    pub(super) fn survey_of(&self, id: LogId) -> Option<&Arc<Survey>> {
+        self.get(id)?.survey.as_ref()
     }
 
     /// Gives the open logs distinct names.
@@ -168,9 +180,9 @@ impl OpenLogs {
         self.closed.iter().map(|log| log.id)
     }
 
-    fn name_of(&self, id: LogId) -> String {
-        let name = self.get(id).map_or_else(String::new, OpenLog::name);
-        quoted(&name)
+    /// Returns the name of an open log for sentences; empty if there is no such log.
+    pub(super) fn name_of(&self, id: LogId) -> String {
+        self.get(id).map_or_else(String::new, |log| quoted(&log.name()))
     }
 
     /// Restores an earlier order of the logs; logs opened since then stay at the end.
@@ -213,30 +225,38 @@ impl App {
         for id in self.logs.ids() {
             self.jobs.stop_log(id);
         }
-        let mut last = std::mem::take(&mut self.logs.shown);
+        let settings = self.document.shared.clone();
+        self.logs.replace_shown(OpenLog { settings, ..OpenLog::default() });
         self.logs.others.clear();
         for id in std::mem::take(&mut self.logs.order) {
             self.leave_search(id);
         }
-        self.logs.shown.settings = self.document.shared.clone();
-        self.logs.take_tools(&mut last);
-        self.follow_change(LogsChange::AllClosed);
+        self.forget_steps();
+        self.leave_reference();
+        self.jobs.stop(&JobKey::CompareHeights);
+        self.findings.heights = Default::default();
+        self.jobs.stop(&JobKey::ComparePositions);
+        self.findings.positions = None;
+        self.number_objects(Default::default());
         self.meet_log();
     }
 
     /// Sets the plane of the logs.
     pub(super) fn enter_plane(&mut self, plane: LocalFrame) {
         self.document.plane = plane;
-        self.follow_change(LogsChange::OtherPlane);
+        self.view.plane_serial += 1;
+        // The ends of the clip box were in the earlier plane.
+        self.view.options.cloud.clip = None;
+        self.view.options.cloud.cut = false;
     }
 
     /// Opens a log in an empty window.
     fn open_first(&mut self, survey: Arc<Survey>) {
         self.enter_plane(survey.track.frame.clone());
-        self.follow_change(LogsChange::FirstOpened);
+        // Logs that were closed before, and their measurements, are in another plane.
+        self.forget_steps();
         let log = self.opened(survey);
-        let mut last = std::mem::replace(&mut self.logs.shown, log);
-        self.logs.take_tools(&mut last);
+        self.logs.replace_shown(log);
         self.logs.name_all();
         self.meet_log();
     }
@@ -247,9 +267,7 @@ impl App {
             self.open_first(Arc::new(survey));
             return self.logs.shown.id;
         }
-        let is_placed =
-            |log: &OpenLog| log.survey.as_ref().is_some_and(|survey| survey.has_place());
-        if !self.logs.all().any(is_placed) {
+        if !self.logs.all().any(OpenLog::is_placed) {
             // A plane around another place would distort this log's track.
             self.enter_plane(survey.track.frame.clone());
         }
@@ -291,9 +309,33 @@ impl App {
         self.meet_log();
     }
 
-    /// Stops the work for the log that was shown before, and starts that for the shown log.
+    /// Drops the undo steps, the closed logs and the measurement on the map.
+    fn forget_steps(&mut self) {
+        self.logs.closed.clear();
+        self.document.history = Default::default();
+        self.map.measuring = Default::default();
+    }
+
+    /// Drops the first returns that were computed ahead of the results of a log, and the
+    /// measurements that are kept for the next ones.
+    pub(super) fn forget_preview(&mut self, id: LogId) {
+        if let Some(log) = self.logs.get_mut(id) {
+            log.preview = None;
+        }
+        if id == self.logs.shown.id {
+            self.forget_previews();
+        }
+    }
+
+    /// Stops the work for the log that was shown before, drops what is out of date with another
+    /// shown log, and starts the work for the shown log.
     fn meet_log(&mut self) {
-        self.follow_change(LogsChange::OtherShown);
+        self.view.survey_serial += 1;
+        self.view.selection = None;
+        self.view.hover = None;
+        self.view.visible = 0..0;
+        self.forget_agreement();
+        self.forget_previews();
         self.schedule();
     }
 
@@ -305,8 +347,7 @@ impl App {
         let before = self.step_now();
         let title = format!("close {}", self.logs.name_of(id));
         self.put_away(id);
-        let after = self.step_now();
-        self.record_named(&before, &after, title);
+        self.record_named(&before, title);
         self.schedule();
     }
 
@@ -328,12 +369,11 @@ impl App {
             Some(next) if id == self.logs.shown.id => self.show_log(next),
             Some(_) => {}
             None => {
-                let mut last = std::mem::take(&mut self.logs.shown);
                 self.document.shared = self.document.start.clone();
-                self.logs.shown.settings = self.document.shared.clone();
-                self.logs.take_tools(&mut last);
+                let settings = self.document.shared.clone();
+                let last = self.logs.replace_shown(OpenLog { settings, ..OpenLog::default() });
                 self.logs.close(last);
-                self.follow_change(LogsChange::LastClosed);
+                self.leave_reference();
                 self.meet_log();
             }
         }
@@ -347,30 +387,26 @@ impl App {
 
     /// Opens and closes logs so that exactly the logs `closed` are closed.
     pub(super) fn open_and_close(&mut self, closed: &[LogId]) {
-        let wakes: Vec<LogId> = self.logs.closed_ids().filter(|id| !closed.contains(id)).collect();
-        for id in wakes {
-            self.open_again(id);
+        let is_open = |log: &OpenLog| !closed.contains(&log.id);
+        while let Some(place) = self.logs.closed.iter().position(is_open) {
+            let mut log = self.logs.closed.remove(place);
+            // The project of its own that the log got when it was closed is not needed any more.
+            let alone = log.kept_alone.take().and_then(|path| Store::open(&path).ok());
+            if let Some(alone) = alone {
+                alone.store.remove();
+            }
+            self.logs.order.push(log.id);
+            if self.logs.shown.survey.is_none() {
+                self.logs.replace_shown(log);
+                self.meet_log();
+            } else {
+                self.logs.others.push(log);
+            }
+            self.logs.name_all();
         }
         for id in closed {
             self.put_away(*id);
         }
-    }
-
-    fn open_again(&mut self, id: LogId) {
-        let Some(place) = self.logs.closed.iter().position(|log| log.id == id) else {
-            return;
-        };
-        let log = self.logs.closed.remove(place);
-        self.logs.order.push(id);
-        if self.logs.shown.survey.is_none() {
-            let mut empty = std::mem::replace(&mut self.logs.shown, log);
-            self.logs.take_tools(&mut empty);
-            self.meet_log();
-        } else {
-            self.logs.others.push(log)
-        }
-        self.forget_closed(id);
-        self.logs.name_all();
     }
 
     /// Includes a log in maps, clouds and products, or excludes it, as an undo step.
@@ -380,9 +416,8 @@ impl App {
             log.is_visible = is_visible;
             log.apart = None;
         }
-        let after = self.step_now();
         let what = if is_visible { "show" } else { "hide" };
-        self.record_named(&before, &after, format!("{what} {}", self.logs.name_of(id)));
+        self.record_named(&before, format!("{what} {}", self.logs.name_of(id)));
         self.schedule();
     }
 
@@ -396,9 +431,8 @@ impl App {
         let to = from.saturating_add_signed(by).min(order.len() - 1);
         let moved = order.remove(from);
         order.insert(to, moved);
-        let after = self.step_now();
         let way = if by < 0 { "up" } else { "down" };
-        self.record_named(&before, &after, format!("move {} {way}", self.logs.name_of(id)));
+        self.record_named(&before, format!("move {} {way}", self.logs.name_of(id)));
     }
 
     /// Shows the log `by` places after the shown one in the list, around its ends.

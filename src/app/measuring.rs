@@ -1,25 +1,31 @@
-//! Draws figures to measure: a line, an area or the line of a depth profile on the map and in the
-//! waterfall, and the height of an object from its shadow in the waterfall.
+//! Draws figures to measure, and writes them into files: a line, an area or the line of a depth
+//! profile, whose depths are taken from the depth map, on the map and in the waterfall, and the
+//! height of an object from its shadow in the waterfall.
 
-use super::drawn_figure::Figure;
+use super::error::AppError;
+use super::history::Figure;
 use super::reviewing::Tool;
-use super::step::UndoStep;
-use super::{Action, App, OpenLog, OpenLogs, ProfileLine};
-use bathyscope_bottom::bathymetry::TransectStation;
+use super::{Action, App, OpenLog, OpenLogs};
+use bathyscope_bottom::bathymetry::{Corner, TransectStation, transect};
 use bathyscope_log::support::geo::LonLat;
 use bathyscope_log::survey::{Identity, Side, Survey};
 use bathyscope_objects::MeasuredShadow;
 use bathyscope_objects::review::{BoxId, Edit, Reviewed};
 use bathyscope_objects::targets::{ShadowError, ShadowHeight};
-use bathyscope_products::export;
-use bathyscope_products::pipeline::ObjectLocator;
+use bathyscope_products::export::{self, MeasuredFigure};
+use bathyscope_products::pipeline::{DepthMap, ObjectLocator, Products};
 use bathyscope_products::project::{Measurement, MeasurementKind, Pick};
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 const NO_PLACE: &str =
     "nothing can be measured here: the track or the results of the log are missing";
+
+const NO_LINE: &str = "there is no line to cut along: draw a depth profile on the map first";
+
+/// Greatest number of places along a line at which depths are taken.
+const MOST_STATIONS: usize = 2000;
 
 /// A request about the figure.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,12 +54,53 @@ pub struct Measuring {
     pub(super) drawn: Option<Arc<ProfileLine>>,
 }
 
+/// The depths along a line, with the line and the depth map that they come from.
+#[derive(Clone)]
+pub struct ProfileLine {
+    line: Measurement,
+    map: Option<Arc<DepthMap>>,
+    /// Places along the line with their depths.
+    pub stations: Vec<TransectStation>,
+    /// Distance from the start of the line to each corner, metres.
+    pub corners_m: Vec<f64>,
+}
+
+impl ProfileLine {
+    /// Returns true if there is no depth map to take depths from.
+    pub(crate) fn lacks_map(&self) -> bool {
+        self.map.is_none()
+    }
+
+    fn is_of(&self, line: &Measurement, map: Option<&Arc<DepthMap>>) -> bool {
+        self.line == *line && self.map.as_ref().map(Arc::as_ptr) == map.map(Arc::as_ptr)
+    }
+
+    fn new(
+        line: Measurement,
+        map: Option<&Arc<DepthMap>>,
+        place: impl Fn(LonLat) -> [f64; 2],
+    ) -> Self {
+        let corners_m = line.distances_m();
+        let corners: Vec<Corner> = (line.corners.iter().zip(&corners_m))
+            .map(|(at, distance_m)| Corner { place: place(*at), distance_m: *distance_m })
+            .collect();
+        // Two samples in each cell miss nothing that is drawn.
+        let step_m = map.map_or(f64::INFINITY, |map| 0.5 * map.surface.grid.cell_m);
+        let depth_at = |place| map?.depth_at(place);
+        Self {
+            stations: transect(&corners, step_m, MOST_STATIONS, depth_at),
+            line,
+            map: map.cloned(),
+            corners_m,
+        }
+    }
+}
+
 impl Measuring {
     /// Returns a pick; one of a shadow's end is moved to the ping and side of the shadow's top.
     pub(crate) fn on_one_ping(&self, pick: Pick) -> Pick {
-        let measuring = self;
-        let is_shadow = measuring.tool == Some(MeasurementKind::Height) && measuring.is_drawing();
-        let top = measuring.picks().get(&0).filter(|_| is_shadow);
+        let is_shadow = self.tool == Some(MeasurementKind::Height) && self.is_drawing();
+        let top = self.picks().get(&0).filter(|_| is_shadow);
         match top {
             Some(top) => Pick { slant_m: pick.slant_m, ..top.clone() },
             None => pick,
@@ -94,9 +141,7 @@ impl Measuring {
         let open = self.figure.as_ref().filter(|figure| !figure.done);
         open.is_some_and(|figure| Some(figure.measurement.kind) == self.tool)
     }
-}
 
-impl Measuring {
     /// Assigns the picks of the figure to a longer state of their log.
     pub(super) fn carry(&mut self, survey: &Survey, identity: &Identity) {
         let Some(figure) = &mut self.figure else {
@@ -121,36 +166,28 @@ impl OpenLogs {
         on: &Pick,
         recorded_m: [f64; 2],
     ) -> Option<Result<ShadowHeight, ShadowError>> {
-        self.with_locator(on, |locator, _| {
-            let side = on.side_in(locator.survey);
-            locator.placer.shadow_height(side, on.ping, recorded_m)
-        })
+        let (locator, _) = self.locator(on)?;
+        let side = on.side_in(locator.survey);
+        Some(locator.placer.shadow_height(side, on.ping, recorded_m))
     }
 
     /// Returns the position of a pick on the bottom.
     fn ground_at(&self, pick: &Pick) -> Option<LonLat> {
-        self.with_locator(pick, |locator, log| {
-            let side = pick.side_in(locator.survey);
-            let [east_m, north_m] = locator.placer.ground(side, pick.ping, pick.slant_m)?;
-            let track = &log.survey.as_ref()?.track;
-            let navigation = &log.products.as_ref()?.navigation;
-            Some(navigation.to_lon_lat(track, east_m, north_m))
-        })?
+        let (locator, products) = self.locator(pick)?;
+        let side = pick.side_in(locator.survey);
+        let [east_m, north_m] = locator.placer.ground(side, pick.ping, pick.slant_m)?;
+        Some(products.navigation.to_lon_lat(&locator.survey.track, east_m, north_m))
     }
 
-    /// Calls `with` with the object locator of a pick's log, if that log is open and has results.
-    fn with_locator<T>(
-        &self,
-        pick: &Pick,
-        with: impl FnOnce(&ObjectLocator<'_>, &OpenLog) -> T,
-    ) -> Option<T> {
+    /// Returns the object locator of a pick's log, and the results of that log; `None` if the log
+    /// is closed or not processed.
+    fn locator(&self, pick: &Pick) -> Option<(ObjectLocator<'_>, &Products)> {
         let is_of = |log: &&OpenLog| {
             let own = log.survey.as_ref().map(|survey| Identity::of(survey));
             own.is_some_and(|own| own.is_same_log(&pick.log))
         };
-        let log = self.all().find(is_of)?;
-        let (survey, products) = log.survey.as_ref().zip(log.products.as_ref())?;
-        Some(with(&ObjectLocator::new(survey, products), log))
+        let (survey, products) = self.all().find(is_of)?.results()?;
+        Some((ObjectLocator::new(survey, products), products))
     }
 }
 
@@ -218,7 +255,7 @@ impl App {
                 let pick = self.map.measuring.on_one_ping(pick);
                 match self.logs.ground_at(&pick) {
                     Some(at) => self.add_corner(at, Some(pick)),
-                    None => self.notices.warn(NO_PLACE.to_owned()),
+                    None => self.notices.warn(NO_PLACE),
                 }
             }
             Measure::Next(place) => self.map.measuring.next = place,
@@ -299,19 +336,14 @@ impl App {
     /// Replaces the figure on the map by `figure`, as an undo step.
     fn draw(&mut self, figure: Option<Figure>) {
         let before = self.step_now();
-        let after = UndoStep { figure: figure.map(Arc::new), ..before.clone() };
-        let label = match after.figure {
-            Some(_) => "corner",
-            None => "measurement",
-        };
-        self.map.measuring.figure = after.figure.clone();
-        self.record_step(&before, &after, label, false);
+        let label = if figure.is_some() { "corner" } else { "measurement" };
+        self.map.measuring.figure = figure.map(Arc::new);
+        self.record_step(&before, label, false);
     }
 
     /// Returns the depth profile as a table; `None` if there is none.
     pub fn profile_csv(&self) -> Option<String> {
-        let (survey, products) =
-            self.logs.shown.survey.as_ref().zip(self.logs.shown.products.as_ref())?;
+        let (survey, products) = self.logs.shown.results()?;
         let stations = self.map.measuring.stations();
         let drawn = self.map.measuring.shows_profile() && !stations.is_empty();
         drawn.then(|| export::profile_csv(survey, &products.navigation, stations))
@@ -325,9 +357,109 @@ impl App {
         if self.refuses_log(self.logs.shown.id, &path) {
             return;
         }
-        match export::write_bytes(&path, text) {
-            Ok(()) => self.notices.notify(format!("Wrote the depth profile to {}", path.display())),
-            Err(error) => self.notices.warn(error.to_string()),
+        let written = export::write_bytes(&path, text);
+        let written = written.map(|()| format!("Wrote the depth profile to {}", path.display()));
+        self.notices.tell(written);
+    }
+
+    /// Returns the measured figure; `None` without results, or before it has enough corners to
+    /// measure.
+    pub fn measured(&self) -> Option<MeasuredFigure> {
+        let (survey, products) = self.logs.shown.results()?;
+        let figure = &self.map.measuring.figure.as_deref()?.measurement;
+        if !figure.is_measurable() {
+            return None;
         }
+        let (area_m2, stations) = match figure.kind {
+            MeasurementKind::Distance | MeasurementKind::Height => (None, &[][..]),
+            MeasurementKind::Area => (Some(figure.area_m2()), &[][..]),
+            MeasurementKind::Profile => (None, self.map.measuring.stations()),
+        };
+        let shadow = self.measured_height().and_then(Result::ok);
+        let stations = stations.iter().map(|station| {
+            let [east_m, north_m] = station.place;
+            let at = products.navigation.to_lon_lat(&survey.track, east_m, north_m);
+            (at, station.distance_m, station.depth_m)
+        });
+        Some(MeasuredFigure {
+            log: survey.name(),
+            kind: figure.kind.name(),
+            corners: figure.corners.clone(),
+            distances_m: figure.distances_m(),
+            length_m: figure.length_m(),
+            area_m2,
+            shadow,
+            stations: stations.collect(),
+        })
+    }
+
+    /// Writes the measured figure into a file.
+    pub(super) fn save_figure(&mut self, path: PathBuf) {
+        let Some(figure) = self.measured() else {
+            return;
+        };
+        if self.refuses_log(self.logs.shown.id, &path) {
+            return;
+        }
+        let written = self.write_figure(&figure, &path);
+        let written = written.map(|()| format!("Wrote the measurement to {}", path.display()));
+        self.notices.tell(written);
+    }
+
+    fn write_figure(&self, figure: &MeasuredFigure, path: &Path) -> Result<(), AppError> {
+        let ending = path.extension().unwrap_or_default().to_string_lossy();
+        let written = match ending.to_lowercase().as_str() {
+            "geojson" | "json" => export::figure_geojson(path, figure),
+            // The depths along a profile are more useful than its corners.
+            "csv" => match self.profile_csv() {
+                Some(text) => export::write_bytes(path, text),
+                None => export::figure_csv(path, figure),
+            },
+            _ => return Err(AppError::FigureFormat(path.to_owned())),
+        };
+        Ok(written?)
+    }
+
+    /// Turns the cut of the 3D view along the line of the profile on or off.
+    pub(super) fn toggle_cut(&mut self) {
+        if self.map.measuring.stations().is_empty() {
+            return self.notices.warn(NO_LINE);
+        }
+        self.view.options.cloud.cut = !self.view.options.cloud.cut;
+    }
+
+    /// Takes the depths along the line again if the line or the depth map has changed.
+    pub(super) fn follow_profile(&mut self) {
+        let is_profile = |line: &Measurement| line.kind == MeasurementKind::Profile;
+        let figure = self.map.measuring.figure.as_deref();
+        let set = figure.map(|figure| figure.measurement.clone());
+        let set = set.filter(is_profile);
+        let next = self.map.measuring.next.filter(|_| self.map.measuring.is_drawing());
+        let drawn = set.clone().map(|line| match next {
+            Some(next) => line.with(next, None),
+            None => line,
+        });
+        self.map.measuring.set = self.profile_line(set, self.map.measuring.set.as_ref());
+        self.map.measuring.drawn = match drawn {
+            // The finished and the drawn line are the same, so the depths are shared.
+            Some(drawn) if self.map.measuring.set.as_ref().is_some_and(|set| set.line == drawn) => {
+                self.map.measuring.set.clone()
+            }
+            drawn => self.profile_line(drawn, self.map.measuring.drawn.as_ref()),
+        };
+    }
+
+    fn profile_line(
+        &self,
+        line: Option<Measurement>,
+        before: Option<&Arc<ProfileLine>>,
+    ) -> Option<Arc<ProfileLine>> {
+        let (survey, products) = self.logs.shown.results()?;
+        let (line, map) = (line?, self.depth_map().flatten());
+        if let Some(before) = before.filter(|before| before.is_of(&line, map)) {
+            return Some(before.clone());
+        }
+        let place = |at| products.navigation.to_plane(&survey.track, at);
+        Some(Arc::new(ProfileLine::new(line, map, place)))
     }
 }

@@ -3,21 +3,17 @@
 //! The window reads [`App`] and sends [`Command`]s; [`App::apply`] is the only place that changes
 //! state, with the answers of work in the background, which [`App::poll`] applies.
 
-mod above_bottom;
 mod action;
-mod apart;
 mod apply;
-mod base_map;
 mod bottom;
 mod by_key;
 mod calibrating;
 mod card_search;
-mod clip_box;
 mod command;
 mod comparing;
 pub(crate) mod crash_report;
+mod crossings;
 mod deriving;
-mod drawn_figure;
 mod error;
 mod exclusions;
 mod exporting;
@@ -25,15 +21,12 @@ mod external;
 mod figures;
 mod file_watch;
 mod following;
-mod heights;
 mod history;
-mod isobath_area;
 mod jobs;
-mod key_scope;
 mod log_place;
 mod logs;
-mod logs_change;
 pub mod manual;
+mod map_files;
 mod map_layers;
 mod measuring;
 mod mounting;
@@ -44,42 +37,32 @@ mod open_log;
 mod opening;
 mod options;
 mod passes;
-mod picture_settings;
 mod planning;
-mod positions;
-mod preview;
 mod print;
-mod print_text;
 mod processing;
-mod profile_line;
 mod project;
-mod reference_comparison;
 mod reviewing;
-mod saving_figure;
 mod state;
-mod step;
-mod swipe;
 pub(crate) mod system_words;
 mod untitled;
 
-pub use above_bottom::{AboveBottom, AboveStretch};
-pub use action::{Action, Keys};
+pub use action::{Action, KeyFocus, Keys, is_bare};
 pub(crate) use action::{ActionGroup, WindowAction};
 pub use bottom::{BottomStroke, Ink};
 pub(crate) use card_search::LISTED_EVERY as CARDS_LISTED_EVERY;
-pub use clip_box::ClipBox;
 pub use command::{Command, FileToOpen, FileToWrite};
 pub use comparing::ReferenceBy;
+pub use crossings::FoundPositions;
 pub use deriving::DrawnIsobaths;
 pub use exclusions::{ExcludedExtent, ExclusionEdit, FoundExclusions};
-pub use figures::Figures;
+pub(crate) use exporting::PrintText;
+pub use figures::{AboveBottom, AboveStretch, Figures};
 pub use following::FollowStatus;
 pub(crate) use jobs::JobKey;
-pub use key_scope::{KeyFocus, is_bare};
 pub use log_place::{CloseUp, Enlarged, LogPlace, Reveal};
 pub use logs::{OpenLogs, VisibleLog};
-pub use map_layers::{LayerShown, LayerStack, MapLayer};
-pub use measuring::Measure;
+pub use map_layers::{LayerShown, LayerStack, MapLayer, Swipe, SwipeSide};
+pub use measuring::{Measure, ProfileLine};
 pub use mounting::Mountings;
 pub use notices::{Notice, Notices};
 pub use object_table::ObjectTable;
@@ -87,23 +70,18 @@ pub use open_log::OpenLog;
 pub(crate) use opening::LogOrigin;
 pub(crate) use options::LayoutPreset;
 pub use options::{
-    CloudColour, CloudOptions, EchogramChannel, MapOptions, Orientation, PanelOptions, PanelShown,
-    SideColours, SwathShown, ThemeChoice, View, ViewOptions, WaterfallOptions,
+    ClipBox, CloudColour, CloudOptions, EchogramChannel, MapOptions, Orientation, PanelOptions,
+    PanelShown, SideColours, SwathShown, ThemeChoice, View, ViewOptions, WaterfallOptions,
 };
-pub use passes::{PassesFound, mark_of};
+pub use passes::{LogPass, PassesFound, mark_of};
 pub use planning::{PlanRequest, PlannedLines};
-pub use positions::FoundPositions;
 pub(crate) use print::Sheet;
 pub use print::{Paper, PrintOptions};
-pub(crate) use print_text::PrintText;
-pub use profile_line::ProfileLine;
 pub use project::is_project;
 pub use reviewing::{
     BoxEdge, LocatedObject, MistakeSort, Nudge, PIXEL_M, Reviewing, SearchStatus, Tool, border_m,
 };
 pub use state::App;
-pub use swipe::{Swipe, SwipeSide};
 
 pub use bathyscope_objects::objects::{LogBox, LogId, Object, ObjectColumn, ObjectState};
 pub use bathyscope_products::pipeline::{Jobs, Task, TaskOutcome};
-pub use passes::LogPass;

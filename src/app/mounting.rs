@@ -27,27 +27,16 @@ impl App {
         self.document.mountings.get(&self.logs.shown.recorder()).copied()
     }
 
-    /// Sets the mountings by recorder at the start of the program.
-    pub fn use_mountings(&mut self, mountings: Mountings) {
-        self.document.mountings = Arc::new(mountings);
-    }
-
-    /// Exchanges the sides of the shown log.
-    pub(super) fn swap_sides(&mut self) {
-        let mut settings = Settings::clone(&self.logs.shown.settings);
-        settings.mounting.swap_sides = !settings.mounting.swap_sides;
-        self.change(settings, "sides of the recorder", false);
-    }
-
     /// Shifts the soundings of the shown log to earlier times by the lag that its first returns
     /// show.
     pub(super) fn apply_sounding_lag(&mut self) {
         let Some((lag, in_force_s)) = self.logs.shown.sounding_lag() else {
-            return self.notices.warn("first returns show no lag of the soundings".to_owned());
+            return self.notices.warn("first returns show no lag of the soundings");
         };
-        let mut settings = Settings::clone(&self.logs.shown.settings);
-        settings.mounting.sounding_lag_s = in_force_s + lag.told_s();
-        self.change(settings, "lag of the soundings", false);
+        let lag_s = in_force_s + lag.told_s();
+        self.edit_settings("lag of the soundings", |settings| {
+            settings.mounting.sounding_lag_s = lag_s;
+        });
     }
 
     /// Applies the default mounting of its recorder to a log that was just opened. This is not an
@@ -58,15 +47,14 @@ impl App {
         };
         let (name, recorder, shared) = (log.name(), log.recorder(), log.settings.clone());
         if let Err(error) = self.follow_source(id, &shared) {
-            self.notices.warn(error.to_string());
+            self.notices.warn(error);
         }
         let Some(mounting) = self.document.mountings.get(&recorder).copied() else {
             return;
         };
-        match self.mount(id, mounting) {
-            Ok(()) => self.notices.notify(format!("{name} has the default mounting of {recorder}")),
-            Err(error) => self.notices.warn(error.to_string()),
-        }
+        let mounted = self.mount(id, mounting);
+        let said = |()| format!("{name} has the default mounting of {recorder}");
+        self.notices.tell(mounted.map(said));
     }
 
     /// Makes the mounting of the shown log the default of its recorder, and applies it to all open
@@ -91,11 +79,10 @@ impl App {
         let others: Vec<LogId> = self.logs.all().filter(is_other).map(|log| log.id).collect();
         for id in others {
             if let Err(error) = self.mount(id, mounting) {
-                self.notices.warn(error.to_string());
+                self.notices.warn(error);
             }
         }
-        let after = self.step_now();
-        self.record_named(&before, &after, format!("mounting of {recorder}"));
+        self.record_named(&before, format!("mounting of {recorder}"));
         self.schedule();
     }
 
@@ -104,11 +91,9 @@ impl App {
         let recorder = self.logs.shown.recorder();
         let before = self.step_now();
         if Arc::make_mut(&mut self.document.mountings).remove(&recorder).is_none() {
-            let text = "the recorder of this log has no default mounting";
-            return self.notices.warn(text.to_owned());
+            return self.notices.warn("the recorder of this log has no default mounting");
         }
-        let after = self.step_now();
-        self.record_named(&before, &after, format!("no default mounting of {recorder}"));
+        self.record_named(&before, format!("no default mounting of {recorder}"));
     }
 
     /// Sets the mounting of a log, with its boxes and its bottom edits. After an error the log is

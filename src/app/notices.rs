@@ -4,6 +4,7 @@ use super::Action;
 use crate::app::system_words::in_plain_words;
 use bathyscope_log::support::printable::one_line;
 use std::collections::VecDeque;
+use std::fmt::Display;
 use std::path::Path;
 use std::time::SystemTime;
 
@@ -45,22 +46,34 @@ impl Notices {
     }
 
     /// Notifies the analyst in a sentence.
-    pub(super) fn notify(&mut self, text: String) {
-        self.say(in_plain_words(&text).as_ref(), false, None);
+    pub(super) fn notify(&mut self, text: impl Display) {
+        self.say(in_plain_words(&text.to_string()).as_ref(), false, None);
     }
 
     /// Notifies the analyst of a fault, or of what is missing, in a sentence.
-    pub(super) fn warn(&mut self, text: String) {
-        self.say(in_plain_words(&text).as_ref(), true, None);
+    pub(super) fn warn(&mut self, text: impl Display) {
+        self.say(in_plain_words(&text.to_string()).as_ref(), true, None);
+    }
+
+    /// Notifies the analyst of the outcome of some work: what was done, or the error.
+    pub(super) fn tell(&mut self, outcome: Result<String, impl Display>) {
+        match outcome {
+            Ok(text) => self.notify(text),
+            Err(error) => self.warn(error),
+        }
+    }
+
+    /// Notifies the analyst that a command needs a selected box.
+    pub(super) fn ask_for_box(&mut self) {
+        self.warn("select a box first, with Tab or a click");
     }
 
     /// Notifies the analyst of the path of a report about a fault of the program in its last run.
     pub(crate) fn tell_of_crash(&mut self, report: &Path) {
-        let text = format!(
+        self.warn(format!(
             "A fault of Bathyscope stopped it, or part of its work, the last time it ran. What happened is in {}, and was sent to nobody; attach the file when you report the fault",
             report.display()
-        );
-        self.warn(text);
+        ));
     }
 
     /// Notifies the analyst, and offers an action that can be taken.
@@ -119,7 +132,7 @@ mod tests {
     #[test]
     fn changes_in_a_row_leave_one_notice_with_undo() {
         let mut notices = Notices::default();
-        notices.notify("one".to_owned());
+        notices.notify("one");
         notices.offer_undo("two".to_owned());
         notices.offer_undo("three".to_owned());
         let texts = |notices: &Notices| -> Vec<String> {
@@ -130,7 +143,7 @@ mod tests {
         assert_eq!(notices.shown[1].offer, Some(Action::Undo));
         // The next step makes the offer void, but the notice is still listed.
         notices.withdraw(Action::Undo);
-        notices.notify("four".to_owned());
+        notices.notify("four");
         notices.offer_undo("five".to_owned());
         assert_eq!(texts(&notices), ["five", "four", "three", "one"]);
         assert_eq!(notices.shown.len(), 3);
@@ -139,7 +152,7 @@ mod tests {
     #[test]
     fn what_was_dismissed_is_still_listed_and_an_offer_is_taken_back() {
         let mut notices = Notices::default();
-        notices.warn("one".to_owned());
+        notices.warn("one");
         notices.offer("two".to_owned(), Action::ShowTogether);
         notices.dismiss(0);
         notices.dismiss(7);
@@ -150,7 +163,7 @@ mod tests {
         assert!(notices.shown.is_empty());
         assert!(notices.all().all(|notice| notice.offer.is_none()));
         for number in 0..2 * KEPT {
-            notices.notify(number.to_string());
+            notices.notify(number);
         }
         assert_eq!(notices.all().len(), KEPT);
         let newest = notices.all().next().map(|notice| notice.text.clone());

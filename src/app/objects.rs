@@ -9,12 +9,11 @@ use super::{App, ObjectTable, OpenLog, OpenLogs};
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::{Exclusions, Navigation, Survey};
 use bathyscope_objects::objects::{
-    ListedObject, LogBox, LogId, LogNumbers, LogReview, Object, ObjectBox, ObjectList,
-    ObjectNumbers, SurveyReview,
+    ListedObject, LogBox, LogId, LogReview, Object, ObjectBox, ObjectList, ObjectNumbers,
+    SurveyReview,
 };
 use bathyscope_objects::targets::{FittedShape, PassCount, PassLog, ShapeError, Target};
-use bathyscope_products::pipeline::object_shape;
-use bathyscope_products::pipeline::{ProcessedLog, Same};
+use bathyscope_products::pipeline::{ProcessedLog, Same, object_shape};
 use std::sync::Arc;
 
 /// The parts of a log from which objects are made.
@@ -97,11 +96,6 @@ impl Objects {
         list.map_or(&[], |list| list.objects())
     }
 
-    /// Returns the numbers of the objects that the boxes of a log show.
-    pub(super) fn numbers_of(&self, log: LogId) -> LogNumbers {
-        self.numbers().of_log(log)
-    }
-
     /// Returns the numbers of the objects that the table lists, in its order.
     pub fn listed(&self) -> &[u32] {
         self.listing.result().map_or(&[], Vec::as_slice)
@@ -124,7 +118,8 @@ impl Objects {
         self.list.result()?.object_of(id)
     }
 
-    fn numbers(&self) -> &ObjectNumbers {
+    /// Returns the present numbers of the objects.
+    pub(super) fn numbers(&self) -> &ObjectNumbers {
         let list = self.list.result();
         list.map_or(&*self.first, |list| list.numbers())
     }
@@ -241,8 +236,7 @@ impl App {
         let boxes = self.selected_object().map(|object| object.boxes.clone());
         let placed = boxes.into_iter().flatten().filter_map(|id| {
             let log = self.logs.get(id.log)?;
-            let processed = ProcessedLog::new(log.survey.clone()?, log.products.clone()?);
-            Some((id, processed, log.reviewing.placed(id.id)?.clone()))
+            Some((id, log.with_results()?, log.reviewing.placed(id.id)?.clone()))
         });
         let placed: Vec<(LogBox, ProcessedLog, Arc<LocatedObject>)> = placed.collect();
         if placed.is_empty() {

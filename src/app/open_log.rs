@@ -137,11 +137,26 @@ impl OpenLog {
         !self.is_demo && survey.is_some_and(|survey| !survey.source.files.is_empty())
     }
 
+    /// Returns true if the log has a place: [`Survey::has_place`].
+    pub(super) fn is_placed(&self) -> bool {
+        self.survey.as_ref().is_some_and(|survey| survey.has_place())
+    }
+
     /// Returns the recording with the results of the whole log: while it is followed, those of the
     /// last run over all of it. `None` without results.
     pub(crate) fn settled(&self) -> Option<ProcessedLog> {
-        let now = || Some(ProcessedLog::new(self.survey.clone()?, self.products.clone()?));
-        self.whole.clone().or_else(now)
+        self.whole.clone().or_else(|| self.with_results())
+    }
+
+    /// Returns the recording and its last results; `None` without results.
+    pub(super) fn results(&self) -> Option<(&Arc<Survey>, &Products)> {
+        self.survey.as_ref().zip(self.products.as_ref())
+    }
+
+    /// Returns the recording with its last results; `None` without results.
+    pub(super) fn with_results(&self) -> Option<ProcessedLog> {
+        let (survey, products) = self.results()?;
+        Some(ProcessedLog::new(survey.clone(), products.clone()))
     }
 
     /// Returns the recording with its soundings as the results judge them, or as recorded without
@@ -216,23 +231,13 @@ impl OpenLog {
     /// Returns the log without its results and running work, to be kept after closing.
     pub(super) fn at_rest(self) -> Self {
         Self {
-            id: self.id,
-            name: self.name,
-            survey: self.survey,
-            as_read: self.as_read,
-            source: self.source,
-            colour: self.colour,
-            is_visible: self.is_visible,
-            apart: self.apart,
-            depth_span_m: self.depth_span_m,
-            is_demo: self.is_demo,
-            file: self.file,
-            kept_alone: self.kept_alone,
-            own: self.own,
-            settings: self.settings,
-            external: self.external,
-            reviewing: self.reviewing,
-            ..Self::default()
+            products: None,
+            whole: None,
+            preview: None,
+            figures: None,
+            found_exclusions: Kept::default(),
+            calibrating: Calibrating::default(),
+            ..self
         }
     }
 

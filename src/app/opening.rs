@@ -1,16 +1,15 @@
-//! Opens logs, one after the other, in background threads.
+//! Opens logs, one after the other, in background threads. Logs that do not form a survey with the
+//! others are opened, but not shown on the map until the analyst asks for them.
 
-use super::App;
 use super::error::AppError;
 use super::jobs::JobKey;
 use super::project::OpenedLogs;
-use super::untitled::{FoundDecisions, LogDecisions, find_decisions};
-use bathyscope_bottom::first_return::BottomSettings;
+use super::untitled::{FoundDecisions, ReadDecisions, find_decisions};
+use super::{Action, App, LogId};
 use bathyscope_log::formats;
 use bathyscope_log::support::printable::quoted;
 use bathyscope_log::support::progress::Progress;
-use bathyscope_log::survey::{Identity, Survey};
-use bathyscope_products::Error;
+use bathyscope_log::survey::{Apart, Identity, Survey, apart};
 use bathyscope_products::project::read_bottom;
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
@@ -80,9 +79,6 @@ impl OpenRequest {
     }
 }
 
-/// The bottom edits of a sidecar file, or the error if they cannot be used.
-pub(super) type ReadBottom = Result<BottomSettings, Error>;
-
 /// Contents of a path that was opened.
 enum OpenedPath {
     /// A log, with the last decisions about it.
@@ -93,18 +89,6 @@ enum OpenedPath {
     Folder(Vec<PathBuf>),
     /// The name of a recording that is already open.
     Known(String),
-}
-
-/// Decisions about a log from when it was last open.
-enum ReadDecisions {
-    /// Decisions of an untitled project.
-    Untitled(Box<LogDecisions>),
-    /// Path of the named project that has the decisions.
-    Named(PathBuf),
-    /// Bottom edits in the sidecar file of an earlier version.
-    Sidecar(ReadBottom),
-    /// No decisions.
-    None,
 }
 
 /// Opens a path; `open` are the logs that are open already, and `others` the logs that are opened
@@ -128,32 +112,24 @@ fn read_path(
     }
     survey.check_files().map_err(formats::OpenError::from)?;
     let found = match (origin, untitled) {
-        (LogOrigin::Demo, _) | (_, None) => FoundDecisions::None(survey),
+        (LogOrigin::Demo, _) | (_, None) => {
+            FoundDecisions::Log(Box::new(survey), ReadDecisions::None)
+        }
         (LogOrigin::Path(_), Some(folder)) => find_decisions(folder, survey, others, progress)?,
     };
     Ok(match found {
         FoundDecisions::Project(opened) => OpenedPath::Project(opened),
-        FoundDecisions::Log(decisions, survey) => {
-            OpenedPath::Log(Box::new(survey), ReadDecisions::Untitled(decisions))
-        }
-        FoundDecisions::Named(path, survey) => {
-            OpenedPath::Log(Box::new(survey), ReadDecisions::Named(path))
-        }
-        FoundDecisions::None(survey) => {
+        FoundDecisions::Log(survey, ReadDecisions::None) => {
             let log = survey.source.files.first();
             let bottom = log.and_then(|log| read_bottom(log, &survey));
             let decisions = bottom.map_or(ReadDecisions::None, ReadDecisions::Sidecar);
-            OpenedPath::Log(Box::new(survey), decisions)
+            OpenedPath::Log(survey, decisions)
         }
+        FoundDecisions::Log(survey, decisions) => OpenedPath::Log(survey, decisions),
     })
 }
 
 impl App {
-    /// Opens a log, which replaces the open ones; the opening of earlier requests is dropped.
-    pub(super) fn start_loading(&mut self, origin: LogOrigin) {
-        self.load([origin].into_iter(), OpenMode::Instead);
-    }
-
     /// Opens logs one after the other; the opening of earlier requests is dropped.
     pub(super) fn load(&mut self, origins: impl Iterator<Item = LogOrigin>, place: OpenMode) {
         self.jobs.stop(&JobKey::OpenLog);
@@ -192,7 +168,7 @@ impl App {
             },
             move |app, opened| app.take_opened(request, opened),
             move |app| {
-                app.notices.warn(AppError::OpeningFailed(name).to_string());
+                app.notices.warn(AppError::OpeningFailed(name));
                 app.load_next();
             },
         );
@@ -258,11 +234,13 @@ impl App {
         match decisions {
             ReadDecisions::Untitled(decisions) => self.take_decisions(id, *decisions),
             ReadDecisions::Sidecar(read) => {
-                self.take_bottom(id, read);
+                if let Some(log) = self.logs.get_mut(id) {
+                    self.notices.tell(log.take_bottom(read));
+                }
                 self.look_for_review(id);
             }
             ReadDecisions::Named(path) => {
-                let name = self.logs.get(id).map_or_else(String::new, |log| quoted(&log.name()));
+                let name = self.logs.name_of(id);
                 let path = path.display();
                 self.notices
                     .notify(format!("The decisions about {name} are in the project {path}"));
@@ -307,6 +285,61 @@ impl App {
         self.recent.retain(|recent| *recent != path);
         self.recent.insert(0, path);
         self.recent.truncate(RECENT);
+    }
+
+    /// Hides the newly opened logs that do not form a survey with the others, and offers to show
+    /// them.
+    pub(super) fn set_apart(&mut self) {
+        let arrived = std::mem::take(&mut self.logs.arrived);
+        let logs: Vec<(LogId, bool, &Survey)> = self
+            .logs
+            .visible()
+            .filter_map(|log| {
+                let survey = log.survey.as_deref()?;
+                Some((log.id, !arrived.contains(&log.id), survey))
+            })
+            .collect();
+        let known: Vec<bool> = logs.iter().map(|(_, known, _)| *known).collect();
+        let surveys: Vec<&Survey> = logs.iter().map(|(.., survey)| *survey).collect();
+        let why = apart(&surveys, &known);
+        let found: Vec<(LogId, Option<Apart>)> = (logs.iter().zip(why))
+            .filter(|((_, known, _), _)| !known)
+            .map(|((id, ..), why)| (*id, why))
+            .collect();
+        let mut names = Vec::new();
+        for (id, why) in found.iter().filter_map(|(id, why)| Some((*id, (*why)?))) {
+            if let Some(log) = self.logs.get_mut(id) {
+                log.is_visible = false;
+                log.apart = Some(why);
+                names.push(format!("{} ({why})", quoted(&log.name())));
+            }
+        }
+        if names.is_empty() {
+            return;
+        }
+        let first = self.logs.visible().next().map(|log| log.id);
+        if let (false, Some(first)) = (self.logs.shown.is_visible, first) {
+            self.show_log(first);
+        }
+        // The plane of a distant log would distort the positions of the other logs.
+        self.document.is_plane_moved = true;
+        self.settle_plane();
+        let text = format!("Open, but not part of this survey: {}", names.join(", "));
+        self.notices.offer(text, Action::ShowTogether);
+        self.keep_project("logs apart");
+        self.schedule();
+    }
+
+    /// Shows all logs on one map, whatever the distance between them, as an undo step.
+    pub(super) fn show_together(&mut self) {
+        let before = self.step_now();
+        for log in self.logs.all_mut().filter(|log| log.apart.is_some()) {
+            log.is_visible = true;
+            log.apart = None;
+        }
+        self.record_named(&before, "show all logs together".to_owned());
+        self.notices.withdraw(Action::ShowTogether);
+        self.schedule();
     }
 }
 

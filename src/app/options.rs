@@ -1,11 +1,11 @@
 //! Defines the display options, which are saved between runs and never affect a result.
 
-use super::{ClipBox, LayerStack, MapLayer, ObjectTable, PrintOptions, Swipe};
+use super::{LayerStack, MapLayer, ObjectTable, PrintOptions, Swipe};
 use bathyscope_bottom::picture::PictureGeometry;
 use bathyscope_bottom::presentation::colours::ColourMap;
 use bathyscope_bottom::presentation::units::Units;
 use bathyscope_log::support::geo::CoordinateFormat;
-use bathyscope_log::survey::ChannelKind;
+use bathyscope_log::survey::{ChannelKind, Side, Survey};
 use bathyscope_products::outputs::Product;
 use bathyscope_products::pipeline::BottomColour;
 use serde::{Deserialize, Serialize};
@@ -162,6 +162,29 @@ impl WaterfallOptions {
             (false, false) => PictureGeometry::SlantBeyondWater,
         }
     }
+
+    /// Returns the sides on which a bottom edit on `side` is made.
+    pub(super) fn sides_of(&self, side: Side) -> impl Iterator<Item = Side> + use<> {
+        let both = self.bottom_both_sides;
+        (Side::BOTH.into_iter()).filter(move |&candidate| both || candidate == side)
+    }
+
+    /// Shows side-scan, then each down-looking channel of the log, beside the side-scan and alone.
+    pub(crate) fn next_channel(&mut self, survey: Option<&Survey>) {
+        let has = |channel: &EchogramChannel| {
+            let has = |kind| survey.is_some_and(|survey| survey.has_echogram(kind));
+            channel.kind().is_some_and(has)
+        };
+        let there = EchogramChannel::ALL.into_iter().filter(has);
+        let each = there.flat_map(|channel| [(channel, false), (channel, true)]);
+        let all: Vec<_> = [(EchogramChannel::None, false)].into_iter().chain(each).collect();
+        let now = match self.echogram {
+            EchogramChannel::None => (EchogramChannel::None, false),
+            channel => (channel, self.echogram_alone),
+        };
+        let place = all.iter().position(|choice| *choice == now).unwrap_or(0);
+        (self.echogram, self.echogram_alone) = all[(place + 1) % all.len()];
+    }
 }
 
 impl Default for WaterfallOptions {
@@ -248,6 +271,19 @@ impl CloudColour {
         let here = all.iter().position(|property| *property == self);
         here.map_or(all[0], |here| all[(here + 1) % all.len()])
     }
+}
+
+/// A box along the axes of the survey's plane: the 3D view draws nothing outside it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClipBox {
+    /// Ends in east, north and elevation, metres in the plane of the survey; infinite where the box
+    /// has no end.
+    pub ends_m: [[f64; 2]; 3],
+}
+
+impl ClipBox {
+    /// The box without ends, which clips nothing.
+    pub const WHOLE: Self = Self { ends_m: [[f64::NEG_INFINITY, f64::INFINITY]; 3] };
 }
 
 /// Options of the cloud.

@@ -79,7 +79,7 @@ impl App {
     /// the last pass comes the first.
     pub(super) fn next_pass(&mut self) {
         let Some((id, mark)) = self.selected().filter(|(_, mark)| mark.side.is_some()) else {
-            return self.notices.warn(NO_PLACE.to_owned());
+            return self.notices.warn(NO_PLACE);
         };
         self.go_to(Goal::After(id, mark));
     }
@@ -109,14 +109,22 @@ impl App {
         let from = self.selected();
         self.jobs.run(JobKey::NextPass, work, move |app, found| {
             // An analyst who has selected another place meanwhile should stay there.
-            if app.selected() != from {
+            let Some(passes) = found.filter(|_| app.selected() == from) else {
                 return;
-            }
-            match (found, to) {
-                (Some(Some(passes)), Goal::After(id, mark)) => app.go_to_next(&passes, id, mark),
-                (Some(Some(passes)), Goal::FirstOver(_)) => app.go_to_first(&passes),
-                (Some(None), _) => app.notices.warn(NO_PLACE.to_owned()),
-                (None, _) => {}
+            };
+            let Some(passes) = passes else {
+                return app.notices.warn(NO_PLACE);
+            };
+            let (next, none) = match to {
+                Goal::After(id, mark) => (next_of(&passes, id, mark), NO_OTHER),
+                Goal::FirstOver(_) => {
+                    let is_shown = |(log, _): &&LogPass| *log == app.logs.shown.id;
+                    (passes.iter().find(is_shown).or(passes.first()), NO_PASS)
+                }
+            };
+            match next {
+                Some((log, pass)) => app.reveal_in(*log, mark_of(pass)),
+                None => app.notices.notify(none),
             }
         });
     }
@@ -124,29 +132,19 @@ impl App {
     fn selected(&self) -> Option<(LogId, LogPlace)> {
         self.view.selection.map(|mark| (self.logs.shown.id, mark))
     }
+}
 
-    fn go_to_first(&mut self, passes: &[LogPass]) {
-        let of_shown = passes.iter().find(|(log, _)| *log == self.logs.shown.id);
-        match of_shown.or(passes.first()) {
-            Some((log, pass)) => self.reveal_in(*log, mark_of(pass)),
-            None => self.notices.notify(NO_PASS.to_owned()),
-        }
-    }
-
-    fn go_to_next(&mut self, passes: &[LogPass], id: LogId, mark: LogPlace) {
-        let is_here = |(log, pass): &LogPass| {
-            let [first, last] = pass.pings;
-            let is_in = (first.saturating_sub(1)..=last + 1).contains(&mark.ping);
-            *log == id && Some(pass.side) == mark.side && is_in
-        };
-        let next = match passes.iter().position(is_here) {
-            Some(here) => passes.iter().cycle().skip(here + 1).take(passes.len() - 1).next(),
-            None => passes.first(),
-        };
-        match next {
-            Some((log, pass)) => self.reveal_in(*log, mark_of(pass)),
-            None => self.notices.notify(NO_OTHER.to_owned()),
-        }
+/// Returns the pass after the one that a place of a log belongs to, after the last pass the first;
+/// `None` if there is no other.
+fn next_of(passes: &[LogPass], id: LogId, mark: LogPlace) -> Option<&LogPass> {
+    let is_here = |(log, pass): &LogPass| {
+        let [first, last] = pass.pings;
+        let is_in = (first.saturating_sub(1)..=last + 1).contains(&mark.ping);
+        *log == id && Some(pass.side) == mark.side && is_in
+    };
+    match passes.iter().position(is_here) {
+        Some(here) => passes.iter().cycle().skip(here + 1).take(passes.len() - 1).next(),
+        None => passes.first(),
     }
 }
 

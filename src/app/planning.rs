@@ -9,8 +9,7 @@ use bathyscope_log::support::geo::{LocalFrame, LonLat};
 use bathyscope_log::support::printable::quoted;
 use bathyscope_log::support::progress::Progress;
 use bathyscope_products::export::{PlanFormat, PlannedWay};
-use bathyscope_products::pipeline::list_objects;
-use bathyscope_products::pipeline::survey_coverage;
+use bathyscope_products::pipeline::{list_objects, survey_coverage};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -69,14 +68,6 @@ pub struct Planning {
 }
 
 impl Planning {
-    /// Sets the planned lines of an undo step.
-    pub(super) fn take_lines(&mut self, lines: Option<Arc<PlannedLines>>) {
-        if self.lines != lines {
-            self.selected = None;
-        }
-        self.lines = lines;
-    }
-
     /// Returns a copy that holds only the drawn parts.
     pub(super) fn for_picture(&self) -> Self {
         Self { lines: self.lines.clone(), ..Self::default() }
@@ -89,7 +80,7 @@ impl App {
         let shown = self.logs.with_results();
         let Some(first) = shown.first() else {
             let text = "there is no survey to plan from; open a log, and wait for its results";
-            return self.notices.warn(text.to_owned());
+            return self.notices.warn(text);
         };
         let survey = &first.log.survey;
         let frame = survey.track.frame.clone();
@@ -107,7 +98,7 @@ impl App {
         };
         self.jobs.run(JobKey::PlanLines, work, |app, planned| match planned {
             Ok(lines) => app.set_lines(Some(lines), "planned lines"),
-            Err(error) => app.notices.warn(error.to_string()),
+            Err(error) => app.notices.warn(error),
         });
     }
 
@@ -136,20 +127,15 @@ impl App {
     /// Removes the selected line.
     pub(super) fn remove_line(&mut self) {
         let Some(planned) = self.map.planning.lines.clone() else {
-            return self.notices.warn(NO_LINES.to_owned());
+            return self.notices.warn(NO_LINES);
         };
         let mut lines = planned.plan.lines.clone();
         let selected = self.map.planning.selected.filter(|line| *line < lines.len());
         let Some(line) = selected else {
-            return self.notices.warn(NO_LINE.to_owned());
+            return self.notices.warn(NO_LINE);
         };
         lines.remove(line);
         self.replace_lines(&planned, lines, "removed planned line");
-    }
-
-    /// Removes all lines.
-    pub(super) fn remove_plan(&mut self) {
-        self.set_lines(None, "planned lines");
     }
 
     /// Replaces the planned lines; without lines, the plan is removed.
@@ -160,20 +146,19 @@ impl App {
     }
 
     /// Sets the planned lines, as an undo step.
-    fn set_lines(&mut self, lines: Option<PlannedLines>, label: &'static str) {
+    pub(super) fn set_lines(&mut self, lines: Option<PlannedLines>, label: &'static str) {
         let before = self.step_now();
         self.map.planning.lines = lines.map(Arc::new);
         let count = |lines: &Arc<PlannedLines>| lines.plan.lines.len();
         let count = self.map.planning.lines.as_ref().map_or(0, count);
         self.map.planning.selected = self.map.planning.selected.filter(|line| *line < count);
-        let after = self.step_now();
-        self.record_step(&before, &after, label, false);
+        self.record_step(&before, label, false);
     }
 
     /// Writes the planned lines into a file, in the format of the file name's ending.
     pub(super) fn save_plan(&mut self, path: PathBuf) {
         let Some(planned) = self.map.planning.lines.clone() else {
-            return self.notices.warn(NO_LINES.to_owned());
+            return self.notices.warn(NO_LINES);
         };
         if self.refuses_log(self.logs.shown.id, &path) {
             return;
@@ -186,12 +171,7 @@ impl App {
         };
         let format = PlanFormat::of(&path).map_err(AppError::from);
         let written = format.and_then(|format| Ok(way.write(&path, format)?));
-        match written {
-            Ok(()) => {
-                let path = path.display().to_string();
-                self.notices.notify(format!("Wrote the planned lines to {}", quoted(&path)));
-            }
-            Err(error) => self.notices.warn(error.to_string()),
-        }
+        let path = quoted(&path.display().to_string());
+        self.notices.tell(written.map(|()| format!("Wrote the planned lines to {path}")));
     }
 }

@@ -113,7 +113,7 @@ impl App {
         copy.view.plane_serial = self.view.plane_serial;
         copy.view.options = self.view.options.clone();
         copy.map.base_map = self.map.base_map.clone();
-        copy.map.comparing = self.map.comparing.for_picture();
+        copy.map.comparing = self.map.comparing.clone();
         copy.findings.reference_comparison = self.findings.reference_comparison.for_picture();
         copy.map.measuring = self.map.measuring.for_picture();
         copy

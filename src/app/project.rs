@@ -2,8 +2,8 @@
 //! about them. Each undo step is written into the project's journal at once, so that a crash loses
 //! no more than the last action.
 
-use super::drawn_figure::Figure;
 use super::error::AppError;
+use super::history::{keep_figure, kept_figure};
 use super::jobs::JobKey;
 use super::{App, LogId, OpenLog, OpenLogs, ViewOptions};
 use bathyscope_log::formats::{self, OpenError};
@@ -16,7 +16,7 @@ use bathyscope_objects::review::{Queue, Sort};
 use bathyscope_products::export::is_same_file;
 use bathyscope_products::pipeline::Settings;
 use bathyscope_products::project::{
-    ENDING, LogFile, LogKey, LogLocation, OpenedProject, Project, ProjectLog, REVIEW_VIEW,
+    ENDING, LogFile, LogKey, LogLocation, NAMED, OpenedProject, Project, ProjectLog, REVIEW_VIEW,
     SavingOutcome, Store, find,
 };
 use serde::{Deserialize, Serialize};
@@ -26,8 +26,6 @@ use std::sync::Arc;
 
 /// Key of the display options in the project.
 const VIEW: &str = "window";
-/// Key of the measurement that the window shows.
-const MEASUREMENT: u32 = 1;
 /// Key of the base map among the project's files.
 const BASE_MAP: &str = "base_map";
 
@@ -107,7 +105,7 @@ impl App {
                     app.remember(read.opened.store.path().to_owned());
                     app.take_project(read);
                 }
-                Err(error) => app.notices.warn(error.to_string()),
+                Err(error) => app.notices.warn(error),
             },
         );
     }
@@ -130,11 +128,11 @@ impl App {
         };
         if self.logs.count() == 0 || !self.logs.all().all(OpenLog::is_file) {
             let text = "a project holds logs that are files, at least one; the demo survey is none";
-            return self.notices.warn(text.to_owned());
+            return self.notices.warn(text);
         }
         self.hash_logs(JobKey::HashLogs, move |app, hashed| match hashed {
             Ok(()) => app.name_project(path),
-            Err(error) => app.notices.warn(error.to_string()),
+            Err(error) => app.notices.warn(error),
         });
     }
 
@@ -173,8 +171,7 @@ impl App {
         let saves = self.jobs.is_running(&JobKey::SaveProject);
         let saving = &mut self.files.project_saving;
         let Some(store) = saving.store.as_mut().filter(|_| !saving.is_untitled) else {
-            let text = "there is no project file yet; use Save project as";
-            return self.notices.warn(text.to_owned());
+            return self.notices.warn("there is no project file yet; use Save project as");
         };
         if saves {
             saving.saves_again = true;
@@ -184,7 +181,7 @@ impl App {
             Ok(writing) => {
                 self.jobs.run(JobKey::SaveProject, move |_| writing.write(), App::take_saved);
             }
-            Err(error) => self.notices.warn(error.to_string()),
+            Err(error) => self.notices.warn(error),
         }
     }
 
@@ -202,7 +199,7 @@ impl App {
                 let text = format!("Saved the project: {}", store.path().display());
                 self.notices.notify(text);
             }
-            Err(error) => self.notices.warn(error.to_string()),
+            Err(error) => self.notices.warn(error),
         }
         if saves_again {
             self.save_project();
@@ -230,7 +227,7 @@ impl App {
             Ok(()) => self.files.project_saving.failed = false,
             Err(error) => {
                 if !std::mem::replace(&mut self.files.project_saving.failed, true) {
-                    self.notices.warn(error.to_string());
+                    self.notices.warn(error);
                 }
             }
         }
@@ -262,9 +259,8 @@ impl App {
     pub(super) fn as_project(&self, before: &Project) -> Project {
         let mut project = before.clone();
         project.settings = Settings::clone(&self.document.shared);
-        let is_placed =
-            |log: &OpenLog| log.survey.as_ref().is_some_and(|survey| survey.has_place());
-        project.origin = (self.logs.all().any(is_placed)).then(|| self.document.plane.origin());
+        let is_placed = self.logs.all().any(OpenLog::is_placed);
+        project.origin = is_placed.then(|| self.document.plane.origin());
         let open: Vec<&OpenLog> = self.logs.all().filter(|log| log.file.is_some()).collect();
         let is_open = |log: &ProjectLog| {
             let mut files = open.iter().filter_map(|open| open.file.as_ref());
@@ -291,7 +287,7 @@ impl App {
             entry.is_visible = log.is_visible;
             entry.settings = log.own.as_ref().clone();
             entry.review = log.reviewing.review.clone();
-            entry.object_numbers = self.objects.numbers_of(log.id);
+            entry.object_numbers = self.objects.numbers().of_log(log.id);
             let key = entry.key.clone();
             let after = if is_new { project.with_log(entry) } else { project.with_changed(entry) };
             project = after.unwrap_or(project);
@@ -307,7 +303,8 @@ impl App {
             }
         }
         project.set_view(VIEW, &self.view.options);
-        project.set_view(REVIEW_VIEW, &KeptQueue::of(&self.logs.shown.reviewing.queue));
+        let Queue { sort, threshold, .. } = self.logs.shown.reviewing.queue;
+        project.set_view(REVIEW_VIEW, &KeptQueue { sort, threshold });
         project
     }
 
@@ -322,7 +319,7 @@ impl App {
             move |_| Ok(path),
             |app, created| match created {
                 Ok((store, project)) => app.take_named(store, project),
-                Err(error) => app.notices.warn(error.to_string()),
+                Err(error) => app.notices.warn(error),
             },
         );
     }
@@ -354,11 +351,14 @@ impl App {
         self.remember(store.path().to_owned());
         self.finish_writing();
         let saving = ProjectSaving { store: Some(store), project, ..ProjectSaving::default() };
-        let before = std::mem::replace(&mut self.files.project_saving, saving);
-        if let Some(untitled) = before.store.filter(|_| before.is_untitled)
+        let mut before = std::mem::replace(&mut self.files.project_saving, saving);
+        if let Some(mut untitled) = before.store.filter(|_| before.is_untitled)
             && let Some(named) = self.files.project_saving.path()
         {
-            self.point_to_named(untitled, before.project, named);
+            // The untitled project points to the named one from now on. Without the pointer, the
+            // decisions of this moment would be found.
+            before.project.files.insert(NAMED.to_owned(), named.to_owned());
+            untitled.save(&before.project).ok();
         }
         self.notices.notify(text);
         self.keep_project("save under another name");
@@ -392,8 +392,10 @@ impl App {
             self.take_project_log(id, &log, settings);
         }
         self.number_objects(numbers);
-        if let Some(queue) = queue.filter(|kept| (0.0..=1.0).contains(&kept.threshold)) {
-            self.set_queue(&queue.into_queue());
+        if let Some(KeptQueue { sort, threshold }) = queue
+            && (0.0..=1.0).contains(&threshold)
+        {
+            self.logs.set_queue(&Queue { sort, threshold, ..Queue::default() });
         }
         self.map.measuring.figure = kept_figure(&project, None);
         let saving = ProjectSaving { store: Some(store), project, ..ProjectSaving::default() };
@@ -412,7 +414,7 @@ impl App {
     /// Applies the settings and decisions that a project holds for a log.
     pub(super) fn take_project_log(&mut self, id: LogId, log: &ProjectLog, settings: Settings) {
         if let Err(error) = self.follow_source(id, &settings) {
-            self.notices.warn(error.to_string());
+            self.notices.warn(error);
         }
         let shared = self.document.shared.clone();
         if let Some(open) = self.logs.get_mut(id) {
@@ -420,7 +422,7 @@ impl App {
             open.is_visible = log.is_visible;
             open.own = Arc::new(log.settings.clone().with_files_of(&settings));
             open.settings = Arc::new(settings);
-            open.reviewing.take_kept(log.review.clone());
+            open.reviewing.set(log.review.clone());
             // The log may have grown since.
             open.carry_own(&shared);
         }
@@ -428,45 +430,11 @@ impl App {
     }
 }
 
-/// Stores the measurement on the map in a project if it is finished; otherwise removes the
-/// measurement of the project.
-pub(super) fn keep_figure(project: &mut Project, figure: Option<&Arc<Figure>>) {
-    match figure.filter(|figure| figure.done) {
-        Some(figure) => {
-            let measurement = figure.measurement.clone();
-            project.measurements.insert(MEASUREMENT, measurement);
-        }
-        None => {
-            project.measurements.remove(&MEASUREMENT);
-        }
-    }
-}
-
-/// Returns the measurement of a project as a figure; shares memory with `before` if both are equal.
-pub(super) fn kept_figure(project: &Project, before: Option<&Arc<Figure>>) -> Option<Arc<Figure>> {
-    let measurement = project.measurements.get(&MEASUREMENT)?;
-    let same = before.filter(|figure| figure.done && figure.measurement == *measurement);
-    Some(
-        same.cloned()
-            .unwrap_or_else(|| Arc::new(Figure { measurement: measurement.clone(), done: true })),
-    )
-}
-
 /// Part of the queue of boxes that a project stores: without the filter, which is temporary.
 #[derive(Serialize, Deserialize)]
 struct KeptQueue {
     sort: Sort,
     threshold: f32,
-}
-
-impl KeptQueue {
-    fn of(queue: &Queue) -> Self {
-        Self { sort: queue.sort, threshold: queue.threshold }
-    }
-
-    fn into_queue(self) -> Queue {
-        Queue { sort: self.sort, threshold: self.threshold, ..Queue::default() }
-    }
 }
 
 /// A log of an untitled project that is read already.

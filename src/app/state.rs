@@ -2,12 +2,13 @@
 //! the background through `jobs`.
 
 use super::card_search::CardSearch;
-use super::comparing::Comparing;
+use super::comparing::{Comparing, ReferenceComparison};
+use super::crossings::{FoundPositions, Heights};
 use super::deriving::Deriving;
 use super::exporting::Exported;
 use super::file_watch::FileWatch;
 use super::following::Following;
-use super::heights::Heights;
+use super::history::UndoStep;
 use super::jobs::{JobKey, JobQueue};
 use super::logs::OpenLogs;
 use super::measuring::Measuring;
@@ -17,13 +18,9 @@ use super::objects::Objects;
 use super::opening::OpenRequest;
 use super::passes::Passes;
 use super::planning::Planning;
-use super::positions::FoundPositions;
-use super::preview::Previewer;
-use super::processing::ProcessRequest;
+use super::processing::{Previewer, ProcessRequest};
 use super::project::ProjectSaving;
-use super::reference_comparison::ReferenceComparison;
 use super::reviewing::ObjectSearch;
-use super::step::UndoStep;
 use super::{Jobs, LogPlace, Reveal, ViewOptions};
 use bathyscope_log::formats::base_map::BaseMap;
 use bathyscope_log::support::geo::LocalFrame;
@@ -88,8 +85,9 @@ pub struct FileWork {
     pub(super) exported: Option<Exported>,
     /// State of the open project and its file.
     pub project_saving: ProjectSaving,
-    /// Folder of untitled projects; `None` where nothing is saved that was not requested.
-    pub(super) untitled_folder: Option<PathBuf>,
+    /// Folder of untitled projects, for decisions about logs that are in no named project, which is
+    /// created with the first of them; `None` where nothing is saved that was not requested.
+    pub untitled_folder: Option<PathBuf>,
     /// Logs of the project that were not found.
     pub(super) missing: Vec<LogKey>,
 }

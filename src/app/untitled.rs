@@ -11,11 +11,13 @@ use super::jobs::JobKey;
 use super::project::{KnownLog, OpenedLogs, read};
 use super::reviewing::REVIEW_SUFFIX;
 use super::{Action, App, LogId, OpenLog};
+use bathyscope_bottom::first_return::BottomSettings;
 use bathyscope_log::support::printable::quoted;
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::Survey;
 use bathyscope_objects::objects::ObjectNumbers;
 use bathyscope_objects::review::Review;
+use bathyscope_products::Error;
 use bathyscope_products::pipeline::{LogSettings, Settings, SettingsError};
 use bathyscope_products::project::{
     NAMED, Project, ProjectLog, Store, UntitledProject, find_untitled, unused_path,
@@ -32,13 +34,24 @@ const TAKEN: &str = "last decisions about the log";
 pub(super) enum FoundDecisions {
     /// The untitled project of exactly the requested logs, which are opened with it.
     Project(Box<OpenedLogs>),
-    /// The decisions about this log, from an untitled project of other logs as well.
-    Log(Box<LogDecisions>, Survey),
-    /// Path of the named project that has the decisions.
-    Named(PathBuf, Survey),
-    /// No decisions.
-    None(Survey),
+    /// The log and the decisions about it.
+    Log(Box<Survey>, ReadDecisions),
 }
+
+/// Decisions about a log from when it was last open.
+pub(super) enum ReadDecisions {
+    /// Decisions of an untitled project of other logs as well.
+    Untitled(Box<LogDecisions>),
+    /// Path of the named project that has the decisions.
+    Named(PathBuf),
+    /// Bottom edits in the sidecar file of an earlier version.
+    Sidecar(ReadBottom),
+    /// No decisions.
+    None,
+}
+
+/// The bottom edits of a sidecar file, or the error if they cannot be used.
+pub(super) type ReadBottom = Result<BottomSettings, Error>;
 
 /// Decisions about a log in an untitled project of other logs as well.
 pub(super) struct LogDecisions {
@@ -61,10 +74,10 @@ pub(super) fn find_decisions(
 ) -> Result<FoundDecisions, AppError> {
     let found = find_untitled(folder, &survey, others.unwrap_or_default(), progress)?;
     let Some(found) = found else {
-        return Ok(FoundDecisions::None(survey));
+        return Ok(FoundDecisions::Log(Box::new(survey), ReadDecisions::None));
     };
     if let Some(named) = found.named() {
-        return Ok(FoundDecisions::Named(named.clone(), survey));
+        return Ok(FoundDecisions::Log(Box::new(survey), ReadDecisions::Named(named.clone())));
     }
     let UntitledProject { path, mut project, log, changed_at, is_whole } = found;
     let note = newer_review(&log, &survey, changed_at);
@@ -97,7 +110,7 @@ pub(super) fn find_decisions(
     });
     let settings = settings.map_err(AppError::from);
     let decisions = LogDecisions { log, shared: project.settings, settings, notes };
-    Ok(FoundDecisions::Log(Box::new(decisions), survey))
+    Ok(FoundDecisions::Log(Box::new(survey), ReadDecisions::Untitled(Box::new(decisions))))
 }
 
 /// Returns a notice about a review beside a log that was written after the decisions in a project
@@ -116,12 +129,6 @@ fn newer_review(log: &ProjectLog, survey: &Survey, changed_at: SystemTime) -> Op
 }
 
 impl App {
-    /// Saves decisions about logs that are in no named project in untitled projects in `folder`,
-    /// which is created with the first of them.
-    pub fn keep_untitled_in(&mut self, folder: PathBuf) {
-        self.files.untitled_folder = Some(folder);
-    }
-
     /// Saves a decision: in the journal of the project. The first decision begins an untitled
     /// project, which contains it as soon as the logs are hashed.
     pub(super) fn keep_decision(&mut self, label: &str) {
@@ -228,7 +235,7 @@ impl App {
             && let Err(error) = store.save(&saving.project)
         {
             // The changes are in the journal.
-            self.notices.warn(error.to_string());
+            self.notices.warn(error);
         }
     }
 
@@ -249,14 +256,6 @@ impl App {
                 "The decisions about {which} are saved, and are there when it is opened again"
             ));
         }
-    }
-
-    /// Replaces the contents of an untitled project, whose survey was saved under a name, by a
-    /// pointer to the named project.
-    pub(super) fn point_to_named(&self, mut untitled: Store, mut project: Project, named: &Path) {
-        project.files.insert(NAMED.to_owned(), named.to_owned());
-        // Without the pointer, the decisions of this moment would be found.
-        untitled.save(&project).ok();
     }
 
     /// Makes a change that is no decision of the analyst, as an undo step that is not saved before
@@ -309,16 +308,7 @@ impl App {
         match (written, self.logs.get_mut(id)) {
             (Ok(_), Some(log)) => log.kept_alone = Some(path),
             (Ok(_), None) => {}
-            (Err(error), _) => self.notices.warn(error.to_string()),
-        }
-    }
-
-    /// Removes the project of its own that a log got when it was closed, because undo has opened
-    /// the log again with its decisions.
-    pub(super) fn forget_closed(&mut self, id: LogId) {
-        let path = self.logs.get_mut(id).and_then(|log| log.kept_alone.take());
-        if let Some(alone) = path.and_then(|path| Store::open(&path).ok()) {
-            alone.store.remove();
+            (Err(error), _) => self.notices.warn(error),
         }
     }
 

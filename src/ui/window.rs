@@ -79,9 +79,7 @@ pub(crate) fn open_window(
             shell.restore(storage);
         }
         shell.app.card_search.look_on(drives);
-        if let Some(folder) = untitled_folder() {
-            shell.app.keep_untitled_in(folder);
-        }
+        shell.app.files.untitled_folder = untitled_folder();
         if let Some(report) = eframe::storage_dir(APP_ID).and_then(crash_report::keep_in) {
             shell.app.notices.tell_of_crash(&report);
         }

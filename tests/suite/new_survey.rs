@@ -92,7 +92,7 @@ fn a_log_has_its_last_settings_again_until_they_are_undone() {
     let [one, two] = logs(folder.path());
     let start = || {
         let mut app = App::new(Jobs::Inline);
-        app.keep_untitled_in(folder.path().join("kept"));
+        app.files.untitled_folder = Some(folder.path().join("kept"));
         app
     };
     let mut app = start();

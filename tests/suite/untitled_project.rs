@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 /// A window that saves decisions in a folder of its own, with logs open in it.
 fn opened(folder: &Path, logs: &[&str]) -> Window {
     let mut window = empty_window();
-    window.state_mut().app.keep_untitled_in(folder.join("kept"));
+    window.state_mut().app.files.untitled_folder = Some(folder.join("kept"));
     open(&mut window, folder, logs);
     window
 }
@@ -95,7 +95,7 @@ fn each_decision_is_saved_at_once_and_comes_back_with_its_log_and_with_undo() {
     }
 
     let mut window = empty_window();
-    window.state_mut().app.keep_untitled_in(copy);
+    window.state_mut().app.files.untitled_folder = Some(copy);
     open(&mut window, folder.path(), &[A]);
     assert_eq!(decisions(&window), last);
     window.get_by_label_contains("with the last decisions");
@@ -109,7 +109,7 @@ fn each_decision_is_saved_at_once_and_comes_back_with_its_log_and_with_undo() {
     window.state_mut().app.keep_all();
     drop(window);
     let mut window = empty_window();
-    window.state_mut().app.keep_untitled_in(folder.path().join("copy"));
+    window.state_mut().app.files.untitled_folder = Some(folder.path().join("copy"));
     open(&mut window, folder.path(), &[A]);
     assert_eq!(decisions(&window), (Settings::default(), Vec::new()));
 }
@@ -405,7 +405,7 @@ fn a_command_that_is_given_a_log_names_the_project_with_the_decisions_about_it()
     };
     let untitled = folder.path().join("bathyscope/untitled");
     let mut window = empty_window();
-    window.state_mut().app.keep_untitled_in(untitled.clone());
+    window.state_mut().app.files.untitled_folder = Some(untitled.clone());
     open(&mut window, folder.path(), &[A]);
     change(&mut window, "draft_m=0.4");
     let name = fs::read_dir(&untitled).expect("a folder").flatten().map(|entry| entry.path());

@@ -4,7 +4,7 @@
 //! beginning with the key that menus show), then the views in which a bare key acts (`acts_in`),
 //! and the marks: `repeats` while the key is held, `about_box` for commands that need a visible
 //! selected box, `asks` for commands that a bare key only offers. The function is `State` on the
-//! state, `Options` on the display options, `Toggle` of a display option, with the name that its
+//! state, `Settings` on the settings of the shown log, `Options` on the display options, `Toggle` of a display option, with the name that its
 //! checkboxes have, or `Window` for the window; `when` is false where there is nothing to act on.
 //!
 //! The rows are a macro, so that the table of names (`super::Action`) does not depend on the state:
@@ -23,7 +23,7 @@ macro_rules! action_rows {
                 OpenPath, "Open path…", key("Ctrl+Shift+P"), "Opens a log by its path: file or folder."
                     => Window(WindowAction::OpenPath);
                 OpenDemo, "Open the demo survey", "Opens the simulated pond that comes with the program."
-                    => State(|app| app.start_loading(LogOrigin::Demo));
+                    => State(|app| app.load([LogOrigin::Demo].into_iter(), OpenMode::Instead));
                 SaveProject, "Save project", key("Ctrl+S"), "Saves logs, settings and all decisions in the project file; asks for its name the first time."
                     => Window(WindowAction::SaveProject);
                 SaveProjectAs, "Save project as…", key("Ctrl+Shift+S"), "Saves what is open as a project in another file."
@@ -60,18 +60,18 @@ macro_rules! action_rows {
                 OpenWaterLevels, "Open water levels…", "Corrects depths by the readings of a gauge or tide: CSV with time and level_m."
                     => Window(WindowAction::OpenWaterLevels);
                 RemoveWaterLevels, "Remove the water levels", "Removes the readings; depths are corrected by the water level alone."
-                    => State(App::remove_water_levels), when(|app| app.logs.shown.settings.water_level.file.is_some());
+                    => Settings("water levels", |settings| settings.water_level = Default::default()), when(|app| app.logs.shown.settings.water_level.file.is_some());
                 OpenTrack, "Open external track…", "Uses the positions of another receiver: CSV with time, lon and lat, or GPX."
                     => Window(WindowAction::OpenTrack);
                 RemoveTrack, "Remove the external track", "Uses the positions of the recorder again."
-                    => State(App::remove_track), when(|app| app.logs.shown.settings.track.file.is_some());
+                    => Settings("external track", |settings| settings.track = Default::default()), when(|app| app.logs.shown.settings.track.file.is_some());
             }
             /// Copies of the shown log.
             LogCopies {
                 ExportLog, "Export the log…", "Writes the shown log as XTF, SL2, CSV, Parquet or GPX, with the track, the clock and the sides that the settings give it."
-                    => Window(WindowAction::ExportLog), when(App::has_survey);
+                    => Window(WindowAction::ExportLog), when(|app| app.logs.shown.survey.is_some());
                 ExportPings, "Export the visible pings…", "Writes the pings that the waterfall shows as XTF, SL2, CSV, Parquet or GPX."
-                    => Window(WindowAction::ExportPings), when(App::has_survey);
+                    => Window(WindowAction::ExportPings), when(|app| app.logs.shown.survey.is_some());
             }
             /// Products and pictures.
             Export {
@@ -158,7 +158,7 @@ macro_rules! action_rows {
                 SideView, "3D: from the south", key("8"), acts_in(KeyScope::Cloud), "Looks at the cloud from the side."
                     => Window(WindowAction::SideView);
                 NextCloudColour, "3D: next colours", key("Shift+C"), acts_in(KeyScope::Cloud), "Colours the points by side, depth, echo level or slant range, or by log where there are several."
-                    => State(App::next_cloud_colour);
+                    => State(|app| app.view.options.cloud.colour = app.view.options.cloud.colour.next(app.logs.count() > 1));
                 Points3d, "3D: points on or off", key("Shift+P"), acts_in(KeyScope::Cloud), "Shows or hides the points in 3D."
                     => Toggle("Points", |options| &mut options.cloud.points);
                 ClipBox3d, "3D: clip box on or off", key("Shift+X"), acts_in(KeyScope::Cloud), "Shows only what lies in a box; its faces can be dragged, its ends typed."
@@ -179,13 +179,13 @@ macro_rules! action_rows {
             /// Picture of the waterfall.
             WaterfallPicture {
                 LevelsReset, "Reset waterfall levels", "Resets gain, filters and levels of this log's waterfall."
-                    => State(App::reset_picture);
+                    => Settings("levels of the waterfall", |settings| settings.picture = settings.picture.reset());
                 GainNormalised, "Gain normalised or as recorded", key("Y"), acts_in(KeyScope::Waterfall), "Divides the levels of the waterfall by the mean of the log at the same range and angle, or shows them as recorded."
-                    => State(App::toggle_gain);
+                    => Settings("gain of the waterfall", |settings| exchange(&mut settings.picture.gain, [Gain::Recorded, Gain::Empirical]));
                 StripeFilter, "Stripe filter on or off", "Brings pings that are brighter or darker than their neighbours to the level of these."
-                    => State(App::toggle_stripe_filter);
+                    => Settings("stripe filter", |settings| toggle(&mut settings.picture.stripe_filter));
                 Despeckle, "Despeckle on or off", "Shows each echo of the waterfall as the median of its neighbourhood."
-                    => State(App::toggle_despeckle);
+                    => Settings("despeckling", |settings| toggle(&mut settings.picture.despeckle));
                 GroundRange, "Slant or ground range", key("G"), acts_in(KeyScope::Waterfall), "Shows the waterfall by slant range, or by distance on level ground."
                     => Toggle("Ground range", |options| &mut options.waterfall.ground_range);
                 WaterColumn, "Water column on or off", key("Shift+G"), acts_in(KeyScope::Waterfall), "Shows or hides echoes before the first return; by distance on the ground there are none."
@@ -193,11 +193,11 @@ macro_rules! action_rows {
                 OneToOne, "Waterfall: equal scales", key("Z"), acts_in(KeyScope::Waterfall), "Shows a metre along the track as long as a metre across, or lets the two scales differ."
                     => Window(WindowAction::OneToOne);
                 NextChannel, "Next channel of the waterfall", key("I"), acts_in(KeyScope::Waterfall), "Shows side-scan, then each down-looking channel of the log, beside the side-scan and alone."
-                    => State(App::next_channel);
+                    => State(|app| app.view.options.waterfall.next_channel(app.logs.shown.survey.as_deref()));
                 FlipAlong, "Flip the waterfall along the track", "Draws later pings to the left, or above."
-                    => State(App::toggle_flip);
+                    => Settings("direction of the waterfall", |settings| toggle(&mut settings.picture.flip));
                 StarboardFirst, "Draw starboard first", "Draws starboard in the place of port, for the picture alone; the data stay as they are."
-                    => State(App::toggle_starboard_first);
+                    => Settings("side that comes first", |settings| toggle(&mut settings.picture.starboard_first));
                 RangeLines, "Range lines on or off", "Shows or hides the range lines of the waterfall."
                     => Toggle("Range lines", |options| &mut options.waterfall.range_lines);
                 FirstReturnLine, "First return on or off", key("B"), acts_in(KeyScope::Waterfall), "Shows or hides the first return in the waterfall."
@@ -233,7 +233,7 @@ macro_rules! action_rows {
             /// Colours of port and starboard.
             Colours {
                 SideColours, "Side colours: paper or maritime", "Draws starboard red and port blue (as the paper), or port red and starboard green."
-                    => Options(exchange_side_colours);
+                    => Options(|options| exchange(&mut options.side_colours, [SideColours::Paper, SideColours::Maritime]));
             }
             /// Formats of positions.
             Coordinates {
@@ -262,18 +262,18 @@ macro_rules! action_rows {
             /// Direction of the waterfall, and the theme.
             Look {
                 Orientation, "Turn the waterfall", key("V"), acts_in(KeyScope::Waterfall), "Draws time to the right, or downward."
-                    => Options(turn_waterfall);
+                    => Options(|options| exchange(&mut options.waterfall.orientation, [Orientation::Horizontal, Orientation::Vertical]));
                 Theme, "Light or dark", key("L"), acts_in(KeyScope::Views), "Switches between the light and the dark theme."
-                    => Options(switch_theme);
+                    => Options(|options| exchange(&mut options.theme, [ThemeChoice::Dark, ThemeChoice::Light]));
             }
             /// Mounting of the recorder of the shown log.
             Mounting {
                 SwapSides, "Exchange port and starboard", key("Shift+S"), acts_in(KeyScope::Views), asks(), "Takes what was recorded as port for starboard, in every view and product: for a recorder with exchanged sides."
-                    => State(App::swap_sides), when(App::has_survey);
+                    => Settings("sides of the recorder", |settings| toggle(&mut settings.mounting.swap_sides)), when(|app| app.logs.shown.survey.is_some());
                 ApplySoundingLag, "Apply the sounding lag", "Takes soundings as much earlier as the first returns show them to be late (mounting.sounding_lag_s)."
                     => State(App::apply_sounding_lag), when(|app| app.logs.shown.sounding_lag().is_some());
                 UseMounting, "Make the mounting the default", "Makes the mounting of this log the default of its recorder; it applies to the other open logs of that recorder and to those opened later."
-                    => State(App::use_mounting), when(App::has_survey);
+                    => State(App::use_mounting), when(|app| app.logs.shown.survey.is_some());
                 ForgetMounting, "Remove the default mounting", "Removes the default; open logs keep their mounting."
                     => State(App::forget_mounting), when(|app| app.usual_mounting().is_some());
             }
@@ -284,9 +284,9 @@ macro_rules! action_rows {
                 PresetPublished, "Preset: published", "Takes the paper's settings to the digit."
                     => State(|app| app.use_preset(Preset::Published));
                 ThresholdDown, "Lower the threshold", key("["), acts_in(KeyScope::Waterfall), repeats(), "Lowers the threshold by 0.01."
-                    => State(|app| app.nudge_threshold(-0.01));
+                    => Settings("threshold", |settings| nudge_threshold(settings, -0.01));
                 ThresholdUp, "Raise the threshold", key("]"), acts_in(KeyScope::Waterfall), repeats(), "Raises the threshold by 0.01."
-                    => State(|app| app.nudge_threshold(0.01));
+                    => Settings("threshold", |settings| nudge_threshold(settings, 0.01));
                 Exclude, "Exclude stretches", key("K"), acts_in(KeyScope::WaterfallAndMap), "Drag along the waterfall or a track to exclude pings from all products. Ctrl: always include. Shift: trust the soundings, too. Alt: reset. A click includes a stretch again."
                     => State(|app| app.take_tool(Tool::Exclude));
                 IncludeAgain, "Include the stretch again", key("Shift+K"), acts_in(KeyScope::WaterfallAndMap), "Includes the excluded stretch at the selected ping again."
@@ -300,13 +300,13 @@ macro_rules! action_rows {
                 AcceptBottom, "Accept as bottom", "Drag along first returns above the recorded depth to accept them as bottom. Alt: undo the acceptance."
                     => State(|app| app.take_tool(Tool::Accept));
                 ForgetBottom, "Remove the bottom edits", "Removes all bottom edits of this log; the first returns are the automatic ones again."
-                    => State(App::forget_bottom), when(|app| !app.logs.shown.settings.bottom.is_empty());
+                    => Settings("bottom", |settings| settings.bottom = Default::default()), when(|app| !app.logs.shown.settings.bottom.is_empty());
                 Calibrate, "Calibrate on a stretch", key("C"), acts_in(KeyScope::WaterfallAndMap), "Drag along the waterfall or the track, or click a numbered stretch, to propose a stretch for the scale; nothing changes yet."
                     => State(App::take_calibration_tool);
                 UseScale, "Use this scale", "Scales the slant ranges of this log by the proposed stretch; its depths change."
                     => State(App::use_scale), when(|app| app.logs.shown.proposed_stretch().is_some());
                 KeepRecordedRange, "Keep the recorded range", "Uses the range that the recorder wrote, and drops the proposed stretch."
-                    => State(App::keep_recorded_range), when(App::can_keep_recorded_range);
+                    => State(App::keep_recorded_range), when(|app| app.logs.shown.can_keep_recorded_range());
                 DropProposal, "Drop the proposed stretch", "Drops the proposed stretch; the scale stays as it is."
                     => State(|app| app.logs.shown.calibrating.drop_proposal()), when(|app| app.logs.shown.proposed_stretch().is_some());
                 LeaveOutContradicted, "Leave out contradicted soundings", "Excludes the soundings that other logs show to be false."
@@ -320,7 +320,7 @@ macro_rules! action_rows {
                 OutlierPreview, "Outlier preview", key("O"), acts_in(KeyScope::Cloud), "Shows the points that the depth map does not use: outliers, above-bottom returns and others."
                     => Toggle("Outliers", |options| &mut options.cloud.outlier_preview);
                 Update, "Update results", key("Ctrl+R"), "Runs the steps whose results are missing or out of date."
-                    => State(App::update);
+                    => State(|app| { app.findings.reference_comparison.resume(); app.process(); });
                 Cancel, "Cancel processing", "Stops the step that is running; the last result stays."
                     => State(|app| _ = app.cancel());
                 UseFlatterStretch, "Use the flatter stretch", "Scales the slant ranges by the flatter stretch that was found while the log is followed."
@@ -365,7 +365,7 @@ macro_rules! action_rows {
                 RemoveLine, "Remove the planned line", "Removes the planned line that was clicked on the map."
                     => State(App::remove_line), when(|app| app.map.planning.selected.is_some());
                 RemovePlan, "Remove the planned lines", "Removes all planned lines."
-                    => State(App::remove_plan), when(|app| app.map.planning.lines.is_some());
+                    => State(|app| app.set_lines(None, "planned lines")), when(|app| app.map.planning.lines.is_some());
                 SavePlan, "Save the planned lines…", "Writes the planned lines for a plotter or an autopilot: GPX, KML, .plan (QGroundControl) or .waypoints (Mission Planner)."
                     => Window(WindowAction::SavePlan), when(|app| app.map.planning.lines.is_some());
             }
@@ -406,7 +406,7 @@ macro_rules! action_rows {
                 ChooseModel, "Choose a model…", "Uses a detector of your own: YOLO in the ONNX format."
                     => Window(WindowAction::OpenModel);
                 ShippedModel, "Use the shipped model", "Uses the detector that comes with the program."
-                    => State(|app| app.use_model(None));
+                    => State(|app| app.findings.search.use_model(None));
             }
             /// Boxes and their review.
             Boxes {

@@ -2,19 +2,19 @@
 //! stay, and from time to time all results are computed again from the whole log, so that at the
 //! end they are those of the finished file.
 //!
-//! `step` reads new bytes in a background thread, `publish` shows the results, `scale` keeps the
-//! scale in force, `whole` decides when all results are computed again. The results of new pings
-//! are provisional: they use the calibration of the last run over the whole log
+//! `step` reads new bytes in a background thread, `scale` keeps the scale in force, `whole` decides
+//! when all results are computed again, and shows results. The results of new pings are
+//! provisional: they use the calibration of the last run over the whole log
 //! ([`bathyscope_products::pipeline::extend`]). That run is repeated whenever the log has grown by
 //! a quarter, so the work for each ping does not grow with the log. If objects were searched for,
 //! new pings are searched too. The log is only ever read, as a private copy
 //! ([`bathyscope_log::formats::GrowingLog`]).
 
-mod publish;
 mod scale;
 mod step;
 mod whole;
 
+use super::error::AppError;
 use super::jobs::JobKey;
 use super::{App, LogId, OpenLog};
 use bathyscope_bottom::calibration::PingRange;
@@ -23,8 +23,10 @@ use bathyscope_log::support::printable::quoted;
 use bathyscope_log::survey::{Bytes, Survey};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use step::{FollowedLog, Grown, StepError, Tools};
+use step::{FollowedLog, Grown, Tools};
 
+/// The work on the followed log.
+const STEPS: [JobKey; 3] = [JobKey::StartFollowing, JobKey::FollowStep, JobKey::FollowWhole];
 /// Time between two checks of the log for new bytes.
 const LOOK: Duration = Duration::from_millis(250);
 /// Longest time for which added bytes wait to be shown.
@@ -154,7 +156,7 @@ impl App {
     /// Begins or ends following the shown log.
     pub(super) fn toggle_following(&mut self) {
         if let Some(other) = self.following.log().filter(|id| *id != self.logs.shown.id) {
-            let name = self.logs.get(other).map_or_else(String::new, |log| quoted(&log.name()));
+            let name = self.logs.name_of(other);
             let text = format!("{name} is followed already; end that first");
             return self.notices.warn(text);
         }
@@ -164,11 +166,11 @@ impl App {
         }
         let Some(survey) = self.logs.shown.survey.clone() else {
             let text = "open the log that the recorder writes first, then follow it";
-            return self.notices.warn(text.to_owned());
+            return self.notices.warn(text);
         };
         if survey.track.external.is_some() {
             let text = "a log with another receiver's track cannot be followed; remove the external track first";
-            return self.notices.warn(text.to_owned());
+            return self.notices.warn(text);
         }
         let now = Instant::now();
         self.following.serial += 1;
@@ -187,9 +189,11 @@ impl App {
         });
         self.jobs.run_or(
             JobKey::StartFollowing,
-            move |progress| Tools::start(&survey, progress).map_err(StepError::from),
+            move |progress| Tools::start(&survey, progress).map_err(AppError::from),
             |app, started| app.with_followed(|app, active| app.take_start(active, started)),
-            |app| app.with_followed(|app, active| app.take_start(active, Err(StepError::Failed))),
+            |app| {
+                app.with_followed(|app, active| app.take_start(active, Err(AppError::StepFailed)))
+            },
         );
     }
 
@@ -204,8 +208,8 @@ impl App {
 
     /// Stops reading the log that was followed.
     fn stop_steps(&mut self) {
-        for key in [JobKey::StartFollowing, JobKey::FollowStep, JobKey::FollowWhole] {
-            self.jobs.stop(&key);
+        for key in &STEPS {
+            self.jobs.stop(key);
         }
     }
 
@@ -236,7 +240,7 @@ impl App {
         self.search_tail(id);
     }
 
-    fn take_start(&mut self, active: &mut Active, started: Result<Tools, StepError>) {
+    fn take_start(&mut self, active: &mut Active, started: Result<Tools, AppError>) {
         match started {
             Ok(mut tools) => {
                 let bytes = std::mem::take(&mut tools.beginning);
@@ -247,8 +251,7 @@ impl App {
                 active.tools = Some(tools);
             }
             Err(error) => {
-                let name =
-                    self.logs.get(active.log).map_or_else(String::new, |log| quoted(&log.name()));
+                let name = self.logs.name_of(active.log);
                 active.ends = Some(End::Failed);
                 self.notices.warn(format!("{name} cannot be followed: {error}"));
             }
@@ -259,7 +262,7 @@ impl App {
         &mut self,
         active: &mut Active,
         from: &StepFrom,
-        (tools, grown): (Tools, Result<Grown, StepError>),
+        (tools, grown): (Tools, Result<Grown, AppError>),
     ) {
         active.tools = Some(tools);
         match grown {
@@ -286,14 +289,14 @@ impl App {
     fn goes_on(&self, active: &Active, from: &StepFrom) -> bool {
         let newest = match (&active.fresh, from.is_fresh) {
             (Some(fresh), true) => Some(&fresh.survey),
-            (None, false) => self.logs.get(active.log).and_then(|log| log.survey.as_ref()),
+            (None, false) => self.logs.survey_of(active.log),
             _ => None,
         };
         let is_same = newest.is_some_and(|newest| Arc::ptr_eq(newest, &from.survey));
         is_same && !self.is_processing(active.log)
     }
 
-    fn take_whole(&mut self, active: &mut Active, made: Result<FollowedLog, StepError>) {
+    fn take_whole(&mut self, active: &mut Active, made: Result<FollowedLog, AppError>) {
         active.whole_at = Instant::now();
         let id = active.log;
         match made {
@@ -304,7 +307,7 @@ impl App {
             }
             Ok(ground) => {
                 active.whole_bytes = ground.survey.source.byte_count;
-                let shown = self.logs.get(id).and_then(|log| log.survey.as_ref());
+                let shown = self.logs.survey_of(id);
                 let shown = shown.map_or(0, |survey| survey.source.byte_count);
                 if active.ends.is_some() || shown <= active.whole_bytes {
                     self.publish(id, ground, false);
@@ -319,7 +322,7 @@ impl App {
                     active.fresh = Some(ground);
                 }
             }
-            Err(StepError::Cancelled(_)) => {}
+            Err(AppError::Cancelled(_)) => {}
             Err(error) => self.fail_following(active, &error.to_string()),
         }
     }
@@ -392,14 +395,12 @@ impl App {
 
     /// Ends following a log, and notifies the analyst of the reason; the pings that were read stay.
     fn fail_following(&mut self, active: &mut Active, why: &str) {
-        let name = self.logs.get(active.log).map_or_else(String::new, |log| quoted(&log.name()));
-        let pings = self.logs.get(active.log).and_then(|log| log.survey.as_ref());
-        let pings = pings.map_or(0, |survey| survey.side_scan.len());
+        let name = self.logs.name_of(active.log);
+        let survey = self.logs.survey_of(active.log);
+        let pings = count(survey.map_or(0, |survey| survey.side_scan.len()));
         active.ends = Some(End::Failed);
         active.fresh = None;
-        let pings = count(pings);
-        let text = format!("{name} is no longer followed; its {pings} pings stay: {why}");
-        self.notices.warn(text);
+        self.notices.warn(format!("{name} is no longer followed; its {pings} pings stay: {why}"));
     }
 }
 

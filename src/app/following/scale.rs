@@ -65,32 +65,6 @@ impl App {
             self.notices.offer(text, Action::UseFlatterStretch);
         }
     }
-
-    /// Notifies the analyst of the change of depths by the results of the whole log, if its scale
-    /// or its offset has changed.
-    pub(super) fn tell_drift(
-        &mut self,
-        survey: &Survey,
-        before: &Calibration,
-        after: &Calibration,
-    ) {
-        let Some(change_m) = depth_change_m(survey, before, after) else {
-            return;
-        };
-        if change_m.abs() >= SAME_M {
-            let ranges = |calibration: &Calibration| {
-                let change = calibration.range_change();
-                change.unwrap_or_else(|| "ranges as recorded".to_owned())
-            };
-            let text = format!(
-                "With more of the log, {} instead of {}: depths change by about {:+.0} cm",
-                ranges(after),
-                ranges(before),
-                100.0 * change_m
-            );
-            self.notices.notify(text);
-        }
-    }
 }
 
 impl OpenLog {
@@ -136,6 +110,24 @@ fn flatter(products: &Products) -> Option<(PingRange, String)> {
             100.0 * change_m
         );
         (best.range(), text)
+    })
+}
+
+/// Returns a sentence about the change of depths by the results of the whole log; `None` if its
+/// scale and its offset have not changed.
+pub(super) fn drift(survey: &Survey, before: &Calibration, after: &Calibration) -> Option<String> {
+    let change_m = depth_change_m(survey, before, after)?;
+    let ranges = |calibration: &Calibration| {
+        let change = calibration.range_change();
+        change.unwrap_or_else(|| "ranges as recorded".to_owned())
+    };
+    (change_m.abs() >= SAME_M).then(|| {
+        format!(
+            "With more of the log, {} instead of {}: depths change by about {:+.0} cm",
+            ranges(after),
+            ranges(before),
+            100.0 * change_m
+        )
     })
 }
 

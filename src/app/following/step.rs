@@ -1,14 +1,12 @@
 //! Reads the new bytes of a followed log in a background thread, and computes results from them.
 
-use bathyscope_log::formats::{
-    GrowingError, GrowingLog, OpenError, open_at_hand, open_growing, open_tail,
-};
+use crate::app::error::AppError;
+use bathyscope_log::formats::{GrowingError, GrowingLog, open_at_hand, open_growing, open_tail};
 use bathyscope_log::support::geo::LocalFrame;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::{Bytes, Survey, SurveyVersions};
 use bathyscope_products::pipeline::{
-    GrowingResults, LogSettings, ProcessedLog, Products, Settings, SettingsError, SourceError,
-    SourceKey, as_set, extend, run,
+    GrowingResults, LogSettings, ProcessedLog, Products, Settings, SourceKey, as_set, extend, run,
 };
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -16,29 +14,6 @@ use std::sync::Arc;
 /// Least share by which the log must grow before more is shown: each shown state is a copy of the
 /// whole log, and with this share the work for each ping does not grow with the log.
 const LEAST_SHARE: f64 = 1.0 / 4000.0;
-
-/// Reason that a step failed.
-#[derive(Debug, thiserror::Error)]
-pub(super) enum StepError {
-    /// The log was cut, replaced or removed, or its copy cannot be written or read.
-    #[error(transparent)]
-    Growing(#[from] GrowingError),
-    /// The present state of the log cannot be read.
-    #[error(transparent)]
-    Open(#[from] OpenError),
-    /// The settings of the log's source do not fit the log.
-    #[error(transparent)]
-    Source(#[from] SourceError),
-    /// The settings cannot be used.
-    #[error(transparent)]
-    Settings(#[from] SettingsError),
-    /// The step ended in a panic.
-    #[error("it failed unexpectedly")]
-    Failed,
-    /// The step was cancelled.
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
-}
 
 /// A state of the log, with its settings and results.
 #[derive(Clone)]
@@ -63,7 +38,7 @@ impl FollowedLog {
     fn settings_over(
         &self,
         survey: &Survey,
-    ) -> Result<(Arc<LogSettings>, Arc<Settings>), StepError> {
+    ) -> Result<(Arc<LogSettings>, Arc<Settings>), AppError> {
         let Some(own) = self.own.carried_to(survey) else {
             return Ok((self.own.clone(), self.products.settings.clone()));
         };
@@ -112,7 +87,7 @@ impl Tools {
         ground: &FollowedLog,
         waits: bool,
         progress: &Progress,
-    ) -> Result<Grown, StepError> {
+    ) -> Result<Grown, AppError> {
         self.growing.look(progress)?;
         let known = ground.survey.source.byte_count;
         let added = self.growing.byte_count().saturating_sub(known);
@@ -173,7 +148,7 @@ pub(super) fn whole(
     frame: Option<&LocalFrame>,
     ground: &FollowedLog,
     progress: &Progress,
-) -> Result<FollowedLog, StepError> {
+) -> Result<FollowedLog, AppError> {
     let survey =
         if is_finished { open_at_hand(files, progress)? } else { open_growing(files, progress)? };
     let read = Arc::new(survey);
@@ -191,7 +166,7 @@ fn as_it_is_set(
     read: &Arc<Survey>,
     settings: &Settings,
     frame: Option<&LocalFrame>,
-) -> Result<Arc<Survey>, StepError> {
+) -> Result<Arc<Survey>, AppError> {
     let is_as_read = SourceKey::of(settings) == SourceKey::default();
     let is_there = frame.is_none_or(|frame| frame.origin() == read.track.frame.origin());
     if is_as_read && is_there {

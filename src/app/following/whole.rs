@@ -1,7 +1,10 @@
-//! Computes all results from the whole log again, and ends following.
+//! Computes all results from the whole log again, replaces the shown log by a longer state of it
+//! with the decisions about it, and ends following.
 
-use super::step::{self, StepError};
-use super::{Active, App, BETWEEN_WHOLE, End, QUIET, WHOLE_AGAIN};
+use super::scale::drift;
+use super::step::{self, FollowedLog};
+use super::{Active, App, BETWEEN_WHOLE, End, QUIET, STEPS, WHOLE_AGAIN};
+use crate::app::error::AppError;
 use crate::app::jobs::JobKey;
 use crate::app::{LogId, OpenLog};
 use bathyscope_bottom::picture::PictureSettings;
@@ -9,7 +12,9 @@ use bathyscope_bottom::presentation::text::count;
 use bathyscope_log::formats::{GrowingError, GrowingLog};
 use bathyscope_log::support::printable::quoted;
 use bathyscope_log::support::progress::Progress;
-use bathyscope_products::pipeline::Settings;
+use bathyscope_log::survey::Identity;
+use bathyscope_products::pipeline::{LogSettings, Settings};
+use std::sync::Arc;
 
 impl App {
     /// Starts computing results from the whole log if it has grown by enough, has stopped growing,
@@ -70,15 +75,16 @@ impl App {
             JobKey::FollowWhole,
             work,
             |app, made| app.with_followed(|app, active| app.take_whole(active, made)),
-            |app| app.with_followed(|app, active| app.take_whole(active, Err(StepError::Failed))),
+            |app| {
+                app.with_followed(|app, active| app.take_whole(active, Err(AppError::StepFailed)))
+            },
         );
     }
 
     /// Ends following: the whole log is read and processed once more. Returns true once that is
     /// done.
     pub(super) fn finish(&mut self, active: &mut Active) -> bool {
-        let steps = [JobKey::StartFollowing, JobKey::FollowStep, JobKey::FollowWhole];
-        if steps.iter().any(|key| self.jobs.is_running(key)) {
+        if STEPS.iter().any(|key| self.jobs.is_running(key)) {
             return false;
         }
         let known = self.logs.get(active.log).and_then(|log| {
@@ -90,14 +96,13 @@ impl App {
             return true;
         };
         if active.is_last {
-            if !is_provisional && matches!(active.ends, Some(End::Asked)) {
-                let log = self.logs.get(active.log);
-                let survey = log.and_then(|log| log.survey.as_ref());
-                if let Some(survey) = survey {
-                    let pings = count(survey.side_scan.len());
-                    let text = format!("Read {} to its end: {pings} pings", quoted(&survey.name()));
-                    self.notices.notify(text);
-                }
+            if !is_provisional
+                && matches!(active.ends, Some(End::Asked))
+                && let Some(survey) = self.logs.survey_of(active.log)
+            {
+                let pings = count(survey.side_scan.len());
+                let text = format!("Read {} to its end: {pings} pings", quoted(&survey.name()));
+                self.notices.notify(text);
             }
             if is_provisional {
                 // The last reading failed: the pings that were shown last are processed as they
@@ -116,6 +121,80 @@ impl App {
         self.start_whole(active, true);
         false
     }
+
+    /// Returns true if the settings of the log are those that results were computed with, apart
+    /// from the state of the log that the two name.
+    pub(super) fn is_as_set(&self, id: LogId, ground: &FollowedLog) -> bool {
+        let Some((log, survey)) = self.logs.log_and_survey(id) else {
+            return false;
+        };
+        let is_longer = ground.survey.source.byte_count > survey.source.byte_count;
+        let longest = if is_longer { &ground.survey } else { survey };
+        let carried = |own: &Arc<LogSettings>| {
+            let carried = own.carried_to(longest);
+            carried.unwrap_or_else(|| own.as_ref().clone())
+        };
+        carried(&ground.own) == carried(&log.own) && *ground.shared == *self.document.shared
+    }
+
+    /// Replaces a log by a longer state with its results, and keeps the analyst's decisions.
+    pub(super) fn publish(&mut self, id: LogId, ground: FollowedLog, is_provisional: bool) {
+        let is_as_set = self.is_as_set(id, &ground);
+        let shared = self.document.shared.clone();
+        let Some(log) = self.logs.get_mut(id) else {
+            return;
+        };
+        let FollowedLog { read, survey, mut products, own, .. } = ground;
+        log.whole = log.settled().filter(|_| is_provisional);
+        log.as_read = log.as_read.is_some().then_some(read);
+        log.replace_survey(survey.clone());
+        if is_as_set {
+            log.own = own;
+            log.settings = products.settings.clone();
+        } else {
+            log.carry_own(&shared);
+        }
+        let before = log.products.as_ref();
+        if before.is_some_and(|old| old.settings.picture != products.settings.picture) {
+            Arc::make_mut(&mut products.settings).picture = log.settings.picture.clone();
+        }
+        let before = before.map(|products| products.calibration.clone());
+        self.carry_decisions(id);
+        if is_provisional {
+            if let Some(log) = self.logs.get_mut(id) {
+                log.reviewing.grow(&survey, &products.navigation);
+                log.products = Some(products);
+            }
+            self.forget_preview(id);
+        } else {
+            let drift = before.and_then(|before| drift(&survey, &before, &products.calibration));
+            if let Some(text) = drift {
+                self.notices.notify(text);
+            }
+            self.take_products(id, products);
+            self.offer_flatter(id);
+        }
+        if !is_as_set {
+            self.schedule();
+        }
+    }
+
+    /// Assigns boxes and measurements to the present state of a log, which may be longer than the
+    /// state that they were made on.
+    pub(in crate::app) fn carry_decisions(&mut self, id: LogId) {
+        let Some(log) = self.logs.get_mut(id) else {
+            return;
+        };
+        let Some(survey) = log.survey.clone() else {
+            return;
+        };
+        let identity = Identity::of(&survey);
+        if let Some(file) = &mut log.file {
+            file.pings = identity.pings;
+        }
+        log.reviewing.carry(identity.clone());
+        self.map.measuring.carry(&survey, &identity);
+    }
 }
 
 impl OpenLog {
@@ -123,6 +202,17 @@ impl OpenLog {
     pub(super) fn leave_provisional(&mut self) {
         if self.whole.take().is_some() {
             self.products = None;
+        }
+    }
+
+    /// Assigns the log's own settings to its present state.
+    pub(in crate::app) fn carry_own(&mut self, shared: &Settings) {
+        let survey = self.survey.as_ref();
+        if let Some(own) = survey.and_then(|survey| self.own.carried_to(survey))
+            && let Ok(settings) = own.compose(shared)
+        {
+            self.own = Arc::new(own);
+            self.settings = Arc::new(settings);
         }
     }
 }

@@ -1,9 +1,14 @@
 //! Contains the manual: pages of Markdown that are compiled in, with tables that are derived from
 //! the program. `bathyscope manual` prints the pages, F1 shows them; `markdown` parses the part of
-//! Markdown that they use, `tables` makes the tables.
+//! Markdown that they use.
 
 pub mod markdown;
-mod tables;
+
+use super::action::{Action, KeyScope};
+use bathyscope_objects::objects::OBJECT_COLUMNS;
+use bathyscope_products::outputs::{OUTPUT_FILES, When};
+use bathyscope_products::pipeline::settings;
+use std::fmt::Write as _;
 
 bathyscope_log::listed! {
     /// All pages, in the order of the manual.
@@ -82,10 +87,10 @@ impl Topic {
     /// Returns the page as Markdown with its tables.
     pub fn text(self) -> String {
         self.source()
-            .replace("{{keys}}", &tables::keys())
-            .replace("{{settings}}", &tables::settings())
-            .replace("{{files}}", &tables::files())
-            .replace("{{object_columns}}", &tables::object_columns())
+            .replace("{{keys}}", &key_table())
+            .replace("{{settings}}", &settings::markdown())
+            .replace("{{files}}", &file_table())
+            .replace("{{object_columns}}", &column_table())
     }
 }
 
@@ -93,4 +98,43 @@ impl Topic {
 pub fn whole() -> String {
     let pages: Vec<String> = Topic::ALL.into_iter().map(Topic::text).collect();
     pages.join("\n")
+}
+
+/// Returns the table of all commands of the window with their keys.
+fn key_table() -> String {
+    let mut table = String::from("| command | key | acts in | does |\n|---|---|---|---|\n");
+    for action in Action::ALL {
+        let keys: Vec<String> = action.all_keys().map(|keys| format!("`{keys}`")).collect();
+        let keys = keys.join(" or ");
+        let (label, hint) = (action.label(), action.hint());
+        let scope = action.key_scope().map_or("", KeyScope::name);
+        // Writing to a string cannot fail.
+        writeln!(table, "| {label} | {keys} | {scope} | {hint} |").ok();
+    }
+    table
+}
+
+/// Returns the table of all columns of the table of objects.
+fn column_table() -> String {
+    let mut table = String::from("| column | what it is |\n|---|---|\n");
+    for column in OBJECT_COLUMNS {
+        writeln!(table, "| `{}` | {} |", column.name, column.meaning).ok();
+    }
+    table
+}
+
+/// Returns the table of all files of a run: when each is written, and what it contains.
+fn file_table() -> String {
+    let mut table = String::from("| file | written | what it is |\n|---|---|---|\n");
+    for row in OUTPUT_FILES {
+        let when = match row.when {
+            When::Always => "always".to_owned(),
+            When::Chosen(product) => format!("with `--products {}`", product.name()),
+            When::Compared => "with a reference".to_owned(),
+            When::Searched => "with a search for objects".to_owned(),
+            When::Listed => "with a search for objects or a review".to_owned(),
+        };
+        writeln!(table, "| `{}` | {when} | {} |", row.name, row.brief).ok();
+    }
+    table
 }

@@ -1,8 +1,8 @@
 //! Applies the analyst's decisions and corrections to single boxes, which mark possible objects in
-//! the sonar picture; undoes and redoes them.
+//! the sonar picture; undoes and redoes them; renames their classes.
 
 use super::{BoxEdge, Reviewing, Tool, border_m, middle};
-use crate::app::step::{LogStep, UndoStep};
+use crate::app::history::{LogStep, UndoStep};
 use crate::app::{App, LogBox, LogId, Orientation};
 use bathyscope_log::survey::Side;
 use bathyscope_objects::review::{BoxId, Edit, Review};
@@ -40,7 +40,10 @@ impl App {
     /// into the project's journal.
     pub(in crate::app) fn take_step(&mut self, step: UndoStep, label: &str) {
         self.map.measuring.figure = step.figure;
-        self.map.planning.take_lines(step.planned);
+        if self.map.planning.lines != step.planned {
+            self.map.planning.selected = None;
+        }
+        self.map.planning.lines = step.planned;
         self.document.mountings = step.mountings;
         self.open_and_close(&step.closed);
         self.logs.reorder(step.logs.iter().map(|log| log.id));
@@ -90,8 +93,7 @@ impl App {
         if let Some(log) = self.logs.get_mut(id) {
             log.reviewing.set(review);
         }
-        let after = self.step_now();
-        self.record_step(&before, &after, label, live);
+        self.record_step(&before, label, live);
     }
 
     /// Applies an edit to the shown log's boxes, and selects the box that it adds. The edits of a
@@ -152,18 +154,31 @@ impl App {
     pub(in crate::app) fn edit_selected(&mut self, edit: fn(BoxId) -> Edit) {
         match self.logs.shown.reviewing.selected {
             Some(id) => self.edit(&edit(id), false),
-            None => self.ask_for_box(),
+            None => self.notices.ask_for_box(),
         }
+    }
+
+    /// Renames a class, in the list and for the boxes of all logs.
+    pub(in crate::app) fn rename_class(&mut self, from: &str, to: &str) {
+        let review = self.logs.shown.settings.review.renamed(from, to);
+        if let Err(why) = review.check() {
+            return self.notices.warn(why);
+        }
+        let before = self.step_now();
+        for log in self.logs.all_mut() {
+            if let Some(after) = log.reviewing.review.with_class_renamed(from, to) {
+                log.reviewing.set(Arc::new(after));
+            }
+        }
+        // The change of the list belongs to the same undo step.
+        self.record_step(&before, "name of class", true);
+        self.edit_settings("name of class", |settings| settings.review = review);
     }
 
     /// Removes a box that was drawn by hand; rejects a box that a model proposed.
     pub(in crate::app) fn remove_box(&mut self) {
-        let manual = self
-            .logs
-            .shown
-            .reviewing
-            .selected_box()
-            .filter(|review_box| review_box.model.is_none());
+        let selected = self.logs.shown.reviewing.selected_box();
+        let manual = selected.filter(|review_box| review_box.model.is_none());
         match manual.map(|review_box| review_box.id) {
             Some(id) => self.edit(&Edit::Remove(id), false),
             None => self.decide(Edit::Reject),
@@ -176,20 +191,12 @@ impl App {
             return;
         }
         if tool == Tool::Edit && self.logs.shown.reviewing.selected.is_none() {
-            return self.ask_for_box();
+            return self.notices.ask_for_box();
         }
         self.leave_measuring();
         let in_hand = self.logs.shown.reviewing.tool == tool;
         self.logs.shown.reviewing.edge = BoxEdge::default();
         self.logs.shown.reviewing.tool = if in_hand { Tool::Look } else { tool };
-    }
-
-    /// Deselects the tool, or the box if no tool is selected.
-    pub(in crate::app) fn leave_tool(&mut self) {
-        if self.logs.shown.reviewing.tool == Tool::Look {
-            self.select_box(None);
-        }
-        self.logs.shown.reviewing.tool = Tool::Look;
     }
 
     /// Moves the selected box by whole pings along the track and pixels of the raster across it.

@@ -1,12 +1,15 @@
 //! Searches logs for objects with a detector: one log after the other in a background thread, with
-//! results as they are found.
-
-mod tail;
+//! results as they are found; then the pings that a followed log has got since its last search.
+//!
+//! The boxes that are found in these pings are no undo step, because undo reverts what the analyst
+//! did. An undo step that restores an older version of the boxes leaves pings unsearched, and these
+//! are searched again.
 
 use crate::app::error::AppError;
 use crate::app::jobs::JobKey;
 use crate::app::{Action, App, LogId, OpenLog};
 use bathyscope_log::support::progress::Progress;
+use bathyscope_log::survey::Navigation;
 use bathyscope_objects::model::shipped;
 use bathyscope_objects::review::{Queue, Review};
 use bathyscope_objects::{Detection, DetectorSettings, Model, ModelError, SoFar, find};
@@ -18,6 +21,12 @@ use std::sync::{Arc, mpsc};
 /// Least score of requested boxes, so that a lower threshold can be chosen later without a new
 /// search.
 const LEAST_SCORE: f32 = 0.05;
+/// Number of new pings of a followed log that start a search: about half of a tile of the picture at
+/// a walking pace.
+const ENOUGH: usize = 150;
+/// Number of earlier pings that are searched again, because an object may have been cut off at the
+/// end.
+const AGAIN: usize = 300;
 /// Name of undo steps of a search.
 const LABEL: &str = "find objects";
 
@@ -62,11 +71,16 @@ pub struct ObjectSearch {
     done: usize,
     /// Number of boxes found in the logs that are done.
     found: usize,
-    /// The search of the new pings of a followed log.
-    tail: tail::TailSearch,
+    /// True if the new pings of a followed log are searched, because objects were requested.
+    searches_tail: bool,
 }
 
 impl ObjectSearch {
+    /// Sets the model for the next search; `None` for the model that comes with the program.
+    pub(in crate::app) fn use_model(&mut self, path: Option<PathBuf>) {
+        self.model_path = path;
+    }
+
     /// Returns the name of the model for searches.
     pub(crate) fn model_name(&self) -> String {
         let path = self.model_path.as_deref();
@@ -112,17 +126,11 @@ impl App {
         })
     }
 
-    /// Sets the model for the next search; `None` for the model that comes with the program.
-    pub(in crate::app) fn use_model(&mut self, path: Option<PathBuf>) {
-        self.findings.search.model_path = path;
-    }
-
     /// Starts a search for objects in all visible logs, beginning with the shown log; a running
     /// search is replaced.
     pub(in crate::app) fn detect(&mut self) {
         if self.logs.shown.products.is_none() {
-            let text = "open a log first, and wait for its results";
-            return self.notices.warn(text.to_owned());
+            return self.notices.warn("open a log first, and wait for its results");
         }
         let has_side_scan =
             |log: &&OpenLog| (log.survey.as_ref()).is_some_and(|survey| survey.has_side_scan());
@@ -132,14 +140,14 @@ impl App {
         logs.sort_by_key(|id| *id != shown);
         if logs.is_empty() {
             let text = "there is no usable side-scan in this log to find objects in";
-            return self.notices.warn(text.to_owned());
+            return self.notices.warn(text);
         }
         self.jobs.stop(&JobKey::SearchObjects);
-        self.findings.search.running = None;
-        self.findings.search.tail.wants();
-        (self.findings.search.logs, self.findings.search.done, self.findings.search.found) =
-            (logs.len(), 0, 0);
-        self.findings.search.ahead = logs.into();
+        let search = &mut self.findings.search;
+        search.running = None;
+        search.searches_tail = true;
+        (search.logs, search.done, search.found) = (logs.len(), 0, 0);
+        search.ahead = logs.into();
         self.search_next();
     }
 
@@ -169,9 +177,7 @@ impl App {
     }
 
     fn search_log(&mut self, id: LogId) {
-        let log = self.logs.get(id);
-        let known = log.and_then(|log| log.survey.as_ref().zip(log.products.as_ref()));
-        let Some((survey, products)) = known else {
+        let Some((survey, products)) = self.logs.get(id).and_then(OpenLog::results) else {
             return;
         };
         let (survey, navigation) = (survey.clone(), products.navigation.clone());
@@ -292,7 +298,7 @@ impl App {
                 // The same model would fail on the next log as well.
                 self.findings.search.ahead.clear();
                 self.end_search(running.log, last);
-                self.notices.warn(error.to_string());
+                self.notices.warn(error);
             }
         }
     }
@@ -333,10 +339,8 @@ impl App {
     fn keep_detector(&mut self, detector: Detector) {
         let known = self.findings.search.detector.as_ref();
         if known.is_none_or(|known| !Arc::ptr_eq(&known.model, &detector.model)) {
-            self.set_queue(&Queue {
-                threshold: detector.model.score(),
-                ..self.logs.shown.reviewing.queue.clone()
-            });
+            let queue = self.logs.shown.reviewing.queue.clone();
+            self.logs.set_queue(&Queue { threshold: detector.model.score(), ..queue });
         }
         self.findings.search.detector = Some(detector);
     }
@@ -360,6 +364,92 @@ impl App {
         let raster = reviewing.raster()?;
         let review = (reviewing.review).adopt_part(&name, names, found, raster, pings);
         Some(Arc::new(review))
+    }
+
+    /// Stops and disables the search.
+    fn stop_tail(&mut self) {
+        self.jobs.stop(&JobKey::SearchTail);
+        self.findings.search.searches_tail = false;
+    }
+
+    /// Starts searching the pings that a followed log has got since its last search, if objects
+    /// were requested.
+    pub(in crate::app) fn search_tail(&mut self, id: LogId) {
+        let search = &self.findings.search;
+        let is_searched = search.is_busy() || self.jobs.is_running(&JobKey::SearchTail);
+        if !search.searches_tail || is_searched {
+            return;
+        }
+        let known = search.detector.clone().zip(self.logs.get(id));
+        let Some((detector, log)) = known else {
+            return;
+        };
+        let Some((survey, products)) = log.results() else {
+            return;
+        };
+        let searched = log.reviewing.review.searched().last();
+        let end = searched.map_or(0, |searched| searched.pings.end);
+        let to = survey.side_scan.len().min(products.navigation.pings.len());
+        if to < end + ENOUGH {
+            return;
+        }
+        let from = end.saturating_sub(AGAIN);
+        let (survey, all) = (survey.clone(), products.navigation.clone());
+        let work = move |progress: &Progress| -> Result<Vec<Detection>, AppError> {
+            let (stretch, _) = survey.stretch_from(from);
+            let navigation = Navigation {
+                pings: Arc::new(all.pings[from..to].to_vec()),
+                soundings: Arc::default(),
+                swath: Arc::default(),
+                antenna: Arc::default(),
+                zero_heading: 0,
+                moving: 0,
+                ..(*all).clone()
+            };
+            let settings = DetectorSettings {
+                score: Some(LEAST_SCORE.min(detector.model.score())),
+                ..DetectorSettings::default()
+            };
+            let model = &detector.model;
+            let found = find(&stretch, &navigation, model, &settings, progress, |_| ());
+            let mut found = found?;
+            for detection in &mut found {
+                detection.mark.pings =
+                    detection.mark.pings.start + from..detection.mark.pings.end + from;
+            }
+            Ok(found)
+        };
+        let name = JobKey::SearchTail.name();
+        self.jobs.run_or(
+            JobKey::SearchTail,
+            work,
+            move |app, found| match found {
+                Ok(found) => app.adopt_tail(id, &found, from..to),
+                Err(error) => app.fail_tail(&error),
+            },
+            move |app| app.fail_tail(&AppError::Failed(name)),
+        );
+    }
+
+    /// Stops the search and reports its error: the same model would fail again.
+    fn fail_tail(&mut self, error: &AppError) {
+        self.stop_tail();
+        self.notices.warn(error);
+    }
+
+    /// Adds the boxes that were found in some pings, even if the log is not followed any more.
+    fn adopt_tail(&mut self, log: LogId, found: &[Detection], pings: Range<usize>) {
+        // A box at the edge of the picture is no object, and objects that begin before it are
+        // listed already.
+        let from = pings.start;
+        let inside =
+            found.iter().filter(|detection| detection.mark.pings.start > from || from == 0);
+        let inside: Vec<Detection> = inside.cloned().collect();
+        let adopted = self.adopted(log, &inside, pings);
+        if let Some((log, review)) = self.logs.get_mut(log).zip(adopted) {
+            log.reviewing.set(review);
+            self.keep_project(LABEL);
+        }
     }
 }
 

@@ -25,29 +25,22 @@ pub enum BoxEdge {
     End,
 }
 
+bathyscope_log::named! {
+    /// All parts in their order, with their names in the view.
+    pub BoxEdge {
+        Whole: "",
+        Near: "near edge of the echo",
+        Border: "border of echo and shadow",
+        Far: "end of the shadow",
+        Start: "first ping",
+        End: "last ping",
+    }
+}
+
 impl BoxEdge {
     /// Returns the edge after this one; after the last edge comes the whole box.
     pub fn next(self) -> Self {
-        match self {
-            BoxEdge::Whole => BoxEdge::Near,
-            BoxEdge::Near => BoxEdge::Border,
-            BoxEdge::Border => BoxEdge::Far,
-            BoxEdge::Far => BoxEdge::Start,
-            BoxEdge::Start => BoxEdge::End,
-            BoxEdge::End => BoxEdge::Whole,
-        }
-    }
-
-    /// Returns the name in the view; empty for the whole box.
-    pub fn name(self) -> &'static str {
-        match self {
-            BoxEdge::Whole => "",
-            BoxEdge::Near => "near edge of the echo",
-            BoxEdge::Border => "border of echo and shadow",
-            BoxEdge::Far => "end of the shadow",
-            BoxEdge::Start => "first ping",
-            BoxEdge::End => "last ping",
-        }
+        Self::ALL[(self as usize + 1) % Self::ALL.len()]
     }
 
     /// Returns the edit that moves the edge by a number of pings along the track and of pixels of
@@ -137,8 +130,7 @@ impl App {
     /// Marks a point at the place of a sample.
     pub(in crate::app) fn mark_target(&mut self, mark: LogPlace) {
         let Some((side, sample)) = mark.side.zip(mark.sample) else {
-            let text = "nothing was recorded there; mark the target in the picture";
-            return self.notices.warn(text.to_owned());
+            return self.notices.warn("nothing was recorded there; mark the target in the picture");
         };
         let span =
             (self.logs.shown.survey.as_ref()).and_then(|survey| survey.span(mark.ping, side));

@@ -24,12 +24,10 @@ impl App {
         for (id, name, path) in reviewed {
             match path {
                 Some(path) => self.save_review(id, path),
-                None => {
-                    let name = quoted(&name);
-                    let text =
-                        format!("{name} is no file; save its review while it is shown alone");
-                    self.notices.warn(text);
-                }
+                None => self.notices.warn(format!(
+                    "{} is no file; save its review while it is shown alone",
+                    quoted(&name)
+                )),
             }
         }
     }
@@ -49,18 +47,12 @@ impl App {
                     let text = "The review that could not be used is kept as";
                     self.notices.notify(format!("{text} {}", aside.display()));
                 }
-                Err(error) => return self.notices.warn(error.to_string()),
+                Err(error) => return self.notices.warn(error),
             }
         }
-        let Some(log) = self.logs.get_mut(id) else {
-            return;
-        };
         let text =
             format!("Saved {} boxes to {}", log.reviewing.review.boxes().len(), path.display());
-        match log.reviewing.save(path) {
-            Ok(()) => self.notices.notify(text),
-            Err(error) => self.notices.warn(error.to_string()),
-        }
+        self.notices.tell(log.reviewing.save(path).map(|()| text));
     }
 
     /// Writes boxes, objects and training pictures of the visible logs into a folder.
@@ -79,8 +71,7 @@ impl App {
     /// Starts reading a review of the shown log.
     pub(in crate::app) fn open_review(&mut self, path: PathBuf) {
         if !self.read_review(self.logs.shown.id, path, false) {
-            let text = "open the log first, then the review of its boxes";
-            self.notices.warn(text.to_owned());
+            self.notices.warn("open the log first, then the review of its boxes");
         }
     }
 
@@ -99,7 +90,7 @@ impl App {
     /// Starts reading a review of a log; `is_found` if it is a sidecar file, not a file that the
     /// analyst opened. Returns true if there is a log.
     fn read_review(&mut self, id: LogId, path: PathBuf, is_found: bool) -> bool {
-        let Some(survey) = self.logs.get(id).and_then(|log| log.survey.clone()) else {
+        let Some(survey) = self.logs.survey_of(id).cloned() else {
             return false;
         };
         let from = path.clone();
@@ -150,7 +141,7 @@ impl App {
             }
             Err(error) => {
                 log.reviewing.refused = is_found.then_some(path);
-                self.notices.warn(error.to_string());
+                self.notices.warn(error);
             }
         }
     }

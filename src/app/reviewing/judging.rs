@@ -50,12 +50,12 @@ enum TruthSource {
 pub struct Judging {
     truth: Option<(TruthSource, Arc<SurveyTruth>)>,
     /// Path of a truth that was requested while the log was still being opened.
-    requested: Option<PathBuf>,
+    pub(in crate::app) requested: Option<PathBuf>,
     comparison: Option<TruthComparison>,
     /// True if boxes, raster or truth have changed since the last comparison began.
-    outdated: bool,
+    pub(super) outdated: bool,
     standing: Option<Standing>,
-    sort: MistakeSort,
+    pub(super) sort: MistakeSort,
     /// Index of the missed object that is shown; `None` if none is.
     missed: Option<usize>,
 }
@@ -98,22 +98,6 @@ impl Judging {
     /// shown.
     pub fn missed(&self) -> Option<usize> {
         self.missed
-    }
-
-    /// Marks the comparison as outdated, because boxes or raster have changed.
-    pub(super) fn outdate(&mut self) {
-        self.outdated = true;
-    }
-
-    /// Copies the order of the list of mistakes from another log.
-    pub(super) fn sort_as(&mut self, other: &Self) {
-        self.sort = other.sort;
-    }
-
-    /// Moves the truth that was requested while the log was being opened from another log to this
-    /// one.
-    pub(in crate::app) fn take_request(&mut self, before: &mut Reviewing) {
-        self.requested = before.judging.requested.take();
     }
 
     /// Deselects the missed object.
@@ -162,6 +146,12 @@ impl Reviewing {
         self.judging.standing = Some(standing);
     }
 
+    /// Sorts the list of mistakes.
+    pub(in crate::app) fn sort_mistakes(&mut self, sort: MistakeSort) {
+        self.judging.sort = sort;
+        self.count_mistakes();
+    }
+
     /// Returns the index of the shown mistake in the list; `None` if none is shown.
     pub fn mistake_at(&self) -> Option<usize> {
         let is_here = |mistake: &Mistake| match mistake {
@@ -198,8 +188,7 @@ impl App {
         } else if self.logs.shown.survey.is_some() {
             self.read_truth(id, TruthSource::File(path), false);
         } else {
-            let text = "open the log first, then its known objects";
-            self.notices.warn(text.to_owned());
+            self.notices.warn("open the log first, then its known objects");
         }
     }
 
@@ -214,7 +203,7 @@ impl App {
 
     /// Starts reading the truth of a log; `is_found` if the analyst did not open its file.
     fn read_truth(&mut self, id: LogId, source: TruthSource, is_found: bool) {
-        let Some(survey) = self.logs.get(id).and_then(|log| log.survey.as_ref()) else {
+        let Some(survey) = self.logs.survey_of(id) else {
             return;
         };
         let (identity, from) = (Identity::of(survey), source.clone());
@@ -226,7 +215,7 @@ impl App {
         };
         self.jobs.run(JobKey::ReadTruth(id), read, move |app, read| match read {
             Ok(truth) => app.take_truth(id, truth, source, is_found),
-            Err(error) => app.notices.warn(error.to_string()),
+            Err(error) => app.notices.warn(error),
         });
     }
 
@@ -314,7 +303,7 @@ impl App {
                 }
                 None => "mistakes need known objects: open them in the Review menu",
             };
-            return self.notices.notify(text.to_owned());
+            return self.notices.notify(text);
         }
         let next = match self.logs.shown.reviewing.mistake_at() {
             Some(here) => (here as isize + by).rem_euclid(count),
@@ -323,11 +312,5 @@ impl App {
         };
         let next = mistakes[next as usize];
         self.show_mistake(&next);
-    }
-
-    /// Sorts the list of mistakes.
-    pub(in crate::app) fn sort_mistakes(&mut self, sort: MistakeSort) {
-        self.logs.shown.reviewing.judging.sort = sort;
-        self.logs.shown.reviewing.count_mistakes();
     }
 }

@@ -1,10 +1,15 @@
-//! Steps through the queue of boxes of all logs, log by log in the order of the list, and decides
-//! about whole objects.
+//! Steps through the queue of boxes of all logs, log by log in the order of the list, decides about
+//! whole objects, and enlarges a box in all views.
 
 use super::Reviewing;
-use crate::app::{App, LogBox, OpenLog, OpenLogs};
+use crate::app::{App, CloseUp, Enlarged, LogBox, OpenLog, OpenLogs};
+use bathyscope_log::survey::Side;
 use bathyscope_objects::review::{BoxId, DecisionCounts, Edit, Queue, Reviewed, State};
 use std::sync::Arc;
+
+/// Least longer side that a box is given for enlarging, metres, so that the surroundings of small
+/// boxes and points are visible, too.
+const LEAST_M: f64 = 1.5;
 
 /// Progress of the review of all logs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -61,6 +66,15 @@ impl OpenLogs {
     /// Returns a box of an open log; `None` if there is no such box.
     pub fn log_box(&self, id: LogBox) -> Option<&Reviewed> {
         self.get(id.log)?.reviewing.review.get(id.id)
+    }
+
+    /// Sorts and filters the boxes of all logs.
+    pub(in crate::app) fn set_queue(&mut self, queue: &Queue) {
+        for log in self.all_mut() {
+            log.reviewing.queue = queue.clone();
+            log.reviewing.sort_and_filter();
+            log.reviewing.count_mistakes();
+        }
     }
 
     /// Returns the boxes of the queue, log after log.
@@ -132,7 +146,7 @@ impl App {
     /// Applies an edit to all boxes of the selected object, in all logs, as one undo step.
     pub(in crate::app) fn edit_object(&mut self, edit: fn(BoxId) -> Edit, label: &'static str) {
         let Some(here) = self.logs.shown.selected_box() else {
-            return self.ask_for_box();
+            return self.notices.ask_for_box();
         };
         let boxes = match self.objects.of_box(here) {
             Some(object) => object.boxes.clone(),
@@ -147,14 +161,13 @@ impl App {
                 log.reviewing.set(Arc::new(after));
             }
         }
-        let after = self.step_now();
-        self.record_step(&before, &after, label, false);
+        self.record_step(&before, label, false);
     }
 
     /// Shows the next box of the selected object in any log; after the last box comes the first.
     pub(in crate::app) fn step_sighting(&mut self) {
         let Some(here) = self.logs.shown.selected_box() else {
-            return self.ask_for_box();
+            return self.notices.ask_for_box();
         };
         let boxes = self.objects.of_box(here).map(|object| object.boxes.clone());
         let boxes = boxes.unwrap_or_default();
@@ -180,22 +193,75 @@ impl App {
         }
     }
 
-    pub(in crate::app) fn ask_for_box(&mut self) {
-        self.notices.warn("select a box first, with Tab or a click".to_owned());
+    /// Shows the log of a box, if it is not shown yet, and enlarges the box in all views.
+    pub(in crate::app) fn fly_to(&mut self, id: LogBox) {
+        self.select_log_box(id);
+        self.enlarge(Enlarged::Third);
     }
 
-    /// Sorts and filters the boxes of all logs.
-    pub(in crate::app) fn set_queue(&mut self, queue: &Queue) {
-        for log in self.logs.all_mut() {
-            log.reviewing.line_up(queue);
+    /// Shows the log of a box of the queue, if it is not shown yet, and the box: one to one in the
+    /// waterfall, if that option is on.
+    fn come_to(&mut self, id: LogBox) {
+        self.select_log_box(id);
+        self.enlarge(if self.view.options.waterfall.zooms_to_boxes {
+            Enlarged::OneToOne
+        } else {
+            Enlarged::AsItIs
+        });
+    }
+
+    /// Shows the log of a box, if it is not shown yet, and the box with its surroundings, at the
+    /// present scale of each view.
+    pub(in crate::app) fn bring_in(&mut self, id: LogBox) {
+        self.select_log_box(id);
+        self.enlarge(Enlarged::AsItIs);
+    }
+
+    /// Toggles whether the boxes of the queue are shown one to one, or at the present scale of the
+    /// waterfall.
+    pub(in crate::app) fn toggle_zoom_to_boxes(&mut self) {
+        let zooms = &mut self.view.options.waterfall.zooms_to_boxes;
+        *zooms = !*zooms;
+        if let Some(id) = self.logs.shown.selected_box() {
+            self.come_to(id);
+        }
+    }
+
+    fn enlarge(&mut self, enlarged: Enlarged) {
+        let reviewing = &self.logs.shown.reviewing;
+        let selected = reviewing.selected_box();
+        let close_up = selected.map(|review_box| close_up(reviewing, review_box, enlarged));
+        if let Some(reveal) = &mut self.view.reveal {
+            reveal.close_up = close_up;
+        }
+    }
+
+    /// Enlarges the selected box in all views.
+    pub(in crate::app) fn fly_to_selected(&mut self) {
+        match self.logs.shown.selected_box() {
+            Some(id) => self.fly_to(id),
+            None => self.notices.ask_for_box(),
         }
     }
 }
 
-impl Reviewing {
-    fn line_up(&mut self, queue: &Queue) {
-        self.queue = queue.clone();
-        self.sort_and_filter();
-        self.count_mistakes();
+fn close_up(reviewing: &Reviewing, review_box: &Reviewed, enlarged: Enlarged) -> CloseUp {
+    let mark = &review_box.mark;
+    let middle_m = 0.5 * (mark.near_m + mark.far_m);
+    let half_m = (0.5 * (mark.far_m - mark.near_m)).max(0.5 * LEAST_M);
+    let ends_m = [(middle_m - half_m).max(0.0), middle_m + half_m];
+    let across_m = match mark.side {
+        Side::Port => [-ends_m[1], -ends_m[0]],
+        Side::Starboard => ends_m,
+    };
+    let target = reviewing.placed(review_box.id).map(|placed| &placed.target);
+    let size_m = target.map_or(f64::NAN, |target| target.length_m.max(target.width_m));
+    CloseUp {
+        enlarged,
+        pings: [mark.pings.start, mark.pings.end],
+        across_m,
+        place_m: target.map(|target| [target.east_m, target.north_m, -target.depth_m]),
+        // The size of a point is NaN, for which `max` returns the least size.
+        size_m: size_m.max(LEAST_M),
     }
 }

@@ -1,17 +1,14 @@
 //! Holds the boxes of a log with their decisions, selection, order and tool.
 //!
-//! `classes` changes the list of classes, `decide` applies edits and goes through undo steps,
-//! `edges` moves single edges and marks points, `detect` searches with a detector, `line` is the
-//! queue over all logs, `places` locates boxes on the ground, `judging` compares them with the
-//! truth if it is known, `fly` enlarges a box in all views, `files` reads and writes the review and
-//! exports boxes.
+//! `decide` applies edits, renames classes and goes through undo steps, `edges` moves single edges
+//! and marks points, `detect` searches with a detector, `line` is the queue over all logs and
+//! enlarges a box in all views, `places` locates boxes on the ground, `judging` compares them with
+//! the truth if it is known, `files` reads and writes the review and exports boxes.
 
-mod classes;
 mod decide;
 mod detect;
 mod edges;
 mod files;
-mod fly;
 mod judging;
 mod line;
 mod places;
@@ -198,10 +195,10 @@ impl Reviewing {
     }
 
     /// Replaces the boxes by another version.
-    fn set(&mut self, review: Arc<Review>) {
+    pub(super) fn set(&mut self, review: Arc<Review>) {
         self.review = review;
-        self.places.outdate();
-        self.judging.outdate();
+        self.places.outdated = true;
+        self.judging.outdated = true;
         self.is_touched = self.review.boxes().any(Reviewed::is_kept);
         if self.selected_box().is_none() {
             self.selected = None;
@@ -229,12 +226,12 @@ impl Reviewing {
 
     /// Makes the raster again if the positions of the pings have changed.
     pub(super) fn follow(&mut self, survey: &Survey, navigation: &Arc<Navigation>) {
-        self.places.outdate();
+        self.places.outdated = true;
         let is_known = |(known, _): &(Arc<Navigation>, _)| Arc::ptr_eq(known, navigation);
         if !self.raster.as_ref().is_some_and(is_known) {
             let raster = Raster::new(survey, navigation, PIXEL_M);
             self.raster = Some((navigation.clone(), Arc::new(raster)));
-            self.judging.outdate();
+            self.judging.outdated = true;
             self.sort_and_filter();
         }
     }
@@ -268,11 +265,6 @@ impl Reviewing {
         self.set(Arc::new(Review::clone(&self.review).with_sides(swapped_sides)));
     }
 
-    /// Sets the boxes that a project holds for the log.
-    pub(super) fn take_kept(&mut self, review: Arc<Review>) {
-        self.set(review);
-    }
-
     /// Copies the order and filter of the boxes, and the order of the mistakes, from the log that
     /// was shown before; deselects the tools of both logs, and the box of that log.
     pub(super) fn take_tools(&mut self, before: &mut Self) {
@@ -280,7 +272,7 @@ impl Reviewing {
         before.selected = None;
         self.tool = Tool::Look;
         self.queue = before.queue.clone();
-        self.judging.sort_as(&before.judging);
+        self.judging.sort = before.judging.sort;
         self.sort_and_filter();
         self.count_mistakes();
     }

@@ -54,7 +54,7 @@ pub(super) struct BoxPlaces {
     known: Entries,
     ground: Option<PlaceInputs>,
     /// True if boxes or ground have changed since the last check for missing positions.
-    outdated: bool,
+    pub(super) outdated: bool,
 }
 
 impl Reviewing {
@@ -94,11 +94,6 @@ impl Reviewing {
 }
 
 impl BoxPlaces {
-    /// Marks the positions as outdated, because boxes were added or moved.
-    pub(super) fn outdate(&mut self) {
-        self.outdated = true;
-    }
-
     /// Sets positions that were computed on a ground.
     fn take(&mut self, ground: PlaceInputs, entries: Vec<(BoxId, LocatedBox)>) {
         // Positions on an earlier ground stay visible until the new ones are computed.

@@ -272,8 +272,8 @@ pub(super) fn read(path: &Path) -> Result<Vec<EchoRow>, Error> {
             above_bottom: false,
         };
         let chunk = match (chunks[index], settings[index], segments[index]) {
-            (Some(number), Some(range_setting), Some(segment)) => Some(PingChunk {
-                number: u32::try_from(number).ok()?,
+            (Some(chunk), Some(range_setting), Some(segment)) => Some(PingChunk {
+                number: u32::try_from(chunk).ok()?,
                 pings: 0..0,
                 range_setting,
                 stretch: u32::try_from(segment).ok()?,

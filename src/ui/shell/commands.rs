@@ -35,7 +35,7 @@ impl Shell {
         if self.app.holds_key_back(keys, &command, focus) {
             return ctx.request_repaint();
         }
-        let before = self.app.before_key();
+        let before = self.app.step_now();
         self.carry_out(ctx, command);
         self.app.say_changed_by_key(keys, &before);
     }

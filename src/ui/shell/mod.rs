@@ -517,7 +517,7 @@ impl Shell {
             return;
         };
         if let Ok(saved) = serde_json::from_str::<Saved>(&text) {
-            self.app.use_mountings(saved.mountings);
+            self.app.document.mountings = saved.mountings.into();
             self.app.view.options = saved.options.for_new_survey();
             self.app.recent = saved.recent;
             self.layout = saved.layout;

@@ -259,7 +259,7 @@ fn a_recorder_has_a_default_that_its_logs_are_opened_with() {
     assert!(printed.contains("2.5 m forward of the antenna"), "{printed}");
 
     let mut again = empty_window();
-    again.state_mut().app.use_mountings(kept);
+    again.state_mut().app.document.mountings = kept.into();
     open(&mut again, &folder.join("first.sl2"));
     assert_eq!(mounting(&again).forward_m, 2.5);
     assert!(again.query_by_label(&said).is_some());

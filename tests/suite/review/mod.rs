@@ -351,7 +351,7 @@ fn boxes_of_a_log_come_back_when_it_is_opened_again() {
     let pond = folder.path().join("pond.sl2");
     fs::copy(crate::support::demo_log(), &pond).expect("a log");
     let mut window = crate::window::empty_window();
-    window.state_mut().app.keep_untitled_in(folder.path().join("kept"));
+    window.state_mut().app.files.untitled_folder = Some(folder.path().join("kept"));
     window.state_mut().app.apply(Command::Open(pond.clone()));
     window.run();
     let found = detections(&window, 4);

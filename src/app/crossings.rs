@@ -1,22 +1,28 @@
-//! Finds height differences between logs, and soundings that other logs show to be false, where
-//! tracks meet, whenever several logs have results; the analyst can then level the logs or leave
-//! the soundings out.
+//! Compares logs where tracks meet. Height differences between logs, and soundings that other logs
+//! show to be false, are found whenever several logs have results; the analyst can then level the
+//! logs or leave the soundings out. Errors and latencies of positions are found over slopes at the
+//! request of the analyst, and corrected if the analyst applies them.
 
 use super::jobs::{JobKey, Kept};
 use super::{Action, App, LogId, OpenLog, OpenLogs};
 use bathyscope_bottom::bathymetry::height_offsets::{Datum, HeightDifference, LogOffset};
+use bathyscope_bottom::bathymetry::position_offsets::Wanted;
 use bathyscope_bottom::cloud::PingDepth;
 use bathyscope_bottom::presentation::text;
 use bathyscope_log::support::progress::Progress;
 use bathyscope_products::pipeline::joint::{
-    HeightComparison, compare_heights, contradictions, depths_scale, heights_differ,
+    HeightComparison, LogPositions, compare_heights, contradictions, depths_scale, heights_differ,
+    position_offsets,
 };
 use bathyscope_products::pipeline::{LogSettings, ProcessedLog, Same, Settings};
 use std::sync::Arc;
 use toml::Value;
 
-/// Key of the setting that holds the height offset of a log.
-const KEY: &str = "height_offset_m";
+/// Keys of the settings that hold the corrections of a log.
+const HEIGHT: &str = "height_offset_m";
+const EAST: &str = "position_shift.east_m";
+const NORTH: &str = "position_shift.north_m";
+const LATENCY: &str = "mounting.latency_s";
 
 /// The height offsets that were found for some logs.
 #[derive(Clone, Debug)]
@@ -39,6 +45,25 @@ impl FoundHeights {
     /// Returns the number of groups of connected logs.
     pub fn groups(&self) -> usize {
         self.compared.offsets.groups()
+    }
+}
+
+/// Position errors and latencies found for some logs.
+#[derive(Clone, Debug)]
+pub struct FoundPositions {
+    /// Position errors of each log, in the order of the list when the comparison was requested.
+    pub logs: Vec<(LogId, LogPositions)>,
+}
+
+impl FoundPositions {
+    /// Notice if no correction is worth applying.
+    pub(crate) const NOTHING_TOLD: &str = "No position error was found: the tracks agree, cross too rarely, or cross over a level bottom.";
+
+    /// Returns true if a shift or a latency of any log differs significantly from the one in force.
+    pub fn tells(&self) -> bool {
+        let of_log =
+            |log: &LogPositions| log.told_shift().is_some() || log.told_latency_s().is_some();
+        self.logs.iter().any(|(_, log)| of_log(log))
     }
 }
 
@@ -171,29 +196,26 @@ impl App {
         let Some(found) = self.height_offsets().filter(|found| found.is_contradicted()).cloned()
         else {
             let text = "no soundings are shown to be false by other logs: that takes two logs that contradict them";
-            return self.notices.warn(text.to_owned());
+            return self.notices.warn(text);
         };
         let before = self.step_now();
         let mut left_out = 0;
         for stretch in &found.compared.contradicted {
             let id = found.ids[stretch.log];
-            let Some((log, survey)) =
-                self.logs.get(id).and_then(|log| Some((log, log.survey.clone()?)))
-            else {
+            let Some((log, survey)) = self.logs.log_and_survey(id) else {
                 continue;
             };
             let mut settings = Settings::clone(&log.settings);
-            settings.excluded = settings.excluded.excluding(&survey, stretch.part());
+            settings.excluded = settings.excluded.excluding(survey, stretch.part());
             let (shared, own) = match log.own.change(&self.document.shared, &settings) {
                 Ok(parts) => parts,
-                Err(error) => return self.notices.warn(error.to_string()),
+                Err(error) => return self.notices.warn(error),
             };
             self.document.shared = Arc::new(shared);
             self.set_own(id, Arc::new(own), false);
             left_out += stretch.count;
         }
-        let after = self.step_now();
-        self.record_step(&before, &after, "false soundings", false);
+        self.record_step(&before, "false soundings", false);
         self.notices.withdraw(Action::LeaveOutContradicted);
         let left_out = text::plural(left_out, "sounding was", "soundings were");
         self.notices.offer_undo(format!("{left_out} left out"));
@@ -205,29 +227,83 @@ impl App {
         let Some(found) = self.height_offsets().cloned() else {
             let text =
                 "heights are compared between logs: open two or more, and wait for their results";
-            return self.notices.warn(text.to_owned());
+            return self.notices.warn(text);
         };
         let mut levelled = 0;
         let before = self.step_now();
         for (id, offset) in found.logs().filter(|(_, offset)| offset.is_determined()) {
             if let Some(log) = self.logs.get(id) {
                 let mut own = LogSettings::clone(&log.own);
-                own.set(KEY, Value::Float(offset.applied_m()));
+                own.set(HEIGHT, Value::Float(offset.applied_m()));
                 self.set_own(id, Arc::new(own), false);
                 levelled += 1;
             }
         }
         if levelled == 0 {
             let text = "no height offset is determined: the tracks of these logs do not cross, or their depths contradict each other where they do";
-            return self.notices.warn(text.to_owned());
+            return self.notices.warn(text);
         }
-        let after = self.step_now();
-        self.record_step(&before, &after, "height offsets", false);
+        self.record_step(&before, "height offsets", false);
         self.notices.withdraw(Action::ApplyHeights);
         let held = self.findings.heights.held.and_then(|id| self.logs.get(id));
         let held = held.map_or("their mean".to_owned(), |log| format!("that of {}", log.name()));
         self.notices
             .offer_undo(format!("Heights of {levelled} logs were levelled; {held} was held"));
+        self.process();
+    }
+
+    /// Starts to compare the positions of the visible logs: their shifts, if there are several
+    /// logs, and their latencies.
+    pub(super) fn match_positions(&mut self) {
+        let shown = self.logs.with_results();
+        if shown.is_empty() {
+            let text =
+                "positions are compared where tracks cross: open a log, and wait for its results";
+            return self.notices.warn(text);
+        }
+        let ids: Vec<LogId> = shown.iter().map(|log| log.id).collect();
+        let logs: Vec<ProcessedLog> = shown.into_iter().map(|log| log.log).collect();
+        let wanted = Wanted { shifts: logs.len() > 1, latencies: true };
+        self.jobs.run(
+            JobKey::ComparePositions,
+            move |progress| {
+                let found = position_offsets(&logs, wanted, progress).ok()??;
+                let logs = ids.into_iter().zip(found).collect();
+                Some(FoundPositions { logs })
+            },
+            |app, found| {
+                if found.as_ref().is_some_and(|found| !found.tells()) {
+                    app.notices.notify(FoundPositions::NOTHING_TOLD);
+                }
+                app.findings.positions = found.or(app.findings.positions.take());
+            },
+        );
+    }
+
+    /// Applies the shifts and latencies that crossings determine, as one undo step.
+    pub(super) fn apply_positions(&mut self) {
+        let Some(found) = self.findings.positions.as_ref().cloned() else {
+            return self.notices.warn("compare the positions of the logs first");
+        };
+        let before = self.step_now();
+        for (id, found) in &found.logs {
+            let shift = found.told_shift();
+            let shift = shift.map(|shift| [(EAST, shift.east_m), (NORTH, shift.north_m)]);
+            let latency = found.told_latency_s().map(|latency_s| (LATENCY, latency_s));
+            let corrections: Vec<(&str, f64)> =
+                shift.into_iter().flatten().chain(latency).collect();
+            if corrections.is_empty() {
+                continue;
+            }
+            if let Some(log) = self.logs.get(*id) {
+                let mut own = LogSettings::clone(&log.own);
+                for (key, value) in corrections {
+                    own.set(key, Value::Float(value));
+                }
+                self.set_own(*id, Arc::new(own), false);
+            }
+        }
+        self.record_step(&before, "positions", false);
         self.process();
     }
 }
