@@ -34,6 +34,8 @@ const MOST_NODES: usize = 30_000;
 /// the distance that this share does not exceed. The middles of the squares are then as far from
 /// soundings as the map between lines.
 const DISTANCE_SHARE: f64 = 0.9;
+/// Sides of large squares between one and twice its length.
+const SIDES_PER_OCTAVE: f64 = 4.0;
 /// Side of the small squares, cells.
 const SMALL_CELLS: f64 = 2.0;
 /// Side of the squares that slopes are taken over, three by three, as a share of the large ones.
@@ -182,10 +184,13 @@ impl Squares {
         SLOPE_SHARE * self.large_m
     }
 
+    /// The side of the large squares is rounded: with a side that follows distances to the last
+    /// digit, one sounding more would move all squares, and every stated error with them.
     fn over(grid: &Grid, usual_distance_m: f64) -> Self {
+        let large_m = 2.0 * usual_distance_m.max(2.0 * grid.cell_m);
         Self {
             small_m: SMALL_CELLS * grid.cell_m,
-            large_m: 2.0 * usual_distance_m.max(2.0 * grid.cell_m),
+            large_m: ((large_m.log2() * SIDES_PER_OCTAVE).round() / SIDES_PER_OCTAVE).exp2(),
         }
     }
 }
