@@ -80,7 +80,7 @@ impl OpenLogs {
     }
 
     /// Returns true if a visible log has depths across the track.
-    pub fn has_swath(&self) -> bool {
+    pub(crate) fn has_swath(&self) -> bool {
         let mut surveys = self.visible().filter_map(|log| log.survey.as_ref());
         surveys.any(|survey| !survey.swath.is_empty())
     }

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 /// at a score are those of the whole set down to that score: to move a confidence slider takes a
 /// count, not a new pairing.
 #[derive(Clone, Debug)]
-pub struct Matched {
+pub(crate) struct Matched {
     images: Vec<Image>,
     rankings: Vec<Ranking>,
     settings: MetricSettings,

@@ -17,7 +17,8 @@ mod mistakes;
 mod precision;
 mod ranking;
 
-pub use evaluate::{AtScore, Evaluation, Matched, SizeReport, evaluate};
+pub(crate) use evaluate::Matched;
+pub use evaluate::{AtScore, Evaluation, SizeReport, evaluate};
 pub use mistakes::{Cause, Confusion};
 pub use precision::{ApMethod, CurvePoint, MatchCounts};
 
