@@ -4,7 +4,7 @@
 
 use bathyscope_bottom::cloud::{ClassCounts, CloudPoint, PointSource, Residuals, residuals};
 use bathyscope_log::support::progress::{Cancelled, Progress};
-use bathyscope_log::support::statistics::median;
+use bathyscope_log::support::statistics::median_of;
 use bathyscope_log::survey::{FaultCounts, Side, Survey};
 use bathyscope_products::pipeline::Products;
 
@@ -112,7 +112,6 @@ impl AboveBottom {
         let one_side = (Side::BOTH.into_iter())
             .zip([port, starboard])
             .find(|(_, of_side)| *of_side as f64 > ONE_SIDED * (port + starboard) as f64);
-        let mut heights_m: Vec<f64> = heights_m(standing(0).chain(standing(1))).collect();
         let mut stretches: Vec<AboveStretch> = (sides.iter())
             .flat_map(|(side, all)| {
                 let parted = |a: &Above, b: &Above| b.ping - a.ping <= GAP_PINGS;
@@ -126,7 +125,7 @@ impl AboveBottom {
             count: sides.iter().map(|(_, all)| all.len()).sum(),
             standing: port + starboard,
             counted: (standing(0).chain(standing(1))).filter(|above| above.counts).count(),
-            height_m: median(&mut heights_m),
+            height_m: median_of(heights_m(standing(0).chain(standing(1)))),
             one_side: one_side.map(|(side, _)| side),
             stretches,
         }
@@ -149,7 +148,7 @@ impl AboveStretch {
             pings: [first.ping as usize, last.ping as usize],
             count: part.len(),
             uncounted: part.iter().filter(|above| !above.counts).count(),
-            height_m: median(&mut heights_m(part.iter()).collect::<Vec<_>>()),
+            height_m: median_of(heights_m(part.iter())),
         })
     }
 }

@@ -12,7 +12,7 @@
 
 use super::crosslines::{Gaps, TrackDepth, way_m};
 use bathyscope_log::support::progress::{Cancelled, Progress};
-use bathyscope_log::support::statistics::median;
+use bathyscope_log::support::statistics::median_of;
 use bathyscope_log::survey::{differ_as_no_bed, is_step_of_no_bed};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
@@ -134,9 +134,7 @@ fn means(stretch: usize, depths: &[TrackDepth]) -> impl Iterator<Item = Mean> {
         squares.entry(square).or_default().push(depth);
     }
     squares.into_values().map(move |inside| {
-        let of = |value: fn(&TrackDepth) -> f64| {
-            median(&mut inside.iter().map(|depth| value(depth)).collect::<Vec<f64>>())
-        };
+        let of = |value: fn(&TrackDepth) -> f64| median_of(inside.iter().map(|depth| value(depth)));
         let place = [of(|depth| depth.east_m), of(|depth| depth.north_m)];
         Mean { stretch, place, depth_m: of(|depth| depth.depth_m) }
     })

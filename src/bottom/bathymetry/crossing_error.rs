@@ -1,7 +1,7 @@
 //! Estimates the error of a depth from the differences between two passes where they cross.
 
 use super::crosslines::{Crossing, TrackDepth};
-use bathyscope_log::support::statistics::{SIGMA_PER_MAD, median, sigma_of_sizes};
+use bathyscope_log::support::statistics::{SIGMA_PER_MAD, median_of, sigma_of_sizes};
 use serde::Serialize;
 
 /// Fewest crossings from which the part that grows with the slope is estimated.
@@ -80,8 +80,8 @@ fn noise_m(track: &[TrackDepth]) -> f64 {
     let off = |three: &[TrackDepth]| {
         (three[1].depth_m - 0.5 * (three[0].depth_m + three[2].depth_m)).abs()
     };
-    let mut off_m: Vec<f64> = track.windows(3).map(off).collect();
-    if off_m.is_empty() { 0.0 } else { SIGMA_PER_MAD * median(&mut off_m) / 1.5f64.sqrt() }
+    let off_m = median_of(track.windows(3).map(off));
+    if track.len() < 3 { 0.0 } else { SIGMA_PER_MAD * off_m / 1.5f64.sqrt() }
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 //! for triangulation.
 
 use bathyscope_log::support::outline::bounds;
-use bathyscope_log::support::statistics::{self, median, weighted_median};
+use bathyscope_log::support::statistics::{median_of, weighted_median};
 use bathyscope_log::survey::{Navigation, Survey};
 use rayon::prelude::*;
 
@@ -54,7 +54,7 @@ pub fn depth_points(survey: &Survey, navigation: &Navigation) -> Vec<DepthPoint>
 /// Returns the 2nd and 98th percentile of some depths: the ends of the colour scale. `None` without
 /// any finite depth.
 pub fn depth_range(depths: impl IntoIterator<Item = f32>) -> Option<[f32; 2]> {
-    statistics::colour_ends(depths)
+    bathyscope_log::support::statistics::colour_ends(depths)
 }
 
 /// Merged depth of one place.
@@ -95,9 +95,8 @@ const LEAST_FOR_SPREAD: usize = 3;
 pub(crate) fn merge_repeated(points: &[DepthPoint], cell_m: f64) -> Vec<Node> {
     let mut nodes = merge_cells(points, cell_m);
     let known = nodes.iter().map(|node| node.spread_m);
-    let mut known: Vec<f64> = known.filter(|spread| spread.is_finite()).collect();
-    let typical_m = if known.is_empty() { 0.0 } else { median(&mut known) };
-    fill_spreads(&mut nodes, typical_m);
+    let typical_m = median_of(known.filter(|spread| spread.is_finite()));
+    fill_spreads(&mut nodes, if typical_m.is_nan() { 0.0 } else { typical_m });
     nodes
 }
 

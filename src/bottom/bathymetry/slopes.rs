@@ -17,7 +17,7 @@
 //! and 25.
 
 use super::{Between, Node, Tin, TinSampler};
-use bathyscope_log::support::statistics::{ends, median};
+use bathyscope_log::support::statistics::{ends, median_of};
 use std::collections::HashMap;
 
 /// Fewest nodes around a square that determine a slope.
@@ -200,10 +200,7 @@ impl NodeSlopes {
                 .flat_map(|right| (-SMOOTHED..=SMOOTHED).map(move |up| [column + right, row + up]));
             let near: Vec<[f64; 2]> =
                 around.filter_map(|square| found.get(&square).copied()).collect();
-            [0, 1].map(|axis| {
-                let mut parts: Vec<f64> = near.iter().map(|slope| slope[axis]).collect();
-                median(&mut parts)
-            })
+            [0, 1].map(|axis| median_of(near.iter().map(|slope| slope[axis])))
         };
         let slopes = found.keys().map(|square| (*square, usual(*square))).collect();
         Self { square_m, share: 1.0, slopes }

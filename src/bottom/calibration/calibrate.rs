@@ -10,7 +10,7 @@ use super::{
 };
 use crate::first_return::FirstReturns;
 use bathyscope_log::support::progress::{Cancelled, Progress};
-use bathyscope_log::support::statistics::{median, quantile, spread_about};
+use bathyscope_log::support::statistics::{median_of, quantile, spread_about};
 use bathyscope_log::survey::{Navigation, RangeSource, Side, Survey};
 
 /// Least change of depths that is worth a warning, metres.
@@ -156,9 +156,7 @@ fn depth_fit(picks: &[Usable]) -> Option<DepthFit> {
     if picks.len() < MIN_FIT_PICKS {
         return None;
     }
-    let middle = |block: &[Usable], value: fn(&Usable) -> f64| {
-        median(&mut block.iter().map(value).collect::<Vec<_>>())
-    };
+    let middle = |block: &[Usable], value: fn(&Usable) -> f64| median_of(block.iter().map(value));
     let blocks: Vec<(f64, f64)> = blocks(picks)
         .map(|block| (middle(block, |pick| pick.depth_m), middle(block, |pick| pick.range_m)))
         .collect();

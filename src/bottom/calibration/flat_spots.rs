@@ -4,7 +4,7 @@ use super::FlatSpot;
 use super::scale::{Usable, header_factor, inside, pixels_per_metre, usable_picks};
 use crate::first_return::FirstReturns;
 use bathyscope_log::support::progress::{Cancelled, Progress};
-use bathyscope_log::support::statistics::median;
+use bathyscope_log::support::statistics::{median, median_of};
 use bathyscope_log::survey::{Navigation, Side, Survey};
 use std::array::from_fn;
 use std::ops::Range;
@@ -132,7 +132,7 @@ fn of_stretch(
     let ppd = pixels_per_metre(spot_picks, pings.len());
     let [port, starboard] = Side::BOTH.map(|side| {
         let of_side = spot_picks.iter().filter(|pick| pick.side == side);
-        median(&mut of_side.map(|pick| pick.range_m / pick.depth_m).collect::<Vec<_>>())
+        median_of(of_side.map(Usable::of_depth))
     });
     FlatSpot {
         length_m: profile.way_m(&pings),
@@ -287,26 +287,21 @@ struct Sums {
 impl DepthAgreement {
     /// Creates the sums of picks in ping order, over a log of `pings` pings.
     fn new(picks: &[Usable], pings: usize) -> Self {
-        let ratio = |pick: &Usable| pick.range_m / pick.depth_m;
-        let typical = median(&mut picks.iter().map(ratio).collect::<Vec<_>>());
+        let typical = median_of(picks.iter().map(Usable::of_depth));
         let mut sums = Vec::with_capacity(pings + 1);
         let (mut so_far, mut rest) = (Sums::default(), picks);
         sums.push(so_far);
         for ping in 0..pings {
             let here = rest.iter().take_while(|pick| pick.ping == ping).count();
             for pick in &rest[..here] {
-                so_far.add(pick.side, ratio(pick) / typical - 1.0);
+                so_far.add(pick.side, pick.of_depth() / typical - 1.0);
             }
             rest = &rest[here..];
             sums.push(so_far);
         }
         let mut sides = Side::BOTH.to_vec();
         sides.retain(|&side| so_far.count(side) > 0.0);
-        Self {
-            sums,
-            sides,
-            depth_m: median(&mut picks.iter().map(|pick| pick.depth_m).collect::<Vec<_>>()),
-        }
+        Self { sums, sides, depth_m: median_of(picks.iter().map(|pick| pick.depth_m)) }
     }
 
     /// Returns the possible error of the scale of a stretch, metres at the log's median depth:

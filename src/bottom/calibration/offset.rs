@@ -8,7 +8,7 @@
 //! picks.
 
 use super::scale::Usable;
-use bathyscope_log::support::statistics::{median, spread_about};
+use bathyscope_log::support::statistics::{median, median_of, spread_about};
 use bathyscope_log::survey::Side;
 
 /// Number of pings that are evaluated together: long enough to quiet the noise of the recorded
@@ -83,16 +83,6 @@ pub(super) fn blocks(picks: &[Usable]) -> impl Iterator<Item = &[Usable]> {
     picks.chunk_by(|a, b| a.ping / BLOCK_PINGS == b.ping / BLOCK_PINGS)
 }
 
-/// Ground over which blocks of pings count.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Ground {
-    Any,
-    /// Level ground, where recorded depths may all be off by a share of the depth.
-    Level {
-        off_share: f64,
-    },
-}
-
 impl RangeOffset {
     /// Returns the offset that the picks at recorded depths, flagged or not, show; `None` where no
     /// stretch has enough of them on both sides. `sample_m` is the range of one sample.
@@ -102,7 +92,7 @@ impl RangeOffset {
     /// several depths shows one offset. Soundings that are late, or have a wide beam, are right
     /// over level ground.
     pub(super) fn of(picks: &[Usable], sample_m: f64, are_late: bool) -> Option<Self> {
-        let all = Self::over(Ground::Any, picks)?;
+        let all = Self::over(None, picks)?;
         if !are_late && all.objection(sample_m).is_none() {
             return Some(all);
         }
@@ -112,29 +102,26 @@ impl RangeOffset {
         };
         // Level ground lies between slopes, and late soundings contain a part of these.
         let off_share = if are_late { LEVEL_ALONG } else { 0.0 };
-        Some(Self::over(Ground::Level { off_share }, picks).filter(is_sure).unwrap_or(all))
+        Some(Self::over(Some(off_share), picks).filter(is_sure).unwrap_or(all))
     }
 
-    /// Returns the offset over some ground.
+    /// Returns the offset over level ground, where recorded depths may all be off by the share
+    /// `off_share` of the depth; over any ground for `None`.
     ///
     /// On a slope the nearest bottom on the upper side is nearer than the water is deep, so the
     /// deeper side of each block of pings is used: there, the nearest bottom is straight below.
-    fn over(ground: Ground, picks: &[Usable]) -> Option<Self> {
-        let counts = |block: &&[Usable]| ground == Ground::Any || is_level(block);
+    fn over(off_share: Option<f64>, picks: &[Usable]) -> Option<Self> {
+        let counts = |block: &&[Usable]| off_share.is_none() || is_level(block);
         let all = blocks(picks).filter(counts).count();
         let blocks: Vec<(f64, f64)> =
             blocks(picks).filter(counts).filter_map(depth_and_excess).collect();
         let mut offsets: Vec<f64> = blocks.iter().map(|(_, excess_m)| *excess_m).collect();
-        let mut depths: Vec<f64> = blocks.iter().map(|(depth_m, _)| *depth_m).collect();
         if blocks.is_empty() {
             return None;
         }
         let offset_m = median(&mut offsets);
-        let depth_m = median(&mut depths);
-        let off_m = match ground {
-            Ground::Level { off_share } => off_share * depth_m,
-            Ground::Any => 0.0,
-        };
+        let depth_m = median_of(blocks.iter().map(|(depth_m, _)| *depth_m));
+        let off_m = off_share.map_or(0.0, |off_share| off_share * depth_m);
         let (k, [k_uncertainty, k_attenuation]) = slope(&blocks, off_m);
         Some(Self {
             offset_m,
@@ -209,10 +196,7 @@ impl RangeOffset {
 
 /// Returns true if the ground under a block of pings is level along the track and across it.
 fn is_level(block: &[Usable]) -> bool {
-    let depth_m = |picks: &[Usable]| {
-        let mut depths: Vec<f64> = picks.iter().map(|pick| pick.depth_m).collect();
-        median(&mut depths)
-    };
+    let depth_m = |picks: &[Usable]| median_of(picks.iter().map(|pick| pick.depth_m));
     let (first, second) = block.split_at(block.len() / 2);
     let sides = Side::BOTH.map(|side| excess_m(block, side).map_or(f64::NAN, |(excess, _)| excess));
     let depth_of_all_m = depth_m(block);
@@ -226,8 +210,8 @@ fn depth_and_excess(block: &[Usable]) -> Option<(f64, f64)> {
     let [port, starboard] = Side::BOTH.map(|side| excess_m(block, side));
     let (port, starboard) = (port?, starboard?);
     let (excess_m, flagged) = if port.0 > starboard.0 { port } else { starboard };
-    let mut depths: Vec<f64> = block.iter().map(|pick| pick.depth_m).collect();
-    (flagged <= MOST_FLAGGED).then(|| (median(&mut depths), excess_m))
+    let depth_m = || median_of(block.iter().map(|pick| pick.depth_m));
+    (flagged <= MOST_FLAGGED).then(|| (depth_m(), excess_m))
 }
 
 /// Returns the median of range minus recorded depth on one side, metres, and the share of its picks
@@ -270,6 +254,13 @@ pub(super) struct FittedLine {
     pub spread: f64,
 }
 
+impl FittedLine {
+    fn through(points: &[(f64, f64)], slope: f64, offset: f64) -> Self {
+        let mut residuals: Vec<f64> = points.iter().map(|&(x, y)| y - slope * x - offset).collect();
+        Self { slope, offset, spread: spread_about(&mut residuals, 0.0) }
+    }
+}
+
 /// Largest number of points that the starting line is drawn through; the cost of the median of
 /// their pairwise slopes grows with its square.
 const START_POINTS: usize = 300;
@@ -290,14 +281,9 @@ pub(super) fn robust_line(points: &[(f64, f64)]) -> Option<FittedLine> {
             (x, y, (1.0 - u * u).max(0.0).powi(2))
         });
         let (slope, offset) = weighted_line(weighted)?;
-        line = FittedLine { slope, offset, spread: spread(points, slope, offset) };
+        line = FittedLine::through(points, slope, offset);
     }
     Some(line)
-}
-
-fn spread(points: &[(f64, f64)], slope: f64, offset: f64) -> f64 {
-    let mut residuals: Vec<f64> = points.iter().map(|&(x, y)| y - slope * x - offset).collect();
-    spread_about(&mut residuals, 0.0)
 }
 
 fn theil_sen(points: &[(f64, f64)]) -> Option<FittedLine> {
@@ -312,8 +298,8 @@ fn theil_sen(points: &[(f64, f64)]) -> Option<FittedLine> {
         return None;
     }
     let slope = median(&mut slopes);
-    let offset = median(&mut points.iter().map(|&(x, y)| y - slope * x).collect::<Vec<_>>());
-    Some(FittedLine { slope, offset, spread: spread(points, slope, offset) })
+    let offset = median_of(points.iter().map(|&(x, y)| y - slope * x));
+    Some(FittedLine::through(points, slope, offset))
 }
 
 fn weighted_line(points: impl Iterator<Item = (f64, f64, f64)> + Clone) -> Option<(f64, f64)> {

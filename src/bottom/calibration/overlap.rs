@@ -19,7 +19,7 @@
 
 use super::Calibration;
 use crate::first_return::FirstReturns;
-use bathyscope_log::support::statistics::{median, quantile, usual_step};
+use bathyscope_log::support::statistics::{median_of, quantile, usual_step};
 use bathyscope_log::survey::{Side, Survey};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -86,8 +86,7 @@ impl Block {
             return None;
         }
         let middle = |pings: &[&PingRanges], of: &dyn Fn(&PingRanges) -> f64| {
-            let mut values: Vec<f64> = pings.iter().map(|ping| of(ping)).collect();
-            median(&mut values)
+            median_of(pings.iter().map(|ping| of(ping)))
         };
         let [port_m, starboard_m] = [0, 1].map(|side| middle(&all, &|ping| ping.sides_m[side]));
         let depth_m = middle(&all, &|ping| ping.depth_m);

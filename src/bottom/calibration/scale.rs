@@ -2,7 +2,7 @@
 
 use super::Scale;
 use crate::first_return::{FirstReturns, Pick};
-use bathyscope_log::support::statistics::{median, spread_about};
+use bathyscope_log::support::statistics::{median, median_of, spread_about};
 use bathyscope_log::survey::{Side, Survey};
 use std::ops::Range;
 
@@ -33,6 +33,11 @@ impl Usable {
     fn px_per_m(&self) -> f64 {
         self.sample / self.depth_m
     }
+
+    /// Returns the range as a multiple of the depth.
+    pub(super) fn of_depth(&self) -> f64 {
+        self.range_m / self.depth_m
+    }
 }
 
 /// First return at a ping where the recorder had the bottom.
@@ -62,12 +67,8 @@ pub fn ranges_at_depths(survey: &Survey, returns: &FirstReturns) -> Vec<RangeAtD
 pub(super) fn usable_picks(survey: &Survey, returns: &FirstReturns) -> Vec<Usable> {
     let mut picks = picks_at_depths(survey, returns);
     picks.retain(|pick| !pick.above_bottom);
-    let ranges_per_depth = |pick: &Usable| pick.range_m / pick.depth_m;
-    let typical = median(&mut picks.iter().map(ranges_per_depth).collect::<Vec<_>>());
-    picks.retain(|pick| {
-        let ratio = ranges_per_depth(pick) / typical;
-        (1.0 / RATIO_LIMIT..=RATIO_LIMIT).contains(&ratio)
-    });
+    let typical = median_of(picks.iter().map(Usable::of_depth));
+    picks.retain(|pick| (1.0 / RATIO_LIMIT..=RATIO_LIMIT).contains(&(pick.of_depth() / typical)));
     picks
 }
 
@@ -112,8 +113,7 @@ pub(super) fn pixels_per_metre(picks: &[Usable], pings: usize) -> Option<Scale> 
 /// Returns the recorded depth over the header's slant range: the median over picks of a flat spot;
 /// `None` without any.
 pub(super) fn header_factor(picks: &[Usable]) -> Option<f64> {
-    let ratio = |pick: &Usable| pick.range_m / pick.depth_m;
-    let factor = 1.0 / median(&mut picks.iter().map(ratio).collect::<Vec<_>>());
+    let factor = 1.0 / median_of(picks.iter().map(Usable::of_depth));
     (factor.is_finite() && factor > 0.0).then_some(factor)
 }
 

@@ -12,7 +12,7 @@
 
 use super::false_soundings::pick_range_m;
 use super::{FirstReturns, Method, Pick};
-use bathyscope_log::support::statistics::{median, spread_about};
+use bathyscope_log::support::statistics::{median, median_of, spread_about};
 use bathyscope_log::survey::{Side, Survey};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -191,8 +191,7 @@ fn support_along(ranges_m: &[f32], ping: usize, allowed_m: impl Fn(usize) -> f32
     let away = 1..=REACH.min(ping).min(ranges_m.len() - 1 - ping);
     let moves = away
         .map(|away| f64::from(ranges_m[ping + away] - ranges_m[ping - away]) / (2 * away) as f64);
-    let mut moves: Vec<f64> = moves.filter(|moved| moved.is_finite()).collect();
-    let movement_m = median(&mut moves) as f32;
+    let movement_m = median_of(moves.filter(|moved| moved.is_finite())) as f32;
     if movement_m.abs() > FAST_M {
         let expected_m = |other: usize| range_m + movement_m * (other as f32 - ping as f32);
         return level.max(support(ranges_m, ping, expected_m, allowed_m));

@@ -8,7 +8,7 @@
 //! the last depth: the depth stays the same to the last digit while both sides move.
 
 use super::{FirstReturns, Pick, joined};
-use bathyscope_log::support::statistics::{median, quantile};
+use bathyscope_log::support::statistics::{median, median_of, quantile};
 use bathyscope_log::survey::{Side, SidePing, Sounding, SoundingFault, Survey, nearest_in_time};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -316,8 +316,7 @@ fn second_echoes_by(soundings: &[Sounding], ranges_m: Vec<f64>) -> Vec<FalseSoun
         let stretch = stretch.start..unseen_end(soundings, &ranges_m, stretch.end);
         let leaps_at = |inside: Range<usize>, outside: Range<usize>| {
             let middle = |of: &dyn Fn(usize) -> f64, at: Range<usize>| {
-                let mut values: Vec<f64> = at.map(of).filter(|value| value.is_finite()).collect();
-                median(&mut values)
+                median_of(at.map(of).filter(|value| value.is_finite()))
             };
             let ratio = middle(&depth_m, inside.clone()) / middle(&depth_m, outside.clone());
             let ranges = |at| middle(&|index: usize| ranges_m[index], at);

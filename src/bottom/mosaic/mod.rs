@@ -39,7 +39,7 @@ pub use paint::{MosaicLog, MosaicPart, join_parts, joint_tile, joint_window, par
 use crate::calibration::Calibration;
 use crate::first_return::{FirstReturns, Pick};
 use crate::presentation::colours;
-use bathyscope_log::support::statistics::median;
+use bathyscope_log::support::statistics::median_of;
 use bathyscope_log::survey::{Side, Survey};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -142,9 +142,7 @@ pub fn altitudes_m(
         .into_par_iter()
         .map(|ping| {
             let near = ping.saturating_sub(HALF_PINGS)..(ping + HALF_PINGS + 1).min(measured.len());
-            let mut known: Vec<f64> =
-                measured[near].iter().copied().filter(|m| m.is_finite()).collect();
-            median(&mut known) as f32
+            median_of(measured[near].iter().copied().filter(|m| m.is_finite())) as f32
         })
         .collect();
     bridge(&mut steady);

@@ -9,7 +9,7 @@
 
 use super::PingScales;
 use bathyscope_log::support::progress::{Cancelled, Progress};
-use bathyscope_log::support::statistics::median;
+use bathyscope_log::support::statistics::median_of;
 use bathyscope_log::survey::{Side, Survey};
 use rayon::prelude::*;
 
@@ -100,12 +100,8 @@ fn factors(levels: &[f32]) -> Vec<f32> {
             return 1.0;
         }
         let near = ping.saturating_sub(HALF_PINGS)..(ping + HALF_PINGS + 1).min(levels.len());
-        let mut about: Vec<f64> = levels[near]
-            .iter()
-            .filter(|level| !level.is_nan())
-            .map(|level| f64::from(*level))
-            .collect();
-        let goal = median(&mut about) as f32;
+        let about = levels[near].iter().filter(|level| !level.is_nan());
+        let goal = median_of(about.map(|level| f64::from(*level))) as f32;
         (goal.max(LEAST_LEVEL) / level.max(LEAST_LEVEL)).clamp(FACTORS[0], FACTORS[1])
     };
     levels.iter().enumerate().map(factor).collect()

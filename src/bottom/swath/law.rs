@@ -14,7 +14,7 @@
 use super::echoes::LogEchoes;
 use crate::sparse::Normal;
 use bathyscope_log::support::progress::{Cancelled, Progress};
-use bathyscope_log::support::statistics::{median, quantile};
+use bathyscope_log::support::statistics::{median_of, quantile};
 use bathyscope_log::survey::Side;
 use serde::{Deserialize, Serialize};
 
@@ -229,7 +229,7 @@ impl LevelSpread {
 
     /// Returns the median of a function over the bins of brighter windows.
     fn usual(&self, of: impl Fn(&[f64; 4]) -> f64) -> f64 {
-        median(&mut self.bright.iter().map(of).collect::<Vec<_>>())
+        median_of(self.bright.iter().map(of))
     }
 
     /// Returns the quantity that the recorder writes, and the number of samples that it smooths

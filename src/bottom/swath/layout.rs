@@ -4,7 +4,7 @@
 use super::echoes::{LogEchoes, PingPlace, is_weed};
 use super::law::{Law, law_of};
 use bathyscope_log::support::progress::{Cancelled, Progress};
-use bathyscope_log::support::statistics::median;
+use bathyscope_log::support::statistics::median_of;
 use bathyscope_log::survey::Side;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -124,9 +124,7 @@ impl Gains {
         let raw: Vec<f64> = each.iter().map(|(gain, _)| *gain).collect();
         let around = |ping: usize| {
             let from = ping.saturating_sub(GAIN_PINGS / 2);
-            let mut some = raw[from..(ping + GAIN_PINGS / 2 + 1).min(raw.len())].to_vec();
-            some.retain(|gain| gain.is_finite());
-            median(&mut some)
+            usual_gain(&raw[from..(ping + GAIN_PINGS / 2 + 1).min(raw.len())])
         };
         let smooth: Vec<f64> = (0..raw.len()).map(around).collect();
         let mut is_usable: Vec<bool> = each
@@ -143,13 +141,16 @@ impl Gains {
         let mut gain = Vec::with_capacity(raw.len());
         for same in segment.chunk_by(|a, b| a == b) {
             let here = gain.len()..gain.len() + same.len();
-            let mut some: Vec<f64> =
-                smooth[here].iter().copied().filter(|gain| gain.is_finite()).collect();
-            let of_segment = median(&mut some);
+            let of_segment = usual_gain(&smooth[here]);
             gain.extend(same.iter().map(|_| of_segment));
         }
         Ok(Self { gain, segment, is_usable })
     }
+}
+
+/// Returns the median of the known gains; NaN without any.
+fn usual_gain(gains: &[f64]) -> f64 {
+    median_of(gains.iter().copied().filter(|gain| gain.is_finite()))
 }
 
 /// Returns the pings at which the gain steps: in each run over which it changes by more than

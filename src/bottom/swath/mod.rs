@@ -34,7 +34,7 @@ use crate::bathymetry::{
     CellSource, DepthPoint, FromLevels, Grid, LevelsRefused, Spread, Surface, SwathDepth,
 };
 use bathyscope_log::support::progress::{Cancelled, Progress};
-use bathyscope_log::support::statistics::median;
+use bathyscope_log::support::statistics::median_of;
 use depths::{NodeDepths, Resolution, Sample, SwathInput, Tiling};
 use model::LawCurves;
 use serde::{Deserialize, Serialize};
@@ -272,7 +272,7 @@ fn add(found: &NodeDepths, stated: StatedByLevels, surface: &mut Surface) {
     let nodes = &found.nodes;
     let both = found.sd_m.iter().zip(&found.seen);
     let seen = both.filter(|(_, seen)| **seen > 0.5);
-    let usual_sd_m = median(&mut seen.map(|(sd_m, _)| *sd_m).collect::<Vec<_>>());
+    let usual_sd_m = median_of(seen.map(|(sd_m, _)| *sd_m));
     let usual_without_m = usual_between_m(surface);
     for cell in 0..surface.depth_m.len() {
         let without_m = f64::from(surface.depth_m[cell]);
@@ -311,8 +311,7 @@ fn usual_between_m(surface: &Surface) -> f64 {
     let cells = surface.spread_m.iter().zip(&surface.distance_m);
     let far =
         cells.filter(|(spread_m, away_m)| !spread_m.is_nan() && f64::from(**away_m) >= HELD_M[1]);
-    let mut spreads_m: Vec<f64> = far.map(|(spread_m, _)| f64::from(*spread_m)).collect();
-    median(&mut spreads_m)
+    median_of(far.map(|(spread_m, _)| f64::from(*spread_m)))
 }
 
 /// Returns the brightness of the bed in each cell with a depth and observations, decibels over the
@@ -326,13 +325,9 @@ fn hardness_db(found: &NodeDepths, surface: &Surface) -> Option<Vec<f32>> {
         ln.map_or(f64::NAN, |ln| 10.0 * ln / std::f64::consts::LN_10)
     };
     let cells_db: Vec<f64> = surface.depth_m.iter().enumerate().map(of_cell).collect();
-    let known = cells_db.iter().copied().filter(|value| !value.is_nan());
-    let mut known: Vec<f64> = known.collect();
-    if known.is_empty() {
-        return None;
-    }
-    let usual_db = median(&mut known);
-    Some(cells_db.into_iter().map(|value| (value - usual_db) as f32).collect())
+    let usual_db = median_of(cells_db.iter().copied().filter(|value| !value.is_nan()));
+    let of_usual = |value: f64| (value - usual_db) as f32;
+    (!usual_db.is_nan()).then(|| cells_db.into_iter().map(of_usual).collect())
 }
 
 #[cfg(test)]

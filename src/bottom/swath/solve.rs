@@ -13,7 +13,7 @@ use super::nodes::{Nodes, Shares};
 use super::observations::{Bed, SideChunk, SlopeObservation};
 use crate::bathymetry::{Bends, Node};
 use crate::sparse::{Equations, Factor, Normal, Pattern, solve_dense};
-use bathyscope_log::support::statistics::median;
+use bathyscope_log::support::statistics::median_of;
 use faer::Mat;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -231,9 +231,7 @@ impl<'a> System<'a> {
         for (index, gain) in self.gains.values_mut().enumerate() {
             *gain = 2 * count + index;
         }
-        let mut overs: Vec<f64> =
-            self.observations.iter().map(|(_, observation)| observation.over).collect();
-        let middle = median(&mut overs);
+        let middle = median_of(self.observations.iter().map(|(_, observation)| observation.over));
         for (look, observation) in &self.observations {
             let half_m = 0.5 * level_cell_m;
             let at = |metres: f64| {

@@ -2,6 +2,7 @@
 //! moves from one ping to the next.
 
 use super::{Level, TILE};
+use bathyscope_log::support::statistics::median_of;
 use bathyscope_log::survey::{Fix, Side, SideSpan, Survey};
 
 /// Largest range that is believed, metres: no side-scan of this class reaches a tenth of it, so a
@@ -130,20 +131,18 @@ fn ping_spacing_m(survey: &Survey) -> Option<f64> {
     let fixes = &survey.track.fixes;
     let count = ((span_s / STRETCH_S) as usize).clamp(1, STRETCHES);
     let long_s = STRETCH_S.min(span_s);
-    let mut speeds_mps: Vec<f64> = (0..count)
-        .filter_map(|stretch| {
-            let share = (stretch as f64 + 0.5) / count as f64;
-            let middle_s = first.time_s + share * span_s;
-            let [from, to] = [-0.5, 0.5].map(|half| at(fixes, middle_s + half * long_s));
-            let (from, to) = (from?, to?);
-            let seconds = to.time_s - from.time_s;
-            let frame = &survey.track.frame;
-            let [a, b] = [from, to].map(|fix| frame.to_enu(fix.position));
-            let metres = (b[0] - a[0]).hypot(b[1] - a[1]);
-            (seconds > 0.0 && metres > STILL_M).then(|| metres / seconds)
-        })
-        .collect();
-    let metres = bathyscope_log::support::statistics::median(&mut speeds_mps) * interval_s;
+    let speeds_mps = (0..count).filter_map(|stretch| {
+        let share = (stretch as f64 + 0.5) / count as f64;
+        let middle_s = first.time_s + share * span_s;
+        let [from, to] = [-0.5, 0.5].map(|half| at(fixes, middle_s + half * long_s));
+        let (from, to) = (from?, to?);
+        let seconds = to.time_s - from.time_s;
+        let frame = &survey.track.frame;
+        let [a, b] = [from, to].map(|fix| frame.to_enu(fix.position));
+        let metres = (b[0] - a[0]).hypot(b[1] - a[1]);
+        (seconds > 0.0 && metres > STILL_M).then(|| metres / seconds)
+    });
+    let metres = median_of(speeds_mps) * interval_s;
     (BELIEVED_M[0]..=BELIEVED_M[1]).contains(&metres).then_some(metres)
 }
 

@@ -49,11 +49,16 @@ pub fn median(values: &mut [f64]) -> f64 {
     (lower + upper) / 2.0
 }
 
+/// Returns the [`median`] of some values; NaN without any.
+pub fn median_of(values: impl IntoIterator<Item = f64>) -> f64 {
+    median(&mut values.into_iter().collect::<Vec<_>>())
+}
+
 /// Returns the median step from each value to the next; NaN for fewer than two values.
 pub fn usual_step(values: impl Iterator<Item = f64>) -> f64 {
     let mut before = None;
     let steps = values.filter_map(|value| before.replace(value).map(|before: f64| value - before));
-    median(&mut steps.collect::<Vec<_>>())
+    median_of(steps)
 }
 
 /// Returns the value with half of the weight on either side; where half of the weight is reached

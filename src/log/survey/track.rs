@@ -2,7 +2,7 @@
 //! recorded: the distances at equal times are smallest where the clocks agree.
 
 use crate::support::geo::{Crs, CrsError, LocalFrame, LonLat, distance_m};
-use crate::support::statistics;
+use crate::support::statistics::median_of;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -188,12 +188,11 @@ impl TracksApart {
             .step_by(step)
             .filter_map(|&time_s| Some([at(&one, time_s)?, at(&other, time_s)?]))
             .collect();
-        let mut apart_m: Vec<f64> = pairs.iter().map(|[a, b]| distance_m(*a, *b)).collect();
         let thinned = one.iter().step_by(one.len().div_ceil(PLACES).max(1));
         Self {
-            pairs,
             line: thinned.map(|(_, place)| *place).collect(),
-            median_m: statistics::median(&mut apart_m),
+            median_m: median_of(pairs.iter().map(|[a, b]| distance_m(*a, *b))),
+            pairs,
         }
     }
 }

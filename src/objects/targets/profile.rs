@@ -2,7 +2,7 @@
 //! run.
 
 use crate::Mark;
-use bathyscope_log::support::statistics::median;
+use bathyscope_log::support::statistics::median_of;
 use bathyscope_log::survey::{Side, Survey};
 use std::ops::Range;
 
@@ -77,12 +77,9 @@ impl RangeSteps {
             rough[around].iter().sum::<f64>() / count
         };
         let levels: Vec<f64> = (0..self.steps).map(smooth).collect();
-        let mut swings: Vec<f64> = pings
-            .into_iter()
-            .flatten()
-            .filter_map(|ping| self.swing(survey, ping, &levels))
-            .collect();
-        Some(BackgroundLevels { speckle: median(&mut swings), levels })
+        let pings = pings.into_iter().flatten();
+        let swings = pings.filter_map(|ping| self.swing(survey, ping, &levels));
+        Some(BackgroundLevels { speckle: median_of(swings), levels })
     }
 
     /// Returns the standard deviation of one ping's samples about its own mean level above the

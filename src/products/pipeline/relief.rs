@@ -4,7 +4,7 @@ use super::surface::depth_points;
 use bathyscope_bottom::bathymetry::{Surface, SurfaceMethod, SurfaceSettings, surface_of_depths};
 use bathyscope_bottom::cloud::{CloudPoint, PointClass, PointCloud};
 use bathyscope_log::support::progress::{Cancelled, Progress};
-use bathyscope_log::support::statistics::{median, quantile};
+use bathyscope_log::support::statistics::{median_of, quantile};
 use bathyscope_log::survey::{Navigation, Relief, Side, Survey};
 
 /// Side of the cells of the surface from which the shape is read, as a share of the median depth,
@@ -36,8 +36,8 @@ pub(super) fn relief(
         return Ok(Relief::default());
     }
     let points = depth_points(cloud, classes, settings, CloudPoint::place);
-    let mut depths_m: Vec<f64> = points.iter().map(|point| point.depth_m).collect();
-    let cell_m = (CELL_SHARE * median(&mut depths_m)).max(LEAST_CELL_M);
+    let depth_m = median_of(points.iter().map(|point| point.depth_m));
+    let cell_m = (CELL_SHARE * depth_m).max(LEAST_CELL_M);
     let settings = SurfaceSettings {
         method: SurfaceMethod::Linear,
         cell_m: Some(cell_m),

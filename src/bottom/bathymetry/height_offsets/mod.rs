@@ -20,7 +20,7 @@ pub(super) use network::{difference_sigma_m, groups, robust_shares};
 
 use super::crosslines::{CrosslinePass, TrackDepth, crossings, velocity_mps};
 use bathyscope_log::support::progress::{Cancelled, Progress};
-use bathyscope_log::support::statistics::{ends, median};
+use bathyscope_log::support::statistics::{ends, median, median_of};
 use depth_scales::depth_scales;
 use serde::Serialize;
 use std::collections::{BTreeMap, HashMap};
@@ -373,14 +373,12 @@ fn by_square(depths: &[TrackDepth]) -> BTreeMap<[i64; 2], f64> {
 
 fn log_overlap(logs: [usize; 2], block: [i64; 2], shared: &[[f64; 2]]) -> LogOverlap {
     let side_m = BLOCK_SQUARES as f64 * SQUARE_M;
-    let mut differences: Vec<f64> =
-        shared.iter().map(|[first_m, second_m]| first_m - second_m).collect();
     let [least, most] = ends(shared.iter().map(|[first_m, _]| *first_m));
     LogOverlap::new(
         logs,
         OverlapKind::Overlap,
         block.map(|index| (index as f64 + 0.5) * side_m),
-        median(&mut differences),
+        median_of(shared.iter().map(|[first_m, second_m]| first_m - second_m)),
         (most - least) / side_m,
     )
 }

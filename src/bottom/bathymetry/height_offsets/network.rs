@@ -2,7 +2,7 @@
 
 use super::{Datum, HeightOffsets, LogOffset, LogOverlap, PairDifference};
 use crate::sparse::{Equations, Factor, Pattern};
-use bathyscope_log::support::statistics::{SIGMA_PER_MAD, median, spread_about};
+use bathyscope_log::support::statistics::{SIGMA_PER_MAD, median, median_of, spread_about};
 use std::collections::BTreeMap;
 
 /// Standard deviation of a difference on level ground, and of the position of an overlap, metres:
@@ -110,8 +110,8 @@ fn huber(u: f64) -> f64 {
 }
 
 fn weighted_shares(residuals: &[f64], weight: &dyn Fn(f64) -> f64) -> (Vec<f64>, f64) {
-    let mut sizes: Vec<f64> = residuals.iter().map(|u| u.abs()).collect();
-    let scale = (SIGMA_PER_MAD * median(&mut sizes)).max(LEAST_SCALE);
+    let usual = median_of(residuals.iter().map(|u| u.abs()));
+    let scale = (SIGMA_PER_MAD * usual).max(LEAST_SCALE);
     let shares = residuals.iter().map(|u| weight(u / scale)).collect();
     (shares, scale)
 }
@@ -416,7 +416,7 @@ fn pair_differences(log_overlaps: &[LogOverlap], logs: &[LogOffset]) -> Vec<Pair
             };
             let n = found.len();
             let sigmas_m = found.iter().map(|overlap| difference_sigma_m(overlap.slope));
-            let sigma_m = median(&mut sigmas_m.collect::<Vec<f64>>());
+            let sigma_m = median_of(sigmas_m);
             // Few differences may agree by chance, so that the expected error counts, too.
             let sigma_m = spread_m.max(sigma_m / (n as f64).sqrt());
             PairDifference {
