@@ -47,7 +47,7 @@ pub use isobaths::{spot_radius_m, spot_soundings};
 pub use left_out::{SigmaByDistance, sigma_by_distance};
 pub use local::{LOCAL_MARGIN_CELLS, local_reach_m, local_surface};
 pub(crate) use nodes::merge_repeated;
-pub use nodes::{DepthPoint, Node, depth_points, depth_range};
+pub use nodes::{DepthPoint, Node, depth_points};
 pub use resampled::{Corner, TransectStation, transect};
 pub use slopes::Bends;
 pub(crate) use slopes::BentSampler;

@@ -51,12 +51,6 @@ pub fn depth_points(survey: &Survey, navigation: &Navigation) -> Vec<DepthPoint>
         .collect()
 }
 
-/// Returns the 2nd and 98th percentile of some depths: the ends of the colour scale. `None` without
-/// any finite depth.
-pub fn depth_range(depths: impl IntoIterator<Item = f32>) -> Option<[f32; 2]> {
-    bathyscope_log::support::statistics::colour_ends(depths)
-}
-
 /// Merged depth of one place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Node {
@@ -302,13 +296,6 @@ mod tests {
         assert!((merged[0].east_m - 0.16).abs() < 1e-12);
         points[0].weight = 0.0;
         assert_eq!(merge_repeated(&points, 1.0)[0].depth_m, 3.5);
-    }
-
-    #[test]
-    fn the_colour_scale_leaves_out_the_outer_two_percent() {
-        let depths = (0..=100).map(|i| i as f32).chain([f32::NAN]);
-        assert_eq!(depth_range(depths), Some([2.0, 98.0]));
-        assert_eq!(depth_range([f32::NAN]), None);
     }
 
     #[test]

@@ -139,6 +139,13 @@ mod tests {
     }
 
     #[test]
+    fn the_colour_scale_leaves_out_the_outer_two_percent() {
+        let depths = (0..=100).map(|i| i as f32).chain([f32::NAN]);
+        assert_eq!(colour_ends(depths), Some([2.0, 98.0]));
+        assert_eq!(colour_ends([f32::NAN]), None);
+    }
+
+    #[test]
     fn weights_move_the_median() {
         let mut even = [4.0, 1.0, 3.0, 2.0].map(|value| (value, 0.3));
         assert_eq!(weighted_median(&mut even), 2.5);

@@ -9,14 +9,13 @@
 use super::Products;
 use super::run_stages::bottom_line;
 use crate::pipeline::Settings;
-use bathyscope_bottom::bathymetry;
 use bathyscope_bottom::cloud::{
     self, BySource, CloudPoint, PingDepth, PointClass, PointCloud, PointRecord, PointScales,
     PointSource, RecordIndex, Reduction,
 };
 use bathyscope_bottom::first_return::{self, FalseSoundings, FirstReturns, Normalisation, Pick};
 use bathyscope_log::support::progress::{Cancelled, Progress};
-use bathyscope_log::support::statistics::wider;
+use bathyscope_log::support::statistics::{colour_ends, wider};
 use bathyscope_log::support::versions::Versions;
 use bathyscope_log::survey::{
     Exclusions, Navigation, PingNav, Side, StretchStart, Survey, navigate_with,
@@ -135,7 +134,7 @@ pub fn extend(
             first
         });
     let new_depths = all_depths[part.first..].iter().map(|depth| depth.depth_m);
-    let depth_range_m = wider(before.depth_range_m, bathymetry::depth_range(new_depths));
+    let depth_range_m = wider(before.depth_range_m, colour_ends(new_depths));
     let reduction = Reduction::new(&before.calibration, correction);
     let returns = Arc::new(returns);
     let bottom_line = bottom_line(survey, settings, &returns, &reduction);

@@ -5,7 +5,6 @@ use super::joint::{crossline_analysis, latencies};
 use super::products::{LogLatency, Products, counted, judged};
 use super::relief::relief;
 use super::{ProcessedLog, Settings};
-use bathyscope_bottom::bathymetry;
 use bathyscope_bottom::calibration::{self, Calibration, FlatSpot};
 use bathyscope_bottom::cloud::{
     self, Clutter, Correction, PickTraits, PingDepth, PointClass, PointCloud, PointScales,
@@ -14,6 +13,7 @@ use bathyscope_bottom::cloud::{
 use bathyscope_bottom::first_return::{self, BottomLine, FirstReturns};
 use bathyscope_log::named;
 use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::support::statistics::colour_ends;
 use bathyscope_log::survey::{
     Exclusions, Navigation, PingNav, Relief, SideSpan, Sounding, Survey, navigate_with,
 };
@@ -442,6 +442,6 @@ fn depth_range_m(
     let depth_m = |sounding: &Sounding| {
         correction.depth_m(sounding.time_s, f64::from(sounding.depth_m)) as f32
     };
-    let of_pings = || bathymetry::depth_range(depths.iter().map(|depth| depth.depth_m));
-    bathymetry::depth_range(locked.map(depth_m)).or_else(of_pings)
+    let of_pings = || colour_ends(depths.iter().map(|depth| depth.depth_m));
+    colour_ends(locked.map(depth_m)).or_else(of_pings)
 }

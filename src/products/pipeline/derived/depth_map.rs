@@ -8,12 +8,13 @@ use bathyscope_bottom::bathymetry::isobaths::{
     ClipArea, DepthExtent, IsobathSettings, NoIsobaths, with_shoalest,
 };
 use bathyscope_bottom::bathymetry::{
-    self, CellSource, DepthPoint, Light, Surface, SurfaceSettings, hill_shade,
+    CellSource, DepthPoint, Light, Surface, SurfaceSettings, hill_shade,
 };
 use bathyscope_bottom::cloud::{PointClass, PointCloud};
 use bathyscope_log::support::geo::{Crs, CrsChoice, MapPlane, bounds_deg};
 use bathyscope_log::support::outline::bounds;
 use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::support::statistics::colour_ends;
 use bathyscope_log::survey::{Navigation, Survey};
 use std::sync::{Arc, OnceLock};
 
@@ -90,7 +91,7 @@ impl DepthMap {
             return Ok(None);
         };
         CommonUncertainty::of(logs, progress)?.add_to(&mut surface);
-        let of_surface = || bathymetry::depth_range(surface.depth_m.iter().copied());
+        let of_surface = || colour_ends(surface.depth_m.iter().copied());
         let range_m = colour_range_m(logs.iter().map(|log| &log.products)).or_else(of_surface);
         Ok(range_m.map(|colour_range_m| Self {
             light: Light::suited(&surface),
