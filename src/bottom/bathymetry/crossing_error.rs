@@ -1,7 +1,7 @@
 //! Estimates the error of a depth from the differences between two passes where they cross.
 
 use super::crosslines::{Crossing, TrackDepth};
-use bathyscope_log::support::statistics::{SIGMA_PER_MAD, median_of, sigma_of_sizes};
+use bathyscope_log::support::statistics::{SIGMA_PER_MAD, median_of, sigma_of_sizes, sorted};
 use serde::Serialize;
 
 /// Fewest crossings from which the part that grows with the slope is estimated.
@@ -40,9 +40,7 @@ impl CrossingError {
         both.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]));
         let (gentle, steep) = both.split_at(both.len() / 2);
         let square = |half: &[[f64; 2]]| {
-            let mut sizes: Vec<f64> = half.iter().map(|[_, size_m]| *size_m).collect();
-            sizes.sort_unstable_by(f64::total_cmp);
-            sigma_of_sizes(&sizes).powi(2)
+            sigma_of_sizes(&sorted(half.iter().map(|[_, size_m]| *size_m))).powi(2)
         };
         let slopes = |half: &[[f64; 2]]| {
             half.iter().map(|[slope, _]| slope * slope).sum::<f64>() / half.len() as f64

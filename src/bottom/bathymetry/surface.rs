@@ -10,7 +10,7 @@ use super::{
 use crate::cloud::{CloudPoint, PointSource};
 use crate::nearest::Nearest;
 use bathyscope_log::support::progress::{Cancelled, Progress};
-use bathyscope_log::support::statistics::{ends, quantile};
+use bathyscope_log::support::statistics::{ends, quantile, sorted};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
@@ -281,11 +281,10 @@ impl Surface {
         let rows = rows.filter_map(|(row, depths)| {
             let first = depths.iter().position(|depth| !depth.is_nan())?;
             let last = depths.iter().rposition(|depth| !depth.is_nan())?;
-            Some([row, first, last])
+            Some([row, row, first, last])
         });
-        let [top, bottom, left, right] = rows
-            .map(|[row, first, last]| [row, row, first, last])
-            .reduce(|all, row| [all[0], row[1], all[2].min(row[2]), all[3].max(row[3])])?;
+        let [top, bottom, left, right] =
+            rows.reduce(|all, row| [all[0], row[1], all[2].min(row[2]), all[3].max(row[3])])?;
         let east = |column: usize| grid.west_m + column as f64 * grid.cell_m;
         let north = |row: usize| grid.north_m - row as f64 * grid.cell_m;
         Some([east(left), north(bottom + 1), east(right + 1), north(top)])
@@ -316,9 +315,7 @@ impl Surface {
     fn spreads_m(&self, counts: impl Fn(CellSource) -> bool) -> Vec<f64> {
         let known = self.spread_m.iter().zip(&self.source);
         let known = known.filter(|(spread, source)| !spread.is_nan() && counts(**source));
-        let mut spreads_m: Vec<f64> = known.map(|(spread, _)| f64::from(*spread)).collect();
-        spreads_m.sort_by(f64::total_cmp);
-        spreads_m
+        sorted(known.map(|(spread, _)| f64::from(*spread)))
     }
 
     /// Returns the shares of the known cells of each source, in the order of [`CellSource::KNOWN`].

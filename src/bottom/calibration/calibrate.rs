@@ -10,7 +10,7 @@ use super::{
 };
 use crate::first_return::FirstReturns;
 use bathyscope_log::support::progress::{Cancelled, Progress};
-use bathyscope_log::support::statistics::{median_of, quantile, spread_about};
+use bathyscope_log::support::statistics::{median_of, quantile, sorted, spread_about};
 use bathyscope_log::survey::{Navigation, RangeSource, Side, Survey};
 
 /// Least change of depths that is worth a warning, metres.
@@ -200,8 +200,7 @@ fn depth_step_m(survey: &Survey) -> f64 {
     let good = survey.soundings.iter().filter(|sounding| sounding.is_good());
     let depths_m: Vec<f64> = good.map(|sounding| f64::from(sounding.depth_m)).collect();
     let steps = depths_m.windows(2).map(|pair| (pair[1] - pair[0]).abs());
-    let mut steps_m: Vec<f64> = steps.filter(|step_m| *step_m > 0.0).collect();
-    steps_m.sort_by(f64::total_cmp);
+    let steps_m = sorted(steps.filter(|step_m| *step_m > 0.0));
     if steps_m.is_empty() { 0.0 } else { quantile(&steps_m, FEW) }
 }
 

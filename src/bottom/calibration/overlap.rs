@@ -19,7 +19,7 @@
 
 use super::Calibration;
 use crate::first_return::FirstReturns;
-use bathyscope_log::support::statistics::{median_of, quantile, usual_step};
+use bathyscope_log::support::statistics::{median_of, quantile, sorted, usual_step};
 use bathyscope_log::survey::{Side, Survey};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -191,10 +191,8 @@ fn widths_of(blocks: &[Block]) -> Option<BeamWidths> {
     if level.len().min(telling.len()) < LEAST_BLOCKS {
         return None;
     }
-    let mut shares: Vec<f64> = level.iter().map(|block| block.share).collect();
-    shares.sort_unstable_by(f64::total_cmp);
     // Ground that slopes by less than the overlap looks level, but its ranges are shorter.
-    let level = quantile(&shares, 0.75);
+    let level = quantile(&sorted(level.iter().map(|block| block.share)), 0.75);
     let overlap_rad = known_overlap_rad(&telling, level).filter(|angle_rad| *angle_rad > 0.0);
     let wider_rad = known_overlap_rad(&steep, level)
         .map(|angle_rad| -angle_rad)

@@ -8,7 +8,7 @@
 //! the last depth: the depth stays the same to the last digit while both sides move.
 
 use super::{FirstReturns, Pick, joined};
-use bathyscope_log::support::statistics::{median, median_of, quantile};
+use bathyscope_log::support::statistics::{median, median_of, quantile, sorted};
 use bathyscope_log::survey::{Side, SidePing, Sounding, SoundingFault, Survey, nearest_in_time};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -225,8 +225,7 @@ impl Witnesses {
     fn move_over(&self, soundings: &Range<usize>, more_than_m: f64) -> bool {
         let moves = |side: &Vec<f64>| {
             let ranges = side[soundings.clone()].iter().copied();
-            let mut ranges: Vec<f64> = ranges.filter(|range_m| range_m.is_finite()).collect();
-            ranges.sort_unstable_by(f64::total_cmp);
+            let ranges = sorted(ranges.filter(|range_m| range_m.is_finite()));
             let tells = 2 * ranges.len() > soundings.len();
             tells.then(|| quantile(&ranges, 0.95) - quantile(&ranges, 0.05) > more_than_m)
         };
@@ -377,9 +376,7 @@ fn held_depths(soundings: &[Sounding], witnesses: &Witnesses) -> Vec<Range<usize
         runs.push(start..start + run.len());
         start += run.len();
     }
-    let mut lengths: Vec<f64> = runs.iter().map(|run| run.len() as f64).collect();
-    lengths.sort_unstable_by(f64::total_cmp);
-    let usual = quantile(&lengths, 0.95);
+    let usual = quantile(&sorted(runs.iter().map(|run| run.len() as f64)), 0.95);
     let longest = HELD.max((HELD_TIMES as f64 * if usual.is_nan() { 0.0 } else { usual }) as usize);
     let moves = |run: &Range<usize>| {
         let depth_m = f64::from(soundings[run.start].depth_m);

@@ -4,6 +4,7 @@
 use crate::bathymetry::Grid;
 use crate::nearest::Nearest;
 use bathyscope_log::support::outline::{self, between, edges};
+use bathyscope_log::support::statistics::sorted;
 use rayon::prelude::*;
 
 /// Least side of a cell, metres: a boat cannot follow a line any better.
@@ -96,9 +97,7 @@ fn within_rings(grid: &Grid, rings: &[Vec<[f64; 2]>]) -> Vec<bool> {
     let rows = open.par_chunks_mut(grid.columns.max(1)).enumerate();
     rows.for_each(|(row, cells)| {
         let north_m = grid.centre(row, 0)[1];
-        let mut crossings: Vec<f64> =
-            rings.iter().flat_map(|ring| crossed(ring, north_m)).collect();
-        crossings.sort_by(f64::total_cmp);
+        let crossings = sorted(rings.iter().flat_map(|ring| crossed(ring, north_m)));
         for between in crossings.chunks_exact(2) {
             for (column, cell) in cells.iter_mut().enumerate() {
                 let east_m = grid.centre(row, column)[0];

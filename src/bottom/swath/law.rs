@@ -14,7 +14,7 @@
 use super::echoes::LogEchoes;
 use crate::sparse::Normal;
 use bathyscope_log::support::progress::{Cancelled, Progress};
-use bathyscope_log::support::statistics::{median_of, quantile};
+use bathyscope_log::support::statistics::{median_of, quantile, sorted};
 use bathyscope_log::survey::Side;
 use serde::{Deserialize, Serialize};
 
@@ -214,9 +214,7 @@ impl LevelSpread {
             .chunks(windows.len().div_ceil(BINS))
             .map(|bin| {
                 let mean = bin.iter().map(|window| window.mean).sum::<f64>() / bin.len() as f64;
-                let mut about: Vec<f64> =
-                    bin.iter().flat_map(|window| window.about.iter().copied()).collect();
-                about.sort_by(f64::total_cmp);
+                let about = sorted(bin.iter().flat_map(|window| window.about.iter().copied()));
                 let [low, middle, high] = [0.1, 0.5, 0.9].map(|share| quantile(&about, share));
                 [low, middle, high, mean]
             })
@@ -282,10 +280,8 @@ impl LevelSpread {
 fn drawn(smoothed: usize, level: impl Fn(f64) -> f64) -> [f64; 3] {
     let mut normal = Normal::new(3);
     let mut draw_level = || level(0.5 * (normal.draw().powi(2) + normal.draw().powi(2)));
-    let mut means: Vec<f64> = (0..DRAWN)
-        .map(|_| (0..smoothed).map(|_| draw_level()).sum::<f64>() / smoothed as f64)
-        .collect();
-    means.sort_by(f64::total_cmp);
+    let mean = |_| (0..smoothed).map(|_| draw_level()).sum::<f64>() / smoothed as f64;
+    let means = sorted((0..DRAWN).map(mean));
     [0.1, 0.5, 0.9].map(|share| quantile(&means, share))
 }
 

@@ -8,6 +8,7 @@
 //! range. The curve of the beam also corrects errors of the law.
 
 use crate::sparse::solve_dense;
+use bathyscope_log::support::statistics::{quantile, sorted};
 use faer::Mat;
 
 /// Angles from straight down at which the curve of the beam has a value, degrees: every 5 from 15
@@ -218,9 +219,8 @@ impl LawCurves {
     /// Fits curves to the mean levels of some places with many samples, by a damped Gauss-Newton
     /// method with robust weights; `None` without places or a solution.
     pub(super) fn fit(places: &[FitPlace]) -> Option<Self> {
-        let mut levels: Vec<f64> = places.iter().map(|place| place.ln_power).collect();
-        levels.sort_by(f64::total_cmp);
-        let at = |share: f64| Some(bathyscope_log::support::statistics::quantile(&levels, share));
+        let levels = sorted(places.iter().map(|place| place.ln_power));
+        let at = |share: f64| Some(quantile(&levels, share));
         let mut curves = Self(std::array::from_fn(|_| 0.0));
         curves.0[..KNOTS].fill(at(0.5).filter(|_| !levels.is_empty())?);
         curves.0[NOISE] = at(0.05)?;

@@ -101,6 +101,13 @@ pub fn spread_about(values: &mut [f64], centre: f64) -> f64 {
     SIGMA_PER_MAD * median(values)
 }
 
+/// Returns some values in ascending order.
+pub fn sorted(values: impl IntoIterator<Item = f64>) -> Vec<f64> {
+    let mut values: Vec<f64> = values.into_iter().collect();
+    values.sort_unstable_by(f64::total_cmp);
+    values
+}
+
 /// Estimates the standard deviation of errors from their sizes, in ascending order: the mean of the
 /// 68 % quantile and of half the 95 % quantile. NaN for an empty slice.
 pub fn sigma_of_sizes(sorted: &[f64]) -> f64 {

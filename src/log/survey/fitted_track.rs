@@ -7,7 +7,7 @@
 use super::local_fit::{LocalFit, TimedPosition};
 use super::{Track, run_ranges};
 use crate::support::outline::between;
-use crate::support::statistics::{ends, quantile};
+use crate::support::statistics::{ends, quantile, sorted};
 use std::ops::Range;
 
 /// Longest time between two fixes that one fit covers, seconds (or three fix intervals, where those
@@ -281,9 +281,7 @@ fn step_m(from: &Stay, to: &Stay) -> f64 {
 
 /// Returns the steps from each item to the next, in ascending order.
 fn sorted_steps<T>(items: &[T], step: impl Fn(&T, &T) -> f64) -> Vec<f64> {
-    let mut steps: Vec<f64> = items.windows(2).map(|pair| step(&pair[0], &pair[1])).collect();
-    steps.sort_unstable_by(f64::total_cmp);
-    steps
+    sorted(items.windows(2).map(|pair| step(&pair[0], &pair[1])))
 }
 
 fn stays(track: &Track) -> Vec<Stay> {

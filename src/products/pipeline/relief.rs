@@ -4,7 +4,7 @@ use super::surface::depth_points;
 use bathyscope_bottom::bathymetry::{Surface, SurfaceMethod, SurfaceSettings, surface_of_depths};
 use bathyscope_bottom::cloud::{CloudPoint, PointClass, PointCloud};
 use bathyscope_log::support::progress::{Cancelled, Progress};
-use bathyscope_log::support::statistics::{median_of, quantile};
+use bathyscope_log::support::statistics::{median_of, quantile, sorted};
 use bathyscope_log::survey::{Navigation, Relief, Side, Survey};
 
 /// Side of the cells of the surface from which the shape is read, as a share of the median depth,
@@ -82,8 +82,7 @@ pub(super) fn farthest_m(survey: &Survey) -> f64 {
     let pings = survey.side_scan.iter();
     let spans = pings.flat_map(|ping| [ping.port, ping.starboard]).flatten();
     let ranges = spans.map(|span| f64::from(span.far_m));
-    let mut ranges: Vec<f64> = ranges.filter(|far_m| far_m.is_finite()).collect();
-    ranges.sort_by(f64::total_cmp);
+    let ranges = sorted(ranges.filter(|far_m| far_m.is_finite()));
     // The quantile of no ranges is NaN, and the greater of NaN and 1 is 1.
     quantile(&ranges, RANGE_SHARE).max(1.0)
 }

@@ -5,7 +5,7 @@ use super::lines::LEAST_LENGTH_M;
 use super::{DepthArea, Isobath, Polygon};
 use crate::bathymetry::Surface;
 use bathyscope_log::support::outline::{between, edges, is_crossed};
-use bathyscope_log::support::statistics::ends;
+use bathyscope_log::support::statistics::{ends, sorted};
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::float::single::SingleFloatOverlay as _;
@@ -175,9 +175,7 @@ impl ClipArea {
         };
         let bands = self.bands_over(from[1], to[1]);
         let near = self.bands[bands].iter().flatten();
-        let mut shares: Vec<f64> = near.filter_map(share).collect();
-        shares.sort_by(f64::total_cmp);
-        shares
+        sorted(near.filter_map(share))
     }
 }
 
@@ -242,8 +240,7 @@ pub fn storage(surface: &Surface, levels_m: &[f64], clip_area: Option<&ClipArea>
     };
     let known = surface.depth_m.iter().enumerate();
     let known = known.filter(|(cell, depth)| !depth.is_nan() && is_within(*cell));
-    let mut depths: Vec<f64> = known.map(|(_, depth)| f64::from(*depth)).collect();
-    depths.sort_unstable_by(f64::total_cmp);
+    let depths = sorted(known.map(|(_, depth)| f64::from(*depth)));
     // Sums of the depths from the deepest up to each place in the order.
     let mut deepest_first = Vec::with_capacity(depths.len() + 1);
     let mut sum_m = 0.0;

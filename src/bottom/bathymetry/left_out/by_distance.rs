@@ -2,7 +2,7 @@
 //! left-out soundings are missed by more than usual at the same distance, and where by less.
 
 use super::LeftOutMiss;
-use bathyscope_log::support::statistics::sigma_of_sizes;
+use bathyscope_log::support::statistics::{sigma_of_sizes, sorted};
 use std::collections::HashMap;
 
 /// Number of bins by distance for the misses of large squares; those of small squares are one bin.
@@ -37,11 +37,8 @@ impl SigmaByDistance {
     /// Returns the larger of two standard deviations at every distance that either was measured at.
     pub(super) fn larger(&self, other: &Self) -> Self {
         let both = [self, other];
-        let mut distances_m: Vec<f64> = both
-            .iter()
-            .flat_map(|sigma| sigma.steps.iter().map(|[distance_m, _]| *distance_m))
-            .collect();
-        distances_m.sort_by(f64::total_cmp);
+        let steps = both.iter().flat_map(|sigma| &sigma.steps);
+        let mut distances_m = sorted(steps.map(|[distance_m, _]| *distance_m));
         distances_m.dedup();
         // Neither grows beyond the last distance that it was measured at.
         let measured = |sigma: &Self, distance_m: f64| {
@@ -78,8 +75,7 @@ fn bins(misses: &[LeftOutMiss], count: usize) -> Vec<[f64; 2]> {
     misses.sort_by(|a, b| a.away_m.total_cmp(&b.away_m));
     let bins = misses.chunks(misses.len().div_ceil(count).max(1));
     let bins = bins.map(|bin| {
-        let mut sizes: Vec<f64> = bin.iter().map(|miss| miss.error_m.abs()).collect();
-        sizes.sort_by(f64::total_cmp);
+        let sizes = sorted(bin.iter().map(|miss| miss.error_m.abs()));
         [bin[bin.len() / 2].away_m, sigma_of_sizes(&sizes)]
     });
     bins.collect()

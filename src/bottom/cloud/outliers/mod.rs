@@ -12,7 +12,7 @@
 mod sweep;
 
 use bathyscope_log::support::progress::{Cancelled, Progress};
-use bathyscope_log::support::statistics::ends;
+use bathyscope_log::support::statistics::{ends, sorted};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
@@ -104,8 +104,7 @@ impl CellAxis {
     /// starts a new stretch, which is numbered on with one empty cell between. Values on the two
     /// sides of a gap are no neighbours.
     fn compact(values: impl Iterator<Item = f64>, cell_m: f64) -> Self {
-        let mut sorted: Vec<f64> = values.collect();
-        sorted.sort_unstable_by(f64::total_cmp);
+        let sorted = sorted(values);
         let cells_per_m = 1.0 / cell_m;
         let mut stretches = vec![(sorted[0], 0)];
         for pair in sorted.windows(2) {

@@ -2,7 +2,7 @@
 //! have gone.
 
 use crate::support::geo::{distance_m, east_of_deg};
-use crate::support::statistics::{quantile, upper_median};
+use crate::support::statistics::{quantile, sorted, upper_median};
 use crate::survey::{Fix, run_ranges};
 
 /// Distance from the track's median position beyond which a position is damaged data, degrees (some
@@ -128,14 +128,12 @@ fn fastest_mps(fixes: &[Fix]) -> f64 {
         speeds.push(distance_m(fixes[from].position, fix.position) / took_s);
         from = index;
     }
-    speeds.sort_unstable_by(f64::total_cmp);
-    let mut recorded: Vec<f64> = fixes.iter().map(|fix| f64::from(fix.speed_mps)).collect();
-    recorded.retain(|speed| speed.is_finite());
-    recorded.sort_unstable_by(f64::total_cmp);
-    let usual = [&speeds, &recorded]
+    let recorded = fixes.iter().map(|fix| f64::from(fix.speed_mps));
+    let recorded = recorded.filter(|speed| speed.is_finite());
+    let usual = [sorted(speeds), sorted(recorded)]
         .into_iter()
         .filter(|some| !some.is_empty())
-        .map(|some| quantile(some, BOATS_SHARE))
+        .map(|some| quantile(&some, BOATS_SHARE))
         .fold(0.0, f64::max);
     FASTER.0 * usual + FASTER.1
 }
