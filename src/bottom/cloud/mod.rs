@@ -38,10 +38,8 @@ use bathyscope_log::survey::{
     ExclusionReason, Exclusions, Navigation, PingNav, Side, SoundingFault, Survey, SwathSounding,
 };
 use serde::{Deserialize, Serialize};
-use std::iter::Chain;
 use std::num::NonZero;
 use std::ops::Index;
-use std::slice::Iter;
 use std::sync::Arc;
 
 /// Method that places a first return.
@@ -341,9 +339,6 @@ impl CloudPoint {
 #[derive(Clone, Debug, PartialEq)]
 pub struct BySource<T>([Arc<Vec<T>>; PointSource::ALL.len()]);
 
-/// Entries of all sources: soundings, both sides, the swath.
-type Entries<'a, T> = Chain<Chain<Iter<'a, T>, Chain<Iter<'a, T>, Iter<'a, T>>>, Iter<'a, T>>;
-
 impl<T> Default for BySource<T> {
     fn default() -> Self {
         Self(Default::default())
@@ -389,7 +384,7 @@ impl<T> BySource<T> {
     }
 
     /// Returns all entries in the order of their numbers.
-    pub fn iter(&self) -> Entries<'_, T> {
+    pub fn iter(&self) -> impl Iterator<Item = &T> + Clone {
         let [down_scan, port, starboard, swath] = &self.0;
         let sides = port.iter().chain(starboard.iter());
         down_scan.iter().chain(sides).chain(swath.iter())
@@ -403,15 +398,6 @@ impl FromIterator<CloudPoint> for BySource<CloudPoint> {
             parts[point.source as usize].push(point);
         }
         Self(parts.map(Arc::new))
-    }
-}
-
-impl<'a, T> IntoIterator for &'a BySource<T> {
-    type Item = &'a T;
-    type IntoIter = Entries<'a, T>;
-
-    fn into_iter(self) -> Self::IntoIter {
-        self.iter()
     }
 }
 
