@@ -108,7 +108,7 @@ impl App {
         let mut settings = Settings::clone(&log.settings);
         settings.water_level =
             WaterLevelSettings { file: Some(gauge.path.clone()), gauge: Some(Arc::new(gauge)) };
-        match Correction::new(settings.depth(), survey).refused() {
+        match Correction::new(settings.depth(), survey).refused {
             Some(why) => self.notices.warn(why),
             None => self.change_of(id, settings, "water levels", false),
         }

@@ -125,7 +125,7 @@ fn tell_of_drawing(survey: &Survey, settings: &Settings) {
 
 /// Refuses settings that do not fit the log.
 pub(super) fn check_against(survey: &Survey, settings: &Settings) -> Result<(), Failure> {
-    if let Some(why) = Correction::new(settings.depth(), survey).refused() {
+    if let Some(why) = Correction::new(settings.depth(), survey).refused {
         return Err(why.into());
     }
     let origin = survey.track.frame.origin();

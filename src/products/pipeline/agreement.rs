@@ -195,7 +195,7 @@ impl Agreement {
     pub(crate) fn comparison_of_each(&self, logs: &[ProcessedLog]) -> Vec<Comparison> {
         let each = self.logs.iter().zip(logs);
         each.map(|(found, log)| {
-            let level_m = log.products.correction.middle_level_m();
+            let level_m = log.products.correction.middle_level_m;
             Comparison::new(found.measured, &found.differences, level_m)
         })
         .collect()
@@ -232,7 +232,7 @@ impl Agreement {
 /// of the first log.
 fn level_m(logs: &[ProcessedLog]) -> f64 {
     let first = logs.first();
-    first.map_or(0.0, |log| log.products.correction.middle_level_m())
+    first.map_or(0.0, |log| log.products.correction.middle_level_m)
 }
 
 /// Returns points of all logs, in the order of the logs and of their points.

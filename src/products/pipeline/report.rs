@@ -248,7 +248,7 @@ pub(super) fn warnings(survey: &Survey, products: &Products) -> Vec<String> {
     let read = survey.warnings.iter().map(|warning| warning.text.clone());
     read.chain(products.bottom_line.warnings.iter().cloned())
         .chain(products.calibration.warnings.iter().cloned())
-        .chain(products.correction.refused().map(ToString::to_string))
+        .chain(products.correction.refused.iter().map(ToString::to_string))
         .chain(products.correction.gap_warning())
         .chain(products.exclusions.warnings.iter().cloned())
         .chain(products.clutter.and_then(|clutter| clutter.warning()))

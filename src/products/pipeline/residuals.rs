@@ -54,7 +54,7 @@ pub(crate) fn comparisons(
     let (measured, kinds) = points(logs, map, |point| !is_sounding(point), kind);
     let max_gap_m = first.products.settings.surface.max_gap_m;
     let ways = [Matching::Surface { max_gap_m }, Matching::Nearest { radius_m: RADIUS_M }];
-    let level_m = first.products.correction.middle_level_m();
+    let level_m = first.products.correction.middle_level_m;
     let mut found = Vec::new();
     for matching in ways {
         // Each point is matched once, even if it is in several lists.

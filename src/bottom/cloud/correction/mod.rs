@@ -69,10 +69,11 @@ pub struct Correction {
     start_unix_s: Option<f64>,
     /// Offset added to the log's clock, seconds.
     clock_offset_s: f64,
-    /// The water's height in the middle of the survey, metres.
-    middle_level_m: f64,
+    /// The water's height in the middle of the survey, metres above the level that depths count
+    /// from.
+    pub middle_level_m: f64,
     /// Reason why the readings of the water's height are not in force, if any.
-    refused: Option<WaterLevelError>,
+    pub refused: Option<WaterLevelError>,
     /// Readings before and after a gap in which the level of the survey is a guess, Unix seconds
     /// and metres.
     gap: Option<[(f64, f64); 2]>,
@@ -88,7 +89,7 @@ const GAP_SHARE: f64 = 0.25;
 
 impl Correction {
     /// Creates the correction of a survey. Readings that do not cover the survey are not applied,
-    /// and [`Correction::refused`] returns the reason.
+    /// and [`Correction::refused`] holds the reason.
     pub fn new(settings: DepthSettings, survey: &Survey) -> Self {
         let over = over_survey(&settings.water_level, survey);
         let mut made = Self {
@@ -113,11 +114,6 @@ impl Correction {
             Err(why) => made.refused = Some(why),
         }
         made
-    }
-
-    /// Returns the reason why the readings of the water's height are not in force, if any.
-    pub fn refused(&self) -> Option<&WaterLevelError> {
-        self.refused.as_ref()
     }
 
     /// Returns the standard deviation of the water's height where it is interpolated between
@@ -158,12 +154,6 @@ impl Correction {
         self.settings.height_offset_m
     }
 
-    /// Returns the water's height in the middle of the survey, metres above the level that depths
-    /// count from.
-    pub fn middle_level_m(&self) -> f64 {
-        self.middle_level_m
-    }
-
     /// Returns the readings in force, if any.
     pub fn gauge(&self) -> Option<&Gauge> {
         self.start_unix_s.and(self.settings.water_level.gauge.as_deref())
@@ -186,15 +176,13 @@ impl Correction {
     /// Returns the sentences of [`Correction::statement`] in two parts: what depths count from and
     /// what was applied, then what was not.
     pub fn sentences(&self) -> [String; 2] {
-        let applied = self.applied();
-        let missing = self.missing();
-        let applied = match applied.as_slice() {
-            [] => "Applied: nothing".to_owned(),
-            some => format!("Applied: {}", some.join("; ")),
+        let applied = match self.applied().as_slice() {
+            [] => "nothing".to_owned(),
+            some => some.join("; "),
         };
         [
-            format!("Depths are below {}. {applied}.", self.reference().in_words()),
-            format!("Not corrected: {}.", missing.join(", ")),
+            format!("Depths are below {}. Applied: {applied}.", self.reference().in_words()),
+            format!("Not corrected: {}.", self.missing().join(", ")),
         ]
     }
 
@@ -245,7 +233,7 @@ impl Correction {
                 self.range_factor()
             ));
         }
-        if settings.draft_m > 0.0 {
+        if self.knows_draft() {
             applied.push(format!("draft {} m added", settings.draft_m));
         }
         if let Some(gauge) = self.gauge() {
@@ -272,11 +260,10 @@ impl Correction {
     }
 
     fn missing(&self) -> Vec<&'static str> {
-        let settings = &self.settings;
         let known = [
-            (settings.draft_m > 0.0, "draft"),
+            (self.knows_draft(), "draft"),
             (self.knows_level(), "water level or tide"),
-            (settings.sound_speed.water_m_s().is_some(), "sound speed"),
+            (self.knows_sound_speed(), "sound speed"),
         ];
         let unknown = known.iter().filter(|(known, _)| !known);
         unknown.map(|(_, name)| *name).chain(["roll and pitch"]).collect()

@@ -30,12 +30,12 @@ fn everything_at_once_is_the_sum_of_its_parts() {
         height_offset_m: -0.07,
     };
     let made = Correction::new(settings, &survey(Some(1_634_000_000.0)));
-    assert_eq!(made.refused(), None);
+    assert_eq!(made.refused, None);
     // 3 m at 0.99 of the speed, 0.4 m deeper, and the water half an hour later 102 m above the
     // level.
     let depth_m = made.depth_m(1800.0, 3.0);
     assert!((depth_m - (3.0 * 0.99 + 0.4 - 102.0 + 0.07)).abs() < 1e-9, "{depth_m}");
-    assert!((made.middle_level_m() - 101.75).abs() < 1e-9);
+    assert!((made.middle_level_m - 101.75).abs() < 1e-9);
     let said = made.statement();
     for words in [
         "1485.0 m/s",
@@ -97,7 +97,7 @@ fn a_clock_that_is_wrong_takes_the_reading_of_another_time_until_it_is_put_right
     }
     assert!(right.statement().contains("360 s later"), "{}", right.statement());
     // Put an hour ahead, the log ends after the last reading.
-    assert!(with(3600.0).refused().is_some());
+    assert!(with(3600.0).refused.is_some());
 }
 
 #[test]
@@ -107,13 +107,13 @@ fn readings_that_do_not_cover_the_log_are_refused() {
         Correction::new(settings, &survey(start_unix_s))
     };
     let late = with(Some(1_634_002_000.0));
-    let why = late.refused().expect("a reason").to_string();
+    let why = late.refused.as_ref().expect("a reason").to_string();
     assert!(why.contains("01:53:20") && why.contains("01:56:40"), "{why}");
     // Nothing is corrected by half.
     assert_eq!(late.depth_m(0.0, 3.0), 3.0);
     assert!(late.statement().contains("Not corrected: draft, water level"));
-    assert!(with(Some(1_633_999_999.0)).refused().is_some());
-    assert!(with(None).refused().expect("a reason").to_string().contains("does not know the time"));
+    assert!(with(Some(1_633_999_999.0)).refused.is_some());
+    assert!(with(None).refused.expect("a reason").to_string().contains("does not know the time"));
 }
 
 #[test]

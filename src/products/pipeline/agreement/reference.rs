@@ -211,7 +211,7 @@ impl MissionLog {
             let mounted = as_mounted(recorded, &settings.mounting, &settings.source);
             survey = Arc::new(mounted.map_err(|error| error.to_string())?);
         }
-        if let Some(why) = Correction::new(settings.depth(), &survey).refused() {
+        if let Some(why) = Correction::new(settings.depth(), &survey).refused {
             return Err(why.to_string().into());
         }
         let made = run(&survey, &settings, before, progress, |_| ())?;

@@ -219,7 +219,7 @@ fn compare_logs<'a>(
         ReferencePoints::new(reference.iter().copied(), Matching::Surface { max_gap_m });
     let places: Vec<[f64; 3]> = places(log).collect();
     let matches = reference.matches(&places, |place| *place, progress)?;
-    Ok(Comparison::new(places.len(), &matches, log.products.correction.middle_level_m()))
+    Ok(Comparison::new(places.len(), &matches, log.products.correction.middle_level_m))
 }
 
 /// Returns east, north and elevation of the points from which the depth map is made.
