@@ -22,6 +22,7 @@ pub use overlap::BeamWidths;
 pub use scale::{RangeAtDepth, header_scale, ranges_at_depths};
 pub use sounding_lag::SoundingLag;
 
+use crate::first_return::FirstReturns;
 #[cfg(doc)]
 use bathyscope_log::survey::RangeSource;
 use bathyscope_log::survey::{Side, SideSpan, Survey};
@@ -400,11 +401,17 @@ impl Calibration {
         }
     }
 
-    /// Returns the slant range of a pick at a sample, metres; NaN without a pick, and where the
-    /// side was not recorded.
-    pub fn pick_range_m(&self, survey: &Survey, ping: usize, side: Side, sample: f32) -> f64 {
-        let span = survey.span(ping, side);
-        span.map_or(f64::NAN, |span| self.range_m(span, f64::from(sample)))
+    /// Returns the slant range of the first return at a ping, metres; NaN without one, and where
+    /// the side was not recorded.
+    pub fn first_return_m(
+        &self,
+        survey: &Survey,
+        returns: &FirstReturns,
+        ping: usize,
+        side: Side,
+    ) -> f64 {
+        let found = returns.side(side).get(ping).zip(survey.span(ping, side));
+        found.map_or(f64::NAN, |(pick, span)| self.range_m(span, f64::from(pick.sample)))
     }
 }
 

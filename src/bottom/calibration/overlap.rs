@@ -146,10 +146,6 @@ pub(super) fn beam_widths(
     returns: &FirstReturns,
     calibration: &Calibration,
 ) -> BeamWidths {
-    let range_m = |ping: usize, side: Side| {
-        let pick = returns.side(side).get(ping);
-        pick.map_or(f64::NAN, |pick| calibration.pick_range_m(survey, ping, side, pick.sample))
-    };
     let interval_s = usual_step(survey.side_scan.iter().map(|ping| ping.time_s));
     let length = block_length(interval_s);
     let starts: Vec<usize> = (0..survey.side_scan.len()).step_by(length).collect();
@@ -157,7 +153,7 @@ pub(super) fn beam_widths(
         let pings = start..(start + length).min(survey.side_scan.len());
         let pings = pings.map(|ping| PingRanges {
             time_s: survey.side_scan[ping].time_s,
-            sides_m: Side::BOTH.map(|side| range_m(ping, side)),
+            sides_m: Side::BOTH.map(|side| calibration.first_return_m(survey, returns, ping, side)),
             depth_m: f64::from(survey.good_depth_m(ping)),
         });
         Block::of(&pings.collect::<Vec<_>>(), least_of(length))

@@ -97,10 +97,8 @@ impl SoundingLag {
 /// Returns the range of the first returns of a ping where both sides are about equally far, metres;
 /// otherwise NaN.
 fn range_m(survey: &Survey, returns: &FirstReturns, calibration: &Calibration, ping: usize) -> f64 {
-    let [port_m, starboard_m] = Side::BOTH.map(|side| {
-        let pick = returns.side(side).get(ping);
-        pick.map_or(f64::NAN, |pick| calibration.pick_range_m(survey, ping, side, pick.sample))
-    });
+    let [port_m, starboard_m] =
+        Side::BOTH.map(|side| calibration.first_return_m(survey, returns, ping, side));
     let farther_m = port_m.max(starboard_m);
     if (port_m - starboard_m).abs() <= SIDES_AGREE * farther_m { farther_m } else { f64::NAN }
 }

@@ -37,7 +37,7 @@ pub use layout::{Bounds, MosaicLayout, MosaicRay, TILE_CELLS, TileIndex, joined_
 pub use paint::{MosaicLog, MosaicPart, join_parts, joint_tile, joint_window, part, window};
 
 use crate::calibration::Calibration;
-use crate::first_return::{FirstReturns, Pick};
+use crate::first_return::FirstReturns;
 use crate::presentation::colours;
 use bathyscope_log::support::statistics::median_of;
 use bathyscope_log::survey::{Side, Survey};
@@ -131,11 +131,9 @@ pub fn altitudes_m(
 ) -> Vec<f32> {
     let measured: Vec<f64> = (0..survey.side_scan.len())
         .map(|ping| {
-            let pick = returns.side(side).get(ping);
-            let pick = pick.filter(|pick| pick.is_some() && !pick.above_bottom);
-            let range_m = |pick: &Pick| calibration.pick_range_m(survey, ping, side, pick.sample);
-            let picked_m = pick.map_or(f64::NAN, range_m);
-            if picked_m > 0.0 { picked_m } else { f64::from(survey.good_depth_m(ping)) }
+            let is_above = returns.side(side).get(ping).is_some_and(|pick| pick.above_bottom);
+            let range_m = calibration.first_return_m(survey, returns, ping, side);
+            if range_m > 0.0 && !is_above { range_m } else { f64::from(survey.good_depth_m(ping)) }
         })
         .collect();
     let mut steady: Vec<f32> = (0..measured.len())

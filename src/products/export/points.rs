@@ -126,7 +126,7 @@ fn write_ping(
     for side in [Side::Port, Side::Starboard] {
         let pick = (log.returns.side(side).get(index)).filter(|pick| pick.is_some());
         let [sample, range_m, confidence] = pick.map_or([f64::NAN; 3], |pick| {
-            let range_m = log.calibration.pick_range_m(survey, index, side, pick.sample);
+            let range_m = log.calibration.first_return_m(survey, log.returns, index, side);
             [f64::from(pick.sample), range_m, f64::from(pick.confidence)]
         });
         number(out, sample, 2)?;

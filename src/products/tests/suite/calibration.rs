@@ -190,8 +190,8 @@ fn the_published_preset_returns_its_own_calibration_depth_too_shallow() {
                 if pick.above_bottom {
                     continue;
                 }
-                let range_m =
-                    products.calibration.pick_range_m(&pond.survey, ping, side, pick.sample);
+                let Products { calibration, returns, .. } = &products;
+                let range_m = calibration.first_return_m(&pond.survey, returns, ping, side);
                 let bottom_point = bathyscope_bottom::cloud::fixed_bottom_point(
                     settings.cloud.geometry,
                     range_m,
@@ -394,10 +394,9 @@ fn the_rivers_best_flat_stretch_lies_on_its_sand() {
 
 /// Calibrated range of the first return, per ping; NaN without one.
 fn ranges(survey: &Survey, products: &Products, side: Side) -> Vec<f64> {
-    let picks = products.returns.side(side).iter().enumerate();
-    picks
-        .map(|(ping, pick)| products.calibration.pick_range_m(survey, ping, side, pick.sample))
-        .collect()
+    let Products { calibration, returns, .. } = products;
+    let pings = 0..survey.side_scan.len();
+    pings.map(|ping| calibration.first_return_m(survey, returns, ping, side)).collect()
 }
 
 fn quantile(values: &mut [f64], share: f64) -> f64 {
