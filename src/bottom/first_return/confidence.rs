@@ -10,7 +10,6 @@
 //! of the ground, no law can distinguish weed from a boulder: the confidence of a pick above the
 //! recorded depth is the share of such picks that are the ground ([`ABOVE_BOTTOM_SHARE`]).
 
-use super::false_soundings::pick_range_m;
 use super::{FirstReturns, Method, Pick};
 use bathyscope_log::support::statistics::{median, median_of, spread_about};
 use bathyscope_log::survey::{Side, Survey};
@@ -356,8 +355,8 @@ fn doubt_beyond(
 ) {
     for index in 0..sides[0].len() {
         let depth_m = f64::from(survey.good_depth_m(first + index));
-        let ranges_m = Side::BOTH
-            .map(|side| pick_range_m(survey, first + index, side, &sides[side as usize][index]));
+        let ranges_m =
+            Side::BOTH.map(|side| sides[side as usize][index].range_m(survey, first + index, side));
         for side in Side::BOTH {
             let (own_m, other_m) = (ranges_m[side as usize], ranges_m[side.other() as usize]);
             let pick = &mut sides[side as usize][index];

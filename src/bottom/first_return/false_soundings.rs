@@ -7,7 +7,7 @@
 //! to twice its value while neither side moves. Where a recorder has lost the bottom, it repeats
 //! the last depth: the depth stays the same to the last digit while both sides move.
 
-use super::{FirstReturns, Pick, joined};
+use super::{FirstReturns, joined};
 use bathyscope_log::support::statistics::{median, median_of, quantile, sorted};
 use bathyscope_log::survey::{Side, SidePing, Sounding, SoundingFault, Survey, nearest_in_time};
 use rayon::prelude::*;
@@ -109,13 +109,6 @@ pub(super) fn ranges_around(survey: &Survey, pings: &[usize]) -> Vec<Range<usize
         }
     }
     ranges
-}
-
-/// Returns the slant range of a given pick by the recorder's scale, metres; NaN without a pick or a
-/// recorded side.
-pub(super) fn pick_range_m(survey: &Survey, ping: usize, side: Side, pick: &Pick) -> f64 {
-    let span = survey.span(ping, side).filter(|_| pick.is_some());
-    span.map_or(f64::NAN, |span| span.range_m(f64::from(pick.sample)))
 }
 
 /// Returns the survey with the false soundings and the depths of their pings marked with the fault;

@@ -140,6 +140,13 @@ impl Pick {
     pub fn is_some(&self) -> bool {
         !self.sample.is_nan()
     }
+
+    /// Returns the slant range by the recorder's scale at a ping, metres; NaN without a pick or a
+    /// recorded side.
+    fn range_m(&self, survey: &Survey, ping: usize, side: Side) -> f64 {
+        let span = survey.span(ping, side).filter(|_| self.is_some());
+        span.map_or(f64::NAN, |span| span.range_m(f64::from(self.sample)))
+    }
 }
 
 /// First returns of every side-scan ping; copies share the lists.
@@ -181,7 +188,7 @@ impl FirstReturns {
     /// without one.
     pub(crate) fn range_m(&self, survey: &Survey, ping: usize, side: Side) -> f64 {
         let pick = self.side(side).get(ping);
-        pick.map_or(f64::NAN, |pick| false_soundings::pick_range_m(survey, ping, side, pick))
+        pick.map_or(f64::NAN, |pick| pick.range_m(survey, ping, side))
     }
 
     /// Returns the first returns without picks at the excluded pings.

@@ -8,7 +8,7 @@ use super::trend::{Trend, overlap};
 use crate::first_return::confidence::farthest_m;
 use crate::vectors::{VectorLoop, vectorised};
 use bathyscope_log::survey::Survey;
-use std::ops::{Bound, Range, RangeBounds};
+use std::ops::Range;
 
 /// Length of the windows that are compared before and after a step, metres.
 const WINDOW_M: f64 = 0.20;
@@ -146,16 +146,9 @@ impl Scores {
     }
 
     /// Lowers the scores of some cells of a row; cells beyond the row are ignored.
-    fn lower(&mut self, row: usize, cells: impl RangeBounds<usize>, cost: f32) {
+    fn lower(&mut self, row: usize, cells: Range<usize>, cost: f32) {
         let row = self.grid.row_mut(row);
-        let start = match cells.start_bound() {
-            Bound::Included(&start) => start.min(row.len()),
-            _ => 0,
-        };
-        let end = match cells.end_bound() {
-            Bound::Excluded(&end) => end.min(row.len()),
-            _ => row.len(),
-        };
+        let (start, end) = (cells.start.min(row.len()), cells.end.min(row.len()));
         for score in &mut row[start..end] {
             *score -= cost;
         }
@@ -454,8 +447,8 @@ impl Depths {
         let (near, far) = DEPTH_WINDOW;
         for (row, depth) in self.known() {
             if scores.is_new[row] {
-                scores.lower(row, ..self.cell(near * depth), DEPTH_COST);
-                scores.lower(row, self.cell(far * depth).., DEPTH_COST);
+                scores.lower(row, 0..self.cell(near * depth), DEPTH_COST);
+                scores.lower(row, self.cell(far * depth)..usize::MAX, DEPTH_COST);
             }
         }
     }
@@ -480,7 +473,7 @@ impl Depths {
     /// zero raises them again.
     pub(super) fn lower_beyond(&self, rows: &Range<usize>, cost: f32, scores: &mut Scores) {
         for (row, depth) in self.known().filter(|(row, _)| rows.contains(row)) {
-            scores.lower(row, self.limit(depth).., cost);
+            scores.lower(row, self.limit(depth)..usize::MAX, cost);
             scores.is_lowered = true;
         }
     }
