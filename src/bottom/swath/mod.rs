@@ -86,7 +86,7 @@ pub fn correct(
         .collect::<Result<Vec<_>, _>>()?;
     surface.levels = match found(surface, &laid_out, measured, progress, mode)? {
         Ok((found, left_out)) => {
-            let stated = left_out.map_or(StatedByLevels::untested(UNTESTED_SDS), |left_out| {
+            let stated = left_out.map_or(StatedByLevels::UNTESTED, |left_out| {
                 let error_sds = STATED * left_out.error_sds;
                 StatedByLevels { error_sds, least_share: left_out.with_m / left_out.without_m }
             });
@@ -233,7 +233,7 @@ pub fn correct_part(
     let curves: Vec<Option<LawCurves>> = input.sets.iter().map(of_set).collect();
     around.levels = match input.find(&tiling, &curves, UNTESTED, progress)? {
         Some(found) => {
-            add(&found, StatedByLevels::untested(UNTESTED_SDS), around);
+            add(&found, StatedByLevels::UNTESTED, around);
             FromLevels::Used { left_out_m: None }
         }
         None => FromLevels::Refused(LevelsRefused::TooFewEchoes),
@@ -260,10 +260,8 @@ struct StatedByLevels {
 }
 
 impl StatedByLevels {
-    /// Creates the stated error where no left-out soundings tested the levels.
-    fn untested(error_sds: f64) -> Self {
-        Self { error_sds, least_share: 0.0 }
-    }
+    /// Stated error where no left-out soundings tested the levels.
+    const UNTESTED: Self = Self { error_sds: UNTESTED_SDS, least_share: 0.0 };
 }
 
 /// Merges the depths from levels into a surface; their weight grows with the ratio of the surface's
