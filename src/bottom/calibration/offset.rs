@@ -8,7 +8,7 @@
 //! picks.
 
 use super::scale::Usable;
-use bathyscope_log::support::statistics::{median, median_of, spread_about};
+use bathyscope_log::support::statistics::{MEDIAN_ERROR, median, median_of, spread_about};
 use bathyscope_log::survey::Side;
 
 /// Number of pings that are evaluated together: long enough to quiet the noise of the recorded
@@ -52,8 +52,6 @@ const MIN_SHARE: f64 = 0.2;
 /// Least scatter of blocks, metres, and the number of blocks that counts as a handful.
 const LEAST_SCATTER_M: f64 = 0.01;
 const HANDFUL: f64 = 4.0;
-/// Standard error of a median as a multiple of that of a mean, for normal noise.
-const MEDIAN_ERROR: f64 = 1.2533;
 
 /// Constant between first-return ranges and recorded depths, as a log shows it.
 #[derive(Clone, Copy, Debug, PartialEq)]

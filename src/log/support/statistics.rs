@@ -5,6 +5,8 @@ use std::cmp::Ordering;
 
 /// Ratio of the standard deviation of normal noise to its median absolute deviation.
 pub const SIGMA_PER_MAD: f64 = 1.4826;
+/// Standard error of a median as a multiple of that of a mean, for normal noise.
+pub const MEDIAN_ERROR: f64 = 1.2533;
 
 /// Returns the 2nd and the 98th percentile of some values, as the ends of a colour scale, which a
 /// few odd values do not change. `None` without a finite value.

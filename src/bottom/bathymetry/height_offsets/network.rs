@@ -2,7 +2,9 @@
 
 use super::{Datum, HeightOffsets, LogOffset, LogOverlap, PairDifference};
 use crate::sparse::{Equations, Factor, Pattern};
-use bathyscope_log::support::statistics::{SIGMA_PER_MAD, median, median_of, spread_about};
+use bathyscope_log::support::statistics::{
+    MEDIAN_ERROR, SIGMA_PER_MAD, median, median_of, spread_about,
+};
 use std::collections::BTreeMap;
 
 /// Standard deviation of a difference on level ground, and of the position of an overlap, metres:
@@ -32,8 +34,6 @@ const LEAST_SHARE: f64 = 1e-9;
 /// no offset.
 const MOST_ERROR_M: f64 = 0.25;
 const MOST_ERROR_SHARE: f64 = 1.0 / 3.0;
-/// Standard error of a median, as a multiple of that of a mean.
-const MEDIAN_SHARE: f64 = 1.2533;
 
 /// Returns the heights of `count` logs, computed from their overlaps.
 ///
@@ -425,7 +425,7 @@ fn pair_differences(log_overlaps: &[LogOverlap], logs: &[LogOffset]) -> Vec<Pair
                 n,
                 difference_m,
                 spread_m,
-                standard_error_m: MEDIAN_SHARE * sigma_m / (n as f64).sqrt(),
+                standard_error_m: MEDIAN_ERROR * sigma_m / (n as f64).sqrt(),
                 residual_m: difference_m - (logs[a].offset_m - logs[b].offset_m),
             }
         })
