@@ -3,7 +3,7 @@
 
 use super::from_levels::{FromLevels, SwathDepth};
 use super::grid::{CellSource, measured_cells, settle};
-use super::left_out::{LeftOut, SurfaceCells, bend_and_state_error};
+use super::left_out::{LeftOut, bend_and_state_error};
 use super::{
     Bends, Between, DepthPoint, Grid, Node, Tin, TinSampler, merge_repeated, suited_cell_m,
 };
@@ -397,13 +397,10 @@ pub fn surface(
         SurfaceMethod::InverseDistance => None,
     };
     if let Some(between) = between {
-        let cells = SurfaceCells {
-            grid: made.grid,
-            depth_m: &mut made.depth_m,
-            spread_m: &mut made.spread_m,
-            distance_m: &made.distance_m,
-        };
-        if let LeftOut::Told(bends) = bend_and_state_error(cells, &tin, between, progress)? {
+        let cells = (&mut made.depth_m[..], &mut made.spread_m[..]);
+        let left_out =
+            bend_and_state_error(&made.grid, cells, &made.distance_m, &tin, between, progress)?;
+        if let LeftOut::Told(bends) = left_out {
             made.spread_is = Spread::OfError;
             made.bends = bends;
         }

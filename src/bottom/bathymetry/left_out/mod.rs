@@ -76,15 +76,6 @@ struct StatedError {
     bends: Option<Bends>,
 }
 
-/// Cells of a surface: depths, their spread, and the distance to the nearest sounding, metres, row
-/// by row; NaN where nothing is known.
-pub(super) struct SurfaceCells<'a> {
-    pub grid: Grid,
-    pub depth_m: &'a mut [f32],
-    pub spread_m: &'a mut [f32],
-    pub distance_m: &'a [f32],
-}
-
 /// Result of leaving out soundings of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum LeftOut {
@@ -96,21 +87,24 @@ pub(super) enum LeftOut {
 }
 
 /// Bends the triangles of a surface as far as left-out soundings are then predicted better, and
-/// replaces the spread of the cells by the standard deviation of their depth's error.
+/// replaces the spread of the cells by the standard deviation of their depth's error. The cells of
+/// `grid` have depths, spreads, and distances to the nearest sounding, metres, row by row; NaN where
+/// nothing is known.
 ///
 /// # Errors
 /// When the work was cancelled.
 pub(super) fn bend_and_state_error(
-    cells: SurfaceCells<'_>,
+    grid: &Grid,
+    (depth_m, spread_m): (&mut [f32], &mut [f32]),
+    distance_m: &[f32],
     tin: &Tin,
     between: Between,
     progress: &Progress,
 ) -> Result<LeftOut, Cancelled> {
-    let SurfaceCells { grid, depth_m, spread_m, distance_m } = cells;
     let nodes: Vec<Node> = tin.nodes().collect();
     let known = distance_m.iter().filter(|away_m| !away_m.is_nan());
     let usual_m = usual_of(known.copied().collect());
-    let squares = Squares::over(&grid, usual_m);
+    let squares = Squares::over(grid, usual_m);
     let Some(stated) = StatedError::of(&nodes, squares, between, progress)? else {
         return Ok(LeftOut::TooFew);
     };
