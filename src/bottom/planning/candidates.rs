@@ -3,6 +3,7 @@
 
 use super::ground::PlanningGrid;
 use super::turns::{Leg, apart_m};
+use bathyscope_log::support::outline::bounds;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 use std::collections::VecDeque;
@@ -135,11 +136,7 @@ impl ParallelLines {
         let (sin, cos) = heading_rad.sin_cos();
         let (along, across) = ([sin, cos], [cos, -sin]);
         let places = ground.cells.iter().map(|cell| turned(cell.place, along, across));
-        let bounds = places.fold(None, |bounds, [a, b]| {
-            let [[a0, a1], [b0, b1]] = bounds.unwrap_or([[a, a], [b, b]]);
-            Some([[a0.min(a), a1.max(a)], [b0.min(b), b1.max(b)]])
-        });
-        let [[a0, a1], [b0, b1]] = bounds.unwrap_or_default();
+        let [a0, b0, a1, b1] = bounds(places);
         let step_m = ground.water.grid.cell_m;
         let offset_m = step_m.max(LEAST_OFFSET_M);
         let steps = ((a1 - a0) / step_m) as usize + 1;
