@@ -251,7 +251,11 @@ pub fn match_points(
 pub struct ReferencePoints(Prepared);
 
 enum Prepared {
-    Nearest(NearPoints),
+    Nearest {
+        points: Vec<[f64; 3]>,
+        nearest: Nearest,
+        radius_m: f64,
+    },
     Surface(Tin),
     /// No points, or points that span no surface.
     Nothing,
@@ -264,7 +268,10 @@ impl ReferencePoints {
         let points = points.filter(|point| point.iter().all(|value| value.is_finite()));
         let prepared = match matching {
             Matching::Nearest { radius_m } => {
-                NearPoints::new(points.collect(), radius_m).map(Prepared::Nearest)
+                let points: Vec<[f64; 3]> = points.collect();
+                let places: Vec<[f64; 2]> = points.iter().map(|[x, y, _]| [*x, *y]).collect();
+                let nearest = Nearest::of(&places);
+                nearest.map(|nearest| Prepared::Nearest { points, nearest, radius_m })
             }
             Matching::Surface { max_gap_m } => {
                 triangulated(points, max_gap_m).map(Prepared::Surface)
@@ -282,7 +289,17 @@ impl ReferencePoints {
         progress: &Progress,
     ) -> Result<Vec<Match>, Cancelled> {
         match &self.0 {
-            Prepared::Nearest(nearest) => each(measured, place, || |at| nearest.at(at), progress),
+            Prepared::Nearest { points, nearest, radius_m } => {
+                let reference = |place: [f64; 2]| {
+                    let (found, _) = nearest.at(place);
+                    let [x, y, z_m] = points[found];
+                    // Computed from coordinates, not from the index's squared distance: only then
+                    // is a radius exact to its last bit.
+                    let distance_m = (x - place[0]).hypot(y - place[1]);
+                    (distance_m <= *radius_m).then_some(z_m)
+                };
+                each(measured, place, || reference, progress)
+            }
             Prepared::Surface(tin) => {
                 let sampler = || {
                     let mut sampler = tin.sampler(Between::Linear);
@@ -330,28 +347,6 @@ fn each<T: Sync, R: FnMut([f64; 2]) -> Option<f64>>(
         difference_m: place(&measured[measured_index])[2] - reference_z_m,
     }));
     Ok(matches)
-}
-
-struct NearPoints {
-    points: Vec<[f64; 3]>,
-    nearest: Nearest,
-    radius_m: f64,
-}
-
-impl NearPoints {
-    fn new(points: Vec<[f64; 3]>, radius_m: f64) -> Option<Self> {
-        let places: Vec<[f64; 2]> = points.iter().map(|[x, y, _]| [*x, *y]).collect();
-        Some(Self { nearest: Nearest::of(&places)?, points, radius_m })
-    }
-
-    fn at(&self, place: [f64; 2]) -> Option<f64> {
-        let (found, _) = self.nearest.at(place);
-        let [x, y, z_m] = self.points[found];
-        // Computed from coordinates, not from the index's squared distance: only then is a radius
-        // exact to its last bit.
-        let distance_m = (x - place[0]).hypot(y - place[1]);
-        (distance_m <= self.radius_m).then_some(z_m)
-    }
 }
 
 fn triangulated(points: impl Iterator<Item = [f64; 3]> + Clone, max_gap_m: f64) -> Option<Tin> {
