@@ -100,6 +100,8 @@ struct FoundLine {
     evidence: Vec<Option<f32>>,
     /// Lead over the best line that passes nearer, and over the best that passes farther.
     margins: Vec<[f32; 2]>,
+    /// Score that the whole line gathers.
+    gathered: f32,
 }
 
 impl FoundLine {
@@ -151,19 +153,18 @@ impl Workspace {
         if is_restored { self.paths.line(&self.scores.grid, trend, motion) } else { bounded_line }
     }
 
-    /// Finds the line along the trend that the rows are averaged along. Returns it with the score
-    /// that it gathers.
-    fn found_line(&mut self, trend: Trend, task: &Task) -> (FoundLine, f32) {
+    /// Finds the line along the trend that the rows are averaged along.
+    fn found_line(&mut self, trend: Trend, task: &Task) -> FoundLine {
         task.depths.weigh(&mut self.scores);
         let cells = self.line_within(&trend, task);
         let apart = (RIVAL_M / task.cell_m).ceil() as usize;
-        let line = FoundLine {
+        FoundLine {
             evidence: evidence(&self.scores.grid, &cells),
             margins: self.paths.margins(&cells, apart),
+            gathered: self.paths.gathered(),
             cells,
             trend,
-        };
-        (line, self.paths.gathered())
+        }
     }
 
     /// Returns the line with the trend with which it gathers most: none, or, where the line leaps
@@ -171,8 +172,8 @@ impl Workspace {
     fn best_line(&mut self, task: &Task) -> FoundLine {
         self.scores.measure(&self.rows, &task.kernel);
         let mut best = self.found_line(Trend::default(), task);
-        if best.0.is_whole(task.motion.limit) {
-            return best.0;
+        if best.is_whole(task.motion.limit) {
+            return best;
         }
         let loose = self.paths.line(&self.scores.grid, &Trend::default(), &task.motion.loose());
         let loose: Vec<f64> = loose.iter().map(|&cell| cell as f64).collect();
@@ -180,11 +181,11 @@ impl Workspace {
         for trend in Trend::candidates(&loose, &depths.cells, *interval_s, *cell_m) {
             self.scores.measure_along(&trend, &self.rows, &task.kernel);
             let found = self.found_line(trend, task);
-            if found.1 > best.1 {
+            if found.gathered > best.gathered {
                 best = found;
             }
         }
-        best.0
+        best
     }
 
     fn track(
@@ -207,7 +208,7 @@ impl Workspace {
             interval_s: usual_step(times_s),
             cell_m,
         });
-        let FoundLine { cells, trend, evidence, margins } = line;
+        let FoundLine { cells, trend, evidence, margins, .. } = line;
         let places = self.refiner.refine(&self.rows, &cells, &trend, limit, cell_m);
         let samples_per_cell = rows::cell(normalisation.samples) as f32;
         let kept = chunk.kept.clone();
