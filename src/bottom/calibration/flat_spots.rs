@@ -170,17 +170,17 @@ impl Profile {
         let pings = &survey.side_scan;
         let mut along_m = Vec::with_capacity(pings.len());
         let mut distance_m = 0.0;
+        let pause_s = |index: usize| pings[index].time_s - pings[index.saturating_sub(1)].time_s;
         for (index, place) in navigation.pings.iter().enumerate() {
-            let pause_s = pings[index].time_s - pings[index.saturating_sub(1)].time_s;
+            let pause_s = pause_s(index);
             if place.speed_mps.is_finite() && pause_s < MAX_PAUSE_S {
                 distance_m += place.speed_mps * pause_s;
             }
             along_m.push(distance_m);
         }
         let usable = |index: usize| {
-            let pause_s = pings[index].time_s - pings[index.saturating_sub(1)].time_s;
             pings[index].good_depth_m() > 0.0
-                && pause_s < MAX_PAUSE_S
+                && pause_s(index) < MAX_PAUSE_S
                 && navigation.pings[index].speed_mps >= MIN_SPEED_MPS
         };
         let mut sums = vec![[0.0_f64; 6]];
