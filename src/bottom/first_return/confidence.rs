@@ -10,7 +10,7 @@
 //! of the ground, no law can distinguish weed from a boulder: the confidence of a pick above the
 //! recorded depth is the share of such picks that are the ground ([`ABOVE_BOTTOM_SHARE`]).
 
-use super::{FirstReturns, Method, Pick};
+use super::{FirstReturns, Method, Pick, Settled};
 use bathyscope_log::support::statistics::{median, median_of, spread_about};
 use bathyscope_log::survey::{Side, Survey};
 use rayon::prelude::*;
@@ -85,10 +85,8 @@ pub(super) struct Gathering<'a> {
     pub survey: &'a Survey,
     /// Index of the ping of the first pick.
     pub first: usize,
-    /// Found first returns of port and starboard.
-    pub found: &'a [Vec<MethodPick>; 2],
-    /// Recorded depth of each ping, metres; NaN where there is none to believe.
-    pub depths_m: &'a [f32],
+    /// Found first returns, with the recorded depths.
+    pub settled: &'a Settled,
     /// Difference by which a pick must be nearer than the depth to count as above the bottom,
     /// metres.
     pub margin_m: f64,
@@ -111,14 +109,14 @@ impl Gathering<'_> {
                 let own = support_along(own, ping, on_line);
                 Evidence {
                     range_m,
-                    signs: self.found[this][ping].signs,
+                    signs: self.settled.found[this][ping].signs,
                     own,
                     other: if is_alone {
                         own
                     } else {
                         support(other, ping, |_| range_m, |_| as_far)
                     },
-                    depth_m: self.depths_m[ping],
+                    depth_m: self.settled.depths_m[ping],
                     beyond_dead_zone_m: range_m - self.dead_zone_m as f32,
                 }
             };
@@ -131,7 +129,7 @@ impl Gathering<'_> {
     pub(super) fn picks(&self) -> [Vec<Pick>; 2] {
         let evidence = self.evidence();
         let mut sides: [Vec<Pick>; 2] = [0, 1].map(|this| {
-            let found = self.found[this].par_iter().zip(&evidence[this]);
+            let found = self.settled.found[this].par_iter().zip(&evidence[this]);
             let rated = found.with_min_len(1024).map(|(found, evidence)| {
                 if found.sample.is_nan() {
                     return Pick::NONE;
@@ -151,7 +149,7 @@ impl Gathering<'_> {
 
     /// Returns the slant ranges by the recorder's scale, metres; NaN without a pick.
     fn ranges_m(&self, side: Side) -> Vec<f32> {
-        let found = self.found[side as usize].par_iter().enumerate().with_min_len(1024);
+        let found = self.settled.found[side as usize].par_iter().enumerate().with_min_len(1024);
         found
             .map(|(index, found)| {
                 let span = self.survey.span(self.first + index, side);

@@ -317,26 +317,21 @@ pub fn evidence(
     settings: &FirstReturnSettings,
     progress: &Progress,
 ) -> Result<[Vec<Evidence>; 2], Cancelled> {
-    let Settled { found, depths_m } = match settings.method {
+    let normalisation = Normalisation::measure(survey, image, settings.dead_zone_m, progress)?;
+    let settled = match settings.method {
         Method::Threshold => {
-            let index = ThresholdIndex::build(survey, image, settings.dead_zone_m, progress)?;
+            let index = ThresholdIndex::by(survey, image, normalisation, progress)?;
             index.found(settings.threshold)
         }
         Method::Tracker => {
-            let normalisation =
-                Normalisation::measure(survey, image, settings.dead_zone_m, progress)?;
             let pings = 0..survey.side_scan.len();
-            Settled {
-                found: tracker::track(survey, &normalisation, settings, pings.clone(), progress)?,
-                depths_m: locked_depths_m(survey, pings),
-            }
+            tracked(survey, &normalisation, settings, pings, progress)?
         }
     };
     let gathering = confidence::Gathering {
         survey,
         first: 0,
-        found: &found,
-        depths_m: &depths_m,
+        settled: &settled,
         margin_m: settings.above_bottom_margin_m,
         dead_zone_m: settings.dead_zone_m,
         method: settings.method,
@@ -351,9 +346,16 @@ struct Settled {
     depths_m: Vec<f32>,
 }
 
-fn locked_depths_m(survey: &Survey, pings: Range<usize>) -> Vec<f32> {
-    let pings = pings.into_par_iter();
-    pings.map(|ping| survey.good_depth_m(ping)).collect()
+fn tracked(
+    survey: &Survey,
+    normalisation: &Normalisation,
+    settings: &FirstReturnSettings,
+    pings: Range<usize>,
+    progress: &Progress,
+) -> Result<Settled, Cancelled> {
+    let found = tracker::track(survey, normalisation, settings, pings.clone(), progress)?;
+    let depths_m = pings.into_par_iter().map(|ping| survey.good_depth_m(ping));
+    Ok(Settled { found, depths_m: depths_m.collect() })
 }
 
 /// Runs the tracker over some pings only; the picks are the same as over the whole survey.
@@ -374,12 +376,11 @@ pub fn track_range(
     // The confidence of a pick depends on the pings around it.
     let around = pings.start.saturating_sub(confidence::REACH)
         ..survey.side_scan.len().min(pings.end + confidence::REACH);
-    let found = tracker::track(survey, normalisation, settings, around.clone(), progress)?;
+    let settled = tracked(survey, normalisation, settings, around.clone(), progress)?;
     let mut sides = confidence::Gathering {
         survey,
         first: around.start,
-        found: &found,
-        depths_m: &locked_depths_m(survey, around.clone()),
+        settled: &settled,
         margin_m: settings.above_bottom_margin_m,
         dead_zone_m: settings.dead_zone_m,
         method: Method::Tracker,

@@ -95,12 +95,10 @@ impl ThresholdIndex {
         threshold: f32,
         above_bottom_margin_m: f64,
     ) -> FirstReturns {
-        let Settled { found, depths_m } = self.found(threshold);
         let sides = Gathering {
             survey,
             first: 0,
-            found: &found,
-            depths_m: &depths_m,
+            settled: &self.found(threshold),
             margin_m: above_bottom_margin_m,
             dead_zone_m: self.normalisation.dead_zone_m,
             method: Method::Threshold,
