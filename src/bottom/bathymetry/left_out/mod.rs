@@ -88,8 +88,8 @@ pub(super) enum LeftOut {
 
 /// Bends the triangles of a surface as far as left-out soundings are then predicted better, and
 /// replaces the spread of the cells by the standard deviation of their depth's error. The cells of
-/// `grid` have depths, spreads, and distances to the nearest sounding, metres, row by row; NaN where
-/// nothing is known.
+/// `grid` have depths, spreads, and distances to the nearest sounding, metres, row by row; NaN
+/// where nothing is known.
 ///
 /// # Errors
 /// When the work was cancelled.
