@@ -3,13 +3,13 @@
 //! In: decisions of the analyst, or the text of a project. Out: the project, its text, and steps of
 //! undo.
 //!
-//! `log` is one log, `history` holds the states for undo, and `past` stores them on disk. `rows`
-//! converts a project to lines and back, `row` is one line, `text` reads and writes all lines and
-//! converts those of older versions, `paths` converts the paths of files. `store` writes the file
-//! under a temporary name and renames it, with every change in a `journal` beside it, which one
-//! window at a time has. `find` searches for logs that were moved, and makes the inputs for work
-//! without a window; `untitled` finds the decisions about logs that are in no named project. Logs
-//! are never written.
+//! `log` is one log, `history` holds the states for undo and stores them on disk. `rows` converts a
+//! project to lines and back, `row` is one line, `text` reads and writes all lines and converts
+//! those of older versions, `paths` converts the paths of files. `store` writes the file under a
+//! temporary name and renames it, with every change in a `journal` beside it, which one window at a
+//! time has. `find` searches for logs that were moved, and makes the inputs for work without a
+//! window; `untitled` finds the decisions about logs that are in no named project. Logs are never
+//! written.
 //!
 //! # The file
 //!
@@ -83,7 +83,6 @@ mod history;
 mod journal;
 mod log;
 mod measurement;
-mod past;
 mod paths;
 mod row;
 mod rows;
@@ -92,10 +91,9 @@ mod text;
 mod untitled;
 
 pub use find::{LogLocation, ProjectInput, find, inputs};
-pub use history::{History, HistoryStep};
+pub use history::{History, HistoryStep, PastStep, UNDONE};
 pub use log::{LogFile, LogKey, ProjectLog, read_bottom};
 pub use measurement::{Measurement, MeasurementKind, Pick};
-pub use past::{PastStep, UNDONE};
 pub use row::Key;
 pub use store::{ENDING, OpenedProject, SavingOutcome, Store, StoreError, read, with_journal};
 pub use untitled::{NAMED, UntitledProject, find_untitled, unused_path};

@@ -7,8 +7,8 @@
 //! - Only one window has a project open at a time. If that cannot be ensured, a file that another
 //!   program changed meanwhile is not replaced.
 
+use super::history::{Past, PastStep, history_of};
 use super::journal::{Entry, NoJournal, Owner, ProjectJournal, Read};
-use super::past::{Past, PastStep, history_of};
 use super::row::Rows;
 use super::text::{VERSION, migrate};
 use super::{Project, ProjectError, paths, rows, text};
