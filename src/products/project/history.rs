@@ -199,7 +199,7 @@ impl Past {
     /// then.
     pub(super) fn note(&mut self, label: &str, before: &Project, after: &Project) {
         if label == UNDONE
-            && let Some(at) = self.0.iter().rposition(|step| decides_alike(&step.before, after))
+            && let Some(at) = self.0.iter().rposition(|step| step.before.decides_as(after))
         {
             return self.0.truncate(at);
         }
@@ -277,15 +277,6 @@ impl Past {
         }
         Self(past)
     }
-}
-
-/// Returns true if the decisions in two versions are equal; display settings are not compared.
-fn decides_alike(one: &Project, other: &Project) -> bool {
-    let is_same = |(one, other): (&Arc<_>, &Arc<_>)| Arc::ptr_eq(one, other) || one == other;
-    one.settings == other.settings
-        && one.measurements == other.measurements
-        && one.logs.len() == other.logs.len()
-        && one.logs.iter().zip(&other.logs).all(is_same)
 }
 
 /// Returns the project with the parts that equal those of another one shared with it in memory.

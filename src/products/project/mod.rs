@@ -171,20 +171,25 @@ pub struct Project {
 /// Cheap if two versions share their logs, as those of a history do.
 impl PartialEq for Project {
     fn eq(&self, other: &Self) -> bool {
-        let Self { settings, origin, files, measurements, views, logs, unknown } = self;
-        let is_same = |(one, other): (&Arc<_>, &Arc<_>)| Arc::ptr_eq(one, other) || one == other;
-        *settings == other.settings
+        let Self { settings: _, origin, files, measurements: _, views, logs: _, unknown } = self;
+        self.decides_as(other)
             && *origin == other.origin
             && *files == other.files
-            && *measurements == other.measurements
             && *views == other.views
             && *unknown == other.unknown
-            && logs.len() == other.logs.len()
-            && logs.iter().zip(&other.logs).all(is_same)
     }
 }
 
 impl Project {
+    /// Returns true if the decisions in two versions are equal; display settings are not compared.
+    fn decides_as(&self, other: &Self) -> bool {
+        let is_same = |(one, other): (&Arc<_>, &Arc<_>)| Arc::ptr_eq(one, other) || one == other;
+        self.settings == other.settings
+            && self.measurements == other.measurements
+            && self.logs.len() == other.logs.len()
+            && self.logs.iter().zip(&other.logs).all(is_same)
+    }
+
     /// Returns the logs in their order.
     pub fn logs(&self) -> &[Arc<ProjectLog>] {
         &self.logs
