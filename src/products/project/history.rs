@@ -10,6 +10,7 @@
 //! the project is ignored.
 
 use super::journal::Entry;
+use super::paths::beside;
 use super::row::Rows;
 use super::text::{VERSION, migrate};
 use super::{Project, ProjectLog, rows};
@@ -17,8 +18,7 @@ use crate::export;
 use bathyscope_log::support::regular_file;
 use std::borrow::Cow;
 use std::collections::VecDeque;
-use std::ffi::OsString;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 /// Name of a change in menus and in the list of the history.
@@ -167,7 +167,7 @@ const KEPT: usize = 100;
 /// Largest size of the file, bytes: this program does not write a longer one.
 const LONGEST: u64 = 256 << 20;
 /// Suffix of the file's name after the project's.
-const HISTORY: &str = "-history";
+pub(super) const HISTORY: &str = "-history";
 
 /// Change that was made.
 #[derive(Clone, Debug)]
@@ -245,7 +245,7 @@ impl Past {
             text += &Entry::done(&step.label, &set, &gone).to_line();
             after = &step.before;
         }
-        export::write_bytes(&history_of(path), text).ok();
+        export::write_bytes(&beside(path, HISTORY), text).ok();
     }
 
     /// Reads the changes that led to the project, whose file has this hash and these rows; empty if
@@ -256,7 +256,7 @@ impl Past {
         sha256: &str,
         folder: &Path,
     ) -> Self {
-        let bytes = regular_file::read(&history_of(path), LONGEST).unwrap_or_default();
+        let bytes = regular_file::read(&beside(path, HISTORY), LONGEST).unwrap_or_default();
         let text = String::from_utf8(bytes).unwrap_or_default();
         let mut entries = text.lines().map_while(Entry::from_line);
         let is_of = |entry| matches!(entry, Entry::Saved { sha256: of, version } if of == sha256 && version == VERSION);
@@ -293,13 +293,6 @@ fn sharing(mut project: Project, with: &Project) -> Project {
         }
     }
     project
-}
-
-/// Returns the path of the file with the past of a project.
-pub(super) fn history_of(path: &Path) -> PathBuf {
-    let mut name = OsString::from(path.file_name().unwrap_or_default());
-    name.push(HISTORY);
-    path.with_file_name(name)
 }
 
 #[cfg(test)]

@@ -53,6 +53,13 @@ pub(super) fn placed(path: &Path) -> PathBuf {
     }
 }
 
+/// Returns the path of the file beside a project whose name is the project's with a suffix.
+pub(super) fn beside(project: &Path, suffix: &str) -> PathBuf {
+    let mut name = project.file_name().unwrap_or_default().to_owned();
+    name.push(suffix);
+    project.with_file_name(name)
+}
+
 /// Returns the path of an existing file without links. On Windows it has the usual form, without
 /// the prefix `\\?\` of the system.
 pub(super) fn canonical(path: &Path) -> io::Result<PathBuf> {

@@ -5,7 +5,8 @@
 //! The project that was changed last has the valid decisions about it.
 
 use super::log::{LogFile, LogKey, ProjectLog};
-use super::store::{ENDING, journal_of, read_with_changes};
+use super::paths::beside;
+use super::store::{ENDING, JOURNAL, read_with_changes};
 use super::{Project, text::LONGEST};
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::support::regular_file;
@@ -93,14 +94,14 @@ pub fn unused_path(folder: &Path, log: &LogFile) -> PathBuf {
         1 => folder.join(format!("{key}.{ENDING}")),
         number => folder.join(format!("{key}-{number}.{ENDING}")),
     };
-    let is_unused = |path: &PathBuf| !path.exists() && !journal_of(path).exists();
+    let is_unused = |path: &PathBuf| !path.exists() && !beside(path, JOURNAL).exists();
     (1..).map(path).find(is_unused).unwrap_or_else(|| path(1))
 }
 
 /// Returns true if the text of a project or of its journal names a log with a key that begins with
 /// one of `starts`. In a folder of many projects, most need not be parsed then.
 fn has_log_like(path: &Path, starts: &[String]) -> bool {
-    [path.to_owned(), journal_of(path)].iter().any(|path| {
+    [path.to_owned(), beside(path, JOURNAL)].iter().any(|path| {
         let text = regular_file::read(path, LONGEST).unwrap_or_default();
         let text = String::from_utf8_lossy(&text);
         starts.iter().any(|start| text.contains(&format!("log.{start}")))
@@ -130,5 +131,5 @@ fn newest_first(folder: &Path) -> Vec<PathBuf> {
 /// Returns the time at which a project was changed last: that of its file, or of its journal.
 fn changed_at(path: &Path) -> SystemTime {
     let at = |path: &Path| fs::metadata(path).and_then(|found| found.modified()).ok();
-    at(path).max(at(&journal_of(path))).unwrap_or(SystemTime::UNIX_EPOCH)
+    at(path).max(at(&beside(path, JOURNAL))).unwrap_or(SystemTime::UNIX_EPOCH)
 }
