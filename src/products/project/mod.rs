@@ -7,9 +7,8 @@
 //! project to lines and back, `row` is one line, `text` reads and writes all lines and converts
 //! those of older versions, `paths` converts the paths of files. `store` writes the file under a
 //! temporary name and renames it, with every change in a `journal` beside it, which one window at a
-//! time has. `find` searches for logs that were moved, and makes the inputs for work without a
-//! window; `untitled` finds the decisions about logs that are in no named project. Logs are never
-//! written.
+//! time has. `find` searches for logs that were moved, makes the inputs for work without a window,
+//! and finds the decisions about logs that are in no named project. Logs are never written.
 //!
 //! # The file
 //!
@@ -88,15 +87,15 @@ mod row;
 mod rows;
 mod store;
 mod text;
-mod untitled;
 
-pub use find::{LogLocation, ProjectInput, find, inputs};
+pub use find::{
+    LogLocation, NAMED, ProjectInput, UntitledProject, find, find_untitled, inputs, unused_path,
+};
 pub use history::{History, HistoryStep, PastStep, UNDONE};
 pub use log::{LogFile, LogKey, ProjectLog, read_bottom};
 pub use measurement::{Measurement, MeasurementKind, Pick};
 pub use row::Key;
 pub use store::{ENDING, OpenedProject, SavingOutcome, Store, StoreError, read, with_journal};
-pub use untitled::{NAMED, UntitledProject, find_untitled, unused_path};
 
 use crate::pipeline::{Settings, SettingsError};
 use bathyscope_log::support::geo::LonLat;
