@@ -53,9 +53,7 @@ pub use growing::{GrowingResults, extend};
 pub use joint::{Crosslines, crosslines};
 pub use log_report::CalibrationReport;
 pub use log_settings::{LogSettings, SettingValues, setting_values};
-pub(crate) use log_settings::{
-    deserialize_values, from_values, is_of_one_log, is_setting, with_values,
-};
+pub(crate) use log_settings::{deserialize_values, from_values, is_of_one_log};
 pub use objects::{ObjectLocator, list_objects, object_shape};
 pub use products::{LogLatency, ProcessedLog, Products, colour_range_m};
 pub use report::Report;

@@ -92,9 +92,7 @@ fn decimal_comma(value: &str) -> Option<String> {
 
 /// Describes the first value that its setting cannot have.
 fn misfit_in(over: &Table) -> Option<String> {
-    let mut values = Vec::new();
-    flatten("", over, &mut values);
-    values.into_iter().find_map(|(key, value)| {
+    flattened(over).into_iter().find_map(|(key, value)| {
         let row = row(&key)?;
         let alone = match key.split_once('.') {
             Some((group, name)) => {
@@ -138,10 +136,15 @@ fn merge(base: &mut Table, over: Table) {
 
 /// Returns the sentence about the first key that does not exist.
 fn unknown_in(table: &Table) -> Option<String> {
+    let unknown = flattened(table).into_iter().find(|(key, _)| row(key).is_none());
+    unknown.map(|(key, _)| no_setting(&key))
+}
+
+/// Returns the values of a table of settings by their dotted keys, without the bottom edits.
+pub(crate) fn flattened(table: &Table) -> Vec<(String, &Value)> {
     let mut values = Vec::new();
     flatten("", table, &mut values);
-    let unknown = values.iter().find(|(key, _)| row(key).is_none());
-    unknown.map(|(key, _)| no_setting(key))
+    values
 }
 
 fn flatten<'a>(prefix: &str, table: &'a Table, values: &mut Vec<(String, &'a Value)>) {
@@ -149,6 +152,7 @@ fn flatten<'a>(prefix: &str, table: &'a Table, values: &mut Vec<(String, &'a Val
         let key = format!("{prefix}{name}");
         match value {
             _ if key == BOTTOM => {}
+            // The log of the excluded stretches is a setting whose value is a table.
             Value::Table(inner) if row(&key).is_none() => {
                 flatten(&format!("{key}."), inner, values);
             }
