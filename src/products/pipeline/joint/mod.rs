@@ -5,21 +5,18 @@
 //! Every log is processed by itself, with its own calibration and outliers; all of them are in the
 //! local coordinate frame of the first ([`bathyscope_log::survey::Survey::in_frame`]), so joint
 //! results can combine theirs. `crossline` compares the depths of one log or several where tracks
-//! cross, `contradicted` finds the height offsets of several and the soundings that others show to
-//! be false, `corrections` describes the requested corrections, applied or refused, and `report`
-//! sums the logs up, compares them with each other by their points, and lists them
-//! ([`LogsReport`]).
+//! cross, and finds the height offsets of several and the soundings that others show to be false,
+//! `corrections` describes the requested corrections, applied or refused, and `report` sums the logs
+//! up, compares them with each other by their points, and lists them ([`LogsReport`]).
 
-mod contradicted;
 mod corrections;
 mod crossline;
 mod report;
 
-pub use contradicted::{ContradictedSoundings, HeightComparison, compare_heights};
 pub use corrections::RequestedCorrection;
 pub use crossline::{
-    CrosslineAnalysis, Crosslines, LogPositions, crossline_analysis, crosslines, latencies,
-    position_offsets,
+    ContradictedSoundings, CrosslineAnalysis, Crosslines, HeightComparison, LogPositions,
+    compare_heights, crossline_analysis, crosslines, latencies, position_offsets,
 };
 pub(crate) use crossline::{crossing_error, track_depths};
 pub(crate) use report::joint_report;
