@@ -9,14 +9,14 @@
 //! settings makes stale, and runs them; `products` holds their results, `growing` runs them over
 //! the added part of a log that is being written, `task` runs any work on another thread. `derived`
 //! computes the joint results of all logs, once and on demand, the places of echoes, and the passes
-//! over a place. `surface` makes the depth map, `clip_area` the area that clips its isobaths, and
-//! `uncertainty` the error that all its depths have in common; `relief` is the bottom across the
-//! track. `residuals` compares side-scan with soundings, also with another geometry or scale,
-//! `agreement` compares points with a reference, `objects` computes the places of objects, `report`
-//! sums a run up (`log_report` holds the part on each log), `fingerprint` distinguishes versions of
-//! files, `source` corrects a log where its file has wrong or no data on itself, `survey_coverage`
-//! computes the starting point of a plan of further lines, `joint` combines all logs of a survey.
-//! No files are written here: see `outputs`.
+//! over a place. `surface` makes the depth map and the bottom across the track, `clip_area` the area
+//! that clips its isobaths, and `uncertainty` the error that all its depths have in common.
+//! `residuals` compares side-scan with soundings, also with another geometry or scale, `agreement`
+//! compares points with a reference, `objects` computes the places of objects, `report` sums a run
+//! up (`log_report` holds the part on each log), `fingerprint` distinguishes versions of files,
+//! `source` corrects a log where its file has wrong or no data on itself, `survey_coverage` computes
+//! the starting point of a plan of further lines, `joint` combines all logs of a survey. No files
+//! are written here: see `outputs`.
 
 mod agreement;
 mod clip_area;
@@ -28,7 +28,6 @@ mod log_report;
 mod log_settings;
 mod objects;
 mod products;
-mod relief;
 mod report;
 mod residuals;
 mod run_stages;
