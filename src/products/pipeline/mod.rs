@@ -9,17 +9,15 @@
 //! settings makes stale, and runs them; `products` holds their results, `growing` runs them over
 //! the added part of a log that is being written, `task` runs any work on another thread. `derived`
 //! computes the joint results of all logs, once and on demand, the places of echoes, and the passes
-//! over a place. `surface` makes the depth map and the bottom across the track, `clip_area` the area
-//! that clips its isobaths, and `uncertainty` the error that all its depths have in common.
-//! `residuals` compares side-scan with soundings, also with another geometry or scale, `agreement`
-//! compares points with a reference, `objects` computes the places of objects, `report` sums a run
-//! up (`log_report` holds the part on each log), `fingerprint` distinguishes versions of files,
-//! `source` corrects a log where its file has wrong or no data on itself, `survey_coverage` computes
-//! the starting point of a plan of further lines, `joint` combines all logs of a survey. No files
-//! are written here: see `outputs`.
+//! over a place. `surface` makes the depth map and the bottom across the track, and `uncertainty`
+//! the error that all its depths have in common. `residuals` compares side-scan with soundings, also
+//! with another geometry or scale, `agreement` compares points with a reference, `objects` computes
+//! the places of objects, `report` sums a run up (`log_report` holds the part on each log),
+//! `fingerprint` distinguishes versions of files, `source` corrects a log where its file has wrong
+//! or no data on itself, `survey_coverage` computes the starting point of a plan of further lines,
+//! `joint` combines all logs of a survey. No files are written here: see `outputs`.
 
 mod agreement;
-mod clip_area;
 mod derived;
 mod fingerprint;
 mod growing;
@@ -39,12 +37,11 @@ mod task;
 mod uncertainty;
 
 pub use agreement::{Agreement, LogDifferences, MissionLog, Reference, ResidualTables, positions};
-pub use clip_area::clip_area;
 pub(crate) use derived::Contours;
 pub use derived::{
     Bottom, BottomColour, BottomKey, CornerGround, DepthMap, DepthMapKey, Derived, FINEST,
-    IsobathKey, Isobaths, Mosaic, MosaicKey, MosaicPlane, Pass, PictureKey, mosaic_layout,
-    mosaic_layout_by, passes_over, place_of,
+    IsobathKey, Isobaths, Mosaic, MosaicKey, MosaicPlane, Pass, PictureKey, clip_area,
+    mosaic_layout, mosaic_layout_by, passes_over, place_of,
 };
 pub use fingerprint::{Fingerprint, in_hexadecimal};
 pub(crate) use fingerprint::{LogFiles, sha256_of};

@@ -22,7 +22,7 @@ mod mosaic;
 mod side_scan;
 
 pub use bottom::{Bottom, BottomColour, BottomKey, CornerGround};
-pub use depth_map::{DepthMap, DepthMapKey};
+pub use depth_map::{DepthMap, DepthMapKey, clip_area};
 pub(crate) use isobaths::Contours;
 pub use isobaths::{IsobathKey, Isobaths};
 pub use mosaic::{FINEST, Mosaic, MosaicKey, MosaicPlane};
