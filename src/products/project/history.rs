@@ -180,7 +180,7 @@ pub struct PastStep {
 
 /// Changes in the order in which they were made.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Past(VecDeque<PastStep>);
+pub(super) struct Past(pub VecDeque<PastStep>);
 
 impl Past {
     /// Creates the past from these changes, the oldest first; of more than [`KEPT`], the last ones
@@ -188,11 +188,6 @@ impl Past {
     pub(super) fn of_steps(steps: Vec<PastStep>) -> Self {
         let surplus = steps.len().saturating_sub(KEPT);
         Self(steps.into_iter().skip(surplus).collect())
-    }
-
-    /// Returns the changes, the oldest first.
-    pub(super) fn into_steps(self) -> impl Iterator<Item = PastStep> {
-        self.0.into_iter()
     }
 
     /// Records a change of a project. An undo or redo to an earlier state removes the changes since

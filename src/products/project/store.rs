@@ -174,7 +174,7 @@ impl Store {
             past: past.clone(),
             path,
         };
-        Ok(OpenedProject { store, project, notes, past: past.into_steps().collect() })
+        Ok(OpenedProject { store, project, notes, past: past.0.into() })
     }
 
     /// Creates the file of a project and opens it for changes. An existing file is replaced:
