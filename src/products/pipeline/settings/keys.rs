@@ -290,8 +290,8 @@ pub fn markdown() -> String {
             write!(text, "\n### {title}\n\n| key | values | recommended | published | meaning |\n|---|---|---|---|---|\n").ok();
             last = Some(group);
         }
-        let [recommended, published] = [Preset::Recommended, Preset::Published]
-            .map(|preset| value_in(row, preset).unwrap_or_else(|| "–".to_owned()));
+        let [recommended, published] =
+            Preset::ALL.map(|preset| value_in(row, preset).unwrap_or_else(|| "–".to_owned()));
         let mut meaning = row.meaning();
         if let SettingKind::Choice(choice) = &row.kind {
             for name in choice.names {

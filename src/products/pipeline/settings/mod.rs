@@ -30,6 +30,7 @@ use bathyscope_bottom::first_return::{
 use bathyscope_bottom::mosaic::MosaicSettings;
 use bathyscope_bottom::picture::PictureSettings;
 use bathyscope_log::formats::{read_area, read_gauge};
+use bathyscope_log::named;
 use bathyscope_log::support::geo::{CrsChoice, SourceCrs};
 use bathyscope_log::survey::{
     ExclusionSettings, HeadingSettings, HeadingSource, MountingSettings, PositionSettings,
@@ -55,13 +56,11 @@ pub enum Preset {
     Recommended,
 }
 
-impl Preset {
-    /// Returns the name, `published` or `recommended`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Preset::Published => "published",
-            Preset::Recommended => "recommended",
-        }
+named! {
+    /// All presets, the default one first.
+    pub Preset {
+        Recommended: "recommended",
+        Published: "published",
     }
 }
 
@@ -297,9 +296,7 @@ impl Settings {
         plain.points = PointFileSettings::default();
         plain.report = ReportSettings::default();
         plain.crs = CrsChoice::default();
-        [Preset::Recommended, Preset::Published]
-            .into_iter()
-            .find(|&preset| plain == Self::preset(preset))
+        Preset::ALL.into_iter().find(|&preset| plain == Self::preset(preset))
     }
 
     /// Checks that every value is allowed.
@@ -361,7 +358,7 @@ mod tests {
 
     #[test]
     fn every_preset_lies_within_the_table() {
-        for preset in [Preset::Published, Preset::Recommended] {
+        for preset in Preset::ALL {
             assert_eq!(Settings::preset(preset).check(), Ok(()));
         }
     }
@@ -465,7 +462,7 @@ mod tests {
 
     #[test]
     fn presets_are_recognised_whatever_the_flat_spot() {
-        for preset in [Preset::Published, Preset::Recommended] {
+        for preset in Preset::ALL {
             let settings =
                 Settings::preset(preset).with_assignment("calibration.pings=1..9").unwrap();
             assert_eq!(settings.matching_preset(), Some(preset));
