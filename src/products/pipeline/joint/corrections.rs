@@ -85,20 +85,16 @@ impl RequestedCorrection {
 
     /// Returns the correction of soundings that are late.
     pub fn of_sounding_lag(log: &str, lag: &SoundingLag) -> Self {
-        Self {
-            log: log.to_owned(),
-            found: FoundCorrection::SoundingLag {
-                sounding_lag_s: lag.lag_s,
-                standard_error_s: lag.standard_error_s,
-            },
-            refused: None,
-        }
+        let found = FoundCorrection::SoundingLag {
+            sounding_lag_s: lag.lag_s,
+            standard_error_s: lag.standard_error_s,
+        };
+        Self::new(log, found, None)
     }
 
     /// Returns the exclusion of soundings that other logs contradict.
     pub fn of_false_soundings(log: &str, found: &ContradictedSoundings) -> Self {
-        let found = FoundCorrection::FalseSoundings(found.clone());
-        Self { log: log.to_owned(), found, refused: None }
+        Self::new(log, FoundCorrection::FalseSoundings(found.clone()), None)
     }
 
     /// Returns the corrections that were requested for a single log and cannot be found without
@@ -110,42 +106,37 @@ impl RequestedCorrection {
     }
 
     fn nothing(log: &str, setting: &'static str, why: &'static str) -> Self {
-        Self {
-            log: log.to_owned(),
-            found: FoundCorrection::Nothing { setting },
-            refused: Some(why),
-        }
+        Self::new(log, FoundCorrection::Nothing { setting }, Some(why))
+    }
+
+    fn new(log: &str, found: FoundCorrection, refused: Option<&'static str>) -> Self {
+        Self { log: log.to_owned(), found, refused }
     }
 }
 
 fn of_shift(log: &str, positions: &LogPositions) -> RequestedCorrection {
     let Shift { east_m, north_m, .. } = positions.found.shift;
     let standard_error_m = positions.found.shift_error_m;
-    RequestedCorrection {
-        log: log.to_owned(),
-        found: FoundCorrection::Shift { east_m, north_m, standard_error_m },
-        refused: match positions.told_shift() {
-            Some(_) => None,
-            None if standard_error_m < TOLD_M => Some(IN_FORCE),
-            None => Some(NO_SLOPE),
-        },
-    }
+    let refused = match positions.told_shift() {
+        Some(_) => None,
+        None if standard_error_m < TOLD_M => Some(IN_FORCE),
+        None => Some(NO_SLOPE),
+    };
+    let found = FoundCorrection::Shift { east_m, north_m, standard_error_m };
+    RequestedCorrection::new(log, found, refused)
 }
 
 fn of_latency(log: &str, positions: &LogPositions) -> RequestedCorrection {
-    let standard_error_s = positions.found.latency_error_s;
-    RequestedCorrection {
-        log: log.to_owned(),
-        found: FoundCorrection::Latency {
-            latency_s: positions.found.shift.latency_s,
-            standard_error_s,
-        },
-        refused: match positions.told_latency_s() {
-            Some(_) => None,
-            None if positions.is_latency_known() => Some(IN_FORCE),
-            None => Some(NO_SLOPE),
-        },
-    }
+    let refused = match positions.told_latency_s() {
+        Some(_) => None,
+        None if positions.is_latency_known() => Some(IN_FORCE),
+        None => Some(NO_SLOPE),
+    };
+    let found = FoundCorrection::Latency {
+        latency_s: positions.found.shift.latency_s,
+        standard_error_s: positions.found.latency_error_s,
+    };
+    RequestedCorrection::new(log, found, refused)
 }
 
 /// Formats the correction as `lake-1: position_shift of +1.25 m east, -0.50 m north, standard error
