@@ -5,7 +5,7 @@
 //! are those of `--set`: `draft_m`, `first_return.threshold`.
 
 use super::settings::{
-    ControlValue, SettingRow, SettingScope, flattened, in_one_line, renamed, row,
+    ControlValue, SettingRow, SettingScope, flattened, in_one_line, insert, renamed, row,
 };
 use super::{Settings, SettingsError};
 use bathyscope_bottom::first_return::BottomSettings;
@@ -100,17 +100,6 @@ fn with_values(settings: &Settings, values: &SettingValues) -> Result<Settings, 
         made.isobaths.area = settings.isobaths.area.clone();
     }
     Ok(made)
-}
-
-fn insert(table: &mut Table, key: &str, value: Value) {
-    let Some((first, rest)) = key.split_once('.') else {
-        table.insert(key.to_owned(), value);
-        return;
-    };
-    let inner = table.entry(first).or_insert_with(|| Value::Table(Table::new()));
-    if let Value::Table(inner) = inner {
-        insert(inner, rest, value);
-    }
 }
 
 /// Settings of one log only.

@@ -94,14 +94,8 @@ fn decimal_comma(value: &str) -> Option<String> {
 fn misfit_in(over: &Table) -> Option<String> {
     flattened(over).into_iter().find_map(|(key, value)| {
         let row = row(&key)?;
-        let alone = match key.split_once('.') {
-            Some((group, name)) => {
-                let inner = Table::from_iter([(name.to_owned(), value.clone())]);
-                (group, Value::Table(inner))
-            }
-            None => (key.as_str(), value.clone()),
-        };
-        let alone = Table::from_iter([(alone.0.to_owned(), alone.1)]);
+        let mut alone = Table::new();
+        insert(&mut alone, &key, value.clone());
         let error = alone.try_into::<Settings>().err()?;
         Some(misfit(row, value, error.message()))
     })
@@ -158,6 +152,18 @@ fn flatten<'a>(prefix: &str, table: &'a Table, values: &mut Vec<(String, &'a Val
             }
             _ => values.push((key, value)),
         }
+    }
+}
+
+/// Sets the value of a dotted key in a table of settings.
+pub(crate) fn insert(table: &mut Table, key: &str, value: Value) {
+    let Some((first, rest)) = key.split_once('.') else {
+        table.insert(key.to_owned(), value);
+        return;
+    };
+    let inner = table.entry(first).or_insert_with(|| Value::Table(Table::new()));
+    if let Value::Table(inner) = inner {
+        insert(inner, rest, value);
     }
 }
 

@@ -10,7 +10,7 @@ mod keys;
 pub mod rows;
 mod table;
 
-pub(crate) use keys::{flattened, in_one_line};
+pub(crate) use keys::{flattened, in_one_line, insert};
 pub use keys::{help, markdown, renamed, row, slips};
 pub use table::{
     Control, ControlValue, Number, SettingChoice, SettingKind, SettingRow, SettingScope,
