@@ -105,9 +105,9 @@ pub struct Crosslines {
     /// Residuals of the crossings between two logs; absent for one log.
     #[serde(skip_serializing_if = "Option::is_none")]
     between_logs: Option<Residuals>,
-    /// Latency of the positions of each log, in the order of the logs; null where the crossings do
+    /// Latency of the positions of each log, in the order of the logs; `None` where the crossings do
     /// not determine it.
-    latencies: Vec<Option<LogLatency>>,
+    pub(crate) latencies: Vec<Option<LogLatency>>,
     /// Crossings in the order of logs and time, at most [`MOST_LISTED`].
     list: Vec<Listed>,
 }
@@ -123,14 +123,6 @@ struct Listed {
     depth_m: [f64; 2],
     difference_m: f64,
     angle_deg: f64,
-}
-
-impl Crosslines {
-    /// Returns the latency of the positions of each log; `None` where the crossings do not
-    /// determine it.
-    pub fn latencies(&self) -> &[Option<LogLatency>] {
-        &self.latencies
-    }
 }
 
 const SIGN: &str =
