@@ -22,40 +22,34 @@ const RANGE_SHARE: f64 = 0.98;
 /// Most cells along a side of the surface from which the shape is read.
 const MOST_CELLS: usize = 2048;
 
-/// Transformation of a log's cloud into the plane of its maps.
+/// Transformation of the cloud of a log into the plane of a map.
 pub(super) struct CloudPlane<'a> {
-    map: MapPlane,
-    survey: &'a Survey,
-    products: &'a Products,
+    pub map: &'a MapPlane,
+    pub log: &'a ProcessedLog,
 }
 
 impl<'a> CloudPlane<'a> {
-    /// Creates the transformation of one of several logs into the plane that all of them share.
-    pub(super) fn shared(log: &'a ProcessedLog, map: &MapPlane) -> Self {
-        Self { map: map.clone(), survey: &log.survey, products: &log.products }
-    }
-
     /// Returns the kept points for which `chosen` is true, each with its easting, northing and
     /// elevation, metres.
     pub(super) fn points(
         &self,
         chosen: impl Fn(&CloudPoint) -> bool,
     ) -> impl Iterator<Item = ([f64; 3], &'a CloudPoint)> {
-        let chosen = self.products.kept_points().filter(move |point| chosen(point));
+        let chosen = self.log.products.kept_points().filter(move |point| chosen(point));
         let placed = chosen.map(|point| (self.place(point), point));
         placed.filter(|(place, _)| is_finite(place))
     }
 
     /// Returns the kept points that count for the surface, as weighted depths.
     fn depth_points(&self) -> Vec<DepthPoint> {
-        let Products { cloud, classes, settings, .. } = self.products;
+        let Products { cloud, classes, settings, .. } = &self.log.products;
         depth_points(cloud, classes, &settings.surface, |point| self.place(point))
     }
 
     /// Returns the depths under the boat that follow from the slope of a first return of one side
     /// alone, weighted as first returns.
     fn slope_points(&self) -> Vec<DepthPoint> {
-        let Products { depths, navigation, settings, .. } = self.products;
+        let Products { depths, navigation, settings, .. } = &self.log.products;
         let weight = settings.surface.side_scan_weight;
         let depths = depths.iter().zip(navigation.pings.iter());
         let by_slope = depths.filter(|(depth, _)| depth.by_slope && weight > 0.0);
@@ -69,7 +63,7 @@ impl<'a> CloudPlane<'a> {
     /// Returns the first returns that one side alone sees above the recorded depth for long, and
     /// that do not count: weed, a bank or a scarp. Their weight is 0.
     fn doubtful_points(&self) -> Vec<DepthPoint> {
-        let Products { cloud, classes, .. } = self.products;
+        let Products { cloud, classes, .. } = &self.log.products;
         let doubtful = cloud.points.iter().zip(classes.iter()).filter(|(point, class)| {
             **class == PointClass::AboveBottom && point.above_bottom_m > 0.0
         });
@@ -78,7 +72,7 @@ impl<'a> CloudPlane<'a> {
     }
 
     fn echoes(&self) -> LogEchoes<'a> {
-        log_echoes(self.survey, self.products, |place| self.plane_place(place))
+        log_echoes(&self.log.survey, &self.log.products, |place| self.plane_place(place))
     }
 
     fn place(&self, point: &CloudPoint) -> [f64; 3] {
@@ -88,8 +82,8 @@ impl<'a> CloudPlane<'a> {
 
     /// Returns east and north in the map's plane of a place in the log's plane.
     fn plane_place(&self, [east_m, north_m]: [f64; 2]) -> [f64; 2] {
-        let navigation = &self.products.navigation;
-        self.map.place(navigation.to_lon_lat(&self.survey.track, east_m, north_m))
+        let ProcessedLog { survey, products } = self.log;
+        self.map.place(products.navigation.to_lon_lat(&survey.track, east_m, north_m))
     }
 }
 
@@ -151,7 +145,7 @@ pub fn joint_depth_surface(
     };
     let settings = &first.products.settings.surface;
     let mut points = joint_depth_points(logs, map, progress)?;
-    let planes: Vec<CloudPlane<'_>> = logs.iter().map(|log| CloudPlane::shared(log, map)).collect();
+    let planes: Vec<CloudPlane<'_>> = logs.iter().map(|log| CloudPlane { map, log }).collect();
     points.extend(planes.iter().flat_map(CloudPlane::slope_points));
     let mut made = match settings.swath {
         SwathDepth::Off => surface(points, settings, progress)?,
@@ -185,7 +179,7 @@ pub fn joint_depth_points(
     let mut points = Vec::new();
     for log in logs {
         progress.check()?;
-        points.append(&mut CloudPlane::shared(log, map).depth_points());
+        points.append(&mut CloudPlane { map, log }.depth_points());
     }
     Ok(points)
 }
