@@ -324,10 +324,8 @@ fn value_in(row: &SettingRow, preset: Preset) -> Option<String> {
 }
 
 fn text_value(settings: &Settings, key: &str) -> Option<String> {
-    let mut value = &Value::Table(Table::try_from(settings).ok()?);
-    for part in key.split('.') {
-        value = value.get(part)?;
-    }
+    let table = Table::try_from(settings).ok()?;
+    let (_, value) = flattened(&table).into_iter().find(|(of, _)| of == key)?;
     match value {
         Value::String(text) => Some(text.clone()),
         Value::Array(items) if items.is_empty() => None,
