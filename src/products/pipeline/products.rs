@@ -141,11 +141,6 @@ impl ProcessedLog {
     pub fn pass_log(&self) -> PassLog<'_> {
         (&self.survey, &self.products.navigation)
     }
-
-    /// Returns the kept points, in the order of the cloud.
-    pub fn kept_points(&self) -> impl Iterator<Item = &CloudPoint> {
-        self.products.kept_points()
-    }
 }
 
 impl Products {

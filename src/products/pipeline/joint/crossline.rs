@@ -34,7 +34,8 @@ pub struct CrosslineAnalysis {
 /// soundings. For a log without any, returns the depths of its first returns.
 pub(crate) fn track_depths(log: &ProcessedLog) -> Vec<TrackDepth> {
     let survey = &log.survey;
-    let soundings = log.kept_points().filter(|point| point.source == PointSource::DownScan);
+    let kept = log.products.kept_points();
+    let soundings = kept.filter(|point| point.source == PointSource::DownScan);
     let depths = soundings.filter_map(|point| {
         let time_s = survey.soundings.get(point.sounding()?)?.time_s;
         let [east_m, north_m, z_m] = point.place();
