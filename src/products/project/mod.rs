@@ -277,7 +277,8 @@ impl Project {
     /// # Errors
     /// A sentence that names the line that is not valid, or that a newer program is needed.
     pub fn from_text(text: &str, folder: &Path) -> Result<Self, ProjectError> {
-        rows::read(text::read(text)?, folder)
+        let (written, version) = text::read_as_written(text)?;
+        rows::read(text::migrate(written, version, text::VERSION), folder)
     }
 
     /// Sorts the logs by their `order`, then by their key.
