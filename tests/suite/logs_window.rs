@@ -74,7 +74,7 @@ fn a_folder_of_logs_is_one_survey_on_map_and_in_cloud() {
     let said = map_name(&window).replace([' ', ',', '\u{202f}', '\u{a0}'], "");
     assert!(said.contains(&format!("trackof{all}pings")), "{said}: {all}");
     let points: usize = (app(&window).logs.with_results().iter())
-        .map(|shown| shown.log.kept_points().count())
+        .map(|shown| shown.log.products.kept_points().count())
         .sum();
     let cloud = window.get_by_label_contains("3D point cloud,");
     let cloud = cloud.accesskit_node().label().expect("a name");

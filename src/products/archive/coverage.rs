@@ -2,10 +2,9 @@
 //! rows of pings of the tiles concerned.
 
 use super::PINGS;
-use super::footprint::{CoveredSamples, Footprint, SideRange};
 use super::log_record::LogRecord;
 use super::offsets::{Offsets, moved};
-use super::ping_rows::{self, PingRow};
+use super::ping_rows::{self, CoveredSamples, Footprint, PingRow, SideRange};
 use super::record::{Archive, MOST_MOVED_M};
 use super::tile::{TileId, beside};
 use crate::Error;

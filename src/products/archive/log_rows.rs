@@ -120,10 +120,10 @@ impl LogRows<'_> {
     /// zone; zero where it is not known.
     pub(super) fn velocity_mps(&self, time_s: f64, zone: UtmZone) -> [f64; 2] {
         let after = self.track.partition_point(|track_depth| track_depth.time_s < time_s);
-        let Some(here) = self.track.get(after.min(self.track.len().saturating_sub(1))) else {
+        let index = after.min(self.track.len().saturating_sub(1));
+        let Some(here) = self.track.get(index) else {
             return [0.0; 2];
         };
-        let index = after.min(self.track.len() - 1);
         let [east, north] = velocity_mps(self.track, index);
         let place = |seconds: f64| {
             let at = [here.east_m + seconds * east, here.north_m + seconds * north];

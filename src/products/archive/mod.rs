@@ -12,13 +12,13 @@
 //! depths come from echo levels, those in its neighbours. `tile` names the squares, `record` holds
 //! what all logs of an archive share and lists its rows, `log_record` holds what is known of one
 //! log. `add` writes a log's rows (`log_rows`): `point_rows`, `ping_rows` and `echo_rows`, and
-//! `log_mosaic`, its part of the mosaic. `footprint` is the ground that a ping insonified, from
-//! which `coverage` finds the logs that cover a place. `adjust` computes the heights of logs
-//! against each other, the corrections of their positions and the levels of their echoes, where
-//! logs cross or overlap; `offsets` is the table of all three. `tile_map` makes the map of a tile,
-//! with its lines cut at the edges of the tile, and `tile_files` joins the parts of its mosaic and
-//! writes both; `map_tiles` joins all maps to one web map: `tile_content` reads the maps of tiles,
-//! and `map_parts` stores parts that were drawn before.
+//! `log_mosaic`, its part of the mosaic. A row of a ping has its footprint, the ground that it
+//! insonified, from which `coverage` finds the logs that cover a place. `adjust` computes the
+//! heights of logs against each other, the corrections of their positions and the levels of their
+//! echoes, where logs cross or overlap; `offsets` is the table of all three. `tile_map` makes the
+//! map of a tile, with its lines cut at the edges of the tile, and `tile_files` joins the parts of
+//! its mosaic and writes both; `map_tiles` joins all maps to one web map: `tile_content` reads the
+//! maps of tiles, and `map_parts` stores parts that were drawn before.
 //! Files are written under a temporary name, then renamed, and a log's record is written last, so
 //! that the remains of a killed program are no part of the archive.
 
@@ -26,7 +26,6 @@ mod add;
 mod adjust;
 mod coverage;
 mod echo_rows;
-mod footprint;
 mod index;
 mod log_mosaic;
 mod log_record;

@@ -7,8 +7,8 @@ use super::{KINDS, LOGS, LONGEST_RECORD, names_in};
 use crate::Error;
 use crate::export::{make_folder, write_bytes, write_json};
 use crate::pipeline::{
-    Fingerprint, SettingValues, Settings, deserialize_values, is_of_one_log, setting_values,
-    with_values,
+    Fingerprint, SettingValues, Settings, deserialize_values, from_values, is_of_one_log,
+    setting_values,
 };
 use bathyscope_bottom::bathymetry::{Grid, LOCAL_MARGIN_CELLS, SwathDepth, local_reach_m};
 use bathyscope_bottom::swath::{PART_DEPTHS_M, PART_STEP_M};
@@ -137,7 +137,7 @@ impl ArchiveRecord {
     /// # Errors
     /// When the recorded settings are not valid because a person has changed the record.
     pub fn settings(&self) -> Result<Settings, Error> {
-        let settings = with_values(&Settings::default(), &self.settings);
+        let settings = from_values(&self.settings);
         settings.map_err(|error| Error::from(format!("{error}: {RECORD}")))
     }
 

@@ -9,7 +9,7 @@ use super::run_folder::RunFolder;
 use crate::Error;
 use crate::export::write_bytes;
 use crate::html_report::{self, FileLine, ReportData, ReportObjects};
-use crate::pipeline::{Crosslines, Fingerprint, ProcessedLog, Report};
+use crate::pipeline::{Fingerprint, ProcessedLog, Report};
 use bathyscope_objects::Raster;
 use bathyscope_objects::objects::Object;
 use bathyscope_objects::review::{PIXEL_M, Review, State};
@@ -65,7 +65,7 @@ pub(super) fn write(run: &OutputRun<'_>, path: &Path) -> Result<(), Error> {
         isobaths: &isobaths,
         mosaic: mosaic.as_deref(),
         comparisons: &comparisons,
-        latencies: results.crossings()?.map_or(&[], Crosslines::latencies),
+        latencies: results.crossings()?.map_or(&[], |found| found.latencies.as_slice()),
         objects: objects(results)?,
         files: &files,
     };

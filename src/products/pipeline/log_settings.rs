@@ -4,7 +4,9 @@
 //! ([`LogSettings::compose`]); the pipeline uses the result like the settings of a single log. Keys
 //! are those of `--set`: `draft_m`, `first_return.threshold`.
 
-use super::settings::{ControlValue, SettingRow, SettingScope, in_one_line, renamed, row};
+use super::settings::{
+    ControlValue, SettingRow, SettingScope, flattened, in_one_line, insert, renamed, row,
+};
 use super::{Settings, SettingsError};
 use bathyscope_bottom::first_return::BottomSettings;
 use bathyscope_log::survey::{Gauge, Identity, Survey, WaterArea};
@@ -16,8 +18,6 @@ use toml::{Table, Value};
 /// Settings by their dotted keys.
 pub type SettingValues = BTreeMap<String, Value>;
 
-/// Key of the bottom edits, which are stored apart because they consist of many strokes.
-const BOTTOM: &str = "bottom";
 /// Key of the log to which excluded stretches belong.
 const EXCLUDED_LOG: &str = "excluded.log";
 
@@ -36,11 +36,6 @@ pub(crate) fn deserialize_values<'de, D: Deserializer<'de>>(
     Ok(values.map(current).collect())
 }
 
-/// Returns true if there is a setting of this key; the bottom edits are not a setting.
-pub(crate) fn is_setting(key: &str) -> bool {
-    row(key).is_some()
-}
-
 /// Returns true if a change of this key is stored with a single log, not with the settings that all
 /// logs share; see [`SettingScope`].
 pub(crate) fn is_of_one_log(key: &str) -> bool {
@@ -49,11 +44,9 @@ pub(crate) fn is_of_one_log(key: &str) -> bool {
 
 /// Returns all settings that have a value, by their keys, without the bottom edits.
 pub fn setting_values(settings: &Settings) -> SettingValues {
-    let mut table = table_of(settings);
-    table.remove(BOTTOM);
-    let mut values = SettingValues::new();
-    flatten("", table, &mut values);
-    values
+    let table = table_of(settings);
+    let values = flattened(&table).into_iter();
+    values.map(|(key, value)| (key, shortest(value))).collect()
 }
 
 /// Returns the settings as a table. They are numbers, names and paths, which a table can hold; in a
@@ -72,33 +65,15 @@ fn table_of(settings: &Settings) -> Table {
     Table::try_from(settings).unwrap_or_default()
 }
 
-fn flatten(prefix: &str, table: Table, values: &mut SettingValues) {
-    for (key, value) in table {
-        let key = match prefix {
-            "" => key,
-            prefix => format!("{prefix}.{key}"),
-        };
-        match value {
-            // The value of this key is a table: the log of the excluded stretches.
-            Value::Table(inner) if !is_of_one_log(&key) => {
-                flatten(&key, inner, values);
-            }
-            value => {
-                values.insert(key, shortest(value));
-            }
-        }
-    }
-}
-
 /// Returns a number with as few digits as it was given: a setting of 32 bits is `0.41`, not the
 /// nearest value in 64 bits with all its digits.
-fn shortest(value: Value) -> Value {
+fn shortest(value: &Value) -> Value {
     match value {
-        Value::Float(number) if number.is_finite() && f64::from(number as f32) == number => {
-            let text = (number as f32).to_string();
-            Value::Float(text.parse().unwrap_or(number))
+        Value::Float(number) if number.is_finite() && f64::from(*number as f32) == *number => {
+            let text = (*number as f32).to_string();
+            Value::Float(text.parse().unwrap_or(*number))
         }
-        other => other,
+        other => other.clone(),
     }
 }
 
@@ -107,10 +82,7 @@ fn shortest(value: Value) -> Value {
 ///
 /// # Errors
 /// A sentence that names the key, when the key does not exist or cannot have that value.
-pub(crate) fn with_values(
-    settings: &Settings,
-    values: &SettingValues,
-) -> Result<Settings, SettingsError> {
+fn with_values(settings: &Settings, values: &SettingValues) -> Result<Settings, SettingsError> {
     if values.is_empty() {
         return Ok(settings.clone());
     }
@@ -128,17 +100,6 @@ pub(crate) fn with_values(
         made.isobaths.area = settings.isobaths.area.clone();
     }
     Ok(made)
-}
-
-fn insert(table: &mut Table, key: &str, value: Value) {
-    let Some((first, rest)) = key.split_once('.') else {
-        table.insert(key.to_owned(), value);
-        return;
-    };
-    let inner = table.entry(first).or_insert_with(|| Value::Table(Table::new()));
-    if let Value::Table(inner) = inner {
-        insert(inner, rest, value);
-    }
 }
 
 /// Settings of one log only.

@@ -8,6 +8,7 @@ use bathyscope_bottom::cloud::{
 };
 use bathyscope_bottom::first_return::FirstReturns;
 use bathyscope_log::support::progress::{Cancelled, Progress};
+use bathyscope_log::support::statistics::wider;
 use bathyscope_log::survey::{Exclusions, Navigation, Relief, Survey};
 use bathyscope_objects::targets::PassLog;
 use serde::Serialize;
@@ -140,11 +141,6 @@ impl ProcessedLog {
     pub fn pass_log(&self) -> PassLog<'_> {
         (&self.survey, &self.products.navigation)
     }
-
-    /// Returns the kept points, in the order of the cloud.
-    pub fn kept_points(&self) -> impl Iterator<Item = &CloudPoint> {
-        self.products.kept_points()
-    }
 }
 
 impl Products {
@@ -239,8 +235,7 @@ impl Products {
 /// Returns the ends of a colour scale of depth that includes those of all results, metres; `None`
 /// if no depth is known.
 pub fn colour_range_m<'a>(all: impl Iterator<Item = &'a Products>) -> Option<[f32; 2]> {
-    let each = all.filter_map(|products| products.depth_range_m);
-    each.reduce(|[shallow, deep], [s, d]| [shallow.min(s), deep.max(d)])
+    all.map(|products| products.depth_range_m).fold(None, wider)
 }
 
 /// Returns the first returns without those of excluded pings.

@@ -111,7 +111,7 @@ fn points<T>(
 ) -> (Vec<[f64; 3]>, Vec<T>) {
     let mut found = (Vec::new(), Vec::new());
     for log in logs {
-        for (place, point) in CloudPlane::shared(log, map).points(&counts) {
+        for (place, point) in (CloudPlane { map, log }).points(&counts) {
             found.0.push(place);
             found.1.push(read(&log.survey, point));
         }

@@ -3,7 +3,7 @@
 
 use super::joint::{crossline_analysis, latencies};
 use super::products::{LogLatency, Products, counted, judged};
-use super::relief::relief;
+use super::surface::relief;
 use super::{ProcessedLog, Settings};
 use bathyscope_bottom::calibration::{self, Calibration, FlatSpot};
 use bathyscope_bottom::cloud::{

@@ -94,7 +94,7 @@ impl LogFile {
         let path = survey.source.files.first().cloned().unwrap_or_default();
         Ok(Self {
             path: paths::placed(&path),
-            sha256: sha256(survey, progress)?,
+            sha256: sha256_of_first(survey, u64::MAX, progress)?,
             byte_count: identity.byte_count,
             pings: identity.pings,
         })
@@ -114,7 +114,7 @@ impl LogFile {
     /// Returns true if an open log is this one, by its bytes, whatever the name of its file.
     pub fn is_of(&self, survey: &Survey, progress: &Progress) -> Result<bool, Cancelled> {
         let may_be = self.identity().is_same_log(&Identity::of(survey));
-        Ok(may_be && sha256(survey, progress)? == self.sha256)
+        Ok(may_be && sha256_of_first(survey, u64::MAX, progress)? == self.sha256)
     }
 
     /// Returns true if an open log has the file name and the bytes of this one, or begins with its
@@ -134,13 +134,8 @@ impl LogFile {
     }
 }
 
-/// Returns the SHA-256 of the log's own files; the track of another receiver, the last of the
-/// survey's files, is not included.
-fn sha256(survey: &Survey, progress: &Progress) -> Result<String, Cancelled> {
-    sha256_of_first(survey, u64::MAX, progress)
-}
-
-/// Returns the SHA-256 of the first `count` bytes of the log's own files.
+/// Returns the SHA-256 of the first `count` bytes of the log's own files; the track of another
+/// receiver, the last of the survey's files, is not included.
 fn sha256_of_first(survey: &Survey, count: u64, progress: &Progress) -> Result<String, Cancelled> {
     let track = usize::from(survey.track.external.is_some());
     let own = survey.bytes.len().saturating_sub(track);

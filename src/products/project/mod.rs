@@ -3,13 +3,12 @@
 //! In: decisions of the analyst, or the text of a project. Out: the project, its text, and steps of
 //! undo.
 //!
-//! `log` is one log, `history` holds the states for undo, and `past` stores them on disk. `rows`
-//! converts a project to lines and back, `row` is one line, `text` reads and writes all lines and
-//! converts those of older versions, `paths` converts the paths of files. `store` writes the file
-//! under a temporary name and renames it, with every change in a `journal` beside it, which one
-//! window at a time has. `find` searches for logs that were moved, and makes the inputs for work
-//! without a window; `untitled` finds the decisions about logs that are in no named project. Logs
-//! are never written.
+//! `log` is one log, `history` holds the states for undo and stores them on disk. `rows` converts a
+//! project to lines and back, `row` is one line, `text` reads and writes all lines and converts
+//! those of older versions, `paths` converts the paths of files. `store` writes the file under a
+//! temporary name and renames it, with every change in a `journal` beside it, which one window at a
+//! time has. `find` searches for logs that were moved, makes the inputs for work without a window,
+//! and finds the decisions about logs that are in no named project. Logs are never written.
 //!
 //! # The file
 //!
@@ -83,22 +82,20 @@ mod history;
 mod journal;
 mod log;
 mod measurement;
-mod past;
 mod paths;
 mod row;
 mod rows;
 mod store;
 mod text;
-mod untitled;
 
-pub use find::{LogLocation, ProjectInput, find, inputs};
-pub use history::{History, HistoryStep};
+pub use find::{
+    LogLocation, NAMED, ProjectInput, UntitledProject, find, find_untitled, inputs, unused_path,
+};
+pub use history::{History, HistoryStep, PastStep, UNDONE};
 pub use log::{LogFile, LogKey, ProjectLog, read_bottom};
 pub use measurement::{Measurement, MeasurementKind, Pick};
-pub use past::{PastStep, UNDONE};
 pub use row::Key;
 pub use store::{ENDING, OpenedProject, SavingOutcome, Store, StoreError, read, with_journal};
-pub use untitled::{NAMED, UntitledProject, find_untitled, unused_path};
 
 use crate::pipeline::{Settings, SettingsError};
 use bathyscope_log::support::geo::LonLat;
@@ -173,20 +170,25 @@ pub struct Project {
 /// Cheap if two versions share their logs, as those of a history do.
 impl PartialEq for Project {
     fn eq(&self, other: &Self) -> bool {
-        let Self { settings, origin, files, measurements, views, logs, unknown } = self;
-        let is_same = |(one, other): (&Arc<_>, &Arc<_>)| Arc::ptr_eq(one, other) || one == other;
-        *settings == other.settings
+        let Self { settings: _, origin, files, measurements: _, views, logs: _, unknown } = self;
+        self.decides_as(other)
             && *origin == other.origin
             && *files == other.files
-            && *measurements == other.measurements
             && *views == other.views
             && *unknown == other.unknown
-            && logs.len() == other.logs.len()
-            && logs.iter().zip(&other.logs).all(is_same)
     }
 }
 
 impl Project {
+    /// Returns true if the decisions in two versions are equal; display settings are not compared.
+    fn decides_as(&self, other: &Self) -> bool {
+        let is_same = |(one, other): (&Arc<_>, &Arc<_>)| Arc::ptr_eq(one, other) || one == other;
+        self.settings == other.settings
+            && self.measurements == other.measurements
+            && self.logs.len() == other.logs.len()
+            && self.logs.iter().zip(&other.logs).all(is_same)
+    }
+
     /// Returns the logs in their order.
     pub fn logs(&self) -> &[Arc<ProjectLog>] {
         &self.logs
@@ -275,7 +277,8 @@ impl Project {
     /// # Errors
     /// A sentence that names the line that is not valid, or that a newer program is needed.
     pub fn from_text(text: &str, folder: &Path) -> Result<Self, ProjectError> {
-        rows::read(text::read(text)?, folder)
+        let (written, version) = text::read_as_written(text)?;
+        rows::read(text::migrate(written, version, text::VERSION), folder)
     }
 
     /// Sorts the logs by their `order`, then by their key.

@@ -32,14 +32,9 @@ pub(super) fn from_text(text: &str, folder: &Path) -> PathBuf {
     cleaned(&folder.join(decoded(text)))
 }
 
-/// Returns the last name of a path, with either separator.
-pub(super) fn name_of(text: &str) -> &str {
-    text.rsplit(['/', '\\']).next().unwrap_or(text)
-}
-
-/// Returns the last name of a path's text as a path of this system.
+/// Returns the last name of a path's text, with either separator, as a path of this system.
 pub(super) fn name_from_text(text: &str) -> PathBuf {
-    decoded(name_of(text))
+    decoded(text.rsplit(['/', '\\']).next().unwrap_or(text))
 }
 
 /// Returns a path as it is stored: absolute, with links in its folder resolved, so that relative
@@ -51,6 +46,13 @@ pub(super) fn placed(path: &Path) -> PathBuf {
         (Some(folder), Some(name)) => folder.join(name),
         _ => cleaned(&path),
     }
+}
+
+/// Returns the path of the file beside a project whose name is the project's with a suffix.
+pub(super) fn beside(project: &Path, suffix: &str) -> PathBuf {
+    let mut name = project.file_name().unwrap_or_default().to_owned();
+    name.push(suffix);
+    project.with_file_name(name)
 }
 
 /// Returns the path of an existing file without links. On Windows it has the usual form, without
@@ -148,8 +150,8 @@ mod tests {
         }
         // The logs are found after the folder was moved together with them.
         assert_eq!(from_text("day1/a.sl2", Path::new("/new")), Path::new("/new/day1/a.sl2"));
-        assert_eq!(name_of("C:\\lake\\pond.sl2"), "pond.sl2");
-        assert_eq!(name_of("lake/pond.sl2"), "pond.sl2");
+        assert_eq!(name_from_text("C:\\lake\\pond.sl2"), Path::new("pond.sl2"));
+        assert_eq!(name_from_text("lake/pond.sl2"), Path::new("pond.sl2"));
     }
 
     #[test]

@@ -7,8 +7,9 @@
 //! - Only one window has a project open at a time. If that cannot be ensured, a file that another
 //!   program changed meanwhile is not replaced.
 
+use super::history::{HISTORY, Past, PastStep};
 use super::journal::{Entry, NoJournal, Owner, ProjectJournal, Read};
-use super::past::{Past, PastStep, history_of};
+use super::paths::beside;
 use super::row::Rows;
 use super::text::{VERSION, migrate};
 use super::{Project, ProjectError, paths, rows, text};
@@ -17,7 +18,6 @@ use crate::pipeline::in_hexadecimal;
 use bathyscope_log::support::file_error::FileError;
 use bathyscope_log::support::regular_file;
 use sha2::{Digest as _, Sha256};
-use std::ffi::OsString;
 use std::fs::{self, File};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
@@ -25,7 +25,7 @@ use std::path::{Path, PathBuf};
 /// Ending of a project's file name.
 pub const ENDING: &str = "bathyscope";
 /// Suffix of the journal's name after the project's.
-const JOURNAL: &str = "-journal";
+pub(super) const JOURNAL: &str = "-journal";
 
 /// Reason why a project cannot be opened or saved, in one sentence that ends with the file.
 pub type StoreError = FileError<StoreFault>;
@@ -104,7 +104,7 @@ pub fn read(path: &Path) -> Result<Project, StoreError> {
 /// As [`read`], and when the changes are not valid.
 pub(super) fn read_with_changes(path: &Path) -> Result<Project, StoreError> {
     let (text, sha256) = text_of(path)?;
-    let journal = regular_file::read(&journal_of(path), text::LONGEST).unwrap_or_default();
+    let journal = regular_file::read(&beside(path, JOURNAL), text::LONGEST).unwrap_or_default();
     let read = text::read_as_written(&text).and_then(|(written, version)| {
         project_with_changes(written, version, &sha256, &Read::of(&journal), &folder_of(path))
     });
@@ -174,7 +174,7 @@ impl Store {
             past: past.clone(),
             path,
         };
-        Ok(OpenedProject { store, project, notes, past: past.into_steps().collect() })
+        Ok(OpenedProject { store, project, notes, past: past.0.into() })
     }
 
     /// Creates the file of a project and opens it for changes. An existing file is replaced:
@@ -320,7 +320,7 @@ impl Store {
         if let Some(journal) = self.journal.take() {
             journal.remove();
         }
-        for path in [&self.path, &history_of(&self.path)] {
+        for path in [&self.path, &beside(&self.path, HISTORY)] {
             fs::remove_file(path).ok();
         }
     }
@@ -496,7 +496,7 @@ fn taken_in(entries: &[Entry], damaged: usize) -> Vec<String> {
 /// Renames a journal that cannot be used, and returns a sentence about it.
 fn aside(path: &Path, journal: ProjectJournal, why: &str) -> Result<String, StoreError> {
     drop(journal);
-    let kept = export::rename_older(&journal_of(path))
+    let kept = export::rename_older(&beside(path, JOURNAL))
         .map_err(|error| not_writable(path)(error.source))?;
     Ok(format!(
         "The changes that were not saved when the project was last open {why}; they are kept as {}",
@@ -509,14 +509,8 @@ fn lock(path: &Path) -> Result<(ProjectJournal, Read), StoreError> {
         NoJournal::Taken(owner) => StoreFault::Taken(owner),
         NoJournal::Io(error) => StoreFault::NotWritable(error),
     };
-    let opened = ProjectJournal::open(&journal_of(path));
+    let opened = ProjectJournal::open(&beside(path, JOURNAL));
     opened.map_err(|error| StoreError::new(what(error), path))
-}
-
-pub(super) fn journal_of(path: &Path) -> PathBuf {
-    let mut name = OsString::from(path.file_name().unwrap_or_default());
-    name.push(JOURNAL);
-    path.with_file_name(name)
 }
 
 /// Returns the folder of a file, absolute.

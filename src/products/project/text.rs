@@ -55,15 +55,6 @@ pub(super) fn read_row(line: &str) -> Option<(Key, Row)> {
     Some((Key::new(parts), Row::new(&value)))
 }
 
-/// Reads a file of this version or an older one, whose rows are converted to this version.
-///
-/// # Errors
-/// A sentence that names the line that cannot be read, or that a newer program is needed.
-pub(super) fn read(text: &str) -> Result<Rows, ProjectError> {
-    let (rows, version) = read_as_written(text)?;
-    Ok(migrate(rows, version, VERSION))
-}
-
 /// Returns the rows as written in the file, and their version.
 ///
 /// # Errors

@@ -196,21 +196,20 @@ impl MissionLog {
         before: Option<&Products>,
         progress: &Progress,
     ) -> Result<(Arc<Survey>, Products), Error> {
-        let mut survey = self.survey.clone();
-        let settings = self.settings.clone().unwrap_or_else(|| {
-            let mut settings = settings.clone();
-            settings.calibration.pings = None;
-            settings.bottom = BottomSettings::default();
-            settings.excluded.log = None;
-            settings.excluded.stretches.clear();
-            settings.height_offset_m = 0.0;
-            settings
-        });
-        if self.settings.is_none() {
-            let recorded = Survey::clone(&survey);
-            let mounted = as_mounted(recorded, &settings.mounting, &settings.source);
-            survey = Arc::new(mounted.map_err(|error| error.to_string())?);
-        }
+        let (survey, settings) = match &self.settings {
+            Some(own) => (self.survey.clone(), own.clone()),
+            None => {
+                let mut settings = settings.clone();
+                settings.calibration.pings = None;
+                settings.bottom = BottomSettings::default();
+                settings.excluded.log = None;
+                settings.excluded.stretches.clear();
+                settings.height_offset_m = 0.0;
+                let recorded = Survey::clone(&self.survey);
+                let mounted = as_mounted(recorded, &settings.mounting, &settings.source);
+                (Arc::new(mounted.map_err(|error| error.to_string())?), settings)
+            }
+        };
         if let Some(why) = Correction::new(settings.depth(), &survey).refused {
             return Err(why.to_string().into());
         }

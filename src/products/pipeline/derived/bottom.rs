@@ -2,7 +2,7 @@
 //! for each.
 
 use super::{DepthMap, Derived, MosaicKey, MosaicPlane};
-use crate::pipeline::relief::farthest_m;
+use crate::pipeline::surface::farthest_m;
 use crate::pipeline::{ProcessedLog, Same};
 use bathyscope_bottom::bathymetry::{CellSource, Grid, Surface};
 use bathyscope_bottom::mosaic::Colours;

@@ -18,15 +18,16 @@
 mod bottom;
 mod depth_map;
 mod isobaths;
-mod mosaic;
 mod side_scan;
 
 pub use bottom::{Bottom, BottomColour, BottomKey, CornerGround};
-pub use depth_map::{DepthMap, DepthMapKey};
+pub use depth_map::{DepthMap, DepthMapKey, clip_area};
 pub(crate) use isobaths::Contours;
 pub use isobaths::{IsobathKey, Isobaths};
-pub use mosaic::{FINEST, Mosaic, MosaicKey, MosaicPlane};
-pub use side_scan::{Pass, PictureKey, mosaic_layout, mosaic_layout_by, passes_over, place_of};
+pub use side_scan::{
+    FINEST, Mosaic, MosaicKey, MosaicPlane, Pass, PictureKey, mosaic_layout, mosaic_layout_by,
+    passes_over, place_of,
+};
 
 use crate::pipeline::ProcessedLog;
 use bathyscope_bottom::bathymetry::isobaths::{IsobathSettings, NoIsobaths};

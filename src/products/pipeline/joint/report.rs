@@ -225,7 +225,7 @@ fn compare_logs<'a>(
 /// Returns east, north and elevation of the points from which the depth map is made.
 fn places(log: &ProcessedLog) -> impl Iterator<Item = [f64; 3]> {
     let surface = &log.products.settings.surface;
-    let counted = log.kept_points();
+    let counted = log.products.kept_points();
     let counted = counted.filter(|point| surface.weight(point) > 0.0);
     let places = counted.map(CloudPoint::place);
     places.filter(|place| place.iter().all(|value| value.is_finite()))

@@ -92,18 +92,10 @@ fn decimal_comma(value: &str) -> Option<String> {
 
 /// Describes the first value that its setting cannot have.
 fn misfit_in(over: &Table) -> Option<String> {
-    let mut values = Vec::new();
-    flatten("", over, &mut values);
-    values.into_iter().find_map(|(key, value)| {
+    flattened(over).into_iter().find_map(|(key, value)| {
         let row = row(&key)?;
-        let alone = match key.split_once('.') {
-            Some((group, name)) => {
-                let inner = Table::from_iter([(name.to_owned(), value.clone())]);
-                (group, Value::Table(inner))
-            }
-            None => (key.as_str(), value.clone()),
-        };
-        let alone = Table::from_iter([(alone.0.to_owned(), alone.1)]);
+        let mut alone = Table::new();
+        insert(&mut alone, &key, value.clone());
         let error = alone.try_into::<Settings>().err()?;
         Some(misfit(row, value, error.message()))
     })
@@ -138,10 +130,15 @@ fn merge(base: &mut Table, over: Table) {
 
 /// Returns the sentence about the first key that does not exist.
 fn unknown_in(table: &Table) -> Option<String> {
+    let unknown = flattened(table).into_iter().find(|(key, _)| row(key).is_none());
+    unknown.map(|(key, _)| no_setting(&key))
+}
+
+/// Returns the values of a table of settings by their dotted keys, without the bottom edits.
+pub(crate) fn flattened(table: &Table) -> Vec<(String, &Value)> {
     let mut values = Vec::new();
     flatten("", table, &mut values);
-    let unknown = values.iter().find(|(key, _)| row(key).is_none());
-    unknown.map(|(key, _)| no_setting(key))
+    values
 }
 
 fn flatten<'a>(prefix: &str, table: &'a Table, values: &mut Vec<(String, &'a Value)>) {
@@ -149,11 +146,24 @@ fn flatten<'a>(prefix: &str, table: &'a Table, values: &mut Vec<(String, &'a Val
         let key = format!("{prefix}{name}");
         match value {
             _ if key == BOTTOM => {}
+            // The log of the excluded stretches is a setting whose value is a table.
             Value::Table(inner) if row(&key).is_none() => {
                 flatten(&format!("{key}."), inner, values);
             }
             _ => values.push((key, value)),
         }
+    }
+}
+
+/// Sets the value of a dotted key in a table of settings.
+pub(crate) fn insert(table: &mut Table, key: &str, value: Value) {
+    let Some((first, rest)) = key.split_once('.') else {
+        table.insert(key.to_owned(), value);
+        return;
+    };
+    let inner = table.entry(first).or_insert_with(|| Value::Table(Table::new()));
+    if let Value::Table(inner) = inner {
+        insert(inner, rest, value);
     }
 }
 
@@ -286,8 +296,8 @@ pub fn markdown() -> String {
             write!(text, "\n### {title}\n\n| key | values | recommended | published | meaning |\n|---|---|---|---|---|\n").ok();
             last = Some(group);
         }
-        let [recommended, published] = [Preset::Recommended, Preset::Published]
-            .map(|preset| value_in(row, preset).unwrap_or_else(|| "–".to_owned()));
+        let [recommended, published] =
+            Preset::ALL.map(|preset| value_in(row, preset).unwrap_or_else(|| "–".to_owned()));
         let mut meaning = row.meaning();
         if let SettingKind::Choice(choice) = &row.kind {
             for name in choice.names {
@@ -314,10 +324,8 @@ fn value_in(row: &SettingRow, preset: Preset) -> Option<String> {
 }
 
 fn text_value(settings: &Settings, key: &str) -> Option<String> {
-    let mut value = &Value::Table(Table::try_from(settings).ok()?);
-    for part in key.split('.') {
-        value = value.get(part)?;
-    }
+    let table = Table::try_from(settings).ok()?;
+    let (_, value) = flattened(&table).into_iter().find(|(of, _)| of == key)?;
     match value {
         Value::String(text) => Some(text.clone()),
         Value::Array(items) if items.is_empty() => None,

@@ -8,8 +8,8 @@ use super::{
     BOTTOM_FIELDS, BOX_FIELDS, EXCLUDED, EXCLUDED_FIELDS, EXCLUDED_LOG, PATH_KEYS, SEARCHED_FIELDS,
     value_of,
 };
-use crate::pipeline::settings::{in_one_line, renamed};
-use crate::pipeline::{LogSettings, SettingValues, Settings, from_values, is_setting};
+use crate::pipeline::settings::{self, in_one_line, renamed};
+use crate::pipeline::{LogSettings, SettingValues, Settings, from_values};
 use bathyscope_bottom::first_return::{BottomEdit, BottomSettings};
 use bathyscope_log::support::geo::LonLat;
 use bathyscope_log::survey::{ExclusionSettings, Identity, Side, Stretch};
@@ -192,7 +192,7 @@ impl RowReading<'_> {
                     let text = path.to_string_lossy().into_owned();
                     values.insert(key, Value::String(text));
                 }
-                Ok(value) if is_setting(&key) => {
+                Ok(value) if settings::row(&key).is_some() => {
                     values.insert(key, value);
                 }
                 _ => {

@@ -165,7 +165,7 @@ pub(super) fn point_source(
     options: &ViewOptions,
     progress: &Progress,
 ) -> Option<Option<Arc<dyn TilePainter>>> {
-    let kept = logs.iter().flat_map(|shown| shown.log.kept_points());
+    let kept = logs.iter().flat_map(|shown| shown.log.products.kept_points());
     let is_shown = |point: &&CloudPoint| options.swath.0 || point.source != PointSource::Swath;
     let kept = kept.filter(is_shown);
     let mut dots = Vec::new();
