@@ -7,6 +7,7 @@
 //! where UTC inserts a leap second.
 
 use super::{ExportError, LogPoints, Summary, colour, write_atomically};
+use crate::PROGRAM;
 use bathyscope_bottom::cloud::{CloudPoint, PointClass, PointSource};
 use bathyscope_log::formats::points::{LasWriter, transforms, write_copc};
 use bathyscope_log::support::geo::{Crs, LonLat};
@@ -132,7 +133,7 @@ fn write_las(
 
 fn header(spec: &LasSpec<'_>, transforms: Vector<Transform>) -> las::Result<Header> {
     let mut builder = Builder::from(Version::new(1, 4));
-    builder.generating_software = concat!("bathyscope ", env!("CARGO_PKG_VERSION")).to_owned();
+    builder.generating_software = PROGRAM.to_owned();
     if spec.knows_time {
         builder.gps_time_type = GpsTimeType::Standard;
     }

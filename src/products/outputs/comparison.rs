@@ -5,11 +5,11 @@ use super::content::{FileContent, FileResult};
 use super::order::{log_names, log_points};
 use super::residuals::SIGN;
 use super::results::Results;
-use crate::Error;
 use crate::export::{self, Summary};
 use crate::pipeline::{
     Agreement, Fingerprint, NamedComparison, ProcessedLog, ResidualTables, Settings,
 };
+use crate::{Error, PROGRAM};
 use bathyscope_bottom::bathymetry::compare::{Comparison, Match};
 use serde::Serialize;
 use std::path::Path;
@@ -17,7 +17,7 @@ use std::path::Path;
 /// Comparison of a survey with a reference in the form that is written and printed.
 #[derive(Debug, Serialize)]
 pub struct ComparisonRecord<'a> {
-    program: String,
+    program: &'static str,
     sign: &'static str,
     statement: String,
     /// The first file of each log, separated by commas.
@@ -88,7 +88,7 @@ impl<'a> ComparisonRecord<'a> {
         let files = logs.iter().filter_map(|log| log.survey.source.files.first());
         let files: Vec<String> = files.map(|file| file.display().to_string()).collect();
         Ok(Self {
-            program: format!("bathyscope {}", env!("CARGO_PKG_VERSION")),
+            program: PROGRAM,
             sign: SIGN,
             statement,
             measured_file: files.join(", "),

@@ -3,12 +3,12 @@
 
 use super::content::{FileContent, FileResult};
 use super::results::Results;
-use crate::Error;
 use crate::export::write_json;
 use crate::pipeline::{
     Agreement, Crosslines, GeometryChoice, NamedComparison, ProcessedLog, ResidualTables, Settings,
     choices, comparisons, crosslines,
 };
+use crate::{Error, PROGRAM};
 use bathyscope_bottom::cloud::PointSource;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use serde::Serialize;
@@ -17,7 +17,7 @@ use std::slice;
 
 #[derive(Serialize)]
 struct Record<'a> {
-    program: String,
+    program: &'static str,
     sign: &'static str,
     statement: String,
     comparisons: &'a [NamedComparison],
@@ -76,7 +76,7 @@ pub(super) fn write(results: &Results<'_>, path: &Path) -> FileResult {
         }
     };
     let record = Record {
-        program: format!("bathyscope {}", env!("CARGO_PKG_VERSION")),
+        program: PROGRAM,
         sign: SIGN,
         statement,
         comparisons,
