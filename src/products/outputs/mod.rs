@@ -8,8 +8,8 @@
 //! `content` describes the content of a file and the inputs without which it cannot be made.
 //! `clouds` writes the files of points, `track` those of the track, and all lines and areas in one
 //! file, `rasters` the depth map as rasters and text, `body` the bottom for 3D programs, `contours`
-//! isobaths, depth areas and storage, `tiles` the map as web tiles, `residuals` and `comparison`
-//! the agreement of the depths, `mosaic` the side-scan mosaic, `object_files` the objects of a
+//! isobaths, depth areas and storage, `tiles` the map as web tiles, `comparison` the agreement of
+//! the depths, `mosaic` the side-scan mosaic, `object_files` the objects of a
 //! search and of a review, `report_page` writes the report; `manifest` lists and describes the
 //! files, and finds those that are out of date. `boxes` writes reviewed boxes, and pictures of them
 //! for training.
@@ -28,7 +28,6 @@ mod product_files;
 mod rasters;
 mod registry;
 mod report_page;
-mod residuals;
 mod results;
 mod run_folder;
 mod tiles;

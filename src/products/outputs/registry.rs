@@ -8,9 +8,7 @@ mod kinds;
 use super::content::{FileResult, Need};
 use super::order::{Product, When};
 use super::results::Results;
-use super::{
-    body, clouds, comparison, contours, mosaic, object_files, rasters, residuals, tiles, track,
-};
+use super::{body, clouds, comparison, contours, mosaic, object_files, rasters, tiles, track};
 use kinds::{
     CLASSED_POINTS, KEPT_POINTS, LAS_POINTS, NOT_OF_BODY, NOT_OF_CLOUD, NOT_OF_DEPTHS,
     NOT_OF_MOSAIC, NOT_OF_POINTS, boxes, cloud, compared, contour_file, described, footprint,
@@ -347,7 +345,7 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
             "comparisons",
             "",
         ),
-        ..row("quality/residuals.json", When::Chosen(Product::Residuals), residuals::write)
+        ..row("quality/residuals.json", When::Chosen(Product::Residuals), comparison::residuals)
     },
     OutputFile {
         needs: &[Need::SideScan, Need::Mosaic],
