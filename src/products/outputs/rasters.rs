@@ -10,7 +10,7 @@ use crate::export::{
 use bathyscope_bottom::bathymetry::isobaths::shoalest_m;
 use bathyscope_bottom::bathymetry::{CellSource, Grid, Spread, Surface};
 use bathyscope_bottom::presentation::colours::{
-    depth_colour, distance_colour, share_colour, uncertainty_colour,
+    Rgb, depth_colour, distance_colour, share_colour, uncertainty_colour,
 };
 use bathyscope_log::formats::geotiff::{Band, CellFormat, RasterSpec};
 use bathyscope_log::support::geo::MapPlane;
@@ -23,15 +23,6 @@ pub(super) const DISTANCE: &str = "Distance in metres from a cell to the nearest
 pub(super) const SHOALEST: &str =
     "Shoalest depth in metres that was measured in a cell, positive down";
 
-/// A raster to write.
-struct RasterLayer<'a> {
-    band: Band,
-    what: &'static str,
-    colour: fn(f32) -> [u8; 3],
-    /// Values of the cells of the surface; NaN where none is known.
-    values: &'a [f32],
-}
-
 const fn band(name: &'static str, positive_down: bool) -> Band {
     Band { name, unit: "metre", positive_down }
 }
@@ -41,14 +32,8 @@ const STEPS: usize = 10;
 
 /// Writes `depth.tif`.
 pub(super) fn depth(results: &Results<'_>, path: &Path) -> FileResult {
-    let surface = results.surface()?;
-    let layer = RasterLayer {
-        band: band("depth", true),
-        what: DEPTH,
-        colour: depth_colour,
-        values: &surface.depth_m,
-    };
-    write(&layer, surface, results, path)
+    let values = &results.surface()?.depth_m;
+    write(results, path, band("depth", true), DEPTH, depth_colour, values)
 }
 
 /// Writes `uncertainty.tif`.
@@ -60,50 +45,31 @@ pub(super) fn uncertainty(results: &Results<'_>, path: &Path) -> FileResult {
         }
         Spread::OfSoundings => SPREAD,
     };
-    let layer = RasterLayer {
-        band: band("standard deviation of depth", false),
-        what,
-        colour: uncertainty_colour,
-        values: &surface.spread_m,
-    };
-    write(&layer, surface, results, path)
+    let band = band("standard deviation of depth", false);
+    write(results, path, band, what, uncertainty_colour, &surface.spread_m)
 }
 
 /// Writes `distance.tif`.
 pub(super) fn distance(results: &Results<'_>, path: &Path) -> FileResult {
-    let surface = results.surface()?;
-    let layer = RasterLayer {
-        band: band("distance to the nearest depth", false),
-        what: DISTANCE,
-        colour: distance_colour,
-        values: &surface.distance_m,
-    };
-    write(&layer, surface, results, path)
+    let band = band("distance to the nearest depth", false);
+    let values = &results.surface()?.distance_m;
+    write(results, path, band, DISTANCE, distance_colour, values)
 }
 
 /// Writes `shoalest.tif`.
 pub(super) fn shoalest(results: &Results<'_>, path: &Path) -> FileResult {
     let depth_map = results.needed_depth_map()?;
-    let surface = &depth_map.surface;
-    let layer = RasterLayer {
-        band: band("shoalest depth", true),
-        what: SHOALEST,
-        colour: depth_colour,
-        values: &shoalest_m(&surface.grid, &depth_map.depth_points(results.progress)?),
-    };
-    write(&layer, surface, results, path)
+    let points = depth_map.depth_points(results.progress)?;
+    let values = shoalest_m(&depth_map.surface.grid, &points);
+    write(results, path, band("shoalest depth", true), SHOALEST, depth_colour, &values)
 }
 
 /// Writes `hardness.tif`.
 pub(super) fn hardness(results: &Results<'_>, path: &Path) -> FileResult {
-    let surface = results.surface()?;
-    let layer = RasterLayer {
-        band: Band { unit: "decibel", ..band("brightness of the bed over the median", false) },
-        what: "How much brighter the bed is than the median of the map, decibels of power, as echo levels tell it: without slope, angle, range and gain",
-        colour: share_colour,
-        values: surface.hardness_db.as_deref().unwrap_or_default(),
-    };
-    write(&layer, surface, results, path)
+    let band = Band { unit: "decibel", ..band("brightness of the bed over the median", false) };
+    let what = "How much brighter the bed is than the median of the map, decibels of power, as echo levels tell it: without slope, angle, range and gain";
+    let values = results.surface()?.hardness_db.as_deref().unwrap_or_default();
+    write(results, path, band, what, share_colour, values)
 }
 
 /// Writes `source.tif`.
@@ -142,25 +108,29 @@ pub(super) fn known_cells<'a>(
     known.map(move |(index, &depth_m)| (index, map.in_crs(grid.centre_of(index)), depth_m))
 }
 
-/// Writes a raster over the cells of a surface, and its colours beside it.
+/// Writes a raster with a value for each cell of the surface, NaN where none is known, and its
+/// colours beside it.
 fn write(
-    layer: &RasterLayer<'_>,
-    surface: &Surface,
     results: &Results<'_>,
     path: &Path,
+    band: Band,
+    what: &str,
+    colour: fn(f32) -> Rgb,
+    values: &[f32],
 ) -> FileResult {
+    let surface = results.surface()?;
     let (grid, map) = (&surface.grid, &results.map);
     let applied = results.applied(surface);
     let spec = RasterSpec {
         cells: CellFormat::Metres,
-        band: Some(layer.band),
-        description: format!("{}; {}. {applied}", layer.what, results.survey.name()),
+        band: Some(band),
+        description: format!("{what}; {}. {applied}", results.survey.name()),
         ..raster_over(grid, map)
     };
-    metres_raster(path, &spec, grid, layer.values, results.progress)?;
-    let summary = summary(map, grid, layer.values);
+    metres_raster(path, &spec, grid, values, results.progress)?;
+    let summary = summary(map, grid, values);
     let range = summary.values.unwrap_or_default();
-    qgis_style(&path.with_extension("qml"), range, STEPS, layer.colour)?;
+    qgis_style(&path.with_extension("qml"), range, STEPS, colour)?;
     Ok(FileContent::in_system(&spec.crs, summary))
 }
 
@@ -169,10 +139,8 @@ fn summary(map: &MapPlane, grid: &Grid, values: &[f32]) -> Summary {
     let mut summary = Summary::default();
     let known = values.iter().filter(|value| !value.is_nan());
     known.for_each(|value| summary.add([f64::NAN; 2], f64::from(*value)));
-    let corners = [[0, 0], [grid.rows, grid.columns]];
-    for [rows, columns] in corners.map(|corner| corner.map(|cells| cells as f64)) {
-        let corner = [grid.west_m + columns * grid.cell_m, grid.north_m - rows * grid.cell_m];
-        summary.reach(map.in_crs(corner));
-    }
+    let [west_m, south_m, east_m, north_m] = grid.bounds_m();
+    summary.reach(map.in_crs([west_m, north_m]));
+    summary.reach(map.in_crs([east_m, south_m]));
     summary
 }
