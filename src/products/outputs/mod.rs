@@ -7,12 +7,11 @@
 //! replace their own inputs, `run_folder` puts them in place together. `order` is the request,
 //! `content` describes the content of a file and the inputs without which it cannot be made.
 //! `clouds` writes the files of points, `track` those of the track, and all lines and areas in one
-//! file, `rasters` the depth map as rasters and text, `body` the bottom for 3D programs, `contours`
-//! isobaths, depth areas and storage, `tiles` the map as web tiles, `comparison` the agreement of
-//! the depths, `mosaic` the side-scan mosaic, `object_files` the objects of a
-//! search and of a review, `report_page` writes the report; `manifest` lists and describes the
-//! files, and finds those that are out of date. `boxes` writes reviewed boxes, and pictures of them
-//! for training.
+//! file, `rasters` the depth map as rasters and text, and the side-scan mosaic, `body` the bottom
+//! for 3D programs, `contours` isobaths, depth areas and storage, `tiles` the map as web tiles,
+//! `comparison` the agreement of the depths, `object_files` the objects of a search and of a review,
+//! `report_page` writes the report; `manifest` lists and describes the files, and finds those that
+//! are out of date. `boxes` writes reviewed boxes, and pictures of them for training.
 
 mod body;
 mod boxes;
@@ -21,7 +20,6 @@ mod comparison;
 mod content;
 mod contours;
 mod manifest;
-mod mosaic;
 mod object_files;
 mod order;
 mod product_files;

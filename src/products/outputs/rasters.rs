@@ -1,19 +1,21 @@
-//! Writes the cells of the surface as rasters and as text. Rasters are metres as f32 on one grid,
-//! and the source of the depths. The description of each states the corrections, applied or not,
-//! and beside each are its colours for QGIS (`.qml`).
+//! Writes the cells of the surface as rasters and as text, and the side-scan mosaic. Rasters of the
+//! surface are metres as f32 on one grid, and the source of the depths. The description of each
+//! states the corrections, applied or not, and beside each are its colours for QGIS (`.qml`).
 
 use super::content::{FileContent, FileResult};
 use super::results::Results;
 use crate::export::{
-    self, Summary, metres_raster, qgis_classes, qgis_style, raster_over, source_raster,
+    self, Summary, geotiff, metres_raster, qgis_classes, qgis_style, raster_over, source_raster,
 };
 use bathyscope_bottom::bathymetry::isobaths::shoalest_m;
 use bathyscope_bottom::bathymetry::{CellSource, Grid, Spread, Surface};
+use bathyscope_bottom::mosaic::{Colours, MosaicLog, TILE_CELLS, TileIndex, joint_tile};
 use bathyscope_bottom::presentation::colours::{
     Rgb, depth_colour, distance_colour, share_colour, uncertainty_colour,
 };
-use bathyscope_log::formats::geotiff::{Band, CellFormat, RasterSpec};
+use bathyscope_log::formats::geotiff::{Band, CellFormat, RASTER_TILE, RasterSpec};
 use bathyscope_log::support::geo::MapPlane;
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// Descriptions of rasters, in their files and in the manifest.
@@ -87,6 +89,45 @@ pub(super) fn source(results: &Results<'_>, path: &Path) -> FileResult {
     let values: Vec<f32> = values.collect();
     Ok(FileContent::in_system(&map.crs, summary(map, grid, &values)))
 }
+
+/// Writes `mosaic.tif`: all side-scan echoes in the coordinate system of the setting `crs`, as a
+/// GeoTIFF with one band of levels with a mask, or with colours and opacity. Memory does not grow
+/// with the area.
+pub(super) fn mosaic(results: &Results<'_>, path: &Path) -> FileResult {
+    let (settings, map) = (&results.products.settings.mosaic, &results.map);
+    let mosaic = results.mosaic()?;
+    let grid = results.mosaic_grid(mosaic.as_deref())?;
+    let logs = mosaic.as_ref().map_or(&[][..], |mosaic| &mosaic.logs);
+    let indices: Vec<TileIndex> = logs.iter().map(|log| log.layout.index(&grid)).collect();
+    let parts: Vec<(&MosaicLog, &TileIndex)> = logs.iter().zip(&indices).collect();
+    let places: BTreeSet<(usize, usize)> = indices.iter().flat_map(TileIndex::tiles).collect();
+    let places: Vec<[usize; 2]> = (places.into_iter()).map(|(row, column)| [row, column]).collect();
+    let draw = |place: [usize; 2]| {
+        let levels = joint_tile(&parts, &grid, settings, place);
+        Ok(match settings.colours {
+            Colours::Grey => levels,
+            Colours::Copper => {
+                (levels.iter()).flat_map(|&level| settings.colours.rgba(level)).collect()
+            }
+        })
+    };
+    // Levels are one band, which a map program can stretch; colours are a picture.
+    let (cells, band) = match settings.colours {
+        Colours::Grey => (CellFormat::Level, Some(Band::ECHO_LEVEL)),
+        Colours::Copper => (CellFormat::Rgba, None),
+    };
+    let spec = RasterSpec {
+        cells,
+        band,
+        description: format!("Side-scan mosaic of {}", results.name()),
+        ..raster_over(&grid, map)
+    };
+    geotiff(path, &spec, &places, draw, results.progress)?;
+    let summary = Summary { count: grid.len(), ..summary(map, &grid, &[]) };
+    Ok(FileContent::in_system(&map.crs, summary))
+}
+
+const _: () = assert!(TILE_CELLS == RASTER_TILE, "a tile is drawn as it is stored");
 
 /// Writes `depth.xyz`: the middles of the cells that have a depth.
 pub(super) fn xyz(results: &Results<'_>, path: &Path) -> FileResult {

@@ -8,7 +8,7 @@ mod kinds;
 use super::content::{FileResult, Need};
 use super::order::{Product, When};
 use super::results::Results;
-use super::{body, clouds, comparison, contours, mosaic, object_files, rasters, tiles, track};
+use super::{body, clouds, comparison, contours, object_files, rasters, tiles, track};
 use kinds::{
     CLASSED_POINTS, KEPT_POINTS, LAS_POINTS, NOT_OF_BODY, NOT_OF_CLOUD, NOT_OF_DEPTHS,
     NOT_OF_MOSAIC, NOT_OF_POINTS, boxes, cloud, compared, contour_file, described, footprint,
@@ -356,7 +356,7 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
             "cells",
             "",
         ),
-        ..row("mosaic/mosaic.tif", When::Chosen(Product::Mosaic), mosaic::write)
+        ..row("mosaic/mosaic.tif", When::Chosen(Product::Mosaic), rasters::mosaic)
     },
     compared("quality/comparison.json", "The survey against a reference", "", comparison::json),
     compared(
