@@ -2,7 +2,7 @@
 //! conditions under which each file is written, and the logs whose files are written.
 
 use crate::Error;
-use crate::export::LogPoints;
+use crate::export::{LogPoints, ObjectLog};
 use crate::pipeline::joint::RequestedCorrection;
 use crate::pipeline::{Derived, ProcessedLog, Reference};
 use bathyscope_bottom::bathymetry::compare::Matching;
@@ -180,4 +180,10 @@ pub(super) fn log_points<'a>(logs: &'a [ProcessedLog], names: &'a [String]) -> V
         }
     };
     names.iter().zip(logs).map(points).collect()
+}
+
+/// Returns the logs with the names that tables of boxes use.
+pub(super) fn object_logs<'a>(logs: &'a [ProcessedLog], names: &'a [String]) -> Vec<ObjectLog<'a>> {
+    let named = names.iter().zip(logs);
+    named.map(|(name, log)| ObjectLog { name, survey: &log.survey }).collect()
 }
