@@ -151,10 +151,11 @@ fn write_files(
             archive.record.settings()?.surface.max_gap_m
         ),
         scales: source.scales,
+        store,
     };
-    mbtiles(&folder.join(CHART), &store, TileStyle::Chart, &set)?;
+    mbtiles(&folder.join(CHART), &set, TileStyle::Chart)?;
     for (name, picture) in PMTILES.iter().zip([TileStyle::Colours, TileStyle::Elevations]) {
-        pmtiles(&folder.join(name), &store, picture, &set)?;
+        pmtiles(&folder.join(name), &set, picture)?;
     }
     map_page(&folder.join(PAGE), &set, PMTILES)?;
     source.parts.remove_others()

@@ -4,7 +4,7 @@
 use super::content::{Missing, Need};
 use super::order::{Order, When, log_names, log_points, survey_name};
 use crate::Error;
-use crate::export::tile_sets::{TileSet, TileStore};
+use crate::export::tile_sets::TileSet;
 use crate::export::{self, LogPoints, SideScanCoverage, TrackPiece};
 use crate::pipeline::{
     Agreement, Contours, Crosslines, DepthMap, Fingerprint, Isobaths, Mosaic, MosaicPlane,
@@ -52,7 +52,7 @@ struct Computed {
     track: OnceLock<Vec<TrackPiece>>,
     ground: Once<SideScanCoverage>,
     contours: Once<Result<Contours, Error>>,
-    map_tiles: Once<(TileStore, TileSet)>,
+    map_tiles: Once<TileSet>,
     spot_soundings: Once<Vec<DepthPoint>>,
     depth_map: Once<Option<Arc<DepthMap>>>,
     comparisons: Once<Vec<NamedComparison>>,
@@ -302,8 +302,8 @@ impl<'a> Results<'a> {
     /// Returns the tiles of the depth map, which `draw` draws at the first call.
     pub(super) fn map_tiles(
         &self,
-        draw: impl FnOnce() -> Result<(TileStore, TileSet), Error>,
-    ) -> Result<&(TileStore, TileSet), Error> {
+        draw: impl FnOnce() -> Result<TileSet, Error>,
+    ) -> Result<&TileSet, Error> {
         once(&self.computed.map_tiles, draw)
     }
 

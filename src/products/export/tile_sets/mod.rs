@@ -33,8 +33,7 @@ const MOST_INSIDE: u64 = 8 << 20;
 /// Number of steps of the colours of the legend.
 const STEPS: usize = 20;
 
-/// Description of a set of tiles for the programs that show it.
-#[derive(Clone, Debug)]
+/// Tiles of a map, with their description for the programs that show them.
 pub(crate) struct TileSet {
     /// Name of the map.
     pub name: String,
@@ -42,6 +41,8 @@ pub(crate) struct TileSet {
     pub description: String,
     /// Extent of the map and scales of its drawing.
     pub scales: MapScales,
+    /// Pictures of the tiles.
+    pub store: TileStore,
 }
 
 impl TileSet {
