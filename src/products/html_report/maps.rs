@@ -2,7 +2,7 @@
 //! colours with isobaths and their depths, and echoes.
 
 use super::frame::{PageTransform, pixels};
-use super::{ReportData, objects, raster};
+use super::{ReportData, jpeg_address, objects, png_address};
 use crate::pipeline::{Mosaic, ProcessedLog};
 use bathyscope_bottom::bathymetry::isobaths::Isobath;
 use bathyscope_bottom::bathymetry::{Grid, Surface};
@@ -85,7 +85,7 @@ impl Lit<'_> {
                 pixels.extend(self.pixel([row * joined, column * joined], joined));
             }
         }
-        frame.picture(&coarse, raster::rgba(&pixels, coarse.columns, coarse.rows))
+        frame.picture(&coarse, png_address(&pixels, coarse.columns, coarse.rows))
     }
 
     /// Returns the colour of the mean depth of some cells, lit by their mean shade; transparent
@@ -202,7 +202,7 @@ pub(super) fn mosaic_plan(
         return Ok(None);
     };
     let levels = mosaic_levels(mosaic, &grid, progress)?;
-    let picture = frame.picture(&grid, raster::grey(&levels, grid.columns, grid.rows));
+    let picture = frame.picture(&grid, jpeg_address(&levels, grid.columns, grid.rows));
     Ok(Some(map(from, &frame, picture)))
 }
 

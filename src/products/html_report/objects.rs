@@ -2,7 +2,7 @@
 //! a section on each target: its position and size, and the measurements of its height.
 
 use super::frame::{PageTransform, pixels};
-use super::{ReportData, ReportObjects, raster};
+use super::{ReportData, ReportObjects, jpeg_address};
 use crate::export::chip;
 use bathyscope_bottom::presentation::page::{Value, context};
 use bathyscope_bottom::presentation::text::{NONE, plural, position, typeset_count};
@@ -177,7 +177,7 @@ fn picture(
         class => &of.class,
         number => of.one.id.0,
         width => shown_width(chip.width, chip.height, width),
-        address => raster::grey(&chip.levels, chip.width, chip.height),
+        address => jpeg_address(&chip.levels, chip.width, chip.height),
     })
 }
 
