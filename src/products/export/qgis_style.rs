@@ -43,8 +43,8 @@ pub fn qgis_style(
     write_style(path, &renderer, "bilinear")
 }
 
-/// Writes the style of a raster of classes, each with its number, name and colour. Cells of no class
-/// are transparent.
+/// Writes the style of a raster of classes, each with its number, name and colour. Cells of no
+/// class are transparent.
 pub(crate) fn qgis_classes(
     path: &Path,
     classes: &[(u8, &'static str, Rgb)],

@@ -4,7 +4,7 @@
 //! plotters and handheld receivers); the ground as GeoJSON.
 
 use super::geojson::{areas, collection, feature_at, line_at};
-use super::{ExportError, Summary, millimetres, write_summed};
+use super::{ExportError, GPX_HEAD, Summary, millimetres, write_summed};
 use bathyscope_bottom::bathymetry::isobaths::Polygon;
 use bathyscope_log::support::calendar::timestamp;
 use bathyscope_log::support::geo::{LonLat, MapPlane};
@@ -150,11 +150,7 @@ pub(crate) fn write_track_gpx(
     pieces: &[TrackPiece],
 ) -> io::Result<()> {
     let name = xml(name);
-    write!(
-        out,
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<gpx version=\"1.1\" creator=\"Bathyscope\" \
-         xmlns=\"http://www.topografix.com/GPX/1/1\">\n<trk><name>{name}</name>\n"
-    )?;
+    writeln!(out, "{GPX_HEAD}>\n<trk><name>{name}</name>")?;
     for piece in pieces {
         writeln!(out, "<trkseg>")?;
         for point in &piece.points {
