@@ -7,7 +7,7 @@ use super::results::{NO_SURFACE, Results};
 use crate::Error;
 use crate::export::{BottomCell, Summary, TexturedMesh, bottom_las, glb};
 use crate::pipeline::{Bottom, BottomColour};
-use bathyscope_bottom::bathymetry::{CellSource, Grid, Surface};
+use bathyscope_bottom::bathymetry::{Grid, Surface};
 use bathyscope_bottom::presentation::colours::{Rgb, depth_colour, depth_share};
 use image::{ExtendedColorType, ImageEncoder as _, codecs::png::PngEncoder};
 use serde_json::json;
@@ -57,11 +57,7 @@ pub(super) fn points(results: &Results<'_>, path: &Path) -> FileResult {
         depth_m,
         sigma_m: surface.spread_m[index],
         distance_m: surface.distance_m[index],
-        source: surface.source[index] as u8,
-        is_measured: matches!(
-            surface.source[index],
-            CellSource::Sounding | CellSource::FirstReturn
-        ),
+        source: surface.source[index],
         rgb: depth_colour(depth_share(depth_m, depth_map.colour_range_m)),
     };
     let cells: Vec<BottomCell> = known_cells(surface, map).map(cell).collect();

@@ -58,8 +58,8 @@ impl Product {
         self.description().1
     }
 
-    /// Returns the name in `--products`, the title, and the bytes of the files: in all, and for each
-    /// point, ping, cell of the depth map and cell of the mosaic.
+    /// Returns the name in `--products`, the title, and the bytes of the files: in all, and for
+    /// each point, ping, cell of the depth map and cell of the mosaic.
     pub(super) fn description(self) -> (&'static str, &'static str, [f64; 5]) {
         match self {
             Product::Cloud => ("cloud", "Point cloud", [0.0, 75.0, 0.0, 0.0, 0.0]),
