@@ -6,7 +6,7 @@
 //! The text of an object has a name, a line of description, and its columns as elements of XML.
 
 use super::object_places;
-use crate::export::geopackage::{FeatureGeometry, Layer, geopackage};
+use crate::export::geopackage::{FeatureGeometry, Layer, WGS84, geopackage};
 use crate::export::qgis_style::{target_outline_style, target_style};
 use crate::export::sqlite::{self, count, text};
 use crate::export::{ExportError, GPX_HEAD, KML_HEAD, Summary, write_bytes, write_json};
@@ -20,9 +20,6 @@ use bathyscope_objects::objects::{
 use serde_json::{Map, Value, json};
 use std::collections::HashMap;
 use std::path::Path;
-
-/// EPSG's number of WGS84.
-const WGS84: u16 = 4326;
 
 /// Returns the description that a plotter shows beside the name of an object, without unknown
 /// values.
