@@ -376,7 +376,7 @@ fn cloud_point(
     [x, y]: [f64; 2],
 ) -> las::Result<Point> {
     let survey = log.survey;
-    let range_m = log.reduction().point_range_m(survey, point);
+    let range_m = log.reduction.point_range_m(survey, point);
     let time_s = point.record().time_s(survey).unwrap_or(0.0);
     let gps_time_s =
         start_unix_s.map_or(time_s, |start_unix_s| adjusted_standard_s(start_unix_s + time_s));

@@ -173,7 +173,7 @@ pub(super) fn log_points<'a>(logs: &'a [ProcessedLog], names: &'a [String]) -> V
             navigation: &products.navigation,
             returns: &products.returns,
             calibration: &products.calibration,
-            correction: &products.correction,
+            reduction: products.reduction(),
             exclusions: &products.exclusions,
             cloud: &products.cloud,
             classes: &products.classes,

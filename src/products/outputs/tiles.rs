@@ -17,8 +17,6 @@ use std::path::Path;
 
 /// EPSG number of Web Mercator.
 const WEB_MERCATOR: u16 = 3857;
-/// Archives that the page shows, in the same folder.
-const ARCHIVES: [&str; 2] = ["depth.pmtiles", "depth_values.pmtiles"];
 
 /// Writes `depth.mbtiles`.
 pub(super) fn chart(results: &Results<'_>, path: &Path) -> FileResult {
@@ -45,7 +43,7 @@ fn archive(results: &Results<'_>, path: &Path, picture: TileStyle) -> FileResult
 
 /// Writes `index.html`, after the archives.
 pub(super) fn page(results: &Results<'_>, path: &Path) -> FileResult {
-    map_page(path, tiles(results, path)?, ARCHIVES)?;
+    map_page(path, tiles(results, path)?)?;
     Ok(FileContent::count(0))
 }
 

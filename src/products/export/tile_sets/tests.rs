@@ -160,8 +160,7 @@ fn the_same_tiles_give_the_same_bytes_in_whatever_order_they_come() {
 fn a_small_map_lies_in_its_page_and_a_large_one_beside_it() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("index.html");
-    let archives = ["depth.pmtiles", "depth_values.pmtiles"];
-    for name in archives {
+    for name in PMTILES {
         fs::write(folder.path().join(name), b"tiles").unwrap();
     }
     let set = TileSet {
@@ -176,16 +175,16 @@ fn a_small_map_lies_in_its_page_and_a_large_one_beside_it() {
         store: TileStore::in_folder(folder.path()).unwrap(),
     };
     let written = || {
-        map_page(&path, &set, archives).unwrap();
+        map_page(&path, &set).unwrap();
         fs::read_to_string(&path).unwrap()
     };
     let small = written();
     assert!(small.contains("id=\"depth.pmtiles\">dGlsZXM=</script>"));
     assert!(small.contains("<h1>pond &amp; &lt;/script&gt;</h1>") && !small.contains("{{"));
     assert!(!small.contains("http://") && small.matches("https://").count() == 1, "one remark");
-    fs::write(folder.path().join(archives[1]), vec![0; MOST_INSIDE as usize]).unwrap();
+    fs::write(folder.path().join(PMTILES[1]), vec![0; MOST_INSIDE as usize]).unwrap();
     let large = written();
     assert!(!large.contains("octet-stream") && large.contains("\"finest\":"));
-    fs::remove_file(folder.path().join(archives[1])).unwrap();
-    assert!(map_page(&path, &set, archives).is_err());
+    fs::remove_file(folder.path().join(PMTILES[1])).unwrap();
+    assert!(map_page(&path, &set).is_err());
 }
