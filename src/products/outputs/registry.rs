@@ -8,7 +8,7 @@ mod kinds;
 use super::content::{FileResult, Need};
 use super::order::{Product, When};
 use super::results::Results;
-use super::{body, clouds, comparison, lines, object_files, rasters, tiles};
+use super::{clouds, comparison, lines, object_files, rasters, tiles};
 use kinds::{
     CLASSED_POINTS, KEPT_POINTS, LAS_POINTS, NOT_OF_BODY, NOT_OF_CLOUD, NOT_OF_DEPTHS,
     NOT_OF_MOSAIC, NOT_OF_POINTS, boxes, cloud, compared, contour_file, described, footprint,
@@ -256,7 +256,7 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
             "The depth map as a mesh with its colours and the mosaic as pictures (glTF 2.0: y up, metres)",
             "depth_m",
             "the bottom for 3D programs",
-            body::write,
+            clouds::bottom_mesh,
         )
     },
     OutputFile {
@@ -267,7 +267,7 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
             "The cells of the depth map as points: z is minus the depth, source as in source.tif; what nothing measured is marked synthetic",
             "z_m",
             "cells of the depth map as points, with the source of each depth",
-            body::points,
+            clouds::bottom_points,
         )
     },
     isobaths("isobaths/isobaths.geojson", lines::isobaths_geojson),
