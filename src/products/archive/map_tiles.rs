@@ -9,7 +9,7 @@ use super::tile_content::TileContents;
 use super::tile_files::{DEPTH, DEPTH_FILES, TileRecord};
 use super::tile_map::{isobath_settings, without_error};
 use super::{LONGEST_RECORD, fingerprint, remove};
-use crate::export::tile_sets::{TileSet, TileStore, map_page, mbtiles, pmtiles};
+use crate::export::tile_sets::{PMTILES, TileSet, TileStore, map_page, mbtiles, pmtiles};
 use crate::export::{make_folder, write_json};
 use crate::map_tiles::{
     LitSurface, MapPart, MapScales, PixelPlaces, Pixels, PyramidSource, TileStyle, WebTile,
@@ -34,7 +34,6 @@ use std::path::Path;
 const FOLDER: &str = "map_tiles";
 const RECORD: &str = "map_tiles.json";
 const CHART: &str = "depth.mbtiles";
-const PMTILES: [&str; 2] = ["depth.pmtiles", "depth_values.pmtiles"];
 const PAGE: &str = "index.html";
 /// The folder of the parts that the map was drawn in.
 const PARTS: &str = "map_parts";
@@ -151,12 +150,13 @@ fn write_files(
             archive.record.settings()?.surface.max_gap_m
         ),
         scales: source.scales,
+        store,
     };
-    mbtiles(&folder.join(CHART), &store, TileStyle::Chart, &set)?;
+    mbtiles(&folder.join(CHART), &set, TileStyle::Chart)?;
     for (name, picture) in PMTILES.iter().zip([TileStyle::Colours, TileStyle::Elevations]) {
-        pmtiles(&folder.join(name), &store, picture, &set)?;
+        pmtiles(&folder.join(name), &set, picture)?;
     }
-    map_page(&folder.join(PAGE), &set, PMTILES)?;
+    map_page(&folder.join(PAGE), &set)?;
     source.parts.remove_others()
 }
 

@@ -114,29 +114,24 @@ fn unrolled(places: impl Iterator<Item = LonLat>) -> Vec<Degrees> {
 
 /// Returns the parts of a line, each within -180 to 180 degrees.
 fn cut_line(places: impl Iterator<Item = LonLat>) -> Vec<Vec<Degrees>> {
-    let mut parts: Vec<Vec<Degrees>> = vec![Vec::new()];
+    let (mut parts, mut part) = (Vec::new(), Vec::new());
     let mut last: Option<Degrees> = None;
-    let add = |parts: &mut Vec<Vec<Degrees>>, [lon_deg, lat_deg]: Degrees, turn: i64| {
-        let place = [lon_deg - 360.0 * turn as f64, lat_deg];
-        if let Some(part) = parts.last_mut() {
-            part.push(place);
-        }
-    };
+    let in_turn = |[lon_deg, lat_deg]: Degrees, turn: i64| [lon_deg - 360.0 * turn as f64, lat_deg];
     for place in unrolled(places) {
         if let Some(from) = last {
             let (mut at, end) = (turn(from[0]), turn(place[0]));
             while at != end {
                 let next = at + (end - at).signum();
                 let border = crossing(from, place, border_deg(at.min(next)));
-                add(&mut parts, border, at);
-                parts.push(Vec::new());
-                add(&mut parts, border, next);
+                part.push(in_turn(border, at));
+                parts.push(std::mem::replace(&mut part, vec![in_turn(border, next)]));
                 at = next;
             }
         }
-        add(&mut parts, place, turn(place[0]));
+        part.push(in_turn(place, turn(place[0])));
         last = Some(place);
     }
+    parts.push(part);
     // A line that only touches the meridian has no part beyond it.
     parts.retain(|part| part.iter().any(|place| Some(place) != part.first()));
     parts

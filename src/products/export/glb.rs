@@ -87,10 +87,9 @@ impl GlbParts {
 
 /// Writes a mesh to a file.
 pub(crate) fn glb(path: &Path, mesh: &TexturedMesh) -> Result<(), ExportError> {
-    let (document, mut bytes) = document(mesh);
+    let (document, bytes) = document(mesh);
     let mut text = document.to_string().into_bytes();
     text.resize(text.len().next_multiple_of(4), b' ');
-    bytes.resize(bytes.len().next_multiple_of(4), 0);
     write_atomically(path, |file| {
         let mut out = BufWriter::new(file);
         let whole = 12 + 8 + text.len() + 8 + bytes.len();

@@ -7,6 +7,8 @@
 //! where UTC inserts a leap second.
 
 use super::{ExportError, LogPoints, Summary, colour, write_atomically};
+use crate::PROGRAM;
+use bathyscope_bottom::bathymetry::CellSource;
 use bathyscope_bottom::cloud::{CloudPoint, PointClass, PointSource};
 use bathyscope_log::formats::points::{LasWriter, transforms, write_copc};
 use bathyscope_log::support::geo::{Crs, LonLat};
@@ -132,7 +134,7 @@ fn write_las(
 
 fn header(spec: &LasSpec<'_>, transforms: Vector<Transform>) -> las::Result<Header> {
     let mut builder = Builder::from(Version::new(1, 4));
-    builder.generating_software = concat!("bathyscope ", env!("CARGO_PKG_VERSION")).to_owned();
+    builder.generating_software = PROGRAM.to_owned();
     if spec.knows_time {
         builder.gps_time_type = GpsTimeType::Standard;
     }
@@ -218,10 +220,8 @@ pub(crate) struct BottomCell {
     pub sigma_m: f32,
     /// Distance to the nearest measured depth, metres.
     pub distance_m: f32,
-    /// The source of the depth, by the number of [`bathyscope_bottom::bathymetry::CellSource`].
-    pub source: u8,
-    /// True if a depth was measured in the cell.
-    pub is_measured: bool,
+    /// The source of the depth.
+    pub source: CellSource,
     /// Colour of the cell.
     pub rgb: [u8; 3],
 }
@@ -258,8 +258,8 @@ fn bottom_point(cell: &BottomCell) -> las::Result<Point> {
         return_number: 1,
         number_of_returns: 1,
         classification: Classification::new(PointClass::Bottom.code())?,
-        is_synthetic: !cell.is_measured,
-        user_data: cell.source,
+        is_synthetic: !matches!(cell.source, CellSource::Sounding | CellSource::FirstReturn),
+        user_data: cell.source as u8,
         gps_time: Some(0.0),
         color: Some(Color { red, green, blue }),
         extra_bytes: bottom_bytes(cell),
@@ -269,7 +269,7 @@ fn bottom_point(cell: &BottomCell) -> las::Result<Point> {
 
 fn bottom_bytes(cell: &BottomCell) -> Vec<u8> {
     let sigma_m = if cell.sigma_m.is_nan() { NO_SIGMA } else { cell.sigma_m };
-    let mut bytes = vec![cell.source];
+    let mut bytes = vec![cell.source as u8];
     bytes.extend(sigma_m.to_le_bytes());
     bytes.extend(cell.distance_m.to_le_bytes());
     bytes
@@ -376,7 +376,7 @@ fn cloud_point(
     [x, y]: [f64; 2],
 ) -> las::Result<Point> {
     let survey = log.survey;
-    let range_m = log.reduction().point_range_m(survey, point);
+    let range_m = log.reduction.point_range_m(survey, point);
     let time_s = point.record().time_s(survey).unwrap_or(0.0);
     let gps_time_s =
         start_unix_s.map_or(time_s, |start_unix_s| adjusted_standard_s(start_unix_s + time_s));

@@ -111,6 +111,11 @@ impl Summary {
     }
 }
 
+/// Beginning of a KML file, up to the content of its document.
+const KML_HEAD: &str = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<kml xmlns=\"http://www.opengis.net/kml/2.2\">\n<Document>\n";
+/// Beginning of a GPX file, up to further attributes of its outermost element.
+const GPX_HEAD: &str = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<gpx version=\"1.1\" creator=\"Bathyscope\" xmlns=\"http://www.topografix.com/GPX/1/1\"";
+
 /// Writes a file and returns the summary that `write` collects.
 fn write_summed(
     path: &Path,

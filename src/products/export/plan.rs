@@ -5,7 +5,7 @@
 //! GPX and KML files hold the lines and the whole way; the files of QGroundControl and Mission
 //! Planner hold the way as a mission.
 
-use super::{ExportError, write_bytes};
+use super::{ExportError, GPX_HEAD, KML_HEAD, write_bytes};
 use crate::Error;
 use bathyscope_bottom::planning::{Plan, WaypointKind};
 use bathyscope_log::support::geo::{LocalFrame, LonLat};
@@ -24,35 +24,26 @@ const SURFACE_BOAT: u8 = 11;
 /// `MAV_FRAME_GLOBAL`, for the home position.
 const ABSOLUTE_HEIGHT: u8 = 0;
 
-bathyscope_log::listed! {
-    /// All formats.
-    const ALL;
-
-    /// A kind of file that a plan can be written to.
-    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-    pub enum PlanFormat {
-        /// GPX 1.1 with a waypoint at both ends of every line, and the way as a route.
-        Gpx,
-        /// KML 2.2 with the lines and the way.
-        Kml,
-        /// A mission of QGroundControl.
-        QGroundControl,
-        /// A mission of Mission Planner, `QGC WPL 110`.
-        MissionPlanner,
-    }
+/// A kind of file that a plan can be written to.
+#[derive(Clone, Copy, Debug)]
+pub struct PlanFormat {
+    /// Ending of the files of the format.
+    ending: &'static str,
+    /// Returns the content of a file.
+    text: fn(&PlannedWay<'_>) -> String,
 }
 
-impl PlanFormat {
-    /// Returns the ending of the files of the format.
-    fn ending(self) -> &'static str {
-        match self {
-            PlanFormat::Gpx => "gpx",
-            PlanFormat::Kml => "kml",
-            PlanFormat::QGroundControl => "plan",
-            PlanFormat::MissionPlanner => "waypoints",
-        }
-    }
+/// All formats: GPX 1.1 with a waypoint at both ends of every line, and the way as a route; KML 2.2
+/// with the lines and the way; a mission of QGroundControl; a mission of Mission Planner, `QGC WPL
+/// 110`.
+const PLAN_FORMATS: [PlanFormat; 4] = [
+    PlanFormat { ending: "gpx", text: gpx_text },
+    PlanFormat { ending: "kml", text: kml_text },
+    PlanFormat { ending: "plan", text: qgroundcontrol_text },
+    PlanFormat { ending: "waypoints", text: mission_planner_text },
+];
 
+impl PlanFormat {
     /// Returns the format for the ending of a file name.
     ///
     /// # Errors
@@ -60,7 +51,7 @@ impl PlanFormat {
     pub fn of(path: &Path) -> Result<Self, Error> {
         let ending = path.extension().unwrap_or_default();
         let format =
-            Self::ALL.into_iter().find(|format| ending.eq_ignore_ascii_case(format.ending()));
+            PLAN_FORMATS.into_iter().find(|format| ending.eq_ignore_ascii_case(format.ending));
         let refused = || {
             format!(
                 "lines are written as .gpx, .kml, .plan (QGroundControl) or .waypoints (Mission Planner); name the file so: {}",
@@ -93,13 +84,7 @@ struct WayPlace {
 impl PlannedWay<'_> {
     /// Writes the plan to a file.
     pub fn write(&self, path: &Path, format: PlanFormat) -> Result<(), ExportError> {
-        let text = match format {
-            PlanFormat::Gpx => gpx_text(self),
-            PlanFormat::Kml => kml_text(self),
-            PlanFormat::QGroundControl => qgroundcontrol_text(self),
-            PlanFormat::MissionPlanner => mission_planner_text(self),
-        };
-        write_bytes(path, text)
+        write_bytes(path, (format.text)(self))
     }
 
     fn places(&self) -> impl Iterator<Item = WayPlace> {
@@ -141,8 +126,7 @@ fn gpx_text(way: &PlannedWay<'_>) -> String {
     let route: String = way.places().map(|place| point("rtept", &place)).collect();
     let (name, description) = (xml(way.name), xml(&way.description()));
     format!(
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<gpx version=\"1.1\" creator=\"Bathyscope\" \
-         xmlns=\"http://www.topografix.com/GPX/1/1\">\n<metadata><name>{name}</name><desc>{description}</desc></metadata>\n\
+        "{GPX_HEAD}>\n<metadata><name>{name}</name><desc>{description}</desc></metadata>\n\
          {waypoints}<rte><name>{name}</name><desc>{description}</desc>\n{route}</rte>\n</gpx>\n"
     )
 }
@@ -163,8 +147,7 @@ fn kml_text(way: &PlannedWay<'_>) -> String {
     let (name, description) = (xml(way.name), xml(&way.description()));
     // Colours are alpha, blue, green, red.
     format!(
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<kml xmlns=\"http://www.opengis.net/kml/2.2\">\n<Document>\n\
-         <name>{name}</name><description>{description}</description>\n\
+        "{KML_HEAD}<name>{name}</name><description>{description}</description>\n\
          <Style id=\"line\"><LineStyle><color>ff00a5ff</color><width>3</width></LineStyle></Style>\n\
          <Style id=\"way\"><LineStyle><color>b0ffffff</color><width>1</width></LineStyle></Style>\n\
          <Folder><name>Lines</name>\n{lines}</Folder>\n{whole}</Document>\n</kml>\n"

@@ -8,7 +8,7 @@
 use super::{ExportError, Summary, colour, write_atomically, write_summed};
 use bathyscope_bottom::bathymetry::compare::Match;
 use bathyscope_bottom::calibration::Calibration;
-use bathyscope_bottom::cloud::{CloudPoint, Correction, PointClass, PointCloud, Reduction};
+use bathyscope_bottom::cloud::{CloudPoint, PointClass, PointCloud, Reduction};
 use bathyscope_bottom::first_return::FirstReturns;
 use bathyscope_log::formats::points::{PointFile, PointFormat};
 use bathyscope_log::support::geo::compass_deg;
@@ -40,8 +40,8 @@ pub(crate) struct LogPoints<'a> {
     pub returns: &'a FirstReturns,
     /// Scales of the slant ranges.
     pub calibration: &'a Calibration,
-    /// Corrections of the depths.
-    pub correction: &'a Correction,
+    /// Reduction of samples and recorded depths to metres.
+    pub reduction: Reduction<'a>,
     /// Excluded pings and soundings.
     pub exclusions: &'a Exclusions,
     /// Points of the log.
@@ -51,11 +51,6 @@ pub(crate) struct LogPoints<'a> {
 }
 
 impl<'a> LogPoints<'a> {
-    /// Returns the reduction of samples and recorded depths of the log to metres.
-    pub(crate) fn reduction(&self) -> Reduction<'a> {
-        Reduction::new(self.calibration, self.correction)
-    }
-
     /// Returns all points in the order of the cloud, each with its class.
     pub(crate) fn points(
         &self,
@@ -151,12 +146,11 @@ pub(crate) fn cloud_csv(path: &Path, logs: &[LogPoints<'_>]) -> Result<Summary, 
     const HEADING: &str = "source,ping,lon,lat,east_m,north_m,z_m,kept,class,level,range_m,fault";
     table(path, HEADING, logs, |index, name, out, summary| {
         let log = &logs[index];
-        let reduction = log.reduction();
         for (point, class) in log.points() {
             let (east_m, north_m) = (point.east_m, point.north_m);
             let at = log.navigation.to_lon_lat(&log.survey.track, east_m, north_m);
             summary.add([at.lon_deg, at.lat_deg], point.z_m);
-            let range_m = reduction.point_range_m(log.survey, point);
+            let range_m = log.reduction.point_range_m(log.survey, point);
             let level =
                 if point.source.is_side_scan() { point.level.to_string() } else { String::new() };
             writeln!(
@@ -227,7 +221,6 @@ pub(crate) fn cloud_ply(path: &Path, logs: &[LogPoints<'_>]) -> Result<Summary, 
             logs.iter().map(|log| log.points().count()).sum::<usize>()
         )?;
         for log in logs {
-            let reduction = log.reduction();
             for (point, class) in log.points() {
                 summary.add([point.east_m, point.north_m], point.z_m);
                 for value in [point.east_m, point.north_m, point.z_m] {
@@ -235,7 +228,7 @@ pub(crate) fn cloud_ply(path: &Path, logs: &[LogPoints<'_>]) -> Result<Summary, 
                 }
                 out.write_all(&colour(point.source))?;
                 out.write_all(&[point.level, class.code()])?;
-                let range_m = reduction.point_range_m(log.survey, point) as f32;
+                let range_m = log.reduction.point_range_m(log.survey, point) as f32;
                 out.write_all(&range_m.to_le_bytes())?;
             }
         }

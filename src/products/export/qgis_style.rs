@@ -2,6 +2,7 @@
 //! opens the raster, and the styles of vector layers for the table of styles in a GeoPackage.
 
 use super::{ExportError, write_bytes};
+use bathyscope_bottom::presentation::colours::Rgb;
 use bathyscope_log::support::printable::xml;
 use std::path::Path;
 
@@ -12,7 +13,7 @@ pub fn qgis_style(
     path: &Path,
     [least_m, most_m]: [f64; 2],
     steps: usize,
-    colour: impl Fn(f32) -> [u8; 3],
+    colour: impl Fn(f32) -> Rgb,
 ) -> Result<(), ExportError> {
     let items = (0..=steps).map(|step| {
         let share = step as f64 / steps.max(1) as f64;
@@ -42,11 +43,12 @@ pub fn qgis_style(
     write_style(path, &renderer, "bilinear")
 }
 
-/// A class of a raster: its number, name and colour.
-pub(super) type Class = (u8, &'static str, [u8; 3]);
-
-/// Writes the style of a raster of classes. Cells of no class are transparent.
-pub(crate) fn qgis_classes(path: &Path, classes: &[Class]) -> Result<(), ExportError> {
+/// Writes the style of a raster of classes, each with its number, name and colour. Cells of no
+/// class are transparent.
+pub(crate) fn qgis_classes(
+    path: &Path,
+    classes: &[(u8, &'static str, Rgb)],
+) -> Result<(), ExportError> {
     let entries = classes.iter().map(|(number, name, [red, green, blue])| {
         format!(
             "        <paletteEntry alpha=\"255\" color=\"#{red:02x}{green:02x}{blue:02x}\" label=\"{}\" value=\"{number}\"/>\n",
@@ -80,9 +82,6 @@ fn write_style(path: &Path, renderer: &str, enlarged: &str) -> Result<(), Export
     );
     write_bytes(path, text)
 }
-
-/// A colour, sRGB.
-type Rgb = [u8; 3];
 
 /// Dark blue of lines and depth figures, as on charts.
 const DEPTH_INK: Rgb = [28, 62, 110];

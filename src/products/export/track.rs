@@ -4,12 +4,12 @@
 //! plotters and handheld receivers); the ground as GeoJSON.
 
 use super::geojson::{areas, collection, feature_at, line_at};
-use super::{ExportError, Summary, millimetres, write_summed};
+use super::{ExportError, GPX_HEAD, Summary, millimetres, write_summed};
 use bathyscope_bottom::bathymetry::isobaths::Polygon;
 use bathyscope_log::support::calendar::timestamp;
 use bathyscope_log::support::geo::{LonLat, MapPlane};
 use bathyscope_log::support::printable::xml;
-use bathyscope_log::survey::{Navigation, PingNav, Survey};
+use bathyscope_log::survey::{Navigation, Survey};
 use serde_json::json;
 use std::io::{self, Write};
 use std::path::Path;
@@ -43,20 +43,15 @@ pub struct TrackPiece {
 pub fn track(survey: &Survey, navigation: &Navigation) -> Vec<TrackPiece> {
     let mut pieces = Pieces::default();
     let frame = &survey.track.frame;
-    let mut add = |ping: usize, time_s: f64, place: &PingNav| {
+    let has_pings = !survey.side_scan.is_empty();
+    let places = if has_pings { &navigation.pings } else { &navigation.soundings };
+    let records = survey.record_times_s().into_iter().zip(places.iter());
+    for (ping, (time_s, place)) in records.enumerate() {
         let position = navigation.to_lon_lat(&survey.track, place.east_m, place.north_m);
         let at_m = frame.to_enu(position);
         if at_m.iter().all(|metres| metres.is_finite()) {
-            let point = TrackPoint { ping, time_s, position };
-            pieces.add(point, at_m);
+            pieces.add(TrackPoint { ping, time_s, position }, at_m);
         }
-    };
-    if survey.side_scan.is_empty() {
-        let places = survey.soundings.iter().zip(navigation.soundings.iter());
-        (0..).zip(places).for_each(|(ping, (sounding, place))| add(ping, sounding.time_s, place));
-    } else {
-        let places = survey.side_scan.iter().zip(navigation.pings.iter());
-        (0..).zip(places).for_each(|(ping, (side_ping, place))| add(ping, side_ping.time_s, place));
     }
     pieces.finish()
 }
@@ -155,11 +150,7 @@ pub(crate) fn write_track_gpx(
     pieces: &[TrackPiece],
 ) -> io::Result<()> {
     let name = xml(name);
-    write!(
-        out,
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<gpx version=\"1.1\" creator=\"Bathyscope\" \
-         xmlns=\"http://www.topografix.com/GPX/1/1\">\n<trk><name>{name}</name>\n"
-    )?;
+    writeln!(out, "{GPX_HEAD}>\n<trk><name>{name}</name>")?;
     for piece in pieces {
         writeln!(out, "<trkseg>")?;
         for point in &piece.points {

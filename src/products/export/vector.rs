@@ -11,7 +11,7 @@
 //! network runtime are built on.
 
 use super::geojson::{areas, positions};
-use super::{ExportError, Summary, write_atomically, write_bytes};
+use super::{ExportError, KML_HEAD, Summary, write_atomically, write_bytes};
 use bathyscope_bottom::bathymetry::isobaths::Polygon;
 use bathyscope_log::support::geo::{Crs, LonLat};
 use bathyscope_log::support::printable::xml;
@@ -206,12 +206,7 @@ fn archive(
 ) -> Result<Summary, ExportError> {
     write_atomically(path, |file| {
         one_file(file, "doc.kml", |out| {
-            write!(
-                out,
-                "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<kml xmlns=\"http://www.opengis.net/kml/2.2\">\n\
-                 <Document>\n<name>{}</name>\n",
-                xml(name)
-            )?;
+            writeln!(out, "{KML_HEAD}<name>{}</name>", xml(name))?;
             let summary = write(out)?;
             out.write_all(b"</Document>\n</kml>\n")?;
             Ok(summary)

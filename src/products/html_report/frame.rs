@@ -21,9 +21,6 @@ const FREE: f64 = 0.04;
 /// Least distance between lines of the graticule, pixels.
 const BETWEEN_PX: f64 = 180.0;
 
-/// Bounds of a map: west, south, east, north, metres.
-type Bounds = [f64; 4];
-
 /// Transform from metres of a plane to pixels on the page.
 pub(super) struct PageTransform {
     map: MapPlane,
@@ -37,9 +34,9 @@ pub(super) struct PageTransform {
 }
 
 impl PageTransform {
-    /// Creates the transform for a map around some bounds in its plane; `None` where the bounds
-    /// have no extent or are not finite.
-    pub(super) fn around([west, south, east, north]: Bounds, map: &MapPlane) -> Option<Self> {
+    /// Creates the transform for a map around some bounds in its plane, metres; `None` where the
+    /// bounds have no extent or are not finite.
+    pub(super) fn around([west, south, east, north]: [f64; 4], map: &MapPlane) -> Option<Self> {
         let (width_m, height_m) = (east - west, north - south);
         let longest_m = width_m.max(height_m);
         if !(longest_m > 0.0 && longest_m.is_finite()) {

@@ -2,10 +2,10 @@
 //! colours with isobaths and their depths, and echoes.
 
 use super::frame::{PageTransform, pixels};
-use super::{ReportData, objects, raster};
-use crate::pipeline::{Mosaic, ProcessedLog};
+use super::{ReportData, jpeg_address, objects, png_address};
+use crate::pipeline::{DepthMap, Mosaic, ProcessedLog};
+use bathyscope_bottom::bathymetry::Grid;
 use bathyscope_bottom::bathymetry::isobaths::Isobath;
-use bathyscope_bottom::bathymetry::{Grid, Surface};
 use bathyscope_bottom::mosaic::joint_grid;
 use bathyscope_bottom::presentation::colours::{depth_colour, lit_depth_colour};
 use bathyscope_bottom::presentation::page::{Value, context};
@@ -42,15 +42,10 @@ pub(super) fn depth_plan(
         return Ok(None);
     };
     let range_m = surface.range_m().map(|depth_m| depth_m as f32);
-    let lit = Lit {
-        surface,
-        range_m,
-        level_ground: f32::from(depth_map.light.level_ground()),
-        shade: depth_map.shade(progress)?,
-    };
+    let picture = lit_picture(depth_map, range_m, depth_map.shade(progress)?, &frame);
     let settings = &from.products.settings;
     Ok(Some(context! {
-        map => map(from, &frame, lit.picture(&frame)),
+        map => map(from, &frame, picture),
         isobaths => isobath_lines(&from.isobaths.lines, &frame),
         legend => legend(range_m, &frame),
         cell_m => format!("{:.2}", surface.grid.cell_m),
@@ -63,45 +58,31 @@ pub(super) fn depth_plan(
     }))
 }
 
-/// Depths with their hill-shade.
-struct Lit<'a> {
-    surface: &'a Surface,
+/// Returns the depths with their hill-shade as a picture, in which several cells are joined to a
+/// pixel if there are more than [`MOST_PIXELS`] along a side. `shade` is the brightness of every
+/// cell, 0 where it is not known.
+fn lit_picture(
+    depth_map: &DepthMap,
     range_m: [f32; 2],
-    /// Brightness of every cell, 0 where it is not known.
-    shade: &'a [u8],
-    level_ground: f32,
-}
-
-impl Lit<'_> {
-    /// Returns the depths as a picture in which several cells are joined to a pixel if there are
-    /// more than [`MOST_PIXELS`] along a side.
-    fn picture(&self, frame: &PageTransform) -> Value {
-        let grid = &self.surface.grid;
-        let joined = grid.columns.max(grid.rows).div_ceil(MOST_PIXELS).max(1);
-        let coarse = grid.coarser(joined);
-        let mut pixels = Vec::with_capacity(4 * coarse.len());
-        for row in 0..coarse.rows {
-            for column in 0..coarse.columns {
-                pixels.extend(self.pixel([row * joined, column * joined], joined));
-            }
-        }
-        frame.picture(&coarse, raster::rgba(&pixels, coarse.columns, coarse.rows))
-    }
-
-    /// Returns the colour of the mean depth of some cells, lit by their mean shade; transparent
-    /// where no depth is known.
-    fn pixel(&self, [row, column]: [usize; 2], side: usize) -> [u8; 4] {
-        let grid = &self.surface.grid;
+    shade: &[u8],
+    frame: &PageTransform,
+) -> Value {
+    let (surface, grid) = (&depth_map.surface, &depth_map.surface.grid);
+    let level_ground = f32::from(depth_map.light.level_ground());
+    let joined = grid.columns.max(grid.rows).div_ceil(MOST_PIXELS).max(1);
+    // The colour of the mean depth of some cells, lit by their mean shade; transparent where no
+    // depth is known.
+    let pixel = |row: usize, column: usize| -> [u8; 4] {
         let (mut depths, mut shades) = (Mean::default(), Mean::default());
-        for row in row..(row + side).min(grid.rows) {
+        for row in row..(row + joined).min(grid.rows) {
             let first = row * grid.columns;
-            for cell in first + column..first + (column + side).min(grid.columns) {
-                let depth_m = self.surface.depth_m[cell];
+            for cell in first + column..first + (column + joined).min(grid.columns) {
+                let depth_m = surface.depth_m[cell];
                 if !depth_m.is_nan() {
                     depths.add(depth_m);
                 }
-                if self.shade[cell] > 0 {
-                    shades.add(f32::from(self.shade[cell]));
+                if shade[cell] > 0 {
+                    shades.add(f32::from(shade[cell]));
                 }
             }
         }
@@ -109,10 +90,18 @@ impl Lit<'_> {
             return [0; 4];
         };
         // Level ground keeps its colour: its light is 1.
-        let light = shades.mean().unwrap_or(self.level_ground) / self.level_ground;
-        let [r, g, b] = lit_depth_colour(depth_m, self.range_m, light);
+        let light = shades.mean().unwrap_or(level_ground) / level_ground;
+        let [r, g, b] = lit_depth_colour(depth_m, range_m, light);
         [r, g, b, 255]
+    };
+    let coarse = grid.coarser(joined);
+    let mut pixels = Vec::with_capacity(4 * coarse.len());
+    for row in 0..coarse.rows {
+        for column in 0..coarse.columns {
+            pixels.extend(pixel(row * joined, column * joined));
+        }
     }
+    frame.picture(&coarse, png_address(&pixels, coarse.columns, coarse.rows))
 }
 
 #[derive(Default)]
@@ -202,7 +191,7 @@ pub(super) fn mosaic_plan(
         return Ok(None);
     };
     let levels = mosaic_levels(mosaic, &grid, progress)?;
-    let picture = frame.picture(&grid, raster::grey(&levels, grid.columns, grid.rows));
+    let picture = frame.picture(&grid, jpeg_address(&levels, grid.columns, grid.rows));
     Ok(Some(map(from, &frame, picture)))
 }
 

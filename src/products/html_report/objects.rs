@@ -2,14 +2,16 @@
 //! a section on each target: its position and size, and the measurements of its height.
 
 use super::frame::{PageTransform, pixels};
-use super::{ReportData, raster};
+use super::{ReportData, ReportObjects, jpeg_address};
 use crate::export::chip;
 use bathyscope_bottom::presentation::page::{Value, context};
 use bathyscope_bottom::presentation::text::{NONE, plural, position, typeset_count};
 use bathyscope_bottom::presentation::units::Units;
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_objects::ObjectExtent;
-use bathyscope_objects::objects::{ColumnValues, ListedObject, Object, ObjectBox, ObjectColumn};
+use bathyscope_objects::objects::{
+    ColumnValues, ListedObject, Object, ObjectBox, ObjectColumn, ObjectList,
+};
 use bathyscope_objects::review::{Certainty, State};
 use bathyscope_objects::targets::{ObjectHeight, PassCount, Target};
 
@@ -22,37 +24,12 @@ const MOST_SECTIONS: usize = 60;
 /// Width of a picture in a section, pixels.
 const PICTURE_WIDTH: usize = 360;
 
-/// Returns the boxes of targets, which are drawn and listed.
-fn boxes<'a>(from: &'a ReportData<'_>) -> &'a [&'a ObjectBox] {
-    let objects = from.objects.as_ref();
-    objects.map_or(&[][..], |objects| &objects.boxes)
-}
-
 /// Returns the undecided boxes of a review; none without a review, because then all boxes are
 /// targets.
-fn undecided<'a>(from: &'a ReportData<'_>) -> impl Iterator<Item = &'a ObjectBox> {
-    let reviewed = (from.objects.as_ref()).filter(|objects| objects.list.is_reviewed());
-    let boxes = reviewed.into_iter().flat_map(|objects| objects.list.boxes());
+fn undecided<'a>(objects: &'a ReportObjects<'_>) -> impl Iterator<Item = &'a ObjectBox> {
+    let reviewed = objects.list.is_reviewed().then_some(objects.list.boxes());
+    let boxes = reviewed.unwrap_or_default().iter();
     boxes.filter(|object_box| object_box.one.state == State::Proposed)
-}
-
-/// Returns true if a person has decided about boxes; otherwise all boxes are proposals of the
-/// detector.
-fn is_reviewed(from: &ReportData<'_>) -> bool {
-    (from.objects.as_ref()).is_some_and(|objects| objects.list.is_reviewed())
-}
-
-/// Returns the targets, by number.
-fn targets<'a>(from: &'a ReportData<'_>) -> impl Iterator<Item = &'a Object> {
-    (from.objects.iter()).flat_map(|objects| objects.list.targets())
-}
-
-/// Returns the number of targets, or of their boxes where no box has a place.
-fn count(from: &ReportData<'_>) -> usize {
-    match targets(from).count() {
-        0 => boxes(from).len(),
-        count => count,
-    }
 }
 
 /// Returns the places of the rings and numbers that mark the targets on a map.
@@ -67,14 +44,13 @@ pub(super) fn marks(from: &ReportData<'_>, frame: &PageTransform) -> Vec<Value> 
             number => object.number,
         }
     };
-    targets(from).map(mark).collect()
+    let targets = from.objects.iter().flat_map(|objects| objects.list.targets());
+    targets.map(mark).collect()
 }
 
 /// Returns the numbers of passes that saw an object and that covered its place.
-fn passes_of(from: &ReportData<'_>, object: &Object) -> PassCount {
-    let objects = from.objects.as_ref();
-    let counted = objects.and_then(|objects| objects.passes.get(&object.number));
-    counted.copied().unwrap_or_default()
+fn passes_of(objects: &ReportObjects<'_>, object: &Object) -> PassCount {
+    objects.passes.get(&object.number).copied().unwrap_or_default()
 }
 
 /// Returns the values of the section on objects; `None` without a search or a review.
@@ -94,24 +70,29 @@ pub(super) fn values(
     let rows = objects.listed.iter().take(MOST_ROWS).map(|of| {
         progress.check()?;
         let cells =
-            columns.iter().map(|column| (!column.values.is_number(), cell(from, column, of)));
+            columns.iter().map(|column| (!column.values.is_number(), cell(objects, column, of)));
         let best = objects.list.members(of.object).nth(of.object.best);
         Ok(context! {
             cells => cells.collect::<Vec<(bool, String)>>(),
-            picture => best.and_then(|best| picture(from, best, LISTED_WIDTH)),
+            picture => best.and_then(|best| picture(from, objects, best, LISTED_WIDTH)),
         })
     });
+    // Where no box has a place, the boxes are counted.
+    let count = match objects.list.targets().count() {
+        0 => boxes,
+        count => count,
+    };
     Ok(Some(context! {
-        count => typeset_count(count(from)),
-        is_reviewed => is_reviewed(from),
+        count => typeset_count(count),
+        is_reviewed => objects.list.is_reviewed(),
         origin => &objects.origin,
-        undecided => undecided(from).count(),
+        undecided => undecided(objects).count(),
         boxes,
         seen => seen_in(boxes, listed),
         first_rows => first_of(listed),
         columns => columns.iter().map(heading).collect::<Vec<Value>>(),
         rows => rows.collect::<Result<Vec<Value>, Cancelled>>()?,
-        unplaced => unplaced(from, progress)?,
+        unplaced => unplaced(from, objects, progress)?,
     }))
 }
 
@@ -129,7 +110,7 @@ fn first_of(count: usize) -> Option<usize> {
 
 /// Returns a cell of an object: lengths to the centimetre, with their standard deviation if it is
 /// known.
-fn cell(from: &ReportData<'_>, column: &ObjectColumn, of: &ListedObject<'_>) -> String {
+fn cell(objects: &ReportObjects<'_>, column: &ObjectColumn, of: &ListedObject<'_>) -> String {
     let number = |value: f64| if value.is_finite() { format!("{value:.2}") } else { String::new() };
     match column.values {
         ColumnValues::Measured(value) => {
@@ -142,7 +123,7 @@ fn cell(from: &ReportData<'_>, column: &ObjectColumn, of: &ListedObject<'_>) -> 
         }
         ColumnValues::Length(value) | ColumnValues::Number(_, value) => number(value(of)),
         ColumnValues::Count(_) if column.name == "sightings" => {
-            let PassCount { seen, covered } = passes_of(from, of.object);
+            let PassCount { seen, covered } = passes_of(objects, of.object);
             format!("{seen} of {}", plural(covered, "pass", "passes"))
         }
         ColumnValues::Count(value) => value(of).to_string(),
@@ -152,15 +133,19 @@ fn cell(from: &ReportData<'_>, column: &ObjectColumn, of: &ListedObject<'_>) -> 
 }
 
 /// Returns the boxes of targets without a position, with their pictures; `None` where all have one.
-fn unplaced(from: &ReportData<'_>, progress: &Progress) -> Result<Option<Value>, Cancelled> {
-    let unplaced = || boxes(from).iter().filter(|of| of.object.is_none());
+fn unplaced(
+    from: &ReportData<'_>,
+    objects: &ReportObjects<'_>,
+    progress: &Progress,
+) -> Result<Option<Value>, Cancelled> {
+    let unplaced = || objects.boxes.iter().filter(|of| of.object.is_none());
     let count = unplaced().count();
     let rows = unplaced().take(MOST_ROWS).map(|of| {
         progress.check()?;
         let review_box = &of.one;
         Ok(context! {
             number => review_box.id.0,
-            picture => picture(from, of, LISTED_WIDTH),
+            picture => picture(from, objects, of, LISTED_WIDTH),
             class => &of.class,
             state => review_box.state.name(),
             score => review_box.score.map(|score| format!("{score:.2}")),
@@ -180,14 +165,19 @@ fn unplaced(from: &ReportData<'_>, progress: &Progress) -> Result<Option<Value>,
 
 /// Returns the picture of a box, at most `width` pixels across; `None` where there is no raster for
 /// its log.
-fn picture(from: &ReportData<'_>, of: &ObjectBox, width: usize) -> Option<Value> {
-    let raster = from.objects.as_ref()?.rasters.get(of.log)?.as_ref()?;
+fn picture(
+    from: &ReportData<'_>,
+    objects: &ReportObjects<'_>,
+    of: &ObjectBox,
+    width: usize,
+) -> Option<Value> {
+    let raster = objects.rasters.get(of.log)?.as_ref()?;
     let chip = chip(&from.logs.get(of.log)?.survey, raster, &of.one.mark);
     Some(context! {
         class => &of.class,
         number => of.one.id.0,
         width => shown_width(chip.width, chip.height, width),
-        address => raster::grey(&chip.levels, chip.width, chip.height),
+        address => jpeg_address(&chip.levels, chip.width, chip.height),
     })
 }
 
@@ -208,18 +198,22 @@ pub(super) fn sections(
     from: &ReportData<'_>,
     progress: &Progress,
 ) -> Result<Option<Value>, Cancelled> {
+    let Some(objects) = &from.objects else {
+        return Ok(None);
+    };
     let with_proposals = from.products.settings.report.proposals;
     let mut found: Vec<Shown<'_>> = Vec::new();
-    if is_reviewed(from) || with_proposals {
-        found.extend(targets(from).filter_map(|object| Shown::new(from, object)));
+    if objects.list.is_reviewed() || with_proposals {
+        let targets = objects.list.targets();
+        found.extend(targets.filter_map(|object| Shown::new(objects.list, object)));
     }
     // Without a review the proposals are shown as objects already.
     if with_proposals {
-        found.extend(undecided(from).map(|of| Shown { object: None, sightings: vec![of] }));
+        found.extend(undecided(objects).map(|of| Shown { object: None, sightings: vec![of] }));
     }
     let shown = found.iter().take(MOST_SECTIONS).map(|target| {
         progress.check()?;
-        Ok(target.values(from))
+        Ok(target.values(from, objects))
     });
     let shown = shown.collect::<Result<Vec<Value>, Cancelled>>()?;
     let all = found.len();
@@ -235,8 +229,7 @@ struct Shown<'a> {
 }
 
 impl<'a> Shown<'a> {
-    fn new(from: &'a ReportData<'_>, object: &'a Object) -> Option<Self> {
-        let list = from.objects.as_ref()?.list;
+    fn new(list: &'a ObjectList, object: &'a Object) -> Option<Self> {
         let boxes = list.members(object).filter(|of| list.is_target(of));
         let mut sightings: Vec<&ObjectBox> = boxes.collect();
         let rank = |of: &ObjectBox| {
@@ -250,7 +243,7 @@ impl<'a> Shown<'a> {
         (!sightings.is_empty()).then_some(Self { object: Some(object), sightings })
     }
 
-    fn values(&self, from: &ReportData<'_>) -> Value {
+    fn values(&self, from: &ReportData<'_>, objects: &ReportObjects<'_>) -> Value {
         let (best, object) = (self.sightings[0], self.object);
         let target = best.target.as_ref();
         let position_of = |target: &Target| (target.position, target.sigma_m);
@@ -262,11 +255,11 @@ impl<'a> Shown<'a> {
             number => object.map(|object| object.number),
             name => object.map(|object| &object.name),
             class => object.map_or(&best.class, |object| &object.class),
-            picture => picture(from, best, PICTURE_WIDTH),
+            picture => picture(from, objects, best, PICTURE_WIDTH),
             position => place.map(|(at, _)| position(at)),
             within => place.map(|(_, sigma_m)| Units::default().measure(sigma_m, 2)),
             size => target.map(|target| self.size(target)),
-            passes => object.map(|object| passes(from, object)),
+            passes => object.map(|object| passes(objects, object)),
             log => from.names.get(best.log).filter(|_| several_logs),
             box => best.one.id.0,
             side => best.one.mark.side.name(),
@@ -314,8 +307,8 @@ impl<'a> Shown<'a> {
 }
 
 /// Returns the numbers of passes that saw an object and that covered its place, and of logs.
-fn passes(from: &ReportData<'_>, object: &Object) -> Value {
-    let passes = passes_of(from, object);
+fn passes(objects: &ReportObjects<'_>, object: &Object) -> Value {
+    let passes = passes_of(objects, object);
     context! {
         seen => passes.seen,
         covered => plural(passes.covered, "pass", "passes"),

@@ -1,7 +1,7 @@
 //! Draws a whole log in one picture: all echoes beside each other, port above and starboard below,
 //! with the first return.
 
-use super::raster;
+use super::jpeg_address;
 use crate::pipeline::ProcessedLog;
 use bathyscope_bottom::presentation::page::{Value, context};
 use bathyscope_bottom::waterfall::{Levels, RangeAxis};
@@ -43,7 +43,7 @@ pub(super) fn strip(
             pixels[row * columns + column] = *shade;
         }
     }
-    Ok(Some(strip.values(name, raster::grey(&pixels, columns, rows))))
+    Ok(Some(strip.values(name, jpeg_address(&pixels, columns, rows))))
 }
 
 struct ReportStrip<'a> {

@@ -2,16 +2,16 @@
 //! with labels for training.
 
 use super::object_files::listed;
-use super::order::{check_logs, log_names, survey_name};
-use super::results::find_shapes;
+use super::order::{check_logs, log_names, object_logs, survey_name};
+use super::results::{ShapedObjects, list_with_shapes};
 use crate::Error;
-use crate::export::{self, DatasetFolder, DatasetPart, ObjectLog, PartSummary, make_folder};
+use crate::export::{self, DatasetFolder, DatasetPart, PartSummary, make_folder};
 use crate::file_name::file_name;
-use crate::pipeline::{ProcessedLog, list_objects};
+use crate::pipeline::ProcessedLog;
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::Identity;
 use bathyscope_objects::dataset::{Chip, PictureBoxes};
-use bathyscope_objects::objects::{LogReview, ObjectBox, ObjectList, SurveyReview};
+use bathyscope_objects::objects::{LogReview, ObjectBox, SurveyReview};
 use bathyscope_objects::review::{PIXEL_M, Review, ReviewedTile};
 use bathyscope_objects::{Labelled, Raster, TILE_PX, level};
 use serde::{Deserialize, Serialize};
@@ -75,6 +75,8 @@ struct LogBoxes<'a> {
 /// When no log has boxes, or a file cannot be written; the sentence names the file. A cancelled run
 /// leaves complete files only. A log that was cut or changed meanwhile is reported after the files
 /// are written; its pictures may then show its present content.
+///
+/// [`ObjectList::targets`]: bathyscope_objects::objects::ObjectList::targets
 pub fn write_boxes(
     logs: &[ProcessedLog],
     review: &SurveyReview,
@@ -99,9 +101,9 @@ pub fn write_boxes(
         |log_boxes: &LogBoxes<'_>| (log_boxes.review.boxes().len() + log_boxes.tiles.len()) as u64;
     progress.start(boxes.iter().map(work).sum());
     make_folder(folder)?;
-    let list = list_objects(logs, review, progress)?;
-    tables(logs, &names, &list, folder, progress)?;
-    let mut written = BoxesWritten { boxes: list.boxes().len(), pictures: 0, negatives: 0 };
+    let objects = list_with_shapes(logs, review, progress)?;
+    tables(logs, &names, &objects, folder)?;
+    let mut written = BoxesWritten { boxes: objects.0.boxes().len(), pictures: 0, negatives: 0 };
     for log_boxes in &boxes {
         let (root, review) = match logs {
             [_] => (folder.join(DATASET), folder.join(REVIEW)),
@@ -246,20 +248,17 @@ fn is_numbered(path: &Path, ending: &str) -> bool {
 fn tables(
     logs: &[ProcessedLog],
     names: &[String],
-    list: &ObjectList,
+    shaped: &ShapedObjects,
     folder: &Path,
-    progress: &Progress,
 ) -> Result<(), Error> {
-    let named: Vec<ObjectLog<'_>> = (names.iter().zip(logs))
-        .map(|(name, log)| ObjectLog { name, survey: &log.survey })
-        .collect();
-    let shapes = find_shapes(list, logs, progress)?;
+    let (list, shapes) = shaped;
+    let named = object_logs(logs, names);
     let boxes: Vec<&ObjectBox> = list.boxes().iter().collect();
-    export::box_table(&folder.join("detections.csv"), &named, &boxes, &shapes)?;
-    let objects = listed(list.objects().iter(), (list, &shapes), logs, names);
+    export::box_table(&folder.join("detections.csv"), &named, &boxes, shapes)?;
+    let objects = listed(list.objects().iter(), shaped, logs, names);
     export::object_table(&folder.join("objects.csv"), &objects)?;
     export::objects_geojson(&folder.join("objects.geojson"), &objects)?;
-    let targets = listed(list.targets(), (list, &shapes), logs, names);
+    let targets = listed(list.targets(), shaped, logs, names);
     export::objects_kml(&folder.join("objects.kml"), &survey_name(names), &targets)?;
     export::objects_gpx(&folder.join("objects.gpx"), &targets)?;
     let first = logs.first().and_then(|log| log.survey.start_unix_s);

@@ -6,7 +6,7 @@ use super::MANIFEST;
 use super::content::{Coordinates, FileContent, Need};
 use super::registry::{OUTPUT_FILES, OutputFile, row_of};
 use super::report_page::OutputRun;
-use super::run_folder::finish_killed_run;
+use super::run_folder::{finish_killed_run, read_manifest};
 use crate::Error;
 use crate::export::{Summary, write_json};
 use crate::pipeline::{Fingerprint, Settings, setting_values};
@@ -218,17 +218,16 @@ impl EarlierRun {
 /// Returns true if the logs of the run in a folder are the same as these by the names and sizes of
 /// their files, or all of these and others, or some of these only.
 pub fn is_run_of(folder: &Path, surveys: &[&Survey]) -> bool {
-    let read = |record: &Path| -> Option<Origin> {
-        let origin: Origin = serde_json::from_slice(&fs::read(record).ok()?).ok()?;
-        origin.program.starts_with("bathyscope ").then_some(origin)
+    let inputs_in = |name: &str| -> Option<Vec<InputFile>> {
+        let mut record = read_manifest(folder, name)?;
+        serde_json::from_value(record.get_mut("inputs")?.take()).ok()
     };
     // Versions without subfolders stored the manifest in the report.
-    let mut records = [MANIFEST, REPORT].map(|name| folder.join(name)).into_iter();
-    let Some(origin) = records.find_map(|record| read(&record)) else {
+    let Some(inputs) = [MANIFEST, REPORT].into_iter().find_map(inputs_in) else {
         return false;
     };
     let name = |path: &Path| path.file_name().unwrap_or_default().to_owned();
-    let inputs = origin.inputs.iter();
+    let inputs = inputs.iter();
     let earlier: HashSet<(OsString, usize)> =
         inputs.map(|input| (name(Path::new(&input.file)), input.bytes)).collect();
     let files = surveys.iter().flat_map(|survey| {
@@ -240,13 +239,7 @@ pub fn is_run_of(folder: &Path, surveys: &[&Survey]) -> bool {
     !now.is_empty() && (now.is_subset(&earlier) || earlier.is_subset(&now))
 }
 
-/// Program and inputs of a run.
-#[derive(Deserialize)]
-struct Origin {
-    program: String,
-    inputs: Vec<InputFile>,
-}
-
+/// An input of a run.
 #[derive(Deserialize)]
 struct InputFile {
     file: String,

@@ -6,33 +6,28 @@
 //! estimates their sizes; `write` makes all files of a run from `results` and prevents that they
 //! replace their own inputs, `run_folder` puts them in place together. `order` is the request,
 //! `content` describes the content of a file and the inputs without which it cannot be made.
-//! `clouds` writes the files of points, `track` those of the track, and all lines and areas in one
-//! file, `rasters` the depth map as rasters and text, `body` the bottom for 3D programs, `contours`
-//! isobaths, depth areas and storage, `tiles` the map as web tiles, `residuals` and `comparison`
-//! the agreement of the depths, `mosaic` the side-scan mosaic, `object_files` the objects of a
-//! search and of a review, `report_page` writes the report; `manifest` lists and describes the
-//! files, and finds those that are out of date. `boxes` writes reviewed boxes, and pictures of them
-//! for training.
+//! `clouds` writes the files of points, and the bottom for 3D programs, `lines` the track,
+//! isobaths, depth areas and storage, and all lines and areas in one file, `rasters` the depth map
+//! as rasters and text, and the side-scan mosaic, `tiles` the map as web tiles, `comparison` the
+//! agreement of the depths, `object_files` the objects of a search and of a review, `report_page`
+//! writes the report; `manifest` lists and describes the files, and finds those that are out of
+//! date. `boxes` writes reviewed boxes, and pictures of them for training.
 
-mod body;
 mod boxes;
 mod clouds;
 mod comparison;
 mod content;
-mod contours;
+mod lines;
 mod manifest;
-mod mosaic;
 mod object_files;
 mod order;
 mod product_files;
 mod rasters;
 mod registry;
 mod report_page;
-mod residuals;
 mod results;
 mod run_folder;
 mod tiles;
-mod track;
 mod write;
 
 pub use boxes::write_boxes;

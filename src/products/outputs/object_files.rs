@@ -3,8 +3,8 @@
 //! that an analyst accepted or drew, are written in every run of a survey with a review.
 
 use super::content::{FileContent, FileResult};
-use super::order::When;
-use super::results::{NOT_SEARCHED, Results, Shapes};
+use super::order::{When, object_logs};
+use super::results::{NOT_SEARCHED, Results, ShapedObjects};
 use crate::Error;
 use crate::export::{self, ChipLog};
 use crate::pipeline::ProcessedLog;
@@ -29,7 +29,7 @@ pub struct Proposed {
 impl Proposed {
     /// Returns the result of the search of a run.
     pub(super) fn of(results: &Results<'_>) -> Result<Self, Error> {
-        let list = results.found_objects()?;
+        let (list, _) = results.shaped_found()?;
         Ok(Self {
             boxes: results.found()?.concat(),
             objects: list.objects().len(),
@@ -48,7 +48,8 @@ fn objects<'a>(results: &'a Results<'_>) -> Result<Vec<ListedObject<'a>>, Error>
 pub(super) fn detections_csv(results: &Results<'_>, path: &Path) -> FileResult {
     let (list, shapes) = results.shaped_found()?;
     let boxes: Vec<&ObjectBox> = list.boxes().iter().collect();
-    let boxes = export::box_table(path, &results.object_logs(), &boxes, shapes)?;
+    let logs = object_logs(results.order.logs, &results.names);
+    let boxes = export::box_table(path, &logs, &boxes, shapes)?;
     Ok(FileContent::in_degrees(boxes))
 }
 
@@ -96,7 +97,8 @@ pub(super) fn chips(results: &Results<'_>, path: &Path) -> FileResult {
 /// Writes `targets.csv`: a row for each box.
 pub(super) fn targets_csv(results: &Results<'_>, path: &Path) -> FileResult {
     let (list, shapes) = results.shaped_objects()?;
-    let boxes = export::box_table(path, &results.object_logs(), &target_boxes(list), shapes)?;
+    let logs = object_logs(results.order.logs, &results.names);
+    let boxes = export::box_table(path, &logs, &target_boxes(list), shapes)?;
     Ok(FileContent::in_degrees(boxes))
 }
 
@@ -128,7 +130,7 @@ pub(super) fn targets<'a>(results: &'a Results<'_>) -> Result<Vec<ListedObject<'
 /// Returns objects as rows of tables, with their shapes and outlines.
 pub(super) fn listed<'a>(
     objects: impl Iterator<Item = &'a Object>,
-    (list, shapes): (&ObjectList, &'a Shapes),
+    (list, shapes): &'a ShapedObjects,
     logs: &[ProcessedLog],
     names: &'a [String],
 ) -> Vec<ListedObject<'a>> {

@@ -2,7 +2,7 @@
 //! conditions under which each file is written, and the logs whose files are written.
 
 use crate::Error;
-use crate::export::LogPoints;
+use crate::export::{LogPoints, ObjectLog};
 use crate::pipeline::joint::RequestedCorrection;
 use crate::pipeline::{Derived, ProcessedLog, Reference};
 use bathyscope_bottom::bathymetry::compare::Matching;
@@ -50,29 +50,38 @@ bathyscope_log::listed! {
 impl Product {
     /// Returns the name in `--products`.
     pub fn name(self) -> &'static str {
-        self.words().0
+        self.description().0
     }
 
     /// Returns the name for people.
     pub fn title(self) -> &'static str {
-        self.words().1
+        self.description().1
     }
 
-    /// Returns the name in `--products` and the title.
-    fn words(self) -> (&'static str, &'static str) {
+    /// Returns the name in `--products`, the title, and the bytes of the files: in all, and for
+    /// each point, ping, cell of the depth map and cell of the mosaic.
+    pub(super) fn description(self) -> (&'static str, &'static str, [f64; 5]) {
         match self {
-            Product::Cloud => ("cloud", "Point cloud"),
-            Product::Track => ("track", "Track and coverage"),
-            Product::Depth => ("depth", "Depth map (GeoTIFF)"),
-            Product::Xyz => ("xyz", "Depth grid as text (XYZ)"),
-            Product::Bottom => ("bottom", "Bottom for 3D programs"),
-            Product::Isobaths => ("isobaths", "Isobaths, depth areas, volumes"),
-            Product::MapTiles => ("map-tiles", "Depth map for plotters and the web"),
-            Product::Mosaic => ("mosaic", "Side-scan mosaic (GeoTIFF)"),
-            Product::Residuals => ("residuals", "Residuals"),
-            Product::Targets => ("targets", "Objects that were accepted"),
-            Product::Geopackage => ("geopackage", "All lines and areas (GeoPackage)"),
-            Product::Report => ("report", "Report (HTML)"),
+            Product::Cloud => ("cloud", "Point cloud", [0.0, 75.0, 0.0, 0.0, 0.0]),
+            Product::Track => ("track", "Track and coverage", [20e3, 0.0, 45.0, 0.0, 0.0]),
+            Product::Depth => ("depth", "Depth map (GeoTIFF)", [40e3, 0.0, 0.0, 12.0, 0.0]),
+            Product::Xyz => ("xyz", "Depth grid as text (XYZ)", [0.0, 0.0, 0.0, 29.0, 0.0]),
+            Product::Bottom => ("bottom", "Bottom for 3D programs", [0.0, 0.0, 0.0, 90.0, 1.2]),
+            Product::Isobaths => {
+                ("isobaths", "Isobaths, depth areas, volumes", [60e3, 0.0, 0.0, 15.0, 0.0])
+            }
+            Product::MapTiles => {
+                ("map-tiles", "Depth map for plotters and the web", [170e3, 0.0, 0.0, 8.0, 0.0])
+            }
+            Product::Mosaic => ("mosaic", "Side-scan mosaic (GeoTIFF)", [0.0, 0.0, 0.0, 0.0, 1.0]),
+            Product::Residuals => ("residuals", "Residuals", [25e3, 0.0, 0.0, 0.0, 0.0]),
+            Product::Targets => {
+                ("targets", "Objects that were accepted", [20e3, 0.0, 0.0, 0.0, 0.0])
+            }
+            Product::Geopackage => {
+                ("geopackage", "All lines and areas (GeoPackage)", [200e3, 0.0, 5.0, 10.0, 0.0])
+            }
+            Product::Report => ("report", "Report (HTML)", [250e3, 0.0, 0.0, 0.0, 0.1]),
         }
     }
 }
@@ -164,11 +173,17 @@ pub(super) fn log_points<'a>(logs: &'a [ProcessedLog], names: &'a [String]) -> V
             navigation: &products.navigation,
             returns: &products.returns,
             calibration: &products.calibration,
-            correction: &products.correction,
+            reduction: products.reduction(),
             exclusions: &products.exclusions,
             cloud: &products.cloud,
             classes: &products.classes,
         }
     };
     names.iter().zip(logs).map(points).collect()
+}
+
+/// Returns the logs with the names that tables of boxes use.
+pub(super) fn object_logs<'a>(logs: &'a [ProcessedLog], names: &'a [String]) -> Vec<ObjectLog<'a>> {
+    let named = names.iter().zip(logs);
+    named.map(|(name, log)| ObjectLog { name, survey: &log.survey }).collect()
 }

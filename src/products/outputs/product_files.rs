@@ -104,18 +104,7 @@ impl Amounts {
 pub fn about_bytes(product: Option<Product>, amounts: &Amounts) -> u64 {
     let [base, point, ping, depth_cell, mosaic_cell] = match product {
         None => [40e3, 80.0, 107.0, 0.0, 0.0],
-        Some(Product::Cloud) => [0.0, 75.0, 0.0, 0.0, 0.0],
-        Some(Product::Track) => [20e3, 0.0, 45.0, 0.0, 0.0],
-        Some(Product::Depth) => [40e3, 0.0, 0.0, 12.0, 0.0],
-        Some(Product::Xyz) => [0.0, 0.0, 0.0, 29.0, 0.0],
-        Some(Product::Bottom) => [0.0, 0.0, 0.0, 90.0, 1.2],
-        Some(Product::Isobaths) => [60e3, 0.0, 0.0, 15.0, 0.0],
-        Some(Product::MapTiles) => [170e3, 0.0, 0.0, 8.0, 0.0],
-        Some(Product::Mosaic) => [0.0, 0.0, 0.0, 0.0, 1.0],
-        Some(Product::Residuals) => [25e3, 0.0, 0.0, 0.0, 0.0],
-        Some(Product::Targets) => [20e3, 0.0, 0.0, 0.0, 0.0],
-        Some(Product::Geopackage) => [200e3, 0.0, 5.0, 10.0, 0.0],
-        Some(Product::Report) => [250e3, 0.0, 0.0, 0.0, 0.1],
+        Some(product) => product.description().2,
     };
     let Amounts { points, pings, depth_cells, mosaic_cells } = amounts;
     (base + point * points + ping * pings + depth_cell * depth_cells + mosaic_cell * mosaic_cells)

@@ -8,9 +8,7 @@ mod kinds;
 use super::content::{FileResult, Need};
 use super::order::{Product, When};
 use super::results::Results;
-use super::{
-    body, clouds, comparison, contours, mosaic, object_files, rasters, residuals, tiles, track,
-};
+use super::{clouds, comparison, lines, object_files, rasters, tiles};
 use kinds::{
     CLASSED_POINTS, KEPT_POINTS, LAS_POINTS, NOT_OF_BODY, NOT_OF_CLOUD, NOT_OF_DEPTHS,
     NOT_OF_MOSAIC, NOT_OF_POINTS, boxes, cloud, compared, contour_file, described, footprint,
@@ -178,15 +176,15 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
         "the points that count for the depth map as plain text",
         clouds::xyz,
     ),
-    track_file("track/track.gpx", "points", track::gpx),
-    track_file("track/track.geojson", "lines", track::geojson),
-    track_file("track/track.kmz", "lines", track::kmz),
+    track_file("track/track.gpx", "points", lines::track_gpx),
+    track_file("track/track.geojson", "lines", lines::track_geojson),
+    track_file("track/track.kmz", "lines", lines::track_kmz),
     OutputFile {
         companions: &["track/track.shx", "track/track.dbf", "track/track.prj", "track/track.cpg"],
-        ..track_file("track/track.shp", "lines", track::shapefile)
+        ..track_file("track/track.shp", "lines", lines::track_shapefile)
     },
-    footprint("track/footprint.geojson", track::footprint_geojson),
-    footprint("track/footprint.kmz", track::footprint_kmz),
+    footprint("track/footprint.geojson", lines::footprint_geojson),
+    footprint("track/footprint.kmz", lines::footprint_kmz),
     raster(
         "depth/depth.tif",
         &["depth/depth.qml"],
@@ -258,7 +256,7 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
             "The depth map as a mesh with its colours and the mosaic as pictures (glTF 2.0: y up, metres)",
             "depth_m",
             "the bottom for 3D programs",
-            body::write,
+            clouds::bottom_mesh,
         )
     },
     OutputFile {
@@ -269,13 +267,13 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
             "The cells of the depth map as points: z is minus the depth, source as in source.tif; what nothing measured is marked synthetic",
             "z_m",
             "cells of the depth map as points, with the source of each depth",
-            body::points,
+            clouds::bottom_points,
         )
     },
-    isobaths("isobaths/isobaths.geojson", contours::isobaths_geojson),
+    isobaths("isobaths/isobaths.geojson", lines::isobaths_geojson),
     OutputFile {
         needs: &[Need::Surface, Need::Levels, Need::Isobaths],
-        ..isobaths("isobaths/isobaths.kmz", contours::isobaths_kmz)
+        ..isobaths("isobaths/isobaths.kmz", lines::isobaths_kmz)
     },
     OutputFile {
         needs: &[Need::Surface, Need::Levels, Need::Isobaths],
@@ -285,14 +283,14 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
             "isobaths/isobaths.prj",
             "isobaths/isobaths.cpg",
         ],
-        ..isobaths("isobaths/isobaths.shp", contours::isobaths_shapefile)
+        ..isobaths("isobaths/isobaths.shp", lines::isobaths_shapefile)
     },
     contour_file(
         "isobaths/depth_areas.geojson",
         "Areas between depths",
         "areas",
         "areas between them",
-        contours::depth_areas,
+        lines::depth_areas,
     ),
     OutputFile {
         needs: &[Need::Surface, Need::Area],
@@ -301,7 +299,7 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
             "The shoalest depths of their surroundings",
             "points",
             "depths as a chart prints them, shoal first",
-            contours::spot_soundings,
+            lines::spot_soundings,
         )
     },
     contour_file(
@@ -309,7 +307,7 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
         "Area and volume below each depth",
         "levels",
         "area and volume below each level",
-        contours::storage,
+        lines::storage,
     ),
     map_tiles(
         "map_tiles/depth.mbtiles",
@@ -347,7 +345,7 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
             "comparisons",
             "",
         ),
-        ..row("quality/residuals.json", When::Chosen(Product::Residuals), residuals::write)
+        ..row("quality/residuals.json", When::Chosen(Product::Residuals), comparison::residuals)
     },
     OutputFile {
         needs: &[Need::SideScan, Need::Mosaic],
@@ -358,7 +356,7 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
             "cells",
             "",
         ),
-        ..row("mosaic/mosaic.tif", When::Chosen(Product::Mosaic), mosaic::write)
+        ..row("mosaic/mosaic.tif", When::Chosen(Product::Mosaic), rasters::mosaic)
     },
     compared("quality/comparison.json", "The survey against a reference", "", comparison::json),
     compared(
@@ -421,7 +419,7 @@ pub const OUTPUT_FILES: [OutputFile; 49] = [
             "features",
             "",
         ),
-        ..row("survey.gpkg", When::Chosen(Product::Geopackage), track::geopackage)
+        ..row("survey.gpkg", When::Chosen(Product::Geopackage), lines::geopackage)
     },
     run_file(
         "report.html",

@@ -4,8 +4,8 @@
 use super::content::{Missing, Need};
 use super::order::{Order, When, log_names, log_points, survey_name};
 use crate::Error;
-use crate::export::tile_sets::{TileSet, TileStore};
-use crate::export::{self, LogPoints, ObjectLog, SideScanCoverage, TrackPiece};
+use crate::export::tile_sets::TileSet;
+use crate::export::{self, LogPoints, SideScanCoverage, TrackPiece};
 use crate::pipeline::{
     Agreement, Contours, Crosslines, DepthMap, Fingerprint, Isobaths, Mosaic, MosaicPlane,
     NamedComparison, ProcessedLog, Products, comparisons, crosslines, list_objects, map_plane,
@@ -43,8 +43,8 @@ pub(super) struct Results<'a> {
     computed: Arc<Computed>,
 }
 
-/// Shapes of objects, by number; an object without a fitting shape has no entry.
-pub(super) type Shapes = BTreeMap<u32, FittedShape>;
+/// Objects with the shapes of targets, by number; an object without a fitting shape has no entry.
+pub(super) type ShapedObjects = (ObjectList, BTreeMap<u32, FittedShape>);
 
 /// Results that files are made from, computed when they are requested.
 #[derive(Default)]
@@ -52,7 +52,7 @@ struct Computed {
     track: OnceLock<Vec<TrackPiece>>,
     ground: Once<SideScanCoverage>,
     contours: Once<Result<Contours, Error>>,
-    map_tiles: Once<(TileStore, TileSet)>,
+    map_tiles: Once<TileSet>,
     spot_soundings: Once<Vec<DepthPoint>>,
     depth_map: Once<Option<Arc<DepthMap>>>,
     comparisons: Once<Vec<NamedComparison>>,
@@ -60,10 +60,8 @@ struct Computed {
     agreement: Once<Option<Agreement>>,
     reference_inputs: Once<Vec<Fingerprint>>,
     found: Once<Vec<Vec<Detection>>>,
-    found_objects: Once<ObjectList>,
-    found_shapes: Once<Shapes>,
-    objects: Once<ObjectList>,
-    shapes: Once<Shapes>,
+    found_objects: Once<ShapedObjects>,
+    objects: Once<ShapedObjects>,
 }
 
 /// A result that is computed once; other threads that request it meanwhile wait.
@@ -304,8 +302,8 @@ impl<'a> Results<'a> {
     /// Returns the tiles of the depth map, which `draw` draws at the first call.
     pub(super) fn map_tiles(
         &self,
-        draw: impl FnOnce() -> Result<(TileStore, TileSet), Error>,
-    ) -> Result<&(TileStore, TileSet), Error> {
+        draw: impl FnOnce() -> Result<TileSet, Error>,
+    ) -> Result<&TileSet, Error> {
         once(&self.computed.map_tiles, draw)
     }
 
@@ -434,26 +432,16 @@ impl<'a> Results<'a> {
         Ok(review)
     }
 
-    /// Returns the objects that a search found in all logs.
+    /// Returns the objects that a search found in all logs, with their shapes.
     ///
     /// # Errors
     /// When there was no search, or the objects cannot be computed.
-    pub(super) fn found_objects(&self) -> Result<&ObjectList, Error> {
+    pub(super) fn shaped_found(&self) -> Result<&ShapedObjects, Error> {
         self.found()?;
         once(&self.computed.found_objects, || {
             let review = self.found_review(|_| true)?;
-            Ok(list_objects(self.order.logs, &review, self.progress)?)
+            Ok(list_with_shapes(self.order.logs, &review, self.progress)?)
         })
-    }
-
-    /// Returns the objects that a search found, with their shapes.
-    ///
-    /// # Errors
-    /// As [`Results::found_objects`].
-    pub(super) fn shaped_found(&self) -> Result<(&ObjectList, &Shapes), Error> {
-        let list = self.found_objects()?;
-        let shapes = once(&self.computed.found_shapes, || self.shapes_of(list))?;
-        Ok((list, shapes))
     }
 
     /// Returns the objects of the survey with their shapes: for each log those of its review, or
@@ -461,37 +449,26 @@ impl<'a> Results<'a> {
     ///
     /// # Errors
     /// When there was neither a search nor a review, or the objects cannot be computed.
-    pub(super) fn shaped_objects(&self) -> Result<(&ObjectList, &Shapes), Error> {
+    pub(super) fn shaped_objects(&self) -> Result<&ShapedObjects, Error> {
         if !self.order.review.has_boxes() {
             return self.shaped_found();
         }
         let is_searched = self.order.asks_for(When::Searched);
-        let list = once(&self.computed.objects, || {
+        once(&self.computed.objects, || {
             let review =
                 self.found_review(|log| is_searched && self.order.review.log(log).is_none())?;
-            Ok(list_objects(self.order.logs, &review, self.progress)?)
-        })?;
-        let shapes = once(&self.computed.shapes, || self.shapes_of(list))?;
-        Ok((list, shapes))
-    }
-
-    fn shapes_of(&self, list: &ObjectList) -> Result<Shapes, Error> {
-        Ok(find_shapes(list, self.order.logs, self.progress)?)
-    }
-
-    /// Returns the logs with the names that tables of boxes use.
-    pub(super) fn object_logs(&self) -> Vec<ObjectLog<'_>> {
-        let logs = self.names.iter().zip(self.logs());
-        logs.map(|(name, (survey, _))| ObjectLog { name, survey }).collect()
+            Ok(list_with_shapes(self.order.logs, &review, self.progress)?)
+        })
     }
 }
 
-/// Fits shapes to the targets of a list.
-pub(super) fn find_shapes(
-    list: &ObjectList,
+/// Lists the objects of a review, and fits shapes to its targets.
+pub(super) fn list_with_shapes(
     logs: &[ProcessedLog],
+    review: &SurveyReview,
     progress: &Progress,
-) -> Result<Shapes, Cancelled> {
+) -> Result<ShapedObjects, Cancelled> {
+    let list = list_objects(logs, review, progress)?;
     let shape = |object: &&Object| {
         progress.check()?;
         let boxes: Vec<(&ProcessedLog, &Target)> = (list.members(object))
@@ -501,7 +478,9 @@ pub(super) fn find_shapes(
         Ok(shape.map(|shape| (object.number, shape)))
     };
     let targets: Vec<&Object> = list.targets().collect();
-    targets.par_iter().filter_map(|object| shape(object).transpose()).collect()
+    let shapes: Result<BTreeMap<u32, FittedShape>, Cancelled> =
+        targets.par_iter().filter_map(|object| shape(object).transpose()).collect();
+    Ok((list, shapes?))
 }
 
 /// Error that is not expected: the registry requires a surface before it writes one.

@@ -21,7 +21,7 @@ use crate::file_in_use::{for_one_writer, is_held, is_in_use, patiently};
 use crate::pipeline::Fingerprint;
 use bathyscope_log::support::progress::Progress;
 use earlier::EarlierFiles;
-pub(super) use earlier::{has_foreign_manifest, is_stem_of_output};
+pub(super) use earlier::{has_foreign_manifest, is_stem_of_output, read_manifest};
 use serde::{Deserialize, Serialize};
 use std::fs::{self, File, TryLockError};
 use std::io::{self, Write as _};

@@ -17,14 +17,12 @@ use std::path::Path;
 
 /// EPSG number of Web Mercator.
 const WEB_MERCATOR: u16 = 3857;
-/// Archives that the page shows, in the same folder.
-const ARCHIVES: [&str; 2] = ["depth.pmtiles", "depth_values.pmtiles"];
 
 /// Writes `depth.mbtiles`.
 pub(super) fn chart(results: &Results<'_>, path: &Path) -> FileResult {
-    let (store, set) = tiles(results, path)?;
-    mbtiles(path, store, TileStyle::Chart, set)?;
-    content(results, store, TileStyle::Chart, set)
+    let set = tiles(results, path)?;
+    mbtiles(path, set, TileStyle::Chart)?;
+    content(results, set, TileStyle::Chart)
 }
 
 /// Writes `depth.pmtiles`.
@@ -38,26 +36,20 @@ pub(super) fn values(results: &Results<'_>, path: &Path) -> FileResult {
 }
 
 fn archive(results: &Results<'_>, path: &Path, picture: TileStyle) -> FileResult {
-    let (store, set) = tiles(results, path)?;
-    pmtiles(path, store, picture, set)?;
-    content(results, store, picture, set)
+    let set = tiles(results, path)?;
+    pmtiles(path, set, picture)?;
+    content(results, set, picture)
 }
 
 /// Writes `index.html`, after the archives.
 pub(super) fn page(results: &Results<'_>, path: &Path) -> FileResult {
-    let (_, set) = tiles(results, path)?;
-    map_page(path, set, ARCHIVES)?;
+    map_page(path, tiles(results, path)?)?;
     Ok(FileContent::count(0))
 }
 
-fn content(
-    results: &Results<'_>,
-    store: &TileStore,
-    picture: TileStyle,
-    set: &TileSet,
-) -> FileResult {
+fn content(results: &Results<'_>, set: &TileSet, picture: TileStyle) -> FileResult {
     let mut summary = Summary {
-        count: store.tiles(picture).len(),
+        count: set.store.tiles(picture).len(),
         values: Some(results.surface()?.range_m()),
         ..Summary::default()
     };
@@ -74,7 +66,7 @@ fn content(
 ///
 /// # Errors
 /// When the folder cannot be written into, or the work was cancelled.
-fn tiles<'a>(results: &'a Results<'_>, file: &Path) -> Result<&'a (TileStore, TileSet), Error> {
+fn tiles<'a>(results: &'a Results<'_>, file: &Path) -> Result<&'a TileSet, Error> {
     results.map_tiles(|| {
         let depth_map = results.needed_depth_map()?;
         // Too many isobaths are reported for the files of isobaths; the map is drawn without
@@ -99,12 +91,12 @@ fn tiles<'a>(results: &'a Results<'_>, file: &Path) -> Result<&'a (TileStore, Ti
             lines: isobaths.lines.iter().map(in_pixels).collect(),
         };
         let store = TileStore::draw(file.parent().unwrap_or(file), &source, results.progress)?;
-        let set = TileSet {
+        Ok(TileSet {
             name: results.survey.name(),
             description: format!("Depth in metres. {}", results.applied(surface)),
             scales: source.scales,
-        };
-        Ok((store, set))
+            store,
+        })
     })
 }
 

@@ -323,25 +323,15 @@ fn write_group(
     let files = group.iter().zip(&parts).map(|(&(row, write), part)| {
         let results = results.with_progress(part);
         part.check()?;
-        let file = match first_missing(row, &results)? {
-            Some(missing) => Err(missing),
+        let missing = row.needs.iter().find_map(|need| results.missing(*need).transpose());
+        let file = match missing {
+            Some(missing) => Err(missing?),
             None => Ok(write(&results, &place(folder, row)?)?),
         };
         part.finish();
         Ok((row, file))
     });
     files.collect()
-}
-
-/// Returns the first missing input without which a file cannot be made; `None` where nothing is
-/// missing.
-fn first_missing(row: &OutputFile, results: &Results<'_>) -> Result<Option<Missing>, Error> {
-    for &need in row.needs {
-        if let Some(missing) = results.missing(need)? {
-            return Ok(Some(missing));
-        }
-    }
-    Ok(None)
 }
 
 /// Returns the path of a file, after making its subfolder.

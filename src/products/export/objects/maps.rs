@@ -6,10 +6,10 @@
 //! The text of an object has a name, a line of description, and its columns as elements of XML.
 
 use super::object_places;
-use crate::export::geopackage::{FeatureGeometry, Layer, geopackage};
+use crate::export::geopackage::{FeatureGeometry, Layer, WGS84, geopackage};
 use crate::export::qgis_style::{target_outline_style, target_style};
 use crate::export::sqlite::{self, count, text};
-use crate::export::{ExportError, Summary, write_bytes, write_json};
+use crate::export::{ExportError, GPX_HEAD, KML_HEAD, Summary, write_bytes, write_json};
 use bathyscope_bottom::presentation::text::plural;
 use bathyscope_bottom::presentation::units::Units;
 use bathyscope_log::support::geo::{Crs, LonLat};
@@ -20,9 +20,6 @@ use bathyscope_objects::objects::{
 use serde_json::{Map, Value, json};
 use std::collections::HashMap;
 use std::path::Path;
-
-/// EPSG's number of WGS84.
-const WGS84: u16 = 4326;
 
 /// Returns the description that a plotter shows beside the name of an object, without unknown
 /// values.
@@ -117,9 +114,7 @@ pub(crate) fn objects_gpx(
     path: &Path,
     objects: &[ListedObject<'_>],
 ) -> Result<Summary, ExportError> {
-    let mut text = String::from(
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<gpx version=\"1.1\" creator=\"Bathyscope\" xmlns=\"http://www.topografix.com/GPX/1/1\" xmlns:bathyscope=\"urn:bathyscope:object\">\n",
-    );
+    let mut text = format!("{GPX_HEAD} xmlns:bathyscope=\"urn:bathyscope:object\">\n");
     for (of, title) in objects.iter().zip(titles(objects)) {
         let object = of.object;
         let columns =
@@ -150,10 +145,7 @@ pub(crate) fn objects_kml(
     name: &str,
     objects: &[ListedObject<'_>],
 ) -> Result<Summary, ExportError> {
-    let mut text = format!(
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<kml xmlns=\"http://www.opengis.net/kml/2.2\">\n<Document>\n<name>{}</name>\n",
-        xml(name)
-    );
+    let mut text = format!("{KML_HEAD}<name>{}</name>\n", xml(name));
     for (of, title) in objects.iter().zip(titles(objects)) {
         let object = of.object;
         let columns = elements(of, |name, text| {

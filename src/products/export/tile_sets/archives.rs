@@ -8,7 +8,7 @@
 //! and writes such files too, but depends on an asynchronous runtime; the file is only a header, a
 //! list of numbers, and the pictures one after the other.
 
-use super::{Stored, TileSet, TileStore};
+use super::{Stored, TileSet};
 use crate::export::sqlite::{DatabaseKind, Value, database, insert, run, text};
 use crate::export::{ExportError, write_atomically};
 use crate::map_tiles::{TileStyle, WebTile};
@@ -34,23 +34,18 @@ const PLAIN: u8 = 1;
 const PNG: u8 = 2;
 
 /// Writes the pictures of one style to an MBTiles file.
-pub(crate) fn mbtiles(
-    path: &Path,
-    store: &TileStore,
-    picture: TileStyle,
-    set: &TileSet,
-) -> Result<(), ExportError> {
+pub(crate) fn mbtiles(path: &Path, set: &TileSet, picture: TileStyle) -> Result<(), ExportError> {
     database(path, KIND, |file| {
         run(file, METADATA_SQL)?;
         let metadata = mbtiles_metadata(set).into_iter();
         let rows = metadata.map(|(name, value)| Ok(vec![text(name), Value::Text(value)]));
         insert(file, "metadata", rows)?;
         run(file, TILES_SQL)?;
-        let rows = store.tiles(picture).into_iter().map(|(_, stored)| {
+        let rows = set.store.tiles(picture).into_iter().map(|(_, stored)| {
             let WebTile { zoom, x, y } = stored.tile;
             let from_south = (1_i64 << zoom) - 1 - i64::from(y);
             let mut row = [i64::from(zoom), i64::from(x), from_south].map(Value::Integer).to_vec();
-            row.push(Value::Blob(store.read(stored)?));
+            row.push(Value::Blob(set.store.read(stored)?));
             Ok(row)
         });
         insert(file, "tiles", rows)
@@ -76,14 +71,9 @@ fn mbtiles_metadata(set: &TileSet) -> Vec<(&'static str, String)> {
 }
 
 /// Writes the pictures of one style to a PMTiles file, in the order of Hilbert's curve.
-pub(crate) fn pmtiles(
-    path: &Path,
-    store: &TileStore,
-    picture: TileStyle,
-    set: &TileSet,
-) -> Result<(), ExportError> {
+pub(crate) fn pmtiles(path: &Path, set: &TileSet, picture: TileStyle) -> Result<(), ExportError> {
     write_atomically(path, |file| {
-        let tiles = store.tiles(picture);
+        let tiles = set.store.tiles(picture);
         let [root, leaves] = directories(&tiles)?;
         let metadata = gzip(&pmtiles_metadata(picture, set))?;
         let mut out = BufWriter::new(file);
@@ -92,7 +82,7 @@ pub(crate) fn pmtiles(
             out.write_all(&part)?;
         }
         for (_, stored) in tiles {
-            out.write_all(&store.read(stored)?)?;
+            out.write_all(&set.store.read(stored)?)?;
         }
         out.flush()
     })

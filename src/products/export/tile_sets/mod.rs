@@ -27,14 +27,15 @@ const PAGE: &str = include_str!("../../../../assets/map_page/index.html");
 const STYLE: &str = include_str!("../../../../assets/map_page/style.css");
 const SCRIPT: &str = include_str!("../../../../assets/map_page/script.js");
 
+/// Archives that the page shows, in the same folder: colours, and elevations.
+pub(crate) const PMTILES: [&str; 2] = ["depth.pmtiles", "depth_values.pmtiles"];
 /// Largest total size of the archives that are put into the page itself, bytes: the page is then a
 /// single file to send and can be opened from a disk, where browsers let no page read other files.
 const MOST_INSIDE: u64 = 8 << 20;
 /// Number of steps of the colours of the legend.
 const STEPS: usize = 20;
 
-/// Description of a set of tiles for the programs that show it.
-#[derive(Clone, Debug)]
+/// Tiles of a map, with their description for the programs that show them.
 pub(crate) struct TileSet {
     /// Name of the map.
     pub name: String,
@@ -42,6 +43,8 @@ pub(crate) struct TileSet {
     pub description: String,
     /// Extent of the map and scales of its drawing.
     pub scales: MapScales,
+    /// Pictures of the tiles.
+    pub store: TileStore,
 }
 
 impl TileSet {
@@ -147,36 +150,31 @@ impl TileStore {
     }
 }
 
-/// Writes the page into the folder of its archives (colours, and elevations), which must exist
-/// already.
+/// Writes the page into the folder of its archives ([`PMTILES`]), which must exist already.
 ///
 /// # Errors
 /// When an archive cannot be read or the file cannot be written.
-pub(crate) fn map_page(
-    path: &Path,
-    set: &TileSet,
-    archives: [&'static str; 2],
-) -> Result<(), ExportError> {
+pub(crate) fn map_page(path: &Path, set: &TileSet) -> Result<(), ExportError> {
     write_atomically(path, |mut file| {
-        let paths = archives.map(|name| path.with_file_name(name));
+        let paths = PMTILES.map(|name| path.with_file_name(name));
         let mut bytes = 0;
         for archive in &paths {
             bytes += fs::metadata(archive)?.len();
         }
         let mut inside = String::new();
         if bytes <= MOST_INSIDE {
-            for (name, archive) in archives.iter().zip(&paths) {
+            for (name, archive) in PMTILES.iter().zip(&paths) {
                 let text = STANDARD.encode(fs::read(archive)?);
                 inside += &format!(
                     "<script type=\"application/octet-stream\" id=\"{name}\">{text}</script>\n"
                 );
             }
         }
-        file.write_all(html(set, archives, &inside).as_bytes())
+        file.write_all(html(set, &inside).as_bytes())
     })
 }
 
-fn html(set: &TileSet, archives: [&str; 2], inside: &str) -> String {
+fn html(set: &TileSet, inside: &str) -> String {
     let MapScales { zooms, range_m, .. } = &set.scales;
     let colours = (0..=STEPS).map(|step| {
         let [red, green, blue] = depth_colour(step as f32 / STEPS as f32);
@@ -189,7 +187,7 @@ fn html(set: &TileSet, archives: [&str; 2], inside: &str) -> String {
         "range": range_m,
         "interval": interval_m(&set.scales),
         "colours": colours.collect::<Vec<String>>(),
-        "files": archives,
+        "files": PMTILES,
     });
     let title = xml(&set.name);
     // The longest text is put in last, so that inserted texts are not searched for placeholders.

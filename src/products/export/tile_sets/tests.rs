@@ -4,16 +4,18 @@ use bathyscope_log::support::geo::LonLat;
 use flate2::read::GzDecoder;
 use std::fs;
 
-fn set() -> TileSet {
+fn set(folder: &std::path::Path, bounds_deg: [f64; 4], cell_m: f64) -> TileSet {
+    let zooms = ZoomRange::of_map(bounds_deg, cell_m);
     TileSet {
         name: "pond".to_owned(),
         description: "Depth in metres".to_owned(),
         scales: MapScales {
-            zooms: ZoomRange::of_map([-111.49, 36.85, -111.48, 36.86], 0.5),
+            zooms,
             range_m: [1.0, 3.0],
             levels_m: Vec::new(),
             isobaths: Default::default(),
         },
+        store: store(folder, zooms),
     }
 }
 
@@ -100,11 +102,9 @@ fn every_tile_of_a_pmtiles_file_is_found_whether_it_has_one_directory_or_many() 
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("depth.pmtiles");
     for (cell_m, wide, has_leaves) in [(0.5, 0.01, false), (0.08, 0.025, true)] {
-        let mut set = set();
         let bounds_deg = [-111.49, 36.85, -111.49 + wide, 36.85 + wide];
-        set.scales.zooms = ZoomRange::of_map(bounds_deg, cell_m);
-        let store = store(folder.path(), set.scales.zooms);
-        pmtiles(&path, &store, TileStyle::Colours, &set).unwrap();
+        let set = set(folder.path(), bounds_deg, cell_m);
+        pmtiles(&path, &set, TileStyle::Colours).unwrap();
         let reader = Reader(fs::read(&path).unwrap());
         assert_eq!(&reader.0[..8], b"PMTiles\x03");
         assert_eq!(!reader.part(40).is_empty(), has_leaves);
@@ -113,10 +113,10 @@ fn every_tile_of_a_pmtiles_file_is_found_whether_it_has_one_directory_or_many() 
         let metadata: serde_json::Value =
             serde_json::from_slice(&Reader::unpacked(reader.part(24))).unwrap();
         assert_eq!(metadata["name"], "pond");
-        let tiles = store.tiles(TileStyle::Colours);
+        let tiles = set.store.tiles(TileStyle::Colours);
         assert_eq!(reader.number(72), tiles.len());
         for (id, stored) in tiles.iter().step_by(37) {
-            let expected = store.read(*stored).unwrap();
+            let expected = set.store.read(*stored).unwrap();
             assert_eq!(reader.tile(*id as usize), Some(expected.as_slice()));
         }
         let at = LonLat { lon_deg: 0.0, lat_deg: 0.0 };
@@ -129,20 +129,24 @@ fn every_tile_of_a_pmtiles_file_is_found_whether_it_has_one_directory_or_many() 
 #[test]
 fn the_same_tiles_give_the_same_bytes_in_whatever_order_they_come() {
     let folder = tempfile::tempdir().unwrap();
-    let zooms = set().scales.zooms;
-    let turned = TileStore::in_folder(folder.path()).unwrap();
-    let first = store(folder.path(), zooms);
-    for (_, stored) in first.tiles(TileStyle::Colours) {
-        let bytes = first.read(stored).unwrap();
-        turned.keep(TileStyle::Colours, stored.tile, &bytes).unwrap();
+    let first = set(folder.path(), [-111.49, 36.85, -111.48, 36.86], 0.5);
+    let turned = TileSet {
+        name: first.name.clone(),
+        description: first.description.clone(),
+        scales: first.scales.clone(),
+        store: TileStore::in_folder(folder.path()).unwrap(),
+    };
+    for (_, stored) in first.store.tiles(TileStyle::Colours) {
+        let bytes = first.store.read(stored).unwrap();
+        turned.store.keep(TileStyle::Colours, stored.tile, &bytes).unwrap();
     }
     let files =
         ["a.pmtiles", "b.pmtiles", "a.mbtiles", "b.mbtiles"].map(|name| folder.path().join(name));
-    for (path, store) in files.iter().zip([&first, &turned, &first, &turned]) {
+    for (path, set) in files.iter().zip([&first, &turned, &first, &turned]) {
         if path.extension().is_some_and(|ending| ending == "pmtiles") {
-            pmtiles(path, store, TileStyle::Colours, &set()).unwrap()
+            pmtiles(path, set, TileStyle::Colours).unwrap()
         } else {
-            mbtiles(path, store, TileStyle::Colours, &set()).unwrap()
+            mbtiles(path, set, TileStyle::Colours).unwrap()
         }
     }
     let [a, b, c, d] = files.map(|path| fs::read(path).unwrap());
@@ -156,8 +160,7 @@ fn the_same_tiles_give_the_same_bytes_in_whatever_order_they_come() {
 fn a_small_map_lies_in_its_page_and_a_large_one_beside_it() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("index.html");
-    let archives = ["depth.pmtiles", "depth_values.pmtiles"];
-    for name in archives {
+    for name in PMTILES {
         fs::write(folder.path().join(name), b"tiles").unwrap();
     }
     let set = TileSet {
@@ -169,18 +172,19 @@ fn a_small_map_lies_in_its_page_and_a_large_one_beside_it() {
             levels_m: vec![1.0, 1.2],
             isobaths: Default::default(),
         },
+        store: TileStore::in_folder(folder.path()).unwrap(),
     };
     let written = || {
-        map_page(&path, &set, archives).unwrap();
+        map_page(&path, &set).unwrap();
         fs::read_to_string(&path).unwrap()
     };
     let small = written();
     assert!(small.contains("id=\"depth.pmtiles\">dGlsZXM=</script>"));
     assert!(small.contains("<h1>pond &amp; &lt;/script&gt;</h1>") && !small.contains("{{"));
     assert!(!small.contains("http://") && small.matches("https://").count() == 1, "one remark");
-    fs::write(folder.path().join(archives[1]), vec![0; MOST_INSIDE as usize]).unwrap();
+    fs::write(folder.path().join(PMTILES[1]), vec![0; MOST_INSIDE as usize]).unwrap();
     let large = written();
     assert!(!large.contains("octet-stream") && large.contains("\"finest\":"));
-    fs::remove_file(folder.path().join(archives[1])).unwrap();
-    assert!(map_page(&path, &set, archives).is_err());
+    fs::remove_file(folder.path().join(PMTILES[1])).unwrap();
+    assert!(map_page(&path, &set).is_err());
 }

@@ -84,13 +84,13 @@ pub(super) fn manifest_names(folder: &Path) -> Vec<String> {
 /// Returns true if a folder has a file with the name of the manifest that no run of Bathyscope
 /// wrote.
 pub(in crate::outputs) fn has_foreign_manifest(folder: &Path) -> bool {
-    folder.join(MANIFEST).exists() && read(folder, MANIFEST).is_none()
+    folder.join(MANIFEST).exists() && read_manifest(folder, MANIFEST).is_none()
 }
 
 /// Returns the manifests of a folder: that of this version, or else those of versions without a
 /// separate manifest.
 fn manifests(folder: &Path) -> Vec<(&'static str, Value)> {
-    let ours = |name| read(folder, name).map(|record| (name, record));
+    let ours = |name| read_manifest(folder, name).map(|record| (name, record));
     match ours(MANIFEST) {
         Some(manifest) => vec![manifest],
         None => EARLIER_MANIFESTS.into_iter().filter_map(ours).collect(),
@@ -131,7 +131,7 @@ pub(super) fn remove_parts(folder: &Path) {
 }
 
 /// Reads a manifest of Bathyscope; `None` for a file of another program.
-fn read(folder: &Path, name: &str) -> Option<Value> {
+pub(in crate::outputs) fn read_manifest(folder: &Path, name: &str) -> Option<Value> {
     let record: Value = serde_json::from_slice(&fs::read(folder.join(name)).ok()?).ok()?;
     let program = record.get("program")?.as_str()?;
     program.starts_with("bathyscope ").then_some(record)
@@ -157,7 +157,7 @@ fn recorded(folder: &Path) -> Vec<String> {
         let Some(product) = record.strip_suffix(".json") else {
             continue;
         };
-        if read(folder, &record).is_none_or(|record| record["product"] != product) {
+        if read_manifest(folder, &record).is_none_or(|record| record["product"] != product) {
             continue;
         }
         let companions = row_of_beside(product).map_or(&[][..], |row| row.companions);
