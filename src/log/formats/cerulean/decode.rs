@@ -38,8 +38,9 @@ pub(super) struct Reader<'a> {
     bytes: &'a [u8],
     /// One clock for each side: packets of one side may come in a row before those of the other.
     clocks: [Clock<Record>; 2],
-    /// Milliseconds of the sonar's clock at the log's time zero.
-    zero_ms: Option<f64>,
+    /// Milliseconds of the sonar's clock at the log's time zero; only if it is known, a tail can be
+    /// read without the rest.
+    pub(super) zero_ms: Option<f64>,
     scale: Option<Scale>,
     navigation: Navigation,
     /// Positions after the last profile.
@@ -76,11 +77,6 @@ impl<'a> Reader<'a> {
             positions_left: bytes.len() / BYTES_A_POSITION,
             ..Self::default()
         }
-    }
-
-    /// Returns true if the log's time zero is known, so that its tail can be read without the rest.
-    pub(super) fn knows_zero(&self) -> bool {
-        self.zero_ms.is_some()
     }
 
     /// Decodes the packet at an offset.

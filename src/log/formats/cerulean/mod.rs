@@ -82,7 +82,7 @@ fn read(opened: &Opened, reading: &Reading<'_>, progress: &Progress) -> Result<S
     let mut log = Collected::new(&[opened], NAME, reading);
     log.source.device = "Omniscan 450".to_owned();
     let mut reader = decode::Reader::new(bytes, reading);
-    let tail = reading.from(0).filter(|_| reader.knows_zero());
+    let tail = reading.from(0).filter(|_| reader.zero_ms.is_some());
     FORMAT.read(bytes, (0, tail), &mut log, (reading, progress), |log, packet| {
         reader.take(log, packet.start);
     })?;

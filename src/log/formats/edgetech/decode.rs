@@ -38,8 +38,9 @@ pub(super) struct Reader<'a> {
     bytes: &'a [u8],
     known: Option<&'a Survey>,
     clock: Clock<(Trace, usize)>,
-    /// Unix milliseconds of the log's time zero.
-    zero_ms: Option<i64>,
+    /// Unix milliseconds of the log's time zero; only if it is known, a tail can be read without
+    /// the rest.
+    pub(super) zero_ms: Option<i64>,
     places: PositionConverter,
     pairs: Pairs,
     /// Content of the messages that are no traces.
@@ -79,11 +80,6 @@ impl<'a> Reader<'a> {
             },
             ..Self::default()
         }
-    }
-
-    /// Returns true if the log's time zero is known, so that its tail can be read without the rest.
-    pub(super) fn knows_zero(&self) -> bool {
-        self.zero_ms.is_some()
     }
 
     /// Decodes the next message of the file.

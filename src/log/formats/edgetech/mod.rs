@@ -77,7 +77,7 @@ fn read(
     let bytes = &opened.bytes;
     let mut log = Collected::new(&[opened], NAME, reading);
     let mut reader = decode::Reader::new(bytes, reading);
-    let tail = reading.from(0).filter(|_| reader.knows_zero());
+    let tail = reading.from(0).filter(|_| reader.zero_ms.is_some());
     FORMAT.read(bytes, (0, tail), &mut log, (reading, progress), |log, message| {
         reader.take(log, message);
     })?;

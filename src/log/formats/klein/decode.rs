@@ -13,8 +13,9 @@ use std::collections::BTreeMap;
 pub(super) struct Reader<'a> {
     bytes: &'a [u8],
     clock: Clock<usize>,
-    /// Unix milliseconds of the log's time zero.
-    zero_ms: Option<f64>,
+    /// Unix milliseconds of the log's time zero; only if it is known, a tail can be read without
+    /// the rest.
+    pub(super) zero_ms: Option<f64>,
     /// Halves by frequency (low, high) and by side (port, starboard).
     halves: [[Vec<HalfPing>; 2]; 2],
     /// Number of pages that are not read, by sonar.
@@ -30,11 +31,6 @@ impl<'a> Reader<'a> {
             zero_ms: known.map(|start_unix_s| (start_unix_s * 1e3).round()),
             ..Self::default()
         }
-    }
-
-    /// Returns true if the log's time zero is known, so that its tail can be read without the rest.
-    pub(super) fn knows_zero(&self) -> bool {
-        self.zero_ms.is_some()
     }
 
     /// Decodes the page whose marker begins at an offset.
