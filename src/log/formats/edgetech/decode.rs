@@ -2,7 +2,7 @@
 //! messages with the speed of sound, the sonar's name and positions.
 
 use super::pair::{self, Half, Pairs};
-use super::trace::{HEADER, MessageHeader, PositionConverter, SOUNDS_MPS, Trace};
+use super::trace::{HEADER, MessageHeader, SOUNDS_MPS, Trace};
 use crate::formats::clock::{Clock, ClockVerdict};
 use crate::formats::collected::{Collected, Counted, HalfPing, WarningKind, is_sound};
 use crate::formats::log_format::Reading;
@@ -41,7 +41,8 @@ pub(super) struct Reader<'a> {
     /// Unix milliseconds of the log's time zero; only if it is known, a tail can be read without
     /// the rest.
     pub(super) zero_ms: Option<i64>,
-    places: PositionConverter,
+    /// First position in metres of a projection; `None` until there is one.
+    origin_m: Option<[f64; 2]>,
     pairs: Pairs,
     /// Content of the messages that are no traces.
     pub(super) sensors: Sensors,
@@ -71,7 +72,7 @@ impl<'a> Reader<'a> {
             bytes,
             known,
             zero_ms,
-            places: PositionConverter { origin_m: projected.map(|projected| projected.origin_m) },
+            origin_m: projected.map(|projected| projected.origin_m),
             pairs: known.map_or_else(Pairs::default, |known| Pairs::like(bytes, known)),
             sensors: Sensors {
                 sound_mps: span.and_then(|span| sound_of(bytes, &span)),
@@ -116,7 +117,7 @@ impl<'a> Reader<'a> {
             let zero_s = unix_s.unwrap_or(0.0);
             self.sensors.add_fixes(log, zero_s);
         }
-        log.projected = self.places.origin_m.map(ProjectedTrack::new);
+        log.projected = self.origin_m.map(ProjectedTrack::new);
         log.report.set_back(self.clock.set_back_s);
         self.remark(log);
     }
@@ -164,7 +165,7 @@ impl<'a> Reader<'a> {
             self.last_depth_s = Some(time_s);
             log.add_depth(ChannelKind::Primary, time_s, trace.altitude_m);
         }
-        let position = trace.place.and_then(|place| self.places.position(place));
+        let position = trace.place.and_then(|place| place.position(&mut self.origin_m));
         if let Some(position) = position {
             log.add_fix(Fix {
                 time_s,
