@@ -450,7 +450,7 @@ pub fn nearest_in_time<T>(items: &[T], time_s: f64, time_of: impl Fn(&T) -> f64)
 
 /// Returns the item nearest to `time_s` as [`nearest_in_time`] does; `None` where none is within
 /// `within_s`.
-fn nearest_within<T>(
+pub(crate) fn nearest_within<T>(
     items: &[T],
     time_s: f64,
     within_s: f64,
