@@ -3,19 +3,15 @@
 
 use super::pair::{self, Half, Pairs};
 use super::trace::{HEADER, MessageHeader, SOUNDS_MPS, Trace};
-use crate::formats::clock::{Clock, ClockVerdict};
+use crate::formats::clock::{Clock, ClockVerdict, unix_s};
 use crate::formats::collected::{Collected, Counted, HalfPing, WarningKind, is_sound};
 use crate::formats::log_format::Reading;
 use crate::formats::nmea::{self, Sentence};
 use crate::formats::scalar::Fields;
-use crate::support::calendar::moment;
 use crate::survey::{ChannelKind, Fix, ProjectedTrack, RangeSource, SideSpan, Survey};
-use chrono::Datelike as _;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// Years in which a log can have been recorded.
-const YEARS: std::ops::RangeInclusive<i32> = 1980..=2100;
 /// Speed of sound that is assumed where the file states none, metres a second.
 const SOUND_MPS: f64 = 1500.0;
 /// Most channels that are listed: no sonar has more, but damaged headers may name more.
@@ -106,16 +102,14 @@ impl<'a> Reader<'a> {
             self.settle(log, verdict);
         }
         std::mem::take(&mut self.pairs).finish(self.bytes, log);
-        let unix_s = self.zero_ms.map(|zero_ms| zero_ms as f64 / 1000.0);
-        log.start_unix_s = unix_s.filter(|unix_s| YEARS.contains(&moment(*unix_s).year()));
+        log.start_unix_s = self.zero_ms.and_then(unix_s);
         log.range_source = RangeSource::SurveyRecorder;
         log.source.device = match self.known {
             Some(known) => known.source.device.clone(),
             None => self.sensors.device.clone().unwrap_or_default(),
         };
         if log.fixes.is_empty() {
-            let zero_s = unix_s.unwrap_or(0.0);
-            self.sensors.add_fixes(log, zero_s);
+            self.sensors.add_fixes(log, self.zero_ms.unwrap_or(0) as f64 / 1000.0);
         }
         log.projected = self.origin_m.map(ProjectedTrack::new);
         log.report.set_back(self.clock.set_back_s);

@@ -5,7 +5,7 @@ use super::from_log::Provenance;
 use super::positions::Positions;
 use super::raw::{self, FileHeader, PingChannel, PingHeader, record};
 use super::sides::{Recorded, SideChannels};
-use crate::formats::clock::{Clock, ClockVerdict};
+use crate::formats::clock::{Clock, ClockVerdict, unix_s};
 use crate::formats::collected::{Collected, Counted, WarningKind};
 use crate::survey::{ChannelKind, Survey};
 use std::borrow::Cow;
@@ -147,7 +147,7 @@ impl<'a> Reader<'a> {
         }
         self.sides.finish(self.bytes, log, known);
         self.positions.finish(log, self.zero_ms.unwrap_or(0) as f64 / 1000.0);
-        log.start_unix_s = self.zero_ms.and_then(raw::unix_s);
+        log.start_unix_s = self.zero_ms.and_then(unix_s);
         log.range_source = self.provenance.range_source;
         log.report.set_back(self.clock.set_back_s);
         if self.channels.iter().any(|channel| channel.ground_range) {
