@@ -32,7 +32,6 @@ mod multibeam;
 mod navigation;
 mod positions;
 pub mod raw;
-mod sides;
 #[cfg(test)]
 mod tests;
 
