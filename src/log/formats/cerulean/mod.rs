@@ -53,27 +53,19 @@ pub(super) struct Cerulean;
 
 impl LogFormat for Cerulean {
     fn recognise(&self, _files: &FileSource, opened: &Opened) -> Option<ReadRecording> {
-        sniff(&opened.bytes)?;
-        let opened = opened.clone();
+        let opened = is_log(&opened.bytes).then(|| opened.clone())?;
         Some(Box::new(move |reading, progress| read(&opened, reading, progress)))
     }
 }
 
-/// Recognises a file by a packet whose checksum is right and that another packet follows; returns
-/// the offset of the packet.
-fn sniff(bytes: &[u8]) -> Option<usize> {
-    let mut from = 0;
-    for _ in 0..MOST_TRIES {
-        let at = FORMAT.next(bytes, from, SEARCHED_FOR_PACKETS)?;
-        if Packet::at(bytes, at).is_some_and(|packet| packet.is_sound()) {
-            return Some(at);
-        }
-        from = at + 1;
-    }
-    None
+/// Recognises a file by a packet whose checksum is right and that another packet follows.
+fn is_log(bytes: &[u8]) -> bool {
+    let next = |from: usize| FORMAT.next(bytes, from, SEARCHED_FOR_PACKETS);
+    let mut starts = std::iter::successors(next(0), |at| next(at + 1)).take(MOST_TRIES);
+    starts.any(|at| Packet::at(bytes, at).is_some_and(|packet| packet.is_sound()))
 }
 
-/// Reads a file that [`sniff`] recognised.
+/// Reads a file that [`is_log`] recognised.
 ///
 /// # Errors
 /// When the file contains no profile, or the user cancelled the reading.
