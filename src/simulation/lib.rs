@@ -36,7 +36,6 @@ mod artefacts;
 mod bed;
 mod check;
 mod echo;
-mod limbs;
 mod listener;
 mod log;
 mod objects;
