@@ -291,6 +291,14 @@ impl WarningReport {
         }
     }
 
+    /// Adds a warning about a record whose time is impossible; `time` names its time, as `a ping's
+    /// time`.
+    pub(super) fn odd_time(&self, file: usize, offset: usize, time: &str) {
+        let text =
+            format!("{time} fits neither neighbour; its header is damaged and it was dropped");
+        self.at(WarningKind::Frame, file, offset, text);
+    }
+
     fn add(&self, kind: WarningKind, place: Option<(usize, u64)>, text: String) {
         let Collection { warnings, counts } = &mut *self.shared.borrow_mut();
         let seen = match counts.iter_mut().find(|(known, _)| *known == kind) {

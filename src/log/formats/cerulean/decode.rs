@@ -187,10 +187,7 @@ impl<'a> Reader<'a> {
                 }
                 self.keep(log, &profile, at, time_s);
             }
-            ClockVerdict::Damaged((_, at, _)) => {
-                let text = "a profile's time fits neither neighbour; its header is damaged and it was dropped";
-                log.report.at(WarningKind::Frame, 0, at, text);
-            }
+            ClockVerdict::Damaged((_, at, _)) => log.report.odd_time(0, at, "a profile's time"),
         }
     }
 

@@ -145,10 +145,7 @@ impl<'a> Reader<'a> {
             ClockVerdict::Sound { record: (trace, at), time_s } => {
                 self.keep(log, &trace, at, time_s)
             }
-            ClockVerdict::Damaged((_, at)) => {
-                let text = "a trace's time fits neither neighbour; its header is damaged and it was dropped";
-                log.report.at(WarningKind::Frame, 0, at, text);
-            }
+            ClockVerdict::Damaged((_, at)) => log.report.odd_time(0, at, "a trace's time"),
         }
     }
 

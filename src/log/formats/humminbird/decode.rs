@@ -3,7 +3,7 @@
 use super::dat::{Dat, FRESH};
 use super::ping::PingHeader;
 use crate::formats::clock::{Clock, ClockVerdict};
-use crate::formats::collected::{Collected, Counted, HalfPing, WarningKind, is_sound};
+use crate::formats::collected::{Collected, Counted, HalfPing, is_sound};
 use crate::support::geo::{LonLat, humminbird_mercator_inverse};
 use crate::survey::{ChannelKind, Fix, SideSpan};
 use std::f64::consts::PI;
@@ -54,11 +54,8 @@ impl Reader {
                 self.keep(log, offset, &ping, time_s)
             }
             ClockVerdict::Damaged((offset, ping)) => {
-                let text = format!(
-                    "a ping's time ({:.1} s) fits neither neighbour; its header is damaged and it was dropped",
-                    time_s(&ping)
-                );
-                log.report.at(WarningKind::Frame, self.file, offset, text);
+                let time = format!("a ping's time ({:.1} s)", time_s(&ping));
+                log.report.odd_time(self.file, offset, &time);
             }
         }
     }

@@ -183,10 +183,7 @@ impl<'a> Reader<'a> {
                     self.keep(log, &page, time_s);
                 }
             }
-            ClockVerdict::Damaged(at) => {
-                let text = "a page's time fits neither neighbour; its header is damaged and it was dropped";
-                log.report.at(WarningKind::Frame, 0, at, text);
-            }
+            ClockVerdict::Damaged(at) => log.report.odd_time(0, at, "a page's time"),
         }
     }
 

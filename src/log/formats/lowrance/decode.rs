@@ -68,11 +68,8 @@ impl Reader {
         match verdict {
             ClockVerdict::Sound { record, time_s } => self.keep(log, &record, time_s),
             ClockVerdict::Damaged(frame) => {
-                let text = format!(
-                    "a frame's time ({:.1} s) fits neither neighbour; its header is damaged and it was dropped",
-                    time_s(&frame)
-                );
-                log.report.at(WarningKind::Frame, 0, frame.offset, text);
+                let time = format!("a frame's time ({:.1} s)", time_s(&frame));
+                log.report.odd_time(0, frame.offset, &time);
             }
         }
     }

@@ -175,10 +175,7 @@ impl<'a> Reader<'a> {
             ClockVerdict::Sound { record: (offset, ping), time_s } => {
                 self.keep(log, offset, &ping, time_s)
             }
-            ClockVerdict::Damaged((offset, _)) => {
-                let text = "a ping's time fits neither neighbour; its header is damaged and it was dropped";
-                log.report.at(WarningKind::Frame, 0, offset, text);
-            }
+            ClockVerdict::Damaged((offset, _)) => log.report.odd_time(0, offset, "a ping's time"),
         }
     }
 
