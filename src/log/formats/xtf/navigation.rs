@@ -195,14 +195,8 @@ impl SentNavigation {
         if self.positions.is_empty() {
             return Vec::new();
         }
-        let mut fresh_s: Vec<f64> = Vec::new();
-        let mut last = None;
-        for fix in &*fixes {
-            if last != Some(fix.position) {
-                fresh_s.push(fix.time_s);
-                last = Some(fix.position);
-            }
-        }
+        let runs = fixes.chunk_by(|fix, next| fix.position == next.position);
+        let mut fresh_s: Vec<f64> = runs.map(|run| run[0].time_s).collect();
         fresh_s.sort_by(f64::total_cmp);
         let is_near = |times_s: &[f64], time_s: f64| {
             nearest_within(times_s, time_s, STALE_S, |at_s| *at_s).is_some()
