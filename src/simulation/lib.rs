@@ -47,7 +47,6 @@ mod simulate;
 mod training_scene;
 mod truth;
 mod visibility;
-mod weed;
 
 pub use scene::{
     Artefacts, Bank, BedKind, BedSettings, Curve, Mound, ObjectKind, ObjectSettings,
