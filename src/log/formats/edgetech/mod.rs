@@ -111,13 +111,11 @@ fn read(
         )));
     }
     if !has_side_scan {
-        return Err(opened.broken(
-            NAME,
-            format!(
-                "no side-scan ping in its {} bytes from byte {first} on; copy the file again",
-                bytes.len()
-            ),
-        ));
+        let what = format!(
+            "no side-scan ping in its {} bytes from byte {first} on; copy the file again",
+            bytes.len()
+        );
+        return Err(opened.broken(NAME, what));
     }
     Ok(assemble::assemble(log, reading))
 }

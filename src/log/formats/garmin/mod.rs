@@ -196,13 +196,10 @@ fn read(
     walk_records(walk, start, |offset, record| reader.take(&mut log, offset, record))?;
     reader.finish(&mut log, reading.known());
     if log.channels.is_empty() {
-        return Err(opened.broken(
-            FORMAT,
-            format!(
-                "no ping in its {} bytes; copy the file from the unit's card again",
-                bytes.len()
-            ),
-        ));
+        let count = bytes.len();
+        let what =
+            format!("no ping in its {count} bytes; copy the file from the unit's card again");
+        return Err(opened.broken(FORMAT, what));
     }
     Ok(assemble::assemble(log, reading))
 }

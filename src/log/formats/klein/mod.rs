@@ -72,13 +72,12 @@ fn read(opened: &Opened, reading: &Reading<'_>, progress: &Progress) -> Result<S
         Some(others) => opened.unsupported(format!(
             "this SDF file holds only {others}, and no public source says which of their channels look to port; export XTF from SonarPro and open that"
         )),
-        None => opened.broken(
-            NAME,
-            format!(
-                "no whole page with side-scan in its {} bytes; copy the file again",
-                bytes.len()
-            ),
-        ),
+        None => {
+            let count = bytes.len();
+            let what =
+                format!("no whole page with side-scan in its {count} bytes; copy the file again");
+            opened.broken(NAME, what)
+        }
     })
 }
 

@@ -145,13 +145,11 @@ fn read(
         }
     }
     if log.channels.is_empty() {
-        return Err(opened.broken(
-            &format,
-            format!(
-                "no whole frame in its {} bytes; copy the file from the unit's card again",
-                bytes.len()
-            ),
-        ));
+        let what = format!(
+            "no whole frame in its {} bytes; copy the file from the unit's card again",
+            bytes.len()
+        );
+        return Err(opened.broken(&format, what));
     }
     Ok(assemble::assemble(log, reading))
 }
