@@ -168,9 +168,7 @@ impl Collected {
 
     /// Adds a ping of a channel that looks down; warns where the ping cannot be shown as a picture.
     pub(super) fn add_echogram(&mut self, kind: ChannelKind, time_s: f64, span: SideSpan) {
-        let looks_down =
-            matches!(kind, ChannelKind::Primary | ChannelKind::Secondary | ChannelKind::DownScan);
-        if !looks_down {
+        if !kind.looks_down() {
             return;
         }
         if !is_sound(&span) {

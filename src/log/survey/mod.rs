@@ -139,6 +139,11 @@ impl ChannelKind {
         Side::BOTH.into_iter().find(|side| self == ChannelKind::from(*side))
     }
 
+    /// Returns true for a channel of the sonar that looks down.
+    pub(crate) fn looks_down(self) -> bool {
+        matches!(self, ChannelKind::Primary | ChannelKind::Secondary | ChannelKind::DownScan)
+    }
+
     /// Returns the name for tables and messages.
     pub fn name(self) -> String {
         match self {

@@ -159,7 +159,7 @@ fn time_s(frame: &LowranceFrame) -> f64 {
 /// Adds the sides of a frame, or its ping of a channel that looks down, to the log; warns where it
 /// cannot be shown as a picture.
 fn keep_echoes(log: &mut Collected, kind: ChannelKind, frame: &LowranceFrame, time_s: f64) {
-    if let ChannelKind::Primary | ChannelKind::Secondary | ChannelKind::DownScan = kind {
+    if kind.looks_down() {
         return log.add_echogram(kind, time_s, alone(frame));
     }
     let spans = match kind {
