@@ -5,11 +5,11 @@
 //!
 //! A file is a sequence of packets of the Ping protocol, all numbers little-endian: `BR`, u16 bytes
 //! of the payload, u16 packet id, u8 source device, u8 destination device, the payload, u16 sum of
-//! all bytes before. Packet 2198 is a profile, the ping of one transducer; `packet` reads packets
-//! and profiles. A profile has 52 bytes, then u16 samples from near to far, scaled between the
-//! lowest and the highest decibels of that ping. Packet 10 is a description of the session in JSON
-//! with the time when recording began, 109 a NMEA sentence, 150 a MAVLink message in JSON, of which
-//! `GLOBAL_POSITION_INT` has a position. No packet has the depth.
+//! all bytes before. Packet 2198 is a profile, the ping of one transducer; `packet` reads packets,
+//! profiles and positions. A profile has 52 bytes, then u16 samples from near to far, scaled
+//! between the lowest and the highest decibels of that ping. Packet 10 is a description of the
+//! session in JSON with the time when recording began, 109 a NMEA sentence, 150 a MAVLink message
+//! in JSON, of which `GLOBAL_POSITION_INT` has a position. No packet has the depth.
 //!
 //! The sign of the transducer's heading gives the side: negative is port. Where the heading is 0,
 //! the channel number of a profile gives the side, 0 for port and 1 for starboard. Boats with one
@@ -18,7 +18,7 @@
 //! both transducers are assumed to start at the same moment, as in BlueBoat-SideScanSonar; a
 //! warning states where this cannot be true. Packets of one transducer may come in a row before
 //! those of the other, so that each channel is in time order but the file is not. NMEA and MAVLink
-//! have clocks of their own; `navigation` gives their positions the times of the profiles around
+//! have clocks of their own; `packet` gives their positions the times of the profiles around
 //! them. The time when recording began is assigned to the first profile after the session packet,
 //! to about a second.
 //!
@@ -30,7 +30,6 @@
 //! the clock of the sonar may differ from the clock of the computer. No real file was at hand: the
 //! reader is checked with generated files, from which PINGVerter reads the same.
 
-mod navigation;
 mod packet;
 #[cfg(test)]
 mod tests;
@@ -43,8 +42,7 @@ use crate::support::calendar::unix_from_iso;
 use crate::support::progress::Progress;
 use crate::support::statistics::upper_median;
 use crate::survey::{Encoding, LEVEL_BITS, RangeSource, Side, SidePing, SideSpan, Survey};
-use navigation::{Navigation, ReceivedPosition};
-use packet::{FORMAT, Packet, Profile};
+use packet::{FORMAT, Navigation, Packet, Profile, ReceivedPosition};
 use std::collections::BTreeMap;
 
 const NAME: &str = "Cerulean svlog";
