@@ -9,7 +9,7 @@ pub mod ping;
 
 use super::clock::{Clock, ClockVerdict};
 use super::collected::{Collected, Counted, HalfPing, is_sound};
-use super::log_format::{FileSource, LogFormat, ReadRecording, Reading};
+use super::log_format::{FileSource, LogFormat, ReadRecording, Reading, has_ending};
 use super::walk::Walk;
 use super::{OpenError, Opened, assemble};
 use crate::support::geo::{LonLat, humminbird_mercator_inverse};
@@ -202,7 +202,7 @@ fn around_dat(files: &FileSource, opened: &Opened) -> Option<Recording> {
 fn find_in_folder(files: &FileSource, folder: &Path) -> Option<Recording> {
     gather(files, folder, folder, dat_of(files, folder)).or_else(|| {
         let mut dats = files.children(folder);
-        dats.retain(|child| has_extension(child, "dat"));
+        dats.retain(|child| has_ending(child, "dat"));
         let others = dats.len().saturating_sub(1);
         let first = dats
             .into_iter()
@@ -216,7 +216,7 @@ fn find_in_folder(files: &FileSource, folder: &Path) -> Option<Recording> {
 /// package).
 fn dat_of(files: &FileSource, folder: &Path) -> Option<PathBuf> {
     let is_named = |path: &PathBuf| {
-        has_extension(path, "dat")
+        has_ending(path, "dat")
             && path
                 .file_stem()
                 .zip(folder.file_name())
@@ -228,7 +228,7 @@ fn dat_of(files: &FileSource, folder: &Path) -> Option<PathBuf> {
 
 /// Returns the DAT in a folder if there is only one.
 fn only_dat(files: &FileSource, folder: &Path) -> Option<PathBuf> {
-    let mut dats = files.children(folder).into_iter().filter(|path| has_extension(path, "dat"));
+    let mut dats = files.children(folder).into_iter().filter(|path| has_ending(path, "dat"));
     dats.next().filter(|_| dats.next().is_none())
 }
 
@@ -247,7 +247,7 @@ fn gather(
     let sons: Vec<Opened> = files
         .children(folder)
         .into_iter()
-        .filter(|path| has_extension(path, "son"))
+        .filter(|path| has_ending(path, "son"))
         .filter_map(read)
         .filter(|son| byte_order(&son.bytes).is_some())
         .take(MOST_SONS)
@@ -260,10 +260,6 @@ fn gather(
         (dat, content)
     });
     Some(Recording { opened: opened.to_owned(), dat, sons, others: 0 })
-}
-
-fn has_extension(path: &Path, requested: &str) -> bool {
-    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(requested))
 }
 
 /// Decodes the pings of one SON file.
