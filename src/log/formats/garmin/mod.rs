@@ -191,8 +191,7 @@ fn read(
     progress.start(bytes.len().saturating_sub(start) as u64);
     let header = found.header.unwrap_or_default();
     let mut reader = decode::Reader::new(bytes, header, found.first_record);
-    let report = log.report.clone();
-    let walk = Walk::new(bytes, "record", &report, reading, progress);
+    let walk = Walk::new(bytes, "record", &log.report, reading, progress);
     walk_records(walk, start, |offset, record| reader.take(&mut log, offset, record))?;
     reader.finish(&mut log, reading.known());
     if log.channels.is_empty() {

@@ -101,8 +101,7 @@ fn read_son(
     };
     let name = opened.path.file_stem().unwrap_or_default().to_string_lossy();
     let mut reader = Reader::new(file, name.into_owned(), dat);
-    let report = log.report.clone();
-    let walk = Walk { file, ..Walk::new(&opened.bytes, "ping", &report, reading, progress) };
+    let walk = Walk { file, ..Walk::new(&opened.bytes, "ping", &log.report, reading, progress) };
     walk_pings(walk, order, reading.from(file), |offset, ping| reader.take(log, offset, ping))?;
     reader.finish(log);
     Ok(())

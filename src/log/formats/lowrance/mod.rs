@@ -169,8 +169,7 @@ fn read_frames(
     let start = start.unwrap_or(frame::FrameStart { at: bytes.len(), lost: 0 });
     progress.advance(start.at as u64);
     let mut reader = decode::Reader::default();
-    let report = log.report.clone();
-    let walk = Walk::new(bytes, "frame", &report, reading, progress);
+    let walk = Walk::new(bytes, "frame", &log.report, reading, progress);
     frame::FrameWalk { walk, layout }.run(start, |frame| reader.take(log, frame))?;
     reader.finish(log);
     Ok(())

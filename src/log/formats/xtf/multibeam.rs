@@ -114,8 +114,7 @@ pub(in crate::formats) fn read_multibeam(
     let mut swaths: Vec<Swath> = Vec::new();
     let mut rolls: Vec<(f64, f64)> = Vec::new();
     let reading = Reading { is_growing: true, tail: None };
-    let report = WarningReport::default();
-    let walk = Walk::new(&bytes, PACKETS.noun, &report, &reading, progress);
+    let walk = Walk::new(&bytes, PACKETS.noun, &WarningReport::default(), &reading, progress);
     progress.start(bytes.len() as u64);
     PACKETS.walk(walk, found.first_packet, |packet| {
         let packet = &bytes[packet];
