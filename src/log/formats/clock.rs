@@ -4,11 +4,14 @@
 use crate::support::calendar::moment;
 use chrono::Datelike as _;
 use std::collections::VecDeque;
-use std::ops::RangeInclusive;
+use std::ops::{Range, RangeInclusive};
 
 /// Years in which a log can have been recorded: side-scan has been recorded to disk since the
 /// eighties. Zeros and unset counters are outside.
 pub(super) const YEARS: RangeInclusive<i32> = 1980..=2100;
+/// Unix seconds of logs of fish-finders: values below (year 2000) are a counter, not a time; values
+/// above (2100) are damage.
+pub(super) const UNIX_S: Range<u32> = 946_684_800..4_102_444_800;
 /// Longest time by which frames of different channels are written out of order, seconds. Real logs
 /// show 0.5.
 const SLACK_S: f64 = 2.0;

@@ -12,7 +12,7 @@
 //! and `SL3Reader.cs` of github.com/halmaia/SL3Reader). It was not tried on a real recording.
 
 use super::frame::{LowranceFrame, STRUCTURE_SCAN_3D, metres};
-use crate::formats::clock::{Clock, ClockVerdict};
+use crate::formats::clock::{Clock, ClockVerdict, UNIX_S};
 use crate::formats::collected::{Collected, Counted, HalfPing, WarningKind, is_range, is_sound};
 use crate::formats::scalar;
 use crate::support::geo::{self, LonLat, MPS_PER_KNOT};
@@ -21,9 +21,6 @@ use crate::survey::{
 };
 use std::ops::Range;
 
-/// Range of Unix seconds: values below (year 2000) are a counter, not a time; values above (2100)
-/// are damage.
-const UNIX_S: Range<u32> = 946_684_800..4_102_444_800;
 /// Shortest header before the pairs of a frame of StructureScan 3D, bytes.
 const SWATH_HEADER: usize = 76;
 /// Longest plausible header before the pairs, bytes.

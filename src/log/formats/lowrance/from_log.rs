@@ -6,6 +6,7 @@ use super::Lowrance;
 use super::write::{
     COMPOSITE, Sl2Frame, Sl2Writer, WrittenFix, frequency_code, usual_frequency_khz,
 };
+use crate::formats::clock::UNIX_S;
 use crate::formats::log_writer::{LogToWrite, LogWriter, Recorded};
 use crate::support::geo::lowrance_mercator;
 use crate::support::progress::Progress;
@@ -15,8 +16,6 @@ use std::io::{self, Write};
 
 /// Channel numbers of separate sides, port first.
 const SIDES: [u16; 2] = [3, 4];
-/// Lowest Unix seconds that a reader accepts as a time (year 2000); lower values are counters.
-const FIRST_UNIX_S: f64 = 946_684_800.0;
 
 impl LogWriter for Lowrance {
     fn write(
@@ -31,7 +30,7 @@ impl LogWriter for Lowrance {
                 "its positions are metres of a system that is not named, and SL2 holds degrees; set source.crs to its EPSG number",
             ));
         }
-        let start_s = survey.start_unix_s.filter(|start_s| *start_s >= FIRST_UNIX_S);
+        let start_s = survey.start_unix_s.filter(|start_s| *start_s >= f64::from(UNIX_S.start));
         let mut frames = Frames {
             log,
             is_composite: survey.side_scan.iter().all(is_symmetric),
