@@ -9,8 +9,7 @@
 //! ground, from the point under the boat outward.
 
 use super::arithmetic::{atan, from_db};
-use super::listener::{Beam, Listener, backscatter};
-use super::weed::WeedBed;
+use super::listener::{Beam, Listener, WeedBed, backscatter};
 
 /// Echoes that one side of one ping received, before losses, gain and noise.
 pub(super) struct Echo {

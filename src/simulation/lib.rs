@@ -36,7 +36,6 @@ mod artefacts;
 mod bed;
 mod check;
 mod echo;
-mod limbs;
 mod listener;
 mod log;
 mod objects;
@@ -48,7 +47,6 @@ mod simulate;
 mod training_scene;
 mod truth;
 mod visibility;
-mod weed;
 
 pub use scene::{
     Artefacts, Bank, BedKind, BedSettings, Curve, Mound, ObjectKind, ObjectSettings,

@@ -137,11 +137,10 @@ struct Moment {
     fix: (u64, WrittenFix),
 }
 
-/// Frames in file order, with the recorder's counters.
+/// Frames in file order, and the number of the last fix.
 #[derive(Default)]
 struct Log {
     frames: Vec<Sl2Frame>,
-    next_index: [u32; 6],
     last_fix: Option<u64>,
 }
 
@@ -155,15 +154,11 @@ impl Log {
         bytes: Vec<u8>,
     ) {
         let (fix_number, fix) = moment.fix;
-        let next_index = &mut self.next_index[usize::from(channel)];
-        let index = *next_index;
-        *next_index += 1;
         let fresh = self.last_fix != Some(fix_number);
         self.last_fix = Some(fix_number);
         self.frames.push(Sl2Frame {
             channel,
             frequency: frequency_code(usual_frequency_khz(channel)),
-            index,
             range_m,
             depth_m,
             milliseconds: moment.milliseconds,

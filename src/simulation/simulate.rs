@@ -3,7 +3,7 @@
 use super::artefacts::{ArtefactPlan, Fishes, Trouble};
 use super::bed::SceneBed;
 use super::echo::{Echo, ObjectEcho};
-use super::listener::World;
+use super::listener::{WeedBed, World};
 use super::objects;
 use super::path::{BoatPose, Path};
 use super::random::{Random, RandomPurpose};
@@ -11,7 +11,6 @@ use super::recorder::{GRAIN, Receiver};
 use super::scene::Scene;
 use super::truth::{self, ObjectPass, ObjectTruth, PingTruth, SideTruth};
 use super::visibility::{Trace, visible_part};
-use super::weed::WeedBed;
 use bathyscope_log::formats::lowrance::write::{Sl2Frame, Sl2Writer};
 use bathyscope_log::support::geo::{
     LocalFrame, LonLat, lowrance_mercator, lowrance_mercator_inverse,

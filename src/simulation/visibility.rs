@@ -206,15 +206,15 @@ fn running_mean(levels: &[f32], half: usize, [rows, columns]: [usize; 2], down: 
 /// where the sum is 0.
 fn trimmed(amounts: &[f64]) -> Option<Range<usize>> {
     let cut = TRIMMED * amounts.iter().sum::<f64>();
-    let reach = |mut places: Box<dyn Iterator<Item = usize> + '_>| {
+    let passes_cut = || {
         let mut sum = 0.0;
-        places.find(|&place| {
-            sum += amounts[place];
+        move |amount: &f64| {
+            sum += amount;
             sum > cut
-        })
+        }
     };
-    let first = reach(Box::new(0..amounts.len()))?;
-    let last = reach(Box::new((0..amounts.len()).rev()))?;
+    let first = amounts.iter().position(passes_cut())?;
+    let last = amounts.iter().rposition(passes_cut())?;
     Some(first..last + 1)
 }
 

@@ -234,11 +234,9 @@ fn choose(
     depths.sort_by_key(|(kind, _)| *kind);
     let most = depths.iter().map(|(_, soundings)| soundings.len()).max().unwrap_or(0);
     let best = depths.into_iter().find(|(kind, soundings)| {
-        let is_down =
-            matches!(kind, ChannelKind::Primary | ChannelKind::Secondary | ChannelKind::DownScan);
         // Side-scan channels ping faster than the bottom lock changes: their larger count is no
         // reason to drop a slower channel.
-        soundings.len() * if is_down { 4 } else { 1 } >= most
+        soundings.len() * if kind.looks_down() { 4 } else { 1 } >= most
     });
     let (kind, mut soundings) =
         best.map_or((None, Vec::new()), |(kind, depths)| (Some(kind), depths));

@@ -1,8 +1,17 @@
 //! Checks the times of records, which are written in time order apart from delays inside a
 //! recorder.
 
+use crate::support::calendar::moment;
+use chrono::Datelike as _;
 use std::collections::VecDeque;
+use std::ops::{Range, RangeInclusive};
 
+/// Years in which a log can have been recorded: side-scan has been recorded to disk since the
+/// eighties. Zeros and unset counters are outside.
+pub(super) const YEARS: RangeInclusive<i32> = 1980..=2100;
+/// Unix seconds of logs of fish-finders: values below (year 2000) are a counter, not a time; values
+/// above (2100) are damage.
+pub(super) const UNIX_S: Range<u32> = 946_684_800..4_102_444_800;
 /// Longest time by which frames of different channels are written out of order, seconds. Real logs
 /// show 0.5.
 const SLACK_S: f64 = 2.0;
@@ -63,6 +72,12 @@ impl<T> Clock<T> {
         self.before_s = Some(time_s);
         Some(ClockVerdict::Sound { record, time_s: time_s + self.set_back_s })
     }
+}
+
+/// Converts Unix milliseconds to seconds; `None` where the year is not plausible for a log.
+pub(super) fn unix_s(unix_ms: i64) -> Option<f64> {
+    let unix_s = unix_ms as f64 / 1000.0;
+    YEARS.contains(&moment(unix_s).year()).then_some(unix_s)
 }
 
 fn is_set_back(earlier_s: f64, later_s: f64) -> bool {

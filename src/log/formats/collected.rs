@@ -168,9 +168,7 @@ impl Collected {
 
     /// Adds a ping of a channel that looks down; warns where the ping cannot be shown as a picture.
     pub(super) fn add_echogram(&mut self, kind: ChannelKind, time_s: f64, span: SideSpan) {
-        let looks_down =
-            matches!(kind, ChannelKind::Primary | ChannelKind::Secondary | ChannelKind::DownScan);
-        if !looks_down {
+        if !kind.looks_down() {
             return;
         }
         if !is_sound(&span) {
@@ -289,6 +287,14 @@ impl WarningReport {
                 "the recorder's clock was set back by {seconds:.1} s in the middle; times go on from where they were"
             ));
         }
+    }
+
+    /// Adds a warning about a record whose time is impossible; `time` names its time, as `a ping's
+    /// time`.
+    pub(super) fn odd_time(&self, file: usize, offset: usize, time: &str) {
+        let text =
+            format!("{time} fits neither neighbour; its header is damaged and it was dropped");
+        self.at(WarningKind::Frame, file, offset, text);
     }
 
     fn add(&self, kind: WarningKind, place: Option<(usize, u64)>, text: String) {

@@ -8,7 +8,6 @@ use crate::support::progress::Progress;
 use crate::survey::{Bytes, Seam, Survey};
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 /// Function that reads a recording after it was recognised.
 pub(super) type ReadRecording =
@@ -82,12 +81,6 @@ pub(super) enum FileSource {
 }
 
 impl FileSource {
-    /// Creates a source of files in memory from their bytes.
-    pub(super) fn held(files: Vec<(PathBuf, Vec<u8>)>) -> Self {
-        let hold = |(path, bytes): (PathBuf, Vec<u8>)| (path, Bytes::Held(Arc::from(bytes)));
-        Self::Held(files.into_iter().map(hold).collect())
-    }
-
     /// Returns the bytes of a file.
     pub(super) fn read(&self, path: &Path) -> io::Result<Bytes> {
         match self {
@@ -142,4 +135,9 @@ impl FileSource {
 /// cannot be listed.
 fn folder_or_here(folder: &Path) -> &Path {
     if folder.as_os_str().is_empty() { Path::new(".") } else { folder }
+}
+
+/// Returns true if a file's name has this ending, in upper or lower case.
+pub(super) fn has_ending(path: &Path, ending: &str) -> bool {
+    path.extension().is_some_and(|own| own.eq_ignore_ascii_case(ending))
 }

@@ -4,6 +4,7 @@
 use crate::support::progress::Progress;
 use crate::survey::{
     ChannelKind, Fix, Navigation, PingNav, SidePing, SideSpan, Survey, nearest_in_time,
+    nearest_within,
 };
 use std::io::{self, Write};
 
@@ -117,9 +118,7 @@ impl<'a> LogToWrite<'a> {
     pub fn depth_m(&self, time_s: f64) -> f32 {
         const LONGEST_APART_S: f64 = 2.0;
         let soundings = &self.survey.soundings;
-        let near = nearest_in_time(soundings, time_s, |sounding| sounding.time_s)
-            .map(|index| soundings[index]);
-        let near = near.filter(|sounding| (sounding.time_s - time_s).abs() <= LONGEST_APART_S);
+        let near = nearest_within(soundings, time_s, LONGEST_APART_S, |sounding| sounding.time_s);
         near.map_or(f32::NAN, |sounding| sounding.depth_m)
     }
 }

@@ -78,6 +78,7 @@ use log_format::{FileSource, Reading};
 use points::{Elevations, is_named_as_elevations, read_elevations};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use xtf::read_multibeam;
 
 #[cfg(target_endian = "big")]
@@ -193,9 +194,7 @@ pub fn open_files(
     files: Vec<(PathBuf, Vec<u8>)>,
     progress: &Progress,
 ) -> Result<Survey, OpenError> {
-    let path = first_path(&files);
-    let files = FileSource::held(files);
-    open_on(&files, &path, &Reading::default(), progress)
+    open_at_hand(held(files), progress)
 }
 
 /// Reads files in memory as the format with this ending only, for the fuzzer; `None` where no
@@ -206,12 +205,18 @@ pub fn open_as_format(
     progress: &Progress,
 ) -> Option<Result<Survey, OpenError>> {
     let path = first_path(&files);
-    let files = FileSource::held(files);
+    let files = FileSource::Held(held(files));
     let is_of = |format: &&FormatEntry| format.endings.iter().any(|(known, _)| *known == ending);
     let format = FORMATS.iter().find(is_of)?;
     let bytes = files.read(&path).ok()?;
     let read = format.reader.recognise(&files, &Opened { path, bytes })?;
     Some(read(&Reading::default(), progress))
+}
+
+/// Returns files in memory that share their bytes.
+fn held(files: Vec<(PathBuf, Vec<u8>)>) -> Vec<(PathBuf, Bytes)> {
+    let hold = |(path, bytes)| (path, Bytes::Held(Arc::new(bytes)));
+    files.into_iter().map(hold).collect()
 }
 
 /// Returns the path of the first file, which is the file to open; empty where there is none.

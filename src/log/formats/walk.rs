@@ -7,7 +7,6 @@ use crate::support::progress::{Cancelled, Progress};
 use std::ops::Range;
 
 /// A walk over the records of a file: the file, and the report of damaged records.
-#[derive(Clone, Copy)]
 pub(super) struct Walk<'a> {
     /// The whole file.
     pub(super) bytes: &'a [u8],
@@ -16,7 +15,7 @@ pub(super) struct Walk<'a> {
     /// Word for a record of the format, used in warnings.
     pub(super) noun: &'static str,
     /// Report for warnings.
-    pub(super) report: &'a WarningReport,
+    pub(super) report: WarningReport,
     /// True if the file is still being written: a truncated last record is then no damage.
     pub(super) is_growing: bool,
     /// Progress of the walk.
@@ -28,11 +27,12 @@ impl<'a> Walk<'a> {
     pub(super) fn new(
         bytes: &'a [u8],
         noun: &'static str,
-        report: &'a WarningReport,
+        report: &WarningReport,
         reading: &Reading<'_>,
         progress: &'a Progress,
     ) -> Self {
-        Self { bytes, file: 0, noun, report, is_growing: reading.is_growing, progress }
+        let (report, is_growing) = (report.clone(), reading.is_growing);
+        Self { bytes, file: 0, noun, report, is_growing, progress }
     }
 
     /// Skips the record at an offset, whose stated end is beyond the record at `found`, which
@@ -126,8 +126,7 @@ impl MessageFormat {
         let len = bytes.len();
         let start = tail.map_or(first, |from| self.next(bytes, from, len).unwrap_or(len));
         progress.start(len.saturating_sub(start) as u64);
-        let report = log.report.clone();
-        let walk = Walk::new(bytes, self.noun, &report, reading, progress);
+        let walk = Walk::new(bytes, self.noun, &log.report, reading, progress);
         self.walk(walk, start, |message| take(log, message))
     }
 

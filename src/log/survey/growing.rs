@@ -294,11 +294,9 @@ impl Survey {
             return;
         }
         let later = |time_s: &mut f64| *time_s += later_s;
-        let pings = Arc::make_mut(&mut self.side_scan);
-        pings.iter_mut().for_each(|ping| later(&mut ping.time_s));
-        for pair in &mut self.pairs {
-            let pings = Arc::make_mut(&mut pair.side_scan);
-            pings.iter_mut().for_each(|ping| later(&mut ping.time_s));
+        let pairs = self.pairs.iter_mut().map(|pair| &mut pair.side_scan);
+        for pings in [&mut self.side_scan].into_iter().chain(pairs) {
+            Arc::make_mut(pings).iter_mut().for_each(|ping| later(&mut ping.time_s));
         }
         for echogram in &mut self.echograms {
             let pings = Arc::make_mut(&mut echogram.pings);

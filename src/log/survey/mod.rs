@@ -139,6 +139,11 @@ impl ChannelKind {
         Side::BOTH.into_iter().find(|side| self == ChannelKind::from(*side))
     }
 
+    /// Returns true for a channel of the sonar that looks down.
+    pub(crate) fn looks_down(self) -> bool {
+        matches!(self, ChannelKind::Primary | ChannelKind::Secondary | ChannelKind::DownScan)
+    }
+
     /// Returns the name for tables and messages.
     pub fn name(self) -> String {
         match self {
@@ -450,7 +455,7 @@ pub fn nearest_in_time<T>(items: &[T], time_s: f64, time_of: impl Fn(&T) -> f64)
 
 /// Returns the item nearest to `time_s` as [`nearest_in_time`] does; `None` where none is within
 /// `within_s`.
-fn nearest_within<T>(
+pub(crate) fn nearest_within<T>(
     items: &[T],
     time_s: f64,
     within_s: f64,

@@ -228,7 +228,6 @@ pub fn navigate_with(
 ) -> Result<Navigation, Cancelled> {
     let navigator = Navigator {
         positions,
-        shift_m: positions.shift.by_m(),
         track: &survey.track,
         fitted: FittedTrack::new(&survey.track, positions.heading.window_s),
     };
@@ -274,8 +273,6 @@ struct Navigator<'a> {
     track: &'a Track,
     fitted: FittedTrack,
     positions: PositionSettings<'a>,
-    /// Added to every place, metres east and north; `None` for no shift.
-    shift_m: Option<[f64; 2]>,
 }
 
 impl Navigator<'_> {
@@ -384,7 +381,8 @@ impl Navigator<'_> {
                 projection.place(self.track, self.track.frame.to_lon_lat(east_m, north_m))
             }
         };
-        let [east_m, north_m] = self.shift_m.map_or(place, |by_m| self.moved(place, by_m));
+        let shift_m = self.positions.shift.by_m();
+        let [east_m, north_m] = shift_m.map_or(place, |by_m| self.moved(place, by_m));
         let heading_rad = self.heading_rad(&motion, recorded, compass);
         let place = PingNav { east_m, north_m, heading_rad, speed_mps: motion.speed_mps() };
         Some((place, motion.moving))

@@ -200,13 +200,8 @@ impl TracksApart {
 /// Returns the times and places at which the position changed: recorders repeat the last fix for
 /// many pings.
 fn moves(track: &Track) -> Vec<(f64, LonLat)> {
-    let mut moves: Vec<(f64, LonLat)> = Vec::new();
-    for fix in track.fixes.iter() {
-        if moves.last().is_none_or(|(_, last)| *last != fix.position) {
-            moves.push((fix.time_s, fix.position));
-        }
-    }
-    moves
+    let runs = track.fixes.chunk_by(|fix, next| fix.position == next.position);
+    runs.map(|run| (run[0].time_s, run[0].position)).collect()
 }
 
 /// Returns the place at a time, interpolated linearly between the fixes; `None` beyond them.

@@ -246,33 +246,16 @@ impl Window {
 /// # Errors
 /// When the file cannot be read or shown, or the user cancelled the opening.
 pub fn open(path: &Path, progress: &Progress) -> Result<BaseMap, BaseMapError> {
-    let damaged = || Err(BaseMapFault::Damaged("it is damaged").into());
-    let opened = catch_panic(|| open_file(path, progress)).unwrap_or_else(damaged);
-    opened.map_err(|fault| match fault {
-        Fault::Unusable(what) => FileError::new(what, path).into(),
-        Fault::Cancelled(cancelled) => cancelled.into(),
-    })
+    let opening = || -> Result<BaseMap, BaseMapError> {
+        let mut map = open_file(path).map_err(|fault| FileError::new(fault, path))?;
+        map.add_coarse_level(progress)?;
+        Ok(map)
+    };
+    let damaged = || Err(FileError::new(BaseMapFault::Damaged("it is damaged"), path).into());
+    catch_panic(opening).unwrap_or_else(damaged)
 }
 
-/// Fault of a base map before the name of the file is added.
-enum Fault {
-    Unusable(BaseMapFault),
-    Cancelled(Cancelled),
-}
-
-impl<E: Into<BaseMapFault>> From<E> for Fault {
-    fn from(what: E) -> Self {
-        Self::Unusable(what.into())
-    }
-}
-
-impl From<Cancelled> for Fault {
-    fn from(cancelled: Cancelled) -> Self {
-        Self::Cancelled(cancelled)
-    }
-}
-
-fn open_file(path: &Path, progress: &Progress) -> Result<BaseMap, Fault> {
+fn open_file(path: &Path) -> Result<BaseMap, BaseMapFault> {
     let file = regular_file::open(path)?;
     let mut limits = Limits::default();
     limits.decoding_buffer_size = MOST_BLOCK_BYTES as usize;
@@ -283,7 +266,7 @@ fn open_file(path: &Path, progress: &Progress) -> Result<BaseMap, Fault> {
     let coding = Coding::read(&mut tiff)?;
     let levels = levels(&mut tiff, &coding)?;
     let full = &levels[0];
-    let mut map = BaseMap {
+    Ok(BaseMap {
         path: path.to_path_buf(),
         place,
         size: full.size,
@@ -295,9 +278,7 @@ fn open_file(path: &Path, progress: &Progress) -> Result<BaseMap, Fault> {
             blocks: BlockCache::default(),
         }),
         levels,
-    };
-    map.add_coarse_level(progress)?;
-    Ok(map)
+    })
 }
 
 /// Returns the full picture and its overviews, finest first.
@@ -466,7 +447,7 @@ impl BaseMap {
 
     /// Adds a level that is small enough to be shown as a whole, in one pass over the file, if the
     /// coarsest level is too large.
-    fn add_coarse_level(&mut self, progress: &Progress) -> Result<(), Fault> {
+    fn add_coarse_level(&mut self, progress: &Progress) -> Result<(), BaseMapError> {
         let index = self.levels.len() - 1;
         let level = &self.levels[index];
         let [columns, rows] = level.size;
@@ -475,10 +456,10 @@ impl BaseMap {
             return Ok(());
         }
         if u64::from(columns) * u64::from(rows) > MOST_WITHOUT_OVERVIEWS {
-            return Err(BaseMapFault::unsuitable(format!(
+            let what = BaseMapFault::unsuitable(format!(
                 "the base map has {columns} by {rows} pixels and no overviews of them; add some with gdaladdo"
-            ))
-            .into());
+            ));
+            return Err(FileError::new(what, &self.path).into());
         }
         let size = level.size.map(|cells| cells.div_ceil(factor));
         let mut sums = vec![[0u32; 4]; size[0] as usize * size[1] as usize];
@@ -488,7 +469,10 @@ impl BaseMap {
             for column in 0..columns.div_ceil(across) {
                 progress.check()?;
                 let block = self.block(index, [column, row]);
-                let block = block.ok_or(BaseMapFault::Damaged("a block of it is damaged"))?;
+                let block = block.ok_or_else(|| {
+                    let what = BaseMapFault::Damaged("a block of it is damaged");
+                    FileError::new(what, &self.path)
+                })?;
                 let first = [column * across, row * down];
                 let wide = across.min(columns - first[0]) as usize;
                 for (at, colour) in block.iter().enumerate() {

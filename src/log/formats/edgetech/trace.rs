@@ -84,23 +84,16 @@ pub(super) struct Coordinates {
     units: u16,
 }
 
-/// Converts the positions of a file to degrees; positions may be in metres of a projection that the
-/// file does not name.
-#[derive(Debug, Default)]
-pub(super) struct PositionConverter {
-    /// First projected position, metres; `None` until a position in metres is converted.
-    pub(super) origin_m: Option<[f64; 2]>,
-}
-
-impl PositionConverter {
-    /// Returns a position in degrees; metres are placed around longitude 0, latitude 0. `None`
-    /// where the position is not set or its unit is not known.
-    pub(super) fn position(&mut self, place: Coordinates) -> Option<LonLat> {
-        if place.x == 0 || place.y == 0 {
+impl Coordinates {
+    /// Returns the position in degrees; metres of a projection that the file does not name are
+    /// placed around longitude 0, latitude 0, where `origin_m`, the first of them, is. `None` where
+    /// the position is not set or its unit is not known.
+    pub(super) fn position(self, origin_m: &mut Option<[f64; 2]>) -> Option<LonLat> {
+        if self.x == 0 || self.y == 0 {
             return None;
         }
-        let [x, y] = [place.x, place.y].map(f64::from);
-        let per_metre = match place.units {
+        let [x, y] = [self.x, self.y].map(f64::from);
+        let per_metre = match self.units {
             1 => 1000.0,
             2 => return Some(LonLat::new(x / 600_000.0, y / 600_000.0)),
             3 => 10.0,
@@ -108,7 +101,7 @@ impl PositionConverter {
             _ => return None,
         };
         let [x_m, y_m] = [x, y].map(|value| value / per_metre);
-        let [x0_m, y0_m] = *self.origin_m.get_or_insert([x_m, y_m]);
+        let [x0_m, y0_m] = *origin_m.get_or_insert([x_m, y_m]);
         Some(ProjectedTrack::frame().to_lon_lat(x_m - x0_m, y_m - y0_m))
     }
 }

@@ -116,11 +116,8 @@ impl<'a> Reader<'a> {
         match verdict {
             ClockVerdict::Sound { record, time_s } => self.keep(log, record, time_s),
             ClockVerdict::Damaged(ping) => {
-                let text = format!(
-                    "a record's time ({:.1} s) fits neither neighbour; its header is damaged and it was dropped",
-                    f64::from(ping.time_ms) / 1000.0
-                );
-                log.report.at(WarningKind::Frame, 0, ping.offset, text);
+                let time = format!("a record's time ({:.1} s)", f64::from(ping.time_ms) / 1000.0);
+                log.report.odd_time(0, ping.offset, &time);
             }
         }
     }

@@ -191,18 +191,14 @@ fn read(
     progress.start(bytes.len().saturating_sub(start) as u64);
     let header = found.header.unwrap_or_default();
     let mut reader = decode::Reader::new(bytes, header, found.first_record);
-    let report = log.report.clone();
-    let walk = Walk::new(bytes, "record", &report, reading, progress);
+    let walk = Walk::new(bytes, "record", &log.report, reading, progress);
     walk_records(walk, start, |offset, record| reader.take(&mut log, offset, record))?;
     reader.finish(&mut log, reading.known());
     if log.channels.is_empty() {
-        return Err(opened.broken(
-            FORMAT,
-            format!(
-                "no ping in its {} bytes; copy the file from the unit's card again",
-                bytes.len()
-            ),
-        ));
+        let count = bytes.len();
+        let what =
+            format!("no ping in its {count} bytes; copy the file from the unit's card again");
+        return Err(opened.broken(FORMAT, what));
     }
     Ok(assemble::assemble(log, reading))
 }

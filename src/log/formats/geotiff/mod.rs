@@ -13,14 +13,13 @@
 //! draw --pack--> tiles in a scratch file --halve--> coarser tiles there --writer--> directories, then all tiles in order
 //! ```
 //!
-//! `directory` lays out the tags, `metadata` writes GDAL's data of a band. `cells` reads a raster
+//! `writer` also lays out the tags, `metadata` writes GDAL's data of a band. `cells` reads a raster
 //! of any program, as points or cell by cell, and gives the position of cells, also for the pixels
 //! of a base map; `tiles` reads a raster of this program tile by tile. `claims` checks the sizes
 //! that a file claims before a decoder allocates memory by them.
 
 mod cells;
 mod claims;
-mod directory;
 mod metadata;
 mod pack;
 mod tiles;

@@ -1,12 +1,9 @@
 //! Reads the DAT file, which describes the recording as a whole.
 
 use crate::formats::ByteOrder;
+use crate::formats::clock::UNIX_S;
 use crate::formats::scalar::take;
 
-/// Unix seconds of the year 2000; lower values are no times.
-const EARLIEST_UNIX_S: u32 = 946_684_800;
-/// Unix seconds of the year 2100; higher values are no times.
-const LATEST_UNIX_S: u32 = 4_102_444_800;
 /// Salinity of lakes and rivers, parts per thousand.
 pub(super) const FRESH: f64 = 1.0;
 /// Bytes of the shortest DAT that is no text, and offset of the recording's name in it.
@@ -55,9 +52,7 @@ impl Dat {
         match bytes.len() {
             SHORTEST => classic,
             96 | 100 => solix,
-            _ => solix
-                .filter(|dat| dat.start_unix_s.is_some_and(|at| at < LATEST_UNIX_S))
-                .or(classic),
+            _ => solix.filter(|dat| dat.start_unix_s.is_some_and(|at| at < UNIX_S.end)).or(classic),
         }
     }
 
@@ -67,7 +62,7 @@ impl Dat {
             family,
             water_code: *bytes.get(1)?,
             sonar: number(4).filter(|&number| number > 0),
-            start_unix_s: number(20).filter(|&unix_s| unix_s > EARLIEST_UNIX_S),
+            start_unix_s: number(20).filter(|&unix_s| unix_s > UNIX_S.start),
             record_count: number(44)?,
         })
     }

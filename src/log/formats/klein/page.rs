@@ -1,5 +1,6 @@
 //! Reads one page of a Klein SDF file: a ping with all its channels.
 
+use crate::formats::clock::YEARS;
 use crate::formats::scalar::{Fields, u32_le};
 use crate::formats::walk::MessageFormat;
 use crate::support::geo::LonLat;
@@ -13,8 +14,6 @@ const MARKER_LENGTH: usize = 4;
 const VERSIONS: std::ops::Range<u32> = 3000..8000;
 /// Plausible bytes of a page without the marker: at least a header; longer pages are damage.
 const LENGTHS: std::ops::Range<usize> = 256..1 << 26;
-/// Years in which a log can have been recorded.
-const YEARS: std::ops::RangeInclusive<u32> = 1980..=2100;
 
 /// Marker and length of pages, with which a walk finds the next page.
 pub(super) const FORMAT: MessageFormat = MessageFormat {
@@ -135,7 +134,7 @@ impl<'a> Page<'a> {
     pub(super) fn unix_s(&self) -> Option<f64> {
         let [year, month, day, hour, minute, second] =
             [68, 72, 76, 80, 84, 88].map(|at| self.fields.u32(at));
-        let year = i32::try_from(year).ok().filter(|_| YEARS.contains(&year))?;
+        let year = i32::try_from(year).ok().filter(|year| YEARS.contains(year))?;
         let moment =
             NaiveDate::from_ymd_opt(year, month, day)?.and_hms_opt(hour, minute, second)?;
         let hundredths = self.fields.u32(92);

@@ -12,7 +12,7 @@
 //! and `SL3Reader.cs` of github.com/halmaia/SL3Reader). It was not tried on a real recording.
 
 use super::frame::{LowranceFrame, STRUCTURE_SCAN_3D, metres};
-use crate::formats::clock::{Clock, ClockVerdict};
+use crate::formats::clock::{Clock, ClockVerdict, UNIX_S};
 use crate::formats::collected::{Collected, Counted, HalfPing, WarningKind, is_range, is_sound};
 use crate::formats::scalar;
 use crate::support::geo::{self, LonLat, MPS_PER_KNOT};
@@ -21,9 +21,6 @@ use crate::survey::{
 };
 use std::ops::Range;
 
-/// Range of Unix seconds: values below (year 2000) are a counter, not a time; values above (2100)
-/// are damage.
-const UNIX_S: Range<u32> = 946_684_800..4_102_444_800;
 /// Shortest header before the pairs of a frame of StructureScan 3D, bytes.
 const SWATH_HEADER: usize = 76;
 /// Longest plausible header before the pairs, bytes.
@@ -68,11 +65,8 @@ impl Reader {
         match verdict {
             ClockVerdict::Sound { record, time_s } => self.keep(log, &record, time_s),
             ClockVerdict::Damaged(frame) => {
-                let text = format!(
-                    "a frame's time ({:.1} s) fits neither neighbour; its header is damaged and it was dropped",
-                    time_s(&frame)
-                );
-                log.report.at(WarningKind::Frame, 0, frame.offset, text);
+                let time = format!("a frame's time ({:.1} s)", time_s(&frame));
+                log.report.odd_time(0, frame.offset, &time);
             }
         }
     }
@@ -162,7 +156,7 @@ fn time_s(frame: &LowranceFrame) -> f64 {
 /// Adds the sides of a frame, or its ping of a channel that looks down, to the log; warns where it
 /// cannot be shown as a picture.
 fn keep_echoes(log: &mut Collected, kind: ChannelKind, frame: &LowranceFrame, time_s: f64) {
-    if let ChannelKind::Primary | ChannelKind::Secondary | ChannelKind::DownScan = kind {
+    if kind.looks_down() {
         return log.add_echogram(kind, time_s, alone(frame));
     }
     let spans = match kind {

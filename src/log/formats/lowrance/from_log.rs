@@ -6,6 +6,7 @@ use super::Lowrance;
 use super::write::{
     COMPOSITE, Sl2Frame, Sl2Writer, WrittenFix, frequency_code, usual_frequency_khz,
 };
+use crate::formats::clock::UNIX_S;
 use crate::formats::log_writer::{LogToWrite, LogWriter, Recorded};
 use crate::support::geo::lowrance_mercator;
 use crate::support::progress::Progress;
@@ -15,8 +16,6 @@ use std::io::{self, Write};
 
 /// Channel numbers of separate sides, port first.
 const SIDES: [u16; 2] = [3, 4];
-/// Lowest Unix seconds that a reader accepts as a time (year 2000); lower values are counters.
-const FIRST_UNIX_S: f64 = 946_684_800.0;
 
 impl LogWriter for Lowrance {
     fn write(
@@ -31,12 +30,11 @@ impl LogWriter for Lowrance {
                 "its positions are metres of a system that is not named, and SL2 holds degrees; set source.crs to its EPSG number",
             ));
         }
-        let start_s = survey.start_unix_s.filter(|start_s| *start_s >= FIRST_UNIX_S);
+        let start_s = survey.start_unix_s.filter(|start_s| *start_s >= f64::from(UNIX_S.start));
         let mut frames = Frames {
             log,
             is_composite: survey.side_scan.iter().all(is_symmetric),
             after_start_s: start_s.map_or(0.0, f64::fract),
-            next_index: [0; 6],
             last_place: None,
         };
         let records = log.records();
@@ -92,7 +90,6 @@ struct Frames<'a> {
     is_composite: bool,
     /// Seconds from the start time in the file, which is in whole seconds, to the log's time zero.
     after_start_s: f64,
-    next_index: [u32; 6],
     last_place: Option<[i32; 2]>,
 }
 
@@ -160,9 +157,6 @@ impl Frames<'_> {
         let fix = self.fix(time_s);
         let fresh = fix.mercator != [0; 2] && self.last_place != Some(fix.mercator);
         self.last_place = Some(fix.mercator);
-        let next_index = &mut self.next_index[usize::from(channel)];
-        let index = *next_index;
-        *next_index += 1;
         let depth_m = self.log.depth_m(time_s);
         let channels = &self.log.survey.channels;
         let recorded = channels.iter().find(|channel| channel.kind == kind);
@@ -170,7 +164,6 @@ impl Frames<'_> {
         Sl2Frame {
             channel,
             frequency: frequency_code(khz.unwrap_or_else(|| usual_frequency_khz(channel))),
-            index,
             range_m,
             depth_m: f64::from(depth_m).max(0.0),
             milliseconds: ((time_s + self.after_start_s) * 1e3).round() as i32,

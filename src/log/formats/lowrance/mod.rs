@@ -7,7 +7,6 @@ mod decode;
 pub mod frame;
 mod from_log;
 mod slg;
-mod walk;
 pub mod write;
 
 use super::log_format::{FileSource, LogFormat, ReadRecording, Reading};
@@ -97,7 +96,7 @@ fn has_frames(bytes: &[u8], layout: FrameLayout) -> bool {
     // A damaged beginning may still contain some whole frames.
     for _ in 0..MOST_TRIES {
         let range = from..SEARCHED_FOR_FRAMES.max(from);
-        let Some(first) = walk::first_frame(bytes, layout, range, 0) else {
+        let Some(first) = frame::first_frame(bytes, layout, range, 0) else {
             return false;
         };
         if is_row_of_frames(bytes, layout, first) {
@@ -110,7 +109,7 @@ fn has_frames(bytes: &[u8], layout: FrameLayout) -> bool {
 
 /// Returns true if enough frames follow each other from a place on to rule out chance, or more than
 /// one up to the end of the bytes.
-fn is_row_of_frames(bytes: &[u8], layout: FrameLayout, first: walk::FrameStart) -> bool {
+fn is_row_of_frames(bytes: &[u8], layout: FrameLayout, first: frame::FrameStart) -> bool {
     let mut at = first.at;
     for found in 0..FRAMES_THAT_PROVE {
         match layout.look(bytes, at, first.lost) {
@@ -146,13 +145,11 @@ fn read(
         }
     }
     if log.channels.is_empty() {
-        return Err(opened.broken(
-            &format,
-            format!(
-                "no whole frame in its {} bytes; copy the file from the unit's card again",
-                bytes.len()
-            ),
-        ));
+        let what = format!(
+            "no whole frame in its {} bytes; copy the file from the unit's card again",
+            bytes.len()
+        );
+        return Err(opened.broken(&format, what));
     }
     Ok(assemble::assemble(log, reading))
 }
@@ -166,15 +163,14 @@ fn read_frames(
 ) -> Result<(), Cancelled> {
     progress.start(bytes.len() as u64);
     let start = match reading.from(0) {
-        Some(from) => walk::first_frame(bytes, layout, from..bytes.len(), 0),
-        None => Some(walk::FrameStart { at: FILE_HEADER.min(bytes.len()), lost: 0 }),
+        Some(from) => frame::first_frame(bytes, layout, from..bytes.len(), 0),
+        None => Some(frame::FrameStart { at: FILE_HEADER.min(bytes.len()), lost: 0 }),
     };
-    let start = start.unwrap_or(walk::FrameStart { at: bytes.len(), lost: 0 });
+    let start = start.unwrap_or(frame::FrameStart { at: bytes.len(), lost: 0 });
     progress.advance(start.at as u64);
     let mut reader = decode::Reader::default();
-    let report = log.report.clone();
-    let walk = Walk::new(bytes, "frame", &report, reading, progress);
-    walk::FrameWalk { walk, layout }.run(start, |frame| reader.take(log, frame))?;
+    let walk = Walk::new(bytes, "frame", &log.report, reading, progress);
+    frame::FrameWalk { walk, layout }.run(start, |frame| reader.take(log, frame))?;
     reader.finish(log);
     Ok(())
 }

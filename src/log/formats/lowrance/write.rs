@@ -46,8 +46,6 @@ pub struct Sl2Frame {
     pub channel: u16,
     /// Code of the channel's frequency ([`frequency_code`]).
     pub frequency: u8,
-    /// Number of the ping in its channel.
-    pub index: u32,
     /// Near and far limit of the echo bytes, metres; negative to port.
     pub range_m: [f64; 2],
     /// Depth below the transducer, metres; 0 where unknown.
@@ -66,8 +64,8 @@ pub struct Sl2Frame {
 pub struct Sl2Writer<W> {
     out: W,
     offset: u32,
-    /// Offset of the last frame of each channel.
-    last: [u32; 6],
+    /// Offset of the last frame of each channel, and number of its frames so far.
+    channels: [(u32, u32); 6],
     previous_size: u16,
     start_unix_s: u32,
     temperature_c: Option<f32>,
@@ -84,7 +82,7 @@ impl<W: Write> Sl2Writer<W> {
         Ok(Self {
             out,
             offset: FILE_HEADER.len() as u32,
-            last: [0; 6],
+            channels: [(0, 0); 6],
             previous_size: 0,
             start_unix_s,
             temperature_c,
@@ -109,18 +107,21 @@ impl<W: Write> Sl2Writer<W> {
                 "a ping has {count} samples, more than a frame of SL2 holds; write XTF"
             ))
         })?;
-        if let Some(last) = self.last.get_mut(usize::from(frame.channel)) {
+        let mut index = 0;
+        if let Some((last, count)) = self.channels.get_mut(usize::from(frame.channel)) {
             *last = self.offset;
+            index = *count;
+            *count += 1;
         }
         let fix = &frame.fix;
         let header = Sl2Header {
             own_offset: self.offset,
-            last_offsets: self.last,
+            last_offsets: self.channels.map(|(last, _)| last),
             frame_size: size,
             previous_size: self.previous_size,
             channel: frame.channel,
             packet: frame.bytes.len() as u16,
-            index: frame.index,
+            index,
             min_range_ft: feet(frame.range_m[0]),
             max_range_ft: feet(frame.range_m[1]),
             frequency: frame.frequency,

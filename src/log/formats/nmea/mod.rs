@@ -15,8 +15,8 @@
 //! transducer in feet, metres, fathoms); positions of GGA, GNS, RMC and GLL; course and speed of
 //! RMC and VTG; headings of HDT and THS (true), HDG and HDM (magnetic, with deviation and variation
 //! of HDG and variation of RMC); the date of RMC and ZDA. DBS counts from the water's surface and
-//! is only used where there is neither DPT nor DBT, or DBS has many times as many depths (`tally`).
-//! DBK counts from the keel, whose depth no sentence gives, and is skipped.
+//! is only used where there is neither DPT nor DBT, or DBS has many times as many depths
+//! (`decode`). DBK counts from the keel, whose depth no sentence gives, and is skipped.
 //!
 //! A depth has no time of its own (`decode`). Where the logger wrote a time before each sentence,
 //! this time gives the delay of a depth after the last position; otherwise depths between two
@@ -29,7 +29,6 @@
 mod decode;
 mod lines;
 mod sentence;
-mod tally;
 #[cfg(test)]
 mod tests;
 
@@ -39,9 +38,8 @@ use super::log_format::{FileSource, LogFormat, ReadRecording, Reading};
 use super::{OpenError, Opened, assemble, collected::Collected};
 use crate::support::progress::Progress;
 use crate::survey::Survey;
-use decode::Reader;
+use decode::{Reader, Tally};
 use lines::Lines;
-use tally::Tally;
 
 const NAME: &str = "NMEA 0183";
 /// Bytes that are searched for sentences: other sentences may come first.

@@ -33,7 +33,7 @@
 mod tests;
 
 use super::collected::{Collected, Counted};
-use super::log_format::{FileSource, LogFormat, ReadRecording, Reading};
+use super::log_format::{FileSource, LogFormat, ReadRecording, Reading, has_ending};
 use super::sounding_table::{self, Layout, Reader, Recognised, TablePing};
 use super::xtf::shift_to_fit;
 use super::{OpenError, Opened, assemble};
@@ -76,7 +76,7 @@ impl LogFormat for PictureTable {
 
     /// Returns true for a table, because its picture is opened instead.
     fn is_read_by_name_only(&self, path: &Path) -> bool {
-        is_named_table(path)
+        has_ending(path, "csv")
     }
 }
 
@@ -95,7 +95,7 @@ impl Pair {
             let (table, layout) = beside(files, &opened.path, &TABLES, layout_of)?;
             return Some(Self { picture: opened.clone(), table, layout });
         }
-        if !is_named_table(&opened.path) {
+        if !has_ending(&opened.path, "csv") {
             return None;
         }
         let layout = layout_of(&opened.bytes)?;
@@ -230,11 +230,6 @@ fn layout_of(bytes: &[u8]) -> Option<Layout> {
         Recognised::Table(layout) => Some(layout).filter(Layout::has_pings),
         Recognised::Own => None,
     }
-}
-
-fn is_named_table(path: &Path) -> bool {
-    let ending = path.extension();
-    ending.is_some_and(|ending| ending.eq_ignore_ascii_case("csv"))
 }
 
 /// Returns the first file with the same name and one of these endings for which `find` has a

@@ -9,13 +9,12 @@
 mod copc;
 mod elevations;
 mod las_file;
-mod las_writer;
 mod ply_file;
 pub(super) mod text_file;
 
 pub use copc::write_copc;
 pub use elevations::{Elevations, PointPlane, read_elevations};
-pub use las_writer::{LasWriter, transforms};
+pub use las_file::{LasWriter, transforms};
 
 use crate::support::file_error::{FaultText, FileError};
 use copc::is_named_copc;

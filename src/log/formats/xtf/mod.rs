@@ -32,7 +32,6 @@ mod multibeam;
 mod navigation;
 mod positions;
 pub mod raw;
-mod sides;
 #[cfg(test)]
 mod tests;
 
@@ -162,8 +161,8 @@ fn knowing_head<'a>(
         let mut reader = decode::Reader::new(&bytes[..end], found.header, known);
         let mut log = Collected::new(&[], FORMAT, &Reading::default());
         let reading = Reading { is_growing: true, tail: None };
-        let (report, own) = (log.report.clone(), Progress::new());
-        let walk = Walk::new(&bytes[..end], PACKETS.noun, &report, &reading, &own);
+        let own = Progress::new();
+        let walk = Walk::new(&bytes[..end], PACKETS.noun, &log.report, &reading, &own);
         PACKETS.walk(walk, found.first_packet, |packet| reader.take(&mut log, packet.start))?;
         progress.check()?;
         if reader.knows_zero(&mut log) || end == from {

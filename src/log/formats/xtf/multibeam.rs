@@ -17,7 +17,7 @@ use crate::formats::scalar::take;
 use crate::formats::walk::Walk;
 use crate::support::geo::{LocalFrame, LonLat};
 use crate::support::progress::Progress;
-use crate::survey::nearest_in_time;
+use crate::survey::nearest_within;
 use std::path::Path;
 
 /// Types of packets that are read.
@@ -76,11 +76,9 @@ impl Swath {
         let header = &self.header;
         let heading_deg = first_set([header.sensor_heading_deg, header.ship_gyro_deg])?;
         let (sin, cos) = f64::from(heading_deg).to_radians().sin_cos();
-        let near = nearest_in_time(rolls, self.time_s, |(time_s, _)| *time_s);
-        let near = near.map(|index| rolls[index]);
-        let near = near.filter(|(time_s, _)| (time_s - self.time_s).abs() <= ATTITUDE_WITHIN_S);
+        let near = nearest_within(rolls, self.time_s, ATTITUDE_WITHIN_S, |(time_s, _)| *time_s);
         let stated_rad = f64::from(header.sensor_roll_deg).to_radians();
-        let roll_rad = near.map_or(stated_rad, |(_, roll_rad)| roll_rad);
+        let roll_rad = near.map_or(stated_rad, |(_, roll_rad)| *roll_rad);
         let frame = LocalFrame::new(LonLat::new(x, y));
         let point = |&[angle_rad, range_m]: &[f64; 2]| {
             let angle_rad = angle_rad - roll_rad;
@@ -116,8 +114,7 @@ pub(in crate::formats) fn read_multibeam(
     let mut swaths: Vec<Swath> = Vec::new();
     let mut rolls: Vec<(f64, f64)> = Vec::new();
     let reading = Reading { is_growing: true, tail: None };
-    let report = WarningReport::default();
-    let walk = Walk::new(&bytes, PACKETS.noun, &report, &reading, progress);
+    let walk = Walk::new(&bytes, PACKETS.noun, &WarningReport::default(), &reading, progress);
     progress.start(bytes.len() as u64);
     PACKETS.walk(walk, found.first_packet, |packet| {
         let packet = &bytes[packet];

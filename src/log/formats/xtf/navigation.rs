@@ -7,7 +7,7 @@ use super::raw::{
     record, seconds,
 };
 use crate::support::geo::{LonLat, distance_m};
-use crate::survey::{Fix, ProjectedTrack, nearest_in_time};
+use crate::survey::{Fix, ProjectedTrack, nearest_within};
 use bytemuck::Pod;
 
 /// Types of packets that are read.
@@ -171,10 +171,8 @@ impl SentNavigation {
 
     /// Returns the heading at a time, radians; NaN where none is near in time.
     fn heading_rad(&self, time_s: f64) -> f32 {
-        let nearest = nearest_in_time(&self.headings, time_s, |(at_s, _)| *at_s);
-        let nearest = nearest.map(|index| self.headings[index]);
-        let near = nearest.filter(|(at_s, _)| (at_s - time_s).abs() <= HEADING_WITHIN_S);
-        near.map_or(f32::NAN, |(_, heading_rad)| heading_rad)
+        let near = nearest_within(&self.headings, time_s, HEADING_WITHIN_S, |(at_s, _)| *at_s);
+        near.map_or(f32::NAN, |(_, heading_rad)| *heading_rad)
     }
 
     /// Sets the compass heading of fixes without one from packets; returns the number of changed
@@ -197,18 +195,11 @@ impl SentNavigation {
         if self.positions.is_empty() {
             return Vec::new();
         }
-        let mut fresh_s: Vec<f64> = Vec::new();
-        let mut last = None;
-        for fix in &*fixes {
-            if last != Some(fix.position) {
-                fresh_s.push(fix.time_s);
-                last = Some(fix.position);
-            }
-        }
+        let runs = fixes.chunk_by(|fix, next| fix.position == next.position);
+        let mut fresh_s: Vec<f64> = runs.map(|run| run[0].time_s).collect();
         fresh_s.sort_by(f64::total_cmp);
         let is_near = |times_s: &[f64], time_s: f64| {
-            let nearest = nearest_in_time(times_s, time_s, |at_s| *at_s);
-            nearest.is_some_and(|index| (times_s[index] - time_s).abs() <= STALE_S)
+            nearest_within(times_s, time_s, STALE_S, |at_s| *at_s).is_some()
         };
         let sent = self.positions.iter().copied();
         let stand_ins: Vec<SentPosition> =

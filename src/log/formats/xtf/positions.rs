@@ -2,9 +2,7 @@
 //! position with the layback of a towed sonar and the offsets of antenna and transducer.
 
 use super::from_log::Provenance;
-use super::navigation::{
-    HEADING_WITHIN_S, PositionConverter, SentNavigation, SentPosition, recorded,
-};
+use super::navigation::{HEADING_WITHIN_S, PositionConverter, SentNavigation, recorded};
 use super::raw::{FileHeader, PingHeader};
 use crate::formats::collected::Collected;
 use crate::support::geo::{LocalFrame, LonLat, MPS_PER_KNOT};
@@ -169,7 +167,8 @@ impl Positions {
         let mut moved = self.move_to_sonar(log);
         let stand_ins = self.sent.stand_ins(&mut log.fixes);
         for sent in &stand_ins {
-            let mut fix = self.stand_in(sent);
+            let position = self.converter.place(sent.recorded);
+            let mut fix = Fix { compass_rad: sent.compass_rad, ..Fix::at(sent.time_s, position) };
             let near = nearest_in_time(&towing, fix.time_s, |ping| ping.time_s);
             let near = near.map(|index| towing[index]);
             let is_beside = |ping: &Towing| (ping.time_s - fix.time_s).abs() <= HEADING_WITHIN_S;
@@ -201,11 +200,6 @@ impl Positions {
         let mut towing: Vec<Towing> = placed.chain(self.unplaced.iter().copied()).collect();
         towing.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
         towing
-    }
-
-    fn stand_in(&mut self, sent: &SentPosition) -> Fix {
-        let position = self.converter.place(sent.recorded);
-        Fix { compass_rad: sent.compass_rad, ..Fix::at(sent.time_s, position) }
     }
 
     /// Moves the ship's fixes to the sonar; returns how many were moved, and how many were not

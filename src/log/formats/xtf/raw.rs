@@ -3,17 +3,13 @@
 //! time of a ping.
 
 use crate::formats::walk::MessageFormat;
-use crate::support::calendar::moment;
 use bytemuck::{Pod, Zeroable};
-use chrono::{Datelike as _, NaiveDate};
+use chrono::NaiveDate;
 
 /// Number at the beginning of every packet.
 pub(super) const MAGIC: u16 = 0xFACE;
 /// Limit of a packet's bytes; longer packets are damage.
 const LONGEST_PACKET: usize = 1 << 24;
-/// Years in which a log can have been recorded: side-scan has been recorded to disk since the
-/// eighties. Zeros and unset counters are outside.
-const YEARS: std::ops::RangeInclusive<i32> = 1980..=2100;
 
 /// Marker and length of packets, with which a walk finds the next packet.
 pub(super) const PACKETS: MessageFormat = MessageFormat {
@@ -347,12 +343,6 @@ pub(super) fn header(bytes: &[u8], offset: usize) -> Option<PacketHeader> {
         .then_some(packet)
 }
 
-/// Converts Unix milliseconds to seconds; `None` where the year is not plausible for a log.
-pub(super) fn unix_s(unix_ms: i64) -> Option<f64> {
-    let unix_s = unix_ms as f64 / 1000.0;
-    YEARS.contains(&moment(unix_s).year()).then_some(unix_s)
-}
-
 /// Returns the full year of a recorded year, which may have two digits or count from 1900 as C's
 /// `tm_year` does.
 fn year_meant(recorded: u16) -> i32 {
@@ -386,6 +376,7 @@ pub(super) fn unix_ms(ping: &PingHeader) -> i64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::formats::clock::unix_s;
     use bytemuck::Zeroable;
 
     #[test]

@@ -2,9 +2,9 @@
 //! while they are mapped. This module depends on `regular_file` alone.
 //!
 //! When a page of a map cannot be read any more, the system sends SIGBUS, which ends a program. On
-//! Unix `registry` lists all maps, and `fault` replaces such a page by zeros: the program goes on,
-//! and [`MappedFile::lost`] returns where the lost bytes begin. [`MappedFile::fault`] checks
-//! whether the file is still the one that was mapped.
+//! Unix `fault` lists all maps and replaces such a page by zeros: the program goes on, and
+//! [`MappedFile::lost`] returns where the lost bytes begin. [`MappedFile::fault`] checks whether
+//! the file is still the one that was mapped.
 //!
 //! - A file that was deleted, or replaced by another by renaming, stays mapped as it was: the bytes
 //!   are right.
@@ -16,8 +16,6 @@
 
 #[cfg(unix)]
 mod fault;
-#[cfg(unix)]
-mod registry;
 #[cfg(any(windows, test))]
 mod removable;
 #[cfg(test)]
@@ -41,7 +39,7 @@ pub struct MappedFile {
     /// Entry of the map in the registry. Declared before `map`, so that it is dropped first, while
     /// the addresses still belong to the map.
     #[cfg(unix)]
-    registered: registry::Registered,
+    registered: fault::Registered,
     map: memmap2::Mmap,
     /// State of the file when it was mapped; `None` for a file that no other program can reach.
     state: Option<FileState>,
@@ -91,7 +89,7 @@ impl MappedFile {
         let map = unsafe { memmap2::MmapOptions::new().len(length).map(file)? };
         Ok(Self {
             #[cfg(unix)]
-            registered: registry::Registered::new(map.as_ptr().addr(), length),
+            registered: fault::Registered::new(map.as_ptr().addr(), length),
             map,
             state: None,
         })

@@ -2,7 +2,6 @@
 //! every trap of the formats, among them Humminbird recordings of every family with missing or
 //! damaged files, and XTF files with both sample widths and both kinds of positions.
 
-mod cases;
 mod lowrance;
 mod real;
 
