@@ -64,7 +64,7 @@ pub(super) fn run(args: DetectArgs) -> Result<(), Failure> {
     detector.score = args.score.or(detector.score);
     detector.iou = args.iou.or(detector.iou);
     let model = load(detector.model.as_deref())?;
-    output::notify(format_args!("model: {}", model.description()));
+    output::notify(format_args!("model: {}", model.description));
     let logs = LogOpener::new(settings)?;
     let inputs = logs_of(&args.inputs);
     let [input] = inputs.as_slice() else {

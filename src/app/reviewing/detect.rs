@@ -90,7 +90,7 @@ impl ObjectSearch {
     /// Returns the description of the model, as its file was understood; `None` until it is loaded.
     pub(crate) fn model_description(&self) -> Option<&str> {
         let detector = self.detector.as_ref()?;
-        Some(detector.model.description())
+        Some(&detector.model.description)
     }
 
     /// Returns true if a log is being searched or is waiting to be searched.
@@ -195,7 +195,7 @@ impl App {
             // The receiver is dropped when the search is replaced.
             sender.send(SearchMessage::Ready(detector)).ok();
             let settings = DetectorSettings {
-                score: Some(LEAST_SCORE.min(model.score())),
+                score: Some(LEAST_SCORE.min(model.score)),
                 ..DetectorSettings::default()
             };
             let on_found = |so_far| {
@@ -340,7 +340,7 @@ impl App {
         let known = self.findings.search.detector.as_ref();
         if known.is_none_or(|known| !Arc::ptr_eq(&known.model, &detector.model)) {
             let queue = self.logs.shown.reviewing.queue.clone();
-            self.logs.set_queue(&Queue { threshold: detector.model.score(), ..queue });
+            self.logs.set_queue(&Queue { threshold: detector.model.score, ..queue });
         }
         self.findings.search.detector = Some(detector);
     }
@@ -407,7 +407,7 @@ impl App {
                 ..(*all).clone()
             };
             let settings = DetectorSettings {
-                score: Some(LEAST_SCORE.min(detector.model.score())),
+                score: Some(LEAST_SCORE.min(detector.model.score)),
                 ..DetectorSettings::default()
             };
             let model = &detector.model;

@@ -84,7 +84,7 @@ pub(super) fn chips(results: &Results<'_>, path: &Path) -> FileResult {
     let logs = results.order.logs.iter().zip(found);
     let logs = logs.map(|(log, found)| ChipLog {
         survey: &log.survey,
-        raster: Raster::new(&log.survey, &log.products.navigation, model.pixel_m()),
+        raster: Raster::new(&log.survey, &log.products.navigation, model.pixel_m),
         found,
     });
     let logs: Vec<ChipLog<'_>> = logs.collect();
