@@ -362,7 +362,7 @@ impl App {
         let name = path.map_or_else(|| "shipped".to_owned(), file_name);
         let names = detector.model.names();
         let raster = reviewing.raster()?;
-        let review = (reviewing.review).adopt_part(&name, names, found, raster, pings);
+        let review = (reviewing.review).adopt(&name, names, found, raster, pings);
         Some(Arc::new(review))
     }
 

@@ -332,7 +332,7 @@ mod tests {
         let found =
             [20, 60].map(|start| Detection { class: 0, score: 0.5, mark: mark(start, 3.0) });
         let review = Review::new(identity(200), names.to_vec());
-        let review = review.adopt("model", &names, &found, &raster);
+        let review = review.adopt("model", &names, &found, &raster, 0..usize::MAX);
         let review = review.apply(&Edit::Accept(BoxId(1))).expect("accepted");
         let review = review.apply(&Edit::Reject(BoxId(2))).expect("rejected");
         let drawn = Edit::Add { mark: mark(100, 4.0), class: 0 };
@@ -393,7 +393,7 @@ mod tests {
         ];
         let found = found.map(|(class, score, mark)| Detection { class, score, mark });
         let review = Review::new(identity(200), Vec::new());
-        let review = review.adopt("model", &names, &found, &raster);
+        let review = review.adopt("model", &names, &found, &raster, 0..usize::MAX);
         let review = review.apply(&Edit::Reject(BoxId(3))).expect("rejected");
         let on_raster = RasterTruth::new(&raster, Arc::new(truth));
         TruthComparison::new(&review, on_raster, &raster)

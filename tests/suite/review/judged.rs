@@ -35,7 +35,7 @@ fn propose_with_mistakes(window: &mut Window, folder: &Path) {
     });
     found.extend(ghosts);
     let review = Review::new(identity(window), names.clone());
-    let review = review.adopt("a model", &names, &found, &raster(window));
+    let review = review.adopt("a model", &names, &found, &raster(window), 0..usize::MAX);
     let path = folder.join("demo.review.json");
     fs::write(&path, review.to_json()).expect("a file");
     app_mut(window).apply(Command::OpenFile(FileToOpen::Review(path)));

@@ -106,7 +106,7 @@ fn a_search_that_was_stopped_does_not_look_finished() {
     let first: Vec<Detection> =
         (found.into_iter()).filter(|detection| detection.mark.pings.end <= half).collect();
     let empty = Review::new(identity(&window), names.clone());
-    let part = empty.adopt_part("a model", &names, &first, &raster(&window), 0..half);
+    let part = empty.adopt("a model", &names, &first, &raster(&window), 0..half);
     let path = folder.path().join("part.review.json");
     fs::write(&path, part.to_json()).expect("a file");
     app_mut(&mut window).apply(Command::OpenFile(FileToOpen::Review(path)));
@@ -169,7 +169,7 @@ fn the_window_in_review_looks_as_it_did() {
     window.run();
     let (names, found) = truth(&window);
     let review = Review::new(identity(&window), names.clone());
-    let review = review.adopt("truth of the demo", &names, &found, &raster(&window));
+    let review = review.adopt("truth of the demo", &names, &found, &raster(&window), 0..usize::MAX);
     let path = folder.path().join("demo.review.json");
     fs::write(&path, review.to_json()).expect("a file");
     app_mut(&mut window).apply(Command::OpenFile(FileToOpen::Review(path)));
