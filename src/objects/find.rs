@@ -62,7 +62,7 @@ pub fn find(
     let raster = Raster::new(survey, navigation, model.pixel_m);
     let is_recorded = |&side: &Side| survey.side_scan.iter().any(|ping| ping.side(side).is_some());
     let sides: Vec<Side> = Side::BOTH.into_iter().filter(is_recorded).collect();
-    let grid = TileGrid::new([raster.columns(), raster.rows()], [TILE_PX; 2]);
+    let grid = TileGrid::new([raster.columns, raster.rows()], [TILE_PX; 2]);
     let draw = |side: usize, [column, row]: [usize; 2]| {
         let pixels = if raster.is_recorded(survey, sides[side], row, column) {
             raster.tile(survey, sides[side], row, column).pixels

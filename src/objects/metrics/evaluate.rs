@@ -12,7 +12,8 @@ use rayon::prelude::*;
 /// count, not a new pairing.
 #[derive(Clone, Debug)]
 pub(crate) struct Matched {
-    images: Vec<Image>,
+    /// Boxes by picture, in the order that the indices of false alarms and misses refer to.
+    pub images: Vec<Image>,
     rankings: Vec<Ranking>,
     settings: MetricSettings,
 }
@@ -43,12 +44,6 @@ impl Matched {
             images,
             settings: settings.clone(),
         }
-    }
-
-    /// Returns the boxes by picture, in the order that the indices of false alarms and misses refer
-    /// to.
-    pub fn images(&self) -> &[Image] {
-        &self.images
     }
 
     /// Counts the predictions of at least a score.

@@ -81,7 +81,7 @@ fn rect_of(raster: &Raster, review_box: &Reviewed) -> Rect {
     if review_box.extent != ObjectExtent::Point {
         return rect;
     }
-    let half = 0.5 * POINT_M / raster.pixel_m() as f32;
+    let half = 0.5 * POINT_M / raster.pixel_m as f32;
     let [x, y] = [0.5 * (rect.x0 + rect.x1), 0.5 * (rect.y0 + rect.y1)];
     Rect::new([(x - half).max(0.0), (y - half).max(0.0)], [x + half, y + half])
 }

@@ -171,7 +171,7 @@ impl LogBoxes<'_> {
             program: PROGRAM,
             version: env!("CARGO_PKG_VERSION"),
             survey: self.review.identity(),
-            pixel_m: self.raster.pixel_m(),
+            pixel_m: self.raster.pixel_m,
             tile_px: TILE_PX,
             classes: &classes,
             hard_negatives,

@@ -79,7 +79,7 @@ fn boxes_come_while_the_search_runs_and_stay_when_it_is_stopped() {
     let covered = format!("covers pings 0 to {} of {}", gap.start - 1, gap.end);
     assert!(note.contains("was stopped") && note.contains(&covered), "{note}");
     let comparison = app.logs.shown.reviewing.judging.comparison().expect("the truth");
-    assert!(comparison.unsearched() > 0);
+    assert!(comparison.unsearched > 0);
     let standing = app.logs.shown.reviewing.judging.standing().expect("a standing");
     let truth = &comparison.truth().objects;
     for mistake in &standing.mistakes {
