@@ -31,15 +31,15 @@ fn boxes<'a>(from: &'a ReportData<'_>) -> &'a [&'a ObjectBox] {
 /// Returns the undecided boxes of a review; none without a review, because then all boxes are
 /// targets.
 fn undecided<'a>(from: &'a ReportData<'_>) -> impl Iterator<Item = &'a ObjectBox> {
-    let reviewed = (from.objects.as_ref()).filter(|objects| objects.list.is_reviewed());
-    let boxes = reviewed.into_iter().flat_map(|objects| objects.list.boxes());
+    let reviewed = (from.objects.as_ref()).filter(|objects| objects.list.is_reviewed);
+    let boxes = reviewed.into_iter().flat_map(|objects| objects.list.boxes.iter());
     boxes.filter(|object_box| object_box.one.state == State::Proposed)
 }
 
 /// Returns true if a person has decided about boxes; otherwise all boxes are proposals of the
 /// detector.
 fn is_reviewed(from: &ReportData<'_>) -> bool {
-    (from.objects.as_ref()).is_some_and(|objects| objects.list.is_reviewed())
+    (from.objects.as_ref()).is_some_and(|objects| objects.list.is_reviewed)
 }
 
 /// Returns the targets, by number.

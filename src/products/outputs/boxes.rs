@@ -101,7 +101,7 @@ pub fn write_boxes(
     make_folder(folder)?;
     let list = list_objects(logs, review, progress)?;
     tables(logs, &names, &list, folder, progress)?;
-    let mut written = BoxesWritten { boxes: list.boxes().len(), pictures: 0, negatives: 0 };
+    let mut written = BoxesWritten { boxes: list.boxes.len(), pictures: 0, negatives: 0 };
     for log_boxes in &boxes {
         let (root, review) = match logs {
             [_] => (folder.join(DATASET), folder.join(REVIEW)),
@@ -254,9 +254,9 @@ fn tables(
         .map(|(name, log)| ObjectLog { name, survey: &log.survey })
         .collect();
     let shapes = find_shapes(list, logs, progress)?;
-    let boxes: Vec<&ObjectBox> = list.boxes().iter().collect();
+    let boxes: Vec<&ObjectBox> = list.boxes.iter().collect();
     export::box_table(&folder.join("detections.csv"), &named, &boxes, &shapes)?;
-    let objects = listed(list.objects().iter(), (list, &shapes), logs, names);
+    let objects = listed(list.objects.iter(), (list, &shapes), logs, names);
     export::object_table(&folder.join("objects.csv"), &objects)?;
     export::objects_geojson(&folder.join("objects.geojson"), &objects)?;
     let targets = listed(list.targets(), (list, &shapes), logs, names);
