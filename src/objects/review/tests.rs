@@ -1,7 +1,7 @@
 use super::*;
+use crate::Detection;
 use crate::testing::navigation_of;
-use crate::{Detection, NAMELESS_CLASS, Raster};
-use bathyscope_log::survey::{Side, SidePing, SideSpan, Survey};
+use bathyscope_log::survey::{SidePing, SideSpan, Survey};
 
 const PINGS: usize = 1000;
 
