@@ -405,12 +405,9 @@ fn every_sighting_is_a_pass_over_the_place() {
             });
             for seen in whole {
                 sightings += 1;
-                // Both sides insonify what lies under the boat: one pass.
-                let passes_it = passes.iter().any(|pass| {
-                    (pass.side == seen.side || pass.ground_m < 1.0)
-                        && pass.first_ping <= seen.last_ping + 5
-                        && seen.first_ping <= pass.last_ping + 5
-                });
+                let passes_it = passes
+                    .iter()
+                    .any(|pass| pass.start <= seen.last_ping + 5 && seen.first_ping < pass.end + 5);
                 assert!(passes_it, "{seen:?} {passes:?}");
             }
             passed += passes.len();
