@@ -18,7 +18,8 @@ pub struct ObjectList {
     of: HashMap<LogBox, usize>,
     /// Numbers of the objects, including those of objects that are hidden now.
     pub numbers: ObjectNumbers,
-    /// True if there is a decision about any box; otherwise all boxes are proposals of the detector.
+    /// True if there is a decision about any box; otherwise all boxes are proposals of the
+    /// detector.
     pub is_reviewed: bool,
 }
 
