@@ -14,7 +14,7 @@ mod file;
 mod queue;
 
 pub use edit::Edit;
-pub(crate) use file::read_text;
+pub(crate) use file::LARGEST_FILE;
 pub use file::{BoxRow, ReviewError, ReviewRows, SearchRow};
 pub use queue::{DecisionCounts, Queue, Sort};
 

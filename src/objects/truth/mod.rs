@@ -10,7 +10,7 @@
 
 mod file;
 
-pub use file::{TruthError, TruthFileError};
+pub use file::TruthError;
 
 use super::dataset::KnownObject;
 use super::metrics::{
