@@ -113,7 +113,7 @@ impl Outcome {
         };
         let darknet = MetricSettings::darknet();
         Self {
-            eleven: measure(MetricSettings { ap: ApMethod::Voc11, ..darknet.clone() }),
+            eleven: measure(MetricSettings { ap: ApMethod::Voc11, ..darknet }),
             darknet: measure(darknet),
             coco: measure(MetricSettings::coco()),
             boxes,
