@@ -1,6 +1,5 @@
 //! `bathyscope [SURVEY...]`: opens the window, or processes the surveys if there is no display.
 
-use super::detect;
 use super::folders::Folders;
 use super::process::How;
 use super::survey_logs::OpenedLog;
@@ -8,6 +7,7 @@ use super::{Failure, output, snapshot};
 use crate::app::LogOrigin;
 use bathyscope_bottom::bathymetry::position_offsets::Wanted;
 use bathyscope_log::support::progress::Progress;
+use bathyscope_objects::model::shipped;
 use bathyscope_products::outputs::Product;
 use bathyscope_products::pipeline::Settings;
 use std::path::{Path, PathBuf};
@@ -90,7 +90,7 @@ fn without_display(origin: &LogOrigin, folders: &mut Folders) -> Result<(), Fail
     let survey = origin.open(&Progress::new())?;
     let folder = folders.next(&survey.name());
     let how = How {
-        model: Some(&detect::load(None)?),
+        model: Some(&shipped()?),
         requested: &Product::ALL,
         reference: None,
         adjust: false,

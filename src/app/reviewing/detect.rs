@@ -10,7 +10,6 @@ use crate::app::jobs::JobKey;
 use crate::app::{Action, App, LogId, OpenLog};
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::Navigation;
-use bathyscope_objects::model::shipped;
 use bathyscope_objects::review::{Queue, Review};
 use bathyscope_objects::{Detection, DetectorSettings, Model, ModelError, SoFar, find};
 use std::collections::VecDeque;
@@ -459,10 +458,6 @@ fn file_name(path: &Path) -> String {
 }
 
 fn load(path: Option<PathBuf>) -> Result<Detector, ModelError> {
-    let model = match &path {
-        Some(path) => Model::load(path)?,
-        None => shipped()?,
-    };
-    let model = Arc::new(model);
+    let model = Arc::new(Model::load_or_shipped(path.as_deref())?);
     Ok(Detector { path, model })
 }

@@ -3,7 +3,6 @@
 
 use super::{BoxSource, Boxes};
 use crate::cli::Failure;
-use crate::cli::detect::load;
 use crate::cli::status_line::StatusLine;
 use bathyscope_log::formats;
 use bathyscope_log::support::progress::Progress;
@@ -33,8 +32,8 @@ pub(super) fn search(
             "--truth is about one log; of several each has its LOG.objects.csv beside it".into()
         );
     }
-    let shown = load(model)?;
-    let mut ranked = load(model)?;
+    let shown = Model::load_or_shipped(model)?;
+    let mut ranked = Model::load_or_shipped(model)?;
     ranked.nms.across_classes = false;
     let score = score.unwrap_or(f64::from(shown.score));
     let mut found = Found { classes: shown.classes().to_vec(), ..Found::default() };

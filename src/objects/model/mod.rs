@@ -204,6 +204,14 @@ impl Model {
         load::from_path(path).map_err(|reason| ModelError { reason, path: path.to_path_buf() })
     }
 
+    /// Loads the model at a path, or the one that comes with the program.
+    ///
+    /// # Errors
+    /// As for [`Model::load`].
+    pub fn load_or_shipped(path: Option<&Path>) -> Result<Model, ModelError> {
+        path.map_or_else(shipped, Self::load)
+    }
+
     /// Loads a model from the bytes of an ONNX file and the text of its sidecar file.
     ///
     /// # Errors
