@@ -77,7 +77,6 @@ fn decisions_are_made_and_taken_back() {
 fn corrections_are_checked() {
     let id = BoxId(1);
     let review = proposed();
-    assert_eq!(review.apply(&Edit::Relabel(id, 2)), None, "no such class");
     let flat = Mark { far_m: 5.0, ..mark(Side::Port, 100, 5.0) };
     assert_eq!(review.apply(&Edit::Reshape(id, flat)), None);
     let late = mark(Side::Port, PINGS, 5.0);
@@ -86,7 +85,7 @@ fn corrections_are_checked() {
     let after = edited(
         &review,
         &[
-            Edit::Relabel(id, 1),
+            Edit::Classify(id, "tyre".into()),
             Edit::Reshape(id, over_the_edge),
             Edit::SwapSide(id),
             Edit::Note(id, "two of them".into()),
@@ -120,7 +119,7 @@ fn decisions_survive_a_change_of_model() {
     let add = Edit::Add { mark: mark(Side::Port, 500, 3.0), class: 0 };
     let edits = [
         Edit::Accept(BoxId(1)),
-        Edit::Relabel(BoxId(3), 1),
+        Edit::Classify(BoxId(3), "tyre".into()),
         add,
         Edit::Reject(id),
         Edit::Undecide(id),
