@@ -5,8 +5,8 @@
 //! review them, and the rows of a file.
 //!
 //! `edit` applies a decision, `adopt` adds a new model's detections to existing decisions, `queue`
-//! orders the boxes for review, `file` reads and writes a review. A [`ReviewedTile`] is a picture to
-//! train a detector on. The log itself is never changed.
+//! orders the boxes for review, `file` reads and writes a review. A [`ReviewedTile`] is a picture
+//! to train a detector on. The log itself is never changed.
 
 mod adopt;
 mod edit;
