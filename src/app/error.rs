@@ -5,7 +5,7 @@ use bathyscope_log::formats::{GrowingError, OpenError};
 use bathyscope_log::support::file_error::FileError;
 use bathyscope_log::support::progress::Cancelled;
 use bathyscope_objects::review::ReviewError;
-use bathyscope_objects::truth::{TruthError, TruthFileError};
+use bathyscope_objects::truth::TruthError;
 use bathyscope_objects::{DetectError, ModelError};
 use bathyscope_products::export::ExportError;
 use bathyscope_products::pipeline::{SettingsError, SourceError};
@@ -72,7 +72,7 @@ pub(super) enum AppError {
     DemoTruth(#[from] TruthError),
     /// A file of truth cannot be used.
     #[error(transparent)]
-    Truth(#[from] TruthFileError),
+    Truth(#[from] FileError<TruthError>),
     /// A project cannot be opened.
     #[error(transparent)]
     Project(#[from] StoreError),

@@ -166,7 +166,7 @@ mod tests {
         let (survey, navigation) = (Survey::default(), Navigation::of_pings([]));
         let boxes = boxes.iter().enumerate().map(boxed).collect();
         let list = ObjectList::join(boxes, &[(&survey, &navigation)], &ObjectNumbers::default());
-        let [object] = list.objects() else { panic!("one object") };
+        let [object] = &list.objects[..] else { panic!("one object") };
         let mut object = object.clone();
         object.number = number;
         object

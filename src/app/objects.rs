@@ -93,7 +93,7 @@ impl Objects {
     /// Returns the objects that the boxes of all visible logs show, by number.
     pub fn all(&self) -> &[Object] {
         let list = self.list.result();
-        list.map_or(&[], |list| list.objects())
+        list.map_or(&[], |list| list.objects.as_slice())
     }
 
     /// Returns the numbers of the objects that the table lists, in its order.
@@ -121,7 +121,7 @@ impl Objects {
     /// Returns the present numbers of the objects.
     pub(super) fn numbers(&self) -> &ObjectNumbers {
         let list = self.list.result();
-        list.map_or(&*self.first, |list| list.numbers())
+        list.map_or(&*self.first, |list| &list.numbers)
     }
 }
 
@@ -207,7 +207,7 @@ impl App {
         let of = logs.clone();
         let key = logs.clone();
         let work = move |_: &Progress| {
-            let before = before.as_ref().map_or(&*first, |list| list.numbers());
+            let before = before.as_ref().map_or(&*first, |list| &list.numbers);
             Some(Arc::new(list_of(&of, before)))
         };
         self.keep(JobKey::JoinObjects, key, work, |app| Some(&mut app.objects.list));
@@ -226,7 +226,7 @@ impl App {
         let table = self.view.options.objects.clone();
         let names = log_names.clone();
         let key = (Same(list.clone()), table.clone(), Same(names.clone()));
-        let work = move |_: &Progress| Some(table.list(list.objects(), &names));
+        let work = move |_: &Progress| Some(table.list(&list.objects, &names));
         self.keep(JobKey::ListObjects, key, work, |app| Some(&mut app.objects.listing));
     }
 

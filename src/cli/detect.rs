@@ -9,8 +9,7 @@ use super::{Failure, output};
 use bathyscope_log::support::catch_panic::catch_panic;
 use bathyscope_log::support::picture_file::{PictureFault, bounded_decoder};
 use bathyscope_log::support::progress::Progress;
-use bathyscope_objects::model::shipped;
-use bathyscope_objects::{DetectorSettings, Model, ModelError, Picture};
+use bathyscope_objects::{DetectorSettings, Model, Picture};
 use bathyscope_products::outputs::{self, Proposed, Replaced, RunFolder};
 use image::{ColorType, DynamicImage, ImageDecoder as _};
 use std::collections::BTreeMap;
@@ -63,22 +62,14 @@ pub(super) fn run(args: DetectArgs) -> Result<(), Failure> {
     detector.model = args.model.or(detector.model.take());
     detector.score = args.score.or(detector.score);
     detector.iou = args.iou.or(detector.iou);
-    let model = load(detector.model.as_deref())?;
-    output::notify(format_args!("model: {}", model.description()));
+    let model = Model::load_or_shipped(detector.model.as_deref())?;
+    output::notify(format_args!("model: {}", model.description));
     let logs = LogOpener::new(settings)?;
     let inputs = logs_of(&args.inputs);
     let [input] = inputs.as_slice() else {
         return each(&inputs, &model, &logs, &args.output);
     };
     detect_into(input, &model, &logs, &args.output)
-}
-
-/// Loads the model at a path, or the one that comes with the program.
-pub(super) fn load(path: Option<&Path>) -> Result<Model, ModelError> {
-    match path {
-        Some(path) => Model::load(path),
-        None => shipped(),
-    }
 }
 
 fn each(inputs: &[PathBuf], model: &Model, logs: &LogOpener, output: &Path) -> Result<(), Failure> {

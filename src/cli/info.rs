@@ -214,9 +214,7 @@ fn channel_row(channel: &Channel) -> String {
 }
 
 fn distinct_fixes(survey: &Survey) -> usize {
-    let fixes = &survey.track.fixes;
-    let changes = fixes.windows(2).filter(|pair| pair[0].position != pair[1].position).count();
-    if fixes.is_empty() { 0 } else { changes + 1 }
+    survey.track.fixes.chunk_by(|one, other| one.position == other.position).count()
 }
 
 fn to_json(survey: &Survey) -> Value {

@@ -9,7 +9,6 @@
 mod archive;
 mod compare;
 mod convert;
-mod default_command;
 mod desktop;
 mod detect;
 mod evaluate;
@@ -38,16 +37,26 @@ pub use simulate::known_objects;
 pub use crate::app::crash_report::write_crash_report;
 pub use bathyscope_log::support::catch_panic::is_to_be_printed;
 
+use crate::app::LogOrigin;
 use crate::app::manual::{self, Topic};
+use bathyscope_bottom::bathymetry::position_offsets::Wanted;
 use bathyscope_log::formats::formats_to_open;
 use bathyscope_log::support::catch_panic::panic_as_error;
+use bathyscope_log::support::progress::Progress;
+use bathyscope_objects::model::shipped;
+use bathyscope_products::outputs::Product;
+use bathyscope_products::pipeline::Settings;
 use bathyscope_products::pipeline::settings::slips;
 use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
+use folders::Folders;
+use process::How;
 use std::fmt::Display;
 use std::io::{self, IsTerminal as _};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::Arc;
+use survey_logs::OpenedLog;
 
 /// Environment variable set by the program of the start menu of Windows
 /// (`assets/packaging/windows/starter.rs`): the user sees no console.
@@ -55,6 +64,9 @@ const NO_CONSOLE: &str = "BATHYSCOPE_NO_CONSOLE";
 
 /// Most bytes of a text file that the user names, such as settings or a scene.
 const LONGEST_TEXT: u64 = 1 << 20;
+
+/// Output folder of a run without a display.
+const OUTPUT: &str = "bathyscope-out";
 
 /// Depth maps and 3D clouds from the logs of low-cost side-scan fish-finders.
 #[derive(Debug, Parser)]
@@ -188,7 +200,7 @@ pub fn main() -> ExitCode {
         program().error(ErrorKind::InvalidSubcommand, sentence).exit();
     }
     let cli = Cli::parse();
-    let opens_window = cli.command.is_none() && default_command::display_available();
+    let opens_window = cli.command.is_none() && display_available();
     let outcome = if opens_window {
         // The window has its own handling of panics, and goes on when a part of its work fails.
         run(cli)
@@ -204,7 +216,7 @@ pub fn main() -> ExitCode {
         Err(Failure { sentence }) => {
             output::notify(format_args!("bathyscope: {sentence}"));
             if opens_window && !is_printed_to_a_person() {
-                default_command::say_in_a_box(&sentence);
+                say_in_a_box(&sentence);
             }
             ExitCode::FAILURE
         }
@@ -223,7 +235,7 @@ fn run(cli: Cli) -> Result<(), Failure> {
     let Cli { surveys, demo, truth, command } = cli;
     match command {
         Some(command) => command.run(),
-        None => default_command::run(surveys, demo, truth),
+        None => run_default(surveys, demo, truth),
     }
 }
 
@@ -255,6 +267,95 @@ impl Command {
             }
             Self::Desktop(args) => desktop::run(&args),
         }
+    }
+}
+
+/// Opens the window on the surveys; without a display processes them into [`OUTPUT`] and draws
+/// their pictures.
+fn run_default(surveys: Vec<PathBuf>, demo: bool, truth: Option<PathBuf>) -> Result<(), Failure> {
+    if display_available() {
+        return open_window(surveys, demo, truth);
+    }
+    if truth.is_some() {
+        return Err(
+            "no display to compare boxes with the truth on; try `bathyscope snapshot SURVEY --objects --truth FILE -o window.png`".into(),
+        );
+    }
+    if surveys.is_empty() && !demo {
+        return Err(
+            "no display to open Bathyscope on; try `bathyscope --demo`, or `bathyscope process SURVEY -o DIR`".into(),
+        );
+    }
+    output::restart_if_noisy();
+    output::results(format_args!(
+        "no display: processing into {OUTPUT} instead of opening Bathyscope"
+    ))?;
+    let mut folders = Folders::in_folder(Path::new(OUTPUT));
+    let paths = surveys.into_iter().map(LogOrigin::Path);
+    for origin in demo.then_some(LogOrigin::Demo).into_iter().chain(paths) {
+        without_display(&origin, &mut folders)?;
+    }
+    output::results(
+        "for the desktop program, run the same command in a desktop session (DISPLAY or WAYLAND_DISPLAY is set)",
+    )
+}
+
+/// Opens the window on logs, on the demo survey, or empty; returns when the window is closed.
+#[cfg(feature = "gui")]
+fn open_window(paths: Vec<PathBuf>, demo: bool, truth: Option<PathBuf>) -> Result<(), Failure> {
+    Ok(crate::ui::open_window(paths, demo, truth)?)
+}
+
+/// Returns the error that this build has no window.
+#[cfg(not(feature = "gui"))]
+fn open_window(_: Vec<PathBuf>, _: bool, _: Option<PathBuf>) -> Result<(), Failure> {
+    Err(snapshot::NO_WINDOW.into())
+}
+
+/// Shows in a message box why the window cannot open, for a user who started the program from a
+/// desktop and sees no terminal.
+#[cfg(feature = "gui")]
+fn say_in_a_box(sentence: &str) {
+    use crate::app::system_words::in_plain_words;
+    use bathyscope_log::support::printable::one_line;
+    rfd::MessageDialog::new()
+        .set_title("Bathyscope")
+        .set_level(rfd::MessageLevel::Error)
+        .set_description(one_line(&in_plain_words(sentence)))
+        .show();
+}
+
+/// Does nothing: this build has no message box.
+#[cfg(not(feature = "gui"))]
+fn say_in_a_box(_: &str) {}
+
+/// Returns true if a window can be opened here. On systems other than Linux and the BSDs there is
+/// always a display.
+fn display_available() -> bool {
+    let set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+    !cfg!(all(unix, not(target_os = "macos"))) || set("WAYLAND_DISPLAY") || set("DISPLAY")
+}
+
+fn without_display(origin: &LogOrigin, folders: &mut Folders) -> Result<(), Failure> {
+    let survey = origin.open(&Progress::new())?;
+    let folder = folders.next(&survey.name());
+    let how = How {
+        model: Some(&shipped()?),
+        requested: &Product::ALL,
+        reference: None,
+        adjust: false,
+        held: None,
+        wanted: Wanted::default(),
+    };
+    let log = OpenedLog { survey: Arc::new(survey), settings: Settings::default(), review: None };
+    how.process_into(&[log], &folder)?;
+    // The products are complete without pictures, so a machine without any Vulkan driver is no
+    // failure.
+    match snapshot::draw_into(origin, &folder) {
+        Ok((files, adapter)) => {
+            output::results(format_args!("drew {} on {adapter}", files.join(", ")))
+        }
+        Err(Failure { sentence }) => output::results(format_args!("no pictures: {sentence}")),
     }
 }
 

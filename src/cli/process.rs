@@ -2,7 +2,7 @@
 //! the rows of logs to an archive instead.
 
 use super::archive::each_in_parallel;
-use super::detect::{self, proposed_in_words};
+use super::detect::proposed_in_words;
 use super::folders::{Folders, name_of};
 use super::settings::{SettingsArgs, processed};
 use super::status_line::StatusLine;
@@ -131,7 +131,9 @@ pub(super) fn run(args: ProcessArgs) -> Result<(), Failure> {
     }
     // Loaded before the work, so that a model that cannot be used does not cost minutes first.
     let model = match (inputs.first(), args.no_objects) {
-        (Some(first), false) => Some(detect::load(first.logs.settings.detector.model.as_deref())?),
+        (Some(first), false) => {
+            Some(Model::load_or_shipped(first.logs.settings.detector.model.as_deref())?)
+        }
         _ => None,
     };
     let how = How {

@@ -345,7 +345,7 @@ fn chips(
 fn chip(survey: &Survey, raster: &Raster, look: &TrainingPlace, known: &[KnownObject]) -> Chip {
     let start = |share: f64, room: usize| (share * room as f64) as usize;
     let row = start(look.along, raster.rows().saturating_sub(TILE_PX));
-    let column = start(look.outward, raster.columns().saturating_sub(LEAST_COLUMNS));
+    let column = start(look.outward, raster.columns.saturating_sub(LEAST_COLUMNS));
     Chip::new(raster.tile(survey, look.side, row, column), raster, known)
 }
 

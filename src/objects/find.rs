@@ -59,10 +59,10 @@ pub fn find(
     progress: &Progress,
     on_found: impl Fn(SoFar) + Sync,
 ) -> Result<Vec<Detection>, DetectError> {
-    let raster = Raster::new(survey, navigation, model.pixel_m());
+    let raster = Raster::new(survey, navigation, model.pixel_m);
     let is_recorded = |&side: &Side| survey.side_scan.iter().any(|ping| ping.side(side).is_some());
     let sides: Vec<Side> = Side::BOTH.into_iter().filter(is_recorded).collect();
-    let grid = TileGrid::new([raster.columns(), raster.rows()], [TILE_PX; 2]);
+    let grid = TileGrid::new([raster.columns, raster.rows()], [TILE_PX; 2]);
     let draw = |side: usize, [column, row]: [usize; 2]| {
         let pixels = if raster.is_recorded(survey, sides[side], row, column) {
             raster.tile(survey, sides[side], row, column).pixels
@@ -134,8 +134,8 @@ fn search(
     progress: &Progress,
     on_found: impl Fn(Vec<Vec<Scored>>, usize, f32) + Sync,
 ) -> Result<Vec<Vec<Scored>>, DetectError> {
-    let score = settings.score.unwrap_or(model.score());
-    let iou = settings.iou.unwrap_or(model.iou());
+    let score = settings.score.unwrap_or(model.score);
+    let iou = settings.iou.unwrap_or(model.iou);
     let [width, height] = grid.size.map(|size| size as f32);
     let look = |picture: usize, tile: usize| -> Result<Vec<TileDetection>, DetectError> {
         progress.check()?;
@@ -159,11 +159,11 @@ fn search(
     let gathered = Mutex::new(Gathered::new(grid, pictures));
     // Names are dropped after the tiles are merged, since the merge joins pieces of one object by
     // their class.
-    let name_score = settings.name_score.unwrap_or(model.name_score());
+    let name_score = settings.name_score.unwrap_or(model.name_score);
     let named = |mut found: Vec<Vec<Scored>>| {
         for found_box in found.iter_mut().flatten() {
             if found_box.score < name_score {
-                found_box.class = model.nameless();
+                found_box.class = model.nameless;
             }
         }
         found
@@ -175,14 +175,14 @@ fn search(
         let seen = look(picture, tile)?;
         let mut gathered = gathered.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(rows) = gathered.add(picture, tile, seen) {
-            let found = named(gathered.merged(rows, model.nms(), iou));
+            let found = named(gathered.merged(rows, model.nms, iou));
             let tiles = rows * grid.counts[0] * pictures;
             on_found(found, tiles, grid.end_of(rows));
         }
         Ok::<(), DetectError>(())
     })?;
     let gathered = gathered.into_inner().unwrap_or_else(PoisonError::into_inner);
-    Ok(named(gathered.merged(grid.counts[1], model.nms(), iou)))
+    Ok(named(gathered.merged(grid.counts[1], model.nms, iou)))
 }
 
 /// Boxes of the tiles that have been searched so far.

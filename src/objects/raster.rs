@@ -27,10 +27,12 @@ const LONGEST_PAUSE_S: f64 = 2.0;
 /// Places of the pings in the picture. The pixels are computed one tile at a time.
 #[derive(Clone, Debug)]
 pub struct Raster {
-    pixel_m: f64,
+    /// Side of a pixel, metres.
+    pub pixel_m: f64,
     /// Distance sailed up to the middle of each ping, metres, strictly growing.
     along_m: Vec<f64>,
-    columns: usize,
+    /// Number of columns of the whole picture, given by the survey's longest range.
+    pub columns: usize,
 }
 
 /// A tile of the picture.
@@ -88,19 +90,9 @@ impl Raster {
         }
     }
 
-    /// Returns the side of a pixel, metres.
-    pub fn pixel_m(&self) -> f64 {
-        self.pixel_m
-    }
-
     /// Returns the number of rows of the whole picture.
     pub fn rows(&self) -> usize {
         (self.along_m.last().copied().unwrap_or(0.0) / self.pixel_m).ceil() as usize
-    }
-
-    /// Returns the number of columns of the whole picture, given by the survey's longest range.
-    pub fn columns(&self) -> usize {
-        self.columns
     }
 
     /// Returns the row of a ping, both as fractional numbers (a ping covers `ping` to `ping + 1`).
@@ -156,7 +148,7 @@ impl Raster {
             let requested = (0.5 * (from + to) - 0.5 * TILE_PX as f32).max(0.0) as usize;
             requested.min(count.saturating_sub(TILE_PX))
         };
-        [start(rect.y0, rect.y1, self.rows()), start(rect.x0, rect.x1, self.columns())]
+        [start(rect.y0, rect.y1, self.rows()), start(rect.x0, rect.x1, self.columns)]
     }
 
     /// Returns true if most pings of a tile were recorded at least to the middle of its columns. A
@@ -328,7 +320,7 @@ mod tests {
     fn a_mark_and_its_box_are_the_same_place() {
         let (survey, navigation) = survey(200, |_, _| 0);
         let raster = Raster::new(&survey, &navigation, 0.04);
-        assert_eq!(raster.columns(), 250);
+        assert_eq!(raster.columns, 250);
         let mark = Mark::new(Side::Port, 40..52, [3.2, 4.8]);
         let rect = raster.rect_of(&mark);
         // Twelve pings of 0.2 m are 60 rows of 0.04 m.
@@ -374,7 +366,7 @@ mod tests {
         assert!(tile.pixels.iter().all(|&pixel| pixel == 0));
         let (none, navigation) = survey(0, |_, _| 0);
         let raster = Raster::new(&none, &navigation, 0.04);
-        assert_eq!((raster.rows(), raster.columns()), (0, 0));
+        assert_eq!((raster.rows(), raster.columns), (0, 0));
         assert_eq!(raster.tile(&none, Side::Port, 0, 0).pixels.len(), TILE_PX * TILE_PX);
     }
 
@@ -396,7 +388,7 @@ mod tests {
             ping.port.as_mut().unwrap().far_m = 400.0;
         }
         let raster = Raster::new(&some, &navigation, 0.04);
-        assert_eq!(raster.columns(), 10_000);
+        assert_eq!(raster.columns, 10_000);
         let is_recorded = |column| raster.is_recorded(&some, Side::Port, 300, column);
         assert!(is_recorded(0));
         assert!(!is_recorded(208) && !is_recorded(9_000));

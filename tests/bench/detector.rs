@@ -22,7 +22,7 @@ pub(super) fn run() {
     let survey = formats::open_bytes("long.sl2", simulated.sl2_bytes(), &progress);
     let survey: Survey = survey.expect("a readable log");
     let model = model();
-    println!("{}", model.description());
+    println!("{}", model.description);
     measure(&model, &survey);
 }
 
@@ -77,7 +77,7 @@ fn one_tile(model: &Model) -> f64 {
     let mut times_s: Vec<f64> = (0..TILES)
         .map(|_| {
             let start = Instant::now();
-            black_box(model.detect(&picture, model.score(), model.iou())).expect("boxes");
+            black_box(model.detect(&picture, model.score, model.iou)).expect("boxes");
             start.elapsed().as_secs_f64()
         })
         .collect();

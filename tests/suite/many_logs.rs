@@ -386,7 +386,7 @@ fn an_object_that_several_logs_saw_is_one() {
     let boxes = placed.iter().enumerate().map(boxed).collect();
     let pass_logs: Vec<PassLog<'_>> = lake.logs.iter().map(ProcessedLog::pass_log).collect();
     let list = ObjectList::join(boxes, &pass_logs, &ObjectNumbers::default());
-    let groups = list.objects();
+    let groups = &list.objects;
     for object in 0..OBJECTS.len() {
         let seen = || placed.iter().filter(move |(_, of, _)| *of == object);
         let mut logs: Vec<usize> = seen().map(|(log, ..)| *log).collect();

@@ -42,7 +42,7 @@ fn propose(window: &mut Window, folder: &Path) {
             .collect();
         let raster = app(window).logs.shown.reviewing.raster().expect("a raster");
         let empty = Review::new(Identity::of(&survey), classes.clone());
-        let review = empty.adopt("all of them", &classes, &found, raster);
+        let review = empty.adopt("all of them", &classes, &found, raster, 0..usize::MAX);
         let path = folder.join(format!("{index}.json"));
         std::fs::write(&path, review.to_json()).expect("a file");
         window.state_mut().app.apply(Command::OpenFile(FileToOpen::Review(path)));

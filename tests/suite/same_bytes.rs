@@ -84,7 +84,7 @@ fn decided_boxes(app: &App, path: &Path) {
         mark: Mark { side, pings: ping..ping + 12, near_m: 4.0, far_m: 6.0 },
     });
     let empty = Review::new(Identity::of(survey), classes.to_vec());
-    let proposed = empty.adopt("a model", &classes, &boxes, &raster);
+    let proposed = empty.adopt("a model", &classes, &boxes, &raster, 0..usize::MAX);
     let ids: Vec<BoxId> = proposed.boxes().map(|review_box| review_box.id).collect();
     let accepted = proposed.apply(&Edit::Accept(ids[0]));
     let review = accepted.and_then(|review| review.apply(&Edit::Reject(ids[1])));

@@ -51,7 +51,7 @@ fn propose(folder: &Path, name: &str) {
     });
     let classes = vec!["object".to_owned()];
     let review = Review::new(Identity::of(&survey), classes.clone());
-    let review = review.adopt("test model", &classes, &found, &raster);
+    let review = review.adopt("test model", &classes, &found, &raster, 0..usize::MAX);
     let kept = folder.join(format!("{name}.review.json"));
     fs::write(kept, review.to_json()).expect("a file");
 }

@@ -121,13 +121,9 @@ impl App {
         };
         self.take_review(id, after, label, live);
         let reviewing = &mut self.logs.get_mut(id)?.reviewing;
-        match edit {
-            Edit::Relabel(_, class) => reviewing.class = *class,
-            Edit::Classify(box_id, _) => {
-                let class = reviewing.review.get(*box_id).map(|review_box| review_box.class);
-                reviewing.class = class.unwrap_or(reviewing.class);
-            }
-            _ => {}
+        if let Edit::Classify(box_id, _) = edit {
+            let class = reviewing.review.get(*box_id).map(|review_box| review_box.class);
+            reviewing.class = class.unwrap_or(reviewing.class);
         }
         is_new.then_some(next_id)
     }

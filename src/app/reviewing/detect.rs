@@ -10,7 +10,6 @@ use crate::app::jobs::JobKey;
 use crate::app::{Action, App, LogId, OpenLog};
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::Navigation;
-use bathyscope_objects::model::shipped;
 use bathyscope_objects::review::{Queue, Review};
 use bathyscope_objects::{Detection, DetectorSettings, Model, ModelError, SoFar, find};
 use std::collections::VecDeque;
@@ -90,7 +89,7 @@ impl ObjectSearch {
     /// Returns the description of the model, as its file was understood; `None` until it is loaded.
     pub(crate) fn model_description(&self) -> Option<&str> {
         let detector = self.detector.as_ref()?;
-        Some(detector.model.description())
+        Some(&detector.model.description)
     }
 
     /// Returns true if a log is being searched or is waiting to be searched.
@@ -195,7 +194,7 @@ impl App {
             // The receiver is dropped when the search is replaced.
             sender.send(SearchMessage::Ready(detector)).ok();
             let settings = DetectorSettings {
-                score: Some(LEAST_SCORE.min(model.score())),
+                score: Some(LEAST_SCORE.min(model.score)),
                 ..DetectorSettings::default()
             };
             let on_found = |so_far| {
@@ -340,7 +339,7 @@ impl App {
         let known = self.findings.search.detector.as_ref();
         if known.is_none_or(|known| !Arc::ptr_eq(&known.model, &detector.model)) {
             let queue = self.logs.shown.reviewing.queue.clone();
-            self.logs.set_queue(&Queue { threshold: detector.model.score(), ..queue });
+            self.logs.set_queue(&Queue { threshold: detector.model.score, ..queue });
         }
         self.findings.search.detector = Some(detector);
     }
@@ -362,7 +361,7 @@ impl App {
         let name = path.map_or_else(|| "shipped".to_owned(), file_name);
         let names = detector.model.names();
         let raster = reviewing.raster()?;
-        let review = (reviewing.review).adopt_part(&name, names, found, raster, pings);
+        let review = (reviewing.review).adopt(&name, names, found, raster, pings);
         Some(Arc::new(review))
     }
 
@@ -407,7 +406,7 @@ impl App {
                 ..(*all).clone()
             };
             let settings = DetectorSettings {
-                score: Some(LEAST_SCORE.min(detector.model.score())),
+                score: Some(LEAST_SCORE.min(detector.model.score)),
                 ..DetectorSettings::default()
             };
             let model = &detector.model;
@@ -459,10 +458,6 @@ fn file_name(path: &Path) -> String {
 }
 
 fn load(path: Option<PathBuf>) -> Result<Detector, ModelError> {
-    let model = match &path {
-        Some(path) => Model::load(path)?,
-        None => shipped()?,
-    };
-    let model = Arc::new(model);
+    let model = Arc::new(Model::load_or_shipped(path.as_deref())?);
     Ok(Detector { path, model })
 }

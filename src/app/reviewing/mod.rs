@@ -281,7 +281,7 @@ impl Reviewing {
 fn size_m(raster: Option<&Raster>, mark: &Mark) -> [f64; 2] {
     let along_m = raster.map_or(f64::NAN, |raster| {
         let rect = raster.rect_of(mark);
-        f64::from(rect.y1 - rect.y0) * raster.pixel_m()
+        f64::from(rect.y1 - rect.y0) * raster.pixel_m
     });
     [along_m, mark.far_m - mark.near_m]
 }

@@ -3,7 +3,6 @@
 
 use super::{BoxSource, Boxes};
 use crate::cli::Failure;
-use crate::cli::detect::load;
 use crate::cli::status_line::StatusLine;
 use bathyscope_log::formats;
 use bathyscope_log::support::progress::Progress;
@@ -11,7 +10,7 @@ use bathyscope_log::survey::{Identity, Navigation, Side, Survey, navigate};
 use bathyscope_objects::labels::Paired;
 use bathyscope_objects::metrics::Image;
 use bathyscope_objects::truth::{self, RasterTruth, SurveyTruth};
-use bathyscope_objects::{DetectError, DetectorSettings, Model, Nms, Raster, Scored, find};
+use bathyscope_objects::{DetectError, DetectorSettings, Model, Raster, Scored, find};
 use bathyscope_products::pipeline::Settings;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -33,15 +32,16 @@ pub(super) fn search(
             "--truth is about one log; of several each has its LOG.objects.csv beside it".into()
         );
     }
-    let shown = load(model)?;
-    let nms = Nms { across_classes: false, ..shown.nms() };
-    let score = score.unwrap_or(f64::from(shown.score()));
+    let shown = Model::load_or_shipped(model)?;
+    let mut ranked = Model::load_or_shipped(model)?;
+    ranked.nms.across_classes = false;
+    let score = score.unwrap_or(f64::from(shown.score));
     let mut found = Found { classes: shown.classes().to_vec(), ..Found::default() };
-    let searches = [(load(model)?.with_nms(nms), LEAST_SCORE), (shown, score as f32)];
+    let searches = [(ranked, LEAST_SCORE), (shown, score as f32)];
     let status = StatusLine::new();
     for (number, log) in (1..).zip(logs) {
         status.step(&format!("log {number} of {}", logs.len()));
-        let known = Known::open(log, truth, searches[0].0.pixel_m())?;
+        let known = Known::open(log, truth, searches[0].0.pixel_m)?;
         let searched = found.add(&known, &searches);
         searched.map_err(|error| format!("{error}: {}", log.display()))?;
         known.survey.check_files()?;

@@ -12,7 +12,8 @@ use rayon::prelude::*;
 /// count, not a new pairing.
 #[derive(Clone, Debug)]
 pub(crate) struct Matched {
-    images: Vec<Image>,
+    /// Boxes by picture, in the order that the indices of false alarms and misses refer to.
+    pub images: Vec<Image>,
     rankings: Vec<Ranking>,
     settings: MetricSettings,
 }
@@ -41,14 +42,8 @@ impl Matched {
         Self {
             rankings: rank(&images, classes, settings, settings.iou, &ANY_SIZE),
             images,
-            settings: settings.clone(),
+            settings: *settings,
         }
-    }
-
-    /// Returns the boxes by picture, in the order that the indices of false alarms and misses refer
-    /// to.
-    pub fn images(&self) -> &[Image] {
-        &self.images
     }
 
     /// Counts the predictions of at least a score.
@@ -227,20 +222,21 @@ fn mean(precisions: impl Iterator<Item = f64>, settings: &MetricSettings) -> f64
     sum / count as f64
 }
 
+/// Ranges of sizes: square roots of the smallest and the largest area of a box, pixels.
+const SIDES_PX: [[f64; 2]; 3] = [[0.0, 32.0], [32.0, 96.0], [96.0, f64::INFINITY]];
+
 fn sizes(images: &[Image], classes: usize, settings: &MetricSettings) -> Vec<SizeReport> {
-    let edges = settings.size_edges_px.iter().copied();
-    let edges: Vec<f64> = [0.0].into_iter().chain(edges).chain([f64::INFINITY]).collect();
-    let report = |edges: &[f64]| {
-        let areas = edges[0] * edges[0]..=edges[1] * edges[1];
+    let report = |side_px: [f64; 2]| {
+        let areas = side_px[0] * side_px[0]..=side_px[1] * side_px[1];
         let rankings = rank(images, classes, settings, settings.iou, &areas);
         let counts = rankings.iter().map(|ranking| MatchCounts::shown(ranking, settings.score));
         let ap = rankings.iter().map(|ranking| average_precision(ranking, settings.ap));
         SizeReport {
-            side_px: [edges[0], edges[1]],
+            side_px,
             counts: total(counts),
             map: mean(ap, settings),
             map_50_95: mean(ap_50_95(images, classes, settings, &areas).into_iter(), settings),
         }
     };
-    edges.windows(2).map(report).collect()
+    SIDES_PX.into_iter().map(report).collect()
 }

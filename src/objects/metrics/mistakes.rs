@@ -143,18 +143,14 @@ fn cause(boxes: &Image, predicted: usize, settings: &MetricSettings) -> Cause {
 /// prediction has found.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Confusion {
-    classes: usize,
+    /// Number of classes; this number as an index is the background.
+    pub classes: usize,
     cells: Vec<usize>,
 }
 
 impl Confusion {
     fn new(classes: usize) -> Self {
         Self { classes, cells: vec![0; (classes + 1) * (classes + 1)] }
-    }
-
-    /// Returns the number of classes; this number as an index is the background.
-    pub fn classes(&self) -> usize {
-        self.classes
     }
 
     /// Returns the number of boxes of the class `truth` that were predicted as `predicted`.

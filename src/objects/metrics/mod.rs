@@ -86,7 +86,7 @@ impl BoxMatching {
 }
 
 /// Settings of an evaluation.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MetricSettings {
     /// Rule that pairs predictions with truths.
     pub matching: BoxMatching,
@@ -99,8 +99,6 @@ pub struct MetricSettings {
     pub score: f32,
     /// Number of the boxes of highest score that count in each class and picture; all if `None`.
     pub max_detections: Option<usize>,
-    /// Limits between the ranges of sizes: square roots of box areas, pixels, growing.
-    pub size_edges_px: Vec<f64>,
 }
 
 impl MetricSettings {
@@ -113,7 +111,6 @@ impl MetricSettings {
             iou: 0.5,
             score: 0.25,
             max_detections: None,
-            size_edges_px: vec![32.0, 96.0],
         }
     }
 

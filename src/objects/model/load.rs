@@ -145,9 +145,8 @@ fn open(
     folder: Option<&Path>,
 ) -> Result<(Arc<Network>, InputSpec, Metadata), Unusable> {
     let Screened { proto, declared, metadata, input } = checked(onnx, sidecar, folder)?;
-    let shape = input.shape();
-    let graph = tract::graph(&proto, &declared, shape, folder)?;
-    Ok((Arc::new(Network::compile(graph, &proto, shape)?), input, metadata))
+    let network = Network::compile(&proto, &declared, input.shape(), folder)?;
+    Ok((Arc::new(network), input, metadata))
 }
 
 /// A graph that was checked, and is not compiled yet.

@@ -164,20 +164,28 @@ pub struct Model {
     /// of them.
     names: Vec<String>,
     /// Index of the class of boxes without a known class.
-    nameless: usize,
-    pixel_m: f64,
+    pub(crate) nameless: usize,
+    /// Side of a pixel that the network expects, metres.
+    pub pixel_m: f64,
     levelled: bool,
-    score: f32,
-    iou: f32,
-    name_score: f32,
-    nms: Nms,
+    /// Least confidence of a box that the sidecar file states, or the usual one.
+    pub score: f32,
+    /// Overlap, stated by the sidecar file or the usual one, above which the box of the lower score
+    /// is dropped.
+    pub iou: f32,
+    /// Confidence below which the class of a box is a guess, as the sidecar file states it; 0 if it
+    /// states none.
+    pub(crate) name_score: f32,
+    /// Rule by which boxes are suppressed.
+    pub nms: Nms,
     /// Overlap above which boxes vote; `None` for no vote.
     vote: Option<f32>,
     /// True if a picture that seems to show an object is searched once more, mirrored.
     augments: bool,
     /// Calibration of the network's confidences.
     calibration: ConfidenceCalibration,
-    description: String,
+    /// One line about the model: its family and how that was determined, its classes and its input.
+    pub description: String,
 }
 
 impl std::fmt::Debug for Model {
@@ -194,6 +202,14 @@ impl Model {
     /// When the model cannot be used; the error names the file and the reason.
     pub fn load(path: &Path) -> Result<Model, ModelError> {
         load::from_path(path).map_err(|reason| ModelError { reason, path: path.to_path_buf() })
+    }
+
+    /// Loads the model at a path, or the one that comes with the program.
+    ///
+    /// # Errors
+    /// As for [`Model::load`].
+    pub fn load_or_shipped(path: Option<&Path>) -> Result<Model, ModelError> {
+        path.map_or_else(shipped, Self::load)
     }
 
     /// Loads a model from the bytes of an ONNX file and the text of its sidecar file.
@@ -215,52 +231,9 @@ impl Model {
         &self.names
     }
 
-    /// Returns the index of the class of boxes without a known class.
-    pub(crate) fn nameless(&self) -> usize {
-        self.nameless
-    }
-
-    /// Returns the confidence below which the class of a box is a guess, as the sidecar file states
-    /// it; 0 if it states none.
-    pub fn name_score(&self) -> f32 {
-        self.name_score
-    }
-
-    /// Returns the side of a pixel that the network expects, metres.
-    pub fn pixel_m(&self) -> f64 {
-        self.pixel_m
-    }
-
     /// Returns the size of the network's input, across and down, pixels.
     pub(crate) fn input_size(&self) -> [usize; 2] {
         [self.input.width, self.input.height]
-    }
-
-    /// Returns the least confidence of a box that the sidecar file states, or the usual one.
-    pub fn score(&self) -> f32 {
-        self.score
-    }
-
-    /// Returns the overlap, stated by the sidecar file or the usual one, above which the box of the
-    /// lower score is dropped.
-    pub fn iou(&self) -> f32 {
-        self.iou
-    }
-
-    /// Returns the rule by which boxes are suppressed.
-    pub fn nms(&self) -> Nms {
-        self.nms
-    }
-
-    /// Returns the model with another rule of suppression.
-    pub fn with_nms(self, nms: Nms) -> Self {
-        Self { nms, ..self }
-    }
-
-    /// Returns one line about the model: its family and how that was determined, its classes and
-    /// its input.
-    pub fn description(&self) -> &str {
-        &self.description
     }
 
     /// Returns the objects in one picture, of at least the score `score` (calibrated if the sidecar

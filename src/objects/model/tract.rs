@@ -45,24 +45,6 @@ pub(super) fn parse(mut bytes: &[u8]) -> Result<ModelProto, Unusable> {
     ONNX.proto_model_for_read(&mut bytes).map_err(|_| Unusable::NotOnnx)
 }
 
-/// Creates the graph for one picture of `shape` from a screened file, and checks its cost. Weights
-/// outside the file are read from `folder`.
-///
-/// # Errors
-/// When tract refuses the graph, or the graph would take too much memory or time.
-pub(super) fn graph(
-    proto: &ModelProto,
-    declared: &Declared,
-    shape: [usize; 4],
-    folder: Option<&Path>,
-) -> Result<TypedModel, Unusable> {
-    let mut model = parsed(proto, declared, shape, folder).map_err(compile_error)?;
-    check_constants(&mut model)?;
-    let model = typed(model).map_err(compile_error)?;
-    check_cost(&model)?;
-    Ok(model)
-}
-
 /// Creates an error with the whole chain of reasons: the first one alone is not enough.
 fn compile_error(error: TractError) -> Unusable {
     Unusable::Compile(format!("{error:#}"))
@@ -123,15 +105,21 @@ pub(super) const FLOAT16: i32 = 10;
 pub(super) const FLOAT32: i32 = 1;
 
 impl Network {
-    /// Compiles a graph; `proto` is the file that the graph is from.
+    /// Compiles the graph of a screened file for one picture of `shape`, and checks its cost.
+    /// Weights outside the file are read from `folder`.
     ///
     /// # Errors
-    /// When tract refuses the graph.
+    /// When tract refuses the graph, or the graph would take too much memory or time.
     pub(super) fn compile(
-        graph: TypedModel,
         proto: &ModelProto,
+        declared: &Declared,
         shape: [usize; 4],
+        folder: Option<&Path>,
     ) -> Result<Self, Unusable> {
+        let mut graph = parsed(proto, declared, shape, folder).map_err(compile_error)?;
+        check_constants(&mut graph)?;
+        let graph = typed(graph).map_err(compile_error)?;
+        check_cost(&graph)?;
         let plan = || {
             let mut graph = graph.into_decluttered()?;
             replace_layers(&mut graph)?;

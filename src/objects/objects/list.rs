@@ -10,12 +10,17 @@ use std::collections::HashMap;
 /// objects.
 #[derive(Clone, Debug, Default)]
 pub struct ObjectList {
-    boxes: Vec<ObjectBox>,
-    objects: Vec<Object>,
+    /// The boxes, log by log.
+    pub boxes: Vec<ObjectBox>,
+    /// The objects, by number.
+    pub objects: Vec<Object>,
     /// Index of the object of every box that has one.
     of: HashMap<LogBox, usize>,
-    numbers: ObjectNumbers,
-    is_reviewed: bool,
+    /// Numbers of the objects, including those of objects that are hidden now.
+    pub numbers: ObjectNumbers,
+    /// True if there is a decision about any box; otherwise all boxes are proposals of the
+    /// detector.
+    pub is_reviewed: bool,
 }
 
 impl ObjectList {
@@ -52,21 +57,6 @@ impl ObjectList {
         }
     }
 
-    /// Returns the boxes, log by log.
-    pub fn boxes(&self) -> &[ObjectBox] {
-        &self.boxes
-    }
-
-    /// Returns the objects, by number.
-    pub fn objects(&self) -> &[Object] {
-        &self.objects
-    }
-
-    /// Returns the numbers of the objects, including those of objects that are hidden now.
-    pub fn numbers(&self) -> &ObjectNumbers {
-        &self.numbers
-    }
-
     /// Returns an object by its number.
     pub fn object(&self, number: u32) -> Option<&Object> {
         let index = (self.objects).binary_search_by_key(&number, |object| object.number);
@@ -77,12 +67,6 @@ impl ObjectList {
     /// not in the list.
     pub fn object_of(&self, key: LogBox) -> Option<&Object> {
         self.objects.get(*self.of.get(&key)?)
-    }
-
-    /// Returns true if there is a decision about any box; otherwise all boxes are proposals of the
-    /// detector.
-    pub fn is_reviewed(&self) -> bool {
-        self.is_reviewed
     }
 
     /// Returns true if a box belongs to a target. While there is no decision about any box, every
@@ -206,10 +190,10 @@ mod tests {
         let (survey, navigation) = (Survey::default(), Navigation::of_pings([]));
         let log: PassLog<'_> = (&survey, &navigation);
         let list = ObjectList::join(boxes.to_vec(), &[log], numbers);
-        *numbers = list.numbers().clone();
-        let objects = list.objects().iter().map(|object| (object.number, object.place_m[0]));
-        let left = list.boxes().iter().map(|object_box| (object_box.key.id.0, object_box.object));
-        let members = list.objects().iter().flat_map(|object| list.members(object));
+        *numbers = list.numbers.clone();
+        let objects = list.objects.iter().map(|object| (object.number, object.place_m[0]));
+        let left = list.boxes.iter().map(|object_box| (object_box.key.id.0, object_box.object));
+        let members = list.objects.iter().flat_map(|object| list.members(object));
         assert!(members.into_iter().all(|member| member.object.is_some()));
         (objects.collect(), left.collect())
     }

@@ -32,25 +32,14 @@ impl Review {
         }
     }
 
-    /// Returns the review with `detections` as proposals. Boxes that the analyst accepted,
-    /// rejected, added or corrected stay; a detection that overlaps such a box on its side (IoU of
-    /// at least 0.5 in the raster's pixels) is not added, but its score becomes the score of that
-    /// box. Undecided boxes are replaced; one that the model finds again keeps its number. New
-    /// class names are appended; `classes` are the names that the detections' class indices refer
-    /// to.
+    /// Returns the review with `detections`, from a search of the pings `pings`, as proposals.
+    /// Boxes that the analyst accepted, rejected, added or corrected stay; a detection that
+    /// overlaps such a box on its side (IoU of at least 0.5 in the raster's pixels) is not added,
+    /// but its score becomes the score of that box. Undecided boxes in these pings are replaced;
+    /// one that the model finds again keeps its number. Undecided boxes elsewhere stay, because
+    /// they were not searched again. New class names are appended; `classes` are the names that the
+    /// detections' class indices refer to.
     pub fn adopt(
-        &self,
-        model: &str,
-        classes: &[String],
-        detections: &[Detection],
-        raster: &Raster,
-    ) -> Review {
-        self.adopt_part(model, classes, detections, raster, 0..self.identity.pings)
-    }
-
-    /// Adopts detections as [`Review::adopt`] does, but from a search of the pings `pings` only:
-    /// undecided boxes elsewhere stay as well, because they were not searched again.
-    pub fn adopt_part(
         &self,
         model: &str,
         classes: &[String],

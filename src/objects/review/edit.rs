@@ -15,8 +15,6 @@ pub enum Edit {
     Reject(BoxId),
     /// Removes the decision about the box.
     Undecide(BoxId),
-    /// Changes the class of the box, as an index into the classes.
-    Relabel(BoxId, usize),
     /// Moves or resizes the box.
     Reshape(BoxId, Mark),
     /// Moves the box to the other side.
@@ -85,7 +83,7 @@ impl Edit {
             Edit::Accept(id) => ("accept box", Some(*id)),
             Edit::Reject(id) => ("reject box", Some(*id)),
             Edit::Undecide(id) => ("take decision back", Some(*id)),
-            Edit::Relabel(id, _) | Edit::Classify(id, _) => ("class of box", Some(*id)),
+            Edit::Classify(id, _) => ("class of box", Some(*id)),
             Edit::Reshape(id, _) => ("move box", Some(*id)),
             Edit::SwapSide(id) => ("swap side of box", Some(*id)),
             Edit::Add { .. } => ("new box", None),
@@ -111,10 +109,6 @@ impl Review {
             Edit::Reject(id) => self.change(*id, |review_box| review_box.state = State::Rejected),
             Edit::Undecide(id) => self
                 .change(*id, |review_box| review_box.state = affirmed(review_box, State::Proposed)),
-            Edit::Relabel(id, class) => {
-                let class = (*class < self.classes.len()).then_some(*class)?;
-                self.correct(*id, |review_box| review_box.class = class)
-            }
             Edit::Reshape(id, mark) => {
                 let mark = held(mark, self.identity.pings)?;
                 self.correct(*id, |review_box| {

@@ -11,8 +11,8 @@ use std::collections::HashSet;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Greatest size of a file that is read, bytes.
-const LARGEST_FILE: u64 = 64 << 20;
+/// Greatest size of a file of boxes that is read, bytes.
+pub(crate) const LARGEST_FILE: u64 = 64 << 20;
 /// Version of the layout of the file.
 const VERSION: u32 = 1;
 const MOST_BOXES: usize = 200_000;
@@ -45,17 +45,6 @@ pub struct ReviewRows {
     pub searched: Vec<SearchRow>,
     /// The boxes.
     pub boxes: Vec<BoxRow>,
-}
-
-/// Reads the text of a file of boxes, of at most `LARGEST_FILE` bytes. `what` names the content
-/// in the error, as `review`.
-///
-/// # Errors
-/// When the file cannot be read, or is too large: a sentence with the path.
-pub(crate) fn read_text(path: &Path, what: &str) -> Result<String, ReviewError> {
-    regular_file::read_text(path, LARGEST_FILE).map_err(|error| {
-        ReviewError::new(format!("cannot read the {what}: {error}: {}", path.display()))
-    })
 }
 
 #[derive(Serialize, Deserialize)]
@@ -185,7 +174,9 @@ impl Review {
     /// When the file cannot be read, or as [`Review::from_json`]; the error holds the path.
     pub fn open_for(path: &Path, survey: &Survey) -> Result<Self, ReviewError> {
         let own = Identity::of(survey);
-        let text = read_text(path, "review")?;
+        let text = regular_file::read_text(path, LARGEST_FILE).map_err(|error| {
+            ReviewError::new(format!("cannot read the review: {error}: {}", path.display()))
+        })?;
         let of: Option<OfLog> = serde_json::from_str(&text).ok();
         let of = of.map(|of| of.survey).filter(|of| survey.is_or_was(of));
         let read = Self::from_json(&text, of.as_ref().unwrap_or(&own)).map_err(|error| {

@@ -1,7 +1,7 @@
 use super::*;
+use crate::Detection;
 use crate::testing::navigation_of;
-use crate::{Detection, NAMELESS_CLASS, Raster};
-use bathyscope_log::survey::{Side, SidePing, SideSpan, Survey};
+use bathyscope_log::survey::{SidePing, SideSpan, Survey};
 
 const PINGS: usize = 1000;
 
@@ -49,7 +49,7 @@ fn proposed() -> Review {
         detection(1, 0.9, mark(Side::Port, 200, 5.0)),
         detection(0, 0.3, mark(Side::Starboard, 300, 5.0)),
     ];
-    empty.adopt("first", &names(&["rock", "tyre"]), &found, &raster())
+    empty.adopt("first", &names(&["rock", "tyre"]), &found, &raster(), 0..usize::MAX)
 }
 
 fn edited(review: &Review, edits: &[Edit]) -> Review {
@@ -77,7 +77,6 @@ fn decisions_are_made_and_taken_back() {
 fn corrections_are_checked() {
     let id = BoxId(1);
     let review = proposed();
-    assert_eq!(review.apply(&Edit::Relabel(id, 2)), None, "no such class");
     let flat = Mark { far_m: 5.0, ..mark(Side::Port, 100, 5.0) };
     assert_eq!(review.apply(&Edit::Reshape(id, flat)), None);
     let late = mark(Side::Port, PINGS, 5.0);
@@ -86,7 +85,7 @@ fn corrections_are_checked() {
     let after = edited(
         &review,
         &[
-            Edit::Relabel(id, 1),
+            Edit::Classify(id, "tyre".into()),
             Edit::Reshape(id, over_the_edge),
             Edit::SwapSide(id),
             Edit::Note(id, "two of them".into()),
@@ -120,7 +119,7 @@ fn decisions_survive_a_change_of_model() {
     let add = Edit::Add { mark: mark(Side::Port, 500, 3.0), class: 0 };
     let edits = [
         Edit::Accept(BoxId(1)),
-        Edit::Relabel(BoxId(3), 1),
+        Edit::Classify(BoxId(3), "tyre".into()),
         add,
         Edit::Reject(id),
         Edit::Undecide(id),
@@ -136,7 +135,7 @@ fn decisions_survive_a_change_of_model() {
         // A box at the place of the added box, but on the other side: not the same object.
         detection(0, 0.4, mark(Side::Starboard, 500, 3.0)),
     ];
-    let after = review.adopt("second", &classes, &found, &raster());
+    let after = review.adopt("second", &classes, &found, &raster(), 0..usize::MAX);
     assert_eq!(after.classes(), names(&["rock", "tyre", "boat"]));
     assert_eq!(
         states(&after),
@@ -158,8 +157,8 @@ fn decisions_survive_a_change_of_model() {
     assert_eq!(after.get(BoxId(5)).unwrap().class, 2);
     assert_eq!(after.get(id).unwrap().score, None);
 
-    let none = after.adopt("third", &classes, &[], &raster());
-    assert_eq!(states(&none), states(&review.adopt("x", &[], &[], &raster())));
+    let none = after.adopt("third", &classes, &[], &raster(), 0..usize::MAX);
+    assert_eq!(states(&none), states(&review.adopt("x", &[], &[], &raster(), 0..usize::MAX)));
 }
 
 #[test]
@@ -183,11 +182,12 @@ fn adoption_is_as_comparing_all_with_all() {
         .collect();
     let (first, second) = boxes.split_at(150);
     let raster = raster();
-    let mut review = Review::new(identity(), class.clone()).adopt("a", &class, first, &raster);
+    let mut review =
+        Review::new(identity(), class.clone()).adopt("a", &class, first, &raster, 0..usize::MAX);
     for id in 1..=150 {
         review = edited(&review, &[Edit::Accept(BoxId(id))]);
     }
-    let after = review.adopt("b", &class, second, &raster);
+    let after = review.adopt("b", &class, second, &raster, 0..usize::MAX);
     let fresh = second.iter().filter(|found| {
         let rect = raster.rect_of(&found.mark);
         first.iter().all(|old| {
@@ -324,9 +324,10 @@ fn a_search_that_was_stopped_leaves_what_it_has_not_come_to() {
         &names,
         &[at(20), at(95), at(150)],
         &raster,
+        0..usize::MAX,
     );
     assert!(whole.unsearched().is_empty() && whole.coverage().is_none());
-    let part = whole.adopt_part("second", &names, &[at(60)], &raster, 0..100);
+    let part = whole.adopt("second", &names, &[at(60)], &raster, 0..100);
     let starts: Vec<usize> = part.boxes().map(|review_box| review_box.mark.pings.start).collect();
     assert_eq!(starts, [95, 150, 60], "the second saw nothing at 20");
     let searched = |review: &Review| {
@@ -339,10 +340,10 @@ fn a_search_that_was_stopped_leaves_what_it_has_not_come_to() {
 
     let only = Review::new(identity(), names.clone());
     assert!(only.unsearched().is_empty(), "nobody knows of a search");
-    let only = only.adopt_part("second", &names, &[], &raster, 0..80);
+    let only = only.adopt("second", &names, &[], &raster, 0..80);
     assert_eq!(only.unsearched(), vec![80..PINGS; 1]);
     assert_eq!(only.coverage().as_deref(), Some("pings 0 to 79 of 1000"));
-    let only = only.adopt_part("second", &names, &[], &raster, 0..120);
+    let only = only.adopt("second", &names, &[], &raster, 0..120);
     assert_eq!(searched(&only), [("second".to_owned(), 0..120)]);
     let read = Review::from_json(&only.to_json(), &identity()).expect("our own file");
     assert_eq!(read, only);
@@ -465,7 +466,7 @@ fn a_file_keeps_edges_points_names_and_refuses_those_that_make_no_sense() {
 fn labels_are_numbered_by_the_analysts_list_and_nameless_boxes_come_last() {
     let empty = Review::new(identity(), names(&[NAMELESS_CLASS]));
     let found = [detection(0, 0.6, mark(Side::Port, 100, 5.0))];
-    let review = empty.adopt("first", &names(&["rock", "tyre"]), &found, &raster());
+    let review = empty.adopt("first", &names(&["rock", "tyre"]), &found, &raster(), 0..usize::MAX);
     let list = names(&["wreck", "tyre"]);
     let (classes, places) = review.training_classes(&list);
     // A class without boxes is included only if it is in the list.
@@ -485,7 +486,7 @@ fn a_class_is_renamed_for_all_its_boxes_and_may_join_another() {
         detection(1, 0.7, mark(Side::Port, 300, 5.0)),
     ];
     let empty = Review::new(identity(), names(&[NAMELESS_CLASS]));
-    let review = empty.adopt("first", &names(&["rock", "tyre"]), &found, &raster());
+    let review = empty.adopt("first", &names(&["rock", "tyre"]), &found, &raster(), 0..usize::MAX);
     let classes = |review: &Review| -> Vec<String> {
         let class = |review_box: &Reviewed| review.class_name(review_box.class).to_owned();
         review.boxes().map(class).collect()

@@ -1,6 +1,6 @@
 //! Finds the echo and the shadow inside a box.
 
-use super::profile::{self, BackgroundLevels, RangeSteps, Runs, runs};
+use super::profile::{self, BackgroundLevels, RangeSteps, runs};
 use crate::Mark;
 use bathyscope_log::support::statistics::median;
 use bathyscope_log::survey::Survey;
@@ -321,7 +321,7 @@ impl<'a> Look<'a> {
     /// Finds the echo in the contrast of some pings, the steps of the dark run behind it, and the
     /// shadow of this run.
     fn at(&self, contrast: &[f64]) -> Option<([f64; 2], Option<DarkRun>)> {
-        let Runs { echo, shadow } = runs(contrast, (GAP_M / self.grid.step_m) as usize)?;
+        let (echo, shadow) = runs(contrast, (GAP_M / self.grid.step_m) as usize)?;
         let echo_m = [self.range_m(echo.start), self.range_m(echo.end)];
         let dark = shadow.and_then(|dark| {
             let shadow = self.shadow(contrast, echo_m[1], dark.clone())?;

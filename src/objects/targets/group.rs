@@ -41,7 +41,7 @@ pub struct Sighting<'a> {
 }
 
 /// An object, joined from its sightings.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Group {
     /// Indices of the sightings, growing.
     pub members: Vec<usize>,

@@ -4,23 +4,6 @@ use super::place::heading_sigma_rad;
 use bathyscope_log::survey::{Navigation, Side, Survey};
 use std::ops::Range;
 
-/// One pass of the boat along a place, within the range of its side-scan. If both sides see the
-/// place, under the boat, it is still one pass.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TargetPass {
-    /// Index of the ping at which the place is nearest to abeam.
-    pub ping: usize,
-    /// First ping at which the place may be abeam, given the uncertainty of the heading. In a turn
-    /// about the place, there are many such pings.
-    pub first_ping: usize,
-    /// Last ping at which the place may be abeam.
-    pub last_ping: usize,
-    /// Side of the place at [`TargetPass::ping`].
-    pub side: Side,
-    /// Distance from the track to the place, metres.
-    pub ground_m: f64,
-}
-
 /// Distance ahead or astern up to which a place is abeam of a ping, metres; half the distance
 /// between the slow pings of a fast boat.
 const ABEAM_M: f64 = 0.75;
@@ -58,7 +41,7 @@ impl PassCount {
         let seen = passes.len();
         for (index, (survey, navigation)) in logs.iter().enumerate() {
             for pass in passes_over(survey, navigation, place) {
-                let pings = (index, pass.first_ping..pass.last_ping + 1);
+                let pings = (index, pass);
                 if !(passes.iter().flatten()).any(|known| is_same_pass(known, &pings, logs)) {
                     passes.push(vec![pings]);
                 }
@@ -109,42 +92,32 @@ fn moment((log, pings): &LogPings, logs: &[PassLog<'_>]) -> Option<([f64; 2], [f
     Some(([unix_s(pings.start)?, unix_s(last)?], boat.place()))
 }
 
-/// Returns every pass in which the side-scan could insonify a place (metres in the survey's plane):
-/// the place is abeam, its side is recorded, and it is within the range.
-pub fn passes_over(survey: &Survey, navigation: &Navigation, place: [f64; 2]) -> Vec<TargetPass> {
-    let mut passes: Vec<TargetPass> = Vec::new();
-    // Least distance ahead or astern so far in the current pass.
-    let mut least_m = f64::INFINITY;
+/// Returns the pings of every pass in which the side-scan could insonify a place (metres in the
+/// survey's plane): from the first to the last ping at which the place may be abeam, given the
+/// uncertainty of the heading. In a turn about the place, there are many such pings. If both sides
+/// see the place, under the boat, it is still one pass.
+pub fn passes_over(survey: &Survey, navigation: &Navigation, place: [f64; 2]) -> Vec<Range<usize>> {
+    let mut passes: Vec<Range<usize>> = Vec::new();
     for ping in 0..navigation.pings.len() {
-        let Some((side, ground_m, along_m)) = abeam(survey, navigation, ping, place) else {
+        if !is_abeam(survey, navigation, ping, place).unwrap_or(false) {
             continue;
-        };
-        let here = TargetPass { ping, first_ping: ping, last_ping: ping, side, ground_m };
+        }
         match passes.last_mut() {
-            Some(pass) if ping - pass.last_ping <= GAP => {
-                pass.last_ping = ping;
-                if along_m < least_m {
-                    (pass.ping, pass.side) = (ping, side);
-                    (pass.ground_m, least_m) = (ground_m, along_m);
-                }
-            }
-            _ => {
-                passes.push(here);
-                least_m = along_m;
-            }
+            Some(pass) if ping - pass.end < GAP => pass.end = ping + 1,
+            _ => passes.push(ping..ping + 1),
         }
     }
     passes
 }
 
-/// Returns the side on which a place is abeam at a ping, and the distances across and along the
-/// track, metres; `None` if the place is beyond the range, or ahead or astern.
-fn abeam(
+/// Returns true if a place is abeam at a ping and within the range, false if it is ahead, astern or
+/// beyond the range; `None` if the heading is not known, or the side was not recorded.
+fn is_abeam(
     survey: &Survey,
     navigation: &Navigation,
     ping: usize,
     [east_m, north_m]: [f64; 2],
-) -> Option<(Side, f64, f64)> {
+) -> Option<bool> {
     let boat = navigation.pings.get(ping)?;
     let [x, y] = boat.starboard()?;
     let [dx, dy] = [east_m - boat.east_m, north_m - boat.north_m];
@@ -155,8 +128,7 @@ fn abeam(
     let is_in_range = slant_m < f64::from(survey.span(ping, side)?.far_m);
     let askew_m = ABEAM_SIGMAS * heading_sigma_rad(navigation, &(ping..ping + 1)) * across_m.abs();
     // With a distance of NaN, the place is not abeam.
-    let abeam = along_m < ABEAM_M.hypot(askew_m);
-    (abeam && is_in_range).then_some((side, across_m.abs(), along_m))
+    Some(along_m < ABEAM_M.hypot(askew_m) && is_in_range)
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use crate::{Mark, MeasuredShadow, ObjectExtent};
 use bathyscope_bottom::calibration::Calibration;
 use bathyscope_bottom::first_return::FirstReturns;
 use bathyscope_log::support::statistics::median;
-use bathyscope_log::survey::{AcrossTrack, Navigation, PingNav, Relief, Side, SideSpan, Survey};
+use bathyscope_log::survey::{Navigation, PingNav, Relief, Side, SideSpan, Survey};
 use std::ops::Range;
 use std::sync::OnceLock;
 
@@ -40,53 +40,41 @@ pub struct Placer<'a> {
     calibration: &'a Calibration,
     /// Factor for recorded ranges and depths.
     range_factor: f64,
-    /// Shape of the bottom across the track; `None` for a level bottom.
-    relief: Option<&'a Relief>,
+    /// Shape of the bottom across the track.
+    pub(super) relief: &'a Relief,
     /// Distance sailed up to each ping, metres. Computed for the first box, since measurements on a
     /// single ping do not need it.
     sailed_m: OnceLock<Vec<f64>>,
 }
 
 impl<'a> Placer<'a> {
-    /// Creates a placer for the boxes of a survey.
+    /// Creates a placer for the boxes of a survey. `range_factor` is a factor for all ranges and
+    /// depths: the true speed of sound over the one that the recorder assumed. The depths of
+    /// `relief` must include it.
     pub fn new(
         survey: &'a Survey,
         navigation: &'a Navigation,
         returns: &'a FirstReturns,
         calibration: &'a Calibration,
+        range_factor: f64,
+        relief: &'a Relief,
     ) -> Self {
         Self {
             survey,
             navigation,
             returns,
             calibration,
-            range_factor: 1.0,
-            relief: None,
+            range_factor,
+            relief,
             sailed_m: OnceLock::new(),
         }
     }
 
-    /// Sets a factor for all ranges and depths: the true speed of sound over the one that the
-    /// recorder assumed.
-    pub fn with_range_factor(self, range_factor: f64) -> Self {
-        Self { range_factor, ..self }
-    }
-
-    /// Sets the shape of a bottom that is not level; its depths must include the range factor.
-    pub fn with_relief(self, relief: &'a Relief) -> Self {
-        Self { relief: Some(relief), ..self }
-    }
-
-    /// Returns the position and size of a box's object; `None` if the boat has no position or
-    /// heading there, the side was not recorded, or the altitude is unknown.
-    pub fn place(&self, mark: &Mark) -> Option<Target> {
-        self.place_as(mark, ObjectExtent::Found, None, TopShape::Unknown)
-    }
-
-    /// Returns the position and size as [`Placer::place`] does, with a source of the extent (found,
-    /// set by the analyst, or a point, which has no size), a shadow that the analyst has measured,
-    /// which determines the height, and the shape of the top for the class.
-    pub fn place_as(
+    /// Returns the position and size of a box's object, with a source of the extent (found, set by
+    /// the analyst, or a point, which has no size), a shadow that the analyst has measured, which
+    /// determines the height, and the shape of the top for the class. `None` if the boat has no
+    /// position or heading there, the side was not recorded, or the altitude is unknown.
+    pub fn place(
         &self,
         mark: &Mark,
         extent: ObjectExtent,
@@ -186,27 +174,14 @@ impl<'a> Placer<'a> {
         altitude_m: f64,
         range_m: f64,
     ) -> f64 {
-        let across = self.across(side, ping);
+        let across = self.relief.across(side, ping);
         altitude_m + across.deeper_m(across.ground_m(altitude_m, range_m))
-    }
-
-    /// Returns the shape of the bottom to one side of a ping.
-    pub(super) fn across(&self, side: Side, ping: usize) -> AcrossTrack {
-        let relief = self.relief;
-        relief.map_or(AcrossTrack::LEVEL, |relief| relief.across(side, ping))
     }
 
     /// Converts a slant range in the recorder's scale to one by the current calibration, metres.
     pub(super) fn calibrated_m(&self, span: &SideSpan, recorded_m: f64) -> f64 {
         let sample = span.sample_at(recorded_m);
         self.calibration.range_m(span, sample).max(0.0) * self.range_factor
-    }
-
-    /// Returns the place at a distance across the track from the boat at a ping, metres east and
-    /// north.
-    pub(super) fn abeam(&self, side: Side, ping: usize, ground_m: f64) -> Option<[f64; 2]> {
-        let place = self.navigation.pings.get(ping)?.abeam(side, ground_m)?;
-        (place.iter().all(|metres| metres.is_finite())).then_some(place)
     }
 
     /// Returns echo and shadow of a box, as the analyst has set them or as they are found; `None`

@@ -108,16 +108,10 @@ pub(super) struct BackgroundLevels {
     pub(super) speckle: f64,
 }
 
-/// The bright run of a profile and the dark run behind it, in steps.
-pub(super) struct Runs {
-    pub(super) echo: Range<usize>,
-    pub(super) shadow: Option<Range<usize>>,
-}
-
 /// Returns the bright run and the dark run behind it, which begins at most `gap` steps later, that
-/// together explain most: a run of `n` steps with the sum `s` reduces the sum of squares by `s^2 /
-/// n`. `None` if nothing is brighter than the background.
-pub(super) fn runs(contrast: &[f64], gap: usize) -> Option<Runs> {
+/// together explain most, in steps: a run of `n` steps with the sum `s` reduces the sum of squares
+/// by `s^2 / n`. `None` if nothing is brighter than the background.
+pub(super) fn runs(contrast: &[f64], gap: usize) -> Option<(Range<usize>, Option<Range<usize>>)> {
     let count = contrast.len();
     let mut sums = vec![0.0; count + 1];
     for (step, value) in contrast.iter().enumerate() {
@@ -146,10 +140,8 @@ pub(super) fn runs(contrast: &[f64], gap: usize) -> Option<Runs> {
         }
     }
     let (_, echo, shadow) = found;
-    (!echo.is_empty()).then(|| Runs {
-        shadow: (gain(&shadow, -1.0) > 0.0 && !shadow.is_empty()).then_some(shadow),
-        echo,
-    })
+    let is_dark = gain(&shadow, -1.0) > 0.0 && !shadow.is_empty();
+    (!echo.is_empty()).then_some((echo, is_dark.then_some(shadow)))
 }
 
 /// Returns the reduction of the sum of squares by a run; 0 if the run is no brighter than the
@@ -177,9 +169,7 @@ mod tests {
         profile.extend([20.0, 26.0, 18.0, 3.0]);
         profile.extend([-15.0; 6]);
         profile.extend([0.3, -0.8, 0.1, 0.6]);
-        let found = runs(&profile, 4).expect("an echo");
-        assert_eq!(found.echo, 6..9);
-        assert_eq!(found.shadow, Some(10..16));
+        assert_eq!(runs(&profile, 4), Some((6..9, Some(10..16))));
         assert!(runs(&[-1.0, -2.0], 4).is_none());
     }
 }

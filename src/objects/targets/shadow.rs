@@ -76,8 +76,9 @@ impl Placer<'_> {
         let slant_m = self.calibrated_m(self.survey.span(ping, side)?, recorded_m);
         let near = ping.saturating_sub(ALTITUDE_PINGS)..ping + ALTITUDE_PINGS + 1;
         let altitude_m = self.altitude_over_m(side, near).unwrap_or(0.0);
-        let ground_m = self.across(side, ping).ground_m(altitude_m, slant_m);
-        self.abeam(side, ping, ground_m)
+        let ground_m = self.relief.across(side, ping).ground_m(altitude_m, slant_m);
+        let place = self.navigation.pings.get(ping)?.abeam(side, ground_m)?;
+        place.iter().all(|metres| metres.is_finite()).then_some(place)
     }
 
     /// Computes the height of the object that casts a shadow between two slant ranges of a ping,

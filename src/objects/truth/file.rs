@@ -4,19 +4,25 @@
 use super::SurveyTruth;
 use crate::dataset::KnownObject;
 use crate::labels::MOST_CLASSES;
-use crate::review::{Review, ReviewError, read_text};
+use crate::review::{LARGEST_FILE, Review, ReviewError};
 use crate::{Mark, ObjectExtent, class_index};
 use bathyscope_log::support::file_error::FileError;
+use bathyscope_log::support::regular_file;
 use bathyscope_log::survey::{Identity, Side};
 use csv::StringRecord;
+use std::io;
 use std::path::Path;
 
 /// Greatest number of sightings: more than any survey holds.
 const MOST_OBJECTS: usize = 200_000;
 
-/// Reason why a file does not describe the open survey, in a sentence without the path.
+/// Reason why a file cannot be used as the truth about the open survey, in a sentence without the
+/// path.
 #[derive(Debug, thiserror::Error)]
 pub enum TruthError {
+    /// The file could not be read from the disk.
+    #[error("cannot read the truth: {0}")]
+    NotRead(io::Error),
     /// The file is a review that cannot be read, or a review of another log.
     #[error(transparent)]
     Review(#[from] ReviewError),
@@ -41,26 +47,14 @@ pub enum TruthError {
     TooMany,
 }
 
-/// Reason why a file cannot be used as the truth about the open survey; its text ends with the
-/// path.
-#[derive(Debug, thiserror::Error)]
-pub enum TruthFileError {
-    /// The file cannot be read.
-    #[error(transparent)]
-    Unreadable(#[from] ReviewError),
-    /// The file does not describe the survey.
-    #[error(transparent)]
-    Unusable(#[from] FileError<TruthError>),
-}
-
 impl SurveyTruth {
     /// Reads the truth about the log `of` from a file.
     ///
     /// # Errors
     /// When the file cannot be read, or as [`SurveyTruth::parse`].
-    pub fn read(path: &Path, of: &Identity) -> Result<Self, TruthFileError> {
-        let text = read_text(path, "truth")?;
-        Ok(Self::parse(&text, of).map_err(FileError::at(path))?)
+    pub fn read(path: &Path, of: &Identity) -> Result<Self, FileError<TruthError>> {
+        let text = regular_file::read_text(path, LARGEST_FILE).map_err(TruthError::NotRead);
+        text.and_then(|text| Self::parse(&text, of)).map_err(FileError::at(path))
     }
 
     /// Parses the table of objects that `bathyscope simulate` writes, or the review of the log `of`

@@ -10,7 +10,7 @@
 
 mod file;
 
-pub use file::{TruthError, TruthFileError};
+pub use file::TruthError;
 
 use super::dataset::KnownObject;
 use super::metrics::{
@@ -111,14 +111,16 @@ impl RasterTruth {
 #[derive(Clone, Debug)]
 pub struct TruthComparison {
     on_raster: RasterTruth,
-    /// Class names: those of the review, then those that only the truth has.
-    classes: Vec<String>,
+    /// Class names, in the order of the confusion's indices: those of the review, then those that
+    /// only the truth has.
+    pub classes: Vec<String>,
     /// Paired boxes; the two sides are two pictures.
     matched: Matched,
     boxes: [Vec<BoxId>; 2],
-    /// Number of objects that do not count only because no search has covered their pings.
-    unsearched: usize,
-    curve: Vec<CurvePoint>,
+    /// Number of visible objects that do not count, because no search has covered their pings.
+    pub unsearched: usize,
+    /// Precision and recall for every score that occurs, by falling score.
+    pub curve: Vec<CurvePoint>,
     pixel_m: f64,
 }
 
@@ -202,28 +204,13 @@ impl TruthComparison {
             classes,
             boxes,
             unsearched,
-            pixel_m: raster.pixel_m(),
+            pixel_m: raster.pixel_m,
         }
-    }
-
-    /// Returns the class names, in the order of the confusion's indices.
-    pub fn classes(&self) -> &[String] {
-        &self.classes
-    }
-
-    /// Returns precision and recall for every score that occurs, by falling score.
-    pub fn curve(&self) -> &[CurvePoint] {
-        &self.curve
     }
 
     /// Returns the truth that boxes are compared with.
     pub fn truth(&self) -> &SurveyTruth {
         &self.on_raster.truth
-    }
-
-    /// Returns the number of visible objects that do not count, because no search has covered them.
-    pub fn unsearched(&self) -> usize {
-        self.unsearched
     }
 
     /// Returns the number of objects that count: the visible ones in searched pings.
@@ -235,7 +222,7 @@ impl TruthComparison {
     /// Returns the result of the boxes of at least a score.
     pub fn at(&self, score: f32) -> Standing {
         let AtScore { counts, confusion, false_alarms, misses, .. } = self.matched.at(score);
-        let images = self.matched.images();
+        let images = &self.matched.images;
         let size_m =
             |rect: &Rect| f64::from((rect.x1 - rect.x0).max(rect.y1 - rect.y0)) * self.pixel_m;
         let mut mistakes: Vec<Mistake> = false_alarms
@@ -332,7 +319,7 @@ mod tests {
         let found =
             [20, 60].map(|start| Detection { class: 0, score: 0.5, mark: mark(start, 3.0) });
         let review = Review::new(identity(200), names.to_vec());
-        let review = review.adopt("model", &names, &found, &raster);
+        let review = review.adopt("model", &names, &found, &raster, 0..usize::MAX);
         let review = review.apply(&Edit::Accept(BoxId(1))).expect("accepted");
         let review = review.apply(&Edit::Reject(BoxId(2))).expect("rejected");
         let drawn = Edit::Add { mark: mark(100, 4.0), class: 0 };
@@ -393,7 +380,7 @@ mod tests {
         ];
         let found = found.map(|(class, score, mark)| Detection { class, score, mark });
         let review = Review::new(identity(200), Vec::new());
-        let review = review.adopt("model", &names, &found, &raster);
+        let review = review.adopt("model", &names, &found, &raster, 0..usize::MAX);
         let review = review.apply(&Edit::Reject(BoxId(3))).expect("rejected");
         let on_raster = RasterTruth::new(&raster, Arc::new(truth));
         TruthComparison::new(&review, on_raster, &raster)
@@ -412,7 +399,7 @@ mod tests {
     #[test]
     fn the_slider_counts_what_a_full_evaluation_counts() {
         let comparison = compared();
-        assert_eq!(comparison.classes(), ["tyre", "rock", "log"]);
+        assert_eq!(comparison.classes, ["tyre", "rock", "log"]);
         for (score, found, false_alarms) in
             [(0.95, 0, 0), (0.85, 1, 0), (0.7, 1, 1), (0.5, 1, 2), (0.1, 1, 3)]
         {
@@ -421,10 +408,10 @@ mod tests {
             assert_eq!((counts.found, counts.false_alarms), (found, false_alarms), "{score}");
             assert_eq!(counts.missed(), 3 - found);
             let settings = MetricSettings { score, ..MetricSettings::darknet() };
-            let whole = evaluate(comparison.matched.images(), 3, &settings);
+            let whole = evaluate(&comparison.matched.images, 3, &settings);
             assert_eq!(standing.counts, whole.shown.counts);
             assert_eq!(standing.confusion, whole.shown.confusion);
-            assert_eq!(comparison.curve(), whole.curve);
+            assert_eq!(comparison.curve, whole.curve);
         }
     }
 

@@ -27,7 +27,7 @@ const PICTURE_WIDTH: usize = 360;
 /// Returns the undecided boxes of a review; none without a review, because then all boxes are
 /// targets.
 fn undecided<'a>(objects: &'a ReportObjects<'_>) -> impl Iterator<Item = &'a ObjectBox> {
-    let reviewed = objects.list.is_reviewed().then_some(objects.list.boxes());
+    let reviewed = objects.list.is_reviewed.then_some(objects.list.boxes.as_slice());
     let boxes = reviewed.unwrap_or_default().iter();
     boxes.filter(|object_box| object_box.one.state == State::Proposed)
 }
@@ -84,7 +84,7 @@ pub(super) fn values(
     };
     Ok(Some(context! {
         count => typeset_count(count),
-        is_reviewed => objects.list.is_reviewed(),
+        is_reviewed => objects.list.is_reviewed,
         origin => &objects.origin,
         undecided => undecided(objects).count(),
         boxes,
@@ -203,7 +203,7 @@ pub(super) fn sections(
     };
     let with_proposals = from.products.settings.report.proposals;
     let mut found: Vec<Shown<'_>> = Vec::new();
-    if objects.list.is_reviewed() || with_proposals {
+    if objects.list.is_reviewed || with_proposals {
         let targets = objects.list.targets();
         found.extend(targets.filter_map(|object| Shown::new(objects.list, object)));
     }

@@ -103,7 +103,7 @@ pub fn write_boxes(
     make_folder(folder)?;
     let objects = list_with_shapes(logs, review, progress)?;
     tables(logs, &names, &objects, folder)?;
-    let mut written = BoxesWritten { boxes: objects.0.boxes().len(), pictures: 0, negatives: 0 };
+    let mut written = BoxesWritten { boxes: objects.0.boxes.len(), pictures: 0, negatives: 0 };
     for log_boxes in &boxes {
         let (root, review) = match logs {
             [_] => (folder.join(DATASET), folder.join(REVIEW)),
@@ -173,7 +173,7 @@ impl LogBoxes<'_> {
             program: PROGRAM,
             version: env!("CARGO_PKG_VERSION"),
             survey: self.review.identity(),
-            pixel_m: self.raster.pixel_m(),
+            pixel_m: self.raster.pixel_m,
             tile_px: TILE_PX,
             classes: &classes,
             hard_negatives,
@@ -253,9 +253,9 @@ fn tables(
 ) -> Result<(), Error> {
     let (list, shapes) = shaped;
     let named = object_logs(logs, names);
-    let boxes: Vec<&ObjectBox> = list.boxes().iter().collect();
+    let boxes: Vec<&ObjectBox> = list.boxes.iter().collect();
     export::box_table(&folder.join("detections.csv"), &named, &boxes, shapes)?;
-    let objects = listed(list.objects().iter(), shaped, logs, names);
+    let objects = listed(list.objects.iter(), shaped, logs, names);
     export::object_table(&folder.join("objects.csv"), &objects)?;
     export::objects_geojson(&folder.join("objects.geojson"), &objects)?;
     let targets = listed(list.targets(), shaped, logs, names);

@@ -32,8 +32,8 @@ impl Proposed {
         let (list, _) = results.shaped_found()?;
         Ok(Self {
             boxes: results.found()?.concat(),
-            objects: list.objects().len(),
-            unplaced: list.boxes().iter().filter(|object_box| object_box.object.is_none()).count(),
+            objects: list.objects.len(),
+            unplaced: list.boxes.iter().filter(|object_box| object_box.object.is_none()).count(),
         })
     }
 }
@@ -41,13 +41,13 @@ impl Proposed {
 /// Returns the objects that a search found.
 fn objects<'a>(results: &'a Results<'_>) -> Result<Vec<ListedObject<'a>>, Error> {
     let found = results.shaped_found()?;
-    Ok(listed(found.0.objects().iter(), found, results.order.logs, &results.names))
+    Ok(listed(found.0.objects.iter(), found, results.order.logs, &results.names))
 }
 
 /// Writes `detections.csv`: a row for each box.
 pub(super) fn detections_csv(results: &Results<'_>, path: &Path) -> FileResult {
     let (list, shapes) = results.shaped_found()?;
-    let boxes: Vec<&ObjectBox> = list.boxes().iter().collect();
+    let boxes: Vec<&ObjectBox> = list.boxes.iter().collect();
     let logs = object_logs(results.order.logs, &results.names);
     let boxes = export::box_table(path, &logs, &boxes, shapes)?;
     Ok(FileContent::in_degrees(boxes))
@@ -67,7 +67,7 @@ pub(super) fn detections_gpx(results: &Results<'_>, path: &Path) -> FileResult {
 /// review.
 pub(super) fn all_objects(results: &Results<'_>, path: &Path) -> FileResult {
     let all = results.shaped_objects()?;
-    let objects = listed(all.0.objects().iter(), all, results.order.logs, &results.names);
+    let objects = listed(all.0.objects.iter(), all, results.order.logs, &results.names);
     Ok(FileContent::in_degrees(export::object_table(path, &objects)?))
 }
 
@@ -85,7 +85,7 @@ pub(super) fn chips(results: &Results<'_>, path: &Path) -> FileResult {
     let logs = results.order.logs.iter().zip(found);
     let logs = logs.map(|(log, found)| ChipLog {
         survey: &log.survey,
-        raster: Raster::new(&log.survey, &log.products.navigation, model.pixel_m()),
+        raster: Raster::new(&log.survey, &log.products.navigation, model.pixel_m),
         found,
     });
     let logs: Vec<ChipLog<'_>> = logs.collect();
@@ -149,7 +149,7 @@ pub(super) fn listed<'a>(
 
 /// Returns the boxes of targets.
 pub(super) fn target_boxes(list: &ObjectList) -> Vec<&ObjectBox> {
-    list.boxes().iter().filter(|object_box| list.is_target(object_box)).collect()
+    list.boxes.iter().filter(|object_box| list.is_target(object_box)).collect()
 }
 
 /// Returns the outline of a target in WGS84; `None` where its size is not known.

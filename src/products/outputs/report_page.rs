@@ -90,7 +90,7 @@ fn objects<'a>(results: &'a Results<'_>) -> Result<Option<ReportObjects<'a>>, Er
                 reviews.push((&results.names[index], review));
                 Some(raster(PIXEL_M))
             }
-            (None, Some(model)) => Some(raster(model.pixel_m())),
+            (None, Some(model)) => Some(raster(model.pixel_m)),
             (None, None) => None,
         });
     }

@@ -26,9 +26,8 @@ impl<'a> ObjectLocator<'a> {
     /// Creates a locator for the boxes of a survey.
     pub fn new(survey: &'a Survey, products: &'a Products) -> Self {
         let Products { navigation, returns, calibration, correction, relief, .. } = products;
-        let placer = Placer::new(survey, navigation, returns, calibration)
-            .with_range_factor(correction.range_factor())
-            .with_relief(relief);
+        let factor = correction.range_factor();
+        let placer = Placer::new(survey, navigation, returns, calibration, factor, relief);
         Self { placer, survey, correction }
     }
 
@@ -39,7 +38,7 @@ impl<'a> ObjectLocator<'a> {
     }
 
     /// Returns the place as [`ObjectLocator::place`] does, with the extent and shadow that the
-    /// analyst has drawn, and the top shape of the class: [`Placer::place_as`].
+    /// analyst has drawn, and the top shape of the class: [`Placer::place`].
     pub fn place_as(
         &self,
         mark: &Mark,
@@ -47,7 +46,7 @@ impl<'a> ObjectLocator<'a> {
         measured: Option<MeasuredShadow>,
         top: TopShape,
     ) -> Option<Target> {
-        let target = self.placer.place_as(mark, extent, measured, top)?;
+        let target = self.placer.place(mark, extent, measured, top)?;
         let middle = usize::midpoint(mark.pings.start, mark.pings.end);
         let ping = self.survey.side_scan.get(middle)?;
         Some(Target { depth_m: -self.correction.z_m(ping.time_s, target.depth_m), ..target })

@@ -163,7 +163,7 @@ fn seen_objects(list: &ObjectList, first: &Log<'_>) -> Vec<SeenObject> {
         let mut members = list.members(object);
         members.any(|object_box| object_box.one.state.is_object())
     };
-    let seen = list.objects().iter().filter(is_decided).map(|object| {
+    let seen = list.objects.iter().filter(is_decided).map(|object| {
         let targets = list.members(object).filter_map(|object_box| object_box.target.as_ref());
         let headings = targets.map(|target| target.heading_rad);
         let [east_m, north_m] = object.place_m;

@@ -167,7 +167,7 @@ impl BoxChip {
             size: vec2(width as f32, height as f32),
             share: Rect::from_min_max(share(rect.x0, rect.y0), share(rect.x1, rect.y1)),
             turned: of.turned(),
-            size_m: [width, height].map(|side| side as f64 * raster.pixel_m()),
+            size_m: [width, height].map(|side| side as f64 * raster.pixel_m),
         })
     }
 

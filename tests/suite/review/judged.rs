@@ -35,7 +35,7 @@ fn propose_with_mistakes(window: &mut Window, folder: &Path) {
     });
     found.extend(ghosts);
     let review = Review::new(identity(window), names.clone());
-    let review = review.adopt("a model", &names, &found, &raster(window));
+    let review = review.adopt("a model", &names, &found, &raster(window), 0..usize::MAX);
     let path = folder.join("demo.review.json");
     fs::write(&path, review.to_json()).expect("a file");
     app_mut(window).apply(Command::OpenFile(FileToOpen::Review(path)));
@@ -83,7 +83,8 @@ fn the_slider_runs_along_the_curve_and_every_figure_follows() {
     app_mut(&mut window).apply(edit(Edit::Accept(id)));
     window.run();
     assert_eq!(counts(&window), [fewer, ghosts, more_missed]);
-    app_mut(&mut window).apply(edit(Edit::Relabel(id, (class + 1) % 3)));
+    let other = review_of(&window).classes()[(class + 1) % 3].clone();
+    app_mut(&mut window).apply(edit(Edit::Classify(id, other)));
     window.run();
     assert_eq!(counts(&window), [fewer - 1, ghosts + 1, more_missed + 1]);
     press(&mut window, Modifiers::COMMAND, Key::Z);

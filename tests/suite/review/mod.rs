@@ -62,7 +62,7 @@ fn raster(window: &Window) -> Raster {
 /// Gives the window a model's detections by way of a review file, and returns the file.
 pub(crate) fn propose(window: &mut Window, detections: &[Detection], folder: &Path) -> PathBuf {
     let empty = Review::new(identity(window), classes());
-    let review = empty.adopt("test model", &classes(), detections, &raster(window));
+    let review = empty.adopt("test model", &classes(), detections, &raster(window), 0..usize::MAX);
     let path = folder.join("demo.review.json");
     fs::write(&path, review.to_json()).expect("a file");
     window.state_mut().app.apply(Command::OpenFile(FileToOpen::Review(path.clone())));

@@ -14,7 +14,7 @@ fn the_mosaic_with_boxes_looks_as_it_did() {
     window.run();
     let (names, found) = truth(&window);
     let review = Review::new(identity(&window), names.clone());
-    let review = review.adopt("truth of the demo", &names, &found, &raster(&window));
+    let review = review.adopt("truth of the demo", &names, &found, &raster(&window), 0..usize::MAX);
     let path = folder.path().join("demo.review.json");
     fs::write(&path, review.to_json()).expect("a file");
     let app = app_mut(&mut window);

@@ -79,7 +79,7 @@ fn boxes_come_while_the_search_runs_and_stay_when_it_is_stopped() {
     let covered = format!("covers pings 0 to {} of {}", gap.start - 1, gap.end);
     assert!(note.contains("was stopped") && note.contains(&covered), "{note}");
     let comparison = app.logs.shown.reviewing.judging.comparison().expect("the truth");
-    assert!(comparison.unsearched() > 0);
+    assert!(comparison.unsearched > 0);
     let standing = app.logs.shown.reviewing.judging.standing().expect("a standing");
     let truth = &comparison.truth().objects;
     for mistake in &standing.mistakes {
@@ -106,7 +106,7 @@ fn a_search_that_was_stopped_does_not_look_finished() {
     let first: Vec<Detection> =
         (found.into_iter()).filter(|detection| detection.mark.pings.end <= half).collect();
     let empty = Review::new(identity(&window), names.clone());
-    let part = empty.adopt_part("a model", &names, &first, &raster(&window), 0..half);
+    let part = empty.adopt("a model", &names, &first, &raster(&window), 0..half);
     let path = folder.path().join("part.review.json");
     fs::write(&path, part.to_json()).expect("a file");
     app_mut(&mut window).apply(Command::OpenFile(FileToOpen::Review(path)));
@@ -169,7 +169,7 @@ fn the_window_in_review_looks_as_it_did() {
     window.run();
     let (names, found) = truth(&window);
     let review = Review::new(identity(&window), names.clone());
-    let review = review.adopt("truth of the demo", &names, &found, &raster(&window));
+    let review = review.adopt("truth of the demo", &names, &found, &raster(&window), 0..usize::MAX);
     let path = folder.path().join("demo.review.json");
     fs::write(&path, review.to_json()).expect("a file");
     app_mut(&mut window).apply(Command::OpenFile(FileToOpen::Review(path)));

@@ -178,7 +178,7 @@ impl Placer<'_> {
         // On a bottom that slopes evenly, the geometry is that of a level bottom, moved along the
         // slope.
         let level_m = across_m(near_m, altitude_m);
-        let moved_m = self.across(mark.side, middle).ground_m(altitude_m, near_m) - level_m;
+        let moved_m = self.relief.across(mark.side, middle).ground_m(altitude_m, near_m) - level_m;
         let pings: Vec<PingLevels> = groups
             .into_iter()
             .filter_map(|pings| self.look_ping(&grid, &background, pings, moved_m))

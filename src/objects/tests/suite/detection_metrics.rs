@@ -149,7 +149,7 @@ fn counts_confusion_and_mistakes_tell_the_same_story() {
             let images = images(&case);
             let ours = evaluate(&images, case.classes, &settings).shown;
             let (confusion, counts) = (&ours.confusion, ours.counts);
-            let background = confusion.classes();
+            let background = confusion.classes;
             let diagonal: usize = (0..background).map(|class| confusion.at(class, class)).sum();
             assert_eq!(diagonal, counts.found, "{}", case.name);
             let rows: Vec<usize> = confusion.rows().map(|row| row.iter().sum()).collect();
@@ -229,6 +229,6 @@ fn a_worked_example_by_hand() {
 fn boxes_of_unknown_classes_are_left_out() {
     let ours = evaluate(&worked_example(), 1, &MetricSettings::coco()).shown;
     assert_eq!(ours.counts.truths, 2);
-    assert_eq!(ours.confusion.classes(), 1);
+    assert_eq!(ours.confusion.classes, 1);
     assert!(ours.misses.iter().all(|miss| (miss.image, miss.truth) != (0, 1)));
 }

@@ -98,7 +98,7 @@ fn every_family_is_recognised_and_finds_what_onnxruntime_finds() {
     assert_eq!(expected.len(), families.len());
     for (name, family) in families {
         let model = load(name);
-        let text = model.description();
+        let text = &model.description;
         assert!(text.starts_with(family), "{name}: {text}");
         assert_eq!(text.contains("guessed"), name != "raw_heads", "{text}");
         let found = model.detect(&picture(), SCORE, IOU).expect("boxes");
@@ -171,8 +171,8 @@ fn a_sidecar_corrects_the_guess_or_is_refused() {
     )
     .expect("a usable sidecar");
     assert_eq!(model.classes(), ["a", "b", "c"]);
-    assert_eq!((model.pixel_m(), model.score(), model.iou()), (0.1, 0.6, 0.3));
-    assert!(model.description().contains("stretched (by its JSON file)"));
+    assert_eq!((model.pixel_m, model.score, model.iou), (0.1, 0.6, 0.3));
+    assert!(model.description.contains("stretched (by its JSON file)"));
     let error_of = |text: &str| yolov8(text).expect_err("a wrong sidecar").to_string();
     assert!(error_of("{").contains("sidecar JSON file is wrong"));
     assert!(error_of(r#"{"family": "ssd"}"#).contains("unknown variant `ssd`"));
@@ -245,8 +245,8 @@ fn confidences_are_calibrated_as_the_sidecar_says() {
 fn a_mirrored_pass_sees_the_same_and_is_less_sure_than_the_surer() {
     let model = |sidecar: &str| yolov8(sidecar).expect("a model");
     let (once, twice) = (model("{}"), model(r#"{"test_time_augmentation": "mirrored"}"#));
-    assert!(!once.description().contains("test-time augmentation"));
-    assert!(twice.description().contains("test-time augmentation (mirrored)"));
+    assert!(!once.description.contains("test-time augmentation"));
+    assert!(twice.description.contains("test-time augmentation (mirrored)"));
     let scores = |model: &Model, picture: &Picture| -> Vec<f32> {
         // No box is suppressed here: of two boxes of one object with equal scores, either could be
         // kept.

@@ -6,11 +6,13 @@ use bathyscope_bottom::first_return::{
     self, BottomEdit, BottomSettings, FirstReturnSettings, FirstReturns, ImageSettings,
 };
 use bathyscope_log::support::progress::Progress;
-use bathyscope_log::survey::{HeadingSettings, Navigation, Projection, Side, Survey, navigate};
-use bathyscope_objects::Mark;
-use bathyscope_objects::targets::{
-    Group, LogPings, PassCount, Placer, Sighting as Claim, Target, group, passes_over,
+use bathyscope_log::survey::{
+    HeadingSettings, Navigation, Projection, Relief, Side, Survey, navigate,
 };
+use bathyscope_objects::targets::{
+    Group, LogPings, PassCount, Placer, Sighting as Claim, Target, TopShape, group, passes_over,
+};
+use bathyscope_objects::{Mark, ObjectExtent};
 use bathyscope_products::pipeline::{ObjectLocator, Settings};
 use bathyscope_simulation::{Bank, ObjectKind, ObjectPass, ObjectSettings, Scene, Simulated};
 
@@ -49,11 +51,13 @@ fn true_box(survey: &Survey, seen: &ObjectPass) -> Option<Mark> {
 /// Every sighting of a scene, placed: index of its object, the target, distance from the truth.
 fn placed(sailed: &Sailed) -> Vec<(usize, Target, f64)> {
     let Sailed { truth, survey, navigation, returns, calibration } = sailed;
-    let placer = Placer::new(survey, navigation, returns, calibration);
+    let level = Relief::default();
+    let placer = Placer::new(survey, navigation, returns, calibration, 1.0, &level);
+    let target_of = |mark: Mark| placer.place(&mark, ObjectExtent::Found, None, TopShape::Unknown);
     let mut all = Vec::new();
     for (index, object) in truth.objects.iter().enumerate() {
         for seen in &object.sightings {
-            let Some(target) = true_box(survey, seen).and_then(|mark| placer.place(&mark)) else {
+            let Some(target) = true_box(survey, seen).and_then(target_of) else {
                 continue;
             };
             let off_m = f64::hypot(target.east_m - object.east_m, target.north_m - object.north_m);
@@ -70,9 +74,12 @@ fn objects_lie_by_the_bottom_that_was_drawn_over_them() {
     let seen = sailed.truth.objects.iter().flat_map(|object| &object.sightings);
     let marks: Vec<Mark> = seen.filter_map(|seen| true_box(survey, seen)).collect();
     assert!(marks.len() > 3);
+    let level = Relief::default();
     let altitude_m = |returns: &FirstReturns, mark: &Mark| {
-        let placer = Placer::new(survey, &sailed.navigation, returns, &sailed.calibration);
-        placer.place(mark).map(|target| target.altitude_m)
+        let Sailed { navigation, calibration, .. } = &sailed;
+        let placer = Placer::new(survey, navigation, returns, calibration, 1.0, &level);
+        let target = placer.place(mark, ObjectExtent::Found, None, TopShape::Unknown);
+        target.map(|target| target.altitude_m)
     };
     for mark in &marks {
         let whole = [mark.pings.start, mark.pings.end - 1];
@@ -398,12 +405,9 @@ fn every_sighting_is_a_pass_over_the_place() {
             });
             for seen in whole {
                 sightings += 1;
-                // Both sides insonify what lies under the boat: one pass.
-                let passes_it = passes.iter().any(|pass| {
-                    (pass.side == seen.side || pass.ground_m < 1.0)
-                        && pass.first_ping <= seen.last_ping + 5
-                        && seen.first_ping <= pass.last_ping + 5
-                });
+                let passes_it = passes
+                    .iter()
+                    .any(|pass| pass.start <= seen.last_ping + 5 && seen.first_ping < pass.end + 5);
                 assert!(passes_it, "{seen:?} {passes:?}");
             }
             passed += passes.len();

@@ -5,10 +5,10 @@ use bathyscope_bottom::calibration::{Calibration, CalibrationSettings, calibrate
 use bathyscope_bottom::first_return::{FirstReturns, Pick};
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::{
-    Bytes, Encoding, Navigation, PingNav, SampleOrder, Side, SidePing, SideSpan, Survey,
+    Bytes, Encoding, Navigation, PingNav, Relief, SampleOrder, Side, SidePing, SideSpan, Survey,
 };
-use bathyscope_objects::targets::{Placer, Target};
-use bathyscope_objects::{Mark, Raster};
+use bathyscope_objects::targets::{Placer, Target, TopShape};
+use bathyscope_objects::{Mark, ObjectExtent, Raster};
 use bathyscope_products::export;
 use std::sync::Arc;
 
@@ -69,8 +69,9 @@ fn place(survey: &Survey, navigation: &Navigation, mark: &Mark) -> Target {
     let (settings, progress) = (CalibrationSettings::default(), Progress::new());
     let calibration: Calibration =
         calibrate(survey, navigation, &returns, &[], &settings, &progress).expect("not cancelled");
-    let placer = Placer::new(survey, navigation, &returns, &calibration);
-    placer.place(mark).expect("a place")
+    let level = Relief::default();
+    let placer = Placer::new(survey, navigation, &returns, &calibration, 1.0, &level);
+    placer.place(mark, ObjectExtent::Found, None, TopShape::Unknown).expect("a place")
 }
 
 fn drawn(near_m: f64, far_m: f64) -> Mark {

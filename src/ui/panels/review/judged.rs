@@ -22,8 +22,8 @@ pub(super) fn at_slider(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let (Some(comparison), Some(standing)) = (judging.comparison(), judging.standing()) else {
         return;
     };
-    if comparison.unsearched() > 0 {
-        let others = text::plural(comparison.unsearched(), "object", "objects");
+    if comparison.unsearched > 0 {
+        let others = text::plural(comparison.unsearched, "object", "objects");
         let text = format!(
             "The figures count the searched part; {others} of the known objects lie elsewhere."
         );
@@ -40,7 +40,7 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         return;
     };
     section(ui, context, Section::new("Mistakes"), |ui, context| {
-        let unsearched = comparison.unsearched();
+        let unsearched = comparison.unsearched;
         let counted = comparison.counted();
         let all = comparison.truth().objects.len() - unsearched;
         let source = judging.source().unwrap_or_default();
@@ -186,7 +186,7 @@ fn curve(
         let picked = response
             .interact_pointer_pos()
             .filter(|_| response.clicked())
-            .and_then(|at| nearest(&plot, comparison.curve(), at));
+            .and_then(|at| nearest(&plot, &comparison.curve, at));
         if let Some(point) = picked {
             let mut queue = context.app.logs.shown.reviewing.queue.clone();
             queue.threshold = point.score;
@@ -269,7 +269,7 @@ fn draw_curve(
 ) {
     plot.draw(painter, theme::plot_ink(options));
     let accent = theme::accent_colour(options.theme);
-    let points: Vec<Pos2> = (comparison.curve().iter())
+    let points: Vec<Pos2> = (comparison.curve.iter())
         .filter(|point| point.recall.is_finite())
         .map(|point| plot.at(point.recall, point.precision))
         .collect();
@@ -311,7 +311,7 @@ struct MatrixGrid<'a> {
 impl<'a> MatrixGrid<'a> {
     fn new(comparison: &'a TruthComparison, standing: &'a Standing) -> Self {
         let confusion = &standing.confusion;
-        let background = confusion.classes();
+        let background = confusion.classes;
         let all = 0..=background;
         let is_used = |class: &usize| {
             let sum = |count: usize, other: usize| {
@@ -321,7 +321,7 @@ impl<'a> MatrixGrid<'a> {
         };
         Self {
             confusion,
-            names: comparison.classes(),
+            names: &comparison.classes,
             shown: (0..=background).filter(is_used).collect(),
         }
     }
@@ -333,7 +333,7 @@ impl<'a> MatrixGrid<'a> {
     /// Describes a cell in words.
     fn describe_cell(&self, truth: usize, predicted: usize) -> String {
         let count = self.confusion.at(truth, predicted);
-        let background = self.confusion.classes();
+        let background = self.confusion.classes;
         let (is, proposed) = (self.name(truth), self.name(predicted));
         match (truth == background, predicted == background) {
             (true, _) => {

@@ -39,7 +39,7 @@ fn searched(survey: &Survey) -> (Vec<String>, Raster, Vec<Detection>) {
     let model = shipped().expect("a model that loads");
     let settings = DetectorSettings::default();
     let found = find(survey, &navigation, &model, &settings, &progress, |_| ()).expect("a search");
-    let raster = Raster::new(survey, &navigation, model.pixel_m());
+    let raster = Raster::new(survey, &navigation, model.pixel_m);
     (model.names().to_vec(), raster, found)
 }
 
