@@ -9,9 +9,9 @@ use super::mounting::with_sides;
 use super::opening::OpenMode;
 use super::project::is_project;
 use super::{
-    Action, App, Command, FileToOpen, FileToWrite, FoundPositions, LayoutPreset, LogId, LogOrigin,
-    LogPlace, MapLayer, Orientation, Reveal, SideColours, ThemeChoice, Tool, View, ViewOptions,
-    WindowAction,
+    Action, App, Command, Enlarged, FileToOpen, FileToWrite, FoundPositions, LayoutPreset, LogId,
+    LogOrigin, LogPlace, MapLayer, Orientation, Reveal, SideColours, ThemeChoice, Tool, View,
+    ViewOptions, WindowAction,
 };
 use bathyscope_bottom::mosaic::Gain;
 use bathyscope_bottom::presentation::units::{LengthUnit, SpeedUnit};
@@ -149,7 +149,7 @@ impl App {
             }
             Command::SelectBox(id) => self.select_box(id),
             Command::SelectLogBox(id) => self.select_log_box(id),
-            Command::FlyTo(id) => self.fly_to(id),
+            Command::FlyTo(id) => self.show_box(id, Enlarged::Third),
             Command::Nudge(nudge) => self.nudge_box(nudge),
             Command::Exclude { log, part, edit } => self.exclude(log, part, edit),
             Command::AcceptBottom { side, pings, accept } => {

@@ -3,7 +3,7 @@
 
 use super::{BoxEdge, Reviewing, Tool, border_m, middle};
 use crate::app::history::{LogStep, UndoStep};
-use crate::app::{App, LogBox, LogId, Orientation};
+use crate::app::{App, Enlarged, LogBox, LogId, Orientation};
 use bathyscope_log::survey::Side;
 use bathyscope_objects::review::{BoxId, Edit, Review};
 use bathyscope_objects::{Mark, ObjectExtent};
@@ -55,7 +55,7 @@ impl App {
             changed_box = changed_box.or(changed);
         }
         if let Some(changed) = changed_box {
-            self.bring_in(changed);
+            self.show_box(changed, Enlarged::AsItIs);
         }
         self.settle_plane();
         self.keep_decision(label);
