@@ -30,12 +30,16 @@ use std::time::SystemTime;
 /// Name of the undo step that takes decisions from an untitled project.
 const TAKEN: &str = "last decisions about the log";
 
-/// A log with the decisions about it when it was last open.
-pub(super) enum FoundDecisions {
+/// Contents of a path that was opened.
+pub(super) enum OpenedPath {
+    /// A log, with the decisions about it when it was last open.
+    Log(Box<Survey>, ReadDecisions),
     /// The untitled project of exactly the requested logs, which are opened with it.
     Project(Box<OpenedLogs>),
-    /// The log and the decisions about it.
-    Log(Box<Survey>, ReadDecisions),
+    /// A folder of several logs.
+    Folder(Vec<PathBuf>),
+    /// The name of a recording that is already open.
+    Known(String),
 }
 
 /// Decisions about a log from when it was last open.
@@ -71,13 +75,13 @@ pub(super) fn find_decisions(
     mut survey: Survey,
     others: Option<&[PathBuf]>,
     progress: &Progress,
-) -> Result<FoundDecisions, AppError> {
+) -> Result<OpenedPath, AppError> {
     let found = find_untitled(folder, &survey, others.unwrap_or_default(), progress)?;
     let Some(found) = found else {
-        return Ok(FoundDecisions::Log(Box::new(survey), ReadDecisions::None));
+        return Ok(OpenedPath::Log(Box::new(survey), ReadDecisions::None));
     };
     if let Some(named) = found.named() {
-        return Ok(FoundDecisions::Log(Box::new(survey), ReadDecisions::Named(named.clone())));
+        return Ok(OpenedPath::Log(Box::new(survey), ReadDecisions::Named(named.clone())));
     }
     let UntitledProject { path, mut project, log, changed_at, is_whole } = found;
     let note = newer_review(&log, &survey, changed_at);
@@ -91,7 +95,7 @@ pub(super) fn find_decisions(
             opened.notes.extend(note);
             // The named project does not exist any more.
             opened.opened.project.files.remove(NAMED);
-            return Ok(FoundDecisions::Project(Box::new(opened)));
+            return Ok(OpenedPath::Project(Box::new(opened)));
         }
         progress.check()?;
         survey = known.ok_or(AppError::OtherLog)?.survey;
@@ -110,7 +114,7 @@ pub(super) fn find_decisions(
     });
     let settings = settings.map_err(AppError::from);
     let decisions = LogDecisions { log, shared: project.settings, settings, notes };
-    Ok(FoundDecisions::Log(Box::new(survey), ReadDecisions::Untitled(Box::new(decisions))))
+    Ok(OpenedPath::Log(Box::new(survey), ReadDecisions::Untitled(Box::new(decisions))))
 }
 
 /// Returns a notice about a review beside a log that was written after the decisions in a project
